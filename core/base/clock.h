@@ -1,0 +1,12 @@
+/* base/clock.h - the monotonic clock that stamps samples and measures frames. Any thread. */
+#ifndef MAROTTE_BASE_CLOCK_H
+#define MAROTTE_BASE_CLOCK_H
+#include <stdint.h>
+
+#define NS_PER_S  1000000000LL
+#define NS_PER_MS 1000000LL
+
+int64_t clock_now_ns(void);
+void clock_sleep_until_ns(int64_t time_ns);
+
+#endif

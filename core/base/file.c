@@ -1,0 +1,192 @@
+#include "base/file.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err)
+{
+    *out = (file_bytes){0};
+    mrt_result result = MRT_ERR_IO;
+    struct stat status;
+    /* O_NONBLOCK: opening a FIFO must not hang. */
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
+    if (fstat(fd, &status) != 0) {
+        error_set(err, result, "%s: %s", path, strerror(errno));
+        goto fail;
+    }
+    if (S_ISDIR(status.st_mode)) {
+        error_set(err, result, "%s: is a directory, a file was expected", path);
+        goto fail;
+    }
+    if (!S_ISREG(status.st_mode)) {
+        error_set(err, result, "%s: is not a regular file", path);
+        goto fail;
+    }
+    if (status.st_size == 0) {
+        result = error_set(err, MRT_ERR_FORMAT, "%s: the file is empty", path);
+        goto fail;
+    }
+    if ((uintmax_t)status.st_size > size_cap) {
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "%s: %jd bytes, at most %zu are accepted",
+                           path, (intmax_t)status.st_size, size_cap);
+        goto fail;
+    }
+    out->data = malloc((size_t)status.st_size + 1);
+    if (!out->data) {
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory for %jd bytes", path,
+                           (intmax_t)status.st_size);
+        goto fail;
+    }
+    while (out->size < (size_t)status.st_size) {
+        ssize_t got = read(fd, out->data + out->size, (size_t)status.st_size - out->size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0) {
+            error_set(err, result, "%s: %s", path, strerror(errno));
+            goto fail;
+        }
+        if (got == 0)
+            break; /* it shrank meanwhile: what is there counts */
+        out->size += (size_t)got;
+    }
+    if (out->size == 0) {
+        result = error_set(err, MRT_ERR_FORMAT, "%s: the file is empty", path);
+        goto fail;
+    }
+    out->data[out->size] = 0;
+    close(fd);
+    return MRT_OK;
+fail:
+    close(fd);
+    file_bytes_finish(out);
+    return result;
+}
+
+void file_bytes_finish(file_bytes *bytes)
+{
+    if (!bytes)
+        return;
+    free(bytes->data);
+    *bytes = (file_bytes){0};
+}
+
+mrt_result file_writer_open(file_writer *out, const char *path, error *err)
+{
+    static const char suffix[] = ".XXXXXX.tmp";
+    *out = (file_writer){0};
+    mrt_result result = MRT_ERR_IO;
+    int fd = -1;
+    size_t length = strlen(path);
+    struct stat status;
+    if (length == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "cannot write: the path is empty");
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is a directory, cannot write a file there", path);
+    out->path = strdup(path);
+    out->temporary_path = malloc(length + sizeof suffix);
+    if (!out->path || !out->temporary_path) {
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+        goto fail;
+    }
+    memcpy(out->temporary_path, path, length);
+    memcpy(out->temporary_path + length, suffix, sizeof suffix);
+    fd = mkstemps(out->temporary_path, 4);
+    if (fd < 0) {
+        error_set(err, result, "%s: cannot write: %s", path, strerror(errno));
+        free(out->temporary_path);
+        out->temporary_path = NULL;
+        goto fail;
+    }
+    mode_t mask = umask(0);
+    umask(mask);
+    (void)fchmod(fd, 0666 & ~mask);
+    out->stream = fdopen(fd, "wb");
+    if (!out->stream) {
+        error_set(err, result, "%s: cannot write: %s", path, strerror(errno));
+        close(fd);
+        goto fail;
+    }
+    return MRT_OK;
+fail:
+    file_writer_abandon(out);
+    return result;
+}
+
+mrt_result file_writer_commit(file_writer *writer, error *err)
+{
+    FILE *stream = writer->stream;
+    int failed = ferror(stream) | fflush(stream);
+    int reason = errno;
+    if (!failed && fsync(fileno(stream)) != 0 && errno != EINVAL && errno != EROFS) {
+        failed = 1;
+        reason = errno;
+    }
+    writer->stream = NULL;
+    if (fclose(stream) != 0 && !failed) {
+        failed = 1;
+        reason = errno;
+    }
+    if (!failed && rename(writer->temporary_path, writer->path) != 0) {
+        failed = 1;
+        reason = errno;
+    }
+    mrt_result result = MRT_OK;
+    if (failed) {
+        result = error_set(err, MRT_ERR_IO, "%s: cannot write: %s", writer->path,
+                           reason ? strerror(reason) : "write error");
+    } else {
+        free(writer->temporary_path);
+        writer->temporary_path = NULL;
+    }
+    file_writer_abandon(writer);
+    return result;
+}
+
+void file_writer_abandon(file_writer *writer)
+{
+    if (!writer)
+        return;
+    if (writer->stream)
+        (void)fclose(writer->stream);
+    if (writer->temporary_path)
+        (void)unlink(writer->temporary_path);
+    free(writer->temporary_path);
+    free(writer->path);
+    *writer = (file_writer){0};
+}
+
+mrt_result file_write(const char *path, const void *data, size_t size, error *err)
+{
+    file_writer writer;
+    mrt_result result = file_writer_open(&writer, path, err);
+    if (result < 0)
+        return result;
+    (void)fwrite(data, 1, size, writer.stream); /* a short write is found by commit */
+    return file_writer_commit(&writer, err);
+}
+
+char *file_directory(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
+}
+
+file_extension file_extension_of(const char *path)
+{
+    file_extension out = {""};
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    if (!dot || dot == name || strlen(dot + 1) >= sizeof out.text)
+        return out;
+    for (size_t i = 0; dot[1 + i]; ++i)
+        out.text[i] = (char)tolower((unsigned char)dot[1 + i]);
+    return out;
+}

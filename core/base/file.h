@@ -1,0 +1,44 @@
+/* base/file.h - whole files in, and files out that are either complete or absent.
+ * Reading refuses directories, devices and files over a cap with a message that names the file.
+ * Writing goes to a temporary file beside the target, which is synced and renamed at the end:
+ * a failure or a crash leaves what was there before. [main], or any thread that may block. */
+#ifndef MAROTTE_BASE_FILE_H
+#define MAROTTE_BASE_FILE_H
+#include "base/error.h"
+
+#include <stdio.h>
+
+typedef struct file_bytes {
+    unsigned char *data; /* size bytes, then one 0 byte that is not counted; owned */
+    size_t size;
+} file_bytes;
+
+/* Reads a regular file of 1..size_cap bytes; an empty file is an error. */
+CHECKED mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err);
+void file_bytes_finish(file_bytes *bytes);
+
+typedef struct file_writer {
+    FILE *stream; /* write here; errors are found by file_writer_commit */
+    char *path, *temporary_path;
+} file_writer;
+
+/* On failure nothing is left behind and `out` is zeroed. */
+CHECKED mrt_result file_writer_open(file_writer *out, const char *path, error *err);
+/* Flushes, syncs, renames. Whatever it returns, the writer is finished. */
+CHECKED mrt_result file_writer_commit(file_writer *writer, error *err);
+/* Removes the temporary file; accepts a zeroed or finished writer. */
+void file_writer_abandon(file_writer *writer);
+
+/* Writes `size` bytes as a whole file, by the above. */
+CHECKED mrt_result file_write(const char *path, const void *data, size_t size, error *err);
+
+/* Directory part of path with its final '/', or "" : a copy for the caller to free; NULL: no
+ * memory. */
+char *file_directory(const char *path);
+/* The extension in lower case without its dot ("glb"), "" if there is none; at most 15 letters. */
+typedef struct file_extension {
+    char text[16];
+} file_extension;
+file_extension file_extension_of(const char *path);
+
+#endif

@@ -1,0 +1,93 @@
+#include "base/rigid.h"
+
+#include <math.h>
+
+vec3 vec3_cross(vec3 a, vec3 b)
+{
+    return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+double vec3_length(vec3 a)
+{
+    return sqrt(vec3_dot(a, a));
+}
+
+vec3 vec3_normalised(vec3 a, vec3 fallback)
+{
+    double length = vec3_length(a);
+    return length > 1e-300 ? vec3_scale(a, 1.0 / length) : fallback;
+}
+
+rigid rigid_identity(void)
+{
+    return (rigid){.r = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+vec3 rigid_rotate(const rigid *m, vec3 a)
+{
+    return (vec3){m->r[0][0] * a.x + m->r[0][1] * a.y + m->r[0][2] * a.z,
+                  m->r[1][0] * a.x + m->r[1][1] * a.y + m->r[1][2] * a.z,
+                  m->r[2][0] * a.x + m->r[2][1] * a.y + m->r[2][2] * a.z};
+}
+
+vec3 rigid_apply(const rigid *m, vec3 a)
+{
+    return vec3_add(rigid_rotate(m, a), m->t);
+}
+
+rigid rigid_compose(const rigid *a, const rigid *b)
+{
+    rigid out;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] =
+                a->r[i][0] * b->r[0][j] + a->r[i][1] * b->r[1][j] + a->r[i][2] * b->r[2][j];
+    out.t = rigid_apply(a, b->t);
+    return out;
+}
+
+rigid rigid_inverse(const rigid *m)
+{
+    rigid out;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] = m->r[j][i];
+    out.t = vec3_scale(rigid_rotate(&out, m->t), -1.0);
+    return out;
+}
+
+rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
+{
+    double s = sin(angle_rad);
+    double half = sin(0.5 * angle_rad);
+    double c1 = 2.0 * half * half; /* 1 - cos, exact for small angles */
+    double u[3] = {axis.x, axis.y, axis.z};
+    rigid out = rigid_identity();
+    double k[3][3] = {{0, -u[2], u[1]}, {u[2], 0, -u[0]}, {-u[1], u[0], 0}};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] += s * k[i][j] + c1 * (u[i] * u[j] - (i == j ? 1.0 : 0.0));
+    out.t = vec3_sub(point, rigid_rotate(&out, point));
+    return out;
+}
+
+rigid rigid_from_quaternion(const double xyzw[4], vec3 t)
+{
+    double x = xyzw[0], y = xyzw[1], z = xyzw[2], w = xyzw[3];
+    double n = x * x + y * y + z * z + w * w;
+    rigid out = rigid_identity();
+    out.t = t;
+    if (!(n > 1e-30))
+        return out;
+    double s = 2.0 / n;
+    out.r[0][0] = 1 - s * (y * y + z * z);
+    out.r[0][1] = s * (x * y - z * w);
+    out.r[0][2] = s * (x * z + y * w);
+    out.r[1][0] = s * (x * y + z * w);
+    out.r[1][1] = 1 - s * (x * x + z * z);
+    out.r[1][2] = s * (y * z - x * w);
+    out.r[2][0] = s * (x * z - y * w);
+    out.r[2][1] = s * (y * z + x * w);
+    out.r[2][2] = 1 - s * (x * x + y * y);
+    return out;
+}

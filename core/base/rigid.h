@@ -1,0 +1,52 @@
+/* base/rigid.h - small vectors and rigid motions in double precision. Right-handed; a rigid motion
+ * maps x to R x + t. Only +, -, *, / and sqrt are used after construction: same bits everywhere.
+ * Pure functions; any thread. */
+#ifndef MAROTTE_BASE_RIGID_H
+#define MAROTTE_BASE_RIGID_H
+
+typedef struct vec3 {
+    double x, y, z;
+} vec3;
+
+typedef struct rigid {
+    double r[3][3]; /* rows of an orthonormal matrix, determinant 1 */
+    vec3 t;
+} rigid;
+
+static inline vec3 vec3_add(vec3 a, vec3 b)
+{
+    return (vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline vec3 vec3_sub(vec3 a, vec3 b)
+{
+    return (vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline vec3 vec3_scale(vec3 a, double s)
+{
+    return (vec3){a.x * s, a.y * s, a.z * s};
+}
+
+static inline double vec3_dot(vec3 a, vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+vec3 vec3_cross(vec3 a, vec3 b);
+double vec3_length(vec3 a);
+/* `fallback` when a is shorter than 1e-300. */
+vec3 vec3_normalised(vec3 a, vec3 fallback);
+
+rigid rigid_identity(void);
+vec3 rigid_rotate(const rigid *m, vec3 a);
+vec3 rigid_apply(const rigid *m, vec3 a);
+/* First b, then a. */
+rigid rigid_compose(const rigid *a, const rigid *b);
+rigid rigid_inverse(const rigid *m);
+/* Right-handed turn by angle_rad about the unit direction `axis` through `point` (Rodrigues). */
+rigid rigid_turn(vec3 point, vec3 axis, double angle_rad);
+/* From a quaternion x, y, z, w of any non-zero length (identity otherwise) and a translation. */
+rigid rigid_from_quaternion(const double xyzw[4], vec3 t);
+
+#endif

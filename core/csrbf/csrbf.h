@@ -1,0 +1,84 @@
+/* csrbf/csrbf.h - the deformation engine: displacement fields of compactly supported radial basis
+ * functions, d(x) = sum_i alpha_i phi(|x - c_i| / R) + p(x) with d(c_i) = g_i.
+ * Formulas: research on the method, Wendland 1995 (kernels), Kojekine/Savchenko 2002 (the solve).
+ * Settings and solver; what is done with a field over time is in shape.h.
+ * Solve in float64, centres in canonical (Morton) order: results do not depend on the order of the
+ * controls, and have the same bits on every build. Pure but for the solver's own memory;
+ * [frame] everything except create/destroy. */
+#ifndef MAROTTE_CSRBF_CSRBF_H
+#define MAROTTE_CSRBF_CSRBF_H
+#include "csrbf/points.h"
+
+typedef enum csrbf_kernel {
+    CSRBF_WENDLAND_C2 = 0,
+    CSRBF_WENDLAND_C0,
+    CSRBF_WENDLAND_C4,
+    CSRBF_WENDLAND_C6
+} csrbf_kernel;
+
+typedef enum csrbf_polynomial {
+    CSRBF_NONE = 0, /* exact locality */
+    CSRBF_CONSTANT, /* global */
+    CSRBF_LINEAR,   /* global: the paper's equations (1) to (3) */
+    CSRBF_WINDOWED  /* linear inside the union of supports, faded by 1 - prod(1 - phi_i) */
+} csrbf_polynomial;
+
+typedef struct csrbf_settings {
+    csrbf_kernel kernel;
+    csrbf_polynomial polynomial;
+    double radius; /* > 0, finite; one for all centres */
+    double ridge; /* >= 0; added to the diagonal: interpolation becomes approximate; 0 by default */
+} csrbf_settings;
+
+/* "wendland_c2" ..., "none" ...; false: unknown word. */
+bool csrbf_kernel_named(const char *name, csrbf_kernel *out);
+bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out);
+
+/* When centres coincide (closer than 1e-3 R), only those of the highest class present count. */
+typedef enum csrbf_class { CSRBF_TIP = 0, CSRBF_JAW, CSRBF_SKULL } csrbf_class;
+
+typedef struct csrbf_solver csrbf_solver;
+
+/* Room for `centre_capacity` centres, and for `control_capacity` right-hand sides at a time. */
+csrbf_solver *csrbf_solver_create(uint32_t centre_capacity); /* NULL: no memory */
+void csrbf_solver_destroy(csrbf_solver *solver);
+
+/* Sorts, merges and factors the centres. centre: count by 3; class: count, or NULL: all tips.
+ * Errors (non-finite, radius <= 0, too many, not positive definite) leave the last factorisation.
+ * count 0 is a field that is zero everywhere. */
+CHECKED mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings,
+                                const double *centre, const csrbf_class *class, uint32_t count,
+                                error *err);
+/* Solves for displacements g (count by 3, in the caller's order, as given to csrbf_factor); the
+ * solver then holds the field. Non-finite g is an error and leaves the last field. */
+CHECKED mrt_result csrbf_solve(csrbf_solver *solver, const double *g, error *err);
+
+typedef struct csrbf_diagnostics {
+    uint32_t centre_count;     /* after merging */
+    uint32_t polynomial_terms; /* 0, 1, ... 4 */
+    uint32_t envelope_count;   /* entries stored for the factor */
+    double alpha_sum;          /* sum of |alpha_i| */
+    double slope_bound; /* upper bound of the norm of grad d (theory: B2): < 1 means no fold */
+    bool merged_apart;  /* merged centres had displacements further apart than 1e-3 R */
+} csrbf_diagnostics;
+csrbf_diagnostics csrbf_diagnose(const csrbf_solver *solver);
+
+/* x (count by 3) += d(x), in float64, by direct evaluation. */
+void csrbf_move_f64(const csrbf_solver *solver, double *x, uint32_t count);
+/* out = in + d(in), in float32, by direct evaluation over blocks; vertices out of every support
+ * keep their bits. out may be in. */
+void csrbf_move(const csrbf_solver *solver, points *out, const points *in);
+
+/* Unit responses (theory section 6): d(x) = sum_k B_k(x) g_k for the factored centres. Row k of
+ * out_response (stride floats apart, >= in->padded_count) holds B_k at the vertices of `in`, in
+ * the order of the controls given to csrbf_factor (merged controls share their mean's response).
+ * Computed in float64, stored as float32. */
+void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,
+                     const points *in);
+
+/* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. */
+double csrbf_min_determinant(const csrbf_solver *solver, const points *at);
+/* Largest norm of grad d over the vertices. */
+double csrbf_max_slope(const csrbf_solver *solver, const points *at);
+
+#endif

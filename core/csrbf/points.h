@@ -1,0 +1,45 @@
+/* csrbf/points.h - the vertices that the engine deforms: structure of arrays, 64-byte aligned,
+ * padded to blocks of 64 vertices, in Morton order so that a block is small in space and can be
+ * skipped by its bounds. The three streams are staggered so that they never collide in a cache set.
+ * Slots beyond `count` repeat the last vertex. [frame] all but create/destroy: no allocation. */
+#ifndef MAROTTE_CSRBF_POINTS_H
+#define MAROTTE_CSRBF_POINTS_H
+#include "base/error.h"
+
+enum { POINTS_BLOCK = 64 };
+
+typedef struct points_bounds {
+    float low[3], high[3];
+} points_bounds;
+
+typedef struct points {
+    float *x, *y, *z;     /* padded_count each */
+    points_bounds *block; /* block_count; points_update_bounds keeps them */
+    uint32_t count, padded_count, block_count;
+} points;
+
+/* Where each vertex of a file is in the engine's order, and back. */
+typedef struct points_order {
+    uint32_t *file_of_slot; /* count */
+    uint32_t *slot_of_file; /* count */
+    uint32_t count;
+} points_order;
+
+/* Morton order of the rows of xyz (count by 3), ties by x, y, z, then row: the same for the same
+ * set of points. */
+CHECKED mrt_result points_order_create(points_order *out, const float *xyz, uint32_t count,
+                                       error *err);
+void points_order_destroy(points_order *order);
+
+/* Takes the rows of xyz in the given order. */
+CHECKED mrt_result points_create(points *out, const points_order *order, const float *xyz,
+                                 error *err);
+void points_destroy(points *p);
+
+/* Same count required. */
+void points_copy(points *out, const points *from);
+/* Writes the vertices back as rows (count by 3) in the file's order. */
+void points_to_rows(float *out_xyz, const points *p, const points_order *order);
+void points_update_bounds(points *p);
+
+#endif

@@ -1,0 +1,66 @@
+/* csrbf/shape.h - a shape that is performed: rest, base and shown vertices, and the two ways of the
+ * paper to move them.
+ * Anchored: starts are fixed at engage; a frame is shown = base + sum_k B_k (e_k - s_k), never from
+ * the frame before. Commit makes the shape shown the base.
+ * Unanchored: every sample moves the shown shape from the previous tips to the new ones, in as many
+ * substeps as keep the map from folding. Path-dependent: every sample counts.
+ * Vertices are in the engine's order (points.h), mm. [frame] all but create/destroy: no
+ * allocation; same input, same bits. */
+#ifndef MAROTTE_CSRBF_SHAPE_H
+#define MAROTTE_CSRBF_SHAPE_H
+#include "csrbf/csrbf.h"
+
+typedef struct shape {
+    points_order order;
+    points rest;  /* as in the file; never changes */
+    points base;  /* anchored frames start from it */
+    points shown; /* the result */
+    csrbf_solver *solver;
+    float *response; /* control_capacity rows of response_stride: B_k at base */
+    size_t response_stride;
+    double *start;                            /* control_count by 3: starts of the engagement */
+    uint32_t control_capacity, control_count; /* control_count > 0: engaged */
+    csrbf_settings settings;                  /* of the engagement */
+} shape;
+
+CHECKED mrt_result shape_create(shape *out, const float *xyz, uint32_t vertex_count,
+                                uint32_t control_capacity, error *err);
+void shape_destroy(shape *s);
+
+/* True when some of the points (count by 3) is closer than radius to a vertex of `p`. Uses the
+ * block bounds of `p`. */
+bool shape_is_near(const points *p, const double *point, uint32_t count, double radius);
+
+/* Base := shown; starts := start (count by 3); factors and computes the responses. The shape shown
+ * does not change. On error nothing has changed. */
+CHECKED mrt_result shape_engage(shape *s, const csrbf_settings *settings, const double *start,
+                                uint32_t count, error *err);
+/* shown := base + B (displacement, control_count by 3). Non-finite: error, shown is kept. */
+CHECKED mrt_result shape_pull(shape *s, const double *displacement, error *err);
+/* Base := shown; the engagement ends. */
+void shape_commit(shape *s);
+/* shown := base := rest; the engagement ends. */
+void shape_reset(shape *s);
+
+typedef struct shape_step {
+    uint32_t substeps;      /* 0: nothing moved */
+    double min_determinant; /* over all vertices and substeps; 1 when nothing moved */
+    bool limited; /* the cap of substeps was reached: the tips moved less far than asked */
+} shape_step;
+
+/* One unanchored sample: moves shown along from -> to (count by 3 each). `out_reached` (count by 3,
+ * may be NULL): where the tips are now (== to unless limited). */
+CHECKED mrt_result shape_drag(shape *s, const csrbf_settings *settings, const double *from,
+                              const double *to, uint32_t count, double *out_reached,
+                              shape_step *out_step, error *err);
+/* shown := shown + (1 - 1 / (1 + rate_per_s dt_s)) (rest - shown): eases back to rest. */
+void shape_leak(shape *s, double rate_per_s, double dt_s);
+
+/* Smallest determinant of the anchored pull that is shown, over the vertices of base; the exact
+ * meter, not for every frame. The cheap bound is in csrbf_diagnose after shape_pull. */
+double shape_min_determinant(const shape *s, const double *displacement);
+/* Upper bound of the norm of grad d for these displacements (theory B2), without touching a vertex:
+ * < 1 means that nothing folds. */
+double shape_slope_bound(const shape *s, const double *displacement);
+
+#endif

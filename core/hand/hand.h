@@ -1,0 +1,45 @@
+/* hand/hand.h - from what a glove measures to where the fingertips are: calibrate (raw -> rad),
+ * filter (filter.h), pose (rad -> mm by forward kinematics).
+ * Angles are in the sensor order of plugin.h (MRT_CH_ANGLE), rad:
+ *   flexion positive towards the palm; abduction positive = fingers spread; thumb roll positive =
+ *   across the palm; wrist pitch positive = flexion (palm side), wrist yaw positive = radial side.
+ * The hand frame of plugin.h: origin wrist, +z along the fingers, +y out of the back of the hand,
+ * so the right thumb is at +x and the left one at -x. [frame] everything but load: no allocation.
+ */
+#ifndef MAROTTE_HAND_HAND_H
+#define MAROTTE_HAND_HAND_H
+#include "base/error.h"
+#include "base/rigid.h"
+
+/* Piecewise-linear table per sensor, extended by its end slopes. */
+enum { HAND_TABLE_MAX = 8 };
+typedef struct hand_table {
+    uint32_t count;                                 /* 0: raw is already rad */
+    float raw[HAND_TABLE_MAX], rad[HAND_TABLE_MAX]; /* raw strictly ascending */
+} hand_table;
+
+typedef struct hand_calibration {
+    hand_table sensor[MRT_ANGLES];
+    bool has_distal[4]; /* false: the distal joint (index..little) is estimated from the middle one
+                         */
+} hand_calibration;
+
+/* Raw is rad: recorded logs. */
+void hand_calibration_identity(hand_calibration *out);
+/* The plausible hand for an uncalibrated glove that gives counts. */
+void hand_calibration_default(hand_calibration *out);
+
+/* raw: MRT_ANGLES values; out_rad likewise. Non-finite raw gives the sensor's middle value. */
+void hand_calibrate(const hand_calibration *calibration, const float *raw, float *out_rad);
+
+/* Lengths and rest positions of one hand. */
+typedef struct hand_skeleton hand_skeleton;
+hand_skeleton *hand_skeleton_create(uint32_t side, double hand_length_mm); /* MRT_LEFT, MRT_RIGHT */
+void hand_skeleton_destroy(hand_skeleton *skeleton);
+
+/* Joints and palm points in mm for the angles, the hand moved by `wrist` (identity: untracked).
+ * Always from the default shape. out_joint: MRT_JOINTS, out_palm: MRT_PALM. */
+void hand_pose(const hand_skeleton *skeleton, const float *angle_rad, const rigid *wrist,
+               mrt_vec3 *out_joint, mrt_vec3 *out_palm);
+
+#endif

@@ -1,0 +1,199 @@
+/* marotte/plugin.h - the whole contract between marotte and its plugins.
+ *
+ * A plugin is a shared library exporting one symbol, `marotte_plugins`: a NULL-ended array of
+ * types. A type is const data: what it is called, which parameters it has, which interfaces it
+ * answers. A plugin includes this header and nothing else of marotte. C11; also valid C++17.
+ *
+ * THREADS  Each function is marked with where it runs:
+ *            [main]  the UI thread: may allocate, open files, take a few milliseconds;
+ *            [input] a thread the host makes for one input: may block, until its deadline;
+ *            [frame] the real-time thread: no allocation, lock, I/O, clock or unbounded loop;
+ *            [any]   all of these, even at the same time (host services only).
+ *          Two calls into one instance never overlap, whatever their marks: plugins need no lock.
+ * UNITS    mm, rad, ns (int64_t) or s (double); right-handed: +x the subject's left, +y up,
+ *          +z out of the face. Faces and pulls are in the face frame. Hands are in the hand frame:
+ *          origin at the wrist, fingers along +z, back of the hand along +y, so a right thumb is
+ *          at +x: the frame of a hand inside a puppet's head. A tracked wrist moves the hand in it.
+ *          Where that hand stands in the face is the mapping's to say: its placement parameters.
+ * MEMORY   An argument may be read until the call returns. What a type points to lives as long as
+ *          the process (libraries are never unloaded). Nobody frees the other side's memory.
+ * ERRORS   < 0: an error, already explained through host->log. > 0: news, not an error.
+ * REPLAY   A mapping's output depends on its state and arguments alone: same take, same bits.
+ * VERSION  A type of another abi is refused, and the log says so. Structs never change within an
+ *          abi, nor behind an interface id: what is new gets a new id, "domain.name/revision". */
+#ifndef MAROTTE_PLUGIN_H
+#define MAROTTE_PLUGIN_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#ifdef _WIN32
+#define MRT_EXPORT __declspec(dllexport)
+#else
+#define MRT_EXPORT __attribute__((visibility("default")))
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define MRT_ABI 1u
+
+typedef struct mrt_plugin mrt_plugin; /* one instance: the plugin defines this struct */
+typedef struct mrt_vec3 {
+    float x, y, z;
+} mrt_vec3;
+
+typedef int32_t mrt_result;
+enum {
+    MRT_OK = 0,
+    MRT_TIMEOUT = 1, /* read: nothing before the deadline */
+    MRT_END = 2,     /* read: the take is over */
+    MRT_HOLD = 3,    /* process: nothing to say, keep the last offsets */
+    MRT_ERR_MEMORY = -1,
+    MRT_ERR_IO = -2,          /* device gone, file unreadable */
+    MRT_ERR_FORMAT = -3,      /* bytes that make no sense */
+    MRT_ERR_UNSUPPORTED = -4, /* this rig, this device, this request */
+    MRT_ERR_ARGUMENT = -5     /* a value outside its range */
+};
+
+/* ---- host services: valid from create() until destroy() returns ---- */
+enum { MRT_LOG_DEBUG, MRT_LOG_INFO, MRT_LOG_WARNING, MRT_LOG_ERROR };
+typedef struct mrt_host {
+    void *data;                                                                /* the host's own */
+    void (*log)(const struct mrt_host *host, int32_t level, const char *text); /* [any] wait-free */
+    int64_t (*now_ns)(const struct mrt_host *host); /* [main] [input] monotonic */
+    /* [input] Waits until the host's clock reaches time_ns; returns the time then. A host that
+     * replays faster than life moves its clock instead of waiting: an input that paces itself with
+     * this, and with nothing else, can be replayed at any speed. */
+    int64_t (*wait_until_ns)(const struct mrt_host *host, int64_t time_ns);
+    void (*request_restart)(const struct mrt_host *host); /* [any] stop and start me soon */
+    const void *(*service)(const struct mrt_host *host, const char *id); /* [main] NULL: unknown */
+} mrt_host;
+
+/* ---- parameters: the host owns the values; sliders, presets and takes follow from this ---- */
+enum {
+    MRT_PARAM_STEPPED = 1, /* whole numbers only */
+    MRT_PARAM_TRIGGER = 2, /* a button, or a pedal bound to it: 1 for exactly one call */
+    MRT_PARAM_HIDDEN = 4
+};
+typedef struct mrt_param {
+    uint32_t id;    /* stable for ever, never reused: presets and takes store it */
+    uint32_t flags; /* MRT_PARAM_* */
+    const char *name, *group, *unit, *help; /* "Gain", "Smoothing/Thumb", "mm", one sentence */
+    double min, max, initial;  /* finite, min < max, min <= initial <= max; a linear slider */
+    const char *const *labels; /* stepped: a name per value from min up, NULL-ended; or NULL */
+} mrt_param;
+
+/* ---- the type, and the library's one symbol ---- */
+typedef struct mrt_interface {
+    const char *id;
+    const void *functions;
+} mrt_interface;
+typedef struct mrt_plugin_type {
+    uint32_t abi; /* MRT_ABI; stays first for ever */
+    uint32_t param_count;
+    const mrt_param *params;
+    const mrt_interface *interfaces; /* MRT_INPUT, MRT_MAPPING, MRT_STATE ...; ends with id NULL */
+    const char *id, *name, *version, *about;     /* id "org.marotte.anchored": stable for ever */
+    mrt_plugin *(*create)(const mrt_host *host); /* [main] NULL: failed */
+    void (*destroy)(mrt_plugin *self);           /* [main] closed or deactivated; NULL is fine */
+} mrt_plugin_type;
+extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
+
+/* ---- input: named channels, sampled in time ---- */
+#define MRT_INPUT "marotte.input/1"
+enum { MRT_MAX_CHANNELS = 32, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
+enum {
+    MRT_CH_OTHER = 0,
+    MRT_CH_ANGLE = 1,  /* + 0..21, in sensor order: thumb roll ... wrist yaw */
+    MRT_CH_WRIST = 32, /* + 0..6: position x y z in mm, orientation quaternion x y z w */
+    MRT_CH_PEDAL = 64  /* + 0..3 */
+};
+enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
+typedef struct mrt_channel {
+    const char *name, *unit; /* "index MCP flexion"; "count" wants calibration, "rad" has it */
+    uint32_t semantic, hand; /* MRT_CH_* + n; MRT_LEFT, MRT_RIGHT or MRT_NO_HAND */
+    float min, max;          /* of the raw value */
+} mrt_channel;
+typedef struct mrt_sample {
+    int64_t time_ns;   /* host clock when the last byte arrived: not a guess, not "now" */
+    uint32_t sequence; /* +1 each time; a gap says samples were lost */
+    uint32_t count;    /* as channels() said */
+    float value[MRT_MAX_CHANNELS]; /* raw, finite */
+} mrt_sample;
+typedef struct mrt_input {
+    mrt_result (*open)(mrt_plugin *self, const char *address); /* [main] "": the first found */
+    const mrt_channel *(*channels)(mrt_plugin *self, uint32_t *out_count); /* [main] until close */
+    mrt_result (*read)(mrt_plugin *self, const double *params, int64_t deadline_ns,
+                       mrt_sample *out_sample); /* [input] waits, never past the deadline */
+    void (*close)(mrt_plugin *self);            /* [main] the input thread has been joined */
+} mrt_input;
+
+/* ---- mapping: hands in, control vectors out ---- */
+#define MRT_MAPPING "marotte.mapping/1"
+enum { MRT_MAX_VECTORS = 64, MRT_MAX_DOFS = 32 };
+typedef struct mrt_hand {
+    bool present;               /* false: the rest is the last known, or zero */
+    int64_t time_ns;            /* of the sample behind it; its age is frame.time_ns - this */
+    float angle[MRT_ANGLES];    /* rad, calibrated and filtered, in sensor order */
+    mrt_vec3 joint[MRT_JOINTS]; /* mm, stage frame; wrist, then thumb to little, 4 each, tip last */
+    mrt_vec3 palm[MRT_PALM];    /* mm, stage frame; contact points of the palm */
+} mrt_hand;
+typedef struct mrt_frame {
+    int64_t time_ns;             /* of this frame: the time of the sample that caused it */
+    double dt_s;                 /* since the last one; 0 on the first after reset, at most 0.1 */
+    mrt_hand hand[2];            /* left, right */
+    float pedal[MRT_MAX_PEDALS]; /* 0 up .. 1 down */
+    bool near;                   /* an end point of the last pull lies within its radius of the
+                                    shape; false if that pull did not ask (mrt_pull.gate) */
+    const double *params;        /* values, in table order */
+} mrt_frame;
+typedef struct mrt_contact { /* a named place on the face that a mapping may pull */
+    const char *name, *bone; /* "mouth.corner.l"; the bone that it rides on: "skull", "jaw" */
+    mrt_vec3 rest, normal;   /* mm, face frame; unit, outward */
+} mrt_contact;
+typedef struct mrt_dof {     /* a degree of freedom of a bone that a mapping may drive */
+    const char *name, *unit; /* "jaw.open", "rad" */
+    float min, max;          /* 0 is the rest pose; the host clamps softly */
+} mrt_dof;
+typedef struct mrt_face { /* valid from activate until deactivate */
+    const mrt_contact *contacts;
+    const mrt_dof *dofs;
+    uint32_t contact_count, dof_count;
+    mrt_vec3 low, high; /* mm, bounds of the rest face */
+} mrt_face;
+typedef struct mrt_vector { /* one control vector */
+    mrt_vec3 start, end;    /* mm, face frame */
+    uint32_t contact;       /* 1 + index of the contact that it pulls; 0: a free point */
+} mrt_vector;
+enum { MRT_ANCHORED = 1, MRT_UNANCHORED = 2 };
+typedef struct mrt_pull { /* what process() fills; on entry: what it held last */
+    uint32_t mode;        /* MRT_ANCHORED or MRT_UNANCHORED */
+    uint32_t anchor;      /* changes when the starts of anchored vectors change */
+    uint32_t commit;      /* changes when the shape shown is to become the new base shape */
+    uint32_t gate;        /* 1: report mrt_frame.near; unanchored vectors move nothing while
+                             no end point is within the radius of the shape */
+    uint32_t count;       /* of vector[] in use */
+    float radius_mm;      /* support radius of the field; 0: what the rig says */
+    float leak_per_s;     /* unanchored: rate at which the shape eases back to the rest shape;
+                             0: never */
+    mrt_vector vector[MRT_MAX_VECTORS];
+    float dof[MRT_MAX_DOFS]; /* NaN: not driven; the host derives the jaw from the vectors */
+} mrt_pull;
+typedef struct mrt_mapping {
+    mrt_result (*activate)(mrt_plugin *self, const mrt_face *face); /* [main] allocate now */
+    void (*deactivate)(mrt_plugin *self);                           /* [main] */
+    void (*reset)(mrt_plugin *self); /* [frame] forget the past: filters, anchors, clutch */
+    mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
+} mrt_mapping;
+
+/* ---- state: what parameters cannot hold, such as an anchor or a calibration ---- */
+#define MRT_STATE "marotte.state/1"
+typedef struct mrt_state {
+    size_t (*save)(mrt_plugin *self, void *out, size_t capacity); /* [main] the size it takes */
+    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [main] all or none */
+} mrt_state;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

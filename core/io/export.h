@@ -1,0 +1,49 @@
+/* io/export.h - clips and meshes out of the program, in the formats that other tools open. Files
+ * are written beside their target and renamed: complete or absent. Positions must be finite. [main]
+ * or a worker. */
+#ifndef MAROTTE_IO_EXPORT_H
+#define MAROTTE_IO_EXPORT_H
+#include "io/clip.h"
+
+typedef struct export_progress { /* optional: called now and then; NULL callback: nothing */
+    void (*step)(void *data, double done); /* 0..1 */
+    void *data;
+} export_progress;
+
+typedef struct gltf_options {
+    double tolerance_mm;  /* greatest vertex error of free frames; 0: 0.1 % of the face's height */
+    uint32_t max_targets; /* of the components for free frames; 0: as many as the tolerance needs */
+    const char *name;     /* of the animation; NULL: "performance" */
+} gltf_options;
+
+typedef struct gltf_report {
+    uint32_t target_count, exact_target_count, component_count;
+    double max_error_mm; /* over all free frames, measured on what is written; 0 without any */
+    double tolerance_mm;
+    uint64_t byte_count;
+} gltf_report;
+
+/* .glb: base mesh, morph targets, a weights animation. Anchored frames exactly: one target per
+ * control axis and segment, weights = displacements in metres, and one target per committed base.
+ * Free frames: principal components up to the tolerance. A clip without frames is a plain mesh. */
+CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
+                              const export_progress *progress, gltf_report *out_report, error *err);
+/* A mesh alone, with its parts, materials, attributes and targets. */
+CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
+
+/* Vertex caches, mm, +y up, every frame. */
+CHECKED mrt_result pc2_write(const char *path, const clip *c, const export_progress *progress,
+                             error *err);
+CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progress *progress,
+                             error *err);
+/* The controls as text, one row per frame and control, mm:
+ * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
+ * (mode: anchored or free; a free frame's start is where the control was the frame before). */
+CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progress *progress,
+                             error *err);
+
+/* A picture, 8-bit RGBA rows from the top. */
+CHECKED mrt_result png_write(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height,
+                             error *err);
+
+#endif

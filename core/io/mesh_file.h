@@ -1,0 +1,25 @@
+/* io/mesh_file.h - any mesh file into one mesh type, in mm. .obj .ply .off .glb .gltf are read here
+ * strictly (malformed input is refused with a message that names file, line or element and cause);
+ * other formats go through OpenMesh's reader in a limited child process. Non-manifold and
+ * degenerate input is accepted with a note. Each parser takes (bytes, size) and is fuzzed. [main]
+ */
+#ifndef MAROTTE_IO_MESH_FILE_H
+#define MAROTTE_IO_MESH_FILE_H
+#include "mesh/mesh.h"
+
+/* The unit of the coordinates in the file. AUTO: glTF is metres; other files are guessed from the
+ * size of the box (said in the note): a head is between 100 and 1000 mm high. */
+typedef enum mesh_unit { MESH_UNIT_AUTO = 0, MESH_UNIT_MM, MESH_UNIT_CM, MESH_UNIT_M } mesh_unit;
+
+CHECKED mrt_result mesh_file_read(mesh *out, const char *path, mesh_unit unit, error *err);
+
+/* The parsers, coordinates as written in the file (mm_per_unit = 1). Messages without file name. */
+CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, error *err);
+CHECKED mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err);
+CHECKED mrt_result off_parse(mesh *out, const void *data, size_t size, error *err);
+/* glTF 2.0, .glb or .gltf; `directory` (with its last '/') is where external buffers may be; NULL:
+ * none allowed. Node transforms applied. */
+CHECKED mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *directory,
+                              error *err);
+
+#endif

@@ -1,0 +1,143 @@
+#include "mesh/mesh.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the mesh");
+}
+
+mrt_result mesh_create(mesh *out, uint32_t vertex_count, uint32_t triangle_count, error *err)
+{
+    *out = (mesh){.vertex_count = vertex_count,
+                  .triangle_count = triangle_count,
+                  .material_count = 1,
+                  .part_count = 1,
+                  .mm_per_unit = 1.0};
+    out->position = calloc((size_t)vertex_count * 3 + 1, sizeof *out->position);
+    out->triangle = calloc((size_t)triangle_count * 3 + 1, sizeof *out->triangle);
+    out->material = calloc(1, sizeof *out->material);
+    out->part = calloc(1, sizeof *out->part);
+    if (!out->position || !out->triangle || !out->material || !out->part)
+        goto fail;
+    out->material[0] = (mesh_material){
+        .name = strdup(""), .base_colour = {0.6f, 0.6f, 0.6f, 1.0f}, .roughness = 0.7f};
+    out->part[0] = (mesh_part){
+        .name = strdup(""), .triangle_count = triangle_count, .vertex_count = vertex_count};
+    if (!out->material[0].name || !out->part[0].name)
+        goto fail;
+    return MRT_OK;
+fail:
+    mesh_destroy(out);
+    return no_memory(err);
+}
+
+void mesh_destroy(mesh *m)
+{
+    if (!m)
+        return;
+    for (uint32_t i = 0; m->material && i < m->material_count; ++i)
+        free(m->material[i].name);
+    for (uint32_t i = 0; m->part && i < m->part_count; ++i)
+        free(m->part[i].name);
+    for (uint32_t i = 0; m->attribute && i < m->attribute_count; ++i) {
+        free(m->attribute[i].name);
+        free(m->attribute[i].value);
+    }
+    for (uint32_t i = 0; m->target && i < m->target_count; ++i) {
+        free(m->target[i].name);
+        free(m->target[i].offset);
+    }
+    free(m->position);
+    free(m->triangle);
+    free(m->normal);
+    free(m->material);
+    free(m->part);
+    free(m->attribute);
+    free(m->target);
+    free(m->note);
+    *m = (mesh){0};
+}
+
+void mesh_note(mesh *m, const char *format, ...)
+{
+    char line[512];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    size_t old = m->note ? strlen(m->note) : 0;
+    size_t added = strlen(line);
+    char *note = realloc(m->note, old + added + 2);
+    if (!note)
+        return; /* a note is never worth a failure */
+    memcpy(note + old, line, added);
+    memcpy(note + old + added, "\n", 2);
+    m->note = note;
+}
+
+void mesh_bounds(const mesh *m, float out_low[3], float out_high[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        out_low[axis] = out_high[axis] = m->vertex_count ? m->position[axis] : 0.0f;
+        for (uint32_t v = 1; v < m->vertex_count; ++v) {
+            float value = m->position[(size_t)v * 3 + (size_t)axis];
+            if (value < out_low[axis])
+                out_low[axis] = value;
+            if (value > out_high[axis])
+                out_high[axis] = value;
+        }
+    }
+}
+
+static bool all_finite(const float *value, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (!isfinite(value[i]))
+            return false;
+    return true;
+}
+
+mrt_result mesh_validate(const mesh *m, error *err)
+{
+    size_t v3 = (size_t)m->vertex_count * 3;
+    if (m->vertex_count == 0)
+        return error_set(err, MRT_ERR_FORMAT, "the mesh has no vertices");
+    for (size_t i = 0; i < v3; ++i)
+        if (!isfinite(m->position[i]))
+            return error_set(err, MRT_ERR_FORMAT, "vertex %zu is not finite", i / 3);
+    for (size_t i = 0; i < (size_t)m->triangle_count * 3; ++i)
+        if (m->triangle[i] >= m->vertex_count)
+            return error_set(err, MRT_ERR_FORMAT, "triangle %zu uses vertex %u of %u", i / 3,
+                             m->triangle[i], m->vertex_count);
+    if (m->normal && !all_finite(m->normal, v3))
+        return error_set(err, MRT_ERR_FORMAT, "a normal is not finite");
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < m->part_count; ++i) {
+        const mesh_part *part = &m->part[i];
+        if (part->first_triangle != next || part->triangle_count > m->triangle_count - next)
+            return error_set(err, MRT_ERR_FORMAT, "part %u \"%s\" does not follow the one before",
+                             i, part->name);
+        if (part->material >= m->material_count)
+            return error_set(err, MRT_ERR_FORMAT, "part \"%s\" uses material %u of %u", part->name,
+                             part->material, m->material_count);
+        next += part->triangle_count;
+    }
+    if (next != m->triangle_count)
+        return error_set(err, MRT_ERR_FORMAT, "the parts cover %u of %u triangles", next,
+                         m->triangle_count);
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (!all_finite(m->target[i].offset, v3))
+            return error_set(err, MRT_ERR_FORMAT, "morph target \"%s\" is not finite",
+                             m->target[i].name);
+    for (uint32_t i = 0; i < m->attribute_count; ++i)
+        if (!all_finite(m->attribute[i].value,
+                        (size_t)m->vertex_count * m->attribute[i].component_count))
+            return error_set(err, MRT_ERR_FORMAT, "attribute \"%s\" is not finite",
+                             m->attribute[i].name);
+    return MRT_OK;
+}

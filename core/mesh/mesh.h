@@ -1,0 +1,67 @@
+/* mesh/mesh.h - a mesh as read from a file: plain arrays in the file's own vertex order, mm, with
+ * the names that the file gave its parts. Vertices are never duplicated, dropped or renumbered.
+ * Leaves out topology (topology.h) and the layout that the engine deforms (csrbf/points.h).
+ * [main] builds it; read-only afterwards on any thread. */
+#ifndef MAROTTE_MESH_MESH_H
+#define MAROTTE_MESH_MESH_H
+#include "base/error.h"
+
+typedef struct mesh_material {
+    char *name;           /* "" when the file has none */
+    float base_colour[4]; /* linear RGBA, 0..1 */
+    float roughness;      /* 0..1 */
+    float metallic;       /* 0..1 */
+} mesh_material;
+
+/* A run of triangles that belong together: an OBJ group x material, a glTF primitive. Parts are
+ * disjoint, in order, and cover all triangles. */
+typedef struct mesh_part {
+    char *name;        /* group, object, node or mesh name; "" when the file has none */
+    uint32_t material; /* index into mesh.material */
+    uint32_t first_triangle, triangle_count;
+    uint32_t first_vertex, vertex_count; /* the range that its triangles use */
+} mesh_part;
+
+typedef struct mesh_attribute { /* a custom per-vertex attribute: glTF "_NAME" */
+    char *name;
+    uint32_t component_count; /* 1..4 */
+    float *value;             /* vertex_count by component_count */
+} mesh_attribute;
+
+typedef struct mesh_target { /* a morph target */
+    char *name;
+    float *offset; /* vertex_count by 3, mm, to be added to position */
+} mesh_target;
+
+typedef struct mesh {
+    uint32_t vertex_count, triangle_count;
+    float *position; /* vertex_count by 3, mm, finite */
+    uint32_t
+        *triangle; /* triangle_count by 3, each < vertex_count, counter-clockwise from outside */
+    float *normal; /* vertex_count by 3, unit, or NULL when the file has none */
+    mesh_material *material;
+    mesh_part *part;
+    mesh_attribute *attribute;
+    mesh_target *target;
+    uint32_t material_count, part_count, attribute_count, target_count;
+    double mm_per_unit; /* what the file's coordinates were multiplied by */
+    char *note;         /* what a person should know of it, lines ended by \n; NULL: nothing */
+} mesh;
+
+/* Allocates position and triangle, zeroed, with one part "" and one grey material. */
+CHECKED mrt_result mesh_create(mesh *out, uint32_t vertex_count, uint32_t triangle_count,
+                               error *err);
+/* Frees everything; accepts NULL and a zeroed mesh. */
+void mesh_destroy(mesh *m);
+
+/* Appends one line to the note (a message for a person, not an error). */
+__attribute__((format(printf, 2, 3))) void mesh_note(mesh *m, const char *format, ...);
+
+/* Bounds of the positions. */
+void mesh_bounds(const mesh *m, float out_low[3], float out_high[3]);
+
+/* What every reader's result is checked with, and what a caller with a mesh of his own can use:
+ * finite positions and targets, indices in range, parts disjoint and covering. */
+CHECKED mrt_result mesh_validate(const mesh *m, error *err);
+
+#endif

@@ -1,0 +1,23 @@
+/* mesh/topology.h - what is connected to what: neighbours, borders, and the faces that a manifold
+ * cannot hold. Built by io/openmesh.h; plain arrays for everybody. Read-only on any thread. */
+#ifndef MAROTTE_MESH_TOPOLOGY_H
+#define MAROTTE_MESH_TOPOLOGY_H
+#include "base/error.h"
+
+typedef struct topology {
+    uint32_t vertex_count;
+    uint32_t *neighbour_start;   /* vertex_count + 1: row starts into neighbour */
+    uint32_t *neighbour;         /* ascending within a row; only over accepted triangles */
+    uint8_t *on_border;          /* vertex_count: 1 on an open edge */
+    uint32_t *border_loop_start; /* border_loop_count + 1 */
+    uint32_t *border_vertex;     /* the loops, each in order along the border */
+    uint32_t border_loop_count;
+    uint32_t *rejected_triangle; /* triangles that are degenerate or not manifold, ascending */
+    uint32_t rejected_count;
+    uint32_t isolated_vertex_count; /* vertices of no accepted triangle */
+    uint32_t component_count;       /* connected parts of the surface, isolated vertices left out */
+} topology;
+
+void topology_destroy(topology *t); /* accepts NULL and zeroed */
+
+#endif

@@ -1,0 +1,48 @@
+/* draw/draw.h - the renderer: faces lit well, with or without a window. It draws into a framebuffer
+ * of its own; the stage window shows that framebuffer, pictures read it back. OpenGL 3.3 core by
+ * libepoxy. One thread: the one that created the device. */
+#ifndef MAROTTE_UI_DRAW_DRAW_H
+#define MAROTTE_UI_DRAW_DRAW_H
+#include "base/error.h"
+#include "mesh/mesh.h"
+
+/* An OpenGL context without a window (EGL surfaceless); it is made current. */
+typedef struct draw_context draw_context;
+draw_context *draw_context_create(error *err); /* NULL: failed */
+void draw_context_destroy(draw_context *context);
+
+typedef struct draw_target draw_target; /* a multisampled framebuffer and its picture */
+draw_target *draw_target_create(uint32_t width, uint32_t height, error *err);
+void draw_target_destroy(draw_target *target);
+
+typedef struct draw_renderer draw_renderer; /* programs and lights */
+draw_renderer *draw_renderer_create(error *err);
+void draw_renderer_destroy(draw_renderer *renderer);
+
+typedef struct draw_face draw_face; /* a mesh on the graphics card */
+draw_face *draw_face_create(const mesh *m, error *err);
+void draw_face_destroy(draw_face *face);
+/* position, normal: vertex_count by 3, mm; normal NULL: computed. */
+void draw_face_update(draw_face *face, const float *position, const float *normal);
+
+typedef struct draw_camera {
+    float target[3]; /* mm: what it looks at */
+    float distance_mm;
+    float yaw_rad, pitch_rad; /* 0, 0: from the front (+z), yaw to the subject's left, pitch up */
+    float field_of_view_rad;  /* vertical */
+} draw_camera;
+/* Frames the box from the front, with air around it. */
+draw_camera draw_camera_framing(const float low[3], const float high[3], float aspect);
+
+/* Clears a width x height rectangle of the target at x, y (from the top left) and draws the face.
+ */
+void draw_render(draw_renderer *renderer, draw_target *target, const draw_face *face,
+                 const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width,
+                 uint32_t height);
+/* Text in pixels from the top left of the target; size = height of a line. rgba 0..1. */
+void draw_text(draw_renderer *renderer, draw_target *target, const char *text, float x, float y,
+               float size_px, const float rgba[4]);
+/* out_rgba: width * height * 4, rows from the top. */
+void draw_read(draw_target *target, uint8_t *out_rgba);
+
+#endif
