@@ -1,0 +1,24 @@
+/* ui/command.h - what the program's commands share: one file per command, one table entry each.
+ * Exit codes: 0 done, 1 failed, 2 wrong usage. One clear line on stderr names what failed. [main]
+ */
+#ifndef MAROTTE_UI_COMMAND_H
+#define MAROTTE_UI_COMMAND_H
+#include "base/error.h"
+
+enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
+
+typedef struct command {
+    const char *name;                  /* "deform" */
+    const char *summary;               /* for the list of commands: one line */
+    const char *help;                  /* the whole --help text, ended by \n */
+    int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
+} command;
+
+extern const command command_deform, command_perform, command_plugin;
+
+/* Print "marotte NAME: text" on stderr and return the exit code. */
+__attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,
+                                                        ...);
+int command_failed(const command *self, const error *err);
+
+#endif
