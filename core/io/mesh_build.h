@@ -1,0 +1,66 @@
+/* io/mesh_build.h - collects what a mesh reader finds, vertex by vertex and corner by corner, and
+ * makes a mesh of it: polygons become triangles, groups become parts. Leaves out the file formats.
+ * Memory grows with what was added, never with what a header promises. One thread at a time. */
+#ifndef MAROTTE_IO_MESH_BUILD_H
+#define MAROTTE_IO_MESH_BUILD_H
+#include "base/text.h"
+#include "mesh/mesh.h"
+
+enum {
+    MESH_BUILD_NAMES_MAX = 65536, /* parts, and materials */
+    MESH_BUILD_NAME_LENGTH_MAX = 255
+};
+
+typedef struct mesh_build_name { /* a part (name and material) or a material (material 0) */
+    char *text;
+    uint32_t material;
+} mesh_build_name;
+
+typedef struct mesh_build_table { /* names in order of appearance, found by hash */
+    mesh_build_name *item;
+    uint32_t *slot; /* slot_count, a power of two: 1 + item, 0 free */
+    uint32_t count, slot_count;
+} mesh_build_table;
+
+typedef struct mesh_build {
+    float *position;    /* vertex_count by 3 */
+    float *normal;      /* normal_count by 3: of every vertex, or it is not kept */
+    uint32_t *triangle; /* triangle_count by 3 */
+    uint32_t *part_of;  /* triangle_count */
+    uint32_t *corner;   /* of the face being added */
+    size_t vertex_count, vertex_capacity, triangle_count, triangle_capacity;
+    size_t corner_count, corner_capacity, normal_count, normal_capacity;
+    mesh_build_table parts, materials;
+    uint32_t part; /* of the next face; UINT32_MAX: look it up */
+    char group[MESH_BUILD_NAME_LENGTH_MAX + 1], material[MESH_BUILD_NAME_LENGTH_MAX + 1];
+    size_t polygon_count; /* faces of more than 4 corners */
+} mesh_build;
+
+void mesh_build_init(mesh_build *b);
+void mesh_build_finish(mesh_build *b); /* accepts NULL, zeroed, taken */
+
+CHECKED mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err);
+/* The normal of the next vertex that has none yet, of any length. */
+CHECKED mrt_result mesh_build_normal(mesh_build *b, const float normal[3], error *err);
+/* What the following faces belong to; names are cleaned by mesh_build_clean_name. */
+void mesh_build_group(mesh_build *b, text_view name);
+void mesh_build_material(mesh_build *b, text_view name);
+/* A face: its corners, each a vertex that was added before, then its end (>= 3 corners). */
+CHECKED mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err);
+CHECKED mrt_result mesh_build_face(mesh_build *b, error *err);
+/* Moves everything into `out` (a mesh without vertices or faces is an error) and finishes `b`. */
+CHECKED mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err);
+
+/* Sets first_vertex and vertex_count of every part from its triangles. */
+void mesh_build_part_ranges(mesh *m);
+/* Makes the normals unit; drops them all, with a note, if one has no direction. */
+void mesh_build_unit_normals(mesh *m);
+/* Notes how many triangles use a vertex twice. */
+void mesh_build_note_degenerate(mesh *m);
+/* Copies a name as UTF-8: control characters and broken bytes become '?', cut at capacity. */
+void mesh_build_clean_name(char *out, size_t capacity, text_view name);
+/* Grows *array to hold `needed` elements of `size` bytes. */
+CHECKED mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t size,
+                                   error *err);
+
+#endif
