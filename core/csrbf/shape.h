@@ -53,7 +53,7 @@ typedef struct shape_step {
 CHECKED mrt_result shape_drag(shape *s, const csrbf_settings *settings, const double *from,
                               const double *to, uint32_t count, double *out_reached,
                               shape_step *out_step, error *err);
-/* shown := shown + (1 - 1 / (1 + rate_per_s dt_s)) (rest - shown): eases back to rest. */
+/* shown := shown + (1 - 1 / (1 + rate_per_s dt_s)) (base - shown): eases back to the base. */
 void shape_leak(shape *s, double rate_per_s, double dt_s);
 
 /* Smallest determinant of the anchored pull that is shown, over the vertices of base; the exact

@@ -120,12 +120,18 @@ typedef struct mrt_sample {
     uint32_t count;    /* as channels() said */
     float value[MRT_MAX_CHANNELS]; /* raw, finite */
 } mrt_sample;
+enum {
+    /* Samples come from a record and read() waits with host->wait_until_ns alone, so the host may
+     * run it faster than life. Without it the input is a device and runs in real time. */
+    MRT_INPUT_RECORDED = 1
+};
 typedef struct mrt_input {
     mrt_result (*open)(mrt_plugin *self, const char *address); /* [main] "": the first found */
     const mrt_channel *(*channels)(mrt_plugin *self, uint32_t *out_count); /* [main] until close */
     mrt_result (*read)(mrt_plugin *self, const double *params, int64_t deadline_ns,
                        mrt_sample *out_sample); /* [input] waits, never past the deadline */
     void (*close)(mrt_plugin *self);            /* [main] the input thread has been joined */
+    uint32_t flags;                             /* MRT_INPUT_* */
 } mrt_input;
 
 /* ---- mapping: hands in, control vectors out ---- */
@@ -135,8 +141,8 @@ typedef struct mrt_hand {
     bool present;               /* false: the rest is the last known, or zero */
     int64_t time_ns;            /* of the sample behind it; its age is frame.time_ns - this */
     float angle[MRT_ANGLES];    /* rad, calibrated and filtered, in sensor order */
-    mrt_vec3 joint[MRT_JOINTS]; /* mm, stage frame; wrist, then thumb to little, 4 each, tip last */
-    mrt_vec3 palm[MRT_PALM];    /* mm, stage frame; contact points of the palm */
+    mrt_vec3 joint[MRT_JOINTS]; /* mm, hand frame; wrist, then thumb to little, 4 each, tip last */
+    mrt_vec3 palm[MRT_PALM];    /* mm, hand frame; contact points of the palm */
 } mrt_hand;
 typedef struct mrt_frame {
     int64_t time_ns;             /* of this frame: the time of the sample that caused it */
@@ -165,16 +171,20 @@ typedef struct mrt_vector { /* one control vector */
     mrt_vec3 start, end;    /* mm, face frame */
     uint32_t contact;       /* 1 + index of the contact that it pulls; 0: a free point */
 } mrt_vector;
-enum { MRT_ANCHORED = 1, MRT_UNANCHORED = 2 };
+enum {
+    MRT_IDLE = 0,      /* the shape stays as it is; vectors move nothing (but see gate) */
+    MRT_ANCHORED = 1,  /* the base shape, moved by end - start; starts stay while anchor stays */
+    MRT_UNANCHORED = 2 /* the shape shown, moved on from start to end: every sample is an edit */
+};
 typedef struct mrt_pull { /* what process() fills; on entry: what it held last */
-    uint32_t mode;        /* MRT_ANCHORED or MRT_UNANCHORED */
+    uint32_t mode;        /* MRT_IDLE, MRT_ANCHORED or MRT_UNANCHORED */
     uint32_t anchor;      /* changes when the starts of anchored vectors change */
     uint32_t commit;      /* changes when the shape shown is to become the new base shape */
     uint32_t gate;        /* 1: report mrt_frame.near; unanchored vectors move nothing while
                              no end point is within the radius of the shape */
     uint32_t count;       /* of vector[] in use */
     float radius_mm;      /* support radius of the field; 0: what the rig says */
-    float leak_per_s;     /* unanchored: rate at which the shape eases back to the rest shape;
+    float leak_per_s;     /* unanchored: rate at which the shape eases back to the base shape;
                              0: never */
     mrt_vector vector[MRT_MAX_VECTORS];
     float dof[MRT_MAX_DOFS]; /* NaN: not driven; the host derives the jaw from the vectors */

@@ -1,0 +1,238 @@
+#include "stage/instance.h"
+#include "base/clock.h"
+#include "base/text.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { KEY_LENGTH = 128 };
+
+static void host_log(const mrt_host *host, int32_t level, const char *text)
+{
+    instance *self = host->data;
+    if (self->failure && level == MRT_LOG_ERROR)
+        error_set(self->failure, MRT_ERR_IO, "%s", text);
+    else
+        log_push(self->log, level, self->type->id, text);
+}
+
+static int64_t host_now_ns(const mrt_host *host)
+{
+    const instance *self = host->data;
+    return self->clock == CLOCK_VIRTUAL ? self->virtual_ns : clock_now_ns();
+}
+
+static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
+{
+    instance *self = host->data;
+    if (self->clock == CLOCK_VIRTUAL) {
+        if (time_ns > self->virtual_ns)
+            self->virtual_ns = time_ns;
+        return self->virtual_ns;
+    }
+    struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
+                             .tv_nsec = (long)(time_ns % NS_PER_S)};
+    pthread_mutex_lock(&self->mutex);
+    while (!self->stopping && clock_now_ns() < time_ns)
+        if (pthread_cond_timedwait(&self->wake, &self->mutex, &until) == ETIMEDOUT)
+            break;
+    pthread_mutex_unlock(&self->mutex);
+    return clock_now_ns();
+}
+
+static void host_request_restart(const mrt_host *host)
+{
+    const instance *self = host->data;
+    log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
+}
+
+static const void *host_service(const mrt_host *host, const char *id)
+{
+    (void)host;
+    (void)id;
+    return NULL; /* this host offers none yet */
+}
+
+static mrt_result allocate(instance *self, error *err)
+{
+    uint32_t count = self->type->param_count;
+    self->wanted = calloc((size_t)count + 1, sizeof *self->wanted);
+    self->params = calloc((size_t)count + 1, sizeof *self->params);
+    if (!self->wanted || !self->params)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for plugin %s", self->type->id);
+    for (uint32_t i = 0; i < count; ++i) {
+        atomic_init(&self->wanted[i], self->type->params[i].initial);
+        self->params[i] = self->type->params[i].initial;
+    }
+    return MRT_OK;
+}
+
+mrt_result instance_create(instance *out, const mrt_plugin_type *type, instance_clock clock,
+                           log_queue *log, error *err)
+{
+    *out = (instance){.type = type, .clock = clock, .log = log};
+    out->host = (mrt_host){
+        out, host_log, host_now_ns, host_wait_until_ns, host_request_restart, host_service};
+    pthread_condattr_t attributes;
+    pthread_mutex_init(&out->mutex, NULL);
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&out->wake, &attributes);
+    pthread_condattr_destroy(&attributes);
+    mrt_result result = allocate(out, err);
+    if (result < 0)
+        goto fail;
+    error why = {""};
+    out->failure = &why;
+    out->self = type->create(&out->host);
+    out->failure = NULL;
+    if (!out->self) {
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s could not be created%s%s", type->id,
+                           why.text[0] ? ": " : "", why.text);
+        goto fail;
+    }
+    return MRT_OK;
+fail:
+    instance_destroy(out);
+    return result;
+}
+
+void instance_destroy(instance *self)
+{
+    if (!self || !self->type)
+        return;
+    if (self->self)
+        self->type->destroy(self->self);
+    pthread_mutex_destroy(&self->mutex);
+    pthread_cond_destroy(&self->wake);
+    free(self->wanted);
+    free(self->params);
+    *self = (instance){0};
+}
+
+/* "Hand length" -> "hand_length"; group "Placement/Left" -> "placement/left". */
+static void key_of(char *out, size_t capacity, const char *group, const char *name)
+{
+    int length =
+        group ? snprintf(out, capacity, "%s.%s", group, name) : snprintf(out, capacity, "%s", name);
+    (void)length;
+    for (char *c = out; *c; ++c)
+        *c = isspace((unsigned char)*c) ? '_' : (char)tolower((unsigned char)*c);
+}
+
+static bool find_param(const instance *self, const char *key, uint32_t *out_index, error *err)
+{
+    uint32_t found = 0;
+    char names[512] = "";
+    size_t used = 0;
+    for (uint32_t i = 0; i < self->type->param_count; ++i) {
+        const mrt_param *p = &self->type->params[i];
+        char short_key[KEY_LENGTH], long_key[KEY_LENGTH];
+        key_of(short_key, sizeof short_key, NULL, p->name);
+        key_of(long_key, sizeof long_key, p->group, p->name);
+        if (strcmp(key, long_key) == 0) {
+            *out_index = i;
+            return true;
+        }
+        if (strcmp(key, short_key) == 0) {
+            *out_index = i;
+            found += 1;
+        }
+        int length = used < sizeof names ? snprintf(names + used, sizeof names - used, "%s%s",
+                                                    used ? ", " : "", short_key)
+                                         : 0;
+        used += length > 0 ? (size_t)length : 0;
+    }
+    if (found == 1)
+        return true;
+    if (found > 1)
+        error_set(err, MRT_ERR_ARGUMENT, "%s: parameter \"%s\" is ambiguous: write group.name",
+                  self->type->id, key);
+    else
+        error_set(err, MRT_ERR_ARGUMENT, "%s: has no parameter \"%s\" (there are: %s)",
+                  self->type->id, key, names[0] ? names : "none");
+    return false;
+}
+
+static bool label_value(const mrt_param *p, const char *text, double *out)
+{
+    for (size_t i = 0; p->labels && p->labels[i]; ++i) {
+        char key[KEY_LENGTH];
+        key_of(key, sizeof key, NULL, p->labels[i]);
+        if (strcmp(p->labels[i], text) == 0 || strcmp(key, text) == 0) {
+            *out = p->min + (double)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+mrt_result instance_set_text(instance *self, const char *key, const char *value, error *err)
+{
+    uint32_t index;
+    double number;
+    if (!find_param(self, key, &index, err))
+        return MRT_ERR_ARGUMENT;
+    const mrt_param *p = &self->type->params[index];
+    if (!label_value(p, value, &number) &&
+        !text_double(text_view_of(value, strlen(value)), &number))
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is not a number%s", self->type->id,
+                         key, value, p->labels ? " or a name of a choice" : "");
+    if (number < p->min || number > p->max)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=%s is outside %g .. %g %s", self->type->id,
+                         key, value, p->min, p->max, p->unit);
+    if ((p->flags & MRT_PARAM_STEPPED) && floor(number) < number)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=%s is not a whole number", self->type->id,
+                         key, value);
+    atomic_store(&self->wanted[index], number);
+    return MRT_OK;
+}
+
+mrt_result instance_set_list(instance *self, const char *list, error *err)
+{
+    text_view rest = text_view_of(list, strlen(list));
+    text_view field;
+    while (rest.at != rest.end && text_next_field(&rest, ',', &field)) {
+        char text[256];
+        text_copy(text, sizeof text, field);
+        char *equals = strchr(text, '=');
+        if (!equals)
+            return error_set(err, MRT_ERR_ARGUMENT, "%s: \"%s\" is not key=value", self->type->id,
+                             text);
+        *equals = '\0';
+        mrt_result result = instance_set_text(self, text, equals + 1, err);
+        if (result < 0)
+            return result;
+        if (!rest.at)
+            break;
+    }
+    return MRT_OK;
+}
+
+void instance_trigger(instance *self, uint32_t index)
+{
+    atomic_store(&self->wanted[index], 1.0);
+}
+
+void instance_latch(instance *self)
+{
+    for (uint32_t i = 0; i < self->type->param_count; ++i) {
+        if (self->type->params[i].flags & MRT_PARAM_TRIGGER)
+            self->params[i] = atomic_exchange(&self->wanted[i], self->type->params[i].initial);
+        else
+            self->params[i] = atomic_load_explicit(&self->wanted[i], memory_order_relaxed);
+    }
+}
+
+void instance_stop_waiting(instance *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    self->stopping = true;
+    pthread_cond_broadcast(&self->wake);
+    pthread_mutex_unlock(&self->mutex);
+}

@@ -1,0 +1,55 @@
+/* stage/instance.h - one plugin at work: its self, the host that it sees, and the values of its
+ * parameters, which the host owns. Leaves out what is particular to inputs (input.h) and mappings
+ * (performer.h). It must not move in memory between create and destroy. Threads as marked. */
+#ifndef MAROTTE_STAGE_INSTANCE_H
+#define MAROTTE_STAGE_INSTANCE_H
+#include "base/log.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+/* What clock the plugin lives by. */
+typedef enum instance_clock {
+    CLOCK_REAL = 0, /* the monotonic clock */
+    CLOCK_VIRTUAL   /* starts at 0 and jumps to wherever the plugin waits: as fast as possible */
+} instance_clock;
+
+typedef struct instance {
+    const mrt_plugin_type *type;
+    mrt_plugin *self;
+    mrt_host host;
+    log_queue *log; /* the caller's */
+    instance_clock clock;
+    int64_t virtual_ns;
+    _Atomic double *wanted; /* parameter values as set by [any] */
+    double *params;         /* as the plugin sees them: latched by the thread that calls it */
+    error *failure;         /* the last error that the plugin logged from create or open; or NULL */
+    pthread_mutex_t mutex;  /* guards stopping, for the wait */
+    pthread_cond_t wake;
+    bool stopping;
+} instance;
+
+/* [main] `log` must outlive it. On failure the plugin's own words are in the error. */
+CHECKED mrt_result instance_create(instance *out, const mrt_plugin_type *type, instance_clock clock,
+                                   log_queue *log, error *err);
+/* [main] Accepts a zeroed instance. */
+void instance_destroy(instance *self);
+
+/* [main] "gain" / "placement.up" and "1.5" or a label of a stepped parameter. The error lists what
+ * there is. The key is the parameter's name in lower case with '_' for blanks; with its group and a
+ * '.' before it where two share a name. */
+CHECKED mrt_result instance_set_text(instance *self, const char *key, const char *value,
+                                     error *err);
+/* [main] "key=value,key=value": every one of them; "" sets nothing. */
+CHECKED mrt_result instance_set_list(instance *self, const char *list, error *err);
+/* [any] A press of the trigger parameter: 1 for exactly one call. */
+void instance_trigger(instance *self, uint32_t index);
+
+/* [the thread that calls the plugin] Before each call: takes the wanted values over; after a call
+ * of process, triggers fall back to 0. */
+void instance_latch(instance *self);
+
+/* [any] Ends every wait of the plugin at once. */
+void instance_stop_waiting(instance *self);
+
+#endif

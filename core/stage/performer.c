@@ -1,0 +1,498 @@
+#include "stage/performer.h"
+#include "base/clock.h"
+#include "mesh/normals.h"
+#include "stage/plugins.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The guard: no control vector leads further from the face than this many times its size. */
+static const double reach_in_faces = 10.0;
+static const double dt_max_s = 0.1;
+static const double hand_length_default_mm = 190.0;
+
+typedef struct hand_stage { /* steps 2 and 3 of one hand */
+    hand_skeleton *skeleton;
+    hand_filter filter;
+    float raw[MRT_ANGLES];
+    float wrist[7]; /* mm, quaternion */
+    bool has_wrist;
+} hand_stage;
+
+struct performer {
+    instance *mapping;
+    const mrt_mapping *functions;
+    mrt_face face;
+    csrbf_settings solver; /* with the default radius filled in */
+    double reach_mm;
+    vec3 centre;
+
+    hand_stage hand[2];
+    mrt_frame frame;
+    mrt_pull pull; /* what the mapping fills; it sees its own last values */
+    mrt_pull good; /* the last that passed the guard */
+    bool has_time;
+
+    shape shape;
+    uint32_t *triangle; /* of the face, in the engine's order */
+    uint32_t triangle_count;
+    float *normal; /* 3 streams of padded_count */
+
+    bool engaged; /* anchored: the shape is engaged for `anchor` */
+    bool stale;   /* anchored: shown is older than displacement */
+    uint32_t anchor, commit, engagement;
+    float engaged_radius_mm;
+    double start[MRT_MAX_VECTORS * 3];
+    double displacement[MRT_MAX_VECTORS * 3];
+    bool was_near, is_dragging;
+    double tip[MRT_MAX_VECTORS * 3]; /* unanchored: where the tips really are */
+    uint32_t tip_count;
+    performer_counts counts;
+};
+
+/* Sensor numbers of the distal joints, index to little: what an 18-sensor glove lacks. */
+static const uint32_t distal_sensor[4] = {6, 9, 13, 17};
+
+static double to_double(float v)
+{
+    return (double)v;
+}
+
+static mrt_result create_surface(performer *self, const mesh *face, error *err)
+{
+    mrt_result result =
+        shape_create(&self->shape, face->position, face->vertex_count, MRT_MAX_VECTORS, err);
+    if (result < 0)
+        return result;
+    self->triangle_count = face->triangle_count;
+    self->triangle = malloc((size_t)face->triangle_count * 3 * sizeof *self->triangle + 1);
+    self->normal = calloc((size_t)self->shape.rest.padded_count * 3, sizeof *self->normal);
+    if (!self->triangle || !self->normal)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the surface");
+    for (size_t i = 0; i < (size_t)face->triangle_count * 3; ++i)
+        self->triangle[i] = self->shape.order.slot_of_file[face->triangle[i]];
+    return MRT_OK;
+}
+
+static mrt_result create_hands(performer *self, double length_mm, error *err)
+{
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        hand_stage *hand = &self->hand[side];
+        hand->skeleton = hand_skeleton_create(side, length_mm);
+        if (!hand->skeleton)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
+        hand_filter_init(&hand->filter);
+    }
+    return MRT_OK;
+}
+
+static void measure_face(performer *self, const mesh *face, const csrbf_settings *solver)
+{
+    float low[3], high[3];
+    mesh_bounds(face, low, high);
+    self->face.low = (mrt_vec3){low[0], low[1], low[2]};
+    self->face.high = (mrt_vec3){high[0], high[1], high[2]};
+    double size = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
+    self->centre = (vec3){0.5 * (to_double(low[0]) + to_double(high[0])),
+                          0.5 * (to_double(low[1]) + to_double(high[1])),
+                          0.5 * (to_double(low[2]) + to_double(high[2]))};
+    self->reach_mm = reach_in_faces * fmax(size, 1.0);
+    self->solver = *solver;
+    if (!(self->solver.radius > 0)) {
+        double height = to_double(high[1]) - to_double(low[1]);
+        self->solver.radius = 0.25 * (height > 0 ? height : fmax(size, 1.0));
+    }
+}
+
+mrt_result performer_create(performer **out, const mesh *face, instance *mapping,
+                            const performer_settings *settings, error *err)
+{
+    *out = NULL;
+    performer *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the performer");
+    double length =
+        settings->hand_length_mm > 0 ? settings->hand_length_mm : hand_length_default_mm;
+    self->counts.min_determinant = 1.0;
+    measure_face(self, face, &settings->solver);
+    mrt_result result = create_surface(self, face, err);
+    if (result >= 0)
+        result = create_hands(self, length, err);
+    if (result < 0)
+        goto fail;
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        self->pull.dof[i] = NAN;
+    self->good = self->pull;
+    self->functions = plugin_interface(mapping->type, MRT_MAPPING);
+    error why = {""};
+    mapping->failure = &why;
+    result = self->functions->activate(mapping->self, &self->face);
+    mapping->failure = NULL;
+    if (result < 0) {
+        error_set(err, result, "mapping %s cannot be used on this face%s%s", mapping->type->id,
+                  why.text[0] ? ": " : "", why.text);
+        goto fail;
+    }
+    self->mapping = mapping;
+    self->functions->reset(mapping->self);
+    performer_draw(self);
+    *out = self;
+    return MRT_OK;
+fail:
+    performer_destroy(self);
+    return result;
+}
+
+void performer_destroy(performer *self)
+{
+    if (!self)
+        return;
+    if (self->mapping)
+        self->functions->deactivate(self->mapping->self);
+    for (int side = 0; side < 2; ++side)
+        hand_skeleton_destroy(self->hand[side].skeleton);
+    shape_destroy(&self->shape);
+    free(self->triangle);
+    free(self->normal);
+    free(self);
+}
+
+void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count)
+{
+    *out = (channel_route){.count = count};
+    bool in_counts[2] = {false, false};
+    bool distal[2][4] = {{false}};
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t semantic = channel[i].semantic, hand = channel[i].hand;
+        out->semantic[i] = semantic;
+        out->hand[i] = hand;
+        if (hand > MRT_RIGHT || semantic < MRT_CH_ANGLE || semantic >= MRT_CH_ANGLE + MRT_ANGLES)
+            continue;
+        if (strcmp(channel[i].unit, "count") == 0)
+            in_counts[hand] = true;
+        uint32_t sensor = semantic - MRT_CH_ANGLE;
+        for (uint32_t finger = 0; finger < 4; ++finger)
+            if (sensor == distal_sensor[finger])
+                distal[hand][finger] = true;
+    }
+    for (int side = 0; side < 2; ++side) {
+        hand_calibration *calibration = &out->calibration[side];
+        if (in_counts[side])
+            hand_calibration_default(calibration);
+        else
+            hand_calibration_identity(calibration);
+        memcpy(calibration->has_distal, distal[side], sizeof distal[side]);
+    }
+}
+
+/* ---- step 3: raw -> rad -> mm ---- */
+
+static void pose_hand(hand_stage *stage, const hand_calibration *calibration, int64_t time_ns,
+                      mrt_hand *out)
+{
+    hand_calibrate(calibration, stage->raw, out->angle);
+    hand_filter_apply(&stage->filter, out->angle, time_ns);
+    rigid wrist = rigid_identity();
+    if (stage->has_wrist) {
+        double quaternion[4] = {to_double(stage->wrist[3]), to_double(stage->wrist[4]),
+                                to_double(stage->wrist[5]), to_double(stage->wrist[6])};
+        vec3 position = {to_double(stage->wrist[0]), to_double(stage->wrist[1]),
+                         to_double(stage->wrist[2])};
+        wrist = rigid_from_quaternion(quaternion, position);
+    }
+    hand_pose(stage->skeleton, out->angle, &wrist, out->joint, out->palm);
+    out->present = true;
+    out->time_ns = time_ns;
+}
+
+static void read_channels(performer *self, const channel_route *route, const mrt_sample *sample)
+{
+    bool touched[2] = {false, false};
+    for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
+        uint32_t semantic = route->semantic[i], hand = route->hand[i];
+        float value = sample->value[i];
+        if (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS) {
+            self->frame.pedal[semantic - MRT_CH_PEDAL] = fminf(fmaxf(value, 0.0f), 1.0f);
+        } else if (hand <= MRT_RIGHT && semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + 7) {
+            self->hand[hand].wrist[semantic - MRT_CH_WRIST] = value;
+            self->hand[hand].has_wrist = true;
+            touched[hand] = true;
+        } else if (hand <= MRT_RIGHT && semantic >= MRT_CH_ANGLE &&
+                   semantic < MRT_CH_ANGLE + MRT_ANGLES) {
+            self->hand[hand].raw[semantic - MRT_CH_ANGLE] = value;
+            touched[hand] = true;
+        }
+    }
+    for (int side = 0; side < 2; ++side)
+        if (touched[side])
+            pose_hand(&self->hand[side], &route->calibration[side], self->frame.time_ns,
+                      &self->frame.hand[side]);
+}
+
+/* ---- steps 4 and 5: the mapping and the guard ---- */
+
+static bool is_within_reach(const performer *self, mrt_vec3 p)
+{
+    vec3 from_centre =
+        vec3_sub((vec3){to_double(p.x), to_double(p.y), to_double(p.z)}, self->centre);
+    return vec3_length(from_centre) <= self->reach_mm; /* false for what is not finite */
+}
+
+/* Says what is wrong with a pull; NULL: nothing. */
+static const char *pull_fault(const performer *self, const mrt_pull *pull)
+{
+    if (pull->mode > MRT_UNANCHORED)
+        return "an unknown mode";
+    if (pull->count > MRT_MAX_VECTORS)
+        return "more vectors than are allowed";
+    if (!isfinite(pull->radius_mm) || pull->radius_mm < 0.0f)
+        return "a radius that is not a length";
+    if (!isfinite(pull->leak_per_s) || pull->leak_per_s < 0.0f)
+        return "a leak that is not a rate";
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        const mrt_vector *v = &pull->vector[i];
+        if (!is_within_reach(self, v->start) || !is_within_reach(self, v->end))
+            return "a control vector that is not finite or leads out of reach";
+        if (v->contact > self->face.contact_count)
+            return "a contact that the face does not have";
+    }
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        if (isinf(pull->dof[i]))
+            return "an infinite degree of freedom";
+    return NULL;
+}
+
+static void note_problem(performer *self, const char *text)
+{
+    if (!self->counts.first_problem.text[0])
+        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
+}
+
+/* Fills self->good with what the mapping wants now, if it makes sense. */
+static void run_mapping(performer *self)
+{
+    instance_latch(self->mapping);
+    self->frame.params = self->mapping->params;
+    mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
+    if (result == MRT_HOLD) {
+        self->pull = self->good;
+        return;
+    }
+    const char *fault = result < 0 ? "an error" : pull_fault(self, &self->pull);
+    if (!fault) {
+        self->good = self->pull;
+        return;
+    }
+    self->counts.bad_pulls += 1;
+    if (!self->counts.first_problem.text[0])
+        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "mapping %s gave %s",
+                  self->mapping->type->id, fault);
+    self->pull = self->good; /* "on entry: what it held last" stays sane */
+}
+
+/* ---- step 7 ---- */
+
+static void show_anchored(performer *self)
+{
+    error err = {""};
+    if (!self->stale)
+        return;
+    self->stale = false;
+    if (shape_pull(&self->shape, self->displacement, &err) < 0) {
+        self->counts.held_pulls += 1;
+        note_problem(self, err.text);
+    }
+}
+
+static csrbf_settings settings_of(const performer *self, const mrt_pull *pull)
+{
+    csrbf_settings settings = self->solver;
+    if (pull->radius_mm > 0.0f)
+        settings.radius = to_double(pull->radius_mm);
+    return settings;
+}
+
+static void copy_ends(double *out, const mrt_pull *pull, bool ends)
+{
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        mrt_vec3 p = ends ? pull->vector[i].end : pull->vector[i].start;
+        out[3 * i] = to_double(p.x);
+        out[3 * i + 1] = to_double(p.y);
+        out[3 * i + 2] = to_double(p.z);
+    }
+}
+
+static void engage(performer *self, const mrt_pull *pull)
+{
+    error err = {""};
+    csrbf_settings settings = settings_of(self, pull);
+    show_anchored(self); /* the base is the shape of this sample, not of the last drawn frame */
+    copy_ends(self->start, pull, false);
+    if (shape_engage(&self->shape, &settings, self->start, pull->count, &err) < 0) {
+        self->counts.held_pulls += 1;
+        note_problem(self, err.text);
+        self->engaged = false;
+        return;
+    }
+    self->engaged = true;
+    self->anchor = pull->anchor;
+    self->engaged_radius_mm = pull->radius_mm;
+    self->engagement += 1;
+    self->counts.engagements += 1;
+    memset(self->displacement, 0, sizeof self->displacement);
+}
+
+static void move_anchored(performer *self, const mrt_pull *pull)
+{
+    self->is_dragging = false;
+    bool is_new = !self->engaged || pull->anchor != self->anchor ||
+                  pull->count != self->shape.control_count ||
+                  fabsf(pull->radius_mm - self->engaged_radius_mm) > 0.0f;
+    if (is_new)
+        engage(self, pull);
+    if (!self->engaged)
+        return;
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        mrt_vec3 end = pull->vector[i].end;
+        self->displacement[3 * i] = to_double(end.x) - self->start[3 * i];
+        self->displacement[3 * i + 1] = to_double(end.y) - self->start[3 * i + 1];
+        self->displacement[3 * i + 2] = to_double(end.z) - self->start[3 * i + 2];
+    }
+    self->stale = true;
+}
+
+/* Where this step's drag begins: at the tips as they really are when the mapping goes on from its
+ * last ends, else where the mapping says. */
+static void drag_from(performer *self, const mrt_pull *pull, double *out_from)
+{
+    copy_ends(out_from, pull, false);
+    if (self->is_dragging && self->tip_count == pull->count)
+        memcpy(out_from, self->tip, (size_t)pull->count * 3 * sizeof *out_from);
+}
+
+static void move_unanchored(performer *self, const mrt_pull *pull)
+{
+    show_anchored(self);
+    self->engaged = false;
+    csrbf_settings settings = settings_of(self, pull);
+    double from[MRT_MAX_VECTORS * 3], to[MRT_MAX_VECTORS * 3];
+    copy_ends(to, pull, true);
+    bool near = !pull->gate || shape_is_near(&self->shape.shown, to, pull->count, settings.radius);
+    /* The first sample near the shape only says where the tips are. */
+    bool may_move = near && self->was_near && pull->count > 0;
+    self->was_near = near;
+    if (!may_move) {
+        self->is_dragging = false;
+    } else {
+        error err = {""};
+        shape_step step = {.min_determinant = 1.0};
+        drag_from(self, pull, from);
+        mrt_result result =
+            shape_drag(&self->shape, &settings, from, to, pull->count, self->tip, &step, &err);
+        self->tip_count = pull->count;
+        self->is_dragging = result >= 0 && step.limited;
+        self->counts.held_pulls += result < 0;
+        if (result < 0)
+            note_problem(self, err.text);
+        self->counts.limited_steps += step.limited;
+        self->counts.folded_steps += step.substeps > 0 && !(step.min_determinant > 0.0);
+        self->counts.substeps += step.substeps;
+        self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
+    }
+    if (pull->leak_per_s > 0.0f)
+        shape_leak(&self->shape, to_double(pull->leak_per_s), self->frame.dt_s);
+}
+
+static void move_shape(performer *self)
+{
+    const mrt_pull *pull = &self->good;
+    if (pull->commit != self->commit) {
+        show_anchored(self);
+        shape_commit(&self->shape);
+        self->commit = pull->commit;
+        self->engaged = false;
+        self->engagement += 1;
+        self->counts.commits += 1;
+    }
+    if (pull->mode != MRT_UNANCHORED)
+        self->was_near = false;
+    if (pull->mode == MRT_ANCHORED)
+        move_anchored(self, pull);
+    else if (pull->mode == MRT_UNANCHORED)
+        move_unanchored(self, pull);
+}
+
+/* For the mapping's next frame. Only shapes that do not depend on when frames are drawn. */
+static bool is_near(const performer *self)
+{
+    const mrt_pull *pull = &self->good;
+    if (!pull->gate || pull->count == 0)
+        return false;
+    double end[MRT_MAX_VECTORS * 3];
+    copy_ends(end, pull, true);
+    const points *at = self->engaged ? &self->shape.base : &self->shape.shown;
+    return shape_is_near(at, end, pull->count, settings_of(self, pull).radius);
+}
+
+void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
+{
+    int64_t time_ns = sample->time_ns;
+    if (self->has_time && time_ns < self->frame.time_ns)
+        time_ns = self->frame.time_ns;
+    double dt_s = self->has_time ? (double)(time_ns - self->frame.time_ns) / (double)NS_PER_S : 0.0;
+    self->frame.dt_s = fmin(dt_s, dt_max_s);
+    self->frame.time_ns = time_ns;
+    self->has_time = true;
+    self->counts.samples += 1;
+    read_channels(self, route, sample);
+    run_mapping(self);
+    move_shape(self);
+    self->frame.near = is_near(self);
+}
+
+void performer_draw(performer *self)
+{
+    show_anchored(self);
+    const points *p = &self->shape.shown;
+    size_t stride = p->padded_count;
+    normals_smooth(self->normal, self->normal + stride, self->normal + 2 * stride, p->x, p->y, p->z,
+                   p->count, self->triangle, self->triangle_count);
+}
+
+const shape *performer_shape(const performer *self)
+{
+    return &self->shape;
+}
+
+const float *performer_normal(const performer *self, uint32_t axis)
+{
+    return self->normal + (size_t)axis * self->shape.shown.padded_count;
+}
+
+const mrt_pull *performer_pull(const performer *self)
+{
+    return &self->good;
+}
+
+const double *performer_displacement(const performer *self)
+{
+    return self->displacement;
+}
+
+uint32_t performer_engagement(const performer *self)
+{
+    return self->engagement;
+}
+
+bool performer_is_anchored(const performer *self)
+{
+    return self->engaged;
+}
+
+const performer_counts *performer_counted(const performer *self)
+{
+    return &self->counts;
+}

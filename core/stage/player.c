@@ -1,0 +1,181 @@
+#include "stage/player.h"
+#include "base/clock.h"
+
+#include <math.h>
+
+/* In real time, how long to sleep when no sample is there and no frame is due. */
+static const int64_t idle_span_ns = 1 * NS_PER_MS;
+
+/* A longer silence in a record is damage, not a pause: it would be hours of frames. */
+static const int64_t gap_max_ns = 3600 * NS_PER_S;
+
+typedef struct playing {
+    performer *performer;
+    input *const *inputs;
+    uint32_t input_count;
+    const player_settings *settings;
+    const player_events *events;
+    player_report *report;
+    channel_route route[PLAYER_INPUTS_MAX];
+    bool started;
+    int64_t start_ns, last_ns;
+    int64_t work_ns; /* since the last drawn frame */
+} playing;
+
+static int64_t frame_time_ns(const playing *self, uint32_t index)
+{
+    return self->start_ns + (int64_t)llround((double)index * 1e9 / self->settings->fps);
+}
+
+static mrt_result draw_frame(playing *self, error *err)
+{
+    int64_t before = clock_now_ns();
+    performer_draw(self->performer);
+    int64_t work_ns = self->work_ns + clock_now_ns() - before;
+    self->work_ns = 0;
+    uint32_t index = self->report->frame_count++;
+    return self->events->frame(self->events->data, index, (double)index / self->settings->fps,
+                               work_ns, err);
+}
+
+/* Draws the frames whose time is before time_ns: a frame shows every sample up to its own time. */
+static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
+{
+    mrt_result result = MRT_OK;
+    while (result >= 0 && frame_time_ns(self, self->report->frame_count) < time_ns)
+        result = draw_frame(self, err);
+    return result;
+}
+
+/* The input with the earliest sample, or -1. */
+static int earliest(const playing *self, mrt_sample *out)
+{
+    int found = -1;
+    for (uint32_t i = 0; i < self->input_count; ++i) {
+        mrt_sample sample;
+        if (!input_peek(self->inputs[i], &sample))
+            continue;
+        if (found < 0 || sample.time_ns < out->time_ns) {
+            *out = sample;
+            found = (int)i;
+        }
+    }
+    return found;
+}
+
+static bool are_over(const playing *self)
+{
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        if (input_state_of(self->inputs[i]) == INPUT_RUNNING)
+            return false;
+    return true;
+}
+
+static bool is_stopped(const playing *self)
+{
+    return self->settings->stop && atomic_load(self->settings->stop);
+}
+
+static bool is_past_end(const playing *self, int64_t time_ns)
+{
+    double seconds = self->settings->seconds;
+    return seconds > 0 && self->started && (double)(time_ns - self->start_ns) >= seconds * 1e9;
+}
+
+static mrt_result play_sample(playing *self, int from, const mrt_sample *sample, error *err)
+{
+    if (!self->started) {
+        self->started = true;
+        self->start_ns = sample->time_ns;
+    }
+    if (sample->time_ns - self->last_ns > gap_max_ns && self->report->sample_count > 0)
+        return error_set(
+            err, MRT_ERR_FORMAT,
+            "%s: a gap of %.0f s after sample %ju: set start or end, or split the record",
+            input_name(self->inputs[from]), (double)(sample->time_ns - self->last_ns) / 1e9,
+            (uintmax_t)self->report->sample_count);
+    mrt_result result = draw_before(self, sample->time_ns, err);
+    if (result < 0)
+        return result;
+    int64_t before = clock_now_ns();
+    performer_sample(self->performer, &self->route[from], sample);
+    self->work_ns += clock_now_ns() - before;
+    self->report->sample_count += 1;
+    if (sample->time_ns > self->last_ns || self->report->sample_count == 1)
+        self->last_ns = sample->time_ns;
+    return MRT_OK;
+}
+
+/* Real time, nothing to play: draws what is due and sleeps a little. */
+static mrt_result idle(playing *self, error *err)
+{
+    int64_t now = clock_now_ns();
+    mrt_result result = MRT_OK;
+    if (self->started)
+        result = draw_before(self, now, err);
+    clock_sleep_until_ns(now + idle_span_ns);
+    return result;
+}
+
+static mrt_result play(playing *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    while (result >= 0 && !is_stopped(self)) {
+        mrt_sample sample;
+        bool over = are_over(self); /* asked first: what came before the end is still in a ring */
+        int from = earliest(self, &sample);
+        if (from >= 0) {
+            if (is_past_end(self, sample.time_ns))
+                break;
+            input_take(self->inputs[from]);
+            result = play_sample(self, from, &sample, err);
+        } else if (over || self->settings->clock == CLOCK_VIRTUAL) {
+            break;
+        } else if (is_past_end(self, clock_now_ns())) {
+            break;
+        } else {
+            result = idle(self, err);
+        }
+    }
+    /* The last samples are shown too. */
+    if (result >= 0 && self->started)
+        result = draw_before(self, self->last_ns + 1, err);
+    return result;
+}
+
+mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
+                      const player_settings *settings, const player_events *events,
+                      player_report *out_report, error *err)
+{
+    *out_report = (player_report){0};
+    if (input_count == 0 || input_count > PLAYER_INPUTS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs were given, 1 to %d are possible",
+                         input_count, PLAYER_INPUTS_MAX);
+    if (!(settings->fps > 0) || !(settings->fps <= 1000))
+        return error_set(err, MRT_ERR_ARGUMENT, "%g frames a second, 0 to 1000 are possible",
+                         settings->fps);
+    playing self = {.performer = p,
+                    .inputs = inputs,
+                    .input_count = input_count,
+                    .settings = settings,
+                    .events = events,
+                    .report = out_report};
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < input_count && result >= 0; ++i) {
+        uint32_t count;
+        const mrt_channel *channels = input_channels(inputs[i], &count);
+        channel_route_init(&self.route[i], channels, count);
+        result = input_start(inputs[i], err);
+    }
+    if (result >= 0)
+        result = play(&self, err);
+    for (uint32_t i = 0; i < input_count; ++i) {
+        input_stop(inputs[i]);
+        out_report->dropped += input_dropped(inputs[i]);
+        out_report->refused += input_refused(inputs[i]);
+        out_report->input_failed |= input_state_of(inputs[i]) == INPUT_FAILED;
+    }
+    if (self.started)
+        out_report->duration_s = (double)(self.last_ns - self.start_ns) / 1e9;
+    return result;
+}

@@ -1,0 +1,39 @@
+/* stage/player.h - plays inputs into a performer: samples in time order, drawn frames at a fixed
+ * rate between them, in real time or as fast as possible. The samples are performed alike either
+ * way; in real time a frame shows those that have arrived by then. [main], or the frame thread of a
+ * window. */
+#ifndef MAROTTE_STAGE_PLAYER_H
+#define MAROTTE_STAGE_PLAYER_H
+#include "stage/input.h"
+#include "stage/performer.h"
+
+typedef struct player_settings {
+    double fps;           /* of drawn frames, > 0 */
+    double seconds;       /* stop after so much of the performance; 0: when the inputs are over */
+    instance_clock clock; /* the one that the inputs were created with */
+    _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
+} player_settings;
+
+typedef struct player_events {
+    /* After performer_draw of frame `index`, time_s from the start of the performance. work_ns:
+     * what steps 3 to 7 took since the last drawn frame. < 0 ends the performance with that result.
+     */
+    mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
+    void *data;
+} player_events;
+
+typedef struct player_report {
+    uint64_t sample_count;
+    uint32_t frame_count;
+    uint32_t dropped, refused;
+    double duration_s; /* from the first to the last sample */
+    bool input_failed;
+} player_report;
+
+enum { PLAYER_INPUTS_MAX = 8 };
+
+CHECKED mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
+                              const player_settings *settings, const player_events *events,
+                              player_report *out_report, error *err);
+
+#endif

@@ -1,0 +1,219 @@
+/* The paper's anchored mapping: the fingertips take hold of the face where they are at engage, and
+ * from then on each pulls its place by as much as it has moved since. */
+#include "clutch.h"
+#include "placement.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    GAIN = PLACEMENT_COUNT,
+    RADIUS,
+    REACH,
+    GATE,
+    LEAK,
+    CLUTCH,
+    PARAM_COUNT = CLUTCH + CLUTCH_COUNT
+};
+
+typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
+
+struct mrt_plugin {
+    placement placement;
+    clutch clutch;
+    phase phase;
+    uint32_t count;                           /* of points held */
+    mrt_vec3 reference[PLACEMENT_POINTS_MAX]; /* where each hand point counts from */
+    mrt_vec3 let_go[PLACEMENT_POINTS_MAX];    /* springing: the displacement at release */
+    double spring_s;                          /* since release */
+};
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    (void)host;
+    return calloc(1, sizeof(mrt_plugin));
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+static mrt_vec3 difference(mrt_vec3 a, mrt_vec3 b)
+{
+    return (mrt_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* d made no longer than reach: d (1 + (|d| / reach)^4)^(-1/4), smooth, and nearly d while short. */
+static mrt_vec3 limited(mrt_vec3 d, float reach_mm)
+{
+    float q = (d.x * d.x + d.y * d.y + d.z * d.z) / (reach_mm * reach_mm);
+    float s = 1.0f / sqrtf(sqrtf(1.0f + q * q));
+    return (mrt_vec3){s * d.x, s * d.y, s * d.z};
+}
+
+static void set_displacement(mrt_vector *vector, mrt_vec3 d)
+{
+    vector->end = (mrt_vec3){vector->start.x + d.x, vector->start.y + d.y, vector->start.z + d.z};
+}
+
+/* New starts where the hand is now; nothing moves, so nothing jumps. */
+static void take_hold(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        self->reference[i] = point[i];
+        pull->vector[i] = (mrt_vector){point[i], point[i], 0};
+    }
+    self->count = pull->count = count;
+    self->phase = HOLDING;
+    pull->mode = MRT_ANCHORED;
+    pull->anchor += 1;
+}
+
+static void probe(mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        pull->vector[i] = (mrt_vector){point[i], point[i], 0};
+    pull->count = count;
+    pull->mode = MRT_IDLE;
+}
+
+/* The reference follows the hand with time constant leak_s: a held pull eases away. */
+static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double dt_s)
+{
+    float part = (float)(dt_s / (leak_s + dt_s));
+    for (uint32_t i = 0; i < self->count; ++i) {
+        mrt_vec3 d = difference(point[i], self->reference[i]);
+        self->reference[i].x += part * d.x;
+        self->reference[i].y += part * d.y;
+        self->reference[i].z += part * d.z;
+    }
+}
+
+static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, const mrt_vec3 *point)
+{
+    const double *params = frame->params;
+    float gain = (float)params[GAIN];
+    float reach_mm = pull->radius_mm * (float)(0.01 * params[REACH]);
+    if (params[LEAK] > 0.0 && frame->dt_s > 0.0)
+        leak(self, point, params[LEAK], frame->dt_s);
+    for (uint32_t i = 0; i < self->count; ++i) {
+        mrt_vec3 d = difference(point[i], self->reference[i]);
+        set_displacement(&pull->vector[i],
+                         limited((mrt_vec3){gain * d.x, gain * d.y, gain * d.z}, reach_mm));
+    }
+}
+
+static void let_go(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pull)
+{
+    bool springs = clutch_springs_back(frame->params + CLUTCH);
+    self->phase = springs && self->phase == HOLDING ? SPRINGING : LOOSE;
+    self->spring_s = 0.0;
+    for (uint32_t i = 0; i < self->count; ++i)
+        self->let_go[i] = difference(pull->vector[i].end, pull->vector[i].start);
+}
+
+/* Minimum-jerk way back to the starts. */
+static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    self->spring_s += frame->dt_s;
+    double t = fmin(self->spring_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME], 1.0);
+    float rest = (float)(1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t));
+    for (uint32_t i = 0; i < self->count; ++i) {
+        mrt_vec3 d = self->let_go[i];
+        set_displacement(&pull->vector[i], (mrt_vec3){rest * d.x, rest * d.y, rest * d.z});
+    }
+    if (t >= 1.0)
+        self->phase = LOOSE;
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    placement_activate(&self->placement, face);
+    return MRT_OK;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+static void reset(mrt_plugin *self)
+{
+    placement_reset(&self->placement);
+    clutch_reset(&self->clutch);
+    self->phase = LOOSE;
+    self->count = 0;
+}
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    mrt_vec3 point[PLACEMENT_POINTS_MAX];
+    const double *params = frame->params;
+    uint32_t count = placement_points(&self->placement, frame, point);
+    if (count == 0 && self->phase != SPRINGING)
+        return MRT_HOLD;
+    clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
+    bool is_gated = params[GATE] > 0.5;
+    if (self->phase != HOLDING && self->phase != SPRINGING)
+        pull->radius_mm = placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]);
+    pull->gate = is_gated;
+    if (events.commit) {
+        pull->commit += 1;
+        events.engage = true;
+    }
+    bool has_changed = self->phase == HOLDING && count != self->count; /* a hand came or went */
+    if (events.release)
+        let_go(self, frame, pull);
+    else if (events.engage || has_changed)
+        self->phase = SEEKING;
+
+    if (self->phase == SEEKING && count > 0) {
+        if (!is_gated || has_changed || frame->near)
+            take_hold(self, pull, point, count);
+        else
+            probe(pull, point, count);
+    } else if (self->phase == HOLDING) {
+        hold(self, frame, pull, point);
+    } else if (self->phase == SPRINGING) {
+        spring_back(self, frame, pull);
+    }
+    return MRT_OK;
+}
+
+static const char *const off_on[] = {"Off", "On", NULL};
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    PLACEMENT_PARAMS,
+    {12, 0, "Gain", "Pull", "", "How far the face moves when the hand moves by 1.",
+     0, 4, 0.6, NULL},
+    {13, 0, "Radius", "Pull", "%",
+     "Support radius of each point, in per cent of the face's height; taken at engage.",
+     2, 200, 25, NULL},
+    {14, 0, "Reach", "Pull", "%",
+     "Where a pull is softly stopped, in per cent of the radius: beyond 47 a surface folds.",
+     1, 100, 30, NULL},
+    {15, MRT_PARAM_STEPPED, "Gate", "Pull", "",
+     "Take hold only when a point is within its radius of the face.", 0, 1, 1, off_on},
+    {16, 0, "Leak", "Pull", "s",
+     "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
+    CLUTCH_PARAMS,
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping}, {NULL, NULL}};
+static const mrt_plugin_type anchored = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.anchored",
+    "Anchored",
+    "1.0",
+    "Fingertips take hold of the face and pull it from where they took hold.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&anchored, NULL};

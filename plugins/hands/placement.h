@@ -1,0 +1,75 @@
+/* hands/placement.h - where a performer's hands stand in a face, for mappings that pull with points
+ * of the hand: which points, their size, posture and place. The first frame in which a hand is
+ * present is laid at the place asked for (the centre of its fingertips there); from then on the
+ * hand moves freely. Pure functions of frame and parameters; [frame]. */
+#ifndef MAROTTE_PLUGINS_HANDS_PLACEMENT_H
+#define MAROTTE_PLUGINS_HANDS_PLACEMENT_H
+#include <marotte/plugin.h>
+
+/* The parameters, first in the table of every mapping that uses them, in this order. */
+enum {
+    PLACEMENT_HANDS = 0, /* which hands pull */
+    PLACEMENT_PALM,      /* palm points too */
+    PLACEMENT_POSTURE,
+    PLACEMENT_SIZE,
+    PLACEMENT_ACROSS,
+    PLACEMENT_UP,
+    PLACEMENT_DEPTH,
+    PLACEMENT_APART,
+    PLACEMENT_PITCH,
+    PLACEMENT_YAW,
+    PLACEMENT_ROLL,
+    PLACEMENT_COUNT
+};
+enum { PLACEMENT_POINTS_MAX = 2 * (5 + MRT_PALM) };
+
+extern const char *const placement_hands_labels[];
+extern const char *const placement_off_on_labels[];
+extern const char *const placement_posture_labels[];
+/* clang-format off */
+#define PLACEMENT_PARAMS \
+    {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Which hands pull.", \
+     0, 2, 0, placement_hands_labels}, \
+    {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Whether eight points of the palm pull too.", \
+     0, 1, 0, placement_off_on_labels}, \
+    {3, MRT_PARAM_STEPPED, "Posture", "Placement", "", \
+     "In the head: fingers point out of the face, as in a puppet. Before the face: palm towards " \
+     "the face, fingers up.", 0, 1, 0, placement_posture_labels}, \
+    {4, 0, "Size", "Placement", "%", \
+     "Length of the hand, in per cent of the face's height.", 10, 300, 90, NULL}, \
+    {5, 0, "Across", "Placement", "%", \
+     "Where the fingertips are laid: 0 the subject's right edge of the face, 100 the left.", \
+     -100, 200, 50, NULL}, \
+    {6, 0, "Up", "Placement", "%", \
+     "Where the fingertips are laid: 0 the lower edge of the face, 100 the top.", \
+     -100, 200, 45, NULL}, \
+    {7, 0, "Depth", "Placement", "%", \
+     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, 85, NULL}, \
+    {8, 0, "Apart", "Placement", "%", \
+     "With both hands: how far apart they are laid, in per cent of the face's width.", \
+     0, 200, 50, NULL}, \
+    {9, 0, "Pitch", "Placement", "deg", "Turns the hand: fingertips up.", -180, 180, 0, NULL}, \
+    {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the subject's left.", \
+     -180, 180, 0, NULL}, \
+    {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: right thumb up.", \
+     -180, 180, 0, NULL}
+/* clang-format on */
+
+typedef struct placement {
+    mrt_vec3 low, size; /* of the face, mm */
+    bool is_laid[2];
+    mrt_vec3 home[2]; /* hand frame: what lies at the place asked for */
+} placement;
+
+void placement_activate(placement *self, const mrt_face *face);
+void placement_reset(placement *self); /* the next frame lays the hands anew */
+
+/* The points of the hands in the face frame, mm: per hand (left first) the fingertips from thumb to
+ * little, then the palm points. Returns their number, 0 when no hand that pulls is present. */
+uint32_t placement_points(placement *self, const mrt_frame *frame,
+                          mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
+
+/* The height of the face, mm, at least 1. */
+float placement_face_height(const placement *self);
+
+#endif

@@ -1,0 +1,132 @@
+/* The paper's unanchored mapping: wherever the fingertips are near the face they take it along,
+ * each sample from where they were to where they are. What they do stays, as in clay. */
+#include "clutch.h"
+#include "placement.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { GAIN = PLACEMENT_COUNT, RADIUS, GATE, LEAK, CLUTCH, PARAM_COUNT = CLUTCH + CLUTCH_COUNT };
+
+/* In so many times the release time a spring back has come e^-3 = 5 % near its end. */
+static const double release_rate = 3.0;
+
+struct mrt_plugin {
+    placement placement;
+    clutch clutch;
+    bool is_touching;
+    uint32_t count;
+    mrt_vec3 hand[PLACEMENT_POINTS_MAX]; /* the hand's points in the last frame */
+};
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    (void)host;
+    return calloc(1, sizeof(mrt_plugin));
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    placement_activate(&self->placement, face);
+    return MRT_OK;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+static void reset(mrt_plugin *self)
+{
+    placement_reset(&self->placement);
+    clutch_reset(&self->clutch);
+    self->is_touching = false;
+    self->count = 0;
+}
+
+/* The points of the pull start where the hand is: the first frame of a touch moves nothing. */
+static void touch(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        pull->vector[i] = (mrt_vector){point[i], point[i], 0};
+    self->count = count;
+    self->is_touching = true;
+}
+
+/* Each point goes on from its last end by the hand's way since, times gain. */
+static void drag(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float gain)
+{
+    for (uint32_t i = 0; i < self->count; ++i) {
+        mrt_vector *v = &pull->vector[i];
+        mrt_vec3 before = self->hand[i];
+        v->start = v->end;
+        v->end.x += gain * (point[i].x - before.x);
+        v->end.y += gain * (point[i].y - before.y);
+        v->end.z += gain * (point[i].z - before.z);
+    }
+}
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    mrt_vec3 point[PLACEMENT_POINTS_MAX];
+    const double *params = frame->params;
+    uint32_t count = placement_points(&self->placement, frame, point);
+    clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
+    bool springs = clutch_springs_back(params + CLUTCH);
+    pull->mode = MRT_UNANCHORED;
+    pull->gate = params[GATE] > 0.5;
+    pull->radius_mm = placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]);
+    pull->commit += events.commit;
+    if (events.release)
+        self->is_touching = false;
+    else if (count > 0 && (events.engage || (self->is_touching && count != self->count)))
+        touch(self, pull, point, count);
+    else if (self->is_touching && count > 0)
+        drag(self, pull, point, (float)params[GAIN]);
+    for (uint32_t i = 0; i < count; ++i)
+        self->hand[i] = point[i];
+
+    pull->count = self->is_touching && count > 0 ? self->count : 0;
+    pull->leak_per_s = params[LEAK] > 0.0 ? (float)(1.0 / params[LEAK]) : 0.0f;
+    if (!self->is_touching && springs)
+        pull->leak_per_s = (float)(release_rate / params[CLUTCH + CLUTCH_RELEASE_TIME]);
+    return MRT_OK;
+}
+
+static const char *const off_on[] = {"Off", "On", NULL};
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    PLACEMENT_PARAMS,
+    {12, 0, "Gain", "Pull", "", "How far the points move when the hand moves by 1.",
+     0, 4, 0.6, NULL},
+    {13, 0, "Radius", "Pull", "%",
+     "Support radius of each point, in per cent of the face's height.", 2, 200, 25, NULL},
+    {14, MRT_PARAM_STEPPED, "Gate", "Pull", "",
+     "Move the face only while a point is within its radius of it.", 0, 1, 1, off_on},
+    {15, 0, "Leak", "Pull", "s",
+     "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
+    CLUTCH_PARAMS,
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping}, {NULL, NULL}};
+static const mrt_plugin_type unanchored = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.unanchored",
+    "Unanchored",
+    "1.0",
+    "Fingertips move whatever they are near, and it stays: clay.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&unanchored, NULL};
