@@ -1,5 +1,7 @@
 #include "base/rigid.h"
 
+#include "base/angle.h"
+
 #include <math.h>
 
 vec3 vec3_cross(vec3 a, vec3 b)
@@ -58,8 +60,8 @@ rigid rigid_inverse(const rigid *m)
 
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
 {
-    double s = sin(angle_rad);
-    double half = sin(0.5 * angle_rad);
+    double s = angle_turn_of(angle_rad).sin;
+    double half = angle_turn_of(0.5 * angle_rad).sin;
     double c1 = 2.0 * half * half; /* 1 - cos, exact for small angles */
     double u[3] = {axis.x, axis.y, axis.z};
     rigid out = rigid_identity();

@@ -1,6 +1,6 @@
 /* base/rigid.h - small vectors and rigid motions in double precision. Right-handed; a rigid motion
- * maps x to R x + t. Only +, -, *, / and sqrt are used after construction: same bits everywhere.
- * Pure functions; any thread. */
+ * maps x to R x + t. Only +, -, *, / and sqrt are used, in turns too (angle.h): same bits
+ * everywhere. Pure functions; any thread. */
 #ifndef MAROTTE_BASE_RIGID_H
 #define MAROTTE_BASE_RIGID_H
 

@@ -3,6 +3,9 @@
  * Angles are in the sensor order of plugin.h (MRT_CH_ANGLE), rad:
  *   flexion positive towards the palm; abduction positive = fingers spread; thumb roll positive =
  *   across the palm; wrist pitch positive = flexion (palm side), wrist yaw positive = radial side.
+ *   The three spreads are between neighbours: middle-index, ring-middle, little-ring.
+ *   All zero is a flat hand with straight, parallel fingers and the thumb in the plane of the palm
+ *   beside the index finger; a relaxed thumb has a roll of about 0.6.
  * The hand frame of plugin.h: origin wrist, +z along the fingers, +y out of the back of the hand,
  * so the right thumb is at +x and the left one at -x. [frame] everything but load: no allocation.
  */
@@ -20,8 +23,9 @@ typedef struct hand_table {
 
 typedef struct hand_calibration {
     hand_table sensor[MRT_ANGLES];
-    bool has_distal[4]; /* false: the distal joint (index..little) is estimated from the middle one
-                         */
+    /* false: the distal joint (index..little) is estimated from the middle one. Both functions
+     * below say true: who knows that the glove has 18 sensors says otherwise. */
+    bool has_distal[4];
 } hand_calibration;
 
 /* Raw is rad: recorded logs. */
@@ -29,16 +33,24 @@ void hand_calibration_identity(hand_calibration *out);
 /* The plausible hand for an uncalibrated glove that gives counts. */
 void hand_calibration_default(hand_calibration *out);
 
-/* raw: MRT_ANGLES values; out_rad likewise. Non-finite raw gives the sensor's middle value. */
+/* raw: MRT_ANGLES values; out_rad likewise, within +-pi. Non-finite raw gives the sensor's middle
+ * value. */
 void hand_calibrate(const hand_calibration *calibration, const float *raw, float *out_rad);
 
-/* Lengths and rest positions of one hand. */
+/* Lengths and rest positions of one hand: the default shape, which nothing changes afterwards.
+ * hand_length_mm: wrist to the tip of the straight middle finger. */
+enum { HAND_LENGTH_MIN_MM = 50, HAND_LENGTH_MM = 190, HAND_LENGTH_MAX_MM = 400 };
 typedef struct hand_skeleton hand_skeleton;
-hand_skeleton *hand_skeleton_create(uint32_t side, double hand_length_mm); /* MRT_LEFT, MRT_RIGHT */
+/* side: MRT_LEFT, MRT_RIGHT. NULL: no memory, or a length or side that is none. */
+hand_skeleton *hand_skeleton_create(uint32_t side, double hand_length_mm);
 void hand_skeleton_destroy(hand_skeleton *skeleton);
 
 /* Joints and palm points in mm for the angles, the hand moved by `wrist` (identity: untracked).
- * Always from the default shape. out_joint: MRT_JOINTS, out_palm: MRT_PALM. */
+ * Always from the default shape. A left hand is the exact mirror image (x -> -x) of a right one.
+ * Non-finite angles count as 0.
+ * out_joint: MRT_JOINTS: wrist, then CMC, MCP, IP, tip of the thumb and MCP, PIP, DIP, tip of the
+ * index .. little finger. out_palm: MRT_PALM points of the palmar skin: heel of the hand, thenar
+ * eminence, hypothenar eminence, hollow, and the pads below index, middle, ring, little finger. */
 void hand_pose(const hand_skeleton *skeleton, const float *angle_rad, const rigid *wrist,
                mrt_vec3 *out_joint, mrt_vec3 *out_palm);
 

@@ -1,0 +1,58 @@
+#include "base/angle.h"
+
+#include <math.h>
+#include <stdint.h>
+
+/* pi/2 in two parts; the first has 33 bits, so that a whole number below 2^20 times it is exact. */
+static const double QUARTER_HIGH = 1.57079632673412561417e+00;
+static const double QUARTER_LOW = 6.07710050650619224932e-11;
+
+/* Taylor series; for |x| <= pi/4 the first term left out is below 5e-17. */
+static double sine_near_zero(double x)
+{
+    double q = x * x;
+    double p = -1.0 / 1307674368000.0; /* 15! */
+    p = p * q + 1.0 / 6227020800.0;
+    p = p * q - 1.0 / 39916800.0;
+    p = p * q + 1.0 / 362880.0;
+    p = p * q - 1.0 / 5040.0;
+    p = p * q + 1.0 / 120.0;
+    p = p * q - 1.0 / 6.0;
+    return x + x * (q * p);
+}
+
+static double cosine_near_zero(double x)
+{
+    double q = x * x;
+    double p = 1.0 / 20922789888000.0; /* 16! */
+    p = p * q - 1.0 / 87178291200.0;
+    p = p * q + 1.0 / 479001600.0;
+    p = p * q - 1.0 / 3628800.0;
+    p = p * q + 1.0 / 40320.0;
+    p = p * q - 1.0 / 720.0;
+    p = p * q + 1.0 / 24.0;
+    p = p * q - 0.5;
+    return 1.0 + q * p;
+}
+
+angle_turn angle_turn_of(double angle_rad)
+{
+    if (!isfinite(angle_rad))
+        return (angle_turn){0.0, 1.0};
+    if (angle_rad > 1e4 || angle_rad < -1e4)
+        angle_rad = fmod(angle_rad, 2.0 * ANGLE_PI); /* exact by definition, in every libm */
+    double quarters = angle_rad * (2.0 / ANGLE_PI);
+    int32_t quarter = (int32_t)(quarters < 0.0 ? quarters - 0.5 : quarters + 0.5);
+    double x = angle_rad - quarter * QUARTER_HIGH - quarter * QUARTER_LOW;
+    double s = sine_near_zero(x), c = cosine_near_zero(x);
+    switch (quarter & 3) {
+    case 0:
+        return (angle_turn){s, c};
+    case 1:
+        return (angle_turn){c, -s};
+    case 2:
+        return (angle_turn){-s, -c};
+    default:
+        return (angle_turn){-c, s};
+    }
+}
