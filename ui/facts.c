@@ -1,0 +1,72 @@
+#include "facts.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+struct facts {
+    json_t *object; /* NULL: for a person */
+};
+
+facts *facts_create(bool as_json)
+{
+    facts *self = calloc(1, sizeof *self);
+    if (!self || !as_json)
+        return self;
+    self->object = json_object();
+    if (self->object)
+        return self;
+    free(self);
+    return NULL;
+}
+
+void facts_abandon(facts *self)
+{
+    if (!self)
+        return;
+    json_decref(self->object);
+    free(self);
+}
+
+void facts_finish(facts *self)
+{
+    if (self && self->object) {
+        json_dumpf(self->object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+        putchar('\n');
+    }
+    facts_abandon(self);
+}
+
+void facts_number(facts *self, const char *key, const char *label, double value, int decimals,
+                  const char *unit)
+{
+    if (self->object)
+        json_object_set_new(self->object, key,
+                            decimals == 0 ? json_integer((json_int_t)llround(value))
+                                          : json_real(value));
+    else
+        printf("%-18s %.*f%s%s\n", label, decimals, value, unit[0] ? " " : "", unit);
+}
+
+void facts_text(facts *self, const char *key, const char *label, const char *value)
+{
+    if (self->object)
+        json_object_set_new(self->object, key, json_string_nocheck(value));
+    else
+        printf("%-18s %s\n", label, value);
+}
+
+void facts_list(facts *self, const char *key, const char *label, const char *value)
+{
+    if (!self->object) {
+        printf("%-18s %s\n", label, value);
+        return;
+    }
+    json_t *list = json_object_get(self->object, key);
+    if (!list) {
+        list = json_array();
+        json_object_set_new(self->object, key, list);
+    }
+    json_array_append_new(list, json_string_nocheck(value));
+}

@@ -1,0 +1,22 @@
+/* facts.h - what a command did, one line per fact for a person, or one JSON object for a machine.
+ * Keys are lower case with the unit at their end ("frame_median_ms"). [main] */
+#ifndef MAROTTE_UI_FACTS_H
+#define MAROTTE_UI_FACTS_H
+#include <stdbool.h>
+
+typedef struct facts facts;
+
+facts *facts_create(bool as_json); /* NULL: no memory */
+/* As JSON: prints the object. Frees it; NULL is fine. */
+void facts_finish(facts *self);
+/* Frees it and prints nothing more: the command failed. */
+void facts_abandon(facts *self);
+
+/* "label  value unit", value with so many decimals. */
+void facts_number(facts *self, const char *key, const char *label, double value, int decimals,
+                  const char *unit);
+void facts_text(facts *self, const char *key, const char *label, const char *value);
+/* Adds to a list of texts: "label  value" for each. */
+void facts_list(facts *self, const char *key, const char *label, const char *value);
+
+#endif

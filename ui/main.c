@@ -1,0 +1,67 @@
+/* The program: finds the command and runs it. */
+#include "command.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static const command *const commands[] = {&command_perform, &command_deform, &command_plugin};
+enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
+
+static void print_help(FILE *stream)
+{
+    fputs("marotte " MAROTTE_VERSION ": perform a face with your hands\n\n"
+          "  marotte COMMAND [OPTIONS]      (marotte COMMAND --help says more)\n\n",
+          stream);
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        fprintf(stream, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    fputs("\nExit codes: 0 done, 1 failed, 2 wrong usage.\n", stream);
+}
+
+static bool asks_for_help(int argc, char **argv)
+{
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
+            return true;
+    return false;
+}
+
+/* Everything that was printed has to have arrived somewhere: a full disk is a failure. */
+static int flushed(int code)
+{
+    bool failed = ferror(stdout) != 0;
+    failed |= fflush(stdout) != 0;
+    if (!failed || code != COMMAND_DONE)
+        return code;
+    fputs("marotte: the output could not be written\n", stderr);
+    return COMMAND_FAILED;
+}
+
+int main(int argc, char **argv)
+{
+    signal(SIGPIPE, SIG_IGN);
+    if (argc < 2) {
+        print_help(stderr);
+        return COMMAND_USAGE;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        print_help(stdout);
+        return flushed(COMMAND_DONE);
+    }
+    if (strcmp(name, "--version") == 0) {
+        puts("marotte " MAROTTE_VERSION);
+        return flushed(COMMAND_DONE);
+    }
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        if (strcmp(name, commands[i]->name) != 0)
+            continue;
+        if (asks_for_help(argc - 1, argv + 1)) {
+            fputs(commands[i]->help, stdout);
+            return flushed(COMMAND_DONE);
+        }
+        return flushed(commands[i]->run(argc - 1, argv + 1));
+    }
+    fprintf(stderr, "marotte: there is no command \"%s\" (marotte --help)\n", name);
+    return COMMAND_USAGE;
+}

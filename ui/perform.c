@@ -1,0 +1,396 @@
+/* marotte perform: a performance without a window. */
+#include "base/file.h"
+#include "command.h"
+#include "draw/sheet.h"
+#include "facts.h"
+#include "perform_options.h"
+#include "progress.h"
+#include "recording.h"
+#include "stage/player.h"
+#include "stage/plugins.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Everything that a performance needs, made in this order and destroyed in reverse. */
+typedef struct performance {
+    const perform_options *options;
+    log_queue *log;
+    plugin_list plugins;
+    mesh mesh;
+    instance_clock clock;
+    input *inputs[PERFORM_INPUTS_MAX];
+    uint32_t input_count;
+    instance mapping;
+    performer *performer;
+    recording recording;
+    player_report report;
+    progress progress;
+} performance;
+
+static _Atomic bool stop_asked;
+
+static void ask_stop(int number)
+{
+    (void)number;
+    atomic_store(&stop_asked, true);
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* News of the plugins, to stderr. */
+static void print_log(log_queue *log)
+{
+    static const char *const levels[] = {"debug", "note", "warning", "error"};
+    log_record record;
+    while (log && log_pop(log, &record))
+        if (record.level > MRT_LOG_DEBUG && record.level <= MRT_LOG_ERROR)
+            fprintf(stderr, "%s: %s: %s\n", levels[record.level], record.source, record.text);
+}
+
+static void print_note(const mesh *m)
+{
+    for (const char *line = m->note; line && *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stderr, "note: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+/* An export that cannot be written is better known before an hour of performing. */
+static mrt_result check_export(const char *path, error *err)
+{
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is a directory, cannot write a file there", path);
+    char *directory = file_directory(path);
+    if (!directory)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    const char *folder = directory[0] ? directory : ".";
+    mrt_result result = MRT_OK;
+    if (stat(folder, &status) != 0)
+        result = error_set(err, MRT_ERR_IO, "%s: the folder %s: %s", path, folder, strerror(errno));
+    else if (!S_ISDIR(status.st_mode) || access(folder, W_OK) != 0)
+        result = error_set(err, MRT_ERR_IO, "%s: cannot write into %s", path, folder);
+    free(directory);
+    return result;
+}
+
+static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_types, error *err)
+{
+    self->clock = self->options->is_realtime ? CLOCK_REAL : CLOCK_VIRTUAL;
+    for (uint32_t i = 0; i < self->options->input_count; ++i) {
+        mrt_result result = plugin_list_find(&self->plugins, self->options->input[i].plugin,
+                                             MRT_INPUT, &out_types[i], err);
+        if (result < 0)
+            return result;
+        const mrt_input *functions = plugin_interface(out_types[i], MRT_INPUT);
+        if (!(functions->flags & MRT_INPUT_RECORDED))
+            self->clock = CLOCK_REAL; /* a device: life sets the pace */
+    }
+    return MRT_OK;
+}
+
+static mrt_result open_inputs(performance *self, error *err)
+{
+    const mrt_plugin_type *types[PERFORM_INPUTS_MAX];
+    mrt_result result = find_inputs(self, types, err);
+    for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
+        const plugin_spec *spec = &self->options->input[i];
+        result = input_create(&self->inputs[i], types[i], spec->address, spec->params, self->clock,
+                              self->log, err);
+        self->input_count += result >= 0;
+    }
+    return result;
+}
+
+static mrt_result open_mapping(performance *self, error *err)
+{
+    const mrt_plugin_type *type;
+    const plugin_spec *spec = &self->options->map;
+    mrt_result result = plugin_list_find(&self->plugins, spec->plugin, MRT_MAPPING, &type, err);
+    if (result >= 0)
+        result = instance_create(&self->mapping, type, self->clock, self->log, err);
+    if (result >= 0)
+        result = instance_set_list(&self->mapping, spec->params, err);
+    return result;
+}
+
+static mrt_result prepare(performance *self, error *err)
+{
+    const perform_options *options = self->options;
+    for (uint32_t i = 0; i < options->export_count; ++i) {
+        mrt_result result = check_export(options->exports[i].path, err);
+        if (result < 0)
+            return result;
+    }
+    self->log = log_queue_create();
+    if (!self->log)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
+    mrt_result result = plugin_list_load(&self->plugins, err);
+    if (result >= 0)
+        result = mesh_file_read(&self->mesh, options->face, options->unit, err);
+    if (result < 0)
+        return result;
+    print_note(&self->mesh);
+    result = open_inputs(self, err);
+    if (result >= 0)
+        result = open_mapping(self, err);
+    performer_settings settings = {.hand_length_mm = options->hand_length_mm};
+    if (result >= 0)
+        result = performer_create(&self->performer, &self->mesh, &self->mapping, &settings, err);
+    if (result >= 0)
+        result = recording_create(&self->recording, &self->mesh, options->fps, NULL, err);
+    return result;
+}
+
+static void finish(performance *self)
+{
+    recording_destroy(&self->recording);
+    performer_destroy(self->performer);
+    instance_destroy(&self->mapping);
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        input_destroy(self->inputs[i]);
+    mesh_destroy(&self->mesh);
+    plugin_list_destroy(&self->plugins);
+    print_log(self->log);
+    log_queue_destroy(self->log);
+}
+
+/* Nonsense from a plugin: on stage the last good pull is held; an offline performance fails. */
+static mrt_result check_pulls(const performance *self, error *err)
+{
+    const performer_counts *counts = performer_counted(self->performer);
+    if (counts->bad_pulls == 0 || self->clock == CLOCK_REAL)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_FORMAT, "%s (sample %ju)", counts->first_problem.text,
+                     (uintmax_t)counts->samples);
+}
+
+static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
+{
+    (void)index;
+    performance *self = data;
+    char text[64];
+    print_log(self->log);
+    snprintf(text, sizeof text, "%.1f s", time_s);
+    progress_show(&self->progress,
+                  self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);
+    mrt_result result = check_pulls(self, err);
+    if (result < 0)
+        return result;
+    return recording_add(&self->recording, self->performer, work_ns, err);
+}
+
+static mrt_result perform(performance *self, error *err)
+{
+    player_settings settings = {.fps = self->options->fps,
+                                .seconds = self->options->seconds,
+                                .clock = self->clock,
+                                .stop = &stop_asked};
+    player_events events = {.frame = on_frame, .data = self};
+    progress_start(&self->progress, "performing");
+    mrt_result result = player_run(self->performer, self->inputs, self->input_count, &settings,
+                                   &events, &self->report, err);
+    progress_end(&self->progress);
+    print_log(self->log);
+    if (result >= 0)
+        result = check_pulls(self, err);
+    if (result >= 0 && self->report.sample_count == 0)
+        result = error_set(err, MRT_ERR_FORMAT, "%s: gave no samples", input_name(self->inputs[0]));
+    return result;
+}
+
+static void report_folds(const performance *self, facts *told)
+{
+    const performer_counts *counts = performer_counted(self->performer);
+    const recording *kept = &self->recording;
+    double folds = (double)kept->folded_frames + (double)counts->folded_steps;
+    facts_number(told, "folds", "folds", folds, 0, "frames or steps");
+    facts_number(told, "min_determinant", "least determinant",
+                 fmin(kept->min_determinant, counts->min_determinant), 3, "");
+    if (counts->limited_steps)
+        facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
+                     "samples in which the hand was faster than the surface can follow");
+    if (counts->held_pulls)
+        facts_number(told, "held_pulls", "held pulls", (double)counts->held_pulls, 0,
+                     counts->first_problem.text);
+    if (counts->bad_pulls)
+        facts_number(told, "bad_pulls", "bad pulls", (double)counts->bad_pulls, 0,
+                     counts->first_problem.text);
+}
+
+static void report_performance(performance *self, facts *told)
+{
+    const performer_counts *counts = performer_counted(self->performer);
+    const player_report *report = &self->report;
+    facts_text(told, "face", "face", self->options->face);
+    facts_number(told, "vertices", "vertices", self->mesh.vertex_count, 0, "");
+    facts_number(told, "triangles", "triangles", self->mesh.triangle_count, 0, "");
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        facts_list(told, "inputs", "input", input_name(self->inputs[i]));
+    facts_text(told, "mapping", "mapping", self->mapping.type->id);
+    facts_number(told, "samples", "samples read", (double)report->sample_count, 0, "");
+    if (report->dropped + report->refused)
+        facts_number(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
+                     "");
+    facts_number(told, "duration_s", "duration", report->duration_s, 2, "s");
+    facts_number(told, "frames", "frames", report->frame_count, 0, "");
+    facts_number(told, "fps", "frame rate", self->options->fps, 2, "per second");
+    facts_number(told, "frame_median_ms", "median frame", recording_median_ms(&self->recording), 3,
+                 "ms");
+    facts_number(told, "frame_worst_ms", "worst frame", recording_worst_ms(&self->recording), 3,
+                 "ms");
+    facts_number(told, "engagements", "engagements", (double)counts->engagements, 0, "");
+    facts_number(told, "commits", "commits", (double)counts->commits, 0, "");
+    facts_number(told, "substeps", "substeps", (double)counts->substeps, 0, "");
+    facts_number(told, "range_of_motion_mm", "range of motion", self->recording.furthest_mm, 2,
+                 "mm");
+    report_folds(self, told);
+}
+
+static void on_export(void *data, double done)
+{
+    progress_show(data, done, "");
+}
+
+static mrt_result write_glb(const performance *self, const char *path, const export_progress *steps,
+                            facts *told, error *err)
+{
+    gltf_options options = {.tolerance_mm = self->options->tolerance_mm,
+                            .max_targets = self->options->max_targets};
+    gltf_report report;
+    mrt_result result = gltf_write(path, self->recording.clip, &options, steps, &report, err);
+    if (result < 0)
+        return result;
+    facts_number(told, "gltf_targets", "morph targets", report.target_count, 0, "");
+    facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0, "");
+    facts_number(told, "gltf_max_error_mm", "greatest error", report.max_error_mm, 4, "mm");
+    facts_number(told, "gltf_tolerance_mm", "tolerance", report.tolerance_mm, 4, "mm");
+    return MRT_OK;
+}
+
+static mrt_result write_sheet(const performance *self, const char *path, error *err)
+{
+    char title[256];
+    const char *dot = strrchr(self->mapping.type->id, '.');
+    snprintf(title, sizeof title, "%s, %s", input_name(self->inputs[0]),
+             dot ? dot + 1 : self->mapping.type->id);
+    return sheet_write(path, self->recording.clip, title, err);
+}
+
+static mrt_result write_export(performance *self, const perform_export *export, facts *told,
+                               error *err)
+{
+    export_progress steps = {on_export, &self->progress};
+    const clip *frames = self->recording.clip;
+    switch (export->format) {
+    case EXPORT_GLB:
+        return write_glb(self, export->path, &steps, told, err);
+    case EXPORT_PC2:
+        return pc2_write(export->path, frames, &steps, err);
+    case EXPORT_MDD:
+        return mdd_write(export->path, frames, &steps, err);
+    case EXPORT_CSV:
+        return csv_write(export->path, frames, &steps, err);
+    case EXPORT_PNG:
+        return write_sheet(self, export->path, err);
+    case EXPORT_NONE:
+        break;
+    }
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: unknown format", export->path);
+}
+
+static mrt_result write_exports(performance *self, facts *told, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->options->export_count && result >= 0; ++i) {
+        const perform_export *export = &self->options->exports[i];
+        progress_start(&self->progress, "writing");
+        result = write_export(self, export, told, err);
+        progress_end(&self->progress);
+        if (result >= 0)
+            facts_list(told, "files", "wrote", export->path);
+    }
+    struct rusage usage;
+    if (result >= 0 && getrusage(RUSAGE_SELF, &usage) == 0)
+        facts_number(told, "peak_memory_mib", "peak memory", (double)usage.ru_maxrss / 1024.0, 1,
+                     "MiB");
+    return result;
+}
+
+static int run(int argc, char **argv)
+{
+    perform_options options;
+    int code = perform_options_read(&options, &command_perform, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    performance self = {.options = &options};
+    error err = {""};
+    catch_signals();
+    facts *told = facts_create(options.is_json);
+    mrt_result result = told ? prepare(&self, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0)
+        result = perform(&self, &err);
+    if (result >= 0) {
+        report_performance(&self, told);
+        result = write_exports(&self, told, &err);
+    }
+    if (result >= 0 && self.report.input_failed)
+        result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
+                           input_name(self.inputs[0]));
+    if (result >= 0)
+        facts_finish(told);
+    else
+        facts_abandon(told);
+    finish(&self);
+    perform_options_finish(&options);
+    return result < 0 ? command_failed(&command_perform, &err) : COMMAND_DONE;
+}
+
+const command command_perform = {
+    .name = "perform",
+    .summary = "performs a face without a window, from recordings or devices",
+    .help =
+        "marotte perform --face MESH --input PLUGIN[:ADDRESS][,key=value]... --map "
+        "PLUGIN[,key=value]...\n"
+        "                [--export FILE]... [--fps N] [--seconds N] [--realtime] [--json]\n"
+        "\n"
+        "Hands come in, a face comes out: as fast as possible from recordings, in real time from\n"
+        "devices.\n"
+        "\n"
+        "  --face MESH        .glb .gltf .obj .ply .off, others through OpenMesh\n"
+        "  --unit mm|cm|m     of the mesh's coordinates (glTF: m; else guessed from its size)\n"
+        "  --input SPEC       an input plugin, what it opens, its parameters; up to 8 times\n"
+        "                     log:plugins/log/demo_hand.csv,speed=2\n"
+        "  --map SPEC         a mapping plugin and its parameters\n"
+        "                     anchored,radius=30,gain=0.8\n"
+        "  --export FILE      .glb   glTF: base mesh, morph targets, animation\n"
+        "                     .pc2 .mdd   vertex caches, mm\n"
+        "                     .csv   the control vectors as text, mm\n"
+        "                     .png   a contact sheet of eight moments\n"
+        "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
+        "  --seconds N        stop after so much of the performance\n"
+        "  --realtime         play recordings in real time\n"
+        "  --hand-length MM   of the performer, wrist to middle fingertip (190)\n"
+        "  --tolerance MM     greatest vertex error of unanchored frames in glTF\n"
+        "                     (0.1 % of the face's height)\n"
+        "  --max-targets N    at most so many morph targets for unanchored frames\n"
+        "  --json             the facts for machines\n"
+        "\n"
+        "Plugins and their parameters: marotte plugin list --params\n",
+    .run = run,
+};

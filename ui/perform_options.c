@@ -1,0 +1,202 @@
+#include "perform_options.h"
+#include "base/file.h"
+#include "base/text.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    OPTION_FACE = 256,
+    OPTION_UNIT,
+    OPTION_INPUT,
+    OPTION_MAP,
+    OPTION_EXPORT,
+    OPTION_FPS,
+    OPTION_SECONDS,
+    OPTION_TOLERANCE,
+    OPTION_MAX_TARGETS,
+    OPTION_HAND_LENGTH,
+    OPTION_REALTIME,
+    OPTION_JSON
+};
+
+static const struct option option_table[] = {
+    {"face", required_argument, NULL, OPTION_FACE},
+    {"unit", required_argument, NULL, OPTION_UNIT},
+    {"input", required_argument, NULL, OPTION_INPUT},
+    {"map", required_argument, NULL, OPTION_MAP},
+    {"export", required_argument, NULL, OPTION_EXPORT},
+    {"fps", required_argument, NULL, OPTION_FPS},
+    {"seconds", required_argument, NULL, OPTION_SECONDS},
+    {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
+    {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
+    {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
+    {"realtime", no_argument, NULL, OPTION_REALTIME},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {NULL, 0, NULL, 0},
+};
+
+static const struct {
+    const char *extension;
+    export_format format;
+} formats[] = {
+    {"glb", EXPORT_GLB}, {"pc2", EXPORT_PC2}, {"mdd", EXPORT_MDD},
+    {"csv", EXPORT_CSV}, {"png", EXPORT_PNG},
+};
+
+static const struct {
+    const char *name;
+    mesh_unit unit;
+} units[] = {{"mm", MESH_UNIT_MM}, {"cm", MESH_UNIT_CM}, {"m", MESH_UNIT_M}};
+
+/* PLUGIN[:ADDRESS][,PARAMS]; a path to a library ("./x.so:...") is a plugin too. */
+static bool split_spec(plugin_spec *out, const char *text)
+{
+    size_t plugin_length = strcspn(text, ":,");
+    const char *rest = text + plugin_length;
+    const char *address = *rest == ':' ? rest + 1 : "";
+    size_t address_length = strcspn(address, ",");
+    const char *params = *rest == ':' ? address + address_length : rest;
+    if (*params == ',')
+        params += 1;
+    out->plugin = strndup(text, plugin_length);
+    out->address = strndup(address, address_length);
+    out->params = strdup(params);
+    return out->plugin && out->address && out->params && plugin_length > 0;
+}
+
+static void finish_spec(plugin_spec *spec)
+{
+    free(spec->plugin);
+    free(spec->address);
+    free(spec->params);
+}
+
+void perform_options_finish(perform_options *options)
+{
+    for (uint32_t i = 0; i < options->input_count; ++i)
+        finish_spec(&options->input[i]);
+    finish_spec(&options->map);
+}
+
+static int read_number(const command *self, const char *option, const char *text, double min,
+                       double max, double *out)
+{
+    if (text_double(text_view_of(text, strlen(text)), out) && *out >= min && *out <= max)
+        return COMMAND_DONE;
+    return command_usage(self, "--%s \"%s\" is not a number from %g to %g", option, text, min, max);
+}
+
+static int add_export(perform_options *out, const command *self, const char *path)
+{
+    if (out->export_count == PERFORM_EXPORTS_MAX)
+        return command_usage(self, "at most %d exports are possible", PERFORM_EXPORTS_MAX);
+    file_extension extension = file_extension_of(path);
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i) {
+        if (strcmp(extension.text, formats[i].extension) != 0)
+            continue;
+        out->exports[out->export_count++] = (perform_export){path, formats[i].format};
+        return COMMAND_DONE;
+    }
+    return command_usage(self, "--export %s: the name must end in .glb, .pc2, .mdd, .csv or .png",
+                         path);
+}
+
+static int read_unit(perform_options *out, const command *self, const char *text)
+{
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i) {
+        if (strcmp(units[i].name, text) != 0)
+            continue;
+        out->unit = units[i].unit;
+        return COMMAND_DONE;
+    }
+    return command_usage(self, "--unit \"%s\" is not mm, cm or m", text);
+}
+
+static int add_input(perform_options *out, const command *self, const char *text)
+{
+    if (out->input_count == PERFORM_INPUTS_MAX)
+        return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
+    if (!split_spec(&out->input[out->input_count++], text))
+        return command_usage(self, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+    return COMMAND_DONE;
+}
+
+static int set_map(perform_options *out, const command *self, const char *text)
+{
+    if (out->map.plugin)
+        return command_usage(self, "one --map is possible");
+    if (!split_spec(&out->map, text) || out->map.address[0])
+        return command_usage(self, "--map \"%s\" is not PLUGIN[,key=value]", text);
+    return COMMAND_DONE;
+}
+
+static int read_option(perform_options *out, const command *self, int option, const char *text)
+{
+    double number = 0;
+    int code;
+    switch (option) {
+    case OPTION_FACE:
+        out->face = text;
+        return COMMAND_DONE;
+    case OPTION_UNIT:
+        return read_unit(out, self, text);
+    case OPTION_INPUT:
+        return add_input(out, self, text);
+    case OPTION_MAP:
+        return set_map(out, self, text);
+    case OPTION_EXPORT:
+        return add_export(out, self, text);
+    case OPTION_FPS:
+        return read_number(self, "fps", text, 1, 1000, &out->fps);
+    case OPTION_SECONDS:
+        return read_number(self, "seconds", text, 0.001, 1e6, &out->seconds);
+    case OPTION_TOLERANCE:
+        return read_number(self, "tolerance", text, 1e-6, 1e3, &out->tolerance_mm);
+    case OPTION_HAND_LENGTH:
+        return read_number(self, "hand-length", text, 50, 400, &out->hand_length_mm);
+    case OPTION_MAX_TARGETS:
+        code = read_number(self, "max-targets", text, 1, 10000, &number);
+        out->max_targets = (uint32_t)number;
+        return code;
+    case OPTION_REALTIME:
+        out->is_realtime = true;
+        return COMMAND_DONE;
+    case OPTION_JSON:
+        out->is_json = true;
+        return COMMAND_DONE;
+    default:
+        return COMMAND_USAGE;
+    }
+}
+
+int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
+{
+    *out = (perform_options){.fps = 30.0};
+    int code = COMMAND_DONE;
+    opterr = 0;
+    optind = 1;
+    while (code == COMMAND_DONE) {
+        int option = getopt_long(argc, argv, ":", option_table, NULL);
+        if (option == -1)
+            break;
+        if (option == ':')
+            code = command_usage(self, "%s needs a value", argv[optind - 1]);
+        else if (option == '?')
+            code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
+        else
+            code = read_option(out, self, option, optarg);
+    }
+    if (code == COMMAND_DONE && optind < argc)
+        code = command_usage(self, "\"%s\" is not expected here", argv[optind]);
+    if (code == COMMAND_DONE && !out->face)
+        code = command_usage(self, "--face is missing");
+    if (code == COMMAND_DONE && out->input_count == 0)
+        code = command_usage(self, "--input is missing");
+    if (code == COMMAND_DONE && !out->map.plugin)
+        code = command_usage(self, "--map is missing");
+    if (code != COMMAND_DONE)
+        perform_options_finish(out);
+    return code;
+}

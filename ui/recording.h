@@ -1,0 +1,34 @@
+/* recording.h - what a headless performance leaves behind: its frames as a clip for the exporters,
+ * how long each took, how far the face moved, and whether it folded. Fed with drawn frames; nothing
+ * here counts as frame time. [main] */
+#ifndef MAROTTE_UI_RECORDING_H
+#define MAROTTE_UI_RECORDING_H
+#include "io/clip.h"
+#include "stage/performer.h"
+
+typedef struct recording {
+    clip *clip;
+    const mesh *mesh;
+    uint32_t engagement; /* of the performer at the last segment begun */
+    bool has_segment;
+    float *rows, *response; /* scratch: vertex_count by 3; MRT_MAX_VECTORS by vertex_count */
+    float *work_ms;         /* per frame */
+    uint32_t frame_count, frame_capacity;
+    double furthest_mm;     /* of any vertex from rest, in any frame */
+    uint32_t folded_frames; /* anchored frames with a determinant <= 0 at a vertex */
+    double min_determinant; /* of the anchored frames; 1 when the bound says that none folds */
+} recording;
+
+/* clip_directory: see clip_create. */
+CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps,
+                                    const char *clip_directory, error *err);
+void recording_destroy(recording *self);
+
+/* Takes the performer's shape as the next frame. */
+CHECKED mrt_result recording_add(recording *self, const performer *p, int64_t work_ns, error *err);
+
+/* Frame times, ms; 0 without frames. Sorts what recording_add kept. */
+double recording_median_ms(recording *self);
+double recording_worst_ms(recording *self);
+
+#endif
