@@ -14,12 +14,16 @@ void draw_context_destroy(draw_context *context);
 typedef struct draw_target draw_target; /* a multisampled framebuffer and its picture */
 draw_target *draw_target_create(uint32_t width, uint32_t height, error *err);
 void draw_target_destroy(draw_target *target);
+/* The OpenGL name of the picture as a 2D texture, brought up to date: colours as they go to a
+ * screen (sRGB-coded), first row at the bottom. Until the target is destroyed. */
+uint32_t draw_target_texture(draw_target *target);
 
 typedef struct draw_renderer draw_renderer; /* programs and lights */
 draw_renderer *draw_renderer_create(error *err);
 void draw_renderer_destroy(draw_renderer *renderer);
 
-typedef struct draw_face draw_face; /* a mesh on the graphics card */
+/* A mesh on the graphics card; the mesh itself is not needed any more. */
+typedef struct draw_face draw_face;
 draw_face *draw_face_create(const mesh *m, error *err);
 void draw_face_destroy(draw_face *face);
 /* position, normal: vertex_count by 3, mm; normal NULL: computed. */
@@ -39,9 +43,14 @@ draw_camera draw_camera_framing(const float low[3], const float high[3], float a
 void draw_render(draw_renderer *renderer, draw_target *target, const draw_face *face,
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width,
                  uint32_t height);
-/* Text in pixels from the top left of the target; size = height of a line. rgba 0..1. */
+/* Text (UTF-8) in pixels from the top left of the target; size = height of a line. rgba 0..1, as on
+ * a screen (sRGB). Draws nothing when there is no font. */
 void draw_text(draw_renderer *renderer, draw_target *target, const char *text, float x, float y,
                float size_px, const float rgba[4]);
+/* How wide draw_text would be, px; 0 when there is no font. */
+float draw_text_width(draw_renderer *renderer, const char *text, float size_px);
+/* The font file in use; NULL: none was found (installing fonts-inter helps). */
+const char *draw_text_font(const draw_renderer *renderer);
 /* out_rgba: width * height * 4, rows from the top. */
 void draw_read(draw_target *target, uint8_t *out_rgba);
 

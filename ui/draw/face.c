@@ -1,0 +1,244 @@
+#include "face.h"
+#include "mesh/normals.h"
+#include "occlusion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TRIANGLES_MAX = 200 * 1000 * 1000 }; /* index counts must fit GLsizei */
+static const float seam_cosine_given = 0.9f, seam_cosine_computed = 0.5f;
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to draw the mesh");
+}
+
+static mrt_result allocate(draw_face *self, uint32_t material_count, error *err)
+{
+    size_t vertices = (size_t)self->vertex_count + 1;
+    self->triangle = malloc(((size_t)self->triangle_count * 3 + 1) * sizeof *self->triangle);
+    self->batch = calloc((size_t)material_count + 1, sizeof *self->batch);
+    self->normal = malloc(vertices * 3 * sizeof *self->normal);
+    bool enough = self->triangle && self->batch && self->normal;
+    for (int i = 0; i < 6; ++i) {
+        self->lane[i] = malloc(vertices * sizeof *self->lane[i]);
+        enough = enough && self->lane[i];
+    }
+    return enough ? MRT_OK : no_memory(err);
+}
+
+/* One batch per material, in the order of the materials; triangles keep the file's order in it. */
+static void sort_by_material(draw_face *self, const mesh *m)
+{
+    size_t next = 0;
+    for (uint32_t material = 0; material < m->material_count; ++material) {
+        const mesh_material *look = &m->material[material];
+        size_t first = next;
+        for (uint32_t i = 0; i < m->part_count; ++i) {
+            const mesh_part *part = &m->part[i];
+            if (part->material != material)
+                continue;
+            size_t count = (size_t)part->triangle_count * 3;
+            memcpy(self->triangle + next, m->triangle + (size_t)part->first_triangle * 3,
+                   count * sizeof *self->triangle);
+            next += count;
+        }
+        if (next == first)
+            continue;
+        face_batch *batch = &self->batch[self->batch_count++];
+        *batch = (face_batch){.index_count = (GLsizei)(next - first),
+                              .first_index = first,
+                              .roughness = look->roughness,
+                              .metallic = look->metallic};
+        memcpy(batch->base_colour, look->base_colour, sizeof batch->base_colour);
+    }
+    if (self->batch_count == 0) { /* points */
+        self->batch_count = 1;
+        self->batch[0] = (face_batch){.base_colour = {0.6f, 0.6f, 0.6f, 1.0f}, .roughness = 0.7f};
+    }
+}
+
+static void compute_normals(draw_face *self, const float *position)
+{
+    float *const *lane = self->lane;
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        for (int axis = 0; axis < 3; ++axis)
+            lane[axis][v] = position[(size_t)v * 3 + (size_t)axis];
+    normals_smooth(lane[3], lane[4], lane[5], lane[0], lane[1], lane[2], self->vertex_count,
+                   self->triangle, self->triangle_count);
+    seams_join(&self->seam, lane[3], lane[4], lane[5]);
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        for (int axis = 0; axis < 3; ++axis)
+            self->normal[(size_t)v * 3 + (size_t)axis] = lane[3 + axis][v];
+}
+
+static void measure_ball(draw_face *self, const float *position)
+{
+    float low[3] = {0}, high[3] = {0};
+    bool found = false;
+    for (uint32_t v = 0; v < self->vertex_count; ++v) {
+        const float *p = position + (size_t)v * 3;
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+            continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = !found || p[axis] < low[axis] ? p[axis] : low[axis];
+            high[axis] = !found || p[axis] > high[axis] ? p[axis] : high[axis];
+        }
+        found = true;
+    }
+    float square = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+        float half = 0.5f * (high[axis] - low[axis]);
+        self->centre[axis] = low[axis] + half;
+        square += half * half;
+    }
+    self->radius_mm = square > 1e-6f && isfinite(square) ? sqrtf(square) : 1e-3f;
+}
+
+static GLuint add_buffer(GLenum target, size_t size, const void *data, GLenum usage)
+{
+    GLuint buffer = 0;
+    glGenBuffers(1, &buffer);
+    glBindBuffer(target, buffer);
+    glBufferData(target, (GLsizeiptr)size, data, usage);
+    return buffer;
+}
+
+static GLuint add_attribute(GLuint index, GLint component_count, uint32_t vertex_count,
+                            const float *value, GLenum usage)
+{
+    size_t size = (size_t)vertex_count * (size_t)component_count * sizeof *value;
+    GLuint buffer = add_buffer(GL_ARRAY_BUFFER, size, value, usage);
+    glVertexAttribPointer(index, component_count, GL_FLOAT, GL_FALSE, 0, NULL);
+    glEnableVertexAttribArray(index);
+    return buffer;
+}
+
+static mrt_result upload(draw_face *self, const float *position, error *err)
+{
+    uint32_t count = self->vertex_count;
+    glGenVertexArrays(1, &self->vertex_array);
+    glBindVertexArray(self->vertex_array);
+    self->position_buffer = add_attribute(FACE_POSITION, 3, count, position, GL_STREAM_DRAW);
+    self->normal_buffer = add_attribute(FACE_NORMAL, 3, count, self->normal, GL_STREAM_DRAW);
+    self->rest_buffer = add_attribute(FACE_REST, 3, count, position, GL_STATIC_DRAW);
+    self->index_buffer = add_buffer(GL_ELEMENT_ARRAY_BUFFER,
+                                    (size_t)self->triangle_count * 3 * sizeof *self->triangle,
+                                    self->triangle, GL_STATIC_DRAW);
+    return gl_check_error("the mesh", err);
+}
+
+static mrt_result add_openness(draw_face *self, const float *position, error *err)
+{
+    float *openness = malloc(((size_t)self->vertex_count + 1) * sizeof *openness);
+    if (!openness)
+        return no_memory(err);
+    mrt_result result = occlusion_bake(openness, self, position, err);
+    if (result == MRT_OK) {
+        glBindVertexArray(self->vertex_array);
+        self->openness_buffer =
+            add_attribute(FACE_OPENNESS, 1, self->vertex_count, openness, GL_STATIC_DRAW);
+        result = gl_check_error("the mesh", err);
+    }
+    free(openness);
+    return result;
+}
+
+static mrt_result fill(draw_face *self, const mesh *m, error *err)
+{
+    mrt_result result = allocate(self, m->material_count, err);
+    if (result != MRT_OK)
+        return result;
+    sort_by_material(self, m);
+    measure_ball(self, m->position);
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    self->height_mm = high[1] - low[1] > self->radius_mm ? high[1] - low[1] : self->radius_mm;
+    compute_normals(self, m->position); /* no seams yet */
+    const float *normal = m->normal ? m->normal : self->normal;
+    result = seams_init(&self->seam, m->position, normal, m->vertex_count,
+                        m->normal ? seam_cosine_given : seam_cosine_computed, err);
+    if (result != MRT_OK)
+        return result;
+    if (m->normal)
+        memcpy(self->normal, m->normal, (size_t)m->vertex_count * 3 * sizeof *self->normal);
+    else
+        compute_normals(self, m->position);
+    result = upload(self, m->position, err);
+    return result == MRT_OK ? add_openness(self, m->position, err) : result;
+}
+
+draw_face *draw_face_create(const mesh *m, error *err)
+{
+    if (gl_check_current(err) != MRT_OK || mesh_validate(m, err) != MRT_OK)
+        return NULL;
+    if (m->triangle_count > TRIANGLES_MAX) {
+        error_set(err, MRT_ERR_UNSUPPORTED, "a mesh of %u triangles cannot be drawn: at most %d",
+                  m->triangle_count, TRIANGLES_MAX);
+        return NULL;
+    }
+    draw_face *self = calloc(1, sizeof *self);
+    if (!self) {
+        no_memory(err);
+        return NULL;
+    }
+    self->vertex_count = m->vertex_count;
+    self->triangle_count = m->triangle_count;
+    gl_state before;
+    gl_state_enter(&before);
+    mrt_result result = fill(self, m, err);
+    gl_state_leave(&before);
+    if (result == MRT_OK)
+        return self;
+    draw_face_destroy(self);
+    return NULL;
+}
+
+void draw_face_destroy(draw_face *self)
+{
+    if (!self)
+        return;
+    GLuint buffers[] = {self->position_buffer, self->normal_buffer, self->rest_buffer,
+                        self->openness_buffer, self->index_buffer};
+    if (self->vertex_array) {
+        glDeleteVertexArrays(1, &self->vertex_array);
+        glDeleteBuffers((GLsizei)(sizeof buffers / sizeof *buffers), buffers);
+    }
+    seams_finish(&self->seam);
+    for (int i = 0; i < 6; ++i)
+        free(self->lane[i]);
+    free(self->normal);
+    free(self->triangle);
+    free(self->batch);
+    free(self);
+}
+
+static void replace(GLuint buffer, const float *value, uint32_t vertex_count)
+{
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)vertex_count * 3 * sizeof *value), value,
+                 GL_STREAM_DRAW);
+}
+
+void draw_face_update(draw_face *self, const float *position, const float *normal)
+{
+    GLint bound = 0;
+    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
+    measure_ball(self, position);
+    if (!normal) {
+        compute_normals(self, position);
+        normal = self->normal;
+    }
+    replace(self->position_buffer, position, self->vertex_count);
+    replace(self->normal_buffer, normal, self->vertex_count);
+    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
+}
+
+void face_draw_all(const draw_face *face)
+{
+    if (face->triangle_count)
+        glDrawElements(GL_TRIANGLES, (GLsizei)(face->triangle_count * 3), GL_UNSIGNED_INT, NULL);
+    else
+        glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+}

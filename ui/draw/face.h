@@ -1,0 +1,38 @@
+/* draw/face.h - the inside of a face on the graphics card. The thread of the context. */
+#ifndef MAROTTE_UI_DRAW_FACE_H
+#define MAROTTE_UI_DRAW_FACE_H
+#include "draw.h"
+#include "gl.h"
+#include "seams.h"
+
+enum { /* vertex attributes, as in shaders/face.vert */
+       FACE_POSITION = 0,
+       FACE_NORMAL = 1,
+       FACE_REST = 2,
+       FACE_OPENNESS = 3
+};
+
+typedef struct face_batch { /* the triangles of one material */
+    GLsizei index_count;
+    size_t first_index;
+    float base_colour[4], roughness, metallic;
+} face_batch;
+
+struct draw_face {
+    GLuint vertex_array, position_buffer, normal_buffer, rest_buffer, openness_buffer, index_buffer;
+    uint32_t vertex_count, triangle_count;
+    face_batch *batch;
+    uint32_t batch_count;
+    uint32_t *triangle; /* triangle_count by 3, sorted by batch */
+    seams seam;
+    float *lane[6];             /* x y z, nx ny nz: vertex_count each */
+    float *normal;              /* vertex_count by 3 */
+    float centre[3], radius_mm; /* a ball around the shape now */
+    float height_mm;            /* at rest */
+};
+
+/* Draws every triangle, or the vertices as points when there is none; the program and the vertex
+ * array are bound by the caller. */
+void face_draw_all(const draw_face *face);
+
+#endif

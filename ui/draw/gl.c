@@ -1,0 +1,256 @@
+#include "gl.h"
+#include "shaders.h"
+
+#include <dlfcn.h>
+#include <string.h>
+
+static bool current_in(const char *library, const char *function)
+{
+    void *handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
+    if (!handle)
+        return false;
+    void *(*get_current)(void) = NULL;
+    void *symbol = dlsym(handle, function);
+    memcpy(&get_current, &symbol, sizeof get_current);
+    bool current = get_current && get_current();
+    dlclose(handle);
+    return current;
+}
+
+bool gl_is_current(void)
+{
+    return current_in("libEGL.so.1", "eglGetCurrentContext") ||
+           current_in("libGLX.so.0", "glXGetCurrentContext") ||
+           current_in("libGL.so.1", "glXGetCurrentContext");
+}
+
+mrt_result gl_check_current(error *err)
+{
+    if (!gl_is_current())
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "no OpenGL context is current on this thread: create one first");
+    if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the graphics driver offers \"%s\", OpenGL 3.3 is needed: update the "
+                         "driver, or install libgl1-mesa-dri for drawing without one",
+                         (const char *)glGetString(GL_VERSION));
+    return MRT_OK;
+}
+
+mrt_result gl_check_error(const char *what, error *err)
+{
+    enum { MOST_PENDING = 32 }; /* a lost context reports for ever */
+    GLenum first = glGetError();
+    for (int i = 0; i < MOST_PENDING && glGetError() != GL_NO_ERROR; ++i)
+        ;
+    if (first == GL_NO_ERROR)
+        return MRT_OK;
+    if (first == GL_OUT_OF_MEMORY)
+        return error_set(err, MRT_ERR_MEMORY, "no graphics memory for %s", what);
+    return error_set(err, MRT_ERR_UNSUPPORTED, "OpenGL refused %s (error 0x%04x)", what, first);
+}
+
+static void copy_log(char *out, size_t capacity, GLuint object, bool is_program)
+{
+    GLsizei length = 0;
+    out[0] = '\0';
+    if (is_program)
+        glGetProgramInfoLog(object, (GLsizei)capacity, &length, out);
+    else
+        glGetShaderInfoLog(object, (GLsizei)capacity, &length, out);
+    for (char *c = out; *c; ++c)
+        if (*c == '\n' || *c == '\r')
+            *c = c[1] ? ';' : '\0';
+}
+
+static GLuint compile(GLenum type, const gl_source *source, error *err)
+{
+    static const char version[] = "#version 330 core\n", line[] = "\n#line 1\n";
+    const GLchar *text[] = {version, shaders_common.text, line, source->text};
+    const GLint size[] = {(GLint)strlen(version), (GLint)shaders_common.size, (GLint)strlen(line),
+                          (GLint)source->size};
+    GLuint shader = glCreateShader(type);
+    if (shader == 0) {
+        if (gl_check_error("a shader", err) == MRT_OK)
+            error_set(err, MRT_ERR_UNSUPPORTED, "OpenGL refused to make a shader");
+        return 0;
+    }
+    glShaderSource(shader, 4, text, size);
+    glCompileShader(shader);
+    GLint compiled = GL_FALSE;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled)
+        return shader;
+    char log[512];
+    copy_log(log, sizeof log, shader, false);
+    error_set(err, MRT_ERR_UNSUPPORTED, "the graphics driver refuses the shader %s: %s",
+              source->name, log);
+    glDeleteShader(shader);
+    return 0;
+}
+
+GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], error *err)
+{
+    GLuint vertex = compile(GL_VERTEX_SHADER, &stages[GL_STAGE_VERTEX], err);
+    GLuint fragment = vertex ? compile(GL_FRAGMENT_SHADER, &stages[GL_STAGE_FRAGMENT], err) : 0;
+    GLuint program = fragment ? glCreateProgram() : 0;
+    if (program) {
+        glAttachShader(program, vertex);
+        glAttachShader(program, fragment);
+        glLinkProgram(program);
+    }
+    glDeleteShader(vertex); /* goes with the program; 0 is ignored */
+    glDeleteShader(fragment);
+    if (!program)
+        return 0;
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked)
+        return program;
+    char log[512];
+    copy_log(log, sizeof log, program, true);
+    error_set(err, MRT_ERR_UNSUPPORTED, "the graphics driver cannot link %s with %s: %s",
+              stages[GL_STAGE_VERTEX].name, stages[GL_STAGE_FRAGMENT].name, log);
+    glDeleteProgram(program);
+    return 0;
+}
+
+static const GLenum switches[GL_STATE_SWITCHES] = {
+    GL_BLEND,        GL_CULL_FACE,           GL_DEPTH_TEST,     GL_SCISSOR_TEST,
+    GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL, GL_MULTISAMPLE,    GL_FRAMEBUFFER_SRGB,
+    GL_DEPTH_CLAMP,  GL_PRIMITIVE_RESTART,   GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD};
+static const GLenum pack_names[4] = {GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
+                                     GL_PACK_SKIP_PIXELS};
+static const GLenum unpack_names[4] = {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
+                                       GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS};
+
+static void save_transfers(gl_state *out)
+{
+    for (int i = 0; i < 4; ++i) {
+        glGetIntegerv(pack_names[i], &out->pack[i]);
+        glGetIntegerv(unpack_names[i], &out->unpack[i]);
+    }
+    glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &out->pack_buffer);
+    glGetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &out->unpack_buffer);
+}
+
+static void save_textures(gl_state *out)
+{
+    glGetIntegerv(GL_ACTIVE_TEXTURE, &out->unit);
+    for (GLuint i = 0; i < GL_STATE_UNITS; ++i) {
+        glActiveTexture(GL_TEXTURE0 + i);
+        glGetIntegerv(GL_TEXTURE_BINDING_2D, &out->texture[i]);
+        glGetIntegerv(GL_TEXTURE_BINDING_2D_MULTISAMPLE, &out->multisample_texture[i]);
+        glGetIntegerv(GL_SAMPLER_BINDING, &out->sampler[i]);
+    }
+}
+
+static void save(gl_state *out)
+{
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &out->draw_framebuffer);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &out->read_framebuffer);
+    glGetIntegerv(GL_CURRENT_PROGRAM, &out->program);
+    glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &out->vertex_array);
+    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &out->array_buffer);
+    glGetIntegerv(GL_VIEWPORT, out->viewport);
+    glGetIntegerv(GL_SCISSOR_BOX, out->scissor);
+    glGetIntegerv(GL_BLEND_SRC_RGB, &out->blend_source[0]);
+    glGetIntegerv(GL_BLEND_SRC_ALPHA, &out->blend_source[1]);
+    glGetIntegerv(GL_BLEND_DST_RGB, &out->blend_destination[0]);
+    glGetIntegerv(GL_BLEND_DST_ALPHA, &out->blend_destination[1]);
+    glGetIntegerv(GL_BLEND_EQUATION_RGB, &out->blend_equation[0]);
+    glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &out->blend_equation[1]);
+    glGetIntegerv(GL_CULL_FACE_MODE, &out->cull_face);
+    glGetIntegerv(GL_FRONT_FACE, &out->front_face);
+    glGetIntegerv(GL_DEPTH_FUNC, &out->depth_function);
+    out->polygon_mode[0] = out->polygon_mode[1] = GL_FILL; /* core drivers may set one value */
+    glGetIntegerv(GL_POLYGON_MODE, out->polygon_mode);
+    glGetFloatv(GL_COLOR_CLEAR_VALUE, out->clear_colour);
+    glGetFloatv(GL_POLYGON_OFFSET_FACTOR, &out->polygon_offset[0]);
+    glGetFloatv(GL_POLYGON_OFFSET_UNITS, &out->polygon_offset[1]);
+    glGetFloatv(GL_POINT_SIZE, &out->point_size);
+    glGetDoublev(GL_DEPTH_CLEAR_VALUE, &out->clear_depth);
+    glGetBooleanv(GL_COLOR_WRITEMASK, out->colour_mask);
+    glGetBooleanv(GL_DEPTH_WRITEMASK, &out->depth_mask);
+    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
+        out->enabled[i] = glIsEnabled(switches[i]);
+    save_textures(out);
+    save_transfers(out);
+}
+
+static void set_switch(GLenum name, bool on)
+{
+    if (on)
+        glEnable(name);
+    else
+        glDisable(name);
+}
+
+void gl_state_enter(gl_state *out)
+{
+    save(out);
+    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
+        set_switch(switches[i], switches[i] == GL_MULTISAMPLE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_LESS);
+    glClearDepth(1.0);
+    glFrontFace(GL_CCW);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glBlendEquation(GL_FUNC_ADD);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = 0; i < 4; ++i) {
+        glPixelStorei(pack_names[i], i == 0);
+        glPixelStorei(unpack_names[i], i == 0);
+    }
+    for (GLuint i = 0; i < GL_STATE_UNITS; ++i)
+        glBindSampler(i, 0);
+    glActiveTexture(GL_TEXTURE0);
+}
+
+static void leave_textures(const gl_state *state)
+{
+    for (GLuint i = 0; i < GL_STATE_UNITS; ++i) {
+        glActiveTexture(GL_TEXTURE0 + i);
+        glBindTexture(GL_TEXTURE_2D, (GLuint)state->texture[i]);
+        glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, (GLuint)state->multisample_texture[i]);
+        glBindSampler(i, (GLuint)state->sampler[i]);
+    }
+    glActiveTexture((GLenum)state->unit);
+}
+
+void gl_state_leave(const gl_state *state)
+{
+    leave_textures(state);
+    for (int i = 0; i < 4; ++i) {
+        glPixelStorei(pack_names[i], state->pack[i]);
+        glPixelStorei(unpack_names[i], state->unpack[i]);
+    }
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, (GLuint)state->pack_buffer);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)state->unpack_buffer);
+    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
+        set_switch(switches[i], state->enabled[i]);
+    glColorMask(state->colour_mask[0], state->colour_mask[1], state->colour_mask[2],
+                state->colour_mask[3]);
+    glDepthMask(state->depth_mask);
+    glDepthFunc((GLenum)state->depth_function);
+    glClearDepth(state->clear_depth);
+    glClearColor(state->clear_colour[0], state->clear_colour[1], state->clear_colour[2],
+                 state->clear_colour[3]);
+    glPointSize(state->point_size);
+    glPolygonOffset(state->polygon_offset[0], state->polygon_offset[1]);
+    glPolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
+    glFrontFace((GLenum)state->front_face);
+    glCullFace((GLenum)state->cull_face);
+    glBlendEquationSeparate((GLenum)state->blend_equation[0], (GLenum)state->blend_equation[1]);
+    glBlendFuncSeparate((GLenum)state->blend_source[0], (GLenum)state->blend_destination[0],
+                        (GLenum)state->blend_source[1], (GLenum)state->blend_destination[1]);
+    glScissor(state->scissor[0], state->scissor[1], state->scissor[2], state->scissor[3]);
+    glViewport(state->viewport[0], state->viewport[1], state->viewport[2], state->viewport[3]);
+    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)state->array_buffer);
+    glBindVertexArray((GLuint)state->vertex_array);
+    glUseProgram((GLuint)state->program);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)state->read_framebuffer);
+}

@@ -1,0 +1,40 @@
+/* draw/gl.h - what every drawing file needs of OpenGL: is there a context, does this program
+ * compile, and leaving the state of a window as it was. The thread of the context. */
+#ifndef MAROTTE_UI_DRAW_GL_H
+#define MAROTTE_UI_DRAW_GL_H
+#include "base/error.h"
+
+#include <epoxy/gl.h>
+
+/* Whether this thread has a current context, by EGL or GLX. libepoxy ends the process when a GL
+ * function is called without one, so this is asked first. */
+bool gl_is_current(void);
+/* The above, and that the context is OpenGL 3.3 or newer. */
+CHECKED mrt_result gl_check_current(error *err);
+/* MRT_OK, or what glGetError says about `what`; clears every pending error. */
+CHECKED mrt_result gl_check_error(const char *what, error *err);
+
+typedef enum gl_stage { GL_STAGE_VERTEX, GL_STAGE_FRAGMENT, GL_STAGE_COUNT } gl_stage;
+typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
+    const char *name, *text;
+    size_t size;
+} gl_source;
+/* 0: failed. Every stage sees the text of common.glsl before its own. */
+GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], error *err);
+
+enum { GL_STATE_UNITS = 2, GL_STATE_SWITCHES = 12 };
+typedef struct gl_state { /* of the caller: a window, a user interface */
+    GLint draw_framebuffer, read_framebuffer, program, vertex_array, array_buffer, unit;
+    GLint texture[GL_STATE_UNITS], multisample_texture[GL_STATE_UNITS], sampler[GL_STATE_UNITS];
+    GLint viewport[4], scissor[4], pack[4], unpack[4], pack_buffer, unpack_buffer;
+    GLint blend_source[2], blend_destination[2], blend_equation[2];
+    GLint cull_face, front_face, depth_function, polygon_mode[2];
+    GLfloat clear_colour[4], polygon_offset[2], point_size;
+    GLdouble clear_depth;
+    GLboolean colour_mask[4], depth_mask, enabled[GL_STATE_SWITCHES];
+} gl_state;
+/* Saves, then sets what drawing here starts from: nothing enabled, everything written. */
+void gl_state_enter(gl_state *out);
+void gl_state_leave(const gl_state *state);
+
+#endif

@@ -1,0 +1,254 @@
+#include "camera.h"
+#include "face.h"
+#include "renderer.h"
+#include "shaders.h"
+#include "target.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SHADOW_MAP = 2048, LIGHT_COUNT = 3, KEY = 0, SIDE_LIMIT = 32768 };
+
+/* Towards key, fill and rim, seen from a camera at yaw 0: the lights turn with the camera like a
+ * studio around a turntable, so that every view is lit. */
+static const float studio[LIGHT_COUNT][3] = {
+    {-0.5571f, 0.5970f, 0.5772f}, {0.8165f, 0.0272f, 0.5767f}, {0.5388f, 0.5089f, -0.6713f}};
+
+static void find_face_uniforms(renderer_face_program *out)
+{
+    GLuint p = out->program;
+    out->projection = glGetUniformLocation(p, "projection");
+    out->eye = glGetUniformLocation(p, "eye");
+    out->base_colour = glGetUniformLocation(p, "base_colour");
+    out->roughness = glGetUniformLocation(p, "roughness");
+    out->metallic = glGetUniformLocation(p, "metallic");
+    out->grain_scale = glGetUniformLocation(p, "grain_scale");
+    out->light_direction = glGetUniformLocation(p, "light_direction");
+    out->shadow_projection = glGetUniformLocation(p, "shadow_projection");
+    out->shadow_map = glGetUniformLocation(p, "shadow_map");
+    out->shadow_texel_mm = glGetUniformLocation(p, "shadow_texel_mm");
+    out->origin = glGetUniformLocation(p, "origin");
+}
+
+static mrt_result create_programs(draw_renderer *self, error *err)
+{
+    const gl_source face[] = {shaders_face_vert, shaders_face_frag};
+    const gl_source depth[] = {shaders_depth_vert, shaders_depth_frag};
+    const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
+    self->face.program = gl_program_create(face, err);
+    self->depth_program = self->face.program ? gl_program_create(depth, err) : 0;
+    self->background_program = self->depth_program ? gl_program_create(background, err) : 0;
+    if (!self->background_program)
+        return MRT_ERR_UNSUPPORTED;
+    find_face_uniforms(&self->face);
+    self->depth_projection = glGetUniformLocation(self->depth_program, "projection");
+    self->background_origin = glGetUniformLocation(self->background_program, "origin");
+    glGenVertexArrays(1, &self->vertex_array);
+    return gl_check_error("the drawing programs", err);
+}
+
+static mrt_result create_shadow(draw_renderer *self, error *err)
+{
+    static const GLfloat lit[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+    glGenTextures(1, &self->shadow_map);
+    glBindTexture(GL_TEXTURE_2D, self->shadow_map);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, SHADOW_MAP, SHADOW_MAP, 0,
+                 GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, lit);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glGenFramebuffers(1, &self->shadow_framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, self->shadow_map, 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    mrt_result result = gl_check_error("the shadow map", err);
+    if (result == MRT_OK && glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "the graphics driver cannot draw shadows");
+    return result;
+}
+
+draw_renderer *draw_renderer_create(error *err)
+{
+    if (gl_check_current(err) != MRT_OK)
+        return NULL;
+    draw_renderer *self = calloc(1, sizeof *self);
+    if (!self) {
+        error_set(err, MRT_ERR_MEMORY, "no memory for the renderer");
+        return NULL;
+    }
+    gl_state before;
+    gl_state_enter(&before);
+    bool made = create_programs(self, err) == MRT_OK && create_shadow(self, err) == MRT_OK;
+    if (made)
+        made = (self->letters = letters_create(letters_fonts, err)) != NULL;
+    gl_state_leave(&before);
+    if (made)
+        return self;
+    draw_renderer_destroy(self);
+    return NULL;
+}
+
+void draw_renderer_destroy(draw_renderer *self)
+{
+    if (!self)
+        return;
+    letters_destroy(self->letters);
+    glDeleteProgram(self->face.program);
+    glDeleteProgram(self->depth_program);
+    glDeleteProgram(self->background_program);
+    glDeleteTextures(1, &self->shadow_map);
+    glDeleteFramebuffers(1, &self->shadow_framebuffer);
+    glDeleteVertexArrays(1, &self->vertex_array);
+    free(self);
+}
+
+typedef struct view { /* one draw_render */
+    draw_camera camera;
+    GLint x, y; /* of the rectangle, from the bottom left */
+    GLsizei width, height;
+    float light[LIGHT_COUNT][3];
+    matrix4 shadow_projection; /* mm to clip space of the key light */
+    float shadow_radius_mm;
+} view;
+
+static void turn_lights(view *v)
+{
+    float s = (float)sin((double)v->camera.yaw_rad), c = (float)cos((double)v->camera.yaw_rad);
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        v->light[i][0] = c * studio[i][0] + s * studio[i][2];
+        v->light[i][1] = studio[i][1];
+        v->light[i][2] = c * studio[i][2] - s * studio[i][0];
+    }
+}
+
+static void draw_shadow(const draw_renderer *self, const draw_face *face, const view *v)
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
+    glViewport(0, 0, SHADOW_MAP, SHADOW_MAP);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    if (face->triangle_count == 0)
+        return;
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1.5f, 4.0f);
+    glUseProgram(self->depth_program);
+    glUniformMatrix4fv(self->depth_projection, 1, GL_FALSE, v->shadow_projection.m);
+    glBindVertexArray(face->vertex_array);
+    face_draw_all(face);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+static void draw_background(const draw_renderer *self, const view *v)
+{
+    glDisable(GL_DEPTH_TEST);
+    glUseProgram(self->background_program);
+    glUniform2i(self->background_origin, v->x, v->y);
+    glBindVertexArray(self->vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static void set_face_uniforms(const draw_renderer *self, const draw_face *face, const view *v)
+{
+    const renderer_face_program *u = &self->face;
+    float eye[3];
+    camera_eye(&v->camera, eye);
+    matrix4 projection = camera_projection(&v->camera, (float)v->width / (float)v->height,
+                                           face->centre, face->radius_mm);
+    matrix4 shadow = camera_to_texture(&v->shadow_projection);
+    glUseProgram(u->program);
+    glUniformMatrix4fv(u->projection, 1, GL_FALSE, projection.m);
+    glUniform3fv(u->eye, 1, eye);
+    glUniform1f(u->grain_scale, 1.0f / face->height_mm);
+    glUniform3fv(u->light_direction, LIGHT_COUNT, v->light[0]);
+    glUniformMatrix4fv(u->shadow_projection, 1, GL_FALSE, shadow.m);
+    glUniform1i(u->shadow_map, 0);
+    glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / SHADOW_MAP);
+    glUniform2i(u->origin, v->x, v->y);
+}
+
+static bool is_clear(const face_batch *batch)
+{
+    return batch->base_colour[3] < 0.999f;
+}
+
+static void draw_batches(const draw_renderer *self, const draw_face *face, bool clear_ones)
+{
+    for (uint32_t i = 0; i < face->batch_count; ++i) {
+        const face_batch *batch = &face->batch[i];
+        if (is_clear(batch) != clear_ones)
+            continue;
+        glUniform4fv(self->face.base_colour, 1, batch->base_colour);
+        glUniform1f(self->face.roughness, batch->roughness);
+        glUniform1f(self->face.metallic, batch->metallic);
+        if (face->triangle_count)
+            glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
+                           (const void *)(batch->first_index * sizeof(GLuint)));
+        else
+            glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+    }
+}
+
+static void draw_face_lit(const draw_renderer *self, const draw_face *face, const view *v)
+{
+    set_face_uniforms(self, face, v);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, self->shadow_map);
+    glBindVertexArray(face->vertex_array);
+    glEnable(GL_DEPTH_TEST);
+    glPointSize(4.0f);
+    draw_batches(self, face, false);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glDepthMask(GL_FALSE);
+    draw_batches(self, face, true);
+}
+
+void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,
+                 const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
+{
+    if (width == 0 || height == 0 || x >= target->width || y >= target->height ||
+        width > SIDE_LIMIT || height > SIDE_LIMIT)
+        return;
+    view v = {.camera = camera_made_safe(camera),
+              .x = (GLint)x,
+              .y = (GLint)target->height - (GLint)y - (GLint)height,
+              .width = (GLsizei)width,
+              .height = (GLsizei)height,
+              .shadow_radius_mm = face->radius_mm * 1.02f};
+    turn_lights(&v);
+    v.shadow_projection = camera_light_projection(v.light[KEY], face->centre, v.shadow_radius_mm);
+    gl_state before;
+    gl_state_enter(&before);
+    draw_shadow(self, face, &v);
+    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    glViewport(v.x, v.y, v.width, v.height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(v.x, v.y, v.width, v.height);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    draw_background(self, &v);
+    draw_face_lit(self, face, &v);
+    target->stale = true;
+    gl_state_leave(&before);
+}
+
+void draw_text(draw_renderer *self, draw_target *target, const char *words, float x, float y,
+               float size_px, const float rgba[4])
+{
+    letters_draw(self->letters, target, words, x, y, size_px, rgba);
+}
+
+float draw_text_width(draw_renderer *self, const char *words, float size_px)
+{
+    return letters_width(self->letters, words, size_px);
+}
+
+const char *draw_text_font(const draw_renderer *self)
+{
+    return letters_font(self->letters);
+}

@@ -1,0 +1,23 @@
+/* draw/renderer.h - the inside of the renderer. The thread of the context. */
+#ifndef MAROTTE_UI_DRAW_RENDERER_H
+#define MAROTTE_UI_DRAW_RENDERER_H
+#include "draw.h"
+#include "gl.h"
+#include "letters.h"
+
+typedef struct renderer_face_program {
+    GLuint program;
+    GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
+    GLint shadow_projection, shadow_map, shadow_texel_mm, origin;
+} renderer_face_program;
+
+struct draw_renderer {
+    renderer_face_program face;
+    GLuint depth_program, background_program;
+    GLint depth_projection, background_origin;
+    GLuint shadow_map, shadow_framebuffer;
+    GLuint vertex_array; /* without attributes */
+    letters *letters;
+};
+
+#endif

@@ -1,0 +1,29 @@
+// Before every shader: colour coding and the dither that keeps dark gradients free of bands.
+
+vec3 encode_srgb(vec3 linear)
+{
+    vec3 c = clamp(linear, 0.0, 1.0);
+    return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, vec3(lessThan(c, vec3(0.0031308))));
+}
+
+vec3 decode_srgb(vec3 encoded)
+{
+    return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92,
+               vec3(lessThan(encoded, vec3(0.04045))));
+}
+
+uint scramble(uint h)
+{
+    h ^= h >> 16;
+    h *= 0x7feb352du;
+    h ^= h >> 15;
+    h *= 0x846ca68bu;
+    return h ^ (h >> 16);
+}
+
+// Half a step of 8-bit colour to either side, fixed per pixel of the rectangle drawn.
+vec3 dither(ivec2 pixel)
+{
+    uint h = scramble(uint(pixel.x) * 0x9e3779b9u + scramble(uint(pixel.y)));
+    return (vec3(float(h & 1023u), float((h >> 10) & 1023u), float((h >> 20) & 1023u)) / 1023.0 - 0.5) / 255.0;
+}

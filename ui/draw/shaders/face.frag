@@ -1,0 +1,142 @@
+// A face in a studio: key light with a soft shadow, fill, rim, light from the room; GGX for what
+// shines, grain for what is rough as stone. Everything is in linear light until the last line.
+in vec3 v_position, v_normal, v_rest;
+in float v_openness;
+
+uniform vec3 eye;            // mm
+uniform vec4 base_colour;    // linear
+uniform float roughness, metallic;
+uniform float grain_scale;   // 1 / height of the face, 1/mm
+uniform vec3 light_direction[3]; // key, fill, rim: towards the light
+uniform mat4 shadow_projection;  // mm to 0..1
+uniform sampler2DShadow shadow_map;
+uniform float shadow_texel_mm;
+uniform ivec2 origin;
+out vec4 colour;
+
+const vec3 light_colour[3] = vec3[3](vec3(2.75, 2.62, 2.42), vec3(0.40, 0.45, 0.55), vec3(1.10, 1.22, 1.40));
+const vec3 sky = vec3(0.46, 0.50, 0.56), ground = vec3(0.17, 0.15, 0.13);
+
+float lattice(ivec3 p)
+{
+    uint h = scramble(uint(p.x) * 0x8da6b343u + uint(p.y) * 0xd8163841u + uint(p.z) * 0xcb1ab31fu);
+    return float(h & 0xffffu) / 32767.5 - 1.0;
+}
+
+// Value noise -1..1 and its gradient (yzw).
+vec4 noise(vec3 p)
+{
+    ivec3 i = ivec3(floor(p));
+    vec3 f = p - floor(p);
+    vec3 u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    vec3 du = 30.0 * f * f * (f * (f - 2.0) + 1.0);
+    float a = lattice(i), b = lattice(i + ivec3(1, 0, 0));
+    float c = lattice(i + ivec3(0, 1, 0)), d = lattice(i + ivec3(1, 1, 0));
+    float e = lattice(i + ivec3(0, 0, 1)), g = lattice(i + ivec3(1, 0, 1));
+    float h = lattice(i + ivec3(0, 1, 1)), k = lattice(i + ivec3(1, 1, 1));
+    float kx = b - a, ky = c - a, kz = e - a;
+    float kxy = a - b - c + d, kyz = a - c - e + h, kzx = a - b - e + g;
+    float kxyz = -a + b + c - d + e - g - h + k;
+    float value = a + kx * u.x + ky * u.y + kz * u.z + kxy * u.x * u.y + kyz * u.y * u.z +
+                  kzx * u.z * u.x + kxyz * u.x * u.y * u.z;
+    vec3 slope = du * (vec3(kx, ky, kz) + kxy * u.yxz * vec3(1, 1, 0) + kyz * vec3(0, u.z, u.y) +
+                       kzx * vec3(u.z, 0, u.x) + kxyz * vec3(u.y * u.z, u.z * u.x, u.x * u.y));
+    return vec4(value, slope);
+}
+
+// Adds one size of grain, unless it is finer than the pixels can show.
+void add_grain(float cells, float tint, float slope, inout vec4 grain)
+{
+    vec3 p = v_rest * grain_scale * cells;
+    float visible = 1.0 - smoothstep(0.35, 0.9, length(fwidth(p)));
+    if (visible > 0.0)
+        grain += visible * vec4(tint, vec3(slope)) * noise(p);
+}
+
+float key_visibility(vec3 normal)
+{
+    const float reach_texels = 11.0;
+    const int tap_count = 16;
+    float slant = sqrt(max(0.0, 1.0 - pow(dot(normal, light_direction[0]), 2.0)));
+    vec3 from = v_position + normal * shadow_texel_mm * (1.5 + 0.7 * reach_texels * slant);
+    vec3 place = (shadow_projection * vec4(from, 1.0)).xyz;
+    vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
+    float seen = 0.0;
+    for (int i = 0; i < tap_count; ++i) {
+        float turn = float(i) * 2.399963; // golden angle: an even disc
+        vec2 offset = sqrt((float(i) + 0.5) / float(tap_count)) * vec2(cos(turn), sin(turn));
+        seen += texture(shadow_map, vec3(place.xy + offset * reach_texels * texel, place.z));
+    }
+    return seen / float(tap_count);
+}
+
+// What a light sends to the eye (GGX, Smith, Schlick; wrapped a little: the lights are large).
+vec3 reflect_light(vec3 normal, vec3 to_eye, vec3 to_light, vec3 diffuse, vec3 mirror, float rough)
+{
+    const float wrap = 0.12;
+    float facing = dot(normal, to_light);
+    float n_l = max(facing, 0.0), n_v = max(dot(normal, to_eye), 1e-3);
+    vec3 half_way = normalize(to_light + to_eye);
+    float n_h = max(dot(normal, half_way), 0.0), v_h = max(dot(to_eye, half_way), 0.0);
+    float a = rough * rough, a2 = a * a;
+    float spread = n_h * n_h * (a2 - 1.0) + 1.0;
+    float lobe = a2 / (3.14159265 * spread * spread);
+    float hidden = 0.5 / mix(2.0 * n_l * n_v, n_l + n_v, a);
+    vec3 fresnel = mirror + (1.0 - mirror) * pow(1.0 - v_h, 5.0);
+    return diffuse * (1.0 - fresnel) * max((facing + wrap) / (1.0 + wrap), 0.0) / 3.14159265 +
+           fresnel * lobe * hidden * n_l;
+}
+
+// The room: light from above and a little from the floor, seen dully in what shines.
+vec3 reflect_room(vec3 normal, vec3 to_eye, vec3 diffuse, vec3 mirror, float rough, float open)
+{
+    vec3 around = mix(ground, sky, 0.5 + 0.5 * normal.y);
+    vec3 seen_direction = reflect(-to_eye, normal);
+    float edge = mix(0.15, 1.0, rough);
+    vec3 seen = mix(ground * 0.6, sky * 1.6, smoothstep(-edge, edge, seen_direction.y));
+    vec3 r = max(vec3(1.0 - rough), mirror) - mirror;
+    vec3 fresnel = mirror + r * pow(1.0 - max(dot(normal, to_eye), 0.0), 5.0);
+    return (diffuse * around + fresnel * seen * mix(1.0, 0.45, rough)) * open;
+}
+
+// Straight up to 0.7, then a shoulder towards 1; by the strongest channel, so hues stay.
+vec3 expose(vec3 light)
+{
+    float peak = max(light.r, max(light.g, light.b));
+    if (peak <= 0.7)
+        return light;
+    float over = (peak - 0.7) / 0.3;
+    return light * ((0.7 + 0.3 * over / (1.0 + over)) / peak);
+}
+
+void main()
+{
+    vec3 to_eye = normalize(eye - v_position);
+    vec3 normal = length(v_normal) > 1e-6 ? normalize(v_normal) : to_eye;
+    if (!gl_FrontFacing)
+        normal = -normal;
+    float open = clamp(v_openness, 0.0, 1.0);
+    float rough = clamp(roughness, 0.12, 1.0);
+    vec3 base = base_colour.rgb;
+
+    float stone = smoothstep(0.80, 0.86, roughness) * (1.0 - metallic);
+    if (stone > 0.0) {
+        vec4 grain = vec4(0.0);
+        add_grain(5.0, 0.10, 0.02, grain);
+        add_grain(22.0, 0.10, 0.06, grain);
+        add_grain(80.0, 0.10, 0.11, grain);
+        add_grain(210.0, 0.10, 0.12, grain);
+        grain *= stone;
+        base *= (1.0 + grain.x) * mix(1.0, mix(0.62, 1.04, open), stone);
+        normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
+    }
+
+    vec3 mirror = mix(vec3(0.04), base, metallic);
+    vec3 diffuse = base * (1.0 - metallic);
+    float visible[3] = float[3](key_visibility(normal), mix(0.35, 1.0, open), open);
+    vec3 light = reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
+    for (int i = 0; i < 3; ++i)
+        light += visible[i] * light_colour[i] *
+                 reflect_light(normal, to_eye, light_direction[i], diffuse, mirror, rough);
+    colour = vec4(encode_srgb(expose(light)) + dither(ivec2(gl_FragCoord.xy) - origin), base_colour.a);
+}

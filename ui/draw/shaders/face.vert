@@ -1,0 +1,16 @@
+layout(location = 0) in vec3 position; // mm
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 rest; // mm: where the grain of the stone is fixed
+layout(location = 3) in float openness;
+uniform mat4 projection;
+out vec3 v_position, v_normal, v_rest;
+out float v_openness;
+
+void main()
+{
+    v_position = position;
+    v_normal = normal;
+    v_rest = rest;
+    v_openness = openness;
+    gl_Position = projection * vec4(position, 1.0);
+}

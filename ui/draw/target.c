@@ -1,0 +1,187 @@
+#include "target.h"
+#include "shaders.h"
+
+#include <stdlib.h>
+
+enum { SIDE_MAX = 16384, SAMPLES_WANTED = 4 };
+static const uint64_t area_max = 36u << 20; /* 36 Mpixel: 1.3 GB of samples and depth */
+
+static mrt_result check_size(uint32_t width, uint32_t height, error *err)
+{
+    if (width == 0 || height == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "a picture of %u x %u pixels cannot be drawn",
+                         width, height);
+    GLint side = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+    uint32_t most = side > SIDE_MAX ? SIDE_MAX : side > 0 ? (uint32_t)side : 0;
+    if (width > most || height > most || (uint64_t)width * height > area_max)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "a picture of %u x %u pixels is too large: at most %u on a side and %u "
+                         "million in all",
+                         width, height, most, (unsigned)(area_max >> 20));
+    return MRT_OK;
+}
+
+static GLint samples_offered(void)
+{
+    GLint colour = 1, depth = 1;
+    glGetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &colour);
+    glGetIntegerv(GL_MAX_SAMPLES, &depth);
+    GLint offered = colour < depth ? colour : depth;
+    return offered > SAMPLES_WANTED ? SAMPLES_WANTED : offered < 1 ? 1 : offered;
+}
+
+static mrt_result check_framebuffer(const char *what, error *err)
+{
+    GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (status == GL_FRAMEBUFFER_COMPLETE)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "the graphics driver cannot draw into %s (status 0x%04x)", what, status);
+}
+
+static mrt_result create_samples(draw_target *self, error *err)
+{
+    GLsizei width = (GLsizei)self->width, height = (GLsizei)self->height;
+    self->sample_count = samples_offered();
+    glGenTextures(1, &self->samples);
+    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, self->samples);
+    glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, self->sample_count, GL_RGBA8, width, height,
+                            GL_TRUE);
+    glGenRenderbuffers(1, &self->depth);
+    glBindRenderbuffer(GL_RENDERBUFFER, self->depth);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, self->sample_count, GL_DEPTH_COMPONENT24,
+                                     width, height);
+    glGenFramebuffers(1, &self->framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE,
+                           self->samples, 0);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, self->depth);
+    mrt_result result = gl_check_error("the samples of a picture", err);
+    return result == MRT_OK ? check_framebuffer("multisampled memory", err) : result;
+}
+
+static mrt_result create_picture(draw_target *self, error *err)
+{
+    glGenTextures(1, &self->picture);
+    glBindTexture(GL_TEXTURE_2D, self->picture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)self->width, (GLsizei)self->height, 0,
+                 GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glGenFramebuffers(1, &self->picture_framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, self->picture, 0);
+    mrt_result result = gl_check_error("a picture", err);
+    return result == MRT_OK ? check_framebuffer("a picture", err) : result;
+}
+
+static mrt_result create_resolve(draw_target *self, error *err)
+{
+    const gl_source stages[] = {shaders_screen_vert, shaders_resolve_frag};
+    self->resolve_program = gl_program_create(stages, err);
+    if (!self->resolve_program)
+        return MRT_ERR_UNSUPPORTED;
+    glUseProgram(self->resolve_program);
+    glUniform1i(glGetUniformLocation(self->resolve_program, "samples"), 0);
+    glUniform1i(glGetUniformLocation(self->resolve_program, "sample_count"), self->sample_count);
+    glGenVertexArrays(1, &self->vertex_array);
+    return gl_check_error("the resolve program", err);
+}
+
+static void clear(draw_target *self)
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
+    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    self->stale = true;
+}
+
+draw_target *draw_target_create(uint32_t width, uint32_t height, error *err)
+{
+    if (gl_check_current(err) != MRT_OK || check_size(width, height, err) != MRT_OK)
+        return NULL;
+    draw_target *self = calloc(1, sizeof *self);
+    if (!self) {
+        error_set(err, MRT_ERR_MEMORY, "no memory for a picture");
+        return NULL;
+    }
+    self->width = width;
+    self->height = height;
+    gl_state before;
+    gl_state_enter(&before);
+    bool made = create_samples(self, err) == MRT_OK && create_picture(self, err) == MRT_OK &&
+                create_resolve(self, err) == MRT_OK;
+    if (made)
+        clear(self);
+    gl_state_leave(&before);
+    if (made)
+        return self;
+    draw_target_destroy(self);
+    return NULL;
+}
+
+void draw_target_destroy(draw_target *self)
+{
+    if (!self)
+        return;
+    glDeleteFramebuffers(1, &self->framebuffer);
+    glDeleteFramebuffers(1, &self->picture_framebuffer);
+    glDeleteTextures(1, &self->samples);
+    glDeleteTextures(1, &self->picture);
+    glDeleteRenderbuffers(1, &self->depth);
+    glDeleteVertexArrays(1, &self->vertex_array);
+    glDeleteProgram(self->resolve_program);
+    free(self);
+}
+
+static void resolve(draw_target *self)
+{
+    if (!self->stale)
+        return;
+    glBindFramebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
+    glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
+    glUseProgram(self->resolve_program);
+    glBindVertexArray(self->vertex_array);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, self->samples);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    self->stale = false;
+}
+
+uint32_t draw_target_texture(draw_target *self)
+{
+    gl_state before;
+    gl_state_enter(&before);
+    resolve(self);
+    gl_state_leave(&before);
+    return self->picture;
+}
+
+/* OpenGL's first row is the lowest. */
+static void turn_over(uint8_t *rows, size_t row_size, uint32_t row_count)
+{
+    for (uint32_t row = 0; row < row_count / 2; ++row) {
+        uint8_t *above = rows + row * row_size, *below = rows + (row_count - 1 - row) * row_size;
+        for (size_t i = 0; i < row_size; ++i) {
+            uint8_t kept = above[i];
+            above[i] = below[i];
+            below[i] = kept;
+        }
+    }
+}
+
+void draw_read(draw_target *self, uint8_t *out_rgba)
+{
+    gl_state before;
+    gl_state_enter(&before);
+    resolve(self);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, self->picture_framebuffer);
+    glReadPixels(0, 0, (GLsizei)self->width, (GLsizei)self->height, GL_RGBA, GL_UNSIGNED_BYTE,
+                 out_rgba);
+    turn_over(out_rgba, (size_t)self->width * 4, self->height);
+    gl_state_leave(&before);
+}

@@ -1,0 +1,17 @@
+/* draw/target.h - the inside of a target: its samples, and the picture that is made from them when
+ * somebody looks. The thread of the context. */
+#ifndef MAROTTE_UI_DRAW_TARGET_H
+#define MAROTTE_UI_DRAW_TARGET_H
+#include "draw.h"
+#include "gl.h"
+
+struct draw_target {
+    uint32_t width, height;
+    GLint sample_count;
+    GLuint samples, depth, framebuffer;   /* what is drawn into */
+    GLuint picture, picture_framebuffer;  /* one sample per pixel, sRGB-coded */
+    GLuint resolve_program, vertex_array; /* vertex_array: without attributes */
+    bool stale;                           /* the picture is older than the samples */
+};
+
+#endif
