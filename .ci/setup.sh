@@ -1,0 +1,62 @@
+# What ./run and ./test share: the packages, and the build. Sourced; needs $here, the top folder.
+# shellcheck shell=bash
+
+setup_build_packages=(
+    build-essential cmake ninja-build pkg-config
+    libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libpng-dev
+    libepoxy-dev libegl-dev libfreetype-dev fonts-inter
+    libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri
+)
+setup_test_packages=(libcmocka-dev clang-format-14 nodejs npm)
+
+# For a GPU-less CI machine nothing more is needed; the fuzz targets want clang.
+setup_long_packages=(clang libclang-rt-14-dev)
+
+setup_is_installed() {
+    [ "$(dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null | cut -c1-2)" = ii ]
+}
+
+# setup_install run|test: installs what is missing, saying what and why first.
+setup_install() {
+    local wanted=("${setup_build_packages[@]}") missing=() package
+    [ "$1" = test ] && wanted+=("${setup_test_packages[@]}")
+    [ "${long:-}" = yes ] && wanted+=("${setup_long_packages[@]}")
+    if ! command -v dpkg-query >/dev/null; then
+        echo "This is not Debian: make sure that these are installed: ${wanted[*]}" >&2
+        return 0
+    fi
+    for package in "${wanted[@]}"; do
+        setup_is_installed "$package" || missing+=("$package")
+    done
+    [ ${#missing[@]} -eq 0 ] && return 0
+    echo "marotte needs these Debian packages to build and run (README.md says what each is for):"
+    echo "  ${missing[*]}"
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        if ! command -v sudo >/dev/null; then
+            echo "Neither root nor sudo is here. Install them as root, then run this again:" >&2
+            echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
+            exit 1
+        fi
+        as_root=(sudo)
+    fi
+    echo "Installing them with ${as_root[*]} apt-get ..."
+    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 -qq)
+    "${apt[@]}" update
+    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# setup_build PRESET TARGET [cmake options]: configures once, builds; quiet unless it fails.
+setup_build() {
+    local preset=$1 target=$2 log
+    shift 2
+    log=$(mktemp)
+    if ! (cd "$here" && cmake --preset "$preset" "$@" &&
+        cmake --build --preset "$preset" --target "$target") >"$log" 2>&1; then
+        cat "$log" >&2
+        rm -f "$log"
+        echo "The build failed." >&2
+        exit 1
+    fi
+    rm -f "$log"
+}
