@@ -39,13 +39,16 @@ typedef enum csrbf_class { CSRBF_TIP = 0, CSRBF_JAW, CSRBF_SKULL } csrbf_class;
 
 typedef struct csrbf_solver csrbf_solver;
 
-/* Room for `centre_capacity` centres, and for `control_capacity` right-hand sides at a time. */
+/* Room for `centre_capacity` centres: centre_capacity^2 * 8 bytes, touched as far as used. One
+ * thread at a time may use a solver, the functions that take it as const included. */
 csrbf_solver *csrbf_solver_create(uint32_t centre_capacity); /* NULL: no memory */
 void csrbf_solver_destroy(csrbf_solver *solver);
 
 /* Sorts, merges and factors the centres. centre: count by 3; class: count, or NULL: all tips.
- * Errors (non-finite, radius <= 0, too many, not positive definite) leave the last factorisation.
- * count 0 is a field that is zero everywhere. */
+ * Errors (not finite and within POINTS_REACH, radius <= 0, too many, not positive definite) leave
+ * the last factorisation and its field; afterwards the field is zero until csrbf_solve.
+ * count 0 is a field that is zero everywhere. A linear or windowed polynomial is restricted to the
+ * affine hull of the centres: an extent below 1/1000 of the largest counts as flat. */
 CHECKED mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings,
                                 const double *centre, const csrbf_class *class, uint32_t count,
                                 error *err);
@@ -53,21 +56,30 @@ CHECKED mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *sett
  * solver then holds the field. Non-finite g is an error and leaves the last field. */
 CHECKED mrt_result csrbf_solve(csrbf_solver *solver, const double *g, error *err);
 
+/* Guards against nearly flat sets of controls, which throw vertices far from them: drops the
+ * flattest direction of the polynomial until the polynomial moves no corner of the box around the
+ * vertices further than `limit` times the displacements (constant is the last that remains).
+ * Between csrbf_factor and csrbf_solve: clears the field. */
+void csrbf_limit_gain(csrbf_solver *solver, const points *at, double limit);
+
 typedef struct csrbf_diagnostics {
     uint32_t centre_count;     /* after merging */
     uint32_t polynomial_terms; /* 0, 1, ... 4 */
     uint32_t envelope_count;   /* entries stored for the factor */
     double alpha_sum;          /* sum of |alpha_i| */
-    double slope_bound; /* upper bound of the norm of grad d (theory: B2): < 1 means no fold */
-    bool merged_apart;  /* merged centres had displacements further apart than 1e-3 R */
+    double slope_bound;     /* upper bound of the norm of grad d (theory: B2): < 1 means no fold */
+    double polynomial_gain; /* what csrbf_limit_gain left; 0 when it was not asked */
+    bool merged_apart;      /* merged centres had displacements further apart than 1e-3 R */
 } csrbf_diagnostics;
+/* Counts pairs of centres: for ten controls in every frame, for thousands now and then. */
 csrbf_diagnostics csrbf_diagnose(const csrbf_solver *solver);
 
 /* x (count by 3) += d(x), in float64, by direct evaluation. */
 void csrbf_move_f64(const csrbf_solver *solver, double *x, uint32_t count);
 /* out = in + d(in), in float32, by direct evaluation over blocks; vertices out of every support
- * keep their bits. out may be in. */
-void csrbf_move(const csrbf_solver *solver, points *out, const points *in);
+ * keep their bits. out may be in. Uses the bounds of `in`, keeps those of `out`. Returns how
+ * many blocks of vertices lie within reach of the field: 0 when nothing moved. */
+uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in);
 
 /* Unit responses (theory section 6): d(x) = sum_k B_k(x) g_k for the factored centres. Row k of
  * out_response (stride floats apart, >= in->padded_count) holds B_k at the vertices of `in`, in
@@ -76,7 +88,7 @@ void csrbf_move(const csrbf_solver *solver, points *out, const points *in);
 void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,
                      const points *in);
 
-/* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. */
+/* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. In float32. */
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);
 /* Largest norm of grad d over the vertices. */
 double csrbf_max_slope(const csrbf_solver *solver, const points *at);

@@ -7,6 +7,8 @@
 #include "base/error.h"
 
 enum { POINTS_BLOCK = 64 };
+/* Coordinates, displacements and radii beyond this are refused: their squares must fit in float. */
+#define POINTS_REACH 1e15f
 
 typedef struct points_bounds {
     float low[3], high[3];
@@ -26,12 +28,12 @@ typedef struct points_order {
 } points_order;
 
 /* Morton order of the rows of xyz (count by 3), ties by x, y, z, then row: the same for the same
- * set of points. */
+ * set of points. Refuses coordinates that are not finite and within POINTS_REACH. */
 CHECKED mrt_result points_order_create(points_order *out, const float *xyz, uint32_t count,
                                        error *err);
 void points_order_destroy(points_order *order);
 
-/* Takes the rows of xyz in the given order. */
+/* Takes the rows of xyz in the given order; refuses what points_order_create refuses. */
 CHECKED mrt_result points_create(points *out, const points_order *order, const float *xyz,
                                  error *err);
 void points_destroy(points *p);
@@ -41,5 +43,12 @@ void points_copy(points *out, const points *from);
 /* Writes the vertices back as rows (count by 3) in the file's order. */
 void points_to_rows(float *out_xyz, const points *p, const points_order *order);
 void points_update_bounds(points *p);
+void points_update_block(points *p, uint32_t block); /* one block of it */
+/* Bounds of all vertices, from the bounds of the blocks. */
+points_bounds points_extent(const points *p);
+/* True when every coordinate is finite and within POINTS_REACH. */
+bool points_are_usable(const points *p);
+/* Squared distance from the point `at` to the box; 0 inside. */
+double points_bounds_distance_squared(const points_bounds *bounds, const double at[3]);
 
 #endif

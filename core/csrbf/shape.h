@@ -21,7 +21,13 @@ typedef struct shape {
     double *start;                            /* control_count by 3: starts of the engagement */
     uint32_t control_capacity, control_count; /* control_count > 0: engaged */
     csrbf_settings settings;                  /* of the engagement */
+    points before;                            /* drag: what is restored on an error */
+    double *tip, *step;                       /* drag: control_capacity by 3 each */
 } shape;
+
+/* A linear or windowed polynomial that would move some corner of the shape's box more than this
+ * many times further than the tips loses its flattest direction (csrbf_limit_gain). */
+#define SHAPE_GAIN_LIMIT 64.0
 
 CHECKED mrt_result shape_create(shape *out, const float *xyz, uint32_t vertex_count,
                                 uint32_t control_capacity, error *err);
@@ -32,10 +38,11 @@ void shape_destroy(shape *s);
 bool shape_is_near(const points *p, const double *point, uint32_t count, double radius);
 
 /* Base := shown; starts := start (count by 3); factors and computes the responses. The shape shown
- * does not change. On error nothing has changed. */
+ * does not change. On error nothing has changed. count 0 ends the engagement. */
 CHECKED mrt_result shape_engage(shape *s, const csrbf_settings *settings, const double *start,
                                 uint32_t count, error *err);
-/* shown := base + B (displacement, control_count by 3). Non-finite: error, shown is kept. */
+/* shown := base + B (displacement, control_count by 3). Non-finite: error, shown is kept. Without
+ * an engagement nothing happens. */
 CHECKED mrt_result shape_pull(shape *s, const double *displacement, error *err);
 /* Base := shown; the engagement ends. */
 void shape_commit(shape *s);
@@ -45,22 +52,29 @@ void shape_reset(shape *s);
 typedef struct shape_step {
     uint32_t substeps;      /* 0: nothing moved */
     double min_determinant; /* over all vertices and substeps; 1 when nothing moved */
+    double max_slope;       /* norm of grad d of the whole way, over the vertices */
     bool limited; /* the cap of substeps was reached: the tips moved less far than asked */
 } shape_step;
 
+/* At most so many substeps per sample, each with 1.2 times its largest slope at most 0.5. */
+enum { SHAPE_SUBSTEP_CAP = 32 };
+
 /* One unanchored sample: moves shown along from -> to (count by 3 each). `out_reached` (count by 3,
- * may be NULL): where the tips are now (== to unless limited). */
+ * may be NULL): where the tips are now (== to unless limited). On error nothing has moved. An
+ * anchored engagement ends. */
 CHECKED mrt_result shape_drag(shape *s, const csrbf_settings *settings, const double *from,
                               const double *to, uint32_t count, double *out_reached,
                               shape_step *out_step, error *err);
 /* shown := shown + (1 - 1 / (1 + rate_per_s dt_s)) (base - shown): eases back to the base. */
 void shape_leak(shape *s, double rate_per_s, double dt_s);
 
-/* Smallest determinant of the anchored pull that is shown, over the vertices of base; the exact
- * meter, not for every frame. The cheap bound is in csrbf_diagnose after shape_pull. */
+/* Smallest determinant of an anchored pull, over the vertices of base; the exact meter, not for
+ * every frame. The cheap bound is in csrbf_diagnose after shape_pull. -INFINITY when the
+ * displacements are refused; 1 without an engagement. The solver then holds their field. */
 double shape_min_determinant(const shape *s, const double *displacement);
 /* Upper bound of the norm of grad d for these displacements (theory B2), without touching a vertex:
- * < 1 means that nothing folds. */
+ * < 1 means that nothing folds. INFINITY when they are refused; 0 without an engagement. The solver
+ * then holds their field. */
 double shape_slope_bound(const shape *s, const double *displacement);
 
 #endif

@@ -1,0 +1,191 @@
+#include "csrbf/csrbf.h"
+
+#include "csrbf/meter.h"
+#include "csrbf/response.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct csrbf_solver {
+    uint32_t centre_capacity;
+    saddle saddle[2]; /* the one in use, and one to factor into */
+    uint32_t current;
+    order_item *order_scratch; /* 2 by centre_capacity */
+    double *rhs;               /* centre_capacity by ENVELOPE_MANY */
+};
+
+static const char *const kernel_names[] = {"wendland_c2", "wendland_c0", "wendland_c4",
+                                           "wendland_c6"};
+static const char *const polynomial_names[] = {"none", "constant", "linear", "windowed"};
+
+static bool find_name(const char *const *names, uint32_t count, const char *name, uint32_t *out)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (strcmp(names[i], name) == 0) {
+            *out = i;
+            return true;
+        }
+    return false;
+}
+
+bool csrbf_kernel_named(const char *name, csrbf_kernel *out)
+{
+    uint32_t index;
+    if (!find_name(kernel_names, 4, name, &index))
+        return false;
+    *out = (csrbf_kernel)index;
+    return true;
+}
+
+bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out)
+{
+    uint32_t index;
+    if (!find_name(polynomial_names, 4, name, &index))
+        return false;
+    *out = (csrbf_polynomial)index;
+    return true;
+}
+
+csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
+{
+    csrbf_solver *solver = calloc(1, sizeof *solver);
+    if (!solver)
+        return NULL;
+    size_t room = centre_capacity;
+    solver->centre_capacity = centre_capacity;
+    solver->order_scratch = calloc(2 * room + 1, sizeof *solver->order_scratch);
+    solver->rhs = calloc(room * ENVELOPE_MANY + 1, sizeof *solver->rhs);
+    bool first_made = saddle_create(&solver->saddle[0], centre_capacity);
+    bool second_made = saddle_create(&solver->saddle[1], centre_capacity);
+    if (first_made && second_made && solver->order_scratch && solver->rhs)
+        return solver;
+    csrbf_solver_destroy(solver);
+    return NULL;
+}
+
+void csrbf_solver_destroy(csrbf_solver *solver)
+{
+    if (!solver)
+        return;
+    saddle_destroy(&solver->saddle[0]);
+    saddle_destroy(&solver->saddle[1]);
+    free(solver->order_scratch);
+    free(solver->rhs);
+    free(solver);
+}
+
+static saddle *in_use(csrbf_solver *solver)
+{
+    return &solver->saddle[solver->current];
+}
+
+static const field *field_of(const csrbf_solver *solver)
+{
+    return &solver->saddle[solver->current].field;
+}
+
+static mrt_result check_settings(const csrbf_settings *settings, error *err)
+{
+    const double reach = (double)POINTS_REACH;
+    if ((unsigned)settings->kernel > CSRBF_WENDLAND_C6)
+        return error_set(err, MRT_ERR_ARGUMENT, "kernel %d is unknown", (int)settings->kernel);
+    if ((unsigned)settings->polynomial > CSRBF_WINDOWED)
+        return error_set(err, MRT_ERR_ARGUMENT, "polynomial %d is unknown",
+                         (int)settings->polynomial);
+    if (!(settings->radius >= 1.0 / reach && settings->radius <= reach))
+        return error_set(err, MRT_ERR_ARGUMENT, "radius %g: expected a number from %g to %g",
+                         settings->radius, 1.0 / reach, reach);
+    if (!(settings->ridge >= 0.0 && settings->ridge <= reach))
+        return error_set(err, MRT_ERR_ARGUMENT, "ridge %g: expected a number from 0 to %g",
+                         settings->ridge, reach);
+    return MRT_OK;
+}
+
+/* row: count by 3. */
+static mrt_result check_rows(const char *what, const double *row, uint32_t count, error *err)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        for (size_t axis = 0; axis < 3; ++axis)
+            if (!(fabs(row[(size_t)3 * i + axis]) <= (double)POINTS_REACH))
+                return error_set(err, MRT_ERR_ARGUMENT, "control %u: %s %g is not within +-%g", i,
+                                 what, row[(size_t)3 * i + axis], (double)POINTS_REACH);
+    return MRT_OK;
+}
+
+mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings, const double *centre,
+                        const csrbf_class *class, uint32_t count, error *err)
+{
+    if (count > solver->centre_capacity)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the solver has room for %u", count,
+                         solver->centre_capacity);
+    mrt_result result = check_settings(settings, err);
+    if (result >= 0)
+        result = check_rows("position", centre, count, err);
+    for (uint32_t i = 0; result >= 0 && class && i < count; ++i)
+        if ((unsigned)class[i] > CSRBF_SKULL)
+            result = error_set(err, MRT_ERR_ARGUMENT, "control %u: class %d is unknown", i,
+                               (int)class[i]);
+    if (result >= 0)
+        result = saddle_factor(&solver->saddle[1 - solver->current], solver->order_scratch,
+                               settings, centre, class, count, err);
+    if (result >= 0)
+        solver->current = 1 - solver->current;
+    return result;
+}
+
+mrt_result csrbf_solve(csrbf_solver *solver, const double *g, error *err)
+{
+    saddle *s = in_use(solver);
+    mrt_result result = check_rows("displacement", g, s->merge.control_count, err);
+    return result < 0 ? result : saddle_solve(s, solver->rhs, g, err);
+}
+
+void csrbf_limit_gain(csrbf_solver *solver, const points *at, double limit)
+{
+    points_bounds box = points_extent(at);
+    saddle_limit_gain(in_use(solver), &box, limit);
+}
+
+csrbf_diagnostics csrbf_diagnose(const csrbf_solver *solver)
+{
+    const saddle *s = &solver->saddle[solver->current];
+    csrbf_diagnostics out = {.centre_count = s->field.centre_count,
+                             .polynomial_terms = s->field.term_count,
+                             .slope_bound = meter_slope_bound(&s->field),
+                             .polynomial_gain = s->gain,
+                             .merged_apart = s->merged_apart};
+    if (s->matrix.row_count > 0)
+        out.envelope_count = (uint32_t)s->matrix.start[s->matrix.row_count];
+    for (size_t i = 0; i < s->field.centre_count; ++i) {
+        const double *a = s->field.alpha + 3 * i;
+        out.alpha_sum += sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+    }
+    return out;
+}
+
+void csrbf_move_f64(const csrbf_solver *solver, double *x, uint32_t count)
+{
+    field_move_f64(field_of(solver), x, count);
+}
+
+uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in)
+{
+    return field_move(field_of(solver), out, in);
+}
+
+double csrbf_min_determinant(const csrbf_solver *solver, const points *at)
+{
+    return meter_min_determinant(field_of(solver), at);
+}
+
+double csrbf_max_slope(const csrbf_solver *solver, const points *at)
+{
+    return meter_max_slope(field_of(solver), at);
+}
+
+void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,
+                     const points *in)
+{
+    response_fill(&solver->saddle[solver->current], solver->rhs, out_response, stride, in);
+}

@@ -1,0 +1,47 @@
+/* csrbf/field.h - a solved displacement field and its evaluation:
+ * d(x) = sum_i alpha_i phi(|x - c_i| / R) + W(x) p(x), W = 1 or 1 - prod_i (1 - phi_i(x)).
+ * Centres are summed in canonical order. A component of d that is exactly zero leaves the bits of
+ * its coordinate alone. Inside the room. [frame] all but create/destroy. */
+#ifndef MAROTTE_CSRBF_FIELD_H
+#define MAROTTE_CSRBF_FIELD_H
+#include "csrbf/csrbf.h"
+#include "csrbf/hull.h"
+
+typedef struct field {
+    csrbf_settings settings;
+    uint32_t centre_count, term_count; /* terms of p: 1 and the coordinates along the hull */
+    double *centre, *alpha;            /* centre_count by 3 */
+    double beta[4][3];
+    hull hull;
+    /* For float: centres from `origin`, and the squared distance from which on phi is 0. It is a
+     * few roundings less than R^2, so that nothing at or beyond R is ever touched. */
+    float *local_centre, *local_alpha; /* centre_count by 3 */
+    float origin[3], local_limit;
+} field;
+
+bool field_create(field *out, uint32_t centre_capacity); /* false: no memory */
+void field_destroy(field *f);
+
+/* After centres, settings and hull are set. The field is zero until field_set_alpha. */
+void field_begin(field *f);
+/* Takes alpha (centre_count by ENVELOPE_FEW) over; beta is the caller's to set. */
+void field_set_alpha(field *f, const double *alpha, uint32_t stride);
+
+/* The terms of p at x: 1, then (x - c0) along each axis of the hull, over R. */
+void field_terms(const field *f, double out_term[4], const double x[3]);
+
+void field_move_f64(const field *f, double *x, uint32_t count);
+/* Returns how many blocks were touched. out may be in. */
+uint32_t field_move(const field *f, points *out, const points *in);
+
+/* False when the block lies out of the centre's support, or only touches it. */
+bool field_reaches(const field *f, uint32_t centre, const points_bounds *block);
+
+/* Rows of POINTS_BLOCK of one block of vertices. */
+typedef struct field_gradient {
+    float row[3][3][POINTS_BLOCK]; /* [a][b]: derivative of d_a by x_b */
+} field_gradient;
+/* False when grad d is zero all over the block. */
+bool field_gradient_of(const field *f, field_gradient *out, const points *at, uint32_t block);
+
+#endif

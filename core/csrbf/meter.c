@@ -1,0 +1,168 @@
+#include "csrbf/meter.h"
+
+#include "csrbf/kernel.h"
+
+#include <math.h>
+
+static uint32_t lanes_of(const points *at, uint32_t block)
+{
+    uint32_t left = at->count - block * POINTS_BLOCK;
+    return left < POINTS_BLOCK ? left : POINTS_BLOCK;
+}
+
+static matrix3 lane_of(const field_gradient *gradient, uint32_t lane)
+{
+    matrix3 out;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            out.at[a][b] = (double)gradient->row[a][b][lane];
+    return out;
+}
+
+static double determinant_of_map(const matrix3 *m)
+{
+    double a = 1.0 + m->at[0][0], b = m->at[0][1], c = m->at[0][2];
+    double d = m->at[1][0], e = 1.0 + m->at[1][1], f = m->at[1][2];
+    double g = m->at[2][0], h = m->at[2][1], i = 1.0 + m->at[2][2];
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+}
+
+double meter_min_determinant(const field *f, const points *at)
+{
+    double smallest = 1.0;
+    bool first = true;
+    for (uint32_t block = 0; block < at->block_count; ++block) {
+        field_gradient gradient;
+        bool bent = field_gradient_of(f, &gradient, at, block);
+        for (uint32_t lane = 0; lane < (bent ? lanes_of(at, block) : 1); ++lane) {
+            matrix3 g = lane_of(&gradient, lane);
+            double determinant = determinant_of_map(&g);
+            smallest = first || determinant < smallest ? determinant : smallest;
+            first = false;
+        }
+    }
+    return smallest;
+}
+
+static double sum_of_squares(const matrix3 *m)
+{
+    double sum = 0.0;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            sum += m->at[a][b] * m->at[a][b];
+    return sum;
+}
+
+/* Square of the largest singular value. */
+static double norm_squared(const matrix3 *m)
+{
+    matrix3 gram;
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            gram.at[a][b] =
+                m->at[0][a] * m->at[0][b] + m->at[1][a] * m->at[1][b] + m->at[2][a] * m->at[2][b];
+    return symmetric3_largest(&gram);
+}
+
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static double vertex_slope(const field *f, const points *at)
+{
+    double largest = 0.0; /* squared */
+    for (uint32_t block = 0; block < at->block_count; ++block) {
+        field_gradient gradient;
+        uint32_t lanes = field_gradient_of(f, &gradient, at, block) ? lanes_of(at, block) : 0;
+        for (uint32_t lane = 0; lane < lanes; ++lane) {
+            matrix3 g = lane_of(&gradient, lane);
+            if (sum_of_squares(&g) <= largest)
+                continue; /* it bounds the norm from above */
+            double squared = norm_squared(&g);
+            largest = squared > largest ? squared : largest;
+        }
+    }
+    return sqrt(largest);
+}
+
+/* C0 is steepest at its tip, where a vertex usually is and the gradient does not exist. */
+static double cone_slope(const field *f, const points *at)
+{
+    double largest = 0.0;
+    for (uint32_t centre = 0; centre < f->centre_count; ++centre) {
+        double slope = 2.0 * length(f->alpha + (size_t)3 * centre) / f->settings.radius;
+        bool reached = false;
+        for (uint32_t block = 0; !reached && slope > largest && block < at->block_count; ++block)
+            reached = field_reaches(f, centre, &at->block[block]);
+        largest = reached ? slope : largest;
+    }
+    return largest;
+}
+
+double meter_max_slope(const field *f, const points *at)
+{
+    double slope = vertex_slope(f, at);
+    double cone = f->settings.kernel == CSRBF_WENDLAND_C0 ? cone_slope(f, at) : 0.0;
+    return cone > slope ? cone : slope;
+}
+
+/* Largest sum, over the centres that can meet the support of one, of what `weigh` gives each. */
+static double largest_company(const field *f, double (*weigh)(const field *, uint32_t))
+{
+    double reach = 2.0 * f->settings.radius, largest = 0.0;
+    for (uint32_t i = 0; i < f->centre_count; ++i) {
+        const double *a = f->centre + (size_t)3 * i;
+        double sum = 0.0;
+        for (uint32_t j = 0; j < f->centre_count; ++j) {
+            const double *b = f->centre + (size_t)3 * j;
+            double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+            if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach)
+                sum += weigh(f, j);
+        }
+        largest = sum > largest ? sum : largest;
+    }
+    return largest;
+}
+
+static double weigh_alpha(const field *f, uint32_t centre)
+{
+    return length(f->alpha + (size_t)3 * centre);
+}
+
+static double weigh_one(const field *f, uint32_t centre)
+{
+    (void)f;
+    (void)centre;
+    return 1.0;
+}
+
+/* sum over the terms of |beta_a| / R, of the linear terms. */
+static double polynomial_slope(const field *f)
+{
+    double sum = 0.0;
+    for (uint32_t term = 1; term < f->term_count; ++term)
+        sum += length(f->beta[term]) / f->settings.radius;
+    return sum;
+}
+
+/* Upper bound of |p| in the union of supports. */
+static double polynomial_size(const field *f)
+{
+    double reach = 0.0;
+    for (uint32_t i = 0; i < f->centre_count; ++i) {
+        const double *c = f->centre + (size_t)3 * i, *o = f->hull.centre;
+        double d[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
+        reach = length(d) > reach ? length(d) : reach;
+    }
+    return length(f->beta[0]) + polynomial_slope(f) * (reach + f->settings.radius);
+}
+
+double meter_slope_bound(const field *f)
+{
+    double steepest = kernel_steepest(f->settings.kernel) / f->settings.radius;
+    double bound = steepest * largest_company(f, weigh_alpha) + polynomial_slope(f);
+    if (f->settings.polynomial == CSRBF_WINDOWED)
+        bound += polynomial_size(f) * steepest * largest_company(f, weigh_one);
+    return bound;
+}

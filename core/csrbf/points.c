@@ -1,0 +1,200 @@
+#include "csrbf/points.h"
+
+#include "csrbf/order.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: no power of two */
+
+static bool usable(float v)
+{
+    return fabsf(v) <= POINTS_REACH; /* false for NaN */
+}
+
+static mrt_result check_rows(const float *xyz, uint32_t count, error *err)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        for (size_t axis = 0; axis < 3; ++axis)
+            if (!usable(xyz[(size_t)3 * i + axis]))
+                return error_set(err, MRT_ERR_ARGUMENT,
+                                 "vertex %u: coordinate %g is not within +-%g", i,
+                                 (double)xyz[(size_t)3 * i + axis], (double)POINTS_REACH);
+    return MRT_OK;
+}
+
+mrt_result points_order_create(points_order *out, const float *xyz, uint32_t count, error *err)
+{
+    *out = (points_order){.count = count};
+    mrt_result result = check_rows(xyz, count, err);
+    if (result < 0)
+        return result;
+    order_item *item = calloc((size_t)count + 1, sizeof *item);
+    order_item *scratch = calloc((size_t)count + 1, sizeof *scratch);
+    out->file_of_slot = calloc((size_t)count + 1, sizeof *out->file_of_slot);
+    out->slot_of_file = calloc((size_t)count + 1, sizeof *out->slot_of_file);
+    if (!item || !scratch || !out->file_of_slot || !out->slot_of_file) {
+        result = error_set(err, MRT_ERR_MEMORY, "no memory to order %u vertices", count);
+        points_order_destroy(out);
+    } else {
+        for (uint32_t i = 0; i < count; ++i) {
+            item[i].row = i;
+            for (size_t axis = 0; axis < 3; ++axis)
+                item[i].at[axis] = (double)xyz[(size_t)3 * i + axis];
+        }
+        order_sort(item, scratch, count);
+        for (uint32_t slot = 0; slot < count; ++slot) {
+            out->file_of_slot[slot] = item[slot].row;
+            out->slot_of_file[item[slot].row] = slot;
+        }
+    }
+    free(scratch);
+    free(item);
+    return result;
+}
+
+void points_order_destroy(points_order *order)
+{
+    if (!order)
+        return;
+    free(order->file_of_slot);
+    free(order->slot_of_file);
+    *order = (points_order){0};
+}
+
+mrt_result points_create(points *out, const points_order *order, const float *xyz, error *err)
+{
+    *out = (points){.count = order->count};
+    mrt_result result = check_rows(xyz, order->count, err);
+    if (result < 0)
+        return result;
+    size_t blocks = ((size_t)order->count + POINTS_BLOCK - 1) / POINTS_BLOCK;
+    size_t stream = blocks * POINTS_BLOCK + STAGGER;
+    if (blocks * POINTS_BLOCK > UINT32_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%u vertices are too many", order->count);
+    out->block_count = (uint32_t)blocks;
+    out->padded_count = (uint32_t)(blocks * POINTS_BLOCK);
+    out->x = aligned_alloc(ALIGNMENT, 3 * stream * sizeof(float));
+    out->block = calloc(blocks + 1, sizeof *out->block);
+    if (!out->x || !out->block) {
+        points_destroy(out);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %u vertices", order->count);
+    }
+    memset(out->x, 0, 3 * stream * sizeof(float));
+    out->y = out->x + stream;
+    out->z = out->y + stream;
+    for (uint32_t slot = 0; slot < out->padded_count; ++slot) {
+        uint32_t last = order->count - 1;
+        const float *row = xyz + (size_t)3 * order->file_of_slot[slot < last ? slot : last];
+        out->x[slot] = row[0];
+        out->y[slot] = row[1];
+        out->z[slot] = row[2];
+    }
+    points_update_bounds(out);
+    return MRT_OK;
+}
+
+void points_destroy(points *p)
+{
+    if (!p)
+        return;
+    free(p->x);
+    free(p->block);
+    *p = (points){0};
+}
+
+void points_copy(points *out, const points *from)
+{
+    size_t stream = (size_t)from->padded_count * sizeof(float);
+    memcpy(out->x, from->x, stream);
+    memcpy(out->y, from->y, stream);
+    memcpy(out->z, from->z, stream);
+    memcpy(out->block, from->block, (size_t)from->block_count * sizeof *from->block);
+}
+
+void points_to_rows(float *out_xyz, const points *p, const points_order *order)
+{
+    for (uint32_t slot = 0; slot < p->count; ++slot) {
+        float *row = out_xyz + (size_t)3 * order->file_of_slot[slot];
+        row[0] = p->x[slot];
+        row[1] = p->y[slot];
+        row[2] = p->z[slot];
+    }
+}
+
+/* Lanes first, so that the loop runs on whole vectors; minimum and maximum depend on no order. */
+static void range_of(float *out_low, float *out_high, const float *value)
+{
+    enum { LANES = 8 };
+    float low[LANES], high[LANES];
+    memcpy(low, value, sizeof low);
+    memcpy(high, value, sizeof high);
+    for (int i = LANES; i < POINTS_BLOCK; i += LANES)
+        for (int lane = 0; lane < LANES; ++lane) {
+            float v = value[i + lane];
+            low[lane] = v < low[lane] ? v : low[lane];
+            high[lane] = v > high[lane] ? v : high[lane];
+        }
+    for (int lane = 1; lane < LANES; ++lane) {
+        low[0] = low[lane] < low[0] ? low[lane] : low[0];
+        high[0] = high[lane] > high[0] ? high[lane] : high[0];
+    }
+    *out_low = low[0];
+    *out_high = high[0];
+}
+
+void points_update_block(points *p, uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK;
+    points_bounds *bounds = &p->block[block];
+    range_of(&bounds->low[0], &bounds->high[0], p->x + first);
+    range_of(&bounds->low[1], &bounds->high[1], p->y + first);
+    range_of(&bounds->low[2], &bounds->high[2], p->z + first);
+}
+
+void points_update_bounds(points *p)
+{
+    for (uint32_t block = 0; block < p->block_count; ++block)
+        points_update_block(p, block);
+}
+
+points_bounds points_extent(const points *p)
+{
+    points_bounds all = {{0}, {0}};
+    for (uint32_t block = 0; block < p->block_count; ++block)
+        for (int axis = 0; axis < 3; ++axis) {
+            float low = p->block[block].low[axis], high = p->block[block].high[axis];
+            if (block == 0 || low < all.low[axis])
+                all.low[axis] = low;
+            if (block == 0 || high > all.high[axis])
+                all.high[axis] = high;
+        }
+    return all;
+}
+
+bool points_are_usable(const points *p)
+{
+    for (uint32_t block = 0; block < p->block_count; ++block) {
+        size_t first = (size_t)block * POINTS_BLOCK;
+        bool all = true;
+        for (size_t i = first; i < first + POINTS_BLOCK; ++i)
+            all = all & usable(p->x[i]) & usable(p->y[i]) & usable(p->z[i]);
+        if (!all)
+            return false;
+    }
+    return true;
+}
+
+double points_bounds_distance_squared(const points_bounds *bounds, const double at[3])
+{
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        double below = (double)bounds->low[axis] - at[axis];
+        double above = at[axis] - (double)bounds->high[axis];
+        double outside = below > above ? below : above;
+        if (outside > 0.0)
+            sum += outside * outside;
+    }
+    return sum;
+}

@@ -1,0 +1,284 @@
+#include "csrbf/saddle.h"
+
+#include "csrbf/kernel.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double smallest_pivot = 1e-12;
+static const double merge_ratio = 1e-3;
+
+bool saddle_create(saddle *out, uint32_t centre_capacity)
+{
+    size_t room = (size_t)centre_capacity * ENVELOPE_FEW + 1;
+    *out =
+        (saddle){.basis = calloc(room, sizeof(double)), .resolved = calloc(room, sizeof(double))};
+    bool merge_made = merge_create(&out->merge, centre_capacity);
+    bool field_made = field_create(&out->field, centre_capacity);
+    bool matrix_made = envelope_create(&out->matrix, centre_capacity);
+    if (merge_made && field_made && matrix_made && out->basis && out->resolved)
+        return true;
+    saddle_destroy(out);
+    return false;
+}
+
+void saddle_destroy(saddle *s)
+{
+    if (!s)
+        return;
+    merge_destroy(&s->merge);
+    field_destroy(&s->field);
+    envelope_destroy(&s->matrix);
+    free(s->basis);
+    free(s->resolved);
+    *s = (saddle){0};
+}
+
+static double distance_over_radius(const field *f, uint32_t i, uint32_t j)
+{
+    const double *a = f->centre + (size_t)3 * i, *b = f->centre + (size_t)3 * j;
+    double dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2];
+    return sqrt(dx * dx + dy * dy + dz * dz) / f->settings.radius;
+}
+
+static void assemble(saddle *s)
+{
+    const field *f = &s->field;
+    envelope_clear(&s->matrix);
+    for (uint32_t i = 0; i < f->centre_count; ++i) {
+        uint32_t first = 0;
+        while (first < i && distance_over_radius(f, i, first) >= 1.0)
+            ++first;
+        double *row = envelope_add_row(&s->matrix, first);
+        for (uint32_t j = first; j < i; ++j)
+            *row++ = kernel_value(f->settings.kernel, distance_over_radius(f, i, j));
+        *row = 1.0 + f->settings.ridge;
+    }
+}
+
+/* A control of the group, for messages. */
+static uint32_t member_of(const merge *m, uint32_t group)
+{
+    uint32_t control = 0;
+    while (control + 1 < m->control_count && m->group[control] != group)
+        ++control;
+    return control;
+}
+
+static uint32_t terms_wanted(const field *f)
+{
+    if (f->settings.polynomial == CSRBF_NONE || f->centre_count == 0)
+        return 0;
+    return f->settings.polynomial == CSRBF_CONSTANT ? 1 : 1 + f->hull.dimension;
+}
+
+/* S = P^T Y and its Cholesky factor. */
+static mrt_result factor_polynomial(saddle *s, error *err)
+{
+    uint32_t terms = s->field.term_count;
+    for (uint32_t i = 0; i < s->field.centre_count; ++i) {
+        double term[4] = {0.0};
+        field_terms(&s->field, term, s->field.centre + (size_t)3 * i);
+        memcpy(s->basis + (size_t)ENVELOPE_FEW * i, term, sizeof term);
+    }
+    memcpy(s->resolved, s->basis,
+           (size_t)ENVELOPE_FEW * s->field.centre_count * sizeof *s->resolved);
+    envelope_solve_few(&s->matrix, s->resolved);
+    for (uint32_t a = 0; a < terms; ++a)
+        for (uint32_t b = 0; b <= a; ++b) {
+            double sum = 0.0;
+            for (size_t i = 0; i < s->field.centre_count; ++i)
+                sum += s->basis[ENVELOPE_FEW * i + a] * s->resolved[ENVELOPE_FEW * i + b];
+            double size = sum;
+            for (uint32_t k = 0; k < b; ++k)
+                sum -= s->schur[a][k] * s->schur[b][k];
+            if (b < a)
+                s->schur[a][b] = sum / s->schur[b][b];
+            else if (sum > smallest_pivot * size)
+                s->schur[a][a] = sqrt(sum);
+            else
+                return error_set(err, MRT_ERR_UNSUPPORTED,
+                                 "the polynomial is not determined by these %u controls: use "
+                                 "\"constant\" or \"none\", or spread them",
+                                 s->merge.control_count);
+        }
+    return MRT_OK;
+}
+
+mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *settings,
+                         const double *centre, const csrbf_class *class, uint32_t count, error *err)
+{
+    field *f = &s->field;
+    merge_find(&s->merge, scratch, centre, class, count, merge_ratio * settings->radius);
+    f->settings = *settings;
+    f->centre_count = s->merge.group_count;
+    merge_means(&s->merge, f->centre, 3, centre);
+    f->hull = (hull){0};
+    if (f->centre_count > 0)
+        hull_fit(&f->hull, f->centre, f->centre_count);
+    f->term_count = terms_wanted(f);
+    s->gain = 0.0;
+    s->merged_apart = false;
+    field_begin(f);
+    assemble(s);
+    uint32_t row = 0;
+    if (!envelope_factor(&s->matrix, smallest_pivot, &row))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "control %u is too close to the others for radius %g: the system is "
+                         "singular; use a smaller radius, or spread the controls",
+                         member_of(&s->merge, row), settings->radius);
+    return f->term_count > 0 ? factor_polynomial(s, err) : MRT_OK;
+}
+
+/* beta (terms by columns) = S^-1 beta, in place. */
+static void solve_schur(const saddle *s, double *beta, uint32_t columns)
+{
+    uint32_t terms = s->field.term_count;
+    for (uint32_t column = 0; column < columns; ++column) {
+        double *b = beta + column;
+        for (uint32_t i = 0; i < terms; ++i) {
+            for (uint32_t k = 0; k < i; ++k)
+                b[i * columns] -= s->schur[i][k] * b[k * columns];
+            b[i * columns] /= s->schur[i][i];
+        }
+        for (uint32_t i = terms; i-- > 0;) {
+            for (uint32_t k = i + 1; k < terms; ++k)
+                b[i * columns] -= s->schur[k][i] * b[k * columns];
+            b[i * columns] /= s->schur[i][i];
+        }
+    }
+}
+
+/* rhs (centre_count by columns) -= P beta. */
+static void subtract_polynomial(const saddle *s, double *rhs, const double *beta, uint32_t columns)
+{
+    for (size_t i = 0; i < s->field.centre_count; ++i)
+        for (size_t column = 0; column < columns; ++column)
+            for (size_t term = 0; term < s->field.term_count; ++term)
+                rhs[i * columns + column] -=
+                    s->basis[ENVELOPE_FEW * i + term] * beta[term * columns + column];
+}
+
+static bool moved_apart(const saddle *s, const double *g, const double *mean)
+{
+    /* Two that are further apart than the distance are further than half of it from their mean. */
+    double limit = 0.5 * merge_ratio * s->field.settings.radius;
+    for (size_t control = 0; control < s->merge.control_count; ++control) {
+        const double *m = mean + (size_t)ENVELOPE_FEW * s->merge.group[control];
+        double square = 0.0;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            double d = g[3 * control + axis] - m[axis];
+            square += d * d;
+        }
+        if (square > limit * limit)
+            return true;
+    }
+    return false;
+}
+
+mrt_result saddle_solve(saddle *s, double *rhs, const double *g, error *err)
+{
+    double beta[4][ENVELOPE_FEW] = {{0}};
+    size_t entries = (size_t)ENVELOPE_FEW * s->field.centre_count;
+    merge_means(&s->merge, rhs, ENVELOPE_FEW, g);
+    bool apart = moved_apart(s, g, rhs);
+    for (size_t i = 0; i < s->field.centre_count; ++i)
+        for (size_t term = 0; term < s->field.term_count; ++term)
+            for (size_t axis = 0; axis < 3; ++axis)
+                beta[term][axis] +=
+                    s->resolved[ENVELOPE_FEW * i + term] * rhs[ENVELOPE_FEW * i + axis];
+    solve_schur(s, beta[0], ENVELOPE_FEW);
+    subtract_polynomial(s, rhs, beta[0], ENVELOPE_FEW);
+    envelope_solve_few(&s->matrix, rhs);
+    for (size_t i = 0; i < entries; ++i)
+        if (!(fabs(rhs[i]) <= 1e30))
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "the displacements are too large for these controls");
+    field_set_alpha(&s->field, rhs, ENVELOPE_FEW);
+    for (int term = 0; term < 4; ++term)
+        memcpy(s->field.beta[term], beta[term], sizeof s->field.beta[term]);
+    s->merged_apart = apart;
+    return MRT_OK;
+}
+
+void saddle_solve_units(const saddle *s, uint32_t first, double *alpha,
+                        double beta[4][ENVELOPE_MANY])
+{
+    memset(alpha, 0, (size_t)ENVELOPE_MANY * s->field.centre_count * sizeof *alpha);
+    memset(beta, 0, 4 * sizeof *beta);
+    for (size_t column = 0; column < ENVELOPE_MANY; ++column) {
+        size_t centre = first + column;
+        if (centre >= s->field.centre_count)
+            break;
+        alpha[centre * ENVELOPE_MANY + column] = 1.0;
+        for (size_t term = 0; term < s->field.term_count; ++term)
+            beta[term][column] = s->resolved[ENVELOPE_FEW * centre + term];
+    }
+    solve_schur(s, beta[0], ENVELOPE_MANY);
+    subtract_polynomial(s, alpha, beta[0], ENVELOPE_MANY);
+    envelope_solve_many(&s->matrix, alpha);
+}
+
+/* sum_k |d p(x) / d g_k| = sum_k |(S^-1 q(x)) . Y_k|. */
+static double gain_at(const saddle *s, const double x[3])
+{
+    double term[4], sum = 0.0;
+    field_terms(&s->field, term, x);
+    solve_schur(s, term, 1);
+    for (size_t i = 0; i < s->field.centre_count; ++i) {
+        double weight = 0.0;
+        for (size_t a = 0; a < s->field.term_count; ++a)
+            weight += term[a] * s->resolved[ENVELOPE_FEW * i + a];
+        sum += fabs(weight);
+    }
+    return sum;
+}
+
+static double gain_in(const saddle *s, const points_bounds *box)
+{
+    double largest = 0.0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        double x[3];
+        for (unsigned axis = 0; axis < 3; ++axis)
+            x[axis] = (double)(corner >> axis & 1u ? box->high[axis] : box->low[axis]);
+        double gain = gain_at(s, x);
+        largest = gain > largest ? gain : largest;
+    }
+    return largest;
+}
+
+/* A windowed polynomial acts in the supports only. */
+static points_bounds box_of_effect(const field *f, const points_bounds *box)
+{
+    points_bounds effect = *box;
+    if (f->settings.polynomial != CSRBF_WINDOWED)
+        return effect;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        double low = f->centre[axis], high = f->centre[axis];
+        for (size_t i = 1; i < f->centre_count; ++i) {
+            double at = f->centre[3 * i + axis];
+            low = at < low ? at : low;
+            high = at > high ? at : high;
+        }
+        float reach_low = (float)(low - f->settings.radius);
+        float reach_high = (float)(high + f->settings.radius);
+        effect.low[axis] = effect.low[axis] > reach_low ? effect.low[axis] : reach_low;
+        effect.high[axis] = effect.high[axis] < reach_high ? effect.high[axis] : reach_high;
+    }
+    return effect;
+}
+
+void saddle_limit_gain(saddle *s, const points_bounds *box, double limit)
+{
+    field_begin(&s->field);
+    if (s->field.term_count == 0)
+        return;
+    points_bounds effect = box_of_effect(&s->field, box);
+    s->gain = gain_in(s, &effect);
+    while (s->gain > limit && s->field.term_count > 1) {
+        /* The factor of the smaller S is the corner of the larger one's. */
+        --s->field.term_count;
+        s->gain = gain_in(s, &effect);
+    }
+}
