@@ -1,0 +1,268 @@
+/* core/base: what every room stands on. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "base/rigid.h"
+#include "base/ring.h"
+#include "base/slot.h"
+#include "base/text.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static text_view view(const char *text)
+{
+    return text_view_of(text, strlen(text));
+}
+
+static void error_text_is_cut_and_prefixed_within_its_room(void **state)
+{
+    (void)state;
+    error err;
+    char longest[3000];
+    memset(longest, 'x', sizeof longest);
+    longest[sizeof longest - 1] = '\0';
+    assert_int_equal(error_set(&err, MRT_ERR_IO, "%s", longest), MRT_ERR_IO);
+    assert_int_equal(strlen(err.text), sizeof err.text - 1);
+    error_prefix(&err, "file.obj");
+    assert_int_equal(strlen(err.text), sizeof err.text - 1);
+    assert_memory_equal(err.text, "file.obj: xxx", 13);
+    assert_int_equal(error_set(NULL, MRT_ERR_MEMORY, "nobody reads this"), MRT_ERR_MEMORY);
+}
+
+static void numbers_are_whole_words_and_finite(void **state)
+{
+    (void)state;
+    double d = 7;
+    assert_true(text_double(view("-1.25e2"), &d) && fabs(d + 125.0) < 1e-12);
+    assert_true(text_double(view(".5"), &d) && fabs(d - 0.5) < 1e-12);
+    static const char *const bad[] = {"",    ".",    "1.2.3", "1e",    "1e+", "nan",
+                                      "inf", "0x10", "1,5",   "1e999", "--1", "1 "};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i)
+        assert_false(text_double(view(bad[i]), &d));
+    float f;
+    assert_false(text_float(view("1e39"), &f));
+    int64_t n;
+    assert_true(text_int(view("-9223372036854775808"), &n) && n == INT64_MIN);
+    assert_true(text_int(view("9223372036854775807"), &n) && n == INT64_MAX);
+    assert_false(text_int(view("9223372036854775808"), &n));
+    assert_false(text_int(view("12a"), &n));
+    assert_false(text_int(view("-"), &n));
+}
+
+static void lines_words_and_fields_are_taken_apart(void **state)
+{
+    (void)state;
+    text_view rest = view("one  two\r\n\nlast"), line, word;
+    assert_true(text_next_line(&rest, &line) && text_equals(line, "one  two"));
+    assert_true(text_next_word(&line, &word) && text_equals(word, "one"));
+    assert_true(text_next_word(&line, &word) && text_equals(word, "two"));
+    assert_false(text_next_word(&line, &word));
+    assert_true(text_next_line(&rest, &line) && text_equals(line, ""));
+    assert_true(text_next_line(&rest, &line) && text_equals(line, "last"));
+    assert_false(text_next_line(&rest, &line));
+    rest = view("a, ,c,");
+    assert_true(text_next_field(&rest, ',', &word) && text_equals(word, "a"));
+    assert_true(text_next_field(&rest, ',', &word) && text_equals(word, ""));
+    assert_true(text_next_field(&rest, ',', &word) && text_equals(word, "c"));
+    assert_true(text_next_field(&rest, ',', &word) && text_equals(word, ""));
+    assert_false(text_next_field(&rest, ',', &word));
+}
+
+static void ring_keeps_order_refuses_when_full_and_counts(void **state)
+{
+    (void)state;
+    ring *r = ring_create(sizeof(int), 4);
+    for (int i = 0; i < 4; ++i)
+        assert_true(ring_push(r, &i));
+    int value = 99;
+    assert_false(ring_push(r, &value));
+    assert_int_equal(ring_drop_count(r), 1);
+    assert_true(ring_peek(r, &value));
+    assert_int_equal(value, 0);
+    for (int i = 0; i < 4; ++i) {
+        assert_true(ring_pop(r, &value));
+        assert_int_equal(value, i);
+    }
+    assert_false(ring_pop(r, &value));
+    ring_destroy(r);
+}
+
+enum { CROSSINGS = 200000 };
+
+static void *push_numbers(void *data)
+{
+    ring *r = data;
+    for (uint32_t i = 0; i < CROSSINGS; ++i)
+        while (!ring_push(r, &i))
+            continue;
+    return NULL;
+}
+
+static void ring_crosses_threads_without_loss_or_reordering(void **state)
+{
+    (void)state;
+    ring *r = ring_create(sizeof(uint32_t), 64);
+    pthread_t producer;
+    assert_int_equal(pthread_create(&producer, NULL, push_numbers, r), 0);
+    for (uint32_t expected = 0; expected < CROSSINGS;) {
+        uint32_t value;
+        if (!ring_pop(r, &value))
+            continue;
+        assert_int_equal(value, expected);
+        expected += 1;
+    }
+    pthread_join(producer, NULL);
+    ring_destroy(r);
+}
+
+static void slot_gives_the_newest_value_only_once(void **state)
+{
+    (void)state;
+    publish_slot slot;
+    int value[3] = {0, 0, 0};
+    slot_init(&slot);
+    assert_false(slot_take(&slot));
+    for (int i = 1; i <= 3; ++i) {
+        value[slot_back(&slot)] = i;
+        slot_publish(&slot);
+    }
+    assert_true(slot_take(&slot));
+    assert_int_equal(value[slot_front(&slot)], 3);
+    assert_false(slot_take(&slot));
+    assert_int_not_equal(slot_back(&slot), slot_front(&slot));
+}
+
+enum { TALKERS = 4, WORDS = 2000 };
+
+static void *talk(void *data)
+{
+    for (int i = 0; i < WORDS; ++i)
+        log_pushf(data, MRT_LOG_INFO, "talker", "word %d", i);
+    return NULL;
+}
+
+static void log_loses_nothing_silently_with_many_writers(void **state)
+{
+    (void)state;
+    log_queue *queue = log_queue_create();
+    pthread_t talkers[TALKERS];
+    for (int i = 0; i < TALKERS; ++i)
+        assert_int_equal(pthread_create(&talkers[i], NULL, talk, queue), 0);
+    uint32_t got = 0;
+    log_record record;
+    for (int i = 0; i < 1000; ++i)
+        while (log_pop(queue, &record))
+            got += 1;
+    for (int i = 0; i < TALKERS; ++i)
+        pthread_join(talkers[i], NULL);
+    while (log_pop(queue, &record)) {
+        assert_memory_equal(record.text, "word ", 5);
+        got += 1;
+    }
+    assert_int_equal(got + log_take_lost(queue), TALKERS * WORDS);
+    log_queue_destroy(queue);
+}
+
+static void rigid_motions_compose_invert_and_keep_lengths(void **state)
+{
+    (void)state;
+    vec3 axis = vec3_normalised((vec3){1, 2, -0.5}, (vec3){1, 0, 0});
+    rigid turn = rigid_turn((vec3){3, -1, 2}, axis, 0.7);
+    vec3 p = {5, 6, 7};
+    rigid back = rigid_inverse(&turn);
+    rigid both = rigid_compose(&back, &turn);
+    vec3 q = rigid_apply(&both, p);
+    assert_true(vec3_length(vec3_sub(p, q)) < 1e-14 * 20);
+    vec3 pivot = rigid_apply(&turn, (vec3){3, -1, 2});
+    assert_true(vec3_length(vec3_sub(pivot, (vec3){3, -1, 2})) < 1e-14 * 20);
+    /* A quarter turn about z takes x to y. */
+    rigid quarter = rigid_turn((vec3){0, 0, 0}, (vec3){0, 0, 1}, 1.5707963267948966);
+    vec3 y = rigid_apply(&quarter, (vec3){1, 0, 0});
+    assert_true(vec3_length(vec3_sub(y, (vec3){0, 1, 0})) < 1e-15 * 4);
+    const double quaternion[4] = {0, 0, 0.7071067811865476, 0.7071067811865476};
+    rigid same = rigid_from_quaternion(quaternion, (vec3){0, 0, 0});
+    vec3 z = rigid_apply(&same, (vec3){1, 0, 0});
+    assert_true(vec3_length(vec3_sub(z, (vec3){0, 1, 0})) < 1e-15 * 4);
+}
+
+static void files_are_written_whole_or_not_at_all(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/marotte-base-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char path[128];
+    snprintf(path, sizeof path, "%s/a.txt", folder);
+    error err;
+    assert_int_equal(file_write(path, "first", 5, &err), MRT_OK);
+    file_writer writer;
+    assert_int_equal(file_writer_open(&writer, path, &err), MRT_OK);
+    fputs("second, but abandoned", writer.stream);
+    file_writer_abandon(&writer);
+    file_bytes bytes;
+    assert_int_equal(file_read(&bytes, path, 100, &err), MRT_OK);
+    assert_int_equal(bytes.size, 5);
+    assert_memory_equal(bytes.data, "first", 6); /* with the 0 behind it */
+    file_bytes_finish(&bytes);
+
+    assert_true(file_read(&bytes, path, 4, &err) < 0); /* over the cap */
+    assert_non_null(strstr(err.text, path));
+    assert_true(file_read(&bytes, folder, 100, &err) < 0);
+    assert_non_null(strstr(err.text, "directory"));
+    assert_true(file_write(folder, "x", 1, &err) < 0);
+    assert_non_null(strstr(err.text, "directory"));
+    char missing[160];
+    snprintf(missing, sizeof missing, "%s/no/such.txt", folder);
+    assert_true(file_write(missing, "x", 1, &err) < 0);
+    assert_non_null(strstr(err.text, missing));
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(rmdir(folder), 0); /* nothing else was left there */
+}
+
+static void reading_refuses_what_is_not_a_file_with_bytes(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/marotte-base-XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    close(fd);
+    error err;
+    file_bytes bytes;
+    assert_true(file_read(&bytes, path, 100, &err) < 0);
+    assert_non_null(strstr(err.text, "empty"));
+    unlink(path);
+    assert_true(file_read(&bytes, path, 100, &err) < 0);
+    assert_non_null(strstr(err.text, "No such file"));
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_true(file_read(&bytes, path, 100, &err) < 0); /* and does not hang */
+    unlink(path);
+    assert_true(file_read(&bytes, "/dev/zero", 100, &err) < 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(error_text_is_cut_and_prefixed_within_its_room),
+        cmocka_unit_test(numbers_are_whole_words_and_finite),
+        cmocka_unit_test(lines_words_and_fields_are_taken_apart),
+        cmocka_unit_test(ring_keeps_order_refuses_when_full_and_counts),
+        cmocka_unit_test(ring_crosses_threads_without_loss_or_reordering),
+        cmocka_unit_test(slot_gives_the_newest_value_only_once),
+        cmocka_unit_test(log_loses_nothing_silently_with_many_writers),
+        cmocka_unit_test(rigid_motions_compose_invert_and_keep_lengths),
+        cmocka_unit_test(files_are_written_whole_or_not_at_all),
+        cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
