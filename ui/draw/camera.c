@@ -1,4 +1,4 @@
-#include "camera.h"
+#include "draw/camera.h"
 
 #include <math.h>
 

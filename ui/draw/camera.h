@@ -2,7 +2,7 @@
  * are column-major as OpenGL wants them. Pure; any thread. */
 #ifndef MAROTTE_UI_DRAW_CAMERA_H
 #define MAROTTE_UI_DRAW_CAMERA_H
-#include "draw.h"
+#include "draw/draw.h"
 
 typedef struct matrix4 {
     float m[16];

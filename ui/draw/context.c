@@ -1,5 +1,5 @@
-#include "draw.h"
-#include "gl.h"
+#include "draw/draw.h"
+#include "draw/gl.h"
 
 #include <epoxy/egl.h>
 

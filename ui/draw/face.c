@@ -1,6 +1,6 @@
-#include "face.h"
+#include "draw/face.h"
 #include "mesh/normals.h"
-#include "occlusion.h"
+#include "draw/occlusion.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* draw/face.h - the inside of a face on the graphics card. The thread of the context. */
 #ifndef MAROTTE_UI_DRAW_FACE_H
 #define MAROTTE_UI_DRAW_FACE_H
-#include "draw.h"
-#include "gl.h"
-#include "seams.h"
+#include "draw/draw.h"
+#include "draw/gl.h"
+#include "draw/seams.h"
 
 enum { /* vertex attributes, as in shaders/face.vert */
        FACE_POSITION = 0,

@@ -1,5 +1,5 @@
-#include "gl.h"
-#include "shaders.h"
+#include "draw/gl.h"
+#include "draw/shaders.h"
 
 #include <dlfcn.h>
 #include <string.h>

@@ -1,7 +1,7 @@
-#include "letters.h"
-#include "gl.h"
-#include "shaders.h"
-#include "target.h"
+#include "draw/letters.h"
+#include "draw/gl.h"
+#include "draw/shaders.h"
+#include "draw/target.h"
 
 #include <ft2build.h>
 #include FT_FREETYPE_H

@@ -3,7 +3,7 @@
  * the context. */
 #ifndef MAROTTE_UI_DRAW_LETTERS_H
 #define MAROTTE_UI_DRAW_LETTERS_H
-#include "draw.h"
+#include "draw/draw.h"
 
 typedef struct letters letters;
 

@@ -1,6 +1,6 @@
-#include "occlusion.h"
-#include "camera.h"
-#include "shaders.h"
+#include "draw/occlusion.h"
+#include "draw/camera.h"
+#include "draw/shaders.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * of the context. */
 #ifndef MAROTTE_UI_DRAW_OCCLUSION_H
 #define MAROTTE_UI_DRAW_OCCLUSION_H
-#include "face.h"
+#include "draw/face.h"
 
 /* out_openness: one per vertex, 0 (sees nothing) .. 1. The face's buffers (but not the openness)
  * and normals are there. position: vertex_count by 3, mm. */

@@ -1,6 +1,6 @@
 /* draw_preview MESH OUT.png [yaw_deg pitch_deg]... : a mesh file from several sides on one picture,
  * for whoever models a face. */
-#include "draw.h"
+#include "draw/draw.h"
 #include "io/export.h"
 #include "io/mesh_file.h"
 

@@ -1,8 +1,8 @@
-#include "camera.h"
-#include "face.h"
-#include "renderer.h"
-#include "shaders.h"
-#include "target.h"
+#include "draw/camera.h"
+#include "draw/face.h"
+#include "draw/renderer.h"
+#include "draw/shaders.h"
+#include "draw/target.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 /* draw/renderer.h - the inside of the renderer. The thread of the context. */
 #ifndef MAROTTE_UI_DRAW_RENDERER_H
 #define MAROTTE_UI_DRAW_RENDERER_H
-#include "draw.h"
-#include "gl.h"
-#include "letters.h"
+#include "draw/draw.h"
+#include "draw/gl.h"
+#include "draw/letters.h"
 
 typedef struct renderer_face_program {
     GLuint program;

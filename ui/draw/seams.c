@@ -1,4 +1,4 @@
-#include "seams.h"
+#include "draw/seams.h"
 
 #include <math.h>
 #include <stdlib.h>

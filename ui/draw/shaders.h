@@ -1,7 +1,7 @@
 /* draw/shaders.h - the GLSL texts of shaders/, built into the library. Const data. */
 #ifndef MAROTTE_UI_DRAW_SHADERS_H
 #define MAROTTE_UI_DRAW_SHADERS_H
-#include "gl.h"
+#include "draw/gl.h"
 
 extern const gl_source shaders_common, shaders_screen_vert, shaders_background_frag,
     shaders_resolve_frag, shaders_depth_vert, shaders_depth_frag, shaders_face_vert,

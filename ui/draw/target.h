@@ -2,8 +2,8 @@
  * somebody looks. The thread of the context. */
 #ifndef MAROTTE_UI_DRAW_TARGET_H
 #define MAROTTE_UI_DRAW_TARGET_H
-#include "draw.h"
-#include "gl.h"
+#include "draw/draw.h"
+#include "draw/gl.h"
 
 struct draw_target {
     uint32_t width, height;

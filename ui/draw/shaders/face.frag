@@ -14,8 +14,8 @@ uniform float shadow_texel_mm;
 uniform ivec2 origin;
 out vec4 colour;
 
-const vec3 light_colour[3] = vec3[3](vec3(2.75, 2.62, 2.42), vec3(0.40, 0.45, 0.55), vec3(1.10, 1.22, 1.40));
-const vec3 sky = vec3(0.46, 0.50, 0.56), ground = vec3(0.17, 0.15, 0.13);
+const vec3 light_colour[3] = vec3[3](vec3(3.15, 2.98, 2.72), vec3(0.24, 0.28, 0.36), vec3(0.85, 0.95, 1.10));
+const vec3 sky = vec3(0.30, 0.335, 0.39), ground = vec3(0.105, 0.092, 0.08);
 
 float lattice(ivec3 p)
 {
@@ -96,7 +96,7 @@ vec3 reflect_room(vec3 normal, vec3 to_eye, vec3 diffuse, vec3 mirror, float rou
     vec3 seen = mix(ground * 0.6, sky * 1.6, smoothstep(-edge, edge, seen_direction.y));
     vec3 r = max(vec3(1.0 - rough), mirror) - mirror;
     vec3 fresnel = mirror + r * pow(1.0 - max(dot(normal, to_eye), 0.0), 5.0);
-    return (diffuse * around + fresnel * seen * mix(1.0, 0.45, rough)) * open;
+    return (diffuse * around + fresnel * seen * mix(1.0, 0.45, rough) * open) * open;
 }
 
 // Straight up to 0.7, then a shoulder towards 1; by the strongest channel, so hues stay.
@@ -115,19 +115,19 @@ void main()
     vec3 normal = length(v_normal) > 1e-6 ? normalize(v_normal) : to_eye;
     if (!gl_FrontFacing)
         normal = -normal;
-    float open = clamp(v_openness, 0.0, 1.0);
+    float open = gl_FrontFacing ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
     float rough = clamp(roughness, 0.12, 1.0);
     vec3 base = base_colour.rgb;
 
     float stone = smoothstep(0.80, 0.86, roughness) * (1.0 - metallic);
     if (stone > 0.0) {
         vec4 grain = vec4(0.0);
-        add_grain(5.0, 0.10, 0.02, grain);
-        add_grain(22.0, 0.10, 0.06, grain);
-        add_grain(80.0, 0.10, 0.11, grain);
-        add_grain(210.0, 0.10, 0.12, grain);
+        add_grain(5.0, 0.07, 0.01, grain);
+        add_grain(24.0, 0.06, 0.025, grain);
+        add_grain(90.0, 0.07, 0.06, grain);
+        add_grain(230.0, 0.12, 0.10, grain);
         grain *= stone;
-        base *= (1.0 + grain.x) * mix(1.0, mix(0.62, 1.04, open), stone);
+        base *= (1.0 + grain.x) * mix(1.0, mix(0.5, 1.06, open), stone);
         normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
     }
 
