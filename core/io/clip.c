@@ -1,0 +1,368 @@
+#include "io/clip.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct clip_frame {
+    int32_t segment;      /* -1: free */
+    uint32_t tip_count;   /* of a free frame */
+    size_t first_control; /* of its displacements or tips, index into clip.control in doubles */
+    uint64_t free_index;  /* of a free frame, in the temporary file */
+} clip_frame;
+
+struct clip {
+    const mesh *mesh;
+    double fps;
+    char *directory; /* "": the system's */
+    clip_segment *segment;
+    uint32_t segment_count, segment_capacity;
+    clip_frame *frame;
+    uint32_t frame_count, frame_capacity;
+    double *control; /* displacements and tips of all frames, 3 per control */
+    size_t control_count, control_capacity;
+    uint64_t free_count;
+    int fd; /* the temporary file, -1 until the first free frame */
+};
+
+static size_t position_bytes(const clip *c)
+{
+    return (size_t)c->mesh->vertex_count * 3 * sizeof(float);
+}
+
+static mrt_result no_memory(const clip *c, error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for frame %u of the clip", c->frame_count);
+}
+
+static mrt_result check_floats(const float *value, size_t count, const char *what, error *err)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (!isfinite(value[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "%s: value %zu is not finite", what, i);
+    return MRT_OK;
+}
+
+static mrt_result check_controls(const clip *c, const double *value, uint32_t count,
+                                 const char *what, error *err)
+{
+    for (size_t i = 0; i < (size_t)count * 3; ++i)
+        if (!isfinite(value[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s of control %zu is not finite",
+                             c->frame_count, what, i / 3 + 1);
+    return MRT_OK;
+}
+
+/* Room for one more of `count` elements; the array as it is now, NULL: no memory. */
+static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t element_size)
+{
+    if (count < *capacity)
+        return array;
+    if (*capacity > UINT32_MAX / 2)
+        return NULL;
+    uint32_t wanted = *capacity ? *capacity * 2 : 64;
+    void *grown = realloc(array, wanted * element_size);
+    if (grown)
+        *capacity = wanted;
+    return grown;
+}
+
+static mrt_result reserve_frame(clip *c, uint32_t control_count, error *err)
+{
+    clip_frame *frame = grow(c->frame, c->frame_count, &c->frame_capacity, sizeof *c->frame);
+    if (!frame)
+        return no_memory(c, err);
+    c->frame = frame;
+    size_t needed = c->control_count + (size_t)control_count * 3;
+    if (needed <= c->control_capacity)
+        return MRT_OK;
+    size_t wanted = needed + needed / 2 + 64;
+    double *control = realloc(c->control, wanted * sizeof *control);
+    if (!control)
+        return no_memory(c, err);
+    c->control = control;
+    c->control_capacity = wanted;
+    return MRT_OK;
+}
+
+/* Room has been reserved. */
+static void push_frame(clip *c, clip_frame frame, const double *control, uint32_t control_count)
+{
+    frame.first_control = c->control_count;
+    if (control_count)
+        memcpy(c->control + c->control_count, control, (size_t)control_count * 3 * sizeof *control);
+    c->control_count += (size_t)control_count * 3;
+    c->frame[c->frame_count++] = frame;
+}
+
+static mrt_result open_temporary(clip *c, error *err)
+{
+    static const char name[] = "/marotte.XXXXXX";
+    const char *directory = c->directory;
+    if (!*directory)
+        directory = getenv("TMPDIR");
+    if (!directory || !*directory)
+        directory = "/tmp";
+    size_t length = strlen(directory);
+    char *path = malloc(length + sizeof name);
+    if (!path)
+        return no_memory(c, err);
+    memcpy(path, directory, length);
+    memcpy(path + length, name, sizeof name);
+    mrt_result result = MRT_OK;
+    c->fd = mkstemp(path);
+    if (c->fd < 0) {
+        result = error_set(err, MRT_ERR_IO,
+                           "%s: cannot make a temporary file for the frames: %s; set TMPDIR to a "
+                           "folder with room",
+                           directory, strerror(errno));
+    } else {
+        (void)unlink(path);
+        (void)fcntl(c->fd, F_SETFD, FD_CLOEXEC);
+    }
+    free(path);
+    return result;
+}
+
+static mrt_result write_free(clip *c, const float *position, error *err)
+{
+    const char *bytes = (const char *)position;
+    size_t size = position_bytes(c), done = 0;
+    off_t start = (off_t)(c->free_count * size);
+    while (done < size) {
+        ssize_t put = pwrite(c->fd, bytes + done, size - done, start + (off_t)done);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put <= 0)
+            return error_set(err, MRT_ERR_IO,
+                             "frame %u: cannot write the temporary file after %.1f MB: %s; set "
+                             "TMPDIR to a folder with more room",
+                             c->frame_count, (double)start / 1e6,
+                             put < 0 ? strerror(errno) : "no room left");
+        done += (size_t)put;
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_free(const clip *c, uint32_t frame, float *out_position, error *err)
+{
+    char *bytes = (char *)out_position;
+    size_t size = position_bytes(c), done = 0;
+    off_t start = (off_t)(c->frame[frame].free_index * size);
+    while (done < size) {
+        ssize_t got = pread(c->fd, bytes + done, size - done, start + (off_t)done);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            return error_set(err, MRT_ERR_IO, "frame %u: cannot read the temporary file: %s", frame,
+                             got < 0 ? strerror(errno) : "it has become shorter");
+        done += (size_t)got;
+    }
+    return MRT_OK;
+}
+
+static void read_anchored(const clip *c, uint32_t frame, float *out_position)
+{
+    const clip_segment *segment = &c->segment[c->frame[frame].segment];
+    const double *displacement = clip_displacement(c, frame);
+    uint32_t vertex_count = c->mesh->vertex_count;
+    memcpy(out_position, segment->base, position_bytes(c));
+    for (uint32_t k = 0; k < segment->control_count; ++k) {
+        const float *response = segment->response + (size_t)k * vertex_count;
+        float x = (float)displacement[k * 3], y = (float)displacement[k * 3 + 1],
+              z = (float)displacement[k * 3 + 2];
+        for (size_t v = 0; v < vertex_count; ++v) {
+            out_position[v * 3] += response[v] * x;
+            out_position[v * 3 + 1] += response[v] * y;
+            out_position[v * 3 + 2] += response[v] * z;
+        }
+    }
+}
+
+static void segment_finish(clip_segment *segment)
+{
+    free(segment->base);
+    free(segment->response);
+    free(segment->start);
+    *segment = (clip_segment){0};
+}
+
+/* A copy of `size` bytes, at least one byte long. */
+static void *copy_of(const void *data, size_t size)
+{
+    void *copy = malloc(size + 1);
+    if (copy && size)
+        memcpy(copy, data, size);
+    return copy;
+}
+
+clip *clip_create(const mesh *m, double fps, const char *directory, error *err)
+{
+    if (m->vertex_count == 0) {
+        (void)error_set(err, MRT_ERR_ARGUMENT, "a clip needs a mesh with vertices");
+        return NULL;
+    }
+    if (!(fps > 0.0) || !isfinite(fps)) {
+        (void)error_set(err, MRT_ERR_ARGUMENT, "%g frames per second: expected a number above 0",
+                        fps);
+        return NULL;
+    }
+    clip *c = calloc(1, sizeof *c);
+    char *copy = strdup(directory ? directory : "");
+    if (!c || !copy) {
+        free(c);
+        free(copy);
+        (void)error_set(err, MRT_ERR_MEMORY, "no memory for the clip");
+        return NULL;
+    }
+    c->mesh = m;
+    c->fps = fps;
+    c->directory = copy;
+    c->fd = -1;
+    return c;
+}
+
+void clip_destroy(clip *c)
+{
+    if (!c)
+        return;
+    for (uint32_t s = 0; s < c->segment_count; ++s)
+        segment_finish(&c->segment[s]);
+    if (c->fd >= 0)
+        (void)close(c->fd);
+    free(c->segment);
+    free(c->frame);
+    free(c->control);
+    free(c->directory);
+    free(c);
+}
+
+mrt_result clip_begin_segment(clip *c, const float *base, const float *response,
+                              const double *start, uint32_t control_count, error *err)
+{
+    size_t vertex_count = c->mesh->vertex_count;
+    mrt_result result = check_floats(base, vertex_count * 3, "the segment's base shape", err);
+    if (result == MRT_OK)
+        result =
+            check_floats(response, vertex_count * control_count, "the segment's responses", err);
+    if (result == MRT_OK)
+        result = check_controls(c, start, control_count, "the start", err);
+    if (result < 0)
+        return result;
+    clip_segment *grown =
+        grow(c->segment, c->segment_count, &c->segment_capacity, sizeof *c->segment);
+    if (!grown)
+        return no_memory(c, err);
+    c->segment = grown;
+    clip_segment segment = {.base = copy_of(base, position_bytes(c)),
+                            .response =
+                                copy_of(response, vertex_count * control_count * sizeof *response),
+                            .start = copy_of(start, (size_t)control_count * 3 * sizeof *start),
+                            .control_count = control_count};
+    if (!segment.base || !segment.response || !segment.start) {
+        segment_finish(&segment);
+        return no_memory(c, err);
+    }
+    c->segment[c->segment_count++] = segment;
+    return MRT_OK;
+}
+
+mrt_result clip_add_anchored(clip *c, const double *displacement, error *err)
+{
+    if (c->segment_count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "frame %u: an anchored frame needs a segment",
+                         c->frame_count);
+    clip_segment *segment = &c->segment[c->segment_count - 1];
+    mrt_result result =
+        check_controls(c, displacement, segment->control_count, "the displacement", err);
+    if (result == MRT_OK)
+        result = reserve_frame(c, segment->control_count, err);
+    if (result < 0)
+        return result;
+    push_frame(c, (clip_frame){.segment = (int32_t)(c->segment_count - 1)}, displacement,
+               segment->control_count);
+    segment->frame_count++;
+    return MRT_OK;
+}
+
+mrt_result clip_add_free(clip *c, const float *position, const double *tip, uint32_t tip_count,
+                         error *err)
+{
+    size_t v3 = (size_t)c->mesh->vertex_count * 3;
+    for (size_t i = 0; i < v3; ++i)
+        if (!isfinite(position[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: vertex %zu is not finite",
+                             c->frame_count, i / 3);
+    mrt_result result = check_controls(c, tip, tip_count, "the place", err);
+    if (result == MRT_OK)
+        result = reserve_frame(c, tip_count, err);
+    if (result == MRT_OK && c->fd < 0)
+        result = open_temporary(c, err);
+    if (result == MRT_OK)
+        result = write_free(c, position, err);
+    if (result < 0)
+        return result;
+    push_frame(c,
+               (clip_frame){.segment = -1, .tip_count = tip_count, .free_index = c->free_count++},
+               tip, tip_count);
+    return MRT_OK;
+}
+
+const mesh *clip_mesh(const clip *c)
+{
+    return c->mesh;
+}
+
+double clip_fps(const clip *c)
+{
+    return c->fps;
+}
+
+uint32_t clip_frame_count(const clip *c)
+{
+    return c->frame_count;
+}
+
+uint32_t clip_segment_count(const clip *c)
+{
+    return c->segment_count;
+}
+
+const clip_segment *clip_segment_at(const clip *c, uint32_t segment)
+{
+    assert(segment < c->segment_count);
+    return &c->segment[segment];
+}
+
+int32_t clip_frame_segment(const clip *c, uint32_t frame)
+{
+    assert(frame < c->frame_count);
+    return c->frame[frame].segment;
+}
+
+const double *clip_displacement(const clip *c, uint32_t frame)
+{
+    assert(frame < c->frame_count);
+    return c->frame[frame].segment >= 0 ? c->control + c->frame[frame].first_control : NULL;
+}
+
+const double *clip_tips(const clip *c, uint32_t frame, uint32_t *out_count)
+{
+    assert(frame < c->frame_count);
+    const clip_frame *f = &c->frame[frame];
+    *out_count = f->segment >= 0 ? 0 : f->tip_count;
+    return *out_count ? c->control + f->first_control : NULL;
+}
+
+mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err)
+{
+    assert(frame < c->frame_count);
+    if (c->frame[frame].segment < 0)
+        return read_free(c, frame, out_position, err);
+    read_anchored(c, frame, out_position);
+    return MRT_OK;
+}

@@ -1,0 +1,22 @@
+/* io/frame_block.h - the two products that finding components is made of, on sixteen frames at
+ * once: what the rows of a basis have in common with each frame, and taking that away. A block
+ * holds one frame per lane: value[d * FRAME_BLOCK + lane], d < length. Sums run over d (or over
+ * rows) in ascending order within fixed panels: same bits everywhere. Pure; any thread. */
+#ifndef MAROTTE_IO_FRAME_BLOCK_H
+#define MAROTTE_IO_FRAME_BLOCK_H
+#include <stddef.h>
+#include <stdint.h>
+
+enum { FRAME_BLOCK = 16 };
+
+/* out_dot: row_count by FRAME_BLOCK, the inner products of each row with each frame.
+ * row: row_count by length. */
+void frame_block_dot(double *out_dot, const float *row, size_t row_count, const float *block,
+                     size_t length);
+/* block -= sum over rows of weight * row. weight: row_count by FRAME_BLOCK. */
+void frame_block_subtract(float *block, const float *row, size_t row_count, const float *weight,
+                          size_t length);
+/* The greatest x^2 + y^2 + z^2 of each frame. length: 3 per vertex. */
+void frame_block_peak(float out_peak[FRAME_BLOCK], const float *block, size_t length);
+
+#endif
