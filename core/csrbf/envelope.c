@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LANES = 8 }; /* rows of a group; group[LANES * column + lane] */
+/* Rows of a group; group[LANES * column + lane]. With fewer lanes gcc 12 takes the loop over
+ * columns for the one to vectorise, and shuffles. */
+enum { LANES = 32 };
 
 bool envelope_create(envelope *out, uint32_t row_capacity)
 {
@@ -79,50 +81,55 @@ static void group_store(envelope *e, uint32_t row, uint32_t row_count)
     }
 }
 
+/* sum (LANES) = entry - sum over k of group[k] * factor[k * stride], k ascending. */
+static void subtract_products(double *restrict sum, const double *entry, const double *group,
+                              const double *factor, uint32_t stride, uint32_t count)
+{
+    memcpy(sum, entry, LANES * sizeof *sum);
+    for (uint32_t k = 0; k < count; ++k, group += LANES, factor += stride)
+        for (int lane = 0; lane < LANES; ++lane)
+            sum[lane] -= group[lane] * *factor;
+}
+
 /* Entries of the group's rows left of the group: column j needs the finished row j only. */
 static void group_eliminate(envelope *e, uint32_t low, uint32_t row)
 {
     for (uint32_t j = low; j < row; ++j) {
         uint32_t from = larger(low, e->first[j]);
         const double *finished = e->value + e->start[j] + (from - e->first[j]);
-        const double *group = e->group + (size_t)LANES * from;
         double *entry = e->group + (size_t)LANES * j;
         double sum[LANES];
-        memcpy(sum, entry, sizeof sum);
-        for (uint32_t k = from; k < j; ++k, group += LANES, ++finished)
-            for (int lane = 0; lane < LANES; ++lane)
-                sum[lane] -= group[lane] * *finished;
+        subtract_products(sum, entry, e->group + (size_t)LANES * from, finished, 1, j - from);
         for (int lane = 0; lane < LANES; ++lane)
-            entry[lane] = sum[lane] / *finished;
+            entry[lane] = sum[lane] / finished[j - from];
     }
 }
 
-/* The triangle of the group against itself; false when a pivot is too small. */
+/* The triangle of the group against itself; false when a pivot is too small. What it leaves above
+ * the diagonal is never used. */
 static bool group_finish(envelope *e, uint32_t low, uint32_t row, uint32_t row_count,
                          double smallest_pivot, uint32_t *out_row)
 {
-    for (uint32_t a = 0; a < row_count; ++a)
-        for (uint32_t b = 0; b <= a; ++b) {
-            double *entry = e->group + (size_t)LANES * (row + b) + a;
-            double sum = *entry;
-            for (uint32_t k = low; k < row + b; ++k)
-                sum -= e->group[(size_t)LANES * k + a] * e->group[(size_t)LANES * k + b];
-            if (b < a) {
-                *entry = sum / e->group[(size_t)LANES * (row + b) + b];
-            } else if (sum > smallest_pivot) {
-                *entry = sqrt(sum);
-            } else {
-                *out_row = row + a;
-                return false;
-            }
+    const double *left = e->group + (size_t)LANES * low;
+    for (uint32_t column = 0; column < row_count; ++column) {
+        double *entry = e->group + (size_t)LANES * (row + column);
+        double sum[LANES];
+        subtract_products(sum, entry, left, left + column, LANES, row + column - low);
+        if (!(sum[column] > smallest_pivot)) {
+            *out_row = row + column;
+            return false;
         }
+        entry[column] = sqrt(sum[column]);
+        for (uint32_t lane = column + 1; lane < row_count; ++lane)
+            entry[lane] = sum[lane] / entry[column];
+    }
     return true;
 }
 
 bool envelope_factor(envelope *e, double smallest_pivot, uint32_t *out_row)
 {
     for (uint32_t row = 0; row < e->row_count; row += LANES) {
-        uint32_t row_count = e->row_count - row < LANES ? e->row_count - row : LANES;
+        uint32_t left = e->row_count - row, row_count = left < LANES ? left : LANES;
         uint32_t low = group_first(e, row, row_count);
         group_load(e, low, row, row_count);
         group_eliminate(e, low, row);

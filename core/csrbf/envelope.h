@@ -16,7 +16,7 @@ typedef struct envelope {
     uint32_t *first; /* of each row: column of its first entry */
     size_t *start;   /* of each row: where it begins in value; row_capacity + 1 */
     double *value;   /* the matrix, then its factor */
-    double *group;   /* scratch of the factorisation: row_capacity by 8 */
+    double *group;   /* scratch of the factorisation: row_capacity by some lanes */
 } envelope;
 
 bool envelope_create(envelope *out, uint32_t row_capacity); /* false: no memory */
