@@ -1,0 +1,35 @@
+/* log_parse.h - a recorded performance out of the bytes of a file: records in time order, one value
+ * per channel. Two formats: the log table of plugins/README.md (log_table.c) and the recordings of
+ * GraspDB14 (log_recording.c). Damaged lines are skipped and counted; what cannot be a log is
+ * refused. Reads no file and keeps no time. Pure but for malloc; [main]. */
+#ifndef MAROTTE_LOG_PARSE_H
+#define MAROTTE_LOG_PARSE_H
+#include <marotte/plugin.h>
+
+#include "log_text.h"
+
+enum { LOG_NAME = 40 };
+
+/* Not to be copied: the channels point at the names within. */
+typedef struct log_data {
+    uint32_t channel_count;
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    char name[MRT_MAX_CHANNELS][LOG_NAME];
+    char unit[MRT_MAX_CHANNELS][LOG_NAME];
+    bool is_hand_assumed; /* the file does not say whose hand it shows */
+    size_t record_count;
+    int64_t *time_ns; /* of the record, from the first one on; never decreasing; owned */
+    float *value;     /* record_count by channel_count; owned */
+    size_t damaged_count;
+    size_t first_damaged_line;     /* counted from 1; 0: none is damaged */
+    char first_damage[LOG_REASON]; /* what is wrong with it */
+} log_data;
+
+/* `hand` (MRT_LEFT or MRT_RIGHT) is whose hand a recording without a name for it shows. On failure
+ * `out` is zeroed and `out_reason` (LOG_REASON bytes) says what was expected. Either way,
+ * log_data_finish may be called. */
+mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t hand,
+                     char *out_reason);
+void log_data_finish(log_data *data);
+
+#endif
