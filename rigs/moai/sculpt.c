@@ -1,0 +1,291 @@
+#include "sculpt.h"
+
+#include <math.h>
+
+const vec3 SCULPT_LOW = {-80.0, -150.0, -80.0}, SCULPT_HIGH = {80.0, 150.0, 90.0};
+const vec3 SCULPT_LIP_LINE_END = {27.0, -54.0, 20.0}, SCULPT_RIM_END = {80.0, -149.4, -80.0};
+
+static const double LIP_LINE_X = 27.0, LIP_LINE_Y = -54.0;
+
+/* ---- tools ---- */
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double clamped(double value, double low, double high)
+{
+    return smaller(larger(value, low), high);
+}
+
+/* The smaller of both, rounded within `blend_mm` of their meeting. */
+static double joined(double a, double b, double blend_mm)
+{
+    double h = larger(blend_mm - fabs(a - b), 0.0) / blend_mm;
+    return smaller(a, b) - h * h * blend_mm * 0.25;
+}
+
+static double common(double a, double b, double blend_mm)
+{
+    return -joined(-a, -b, blend_mm);
+}
+
+static double carved(double stone, double tool, double blend_mm)
+{
+    return common(stone, -tool, blend_mm);
+}
+
+/* A curve through knots in ascending y, smooth, without overshoot; constant beyond the ends. */
+typedef struct knot {
+    double y, value;
+} knot;
+
+static double knot_slope(const knot *k, int count, int i)
+{
+    if (i == 0 || i == count - 1)
+        return 0.0;
+    double before = (k[i].value - k[i - 1].value) / (k[i].y - k[i - 1].y);
+    double after = (k[i + 1].value - k[i].value) / (k[i + 1].y - k[i].y);
+    return before * after <= 0.0 ? 0.0 : 2.0 * before * after / (before + after);
+}
+
+static double curve(const knot *k, int count, double y)
+{
+    if (y <= k[0].y)
+        return k[0].value;
+    if (y >= k[count - 1].y)
+        return k[count - 1].value;
+    int i = 0;
+    while (y > k[i + 1].y)
+        ++i;
+    double width = k[i + 1].y - k[i].y, t = (y - k[i].y) / width;
+    double a = width * knot_slope(k, count, i), b = width * knot_slope(k, count, i + 1);
+    double rise = k[i + 1].value - k[i].value;
+    return k[i].value + t * (a + t * (3.0 * rise - 2.0 * a - b + t * (a + b - 2.0 * rise)));
+}
+
+#define CURVE(knots, y) curve(knots, (int)(sizeof(knots) / sizeof(knots)[0]), y)
+
+static double box2(double x, double y, double half_x, double half_y, double radius)
+{
+    double qx = fabs(x) - half_x + radius, qy = fabs(y) - half_y + radius;
+    double ox = larger(qx, 0.0), oy = larger(qy, 0.0);
+    return sqrt(ox * ox + oy * oy) + smaller(larger(qx, qy), 0.0) - radius;
+}
+
+static double box3(vec3 p, vec3 half, double radius)
+{
+    double qx = fabs(p.x) - half.x + radius, qy = fabs(p.y) - half.y + radius;
+    double qz = fabs(p.z) - half.z + radius;
+    vec3 out = {larger(qx, 0.0), larger(qy, 0.0), larger(qz, 0.0)};
+    return vec3_length(out) + smaller(larger(qx, larger(qy, qz)), 0.0) - radius;
+}
+
+/* Distance to the surface of an ellipsoid, good near it. */
+static double ellipsoid(vec3 p, vec3 radii)
+{
+    vec3 k = {p.x / radii.x, p.y / radii.y, p.z / radii.z};
+    vec3 g = {k.x / radii.x, k.y / radii.y, k.z / radii.z};
+    double k0 = vec3_length(k), k1 = vec3_length(g);
+    return k1 < 1e-9 ? -smaller(radii.x, smaller(radii.y, radii.z)) : k0 * (k0 - 1.0) / k1;
+}
+
+static double segment(vec3 p, vec3 a, vec3 b, double radius_a, double radius_b)
+{
+    vec3 ab = vec3_sub(b, a), ap = vec3_sub(p, a);
+    double t = clamped(vec3_dot(ap, ab) / vec3_dot(ab, ab), 0.0, 1.0);
+    return vec3_length(vec3_sub(ap, vec3_scale(ab, t))) - (radius_a + (radius_b - radius_a) * t);
+}
+
+static vec3 from(vec3 p, double x, double y, double z)
+{
+    return (vec3){p.x - x, p.y - y, p.z - z};
+}
+
+/* ---- the parts; p.x is at least 0 everywhere ---- */
+
+/* The block of the head: its outline lofted along y, its top nearly flat, the jaw a ledge below. */
+static double block(vec3 p)
+{
+    static const knot HALF_WIDTH[] = {{-112, 48}, {-90, 52}, {-60, 54}, {-10, 53},
+                                      {40, 53},   {78, 54},  {110, 51}, {150, 43}};
+    static const knot FRONT[] = {{-112, 42}, {-70, 41}, {-10, 37}, {30, 33}, {58, 34},
+                                 {76, 43},   {95, 45},  {120, 41}, {150, 31}};
+    static const knot BACK[] = {{-112, -46}, {-60, -54}, {0, -60},
+                                {60, -62},   {110, -58}, {150, -48}};
+    static const knot ROUND[] = {{-112, 20}, {-60, 26}, {0, 28}, {55, 28}, {80, 22}, {150, 20}};
+    double front = CURVE(FRONT, p.y), back = CURVE(BACK, p.y);
+    double side = box2(p.x, p.z - 0.5 * (front + back), CURVE(HALF_WIDTH, p.y),
+                       0.5 * (front - back), CURVE(ROUND, p.y));
+    double top = p.y - 150.0 + 0.0014 * (p.x * p.x + (p.z + 4.0) * (p.z + 4.0));
+    double jaw = (-112.0 - p.y + 0.24 * (55.0 - p.z)) * 0.97;
+    return common(common(side, top, 14.0), jaw, 7.0);
+}
+
+static double neck(vec3 p)
+{
+    static const knot HALF_WIDTH[] = {{-150, 51}, {-130, 46}, {-108, 43}, {-60, 44}};
+    static const knot FRONT[] = {{-150, 26}, {-130, 19}, {-108, 14}, {-60, 15}};
+    static const knot BACK[] = {{-150, -58}, {-110, -52}, {-60, -52}};
+    double front = CURVE(FRONT, p.y), back = CURVE(BACK, p.y);
+    double side =
+        box2(p.x, p.z - 0.5 * (front + back), CURVE(HALF_WIDTH, p.y), 0.5 * (front - back), 26.0);
+    return larger(side, p.y + 60.0);
+}
+
+/* A straight ledge that overhangs the eyes and rises into the forehead. */
+static double brow(vec3 p)
+{
+    static const knot FACE[] = {{-6, 60}, {2, 61}, {12, 60}, {22, 55}, {44, 30}};
+    double y = p.y - 65.0 + 0.0026 * p.x * p.x;
+    double face = p.z - CURVE(FACE, y) + 0.0056 * p.x * p.x;
+    double ledge = common(face * 0.9, -y, 4.0);
+    return common(ledge, larger(larger(p.x - 53.0, 10.0 - p.z), y - 44.0), 8.0);
+}
+
+static double nose(vec3 p)
+{
+    static const knot RIDGE[] = {{-28, 70}, {-20, 77}, {-10, 76.5}, {12, 65},
+                                 {38, 57},  {58, 56},  {72, 54}};
+    static const knot HALF_WIDTH[] = {{-28, 19}, {-14, 18},  {10, 13.5},
+                                      {38, 11},  {58, 12.5}, {72, 18}};
+    double ridge = CURVE(RIDGE, p.y), half = CURVE(HALF_WIDTH, p.y);
+    /* The sides slope outwards towards the cheek. */
+    double slope = half + 0.18 * clamped(ridge - p.z, 0.0, 40.0);
+    double side = box2(p.x, p.z - 0.5 * (ridge + 10.0), slope, 0.5 * (ridge - 10.0), 5.0) * 0.97;
+    double under = (-27.0 - p.y - 0.10 * (p.z - 60.0)) * 0.99;
+    return common(common(side, under, 3.0), p.y - 74.0, 4.0);
+}
+
+static double nose_wing(vec3 p)
+{
+    return ellipsoid(from(p, 18.5, -15.5, 52.0), (vec3){11.5, 13.0, 17.0});
+}
+
+/* The groove around the wing, the fish hook: from the cheek over the wing and down its front. */
+static double nose_hook(vec3 p)
+{
+    static const vec3 PATH[] = {{30.5, -27, 43}, {31.5, -15, 44}, {28.5, -4, 48},
+                                {23.0, 0.5, 57}, {18.5, -3, 68},  {17.5, -10, 73}};
+    double d = 1e9;
+    for (int i = 0; i < 5; ++i)
+        d = smaller(d, segment(p, PATH[i], PATH[i + 1], 3.0, 3.0));
+    return d;
+}
+
+static double nostril(vec3 p)
+{
+    return ellipsoid(from(p, 12.0, -30.0, 59.0), (vec3){6.0, 7.0, 9.0});
+}
+
+/* The long socket under the brow; its floor slopes out to the cheek. */
+static double eye(vec3 p)
+{
+    double x = p.x - 31.5, y = p.y - 50.5 + 0.08 * x;
+    double floor = 22.0 - 0.20 * x - 0.85 * y;
+    double hollow = box2(x, y, 21.0, 15.5, 9.0);
+    return common(hollow, (floor - p.z) * 0.8, 5.0);
+}
+
+/* Two thin rolls that taper to the corners. */
+static double lips(vec3 p)
+{
+    double bend = 0.011 * p.x * p.x, taper = 1.0 - 0.00045 * p.x * p.x;
+    double rise = p.y - LIP_LINE_Y;
+    vec3 upper = {p.x, rise - 5.0 * taper, p.z + bend - 47.0};
+    vec3 lower = {p.x, rise + 5.6 * taper, p.z + bend - 46.5};
+    double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 3.2);
+    double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 3.6);
+    return smaller(a, b);
+}
+
+static double lip_groove(vec3 p)
+{
+    double depth_z = 60.0 - 0.011 * p.x * p.x - p.z;
+    double half = clamped(2.0 - 0.5 * depth_z, -4.0, 6.0);
+    double wedge = (fabs(p.y - LIP_LINE_Y) - half) * 0.9;
+    return larger(wedge, p.x - LIP_LINE_X);
+}
+
+static double muzzle(vec3 p)
+{
+    return ellipsoid(from(p, 0.0, -54.0, 36.0), (vec3){44.0, 24.0, 15.0});
+}
+
+static double chin(vec3 p)
+{
+    double bend = 0.0065 * p.x * p.x;
+    double y = p.y + 92.0;
+    vec3 q = {p.x, y, p.z + bend - 40.0 + 0.16 * y};
+    return box3(q, (vec3){42.0, 18.0, 22.0}, 6.0);
+}
+
+static double ear(vec3 p)
+{
+    double lean = 0.06 * (p.y + 10.0);
+    vec3 q = {p.x - 54.0, p.y + 12.0, p.z + 14.0 + lean};
+    double lobe = box3(q, (vec3){9.0, 74.0, 12.5}, 5.0);
+    vec3 inner = {p.x - 66.0, p.y - 22.0, q.z - 0.5};
+    return carved(lobe, ellipsoid(inner, (vec3){6.5, 36.0, 6.5}), 4.0);
+}
+
+double sculpt_rough_distance(vec3 p)
+{
+    p.x = fabs(p.x);
+    double stone = block(p);
+    stone = joined(stone, muzzle(p), 14.0);
+    stone = joined(stone, chin(p), 14.0);
+    stone = joined(stone, brow(p), 9.0);
+    stone = carved(stone, eye(p), 3.0);
+    stone = joined(stone, nose(p), 5.0);
+    stone = joined(stone, nose_wing(p), 3.0);
+    stone = joined(stone, lips(p), 4.0);
+    stone = joined(stone, ear(p), 3.0);
+    stone = joined(stone, neck(p), 6.0);
+    return common(stone, -150.0 - p.y, 3.0);
+}
+
+double sculpt_distance(vec3 p)
+{
+    p.x = fabs(p.x);
+    double stone = sculpt_rough_distance(p);
+    stone = carved(stone, nose_hook(p), 2.0);
+    stone = carved(stone, nostril(p), 2.5);
+    return carved(stone, lip_groove(p), 1.0);
+}
+
+/* ---- how fine ---- */
+
+typedef struct detail {
+    vec3 centre, half; /* a box around x = +-centre.x */
+    double edge_mm;
+} detail;
+
+double sculpt_edge_mm(vec3 p)
+{
+    static const detail DETAILS[] = {
+        {{0, -54, 52}, {30, 10, 12}, 2.9},  {{0, -18, 58}, {28, 14, 20}, 3.1},
+        {{0, 25, 50}, {18, 45, 16}, 4.0},   {{32, 52, 42}, {22, 16, 16}, 4.0},
+        {{0, 70, 50}, {54, 8, 14}, 4.2},    {{0, -94, 50}, {42, 18, 14}, 4.6},
+        {{0, 0, 40}, {46, 105, 16}, 5.4},   {{60, -12, -14}, {6, 74, 14}, 5.2},
+        {{50, -150, -16}, {4, 2, 34}, 8.0}, {{0, -150, 24}, {46, 2, 4}, 8.0},
+        {{0, -150, -56}, {46, 2, 4}, 8.0},  {{50, -98, 0}, {8, 8, 40}, 6.0},
+    };
+    const double growth = 0.20, coarsest_mm = 14.0;
+    p.x = fabs(p.x);
+    double edge = coarsest_mm;
+    for (int i = 0; i < (int)(sizeof DETAILS / sizeof DETAILS[0]); ++i) {
+        const detail *d = &DETAILS[i];
+        vec3 out = {larger(fabs(p.x - d->centre.x) - d->half.x, 0.0),
+                    larger(fabs(p.y - d->centre.y) - d->half.y, 0.0),
+                    larger(fabs(p.z - d->centre.z) - d->half.z, 0.0)};
+        edge = smaller(edge, d->edge_mm + growth * vec3_length(out));
+    }
+    return edge;
+}
