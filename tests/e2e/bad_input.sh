@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# Whatever is wrong with what it is given: one clear line that names the thing, exit 1 (2 for wrong
+# usage), and nothing half-written.
+source "$(dirname "$0")/lib.sh"
+out=$scratch/out/a.glb
+in=$scratch/in
+mkdir "$in"
+
+perform() { # face input map [more]
+    local face=$1 input=$2 map=$3
+    shift 3
+    set -- perform --face "$face" --input "$input" --map "$map" --export "$out" "$@"
+    command_line=("$MAROTTE" "$@")
+}
+bad_face() { # words face
+    perform "$2" "log:$demo" anchored
+    refused 1 "$1" "${command_line[@]}"
+}
+bad_input() {
+    perform "$moai" "$2" anchored
+    refused 1 "$1" "${command_line[@]}"
+}
+bad_map() {
+    perform "$moai" "log:$demo" "$2"
+    refused 1 "$1" "${command_line[@]}"
+}
+
+# Faces.
+bad_face "$in/none.glb: No such file" "$in/none.glb"
+bad_face "$in: is a directory" "$in"
+: >"$in/empty.obj"
+bad_face "$in/empty.obj: the file is empty" "$in/empty.obj"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' >"$in/range.obj"
+bad_face "$in/range.obj: line 4" "$in/range.obj"
+printf 'v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n' >"$in/nan.obj"
+bad_face "$in/nan.obj: line 2" "$in/nan.obj"
+printf '# nothing\n' >"$in/zero.obj"
+bad_face "$in/zero.obj" "$in/zero.obj"
+printf 'OFF\n0 0 0\n' >"$in/zero.off"
+bad_face "$in/zero.off" "$in/zero.off"
+printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n' >"$in/range.off"
+bad_face "$in/range.off" "$in/range.off"
+printf 'ply\nformat ascii 1.0\nelement vertex 2000000000\nproperty float x\n' >"$in/huge.ply"
+bad_face "$in/huge.ply" "$in/huge.ply"
+printf 'hello' >"$in/a.xyz"
+bad_face "$in/a.xyz" "$in/a.xyz"
+head -c 4096 /dev/urandom >"$in/random.stl"
+bad_face "$in/random.stl" "$in/random.stl"
+size=$(stat -c %s "$moai")
+for i in $(seq 1 63); do
+    head -c $((size * i / 64)) "$moai" >"$in/cut.glb"
+    bad_face "$in/cut.glb" "$in/cut.glb"
+done
+
+# Inputs.
+bad_input "$in/none.csv" "log:$in/none.csv"
+bad_input "$in" "log:$in"
+: >"$in/empty.csv"
+bad_input "$in/empty.csv" "log:$in/empty.csv"
+printf 'a letter to a friend\nwith two lines\n' >"$in/foreign.txt"
+bad_input "$in/foreign.txt" "log:$in/foreign.txt"
+head -c 4096 /dev/urandom >"$in/random.csv"
+bad_input "$in/random.csv" "log:$in/random.csv"
+# Time that runs backwards all the way.
+{ grep -m1 '^time' "$demo"; grep -E '^[0-9]' "$demo" | tac; } >"$in/backwards.csv"
+bad_input "$in/backwards.csv" "log:$in/backwards.csv"
+bad_input 'no input plugin "waldo"' "waldo:x"
+bad_input 'no parameter "tempo"' "log:$demo,tempo=2"
+bad_input 'speed' "log:$demo,speed=fast"
+
+# Mappings.
+bad_map 'no mapping plugin "waldo"' waldo
+bad_map 'ABI 7, this program speaks ABI 1' "$BUILD_DIR/tests/plugin/abi.so"
+bad_map 'marotte_plugins' "$BUILD_DIR/tests/plugin/symbol.so"
+bad_map 'no licence for this machine' "$BUILD_DIR/tests/plugin/create.so"
+bad_map 'org.example.broken gave a control vector that is not finite' "$BUILD_DIR/tests/plugin/nan.so"
+bad_map 'org.example.broken gave a control vector that is not finite or leads out of reach' \
+    "$BUILD_DIR/tests/plugin/reach.so"
+bad_map 'org.example.broken gave more vectors than are allowed' "$BUILD_DIR/tests/plugin/many.so"
+bad_map 'org.example.broken gave a radius' "$BUILD_DIR/tests/plugin/radius.so"
+bad_map 'org.example.broken gave an error' "$BUILD_DIR/tests/plugin/result.so"
+bad_map "$in/none.so" "$in/none.so"
+bad_map "$in/range.obj" "$in/range.obj"
+bad_map 'radius=0 is outside' anchored,radius=0
+bad_map 'radius=-3 is outside' anchored,radius=-3
+bad_map 'radius=nan' anchored,radius=nan
+
+# Exports.
+perform "$moai" "log:$demo" anchored
+refused 1 "$scratch/none" "${command_line[@]}" --export "$scratch/none/b.glb"
+mkdir -p "$scratch/folder.glb"
+refused 1 "is a directory" "${command_line[@]}" --export "$scratch/folder.glb"
+perform "$moai" "log:$demo,end=1" anchored
+if [ -w /dev/full ]; then
+    "$MAROTTE" plugin list >/dev/full 2>"$scratch/stderr"
+    [ $? -eq 1 ] || fail "a full disk behind stdout is not a failure"
+fi
+
+# Wrong usage.
+usage() {
+    local words=$1
+    shift
+    refused 2 "$words" "$MAROTTE" "$@"
+}
+usage 'no command "waltz"' waltz
+usage '--face is missing' perform
+usage '--input is missing' perform --face "$moai"
+usage '--map is missing' perform --face "$moai" --input "log:$demo"
+usage 'must end in' perform --face "$moai" --export "$scratch/out/a.fbx"
+usage '--fps "0"' perform --fps 0
+usage '--fps "nan"' perform --fps nan
+usage 'no option "--fsp"' perform --fsp 1
+usage 'needs a value' perform --face
+usage 'not expected' perform surplus
+usage 'say what to do' plugin
+usage 'there is no "lits"' plugin lits
+finish

@@ -1,0 +1,41 @@
+# What the end-to-end scripts share. Sourced. Works in a scratch folder of its own.
+# shellcheck shell=bash
+set -u
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
+moai=$SOURCE_DIR/rigs/moai/moai.glb
+demo=$SOURCE_DIR/plugins/log/demo_hand.csv
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    failures=$((failures + 1))
+}
+
+# refused CODE WORDS COMMAND...: the command ends with CODE, says one line on stderr that contains
+# WORDS, and leaves nothing in $scratch/out.
+refused() {
+    local code=$1 words=$2 got lines
+    shift 2
+    rm -rf "$scratch/out"
+    mkdir "$scratch/out"
+    timeout 60 "$@" >"$scratch/stdout" 2>"$scratch/stderr"
+    got=$?
+    lines=$(grep -cv '^note: ' "$scratch/stderr")
+    [ "$got" -eq "$code" ] || fail "exit $got instead of $code: $* ($(tail -c 300 "$scratch/stderr"))"
+    [ "$lines" -eq 1 ] || fail "$lines lines on stderr instead of 1: $* ($(cat "$scratch/stderr"))"
+    grep -qF -- "$words" "$scratch/stderr" || fail "\"$words\" is not said: $(cat "$scratch/stderr")"
+    [ -z "$(ls -A "$scratch/out")" ] || fail "left behind by $*: $(ls -A "$scratch/out")"
+}
+
+# fact NAME FILE: the number behind a label of perform's output.
+fact() {
+    sed -nE "s/^$1 +([-0-9.]+).*/\1/p" "$2" | head -n 1
+}
+
+finish() {
+    [ "$failures" -eq 0 ] && exit 0
+    echo "$failures failures"
+    exit 1
+}

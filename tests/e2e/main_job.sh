@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# The main job: the demo recording performs the Moai through both mappings of the paper, and every
+# export is there, complete and not empty.
+source "$(dirname "$0")/lib.sh"
+for map in anchored unanchored; do
+    facts=$scratch/$map.txt
+    exports=()
+    for kind in glb pc2 mdd csv png; do exports+=(--export "$scratch/$map.$kind"); done
+    "$MAROTTE" perform --face "$moai" --input "log:$demo" --map $map "${exports[@]}" >"$facts" ||
+        fail "perform $map"
+    echo "--- $map"
+    cat "$facts"
+    [ "$(fact 'samples read' "$facts")" -ge 1900 ] || fail "$map: too few samples"
+    [ "$(fact frames "$facts")" -ge 570 ] || fail "$map: too few frames"
+    [ "$(fact folds "$facts")" -eq 0 ] || fail "$map: the face folds"
+    awk -v mm="$(fact 'range of motion' "$facts")" 'BEGIN { exit !(mm > 5 && mm < 120) }' ||
+        fail "$map: the face moves $(fact 'range of motion' "$facts") mm"
+    for kind in glb pc2 mdd csv png; do
+        [ "$(stat -c %s "$scratch/$map.$kind")" -gt 1000 ] || fail "$map.$kind is missing or tiny"
+    done
+    # Twice the same: the same bytes.
+    "$MAROTTE" perform --face "$moai" --input "log:$demo" --map $map \
+        --export "$scratch/again.glb" --export "$scratch/again.pc2" >/dev/null || fail "again $map"
+    cmp "$scratch/$map.glb" "$scratch/again.glb" || fail "$map.glb differs from run to run"
+    cmp "$scratch/$map.pc2" "$scratch/again.pc2" || fail "$map.pc2 differs from run to run"
+done
+# As JSON, and with the frame rate and length asked for.
+"$MAROTTE" perform --face "$moai" --input "log:$demo,speed=2" --map anchored --fps 60 --seconds 2 \
+    --json >"$scratch/facts.json" || fail "perform --json"
+grep -q '"frames": 120' "$scratch/facts.json" || fail "2 s at 60 a second are not 120 frames"
+# A performance in real time takes its time and loses nothing.
+"$MAROTTE" perform --face "$moai" --input "log:$demo,end=1" --map anchored --realtime \
+    >"$scratch/real.txt" || fail "perform --realtime"
+[ "$(fact 'samples read' "$scratch/real.txt")" -ge 99 ] || fail "real time lost samples"
+"$MAROTTE" perform --help | grep -q -- --export || fail "perform --help"
+"$MAROTTE" deform --help >/dev/null || fail "deform --help"
+"$MAROTTE" plugin list --params | grep -q org.marotte.anchored || fail "plugin list"
+"$MAROTTE" plugin list --json >"$scratch/plugins.json" || fail "plugin list --json"
+finish
