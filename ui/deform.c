@@ -1,0 +1,161 @@
+#include "command.h"
+
+#include "base/file.h"
+#include "deform_case.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FILE_CAP = 1 << 28, READ_STEP = 1 << 16 }; /* bytes */
+
+typedef struct options {
+    const char *path; /* "-": stdin */
+    deform_precision precision;
+} options;
+
+static int parse_options(options *out, int argc, char **argv)
+{
+    *out = (options){.precision = DEFORM_F64};
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--json") == 0)
+            continue; /* the result is JSON in any case */
+        if (strcmp(argv[i], "--precision") == 0) {
+            const char *word = ++i < argc ? argv[i] : "";
+            if (strcmp(word, "f32") != 0 && strcmp(word, "f64") != 0)
+                return command_usage(&command_deform, "--precision: expected f32 or f64");
+            out->precision = strcmp(word, "f32") == 0 ? DEFORM_F32 : DEFORM_F64;
+        } else if (argv[i][0] == '-' && argv[i][1] != '\0') {
+            return command_usage(&command_deform, "%s: unknown option", argv[i]);
+        } else if (out->path) {
+            return command_usage(&command_deform, "%s: only one case at a time", argv[i]);
+        } else {
+            out->path = argv[i];
+        }
+    }
+    if (!out->path)
+        return command_usage(&command_deform, "expected a case file, or - for standard input");
+    return COMMAND_DONE;
+}
+
+static mrt_result read_stdin(file_bytes *out, error *err)
+{
+    *out = (file_bytes){0};
+    size_t capacity = 0, got;
+    do {
+        if (out->size + READ_STEP + 1 > capacity) {
+            capacity = 2 * capacity + READ_STEP + 1;
+            unsigned char *larger = realloc(out->data, capacity);
+            if (!larger) {
+                file_bytes_finish(out);
+                return error_set(err, MRT_ERR_MEMORY, "-: no memory for the case");
+            }
+            out->data = larger;
+        }
+        got = fread(out->data + out->size, 1, READ_STEP, stdin);
+        out->size += got;
+    } while (got > 0 && out->size <= FILE_CAP);
+    out->data[out->size] = 0;
+    mrt_result result = MRT_OK;
+    if (ferror(stdin))
+        result = error_set(err, MRT_ERR_IO, "-: %s", strerror(errno));
+    else if (out->size > FILE_CAP)
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "-: more than %d MiB", FILE_CAP >> 20);
+    if (result < 0)
+        file_bytes_finish(out);
+    return result;
+}
+
+static mrt_result read_case(deform_case *out, const char *path, error *err)
+{
+    file_bytes bytes;
+    mrt_result result =
+        strcmp(path, "-") == 0 ? read_stdin(&bytes, err) : file_read(&bytes, path, FILE_CAP, err);
+    if (result < 0)
+        return result;
+    result = deform_case_read(out, bytes.data, bytes.size, path, err);
+    file_bytes_finish(&bytes);
+    return result;
+}
+
+static void print_point(const double *at)
+{
+    printf("[%.17g, %.17g, %.17g]", at[0], at[1], at[2]);
+}
+
+static mrt_result print_frames(const deform_case *c, const double *position, error *err)
+{
+    printf("{\"frames\": [");
+    for (uint32_t frame = 0; frame < c->frame_count; ++frame) {
+        printf("%s[", frame ? ",\n" : "\n");
+        for (uint32_t i = 0; i < c->point_count; ++i, position += 3) {
+            if (i > 0)
+                printf(", ");
+            print_point(position);
+        }
+        printf("]");
+    }
+    printf("\n]}\n");
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return error_set(err, MRT_ERR_IO, "cannot write the result: %s", strerror(errno));
+    return MRT_OK;
+}
+
+static mrt_result deform(const deform_case *c, const options *o, error *err)
+{
+    size_t numbers = (size_t)3 * c->frame_count * c->point_count;
+    double *position = calloc(numbers + 1, sizeof *position);
+    if (!position)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %zu numbers", numbers);
+    mrt_result result = deform_case_run(c, o->precision, position, err);
+    if (result < 0)
+        error_prefix(err, o->path);
+    else
+        result = print_frames(c, position, err);
+    free(position);
+    return result;
+}
+
+static int run(int argc, char **argv)
+{
+    options o;
+    deform_case c;
+    error err = {""};
+    int code = parse_options(&o, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    if (read_case(&c, o.path, &err) < 0)
+        return command_failed(&command_deform, &err);
+    if (c.unknown[0])
+        fprintf(stderr, "marotte deform: %s: unknown, ignored: %s\n", o.path, c.unknown);
+    mrt_result result = deform(&c, &o, &err);
+    deform_case_destroy(&c);
+    return result < 0 ? command_failed(&command_deform, &err) : COMMAND_DONE;
+}
+
+const command command_deform = {
+    .name = "deform",
+    .summary = "apply control vectors to points",
+    .help = "usage: marotte deform CASE.json [--precision f32|f64] [--json]\n"
+            "\n"
+            "Reads control vectors and points from CASE.json (- is standard input), deforms the\n"
+            "points in every frame, and prints {\"frames\": [frame][point][x, y, z]}.\n"
+            "\n"
+            "  kernel      wendland_c2, wendland_c0, wendland_c4, wendland_c6\n"
+            "  radius      support radius of every centre, > 0\n"
+            "  polynomial  none, constant, linear, windowed\n"
+            "  mode        anchored: each frame from the points at time 0;\n"
+            "              unanchored: each frame from the frame before\n"
+            "  starts      [tip][3] at time 0\n"
+            "  frames      [frame][tip][3] at times 1, 2, ...\n"
+            "  skull       optional: [centre][3] that stay\n"
+            "  jaw         optional: centres [centre][3], axis_point [3], axis_dir [3],\n"
+            "              poses [frame]{angle (rad), translation [3]}\n"
+            "  points      [point][3]\n"
+            "\n"
+            "  --precision f64   solve, store and evaluate in double (default)\n"
+            "  --precision f32   solve in double, store and evaluate in float\n"
+            "  --json            accepted for uniformity: the result is JSON\n",
+    .run = run,
+};

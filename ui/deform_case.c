@@ -1,0 +1,489 @@
+#include "deform_case.h"
+
+#include "base/text.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PATH_TEXT = 96 };
+
+typedef struct place {
+    char text[PATH_TEXT]; /* "$.frames[2][0]" */
+} place;
+
+static place place_at(const place *parent, size_t index)
+{
+    place out;
+    (void)snprintf(out.text, sizeof out.text, "%.60s[%zu]", parent->text, index);
+    return out;
+}
+
+static place place_of(const place *parent, const char *key)
+{
+    place out;
+    (void)snprintf(out.text, sizeof out.text, "%.40s.%.40s", parent->text, key);
+    return out;
+}
+
+static const place root = {"$"};
+
+/* What a value is, for messages: "[1,2,3]" is "an array of 3". */
+static const char *describe(char out[64], const json_t *value)
+{
+    char word[40];
+    switch (value ? (int)json_typeof(value) : -1) {
+    case JSON_OBJECT:
+        return "an object";
+    case JSON_ARRAY:
+        (void)snprintf(out, 64, "an array of %zu", json_array_size(value));
+        return out;
+    case JSON_STRING:
+        text_copy(word, sizeof word,
+                  text_view_of(json_string_value(value), json_string_length(value)));
+        (void)snprintf(out, 64, "\"%s\"", word);
+        return out;
+    case JSON_INTEGER:
+    case JSON_REAL:
+        (void)snprintf(out, 64, "%g", json_number_value(value));
+        return out;
+    case JSON_TRUE:
+        return "true";
+    case JSON_FALSE:
+        return "false";
+    case JSON_NULL:
+        return "null";
+    default:
+        return "nothing";
+    }
+}
+
+static mrt_result unexpected(error *err, const place *at, const char *expected, const json_t *found)
+{
+    char text[64];
+    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
+                     describe(text, found));
+}
+
+static mrt_result read_number(double *out, const json_t *value, const place *at, error *err)
+{
+    if (!json_is_number(value) || !(fabs(json_number_value(value)) <= (double)POINTS_REACH))
+        return unexpected(err, at, "a number within +-1e15", value);
+    *out = json_number_value(value);
+    return MRT_OK;
+}
+
+/* out: 3. */
+static mrt_result read_row(double *out, const json_t *value, const place *at, error *err)
+{
+    if (!json_is_array(value) || json_array_size(value) != 3)
+        return unexpected(err, at, "three numbers [x, y, z]", value);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        place here = place_at(at, axis);
+        mrt_result result = read_number(out + axis, json_array_get(value, axis), &here, err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+/* out: as many rows as value has. */
+static mrt_result read_rows_into(double *out, const json_t *value, const place *at, error *err)
+{
+    for (size_t i = 0; i < json_array_size(value); ++i) {
+        place here = place_at(at, i);
+        mrt_result result = read_row(out + 3 * i, json_array_get(value, i), &here, err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+static mrt_result allocate(double **out, size_t count, error *err)
+{
+    *out = calloc(count + 1, sizeof **out);
+    return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %zu numbers", count);
+}
+
+/* Rows of three at `key` of the object, at most row_cap of them. */
+static mrt_result read_rows(double **out, uint32_t *out_count, const json_t *object,
+                            const place *parent, const char *key, uint32_t row_cap, error *err)
+{
+    place at = place_of(parent, key);
+    const json_t *value = json_object_get(object, key);
+    if (!json_is_array(value))
+        return unexpected(err, &at, "an array of points [x, y, z]", value);
+    if (json_array_size(value) > row_cap)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu points are too many, at most %u",
+                         at.text, json_array_size(value), row_cap);
+    *out_count = (uint32_t)json_array_size(value);
+    mrt_result result = allocate(out, (size_t)3 * *out_count, err);
+    return result < 0 ? result : read_rows_into(*out, value, &at, err);
+}
+
+static mrt_result read_frames(deform_case *c, const json_t *object, error *err)
+{
+    place at = place_of(&root, "frames");
+    const json_t *frames = json_object_get(object, "frames");
+    if (!json_is_array(frames) || json_array_size(frames) == 0)
+        return unexpected(err, &at, "an array of at least one frame", frames);
+    size_t count = json_array_size(frames), numbers = (size_t)3 * c->tip_count;
+    if (count > DEFORM_NUMBER_CAP / (numbers + 3))
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu frames are too many", at.text, count);
+    c->frame_count = (uint32_t)count;
+    mrt_result result = allocate(&c->tip, count * numbers, err);
+    for (size_t f = 0; result >= 0 && f < count; ++f) {
+        const json_t *frame = json_array_get(frames, f);
+        place here = place_at(&at, f);
+        if (!json_is_array(frame) || json_array_size(frame) != c->tip_count) {
+            char expected[64];
+            (void)snprintf(expected, sizeof expected, "an array of %u points, as $.starts has",
+                           c->tip_count);
+            return unexpected(err, &here, expected, frame);
+        }
+        result = read_rows_into(c->tip + f * numbers, frame, &here, err);
+    }
+    return result;
+}
+
+/* Notes keys of the object that are not in the NULL-ended list. */
+static void note_unknown(deform_case *c, const json_t *object, const place *parent,
+                         const char *const *known)
+{
+    void *place_in = json_object_iter((json_t *)(uintptr_t)object);
+    for (; place_in; place_in = json_object_iter_next((json_t *)(uintptr_t)object, place_in)) {
+        const char *key = json_object_iter_key(place_in);
+        const char *const *entry = known;
+        while (*entry && strcmp(*entry, key) != 0)
+            ++entry;
+        if (*entry)
+            continue;
+        char word[40];
+        text_copy(word, sizeof word, text_view_of(key, strlen(key)));
+        size_t used = strlen(c->unknown);
+        (void)snprintf(c->unknown + used, sizeof c->unknown - used, "%s%s.%s", used ? ", " : "",
+                       parent->text, word);
+    }
+}
+
+static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, const place *at,
+                            vec3 point, vec3 axis, error *err)
+{
+    static const char *const known[] = {"angle", "translation", NULL};
+    if (!json_is_object(value))
+        return unexpected(err, at, "an object with angle and translation", value);
+    note_unknown(c, value, at, known);
+    double angle = 0.0, translation[3] = {0.0};
+    place here = place_of(at, "angle");
+    mrt_result result = read_number(&angle, json_object_get(value, "angle"), &here, err);
+    if (result < 0)
+        return result;
+    here = place_of(at, "translation");
+    result = read_row(translation, json_object_get(value, "translation"), &here, err);
+    if (result < 0)
+        return result;
+    c->pose[frame] = rigid_turn(point, axis, angle);
+    c->pose[frame].t =
+        vec3_add(c->pose[frame].t, (vec3){translation[0], translation[1], translation[2]});
+    return MRT_OK;
+}
+
+static mrt_result read_axis(vec3 *out_point, vec3 *out_direction, const json_t *jaw,
+                            const place *parent, error *err)
+{
+    double point[3] = {0.0}, direction[3] = {0.0};
+    place at = place_of(parent, "axis_point");
+    mrt_result result = read_row(point, json_object_get(jaw, "axis_point"), &at, err);
+    if (result < 0)
+        return result;
+    at = place_of(parent, "axis_dir");
+    result = read_row(direction, json_object_get(jaw, "axis_dir"), &at, err);
+    if (result < 0)
+        return result;
+    vec3 none = {0.0, 0.0, 0.0};
+    *out_point = (vec3){point[0], point[1], point[2]};
+    *out_direction = vec3_normalised((vec3){direction[0], direction[1], direction[2]}, none);
+    if (vec3_dot(*out_direction, *out_direction) == 0.0)
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found no length", at.text);
+    return MRT_OK;
+}
+
+static mrt_result read_jaw(deform_case *c, const json_t *object, error *err)
+{
+    static const char *const known[] = {"centres", "axis_point", "axis_dir", "poses", NULL};
+    const json_t *jaw = json_object_get(object, "jaw");
+    place at = place_of(&root, "jaw");
+    if (!jaw)
+        return MRT_OK;
+    if (!json_is_object(jaw))
+        return unexpected(err, &at, "an object with centres, axis and poses", jaw);
+    note_unknown(c, jaw, &at, known);
+    vec3 point, direction;
+    mrt_result result =
+        read_rows(&c->jaw, &c->jaw_count, jaw, &at, "centres", DEFORM_CENTRE_CAP, err);
+    if (result >= 0)
+        result = read_axis(&point, &direction, jaw, &at, err);
+    if (result < 0)
+        return result;
+    const json_t *poses = json_object_get(jaw, "poses");
+    place here = place_of(&at, "poses");
+    if (!json_is_array(poses) || json_array_size(poses) != c->frame_count) {
+        char expected[64];
+        (void)snprintf(expected, sizeof expected, "an array of %u poses, one per frame",
+                       c->frame_count);
+        return unexpected(err, &here, expected, poses);
+    }
+    c->pose = calloc(c->frame_count, sizeof *c->pose);
+    if (!c->pose)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %u poses", c->frame_count);
+    for (size_t f = 0; result >= 0 && f < c->frame_count; ++f) {
+        place pose_at = place_at(&here, f);
+        result = read_pose(c, f, json_array_get(poses, f), &pose_at, point, direction, err);
+    }
+    return result;
+}
+
+static const char *word_at(const json_t *object, const char *key)
+{
+    const char *word = json_string_value(json_object_get(object, key));
+    return word ? word : "";
+}
+
+static mrt_result read_settings(deform_case *c, const json_t *object, error *err)
+{
+    place at = place_of(&root, "kernel");
+    if (!csrbf_kernel_named(word_at(object, "kernel"), &c->settings.kernel))
+        return unexpected(err, &at,
+                          "\"wendland_c2\", \"wendland_c0\", \"wendland_c4\" or \"wendland_c6\"",
+                          json_object_get(object, "kernel"));
+    at = place_of(&root, "polynomial");
+    if (!csrbf_polynomial_named(word_at(object, "polynomial"), &c->settings.polynomial))
+        return unexpected(err, &at, "\"none\", \"constant\", \"linear\" or \"windowed\"",
+                          json_object_get(object, "polynomial"));
+    at = place_of(&root, "mode");
+    const char *mode = word_at(object, "mode");
+    if (strcmp(mode, "anchored") != 0 && strcmp(mode, "unanchored") != 0)
+        return unexpected(err, &at, "\"anchored\" or \"unanchored\"",
+                          json_object_get(object, "mode"));
+    c->mode = strcmp(mode, "anchored") == 0 ? DEFORM_ANCHORED : DEFORM_UNANCHORED;
+    at = place_of(&root, "radius");
+    const json_t *radius = json_object_get(object, "radius");
+    c->settings.radius = json_number_value(radius);
+    if (!(c->settings.radius >= 1e-14 && c->settings.radius <= 1e14))
+        return unexpected(err, &at, "a number > 0, from 1e-14 to 1e14", radius);
+    return MRT_OK;
+}
+
+static mrt_result read_points(deform_case *c, const json_t *object, error *err)
+{
+    uint32_t cap = DEFORM_NUMBER_CAP / 3 / c->frame_count;
+    return read_rows(&c->point, &c->point_count, object, &root, "points", cap, err);
+}
+
+static mrt_result read_skull(deform_case *c, const json_t *object, error *err)
+{
+    if (!json_object_get(object, "skull"))
+        return MRT_OK;
+    return read_rows(&c->skull, &c->skull_count, object, &root, "skull", DEFORM_CENTRE_CAP, err);
+}
+
+static mrt_result read_object(deform_case *c, const json_t *object, error *err)
+{
+    static const char *const known[] = {
+        "name",  "comment", "kernel", "radius",   "polynomial", "mode",    "starts",  "frames",
+        "skull", "jaw",     "points", "expected", "info",       "tol_f64", "tol_f32", NULL};
+    if (!json_is_object(object))
+        return unexpected(err, &root, "an object", object);
+    note_unknown(c, object, &root, known);
+    mrt_result result = read_settings(c, object, err);
+    if (result >= 0)
+        result =
+            read_rows(&c->start, &c->tip_count, object, &root, "starts", DEFORM_CENTRE_CAP, err);
+    if (result >= 0)
+        result = read_frames(c, object, err);
+    if (result >= 0)
+        result = read_skull(c, object, err);
+    if (result >= 0)
+        result = read_jaw(c, object, err);
+    if (result >= 0)
+        result = read_points(c, object, err);
+    if (result >= 0 && c->tip_count + c->skull_count + c->jaw_count > DEFORM_CENTRE_CAP)
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "$: %u tips, %u skull and %u jaw centres are too many, at most %d",
+                           c->tip_count, c->skull_count, c->jaw_count, DEFORM_CENTRE_CAP);
+    return result;
+}
+
+mrt_result deform_case_read(deform_case *out, const void *bytes, size_t size, const char *name,
+                            error *err)
+{
+    json_error_t why;
+    *out = (deform_case){.unknown = ""};
+    json_t *object = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &why);
+    if (!object) {
+        char text[JSON_ERROR_TEXT_LENGTH];
+        text_copy(text, sizeof text, text_view_of(why.text, strlen(why.text)));
+        return error_set(err, MRT_ERR_FORMAT, "%s: line %d, column %d: %s", name, why.line,
+                         why.column, text);
+    }
+    mrt_result result = read_object(out, object, err);
+    json_decref(object);
+    if (result < 0) {
+        error_prefix(err, name);
+        deform_case_destroy(out);
+    }
+    return result;
+}
+
+void deform_case_destroy(deform_case *c)
+{
+    if (!c)
+        return;
+    free(c->start);
+    free(c->tip);
+    free(c->skull);
+    free(c->jaw);
+    free(c->pose);
+    free(c->point);
+    *c = (deform_case){.unknown = ""};
+}
+
+/* ---- running ---- */
+
+static uint32_t control_count(const deform_case *c)
+{
+    return c->tip_count + c->skull_count + c->jaw_count;
+}
+
+static void copy_rows(double *out, const double *row, uint32_t count)
+{
+    for (size_t i = 0; i < (size_t)3 * count; ++i)
+        out[i] = row[i];
+}
+
+/* Positions of tips, skull and jaw at time 0 .. frame_count. */
+static void controls_at(const deform_case *c, uint32_t time, double *out)
+{
+    const double *tip =
+        time == 0 ? c->start : c->tip + (size_t)3 * c->tip_count * (size_t)(time - 1);
+    copy_rows(out, tip, c->tip_count);
+    out += (size_t)3 * c->tip_count;
+    copy_rows(out, c->skull, c->skull_count);
+    out += (size_t)3 * c->skull_count;
+    for (uint32_t i = 0; i < c->jaw_count; ++i, out += 3) {
+        const double *rest = c->jaw + (size_t)3 * i;
+        vec3 at = {rest[0], rest[1], rest[2]};
+        if (time > 0)
+            at = rigid_apply(&c->pose[time - 1], at);
+        copy_rows(out, (const double[3]){at.x, at.y, at.z}, 1);
+    }
+}
+
+/* What a run needs beside the case. */
+typedef struct run {
+    csrbf_solver *solver;
+    csrbf_class *class;
+    double *from, *to; /* controls by 3: positions, and then displacements in `to` */
+    points_order order;
+    points rest, shown; /* float32 only */
+    float *rows;        /* point_count by 3 */
+} run;
+
+static mrt_result run_create(run *r, const deform_case *c, error *err)
+{
+    size_t controls = control_count(c), numbers = (size_t)3 * c->point_count;
+    *r = (run){.solver = csrbf_solver_create(control_count(c)),
+               .class = calloc(controls + 1, sizeof *r->class),
+               .from = calloc(3 * controls + 1, sizeof *r->from),
+               .to = calloc(3 * controls + 1, sizeof *r->to),
+               .rows = calloc(numbers + 1, sizeof *r->rows)};
+    if (!r->solver || !r->class || !r->from || !r->to || !r->rows)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %zu controls", controls);
+    for (size_t i = c->tip_count; i < controls; ++i)
+        r->class[i] = i < c->tip_count + c->skull_count ? CSRBF_SKULL : CSRBF_JAW;
+    for (size_t i = 0; i < numbers; ++i)
+        r->rows[i] = (float)c->point[i];
+    mrt_result result = points_order_create(&r->order, r->rows, c->point_count, err);
+    if (result >= 0)
+        result = points_create(&r->rest, &r->order, r->rows, err);
+    if (result >= 0)
+        result = points_create(&r->shown, &r->order, r->rows, err);
+    return result;
+}
+
+static void run_destroy(run *r)
+{
+    csrbf_solver_destroy(r->solver);
+    free(r->class);
+    free(r->from);
+    free(r->to);
+    free(r->rows);
+    points_order_destroy(&r->order);
+    points_destroy(&r->rest);
+    points_destroy(&r->shown);
+}
+
+/* The field from the controls of one time to those of another. */
+static mrt_result solve_way(run *r, const deform_case *c, uint32_t from, uint32_t to, error *err)
+{
+    uint32_t controls = control_count(c);
+    controls_at(c, from, r->from);
+    controls_at(c, to, r->to);
+    if (c->mode == DEFORM_UNANCHORED || to == 1) {
+        mrt_result result = csrbf_factor(r->solver, &c->settings, r->from, r->class, controls, err);
+        if (result < 0)
+            return result;
+    }
+    for (size_t i = 0; i < (size_t)3 * controls; ++i)
+        r->to[i] -= r->from[i];
+    return csrbf_solve(r->solver, r->to, err);
+}
+
+/* out: point_count by 3, the positions after this frame; `before`: those that the field moves. */
+static void move_points(run *r, const deform_case *c, deform_precision precision,
+                        const double *before, double *out)
+{
+    size_t numbers = (size_t)3 * c->point_count;
+    if (precision == DEFORM_F64) {
+        copy_rows(out, before, c->point_count);
+        csrbf_move_f64(r->solver, out, c->point_count);
+        return;
+    }
+    csrbf_move(r->solver, &r->shown, c->mode == DEFORM_ANCHORED ? &r->rest : &r->shown);
+    points_to_rows(r->rows, &r->shown, &r->order);
+    for (size_t i = 0; i < numbers; ++i)
+        out[i] = (double)r->rows[i];
+}
+
+static mrt_result check_points(const double *row, uint32_t count, error *err)
+{
+    for (size_t i = 0; i < (size_t)3 * count; ++i)
+        if (!(fabs(row[i]) <= (double)POINTS_REACH))
+            return error_set(err, MRT_ERR_UNSUPPORTED, "point %zu is moved beyond +-1e15", i / 3);
+    return MRT_OK;
+}
+
+mrt_result deform_case_run(const deform_case *c, deform_precision precision, double *out,
+                           error *err)
+{
+    run r;
+    size_t numbers = (size_t)3 * c->point_count;
+    mrt_result result = run_create(&r, c, err);
+    for (uint32_t frame = 0; result >= 0 && frame < c->frame_count; ++frame) {
+        bool anchored = c->mode == DEFORM_ANCHORED;
+        const double *before = anchored || frame == 0 ? c->point : out + (frame - 1) * numbers;
+        result = solve_way(&r, c, anchored ? 0 : frame, frame + 1, err);
+        if (result >= 0) {
+            move_points(&r, c, precision, before, out + frame * numbers);
+            result = check_points(out + frame * numbers, c->point_count, err);
+        }
+        if (result < 0) {
+            place at = place_of(&root, "frames");
+            error_prefix(err, place_at(&at, frame).text);
+        }
+    }
+    run_destroy(&r);
+    return result;
+}
