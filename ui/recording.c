@@ -62,7 +62,8 @@ static void meter_folds(recording *self, const performer *p)
     if (shape_slope_bound(s, displacement) < 1.0)
         return;
     double determinant = shape_min_determinant(s, displacement);
-    self->folded_frames += !(determinant > 0.0);
+    if (!(determinant > 0.0))
+        self->folded_frames += 1;
     self->min_determinant = fmin(self->min_determinant, determinant);
 }
 
