@@ -91,11 +91,17 @@ void seams_join(const seams *s, float *nx, float *ny, float *nz)
         nz[leader] += nz[v];
     }
     for (uint32_t i = 0; i < s->pair_count; ++i) {
-        uint32_t v = s->vertex[i], leader = s->leader[i];
+        uint32_t leader = s->leader[i];
         float square = nx[leader] * nx[leader] + ny[leader] * ny[leader] + nz[leader] * nz[leader];
         float inverse = square > 1e-12f ? 1.0f / sqrtf(square) : 0.0f;
-        nx[v] = nx[leader] *= inverse;
-        ny[v] = ny[leader] *= inverse;
-        nz[v] = nz[leader] *= inverse;
+        nx[leader] *= inverse;
+        ny[leader] *= inverse;
+        nz[leader] *= inverse;
+    }
+    for (uint32_t i = 0; i < s->pair_count; ++i) {
+        uint32_t v = s->vertex[i], leader = s->leader[i];
+        nx[v] = nx[leader];
+        ny[v] = ny[leader];
+        nz[v] = nz[leader];
     }
 }
