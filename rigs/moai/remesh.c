@@ -275,8 +275,8 @@ static int compare_candidates(const void *a, const void *b)
     return (p->h > q->h) - (p->h < q->h);
 }
 
-/* Collapses edges, the shortest first, until triangle_count are left or the candidates are used up.
- * The last triangle of an odd number can only go at the border. */
+/* Collapses edges, the shortest first, until triangle_count are left or the candidates are used up:
+ * one edge on the border if an odd number is to go, then inner edges. */
 static void collapse_shortest(skin *s, const form *shape, int32_t triangle_count, candidate *list)
 {
     int32_t count = 0;
@@ -284,12 +284,13 @@ static void collapse_shortest(skin *s, const form *shape, int32_t triangle_count
         if (skin_is_edge(s, h))
             list[count++] = (candidate){relative_length(s, shape, h), h};
     qsort(list, (size_t)count, sizeof *list, compare_candidates);
+    int is_odd = (s->live_triangle_count - triangle_count) % 2;
+    for (int32_t i = 0; i < count && is_odd; ++i)
+        if (s->twin[list[i].h] == SKIN_NONE)
+            is_odd = !collapse_edge(s, shape, list[i].h);
     for (int32_t i = 0; i < count && s->live_triangle_count > triangle_count; ++i) {
         int32_t h = list[i].h;
-        if (s->origin[h] == SKIN_NONE)
-            continue;
-        int32_t taken = s->twin[h] == SKIN_NONE ? 1 : 2;
-        if (taken <= s->live_triangle_count - triangle_count)
+        if (s->origin[h] != SKIN_NONE && s->twin[h] != SKIN_NONE)
             (void)collapse_edge(s, shape, h);
     }
 }

@@ -3,9 +3,9 @@
 #include <math.h>
 
 const vec3 SCULPT_LOW = {-80.0, -150.0, -80.0}, SCULPT_HIGH = {80.0, 150.0, 90.0};
-const vec3 SCULPT_LIP_LINE_END = {27.0, -54.0, 20.0}, SCULPT_RIM_END = {80.0, -149.4, -80.0};
+const vec3 SCULPT_LIP_LINE_END = {27.0, -54.0, 20.0}, SCULPT_RIM_END = {80.0, -149.7, -80.0};
 
-static const double LIP_LINE_X = 27.0, LIP_LINE_Y = -54.0;
+static const double LIP_LINE_Y = -54.0;
 
 /* ---- tools ---- */
 
@@ -160,22 +160,19 @@ static double nose(vec3 p)
     double slope = half + 0.18 * clamped(ridge - p.z, 0.0, 40.0);
     double side = box2(p.x, p.z - 0.5 * (ridge + 10.0), slope, 0.5 * (ridge - 10.0), 5.0) * 0.97;
     double under = (-27.0 - p.y - 0.10 * (p.z - 60.0)) * 0.99;
-    return common(common(side, under, 3.0), p.y - 74.0, 4.0);
+    return common(common(side, under, 5.0), p.y - 74.0, 4.0);
 }
 
+/* The wing as a roll that curls like a fish hook: from the tip back along the nostril, up the cheek
+ * and forward again. */
 static double nose_wing(vec3 p)
 {
-    return ellipsoid(from(p, 18.5, -15.5, 52.0), (vec3){11.5, 13.0, 17.0});
-}
-
-/* The groove around the wing, the fish hook: from the cheek over the wing and down its front. */
-static double nose_hook(vec3 p)
-{
-    static const vec3 PATH[] = {{30.5, -27, 43}, {31.5, -15, 44}, {28.5, -4, 48},
-                                {23.0, 0.5, 57}, {18.5, -3, 68},  {17.5, -10, 73}};
-    double d = 1e9;
+    static const vec3 PATH[] = {{15, -22, 67}, {22.5, -22.5, 57}, {27, -19, 47},
+                                {28, -10, 44}, {24, -2.5, 49},    {18.5, -1.5, 59}};
+    static const double RADIUS[] = {5.0, 5.7, 5.7, 5.2, 4.7, 3.2};
+    double d = ellipsoid(from(p, 22.0, -12.0, 40.0), (vec3){8.0, 10.0, 9.0}); /* what it lies on */
     for (int i = 0; i < 5; ++i)
-        d = smaller(d, segment(p, PATH[i], PATH[i + 1], 3.0, 3.0));
+        d = joined(d, segment(p, PATH[i], PATH[i + 1], RADIUS[i], RADIUS[i + 1]), 1.5);
     return d;
 }
 
@@ -187,30 +184,22 @@ static double nostril(vec3 p)
 /* The long socket under the brow; its floor slopes out to the cheek. */
 static double eye(vec3 p)
 {
-    double x = p.x - 31.5, y = p.y - 50.5 + 0.08 * x;
+    double x = p.x - 30.5, y = p.y - 50.5 + 0.08 * x;
     double floor = 22.0 - 0.20 * x - 0.85 * y;
-    double hollow = box2(x, y, 21.0, 15.5, 9.0);
+    double hollow = box2(x, y, 20.5, 15.5, 11.0);
     return common(hollow, (floor - p.z) * 0.8, 5.0);
 }
 
-/* Two thin rolls that taper to the corners. */
+/* Two thin rolls that taper to the corners; the valley between them is level. */
 static double lips(vec3 p)
 {
     double bend = 0.011 * p.x * p.x, taper = 1.0 - 0.00045 * p.x * p.x;
     double rise = p.y - LIP_LINE_Y;
     vec3 upper = {p.x, rise - 5.0 * taper, p.z + bend - 47.0};
     vec3 lower = {p.x, rise + 5.6 * taper, p.z + bend - 46.5};
-    double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 3.2);
-    double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 3.6);
-    return smaller(a, b);
-}
-
-static double lip_groove(vec3 p)
-{
-    double depth_z = 60.0 - 0.011 * p.x * p.x - p.z;
-    double half = clamped(2.0 - 0.5 * depth_z, -4.0, 6.0);
-    double wedge = (fabs(p.y - LIP_LINE_Y) - half) * 0.9;
-    return larger(wedge, p.x - LIP_LINE_X);
+    double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 4.2);
+    double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 4.4);
+    return joined(a, b, 2.8);
 }
 
 static double muzzle(vec3 p)
@@ -230,9 +219,9 @@ static double ear(vec3 p)
 {
     double lean = 0.06 * (p.y + 10.0);
     vec3 q = {p.x - 54.0, p.y + 12.0, p.z + 14.0 + lean};
-    double lobe = box3(q, (vec3){9.0, 74.0, 12.5}, 5.0);
+    double lobe = box3(q, (vec3){9.0, 74.0, 12.5}, 6.0);
     vec3 inner = {p.x - 66.0, p.y - 22.0, q.z - 0.5};
-    return carved(lobe, ellipsoid(inner, (vec3){6.5, 36.0, 6.5}), 4.0);
+    return carved(lobe, ellipsoid(inner, (vec3){6.0, 36.0, 7.0}), 6.0);
 }
 
 double sculpt_rough_distance(vec3 p)
@@ -246,18 +235,14 @@ double sculpt_rough_distance(vec3 p)
     stone = joined(stone, nose(p), 5.0);
     stone = joined(stone, nose_wing(p), 3.0);
     stone = joined(stone, lips(p), 4.0);
-    stone = joined(stone, ear(p), 3.0);
+    stone = joined(stone, ear(p), 8.0);
     stone = joined(stone, neck(p), 6.0);
-    return common(stone, -150.0 - p.y, 3.0);
+    return common(stone, -150.0 - p.y, 1.5);
 }
 
 double sculpt_distance(vec3 p)
 {
-    p.x = fabs(p.x);
-    double stone = sculpt_rough_distance(p);
-    stone = carved(stone, nose_hook(p), 2.0);
-    stone = carved(stone, nostril(p), 2.5);
-    return carved(stone, lip_groove(p), 1.0);
+    return carved(sculpt_rough_distance(p), nostril((vec3){fabs(p.x), p.y, p.z}), 2.5);
 }
 
 /* ---- how fine ---- */
@@ -270,10 +255,10 @@ typedef struct detail {
 double sculpt_edge_mm(vec3 p)
 {
     static const detail DETAILS[] = {
-        {{0, -54, 52}, {30, 10, 12}, 2.9},  {{0, -18, 58}, {28, 14, 20}, 3.1},
+        {{0, -54, 52}, {30, 5, 12}, 2.6},   {{0, -18, 58}, {28, 14, 20}, 3.1},
         {{0, 25, 50}, {18, 45, 16}, 4.0},   {{32, 52, 42}, {22, 16, 16}, 4.0},
-        {{0, 70, 50}, {54, 8, 14}, 4.2},    {{0, -94, 50}, {42, 18, 14}, 4.6},
-        {{0, 0, 40}, {46, 105, 16}, 5.4},   {{60, -12, -14}, {6, 74, 14}, 5.2},
+        {{0, 70, 50}, {54, 8, 14}, 4.2},    {{0, -94, 50}, {42, 18, 14}, 4.8},
+        {{0, -10, 40}, {46, 95, 16}, 5.6},  {{60, -12, -13}, {6, 78, 17}, 4.8},
         {{50, -150, -16}, {4, 2, 34}, 8.0}, {{0, -150, 24}, {46, 2, 4}, 8.0},
         {{0, -150, -56}, {46, 2, 4}, 8.0},  {{50, -98, 0}, {8, 8, 40}, 6.0},
     };
