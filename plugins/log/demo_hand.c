@@ -168,8 +168,9 @@ static void add_fist(performance *p)
     add_hand_stroke(p, t, 0.66, 1.15);
     timing late = {12.52, 0.46, 0.50, 0.62};
     add_stroke(p, ROLL, late, 0.45);
-    add_stroke(p, THUMB_MPJ, late, 0.26);
-    add_stroke(p, THUMB_IJ, late, 0.46);
+    add_stroke(p, THUMB_ABD, late, 0.32);
+    add_stroke(p, THUMB_MPJ, late, 0.04);
+    add_stroke(p, THUMB_IJ, late, 0.38);
     add_stroke(p, PITCH, t, -0.16);
     add_stroke(p, YAW, t, -0.09);
 }

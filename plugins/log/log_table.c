@@ -173,7 +173,7 @@ static mrt_result read_time(const log_table *table, log_text field, int64_t *out
     if (table->time_in_ns) {
         if (log_text_integer(field, out_ns))
             return MRT_OK;
-        return log_refuse(out_reason, "its time_ns is no whole number within +-2^58");
+        return log_refuse(out_reason, "its time_ns is no whole number within +-4e18");
     }
     if (!log_text_number(field, &seconds) || !(seconds >= -TIME_MAX_S && seconds <= TIME_MAX_S))
         return log_refuse(out_reason, "its time_s is no number within +-1e8");

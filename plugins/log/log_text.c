@@ -168,9 +168,10 @@ bool log_text_integer(log_text text, int64_t *out)
     int64_t value = 0;
     const char *first = text.at;
     for (; text.at < text.end && is_digit(*text.at); text.at += 1) {
-        value = value * 10 + (*text.at - '0');
-        if (value > INT64_C(1) << 58) /* ten times this still fits */
+        int64_t digit = *text.at - '0';
+        if (value > (LOG_INTEGER_MAX - digit) / 10)
             return false;
+        value = value * 10 + digit;
     }
     *out = negative ? -value : value;
     return text.at == text.end && text.at > first;

@@ -28,6 +28,8 @@ void log_text_copy(char *out, size_t capacity, log_text text);
 /* The whole text must be one decimal number: [+-]digits[.digits][e[+-]digits]. At most 17
  * significant digits count; the magnitude must be below 1e30. */
 bool log_text_number(log_text text, double *out);
-bool log_text_integer(log_text text, int64_t *out); /* within +-2^58 */
+/* Within +-LOG_INTEGER_MAX: the difference of any two is an int64_t. */
+bool log_text_integer(log_text text, int64_t *out);
+#define LOG_INTEGER_MAX INT64_C(4000000000000000000)
 
 #endif
