@@ -129,6 +129,12 @@ std::vector<tinygltf::Primitive> make_primitives(gltf_output &out, const gltf_su
     return primitives;
 }
 
+std::string scene_name(const mesh *m)
+{
+    std::string only = m->part_count == 1 ? gltf_utf8(m->part[0].name) : "";
+    return only.empty() ? "face" : only;
+}
+
 gltf_surface make_surface(const mesh *m)
 {
     gltf_surface s;
@@ -186,7 +192,7 @@ void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &n
 void gltf_surface_scene(gltf_output &out, const gltf_surface &s)
 {
     tinygltf::Mesh face;
-    face.name = "face";
+    face.name = scene_name(s.source);
     face.primitives = make_primitives(out, s);
     face.weights.assign(s.target.size(), 0.0);
     if (!s.target.empty()) {
@@ -197,7 +203,7 @@ void gltf_surface_scene(gltf_output &out, const gltf_surface &s)
     }
     out.model.meshes.push_back(std::move(face));
     tinygltf::Node node;
-    node.name = "face";
+    node.name = scene_name(s.source);
     node.mesh = 0;
     out.model.nodes.push_back(std::move(node));
     tinygltf::Scene scene;
