@@ -1,8 +1,8 @@
 /* io/clip.h - a performance as the exporters need it: a mesh and its motion at a fixed frame rate.
  * Frames are either anchored (a segment's base and unit responses, and one displacement per
  * control: exact and small) or free (vertex positions). Free frames are kept in an unlinked
- * temporary file, not in memory. Vertices are in the mesh's (file) order, mm. One thread at a time.
- */
+ * temporary file, not in memory. Vertices are in the mesh's (file) order, mm. What is not finite is
+ * refused. One thread at a time. */
 #ifndef MAROTTE_IO_CLIP_H
 #define MAROTTE_IO_CLIP_H
 #include "mesh/mesh.h"
@@ -40,9 +40,10 @@ uint32_t clip_segment_count(const clip *c);
 const clip_segment *clip_segment_at(const clip *c, uint32_t segment);
 /* Segment of a frame, or -1 for a free one. */
 int32_t clip_frame_segment(const clip *c, uint32_t frame);
-/* The displacements of an anchored frame; until the clip changes. */
+/* The displacements of an anchored frame, NULL for a free one; until the clip changes. */
 const double *clip_displacement(const clip *c, uint32_t frame);
-/* Where the controls are in a free frame; until the clip changes. */
+/* Where the controls are in a free frame, NULL and 0 for an anchored one; until the clip changes.
+ */
 const double *clip_tips(const clip *c, uint32_t frame, uint32_t *out_count);
 /* Positions of any frame, vertex_count by 3. */
 CHECKED mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err);

@@ -11,34 +11,41 @@ typedef struct export_progress { /* optional: called now and then; NULL callback
 } export_progress;
 
 typedef struct gltf_options {
-    double tolerance_mm;  /* greatest vertex error of free frames; 0: 0.1 % of the face's height */
-    uint32_t max_targets; /* of the components for free frames; 0: as many as the tolerance needs */
+    double tolerance_mm;  /* greatest vertex error of free frames; 0: 0.1 % of the face's height;
+                             at least 1e-6 of its size, which is what float32 can show */
+    uint32_t max_targets; /* of the components for free frames; 0: as many as the tolerance needs,
+                             within the limits of components.h */
     const char *name;     /* of the animation; NULL: "performance" */
 } gltf_options;
 
 typedef struct gltf_report {
     uint32_t target_count, exact_target_count, component_count;
     double max_error_mm; /* over all free frames, measured on what is written; 0 without any */
-    double tolerance_mm;
+    double tolerance_mm; /* that was aimed at; max_error_mm is above it only where a limit on the
+                            number of components came first */
     uint64_t byte_count;
 } gltf_report;
 
-/* .glb: base mesh, morph targets, a weights animation. Anchored frames exactly: one target per
- * control axis and segment, weights = displacements in metres, and one target per committed base.
- * Free frames: principal components up to the tolerance. A clip without frames is a plain mesh. */
+/* .glb: base mesh, morph targets, a weights animation with a key per frame. Anchored frames exactly
+ * (to float32): one target per control axis and segment, "s1.control2.y", weights = displacements
+ * in metres, and one target per committed base, "s2.base". Free frames: principal components up to
+ * the tolerance, "component1", weights within -1..1. Normals follow to first order. A clip without
+ * motion is a plain mesh; the mesh's own targets are left out. Parts are primitives on the same
+ * vertices, in the file's order, with their name in extras.name. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */
 CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
 
-/* Vertex caches, mm, +y up, every frame. */
+/* Vertex caches, mm, +y up, every frame; a clip without frames is refused. */
 CHECKED mrt_result pc2_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 /* The controls as text, one row per frame and control, mm:
  * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
- * (mode: anchored or free; a free frame's start is where the control was the frame before). */
+ * (mode: anchored or free; frame from 0; segment and control from 1, as in the glTF names; a free
+ * frame has no segment, and its start is where the control was the frame before). */
 CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 
