@@ -1,0 +1,222 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "io/mesh_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+#define QUAD     "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\n"
+
+static mesh read_good(const char *text)
+{
+    mesh m;
+    error err = {""};
+    if (obj_parse(&m, text, strlen(text), &err) < 0)
+        fail_msg("%s", err.text);
+    assert_int_equal(mesh_validate(&m, &err), MRT_OK);
+    return m;
+}
+
+static void assert_refused(const char *text, size_t size, const char *reason)
+{
+    mesh m;
+    error err = {""};
+    if (obj_parse(&m, text, size, &err) >= 0)
+        fail_msg("accepted: %s", text);
+    assert_null(m.position);
+    if (!strstr(err.text, reason))
+        fail_msg("\"%s\" does not say \"%s\"", err.text, reason);
+}
+
+static void assert_triangles(const mesh *m, const uint32_t *expected, uint32_t count)
+{
+    assert_int_equal(m->triangle_count, count);
+    assert_memory_equal(m->triangle, expected, count * 3 * sizeof *expected);
+}
+
+static void every_form_of_corner_is_read(void **state)
+{
+    (void)state;
+    static const char *const faces[] = {
+        "f 1 2 3\n",    "f 1/1 2/2 3/3\n", "f 1//1 2//1 3//1\n", "f 1/1/1 2/2/2 3/3/3\n",
+        "f -3 -2 -1\n", "f +1 2 3\r\n",    "f 1 2 \\\n 3\n",     "  f\t1 2 3"};
+    static const uint32_t expected[] = {0, 1, 2};
+    for (size_t i = 0; i < sizeof faces / sizeof *faces; ++i) {
+        char text[256];
+        (void)snprintf(text, sizeof text, "%s%s", TRIANGLE, faces[i]);
+        mesh m = read_good(text);
+        assert_int_equal(m.vertex_count, 3);
+        assert_triangles(&m, expected, 1);
+        mesh_destroy(&m);
+    }
+}
+
+static void vertices_keep_their_order_and_number(void **state)
+{
+    (void)state;
+    mesh m = read_good("v 5 0 0\nv 1.5 -2e1 .25\nv 5 0 0\nv 7 7 7\nf 3 2 1\n");
+    assert_int_equal(m.vertex_count, 4);
+    assert_true(m.position[3] == 1.5f && m.position[4] == -20.0f && m.position[5] == 0.25f);
+    static const uint32_t expected[] = {2, 1, 0};
+    assert_triangles(&m, expected, 1);
+    mesh_destroy(&m);
+}
+
+static void weights_and_colours_after_a_vertex_are_passed_over(void **state)
+{
+    (void)state;
+    mesh m = read_good("v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 0.1 0.2 0.3 1\nf 1 2 3\n");
+    assert_int_equal(m.vertex_count, 3);
+    mesh_destroy(&m);
+}
+
+static void quads_are_cut_along_the_shorter_diagonal(void **state)
+{
+    (void)state;
+    mesh m = read_good("v 0 0 0\nv 1 0 0\nv 5 5 0\nv 0 1 0\nf 1 2 3 4\n");
+    static const uint32_t shorter[] = {0, 1, 3, 1, 2, 3};
+    assert_triangles(&m, shorter, 2);
+    mesh_destroy(&m);
+    m = read_good(QUAD "f 1 2 3 4\n"); /* equal diagonals: the first */
+    static const uint32_t equal[] = {0, 1, 2, 0, 2, 3};
+    assert_triangles(&m, equal, 2);
+    mesh_destroy(&m);
+}
+
+static void polygons_become_fans_with_a_note(void **state)
+{
+    (void)state;
+    mesh m = read_good(QUAD "v -1 0.5 0\nf 1 2 3 4 5\n");
+    static const uint32_t fan[] = {0, 1, 2, 0, 2, 3, 0, 3, 4};
+    assert_triangles(&m, fan, 3);
+    assert_non_null(strstr(m.note, "1 faces of more than 4 corners"));
+    mesh_destroy(&m);
+}
+
+static void groups_and_materials_become_parts_in_order_of_appearance(void **state)
+{
+    (void)state;
+    mesh m = read_good(QUAD "usemtl skin\ng face\nf 1 2 3\ng teeth\nf 1 2 4\ng face\nf 2 3 4\n"
+                            "usemtl lip\nf 3 4 1\n");
+    static const uint32_t expected[] = {0, 1, 2, 1, 2, 3, 0, 1, 3, 2, 3, 0};
+    assert_triangles(&m, expected, 4);
+    assert_int_equal(m.part_count, 3);
+    assert_string_equal(m.part[0].name, "face");
+    assert_int_equal(m.part[0].triangle_count, 2);
+    assert_string_equal(m.part[1].name, "teeth");
+    assert_int_equal(m.part[1].first_triangle, 2);
+    assert_int_equal(m.part[1].first_vertex, 0);
+    assert_int_equal(m.part[1].vertex_count, 4);
+    assert_string_equal(m.part[2].name, "face");
+    assert_string_equal(m.material[m.part[0].material].name, "skin");
+    assert_string_equal(m.material[m.part[2].material].name, "lip");
+    mesh_destroy(&m);
+}
+
+static void names_are_clean_utf8(void **state)
+{
+    (void)state;
+    mesh m = read_good(TRIANGLE "o m\xc3\xbcnd \xff\x01 x\nf 1 2 3\n");
+    assert_string_equal(m.part[0].name, "m\xc3\xbcnd ?? x");
+    mesh_destroy(&m);
+}
+
+static void unknown_statements_are_counted_and_materials_files_left_alone(void **state)
+{
+    (void)state;
+    mesh m = read_good("mtllib ../../etc/passwd\n# comment\n" TRIANGLE
+                       "vt 0 0\nvn 0 0 1\ns off\ncurv 0 1\nl 1 2\nf 1 2 3\n");
+    assert_non_null(strstr(m.note, "2 statements were skipped, the first is \"curv\""));
+    mesh_destroy(&m);
+}
+
+static void degenerate_and_non_manifold_faces_are_kept(void **state)
+{
+    (void)state;
+    mesh m = read_good(QUAD "v 1 1 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 1 2\n");
+    assert_int_equal(m.vertex_count, 5);
+    assert_int_equal(m.triangle_count, 4);
+    assert_non_null(strstr(m.note, "1 triangles use a vertex twice"));
+    mesh_destroy(&m);
+}
+
+static void malformed_text_is_refused_by_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *reason;
+    } bad[] = {{"", "no vertices"},
+               {"\x7f\x45\x4c\x46 junk \x01\x02\n", "no vertices"},
+               {TRIANGLE, "3 vertices but no faces"},
+               {"v 0 0 nan\n", "line 1: a finite number was expected, \"nan\" was found"},
+               {"v 0 0 inf\n", "line 1: a finite number"},
+               {"v 0 0 1e39\n", "line 1: a finite number"},
+               {"v 0 0 1e999\n", "line 1: a finite number"},
+               {"v 0 zero 0\n", "line 1: a finite number was expected, \"zero\""},
+               {"v 0 0x10 0\n", "line 1: a finite number"},
+               {"v 0 0\n", "line 1: a vertex has 2 numbers"},
+               {"v 0 0 0 1 2 3 4 5\n", "line 1: a vertex of at most 7"},
+               {TRIANGLE "f 0 1 2\n", "line 4: a face uses vertex 0"},
+               {TRIANGLE "f 1 2 4\n", "line 4: a face uses vertex 4, but 3"},
+               {TRIANGLE "f 1 2 -4\n", "line 4: a face uses vertex -4"},
+               {TRIANGLE "f 1 2 999999999999\n", "line 4: a face uses vertex 999999999999"},
+               {TRIANGLE "f 1 2 99999999999999999999\n", "line 4: a corner"},
+               {TRIANGLE "f /1/ 2 3\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1/ 2/ 3/\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1/a 2 3\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1/1/1/1 2 3\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1 2.0 3\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1 2\n", "line 4: a face has 2 corners"},
+               {TRIANGLE "f\n", "line 4: a face has 0 corners"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
+        assert_refused(bad[i].text, strlen(bad[i].text), bad[i].reason);
+}
+
+static void a_line_beyond_the_cap_is_refused(void **state)
+{
+    (void)state;
+    size_t size = (size_t)2 << 20;
+    char *text = malloc(size);
+    assert_non_null(text);
+    memset(text, '1', size);
+    assert_refused(text, size, "line 1: the line is longer");
+    free(text);
+}
+
+static void many_groups_are_refused_in_bounded_time(void **state)
+{
+    (void)state;
+    enum { GROUPS = 70000, LENGTH = 24 };
+    char *text = malloc((size_t)GROUPS * LENGTH + 64);
+    assert_non_null(text);
+    size_t size = (size_t)sprintf(text, TRIANGLE);
+    for (int i = 0; i < GROUPS; ++i)
+        size += (size_t)sprintf(text + size, "g %d\nf 1 2 3\n", i);
+    assert_refused(text, size, "more than 65536 groups");
+    free(text);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_form_of_corner_is_read),
+        cmocka_unit_test(vertices_keep_their_order_and_number),
+        cmocka_unit_test(weights_and_colours_after_a_vertex_are_passed_over),
+        cmocka_unit_test(quads_are_cut_along_the_shorter_diagonal),
+        cmocka_unit_test(polygons_become_fans_with_a_note),
+        cmocka_unit_test(groups_and_materials_become_parts_in_order_of_appearance),
+        cmocka_unit_test(names_are_clean_utf8),
+        cmocka_unit_test(unknown_statements_are_counted_and_materials_files_left_alone),
+        cmocka_unit_test(degenerate_and_non_manifold_faces_are_kept),
+        cmocka_unit_test(malformed_text_is_refused_by_line),
+        cmocka_unit_test(a_line_beyond_the_cap_is_refused),
+        cmocka_unit_test(many_groups_are_refused_in_bounded_time),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
