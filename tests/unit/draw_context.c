@@ -70,7 +70,7 @@ static void a_wrong_shader_is_reported_with_its_name(void **state)
                       bad[] = "void main() { x; }";
     const gl_source broken[] = {{"good.vert", good, sizeof good - 1},
                                 {"bad.frag", bad, sizeof bad - 1}};
-    assert_true(gl_program_create(broken, &err) == 0);
+    assert_true(gl_program_create(broken, "", &err) == 0);
     assert_non_null(strstr(err.text, "bad.frag"));
     assert_null(strchr(err.text, '\n'));
     draw_context_destroy(context);

@@ -171,11 +171,15 @@ static void only_the_rectangle_is_drawn(void **state)
     draw_render(renderer, fresh, face, &front, SIDE, 0, 10, 10); /* beside the target */
     draw_render(renderer, fresh, face, &front, 0, 0, 0, 10);
     draw_read(fresh, picture);
+    int drawn = 0;
     for (int y = 0; y < SIDE; ++y)
         for (int x = 0; x < SIDE; ++x) {
             bool inside = x >= 40 && x < 140 && y >= 20 && y < 80;
-            assert_true(inside == (brightness(picture, x, y) != brightness(other, x, y)));
+            bool differs = brightness(picture, x, y) != brightness(other, x, y);
+            assert_true(inside || !differs);
+            drawn += differs;
         }
+    assert_true(drawn > 100 * 60 * 8 / 10); /* the wall may have the page's colour here and there */
     assert_true(brightness(picture, 90, 50) > 200); /* the ball, in the middle of it */
     draw_render(renderer, fresh, face, &front, SIDE - 50, SIDE - 50, 200, 200); /* sticks out */
     draw_target_destroy(fresh);

@@ -63,19 +63,18 @@ static void copy_log(char *out, size_t capacity, GLuint object, bool is_program)
             *c = c[1] ? ';' : '\0';
 }
 
-static GLuint compile(GLenum type, const gl_source *source, error *err)
+static GLuint compile(GLenum type, const gl_source *source, const char *defines, error *err)
 {
     static const char version[] = "#version 330 core\n", line[] = "\n#line 1\n";
-    const GLchar *text[] = {version, shaders_common.text, line, source->text};
-    const GLint size[] = {(GLint)strlen(version), (GLint)shaders_common.size, (GLint)strlen(line),
-                          (GLint)source->size};
+    const GLchar *text[] = {version, defines, shaders_common.text, line, source->text};
+    const GLint size[] = {-1, -1, (GLint)shaders_common.size, -1, (GLint)source->size};
     GLuint shader = glCreateShader(type);
     if (shader == 0) {
         if (gl_check_error("a shader", err) == MRT_OK)
             error_set(err, MRT_ERR_UNSUPPORTED, "OpenGL refused to make a shader");
         return 0;
     }
-    glShaderSource(shader, 4, text, size);
+    glShaderSource(shader, 5, text, size);
     glCompileShader(shader);
     GLint compiled = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
@@ -89,10 +88,11 @@ static GLuint compile(GLenum type, const gl_source *source, error *err)
     return 0;
 }
 
-GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], error *err)
+GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err)
 {
-    GLuint vertex = compile(GL_VERTEX_SHADER, &stages[GL_STAGE_VERTEX], err);
-    GLuint fragment = vertex ? compile(GL_FRAGMENT_SHADER, &stages[GL_STAGE_FRAGMENT], err) : 0;
+    GLuint vertex = compile(GL_VERTEX_SHADER, &stages[GL_STAGE_VERTEX], defines, err);
+    GLuint fragment =
+        vertex ? compile(GL_FRAGMENT_SHADER, &stages[GL_STAGE_FRAGMENT], defines, err) : 0;
     GLuint program = fragment ? glCreateProgram() : 0;
     if (program) {
         glAttachShader(program, vertex);

@@ -19,8 +19,9 @@ typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
     const char *name, *text;
     size_t size;
 } gl_source;
-/* 0: failed. Every stage sees the text of common.glsl before its own. */
-GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], error *err);
+/* 0: failed. Every stage sees `defines` ("" or lines of #define) and the text of common.glsl before
+ * its own. */
+GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err);
 
 enum { GL_STATE_UNITS = 2, GL_STATE_SWITCHES = 12 };
 typedef struct gl_state { /* of the caller: a window, a user interface */

@@ -76,7 +76,7 @@ static void open_font(letters *self, const char *const *paths)
 static mrt_result create_drawing(letters *self, error *err)
 {
     const gl_source stages[] = {shaders_letters_vert, shaders_letters_frag};
-    self->program = gl_program_create(stages, err);
+    self->program = gl_program_create(stages, "", err);
     if (!self->program)
         return MRT_ERR_UNSUPPORTED;
     self->target_size = glGetUniformLocation(self->program, "target_size");

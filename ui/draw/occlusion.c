@@ -23,7 +23,7 @@ static mrt_result bake_init(bake *self, uint32_t vertex_count, error *err)
     if (!self->depth || !self->seen || !self->possible)
         return error_set(err, MRT_ERR_MEMORY, "no memory to shade the mesh");
     const gl_source stages[] = {shaders_depth_vert, shaders_depth_frag};
-    self->program = gl_program_create(stages, err);
+    self->program = gl_program_create(stages, "", err);
     if (!self->program)
         return MRT_ERR_UNSUPPORTED;
     glGenTextures(1, &self->texture);

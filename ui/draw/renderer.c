@@ -8,12 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHADOW_MAP = 2048, LIGHT_COUNT = 3, KEY = 0, SIDE_LIMIT = 32768 };
+enum { SHADOW_MAP = 1024, LIGHT_COUNT = 3, KEY = 0, SIDE_LIMIT = 32768 };
 
 /* Towards key, fill and rim, seen from a camera at yaw 0: the lights turn with the camera like a
  * studio around a turntable, so that every view is lit. */
 static const float studio[LIGHT_COUNT][3] = {
     {-0.5571f, 0.5970f, 0.5772f}, {0.8165f, 0.0272f, 0.5767f}, {0.5388f, 0.5089f, -0.6713f}};
+
+static const float stone_roughness = 0.8f; /* what is rougher has grain */
 
 static void find_face_uniforms(renderer_face_program *out)
 {
@@ -36,12 +38,17 @@ static mrt_result create_programs(draw_renderer *self, error *err)
     const gl_source face[] = {shaders_face_vert, shaders_face_frag};
     const gl_source depth[] = {shaders_depth_vert, shaders_depth_frag};
     const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
-    self->face.program = gl_program_create(face, err);
-    self->depth_program = self->face.program ? gl_program_create(depth, err) : 0;
-    self->background_program = self->depth_program ? gl_program_create(background, err) : 0;
+    static const char *const surface[RENDERER_SURFACES] = {"", "#define STONE\n"};
+    for (int i = 0; i < RENDERER_SURFACES; ++i) {
+        self->face[i].program = gl_program_create(face, surface[i], err);
+        if (!self->face[i].program)
+            return MRT_ERR_UNSUPPORTED;
+        find_face_uniforms(&self->face[i]);
+    }
+    self->depth_program = gl_program_create(depth, "", err);
+    self->background_program = self->depth_program ? gl_program_create(background, "", err) : 0;
     if (!self->background_program)
         return MRT_ERR_UNSUPPORTED;
-    find_face_uniforms(&self->face);
     self->depth_projection = glGetUniformLocation(self->depth_program, "projection");
     self->background_origin = glGetUniformLocation(self->background_program, "origin");
     glGenVertexArrays(1, &self->vertex_array);
@@ -99,7 +106,8 @@ void draw_renderer_destroy(draw_renderer *self)
     if (!self)
         return;
     letters_destroy(self->letters);
-    glDeleteProgram(self->face.program);
+    for (int i = 0; i < RENDERER_SURFACES; ++i)
+        glDeleteProgram(self->face[i].program);
     glDeleteProgram(self->depth_program);
     glDeleteProgram(self->background_program);
     glDeleteTextures(1, &self->shadow_map);
@@ -153,9 +161,8 @@ static void draw_background(const draw_renderer *self, const view *v)
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-static void set_face_uniforms(const draw_renderer *self, const draw_face *face, const view *v)
+static void set_face_uniforms(const renderer_face_program *u, const draw_face *face, const view *v)
 {
-    const renderer_face_program *u = &self->face;
     float eye[3];
     camera_eye(&v->camera, eye);
     matrix4 projection = camera_projection(&v->camera, (float)v->width / (float)v->height,
@@ -177,26 +184,34 @@ static bool is_clear(const face_batch *batch)
     return batch->base_colour[3] < 0.999f;
 }
 
+static void draw_batch(const renderer_face_program *u, const draw_face *face,
+                       const face_batch *batch)
+{
+    glUseProgram(u->program);
+    glUniform4fv(u->base_colour, 1, batch->base_colour);
+    glUniform1f(u->roughness, batch->roughness);
+    glUniform1f(u->metallic, batch->metallic);
+    if (face->triangle_count)
+        glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
+                       (const void *)(batch->first_index * sizeof(GLuint)));
+    else
+        glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+}
+
 static void draw_batches(const draw_renderer *self, const draw_face *face, bool clear_ones)
 {
     for (uint32_t i = 0; i < face->batch_count; ++i) {
         const face_batch *batch = &face->batch[i];
-        if (is_clear(batch) != clear_ones)
-            continue;
-        glUniform4fv(self->face.base_colour, 1, batch->base_colour);
-        glUniform1f(self->face.roughness, batch->roughness);
-        glUniform1f(self->face.metallic, batch->metallic);
-        if (face->triangle_count)
-            glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
-                           (const void *)(batch->first_index * sizeof(GLuint)));
-        else
-            glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+        bool is_stone = batch->roughness > stone_roughness && batch->metallic < 0.5f;
+        if (is_clear(batch) == clear_ones)
+            draw_batch(&self->face[is_stone ? RENDERER_STONE : RENDERER_SMOOTH], face, batch);
     }
 }
 
 static void draw_face_lit(const draw_renderer *self, const draw_face *face, const view *v)
 {
-    set_face_uniforms(self, face, v);
+    for (int i = 0; i < RENDERER_SURFACES; ++i)
+        set_face_uniforms(&self->face[i], face, v);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, self->shadow_map);
     glBindVertexArray(face->vertex_array);

@@ -11,8 +11,14 @@ typedef struct renderer_face_program {
     GLint shadow_projection, shadow_map, shadow_texel_mm, origin;
 } renderer_face_program;
 
+typedef enum renderer_surface {
+    RENDERER_SMOOTH,
+    RENDERER_STONE,
+    RENDERER_SURFACES
+} renderer_surface;
+
 struct draw_renderer {
-    renderer_face_program face;
+    renderer_face_program face[RENDERER_SURFACES];
     GLuint depth_program, background_program;
     GLint depth_projection, background_origin;
     GLuint shadow_map, shadow_framebuffer;

@@ -81,7 +81,7 @@ static mrt_result create_picture(draw_target *self, error *err)
 static mrt_result create_resolve(draw_target *self, error *err)
 {
     const gl_source stages[] = {shaders_screen_vert, shaders_resolve_frag};
-    self->resolve_program = gl_program_create(stages, err);
+    self->resolve_program = gl_program_create(stages, "", err);
     if (!self->resolve_program)
         return MRT_ERR_UNSUPPORTED;
     glUseProgram(self->resolve_program);

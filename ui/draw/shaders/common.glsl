@@ -6,12 +6,6 @@ vec3 encode_srgb(vec3 linear)
     return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, vec3(lessThan(c, vec3(0.0031308))));
 }
 
-vec3 decode_srgb(vec3 encoded)
-{
-    return mix(pow((encoded + 0.055) / 1.055, vec3(2.4)), encoded / 12.92,
-               vec3(lessThan(encoded, vec3(0.04045))));
-}
-
 uint scramble(uint h)
 {
     h ^= h >> 16;

@@ -14,9 +14,11 @@ uniform float shadow_texel_mm;
 uniform ivec2 origin;
 out vec4 colour;
 
-const vec3 light_colour[3] = vec3[3](vec3(3.15, 2.98, 2.72), vec3(0.24, 0.28, 0.36), vec3(0.85, 0.95, 1.10));
-const vec3 sky = vec3(0.30, 0.335, 0.39), ground = vec3(0.105, 0.092, 0.08);
+const vec3 light_colour[3] =
+    vec3[3](vec3(3.10, 2.92, 2.66), vec3(0.22, 0.26, 0.34), vec3(0.80, 0.90, 1.05));
+const vec3 sky = vec3(0.255, 0.285, 0.335), ground = vec3(0.095, 0.083, 0.072);
 
+#ifdef STONE
 float lattice(ivec3 p)
 {
     uint h = scramble(uint(p.x) * 0x8da6b343u + uint(p.y) * 0xd8163841u + uint(p.z) * 0xcb1ab31fu);
@@ -52,22 +54,32 @@ void add_grain(float cells, float tint, float slope, inout vec4 grain)
     if (visible > 0.0)
         grain += visible * vec4(tint, vec3(slope)) * noise(p);
 }
+#endif
+
+// An even disc (golden angle).
+const int tap_count = 8;
+const vec2 taps[tap_count] = vec2[tap_count](
+    vec2(0.2500, 0.0000), vec2(-0.3193, 0.2925), vec2(0.0489, -0.5569), vec2(0.4024, 0.5249),
+    vec2(-0.7385, -0.1306), vec2(0.6996, -0.4450), vec2(-0.2340, 0.8705), vec2(-0.4463, -0.8593));
 
 float key_visibility(vec3 normal)
 {
-    const float reach_texels = 11.0;
-    const int tap_count = 16;
-    float slant = sqrt(max(0.0, 1.0 - pow(dot(normal, light_direction[0]), 2.0)));
-    vec3 from = v_position + normal * shadow_texel_mm * (1.5 + 0.7 * reach_texels * slant);
+    const float reach_texels = 4.5;
+    float facing = dot(normal, light_direction[0]);
+    float slant = sqrt(max(0.0, 1.0 - facing * facing));
+    vec3 from = v_position + normal * shadow_texel_mm * (1.0 + 0.8 * reach_texels * slant);
     vec3 place = (shadow_projection * vec4(from, 1.0)).xyz;
-    vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
+    vec2 reach = reach_texels / vec2(textureSize(shadow_map, 0));
     float seen = 0.0;
-    for (int i = 0; i < tap_count; ++i) {
-        float turn = float(i) * 2.399963; // golden angle: an even disc
-        vec2 offset = sqrt((float(i) + 0.5) / float(tap_count)) * vec2(cos(turn), sin(turn));
-        seen += texture(shadow_map, vec3(place.xy + offset * reach_texels * texel, place.z));
-    }
+    for (int i = 0; i < tap_count; ++i)
+        seen += texture(shadow_map, vec3(place.xy + taps[i] * reach, place.z));
     return seen / float(tap_count);
+}
+
+float fifth_power(float x)
+{
+    float square = x * x;
+    return square * square * x;
 }
 
 // What a light sends to the eye (GGX, Smith, Schlick; wrapped a little: the lights are large).
@@ -82,7 +94,7 @@ vec3 reflect_light(vec3 normal, vec3 to_eye, vec3 to_light, vec3 diffuse, vec3 m
     float spread = n_h * n_h * (a2 - 1.0) + 1.0;
     float lobe = a2 / (3.14159265 * spread * spread);
     float hidden = 0.5 / mix(2.0 * n_l * n_v, n_l + n_v, a);
-    vec3 fresnel = mirror + (1.0 - mirror) * pow(1.0 - v_h, 5.0);
+    vec3 fresnel = mirror + (1.0 - mirror) * fifth_power(1.0 - v_h);
     return diffuse * (1.0 - fresnel) * max((facing + wrap) / (1.0 + wrap), 0.0) / 3.14159265 +
            fresnel * lobe * hidden * n_l;
 }
@@ -95,18 +107,19 @@ vec3 reflect_room(vec3 normal, vec3 to_eye, vec3 diffuse, vec3 mirror, float rou
     float edge = mix(0.15, 1.0, rough);
     vec3 seen = mix(ground * 0.6, sky * 1.6, smoothstep(-edge, edge, seen_direction.y));
     vec3 r = max(vec3(1.0 - rough), mirror) - mirror;
-    vec3 fresnel = mirror + r * pow(1.0 - max(dot(normal, to_eye), 0.0), 5.0);
+    vec3 fresnel = mirror + r * fifth_power(1.0 - max(dot(normal, to_eye), 0.0));
     return (diffuse * around + fresnel * seen * mix(1.0, 0.45, rough) * open) * open;
 }
 
-// Straight up to 0.7, then a shoulder towards 1; by the strongest channel, so hues stay.
+// Straight up to `knee`, then a shoulder towards 1; by the strongest channel, so hues stay.
 vec3 expose(vec3 light)
 {
+    const float knee = 0.5;
     float peak = max(light.r, max(light.g, light.b));
-    if (peak <= 0.7)
+    if (peak <= knee)
         return light;
-    float over = (peak - 0.7) / 0.3;
-    return light * ((0.7 + 0.3 * over / (1.0 + over)) / peak);
+    float over = (peak - knee) / (1.0 - knee);
+    return light * ((knee + (1.0 - knee) * over / (1.0 + over)) / peak);
 }
 
 void main()
@@ -119,17 +132,15 @@ void main()
     float rough = clamp(roughness, 0.12, 1.0);
     vec3 base = base_colour.rgb;
 
-    float stone = smoothstep(0.80, 0.86, roughness) * (1.0 - metallic);
-    if (stone > 0.0) {
-        vec4 grain = vec4(0.0);
-        add_grain(5.0, 0.07, 0.01, grain);
-        add_grain(24.0, 0.06, 0.025, grain);
-        add_grain(90.0, 0.07, 0.06, grain);
-        add_grain(230.0, 0.12, 0.10, grain);
-        grain *= stone;
-        base *= (1.0 + grain.x) * mix(1.0, mix(0.5, 1.06, open), stone);
-        normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
-    }
+#ifdef STONE
+    vec4 grain = vec4(0.0);
+    add_grain(5.0, 0.07, 0.01, grain);
+    add_grain(24.0, 0.06, 0.025, grain);
+    add_grain(90.0, 0.07, 0.06, grain);
+    add_grain(230.0, 0.12, 0.10, grain);
+    base *= (1.0 + grain.x) * mix(0.5, 1.06, open); // dirt stays where no hand gets
+    normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
+#endif
 
     vec3 mirror = mix(vec3(0.04), base, metallic);
     vec3 diffuse = base * (1.0 - metallic);
