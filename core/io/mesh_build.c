@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNKNOWN_PART = UINT32_MAX, COUNT_MAX = INT32_MAX / 3 };
+static const uint32_t UNKNOWN_PART = UINT32_MAX;
+enum { COUNT_MAX = INT32_MAX / 3 };
 
 static mrt_result no_memory(error *err)
 {

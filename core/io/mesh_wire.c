@@ -18,7 +18,8 @@ void mesh_wire_write(FILE *stream, const mesh *m)
     (void)fwrite(header, sizeof *header, 3, stream);
     (void)fwrite(m->position, 3 * sizeof *m->position, m->vertex_count, stream);
     (void)fwrite(m->triangle, 3 * sizeof *m->triangle, m->triangle_count, stream);
-    (void)fwrite(m->note, 1, note_length, stream);
+    if (note_length)
+        (void)fwrite(m->note, 1, note_length, stream);
 }
 
 void mesh_wire_write_failure(FILE *stream, const char *text)

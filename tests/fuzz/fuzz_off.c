@@ -1,0 +1,8 @@
+#include "fuzz_mesh.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    mesh m;
+    error err = {""};
+    return fuzz_mesh_check(off_parse(&m, data, size, &err), &m, &err);
+}
