@@ -10,7 +10,10 @@
 #include "draw_help.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static void drawing_without_a_context_is_an_error(void **state)
 {
@@ -27,6 +30,36 @@ static void drawing_without_a_context_is_an_error(void **state)
     assert_null(draw_face_create(&m, &err));
     assert_non_null(strstr(err.text, "no OpenGL context"));
     mesh_destroy(&m);
+}
+
+/* In a child, before anything here has loaded EGL. */
+static void expect_refusal(const char *name, const char *value, const char *package)
+{
+    (void)fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        error err = {{0}};
+        (void)setenv(name, value, 1);
+        draw_context *context = draw_context_create(&err);
+        if (context)
+            _exit(77);
+        _exit(strstr(err.text, package) && !gl_is_current() ? 0 : 1);
+    }
+    int status = -1;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    if (WEXITSTATUS(status) == 77)
+        printf("SKIPPED: this EGL finds a driver in spite of %s\n", name);
+    else
+        assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+static void without_a_driver_the_error_names_the_package(void **state)
+{
+    (void)state;
+    expect_refusal("__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere.json", "install lib");
+    expect_refusal("LIBGL_DRIVERS_PATH", "/nowhere", "install lib");
 }
 
 static void destroying_nothing_is_allowed(void **state)
@@ -80,6 +113,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(drawing_without_a_context_is_an_error),
+        cmocka_unit_test(without_a_driver_the_error_names_the_package),
         cmocka_unit_test(destroying_nothing_is_allowed),
         cmocka_unit_test(contexts_come_and_go),
         cmocka_unit_test(a_wrong_shader_is_reported_with_its_name),

@@ -195,9 +195,9 @@ static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, er
     format_time(label, sizeof label, s->clip, s->moment[i].frame);
     float top = (float)(y + VIEW_HEIGHT + 6);
     write_words(s, label, (float)x, top, LABEL_SIZE, VIEW_WIDTH, ink_strong);
+    float right = (float)x + draw_text_width(s->renderer, label, LABEL_SIZE) + 14.0f;
     snprintf(label, sizeof label, "%.1f mm from rest", s->moment[i].distance_mm);
-    float right = (float)(x + 2 * VIEW_WIDTH) - draw_text_width(s->renderer, label, LABEL_SIZE);
-    write_words(s, label, right, top, LABEL_SIZE, VIEW_WIDTH, ink_calm);
+    write_words(s, label, right, top, LABEL_SIZE, 2 * VIEW_WIDTH - 100, ink_calm);
     return MRT_OK;
 }
 

@@ -95,7 +95,7 @@ static void clear(draw_target *self)
 {
     glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
-    glClearColor(0.070f, 0.073f, 0.080f, 1.0f); /* a page a little darker than the wall */
+    glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* a page a little darker than the wall */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     self->stale = true;
 }

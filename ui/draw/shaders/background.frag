@@ -7,6 +7,6 @@ void main()
 {
     vec2 from_light = (v_place - vec2(0.5, 0.56)) * vec2(1.0, 0.9);
     float light = 1.0 / (1.0 + 3.6 * dot(from_light, from_light));
-    vec3 wall = mix(vec3(0.045, 0.048, 0.055), vec3(0.198, 0.206, 0.222), light * light);
+    vec3 wall = mix(vec3(0.078, 0.082, 0.092), vec3(0.200, 0.208, 0.224), light * light);
     colour = vec4(wall + dither(ivec2(gl_FragCoord.xy) - origin), 1.0);
 }
