@@ -13,10 +13,10 @@ enum { LOG_NAME = 40 };
 /* Not to be copied: the channels point at the names within. */
 typedef struct log_data {
     uint32_t channel_count;
+    bool is_hand_assumed; /* the file does not say whose hand it shows */
     mrt_channel channel[MRT_MAX_CHANNELS];
     char name[MRT_MAX_CHANNELS][LOG_NAME];
     char unit[MRT_MAX_CHANNELS][LOG_NAME];
-    bool is_hand_assumed; /* the file does not say whose hand it shows */
     size_t record_count;
     int64_t *time_ns; /* of the record, from the first one on; never decreasing; owned */
     float *value;     /* record_count by channel_count; owned */

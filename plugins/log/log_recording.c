@@ -81,7 +81,7 @@ static mrt_result read_words(log_text line, double *out, char *out_reason)
 
 mrt_result log_recording_record(log_text line, log_record *out, char *out_reason)
 {
-    double word[WORDS];
+    double word[WORDS] = {0};
     mrt_result result = read_words(line, word, out_reason);
     if (result < 0)
         return result;
