@@ -19,8 +19,7 @@ struct gltf_failure : std::runtime_error {
     mrt_result code;
 };
 
-__attribute__((format(printf, 2, 3))) [[noreturn]] void gltf_fail(mrt_result code,
-                                                                  const char *format, ...);
+[[noreturn, gnu::format(printf, 2, 3)]] void gltf_fail(mrt_result code, const char *format, ...);
 
 /* The part of the model that shapes need: no images, textures, animations, cameras, lights.
  * `directory`: as in gltf_parse. */
