@@ -5,6 +5,7 @@
 /* Elements of a frame that are worked on at a time: sixteen frames of them stay in the first-level
  * cache. Each panel is summed in float32, the panels in float64. */
 enum { PANEL = 256 };
+enum { TILE_ROWS = 32, TILE_COLUMNS = 64 };
 
 static void dot_two_rows(double *out_dot, const float *row, size_t stride, const float *block,
                          size_t length)
@@ -81,14 +82,26 @@ static void subtract_at(float *frame, const float *row, size_t row_count, const 
         frame[lane] -= sum[lane];
 }
 
+/* Rows by columns that stay in the first-level cache, on few enough pages. */
+static void subtract_tile(float *block, const float *row, size_t row_count, const float *weight,
+                          size_t length, size_t size)
+{
+    size_t d = 0;
+    for (; d + 2 <= size; d += 2)
+        subtract_at_two(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
+    if (d < size)
+        subtract_at(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
+}
+
 void frame_block_subtract(float *block, const float *row, size_t row_count, const float *weight,
                           size_t length)
 {
-    size_t d = 0;
-    for (; d + 2 <= length; d += 2)
-        subtract_at_two(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
-    if (d < length)
-        subtract_at(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
+    for (size_t d = 0; d < length; d += TILE_COLUMNS)
+        for (size_t r = 0; r < row_count; r += TILE_ROWS)
+            subtract_tile(block + d * FRAME_BLOCK, row + r * length + d,
+                          row_count - r < TILE_ROWS ? row_count - r : TILE_ROWS,
+                          weight + r * FRAME_BLOCK, length,
+                          length - d < TILE_COLUMNS ? length - d : TILE_COLUMNS);
 }
 
 void frame_block_peak(float out_peak[FRAME_BLOCK], const float *block, size_t length)

@@ -45,7 +45,7 @@ static void motion_of_rank_two_needs_two_components(void **state)
 {
     (void)state;
     error err;
-    mesh m = scene_sheet(12);
+    mesh m = scene_sheet(13);
     size_t length = (size_t)m.vertex_count * 3;
     float *base_m = metres(&m), *shape = malloc(length * sizeof *shape);
     clip *c = clip_create(&m, 60.0, NULL, &err);
