@@ -231,6 +231,41 @@ static void calibration_movements_are_what_they_show(void **state)
     log_data_finish(&log);
 }
 
+/* At its end subject 1 touches the thumb with one fingertip after the other. With the sign of the
+ * roll, the abduction or the arch turned round, the tips do not meet. */
+static void thumb_meets_each_fingertip_in_turn(void **state)
+{
+    (void)state;
+    log_data log;
+    if (!load_recording(&log, 0))
+        skip();
+    float nearest[4] = {1e9f, 1e9f, 1e9f, 1e9f};
+    int64_t when_ns[4] = {0};
+    hand_calibration calibration;
+    calibration_of(&calibration, &log);
+    hand_skeleton *skeleton = hand_skeleton_create(MRT_RIGHT, (double)HAND_LENGTH);
+    assert_non_null(skeleton);
+    for (size_t k = 0; k < log.record_count; ++k) {
+        hand h;
+        if (log.time_ns[k] < INT64_C(95000000000) || log.time_ns[k] > INT64_C(102000000000))
+            continue;
+        hand_at(skeleton, &calibration, &log, k, &h);
+        for (int finger = 0; finger < 4; ++finger) {
+            float now = distance(h.joint[4], h.joint[8 + 4 * finger]);
+            if (now >= nearest[finger])
+                continue;
+            nearest[finger] = now;
+            when_ns[finger] = log.time_ns[k];
+        }
+    }
+    hand_skeleton_destroy(skeleton);
+    for (int finger = 0; finger < 4; ++finger) {
+        assert_true(nearest[finger] < 25.0f); /* mm, between joint centres of the pads */
+        assert_true(finger == 0 || when_ns[finger] > when_ns[finger - 1]);
+    }
+    log_data_finish(&log);
+}
+
 /* ---- the demo ---- */
 
 static void demo_is_a_plausible_right_hand_of_20_s(void **state)
@@ -332,6 +367,7 @@ int main(void)
         cmocka_unit_test(every_pose_is_plausible),
         cmocka_unit_test(spreads_lie_on_the_grid_of_one_sensor),
         cmocka_unit_test(calibration_movements_are_what_they_show),
+        cmocka_unit_test(thumb_meets_each_fingertip_in_turn),
         cmocka_unit_test(demo_is_a_plausible_right_hand_of_20_s),
         cmocka_unit_test(demo_speaks_three_to_five_syllables_a_second),
         cmocka_unit_test(demo_rests_at_both_ends),
