@@ -6,12 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rows of one block of vertices. */
-typedef struct block_rows {
-    float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK];    /* from the field's origin */
-    float dx[POINTS_BLOCK], dy[POINTS_BLOCK], dz[POINTS_BLOCK]; /* from one centre */
-    float q[POINTS_BLOCK];                                      /* dx^2 + dy^2 + dz^2 */
-} block_rows;
+/* Of the largest displacement: rounding noise that float evaluation may have. */
+static const double noise_ratio = 1e-4;
 
 bool field_create(field *out, uint32_t centre_capacity)
 {
@@ -59,18 +55,23 @@ void field_begin(field *f)
             reach = fabs(local) > reach ? fabs(local) : reach;
         }
     f->local_limit = float_limit(f->settings.radius, reach);
+    f->needs_double = false;
     memset(f->beta, 0, sizeof f->beta);
     memset(f->alpha, 0, (size_t)3 * f->centre_count * sizeof *f->alpha);
     memset(f->local_alpha, 0, (size_t)3 * f->centre_count * sizeof *f->local_alpha);
 }
 
-void field_set_alpha(field *f, const double *alpha, uint32_t stride)
+void field_set_alpha(field *f, const double *alpha, uint32_t stride, double largest_g)
 {
+    double sum = 0.0;
     for (size_t i = 0; i < f->centre_count; ++i)
         for (size_t axis = 0; axis < 3; ++axis) {
-            f->alpha[3 * i + axis] = alpha[i * stride + axis];
-            f->local_alpha[3 * i + axis] = (float)alpha[i * stride + axis];
+            double value = alpha[i * stride + axis];
+            f->alpha[3 * i + axis] = value;
+            f->local_alpha[3 * i + axis] = (float)value;
+            sum += fabs(value);
         }
+    f->needs_double = sum * 0x1p-24 > noise_ratio * largest_g;
 }
 
 void field_terms(const field *f, double out_term[4], const double x[3])
@@ -85,7 +86,7 @@ void field_terms(const field *f, double out_term[4], const double x[3])
     }
 }
 
-static void polynomial_at(const field *f, double out[3], const double x[3])
+void field_polynomial(const field *f, double out[3], const double x[3])
 {
     double term[4];
     field_terms(f, term, x);
@@ -96,10 +97,14 @@ static void polynomial_at(const field *f, double out[3], const double x[3])
     }
 }
 
+double field_limit(const field *f)
+{
+    return f->settings.radius * f->settings.radius * (1.0 - 0x1p-48);
+}
+
 static void displacement_at(const field *f, double out[3], const double x[3])
 {
-    double radius = f->settings.radius, outside = 1.0;
-    double limit = radius * radius * (1.0 - 0x1p-48); /* as local_limit, in double */
+    double radius = f->settings.radius, outside = 1.0, limit = field_limit(f);
     memset(out, 0, 3 * sizeof *out);
     for (size_t i = 0; i < f->centre_count; ++i) {
         const double *c = f->centre + 3 * i, *alpha = f->alpha + 3 * i;
@@ -115,7 +120,7 @@ static void displacement_at(const field *f, double out[3], const double x[3])
     if (f->term_count == 0)
         return;
     double p[3], window = f->settings.polynomial == CSRBF_WINDOWED ? 1.0 - outside : 1.0;
-    polynomial_at(f, p, x);
+    field_polynomial(f, p, x);
     for (int axis = 0; axis < 3; ++axis)
         out[axis] += window * p[axis];
 }
@@ -137,7 +142,7 @@ bool field_reaches(const field *f, uint32_t centre, const points_bounds *block)
     return points_bounds_distance_squared(block, f->centre + (size_t)3 * centre) < radius * radius;
 }
 
-static void rows_load(const field *f, block_rows *rows, const points *in, uint32_t block)
+void field_rows_load(const field *f, field_rows *rows, const points *in, uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
     const float *x = in->x + first, *y = in->y + first, *z = in->z + first;
@@ -149,7 +154,7 @@ static void rows_load(const field *f, block_rows *rows, const points *in, uint32
     }
 }
 
-static void rows_from_centre(const field *f, block_rows *rows, uint32_t centre)
+void field_rows_from(const field *f, field_rows *rows, uint32_t centre)
 {
     const float *c = f->local_centre + (size_t)3 * centre;
     const float cx = c[0], cy = c[1], cz = c[2];
@@ -168,8 +173,9 @@ static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const flo
 {
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
         size_t slot = (size_t)block * POINTS_BLOCK + i;
-        double x[3] = {(double)in->x[slot], (double)in->y[slot], (double)in->z[slot]}, p[3];
-        polynomial_at(f, p, x);
+        double x[3], p[3];
+        points_at(x, in, slot);
+        field_polynomial(f, p, x);
         for (int axis = 0; axis < 3; ++axis)
             sum[axis][i] += window ? window[i] * (float)p[axis] : (float)p[axis];
     }
@@ -179,7 +185,7 @@ static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const flo
 static bool block_displacement(const field *f, float sum[3][POINTS_BLOCK], const points *in,
                                uint32_t block)
 {
-    block_rows rows;
+    field_rows rows;
     float weight[POINTS_BLOCK], window[POINTS_BLOCK];
     float inverse_radius = (float)(1.0 / f->settings.radius);
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
@@ -190,9 +196,9 @@ static bool block_displacement(const field *f, float sum[3][POINTS_BLOCK], const
         if (!field_reaches(f, centre, &in->block[block]))
             continue;
         if (!reached)
-            rows_load(f, &rows, in, block);
+            field_rows_load(f, &rows, in, block);
         reached = true;
-        rows_from_centre(f, &rows, centre);
+        field_rows_from(f, &rows, centre);
         kernel_values_f32(f->settings.kernel, weight, rows.q, inverse_radius, f->local_limit);
         const float *alpha = f->local_alpha + (size_t)3 * centre;
         const float ax = alpha[0], ay = alpha[1], az = alpha[2];
@@ -230,13 +236,39 @@ static void copy_block(points *out, const points *in, uint32_t block)
     out->block[block] = in->block[block];
 }
 
+bool field_touches(const field *f, const points_bounds *block)
+{
+    bool global = f->term_count > 0 && f->settings.polynomial != CSRBF_WINDOWED;
+    for (uint32_t centre = 0; centre < f->centre_count; ++centre)
+        if (global || field_reaches(f, centre, block))
+            return true;
+    return false;
+}
+
+static bool block_displacement_f64(const field *f, float sum[3][POINTS_BLOCK], const points *in,
+                                   uint32_t block)
+{
+    if (!field_touches(f, &in->block[block]))
+        return false;
+    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+        double x[3], d[3];
+        points_at(x, in, (size_t)block * POINTS_BLOCK + i);
+        displacement_at(f, d, x);
+        for (int axis = 0; axis < 3; ++axis)
+            sum[axis][i] = (float)d[axis];
+    }
+    return true;
+}
+
 uint32_t field_move(const field *f, points *out, const points *in)
 {
     uint32_t moved = 0;
     for (uint32_t block = 0; block < in->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
         size_t first = (size_t)block * POINTS_BLOCK;
-        if (block_displacement(f, sum, in, block)) {
+        bool reached = f->needs_double ? block_displacement_f64(f, sum, in, block)
+                                       : block_displacement(f, sum, in, block);
+        if (reached) {
             add_row(out->x + first, in->x + first, sum[0]);
             add_row(out->y + first, in->y + first, sum[1]);
             add_row(out->z + first, in->z + first, sum[2]);
@@ -247,102 +279,4 @@ uint32_t field_move(const field *f, points *out, const points *in)
         }
     }
     return moved;
-}
-
-/* grad p: [a][b] is the derivative of p_a by x_b. */
-static matrix3 polynomial_gradient(const field *f)
-{
-    matrix3 out = {{{0.0}}};
-    for (uint32_t term = 1; term < f->term_count; ++term)
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b)
-                out.at[a][b] +=
-                    f->beta[term][a] * f->hull.axis.at[term - 1][b] / f->settings.radius;
-    return out;
-}
-
-static void add_global_gradient(const field *f, field_gradient *out)
-{
-    const matrix3 slope = polynomial_gradient(f);
-    for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b)
-            for (int i = 0; i < POINTS_BLOCK; ++i)
-                out->row[a][b][i] += (float)slope.at[a][b];
-}
-
-/* The window and its gradient, for one block: starts as prod = 1, gradient 0. */
-typedef struct window_rows {
-    float outside[POINTS_BLOCK];     /* prod_i (1 - phi_i) */
-    float gradient[3][POINTS_BLOCK]; /* of that product */
-} window_rows;
-
-static void window_times(window_rows *w, const float *weight, float step[3][POINTS_BLOCK])
-{
-    for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < POINTS_BLOCK; ++i)
-            w->gradient[axis][i] =
-                w->gradient[axis][i] * (1.0f - weight[i]) - w->outside[i] * step[axis][i];
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        w->outside[i] *= 1.0f - weight[i];
-}
-
-/* grad (W p) = W grad p + p grad W. */
-static void add_windowed_gradient(const field *f, field_gradient *out, const window_rows *w,
-                                  const points *at, uint32_t block)
-{
-    const matrix3 slope = polynomial_gradient(f);
-    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        size_t slot = (size_t)block * POINTS_BLOCK + i;
-        double x[3] = {(double)at->x[slot], (double)at->y[slot], (double)at->z[slot]}, p[3];
-        polynomial_at(f, p, x);
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b)
-                out->row[a][b][i] += (1.0f - w->outside[i]) * (float)slope.at[a][b] -
-                                     (float)p[a] * w->gradient[b][i];
-    }
-}
-
-bool field_gradient_of(const field *f, field_gradient *out, const points *at, uint32_t block)
-{
-    block_rows rows;
-    window_rows window = {{0}, {{0}}};
-    float slope[POINTS_BLOCK], weight[POINTS_BLOCK], step[3][POINTS_BLOCK];
-    float inverse_radius = (float)(1.0 / f->settings.radius);
-    bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
-    memset(out, 0, sizeof *out);
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        window.outside[i] = 1.0f;
-    for (uint32_t centre = 0; centre < f->centre_count; ++centre) {
-        if (!field_reaches(f, centre, &at->block[block]))
-            continue;
-        if (!reached)
-            rows_load(f, &rows, at, block);
-        reached = true;
-        rows_from_centre(f, &rows, centre);
-        kernel_slopes_f32(f->settings.kernel, slope, rows.q, inverse_radius, f->local_limit);
-        for (int i = 0; i < POINTS_BLOCK; ++i) {
-            float scaled = slope[i] * inverse_radius * inverse_radius;
-            step[0][i] = scaled * rows.dx[i];
-            step[1][i] = scaled * rows.dy[i];
-            step[2][i] = scaled * rows.dz[i];
-        }
-        const float *alpha = f->local_alpha + (size_t)3 * centre;
-        for (int a = 0; a < 3; ++a) {
-            const float pull = alpha[a];
-            for (int b = 0; b < 3; ++b)
-                for (int i = 0; i < POINTS_BLOCK; ++i)
-                    out->row[a][b][i] += pull * step[b][i];
-        }
-        if (!windowed)
-            continue;
-        kernel_values_f32(f->settings.kernel, weight, rows.q, inverse_radius, f->local_limit);
-        window_times(&window, weight, step);
-    }
-    if (f->term_count == 0 || (windowed && !reached))
-        return reached;
-    if (windowed)
-        add_windowed_gradient(f, out, &window, at, block);
-    else
-        add_global_gradient(f, out);
-    return true;
 }

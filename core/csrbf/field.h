@@ -17,6 +17,7 @@ typedef struct field {
      * few roundings less than R^2, so that nothing at or beyond R is ever touched. */
     float *local_centre, *local_alpha; /* centre_count by 3 */
     float origin[3], local_limit;
+    bool needs_double; /* alpha cancels so much that float evaluation would be noise */
 } field;
 
 bool field_create(field *out, uint32_t centre_capacity); /* false: no memory */
@@ -24,9 +25,22 @@ void field_destroy(field *f);
 
 /* After centres, settings and hull are set. The field is zero until field_set_alpha. */
 void field_begin(field *f);
-/* Takes alpha (centre_count by ENVELOPE_FEW) over; beta is the caller's to set. */
-void field_set_alpha(field *f, const double *alpha, uint32_t stride);
+/* Takes alpha (rows of `stride`, 3 of them used) over; beta is the caller's to set. largest_g: the
+ * largest size of a displacement, which alpha is measured by. */
+void field_set_alpha(field *f, const double *alpha, uint32_t stride, double largest_g);
 
+/* Rows of one block of vertices, in float. */
+typedef struct field_rows {
+    float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK];    /* from the field's origin */
+    float dx[POINTS_BLOCK], dy[POINTS_BLOCK], dz[POINTS_BLOCK]; /* from one centre */
+    float q[POINTS_BLOCK];                                      /* dx^2 + dy^2 + dz^2 */
+} field_rows;
+void field_rows_load(const field *f, field_rows *rows, const points *in, uint32_t block);
+void field_rows_from(const field *f, field_rows *rows, uint32_t centre);
+
+/* local_limit, in double. */
+double field_limit(const field *f);
+void field_polynomial(const field *f, double out[3], const double x[3]);
 /* The terms of p at x: 1, then (x - c0) along each axis of the hull, over R. */
 void field_terms(const field *f, double out_term[4], const double x[3]);
 
@@ -36,12 +50,7 @@ uint32_t field_move(const field *f, points *out, const points *in);
 
 /* False when the block lies out of the centre's support, or only touches it. */
 bool field_reaches(const field *f, uint32_t centre, const points_bounds *block);
-
-/* Rows of POINTS_BLOCK of one block of vertices. */
-typedef struct field_gradient {
-    float row[3][3][POINTS_BLOCK]; /* [a][b]: derivative of d_a by x_b */
-} field_gradient;
-/* False when grad d is zero all over the block. */
-bool field_gradient_of(const field *f, field_gradient *out, const points *at, uint32_t block);
+/* False when d is zero all over the block. */
+bool field_touches(const field *f, const points_bounds *block);
 
 #endif

@@ -1,5 +1,6 @@
 #include "csrbf/meter.h"
 
+#include "csrbf/gradient.h"
 #include "csrbf/kernel.h"
 
 #include <math.h>
@@ -10,12 +11,12 @@ static uint32_t lanes_of(const points *at, uint32_t block)
     return left < POINTS_BLOCK ? left : POINTS_BLOCK;
 }
 
-static matrix3 lane_of(const field_gradient *gradient, uint32_t lane)
+static matrix3 lane_of(const gradient *from, uint32_t lane)
 {
     matrix3 out;
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
-            out.at[a][b] = (double)gradient->row[a][b][lane];
+            out.at[a][b] = (double)from->row[a][b][lane];
     return out;
 }
 
@@ -32,10 +33,10 @@ double meter_min_determinant(const field *f, const points *at)
     double smallest = 1.0;
     bool first = true;
     for (uint32_t block = 0; block < at->block_count; ++block) {
-        field_gradient gradient;
-        bool bent = field_gradient_of(f, &gradient, at, block);
+        gradient slopes;
+        bool bent = gradient_of(f, &slopes, at, block);
         for (uint32_t lane = 0; lane < (bent ? lanes_of(at, block) : 1); ++lane) {
-            matrix3 g = lane_of(&gradient, lane);
+            matrix3 g = lane_of(&slopes, lane);
             double determinant = determinant_of_map(&g);
             smallest = first || determinant < smallest ? determinant : smallest;
             first = false;
@@ -73,10 +74,10 @@ static double vertex_slope(const field *f, const points *at)
 {
     double largest = 0.0; /* squared */
     for (uint32_t block = 0; block < at->block_count; ++block) {
-        field_gradient gradient;
-        uint32_t lanes = field_gradient_of(f, &gradient, at, block) ? lanes_of(at, block) : 0;
+        gradient slopes;
+        uint32_t lanes = gradient_of(f, &slopes, at, block) ? lanes_of(at, block) : 0;
         for (uint32_t lane = 0; lane < lanes; ++lane) {
-            matrix3 g = lane_of(&gradient, lane);
+            matrix3 g = lane_of(&slopes, lane);
             if (sum_of_squares(&g) <= largest)
                 continue; /* it bounds the norm from above */
             double squared = norm_squared(&g);

@@ -159,6 +159,13 @@ void points_update_bounds(points *p)
         points_update_block(p, block);
 }
 
+void points_at(double out[3], const points *p, size_t slot)
+{
+    out[0] = (double)p->x[slot];
+    out[1] = (double)p->y[slot];
+    out[2] = (double)p->z[slot];
+}
+
 points_bounds points_extent(const points *p)
 {
     points_bounds all = {{0}, {0}};

@@ -44,6 +44,8 @@ void points_copy(points *out, const points *from);
 void points_to_rows(float *out_xyz, const points *p, const points_order *order);
 void points_update_bounds(points *p);
 void points_update_block(points *p, uint32_t block); /* one block of it */
+/* The vertex in a slot. */
+void points_at(double out[3], const points *p, size_t slot);
 /* Bounds of all vertices, from the bounds of the blocks. */
 points_bounds points_extent(const points *p);
 /* True when every coordinate is finite and within POINTS_REACH. */

@@ -25,15 +25,15 @@ static void values_in_block(const field *f, double *out, uint32_t centre, const 
         q[i] = dx * dx + dy * dy + dz * dz;
     }
     double radius = f->settings.radius;
-    kernel_values_f64(f->settings.kernel, out, q, 1.0 / radius, radius * radius * (1.0 - 0x1p-48));
+    kernel_values_f64(f->settings.kernel, out, q, 1.0 / radius, field_limit(f));
 }
 
 static void add_polynomial(const field *f, const batch *b, double sum[][POINTS_BLOCK],
                            const double *window, const points *in, uint32_t block)
 {
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        size_t slot = (size_t)block * POINTS_BLOCK + i;
-        double x[3] = {(double)in->x[slot], (double)in->y[slot], (double)in->z[slot]}, term[4];
+        double x[3], term[4];
+        points_at(x, in, (size_t)block * POINTS_BLOCK + i);
         field_terms(f, term, x);
         for (uint32_t column = 0; column < b->count; ++column) {
             double p = 0.0;

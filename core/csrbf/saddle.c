@@ -160,6 +160,14 @@ static void subtract_polynomial(const saddle *s, double *rhs, const double *beta
                     s->basis[ENVELOPE_FEW * i + term] * beta[term * columns + column];
 }
 
+static double largest_size(const double *value, size_t count)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < count; ++i)
+        largest = fabs(value[i]) > largest ? fabs(value[i]) : largest;
+    return largest;
+}
+
 static bool moved_apart(const saddle *s, const double *g, const double *mean)
 {
     /* Two that are further apart than the distance are further than half of it from their mean. */
@@ -183,6 +191,7 @@ mrt_result saddle_solve(saddle *s, double *rhs, const double *g, error *err)
     size_t entries = (size_t)ENVELOPE_FEW * s->field.centre_count;
     merge_means(&s->merge, rhs, ENVELOPE_FEW, g);
     bool apart = moved_apart(s, g, rhs);
+    double largest = largest_size(rhs, entries);
     for (size_t i = 0; i < s->field.centre_count; ++i)
         for (size_t term = 0; term < s->field.term_count; ++term)
             for (size_t axis = 0; axis < 3; ++axis)
@@ -195,7 +204,7 @@ mrt_result saddle_solve(saddle *s, double *rhs, const double *g, error *err)
         if (!(fabs(rhs[i]) <= 1e30))
             return error_set(err, MRT_ERR_UNSUPPORTED,
                              "the displacements are too large for these controls");
-    field_set_alpha(&s->field, rhs, ENVELOPE_FEW);
+    field_set_alpha(&s->field, rhs, ENVELOPE_FEW, largest);
     for (int term = 0; term < 4; ++term)
         memcpy(s->field.beta[term], beta[term], sizeof s->field.beta[term]);
     s->merged_apart = apart;
