@@ -12,7 +12,7 @@
 enum { HALF_TRIANGLES = 7152 / 2, ADAPT_ROUNDS = 14 };
 
 /* Gives a few triangles more than wanted, which remesh_reduce takes away. */
-static const double EDGE_SCALE = 1.10;
+static const double EDGE_SCALE = 1.115;
 static const double GRID_CELL_MM = 2.0;
 
 static const mesh_material STONE = {
@@ -26,9 +26,8 @@ static mrt_result carve(skin *out, error *err)
         nets_half(out, sculpt_rough_distance, SCULPT_LOW, SCULPT_HIGH, GRID_CELL_MM, err);
     if (result < 0)
         return result;
-    result = remesh_cut_level(out, SCULPT_LIP_LINE_END, err);
-    if (result >= 0)
-        result = remesh_cut_level(out, SCULPT_RIM_END, err);
+    for (int i = 0; i < SCULPT_LINES && result >= 0; ++i)
+        result = remesh_cut_level(out, SCULPT_LINE_END[i], err);
     if (result >= 0)
         result = remesh_adapt(out, &shape, ADAPT_ROUNDS, err);
     if (result >= 0)

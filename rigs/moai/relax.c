@@ -1,7 +1,7 @@
 #include "relax.h"
 
 /* The share of spreading evenly against staying on the planes of the form. */
-static const double SMOOTHING = 0.05;
+static const double SMOOTHING = 0.1;
 
 /* The tangent plane of the shape at the foot of a point near it. */
 static relax_plane plane_at(const form *shape, vec3 p, double area)
@@ -34,7 +34,7 @@ static int line_middle(const skin *s, int32_t vertex, vec3 *out)
     int32_t count = skin_neighbours(s, vertex, around), found = 0;
     vec3 sum = {0, 0, 0};
     for (int32_t i = 0; i < count; ++i)
-        if (s->hold[around[i]] & s->hold[vertex] & SKIN_LINES) {
+        if (skin_common_line(s, around[i], vertex)) {
             sum = vec3_add(sum, s->point[around[i]]);
             ++found;
         }

@@ -37,7 +37,7 @@ static void mark_line_ends(skin *s)
             continue;
         int32_t count = skin_neighbours(s, v, around), line_count = 0;
         for (int32_t i = 0; i < count && i < SKIN_RING; ++i)
-            line_count += (s->hold[around[i]] & SKIN_LEVEL) != 0;
+            line_count += (skin_common_line(s, v, around[i]) & SKIN_LEVEL) != 0;
         if (line_count < 2)
             s->hold[v] |= SKIN_CORNER;
     }

@@ -3,9 +3,13 @@
 #include <math.h>
 
 const vec3 SCULPT_LOW = {-80.0, -150.0, -80.0}, SCULPT_HIGH = {80.0, 150.0, 90.0};
-const vec3 SCULPT_LIP_LINE_END = {27.0, -54.0, 20.0}, SCULPT_RIM_END = {80.0, -149.7, -80.0};
+const vec3 SCULPT_LINE_END[SCULPT_LINES] = {{27.0, -54.0, 20.0},
+                                            {26.0, -52.1, 20.0},
+                                            {26.0, -55.9, 20.0},
+                                            {48.0, 65.1, 40.0},
+                                            {80.0, -149.7, -80.0}};
 
-static const double LIP_LINE_Y = -54.0;
+static const double LIP_LINE_Y = -54.0, BROW_Y = 64.0;
 
 /* ---- tools ---- */
 
@@ -143,10 +147,10 @@ static double neck(vec3 p)
 static double brow(vec3 p)
 {
     static const knot FACE[] = {{-6, 60}, {2, 61}, {12, 60}, {22, 55}, {44, 30}};
-    double y = p.y - 65.0 + 0.0026 * p.x * p.x;
+    double y = p.y - BROW_Y;
     double face = p.z - CURVE(FACE, y) + 0.0056 * p.x * p.x;
     double ledge = common(face * 0.9, -y, 4.0);
-    return common(ledge, larger(larger(p.x - 53.0, 10.0 - p.z), y - 44.0), 8.0);
+    return common(ledge, larger(larger(p.x - 53.0, -30.0 - p.z), y - 44.0), 8.0);
 }
 
 static double nose(vec3 p)
@@ -184,9 +188,9 @@ static double nostril(vec3 p)
 /* The long socket under the brow; its floor slopes out to the cheek. */
 static double eye(vec3 p)
 {
-    double x = p.x - 30.5, y = p.y - 50.5 + 0.08 * x;
-    double floor = 22.0 - 0.20 * x - 0.85 * y;
-    double hollow = box2(x, y, 20.5, 15.5, 11.0);
+    double x = p.x - 29.0, y = p.y - 52.0;
+    double floor = 14.0 - 0.10 * x - 0.80 * y;
+    double hollow = box2(x, y, 18.5, 17.0, 11.0);
     return common(hollow, (floor - p.z) * 0.8, 5.0);
 }
 
@@ -197,9 +201,9 @@ static double lips(vec3 p)
     double rise = p.y - LIP_LINE_Y;
     vec3 upper = {p.x, rise - 5.0 * taper, p.z + bend - 47.0};
     vec3 lower = {p.x, rise + 5.6 * taper, p.z + bend - 46.5};
-    double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 4.2);
-    double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 4.4);
-    return joined(a, b, 2.8);
+    double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 4.7 * taper);
+    double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 5.0 * taper);
+    return joined(a, b, 3.4);
 }
 
 static double muzzle(vec3 p)
@@ -230,8 +234,8 @@ double sculpt_rough_distance(vec3 p)
     double stone = block(p);
     stone = joined(stone, muzzle(p), 14.0);
     stone = joined(stone, chin(p), 14.0);
-    stone = joined(stone, brow(p), 9.0);
     stone = carved(stone, eye(p), 3.0);
+    stone = joined(stone, brow(p), clamped(0.4 * (p.y - BROW_Y), 2.5, 10.0));
     stone = joined(stone, nose(p), 5.0);
     stone = joined(stone, nose_wing(p), 3.0);
     stone = joined(stone, lips(p), 4.0);
@@ -255,14 +259,21 @@ typedef struct detail {
 double sculpt_edge_mm(vec3 p)
 {
     static const detail DETAILS[] = {
-        {{0, -54, 52}, {30, 5, 12}, 2.6},   {{0, -18, 58}, {28, 14, 20}, 3.1},
-        {{0, 25, 50}, {18, 45, 16}, 4.0},   {{32, 52, 42}, {22, 16, 16}, 4.0},
-        {{0, 70, 50}, {54, 8, 14}, 4.2},    {{0, -94, 50}, {42, 18, 14}, 4.8},
-        {{0, -10, 40}, {46, 95, 16}, 5.6},  {{60, -12, -13}, {6, 78, 17}, 4.8},
-        {{50, -150, -16}, {4, 2, 34}, 8.0}, {{0, -150, 24}, {46, 2, 4}, 8.0},
-        {{0, -150, -56}, {46, 2, 4}, 8.0},  {{50, -98, 0}, {8, 8, 40}, 6.0},
+        {{0, -54, 54}, {29, 3, 8}, 2.2},    /* between the lips */
+        {{0, -54, 52}, {30, 9, 12}, 2.9},   /* lips */
+        {{0, -18, 58}, {28, 14, 20}, 3.1},  /* tip and wings of the nose */
+        {{0, 25, 50}, {18, 45, 16}, 4.2},   /* bridge of the nose */
+        {{32, 52, 42}, {22, 16, 16}, 4.2},  /* eye */
+        {{0, 70, 50}, {54, 8, 14}, 4.2},    /* brow */
+        {{0, -94, 50}, {42, 18, 14}, 5.0},  /* chin */
+        {{0, -10, 40}, {46, 95, 16}, 5.8},  /* cheeks, forehead */
+        {{60, -12, -13}, {6, 78, 17}, 5.0}, /* ear */
+        {{50, -98, 0}, {8, 8, 40}, 6.0},    /* jaw */
+        {{0, 138, -6}, {40, 10, 40}, 8.5},  /* crown */
+        {{50, -150, -16}, {4, 2, 34}, 7.0}, /* rim of the base: sides, front, back */
+        {{0, -150, 24}, {46, 2, 4}, 7.0},   {{0, -150, -56}, {46, 2, 4}, 7.0},
     };
-    const double growth = 0.20, coarsest_mm = 14.0;
+    const double growth = 0.21, coarsest_mm = 14.0;
     p.x = fabs(p.x);
     double edge = coarsest_mm;
     for (int i = 0; i < (int)(sizeof DETAILS / sizeof DETAILS[0]); ++i) {

@@ -7,9 +7,10 @@
 
 /* The box that holds the stone. */
 extern const vec3 SCULPT_LOW, SCULPT_HIGH;
-/* Two level lines that the mesh should follow (remesh_cut_level): between the lips, and the rim of
- * the base. */
-extern const vec3 SCULPT_LIP_LINE_END, SCULPT_RIM_END;
+/* Level lines that the mesh should follow (remesh_cut_level): between the lips, the edge of the
+ * brow, the rim of the base. */
+enum { SCULPT_LINES = 5 };
+extern const vec3 SCULPT_LINE_END[SCULPT_LINES];
 
 /* Below 0 inside the stone; near its surface, about the distance to it. */
 double sculpt_distance(vec3 p);

@@ -253,7 +253,7 @@ int skin_flip(skin *s, int32_t h)
         return 0;
     int32_t h1 = skin_next(h), h2 = skin_previous(h), g1 = skin_next(g), g2 = skin_previous(g);
     int32_t a = s->origin[h], b = s->origin[g], c = s->origin[h2], d = s->origin[g2];
-    int new_line = s->hold[c] & s->hold[d] & SKIN_LINES;
+    int new_line = skin_common_line(s, c, d);
     if (c == d || new_line || valence(s, a) <= 3 || valence(s, b) <= 3 || are_joined(s, c, d))
         return 0;
     int32_t b_c = s->twin[h1], c_a = s->twin[h2], a_d = s->twin[g1], d_b = s->twin[g2];
@@ -271,7 +271,8 @@ int skin_flip(skin *s, int32_t h)
 static int keeps_lines(const skin *s, int32_t h)
 {
     int32_t a = s->origin[h], b = skin_target(s, h);
-    if (s->hold[a] & ~s->hold[b] || s->hold[a] & SKIN_CORNER)
+    int held = s->hold[a] & (SKIN_LINES | SKIN_CORNER);
+    if (held & SKIN_CORNER || held != (skin_common_line(s, a, b) & held))
         return 0;
     int is_border_edge = s->twin[h] == SKIN_NONE;
     return is_border_edge || !(skin_on_border(s, a) && skin_on_border(s, b));
@@ -289,7 +290,7 @@ static int closes_cleanly(const skin *s, int32_t a, int32_t b, int32_t corner_co
     for (int32_t i = 0; i < count_a; ++i) {
         int is_shared = contains(around_b, count_b, around_a[i]);
         shared += is_shared;
-        int line = s->hold[around_a[i]] & s->hold[b] & SKIN_LINES;
+        int line = skin_common_line(s, around_a[i], b);
         int follows = s->hold[a] & line; /* the line goes through a: b takes its place */
         if (line && !follows && !is_shared && around_a[i] != b)
             return 0;

@@ -8,8 +8,8 @@
 
 enum { SKIN_NONE = -1, SKIN_RING = 32 };
 
-/* What a point of the skin must keep when it moves; an edge with a bit at both ends is a line of
- * that kind, which edits follow and never cross. */
+/* What a point of the skin must keep when it moves. An edge is part of a line, which edits follow
+ * and never cross, when both ends hold the same bit (and, with SKIN_LEVEL, the same height). */
 enum {
     SKIN_FREE = 0,
     SKIN_MIDDLE = 1, /* stays at x = 0: the border where the two halves meet */
@@ -61,10 +61,16 @@ static inline int skin_is_edge(const skin *s, int32_t h)
     return s->origin[h] != SKIN_NONE && (s->twin[h] == SKIN_NONE || h < s->twin[h]);
 }
 
-/* The bits that both ends of an edge hold: not SKIN_FREE on a line. */
+/* The kind of line that two neighbours lie on together; SKIN_FREE: none. */
+static inline int skin_common_line(const skin *s, int32_t a, int32_t b)
+{
+    int line = s->hold[a] & s->hold[b] & SKIN_LINES;
+    return s->point[a].y == s->point[b].y ? line : line & ~SKIN_LEVEL;
+}
+
 static inline int skin_line(const skin *s, int32_t h)
 {
-    return s->hold[s->origin[h]] & s->hold[skin_target(s, h)] & SKIN_LINES;
+    return skin_common_line(s, s->origin[h], skin_target(s, h));
 }
 
 /* The half-edges that leave a vertex, counter-clockwise (from the border on, if it is on one).
