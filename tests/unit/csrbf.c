@@ -1,0 +1,542 @@
+/* The kernels, the envelope factor, the meters and the points of the deformation engine. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "csrbf/csrbf.h"
+#include "csrbf/envelope.h"
+#include "csrbf/hull.h"
+#include "csrbf/kernel.h"
+#include "csrbf/order.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const csrbf_kernel kernels[] = {CSRBF_WENDLAND_C0, CSRBF_WENDLAND_C2, CSRBF_WENDLAND_C4,
+                                       CSRBF_WENDLAND_C6};
+
+static void expect_near(double got, double expected, double limit)
+{
+    if (!(fabs(got - expected) <= limit))
+        fail_msg("%.17g instead of %.17g (+-%g)", got, expected, limit);
+}
+
+/* ---- kernels ---- */
+
+static void kernels_are_one_at_the_centre_and_zero_from_the_radius_on(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; ++k) {
+        expect_near(kernel_value(kernels[k], 0.0), 1.0, 0.0);
+        expect_near(kernel_value(kernels[k], 1.0), 0.0, 0.0);
+        expect_near(kernel_value(kernels[k], 7.0), 0.0, 0.0);
+        expect_near(kernel_slope(kernels[k], 1.0), 0.0, 0.0);
+        assert_true(kernel_value(kernels[k], 0.99) > 0.0);
+    }
+}
+
+/* At r = 1/2, by hand: (1/2)^2; (1/2)^4 3; (1/2)^6 (35/4 + 9 + 3) / 3; (1/2)^8 (4 + 25/4 + 5). */
+static void kernels_have_the_published_values(void **state)
+{
+    (void)state;
+    expect_near(kernel_value(CSRBF_WENDLAND_C0, 0.5), 0.25, 1e-16);
+    expect_near(kernel_value(CSRBF_WENDLAND_C2, 0.5), 0.1875, 1e-16);
+    expect_near(kernel_value(CSRBF_WENDLAND_C4, 0.5), 20.75 / 192.0, 1e-16);
+    expect_near(kernel_value(CSRBF_WENDLAND_C6, 0.5), 15.25 / 256.0, 1e-16);
+    /* The C2 one, multiplied out: 1 - 10 r^2 + 20 r^3 - 15 r^4 + 4 r^5. */
+    for (double r = 0.0; r < 1.0; r += 0.0625)
+        expect_near(kernel_value(CSRBF_WENDLAND_C2, r),
+                    1 - 10 * r * r + 20 * r * r * r - 15 * r * r * r * r + 4 * r * r * r * r * r,
+                    1e-14);
+}
+
+static void slopes_are_the_derivatives(void **state)
+{
+    (void)state;
+    const double h = 1e-5;
+    for (int k = 0; k < 4; ++k)
+        for (double r = 0.0625; r < 1.0; r += 0.0625) {
+            double difference =
+                (kernel_value(kernels[k], r + h) - kernel_value(kernels[k], r - h)) / (2 * h);
+            expect_near(kernel_slope(kernels[k], r) * r, difference, 1e-7);
+        }
+    expect_near(kernel_slope(CSRBF_WENDLAND_C2, 0.0), -20.0, 0.0); /* phi''(0) */
+    expect_near(kernel_slope(CSRBF_WENDLAND_C0, 0.0), 0.0, 0.0);
+}
+
+static void the_steepest_slope_bounds_and_is_reached(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; ++k) {
+        double largest = 0.0;
+        for (int i = 1; i < 20000; ++i) {
+            double r = i / 20000.0, slope = fabs(kernel_slope(kernels[k], r) * r);
+            largest = slope > largest ? slope : largest;
+        }
+        assert_true(largest <= kernel_steepest(kernels[k]));
+        expect_near(largest, kernel_steepest(kernels[k]), 2e-4);
+    }
+}
+
+static void rows_agree_with_single_values(void **state)
+{
+    (void)state;
+    const double radius = 1.25;
+    float q32[POINTS_BLOCK], value32[POINTS_BLOCK], slope32[POINTS_BLOCK];
+    double q64[POINTS_BLOCK], value64[POINTS_BLOCK];
+    for (int k = 0; k < 4; ++k) {
+        for (int i = 0; i < POINTS_BLOCK; ++i) {
+            double distance = 1.5 * i / (POINTS_BLOCK - 1);
+            q64[i] = distance * distance;
+            q32[i] = (float)q64[i];
+        }
+        kernel_values_f64(kernels[k], value64, q64, 1.0 / radius, radius * radius);
+        kernel_values_f32(kernels[k], value32, q32, (float)(1.0 / radius),
+                          (float)(radius * radius));
+        kernel_slopes_f32(kernels[k], slope32, q32, (float)(1.0 / radius),
+                          (float)(radius * radius));
+        for (int i = 0; i < POINTS_BLOCK; ++i) {
+            double r = sqrt(q64[i]) / radius;
+            expect_near(value64[i], kernel_value(kernels[k], r), 1e-15);
+            expect_near((double)value32[i], kernel_value(kernels[k], r), 1e-6);
+            double slope = kernel_slope(kernels[k], r);
+            expect_near((double)slope32[i], slope, 2e-5 * (1.0 + fabs(slope)));
+        }
+    }
+}
+
+static void names_are_those_of_the_case_files(void **state)
+{
+    (void)state;
+    csrbf_kernel kernel = CSRBF_WENDLAND_C0;
+    csrbf_polynomial polynomial = CSRBF_LINEAR;
+    assert_true(csrbf_kernel_named("wendland_c2", &kernel) && kernel == CSRBF_WENDLAND_C2);
+    assert_true(csrbf_kernel_named("wendland_c0", &kernel) && kernel == CSRBF_WENDLAND_C0);
+    assert_true(csrbf_kernel_named("wendland_c4", &kernel) && kernel == CSRBF_WENDLAND_C4);
+    assert_true(csrbf_kernel_named("wendland_c6", &kernel) && kernel == CSRBF_WENDLAND_C6);
+    assert_false(csrbf_kernel_named("Wendland_C2", &kernel));
+    assert_true(kernel == CSRBF_WENDLAND_C6);
+    assert_true(csrbf_polynomial_named("none", &polynomial) && polynomial == CSRBF_NONE);
+    assert_true(csrbf_polynomial_named("constant", &polynomial) && polynomial == CSRBF_CONSTANT);
+    assert_true(csrbf_polynomial_named("linear", &polynomial) && polynomial == CSRBF_LINEAR);
+    assert_true(csrbf_polynomial_named("windowed", &polynomial) && polynomial == CSRBF_WINDOWED);
+    assert_false(csrbf_polynomial_named("", &polynomial));
+}
+
+/* ---- envelope ---- */
+
+enum { ROWS = 101 };
+
+/* A symmetric, diagonally dominant matrix whose rows begin at uneven columns. */
+static double matrix_entry(uint32_t i, uint32_t j)
+{
+    uint32_t high = i > j ? i : j, low = i > j ? j : i;
+    if (high - low > (high * 7) % 40)
+        return 0.0;
+    return i == j ? 10.0 : sin((double)(high * 31 + low)) / 4.0;
+}
+
+static void fill(envelope *e, uint32_t rows)
+{
+    envelope_clear(e);
+    for (uint32_t i = 0; i < rows; ++i) {
+        uint32_t first = 0;
+        while (first < i && matrix_entry(i, first) == 0.0)
+            ++first;
+        double *row = envelope_add_row(e, first);
+        for (uint32_t j = first; j <= i; ++j)
+            *row++ = matrix_entry(i, j);
+    }
+}
+
+/* The textbook's Cholesky, dense, row by row, sums over ascending columns. */
+static void factor_dense(double l[ROWS][ROWS], uint32_t rows)
+{
+    memset(l, 0, sizeof(double[ROWS][ROWS]));
+    for (uint32_t i = 0; i < rows; ++i)
+        for (uint32_t j = 0; j <= i; ++j) {
+            double sum = matrix_entry(i, j);
+            for (uint32_t k = 0; k < j; ++k)
+                sum -= l[i][k] * l[j][k];
+            l[i][j] = i == j ? sqrt(sum) : sum / l[j][j];
+        }
+}
+
+static void the_envelope_factor_has_the_bits_of_the_dense_one(void **state)
+{
+    (void)state;
+    static double dense[ROWS][ROWS];
+    static const uint32_t sizes[] = {1, 2, 31, 32, 33, 64, 65, ROWS};
+    envelope e;
+    assert_true(envelope_create(&e, ROWS));
+    for (int size = 0; size < 8; ++size) {
+        uint32_t row = 0, rows = sizes[size];
+        fill(&e, rows);
+        assert_true(envelope_factor(&e, 1e-12, &row));
+        factor_dense(dense, rows);
+        for (uint32_t i = 0; i < rows; ++i)
+            for (uint32_t j = 0; j <= i; ++j) {
+                double got = j < e.first[i] ? 0.0 : e.value[e.start[i] + (j - e.first[i])];
+                assert_true(got == dense[i][j]);
+            }
+    }
+    assert_true(e.start[ROWS] < ROWS * (ROWS + 1) / 2);
+    envelope_destroy(&e);
+}
+
+static void the_envelope_solves_its_system(void **state)
+{
+    (void)state;
+    static double few[ROWS][ENVELOPE_FEW], many[ROWS][ENVELOPE_MANY];
+    uint32_t row = 0;
+    envelope e;
+    assert_true(envelope_create(&e, ROWS));
+    fill(&e, ROWS);
+    for (uint32_t i = 0; i < ROWS; ++i)
+        for (uint32_t k = 0; k < ENVELOPE_MANY; ++k) {
+            many[i][k] = cos((double)(i + 3 * k));
+            if (k < ENVELOPE_FEW)
+                few[i][k] = many[i][k];
+        }
+    assert_true(envelope_factor(&e, 1e-12, &row));
+    envelope_solve_few(&e, few[0]);
+    envelope_solve_many(&e, many[0]);
+    for (uint32_t i = 0; i < ROWS; ++i)
+        for (uint32_t k = 0; k < ENVELOPE_MANY; ++k) {
+            double sum = 0.0;
+            for (uint32_t j = 0; j < ROWS; ++j)
+                sum += matrix_entry(i, j) * many[j][k];
+            expect_near(sum, cos((double)(i + 3 * k)), 1e-13);
+            if (k < ENVELOPE_FEW)
+                assert_true(few[i][k] == many[i][k]);
+        }
+    envelope_destroy(&e);
+}
+
+static void an_indefinite_matrix_is_refused_at_its_row(void **state)
+{
+    (void)state;
+    envelope e;
+    assert_true(envelope_create(&e, 40));
+    uint32_t row = 0;
+    envelope_clear(&e);
+    for (uint32_t i = 0; i < 40; ++i) {
+        double *entry = envelope_add_row(&e, i == 37 ? 35 : i);
+        if (i == 37) {
+            *entry++ = 1.0; /* as long as the diagonal of row 35 */
+            *entry++ = 0.0;
+        }
+        *entry = 1.0;
+    }
+    assert_false(envelope_factor(&e, 1e-12, &row));
+    assert_int_equal(row, 37);
+    envelope_destroy(&e);
+}
+
+/* ---- meters ---- */
+
+static void make_points(points *out, points_order *order, const float *row, uint32_t count)
+{
+    error err = {""};
+    if (points_order_create(order, row, count, &err) < 0 ||
+        points_create(out, order, row, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+static csrbf_solver *solved(const csrbf_settings *settings, const double *tip, const double *g,
+                            uint32_t count)
+{
+    error err = {""};
+    csrbf_solver *solver = csrbf_solver_create(count);
+    assert_non_null(solver);
+    if (csrbf_factor(solver, settings, tip, NULL, count, &err) < 0 ||
+        csrbf_solve(solver, g, &err) < 0)
+        fail_msg("%s", err.text);
+    return solver;
+}
+
+/* A single centre folds if and only if |g| > R / max|phi'|: 64/135 R for C2. */
+static void one_centre_folds_at_the_known_length(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 4001 };
+    static float row[SAMPLES][3];
+    points_order order;
+    points p;
+    for (int i = 0; i < SAMPLES; ++i)
+        row[i][0] = (float)(-2.0 + 4.0 * i / (SAMPLES - 1));
+    make_points(&p, &order, row[0], SAMPLES);
+    for (int k = 1; k < 4; ++k) {
+        csrbf_settings settings = {.kernel = kernels[k], .radius = 2.0};
+        double fold = settings.radius / kernel_steepest(kernels[k]);
+        const double tip[3] = {0, 0, 0};
+        for (int step = 1; step <= 30; ++step) {
+            const double g[3] = {fold * step / 20.0, 0, 0};
+            csrbf_solver *solver = solved(&settings, tip, g, 1);
+            double expected = 1.0 - step / 20.0;
+            expect_near(csrbf_min_determinant(solver, &p), expected, 1e-4);
+            expect_near(csrbf_max_slope(solver, &p), step / 20.0, 1e-4);
+            expect_near(csrbf_diagnose(solver).slope_bound, step / 20.0, 1e-8);
+            csrbf_solver_destroy(solver);
+        }
+    }
+    csrbf_settings settings = {.radius = 1.0};
+    assert_true(fabs(settings.radius / kernel_steepest(CSRBF_WENDLAND_C2) - 64.0 / 135.0) < 1e-15);
+    points_destroy(&p);
+    points_order_destroy(&order);
+}
+
+static const double four_tips[4][3] = {{0, 0, 0}, {0.75, 0, 0.25}, {0, 0.5, 0}, {0.25, 0.25, 1}};
+static const double four_pulls[4][3] = {
+    {0.125, 0, 0.25}, {0, -0.25, 0}, {0.25, 0.125, 0}, {0, 0, -0.25}};
+
+/* grad d by central differences of the field itself. */
+static void measure(double out[3][3], const csrbf_solver *solver, const double at[3])
+{
+    const double h = 1e-5;
+    for (int b = 0; b < 3; ++b) {
+        double low[3], high[3];
+        memcpy(low, at, sizeof low);
+        memcpy(high, at, sizeof high);
+        low[b] -= h;
+        high[b] += h;
+        csrbf_move_f64(solver, low, 1);
+        csrbf_move_f64(solver, high, 1);
+        for (int a = 0; a < 3; ++a)
+            out[a][b] = (high[a] - low[a]) / (2 * h) - (a == b ? 1.0 : 0.0);
+    }
+}
+
+static double determinant(double g[3][3])
+{
+    double m[3][3];
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            m[a][b] = g[a][b] + (a == b ? 1.0 : 0.0);
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+}
+
+/* The spectral norm by power iteration on g^T g. */
+static double norm(double g[3][3])
+{
+    double v[3] = {0.6, -0.5, 0.62}, size = 0.0;
+    for (int round = 0; round < 2000; ++round) {
+        double w[3] = {0}, u[3] = {0};
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                w[a] += g[a][b] * v[b];
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                u[b] += g[a][b] * w[a];
+        size = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        for (int b = 0; b < 3 && size > 0.0; ++b)
+            v[b] = u[b] / size;
+    }
+    return sqrt(size);
+}
+
+static void meters_agree_with_differences_of_the_field(void **state)
+{
+    (void)state;
+    static const float place[4][3] = {
+        {0.3f, 0.2f, 0.1f}, {0.7f, 0.1f, 0.6f}, {-0.4f, 0.3f, 0.2f}, {1.6f, 0.2f, 0.3f}};
+    for (int polynomial = CSRBF_NONE; polynomial <= CSRBF_WINDOWED; ++polynomial)
+        for (int k = 0; k < 4; ++k)
+            for (int i = 0; i < 4; ++i) {
+                csrbf_settings settings = {.kernel = kernels[k],
+                                           .polynomial = (csrbf_polynomial)polynomial,
+                                           .radius = 1.125};
+                csrbf_solver *solver = solved(&settings, four_tips[0], four_pulls[0], 4);
+                points_order order;
+                points p;
+                make_points(&p, &order, place[i], 1);
+                double g[3][3],
+                    at[3] = {(double)place[i][0], (double)place[i][1], (double)place[i][2]};
+                measure(g, solver, at);
+                expect_near(csrbf_min_determinant(solver, &p), determinant(g), 2e-5);
+                /* C0 counts the tips of its cones, too. */
+                if (kernels[k] == CSRBF_WENDLAND_C0)
+                    assert_true(csrbf_max_slope(solver, &p) >= norm(g) - 2e-5);
+                else
+                    expect_near(csrbf_max_slope(solver, &p), norm(g), 2e-5);
+                points_destroy(&p);
+                points_order_destroy(&order);
+                csrbf_solver_destroy(solver);
+            }
+}
+
+static void a_ridge_gives_way(void **state)
+{
+    (void)state;
+    static const double tip[3] = {0, 0, 0}, g[3] = {1, 0, 0};
+    csrbf_settings settings = {.radius = 1.0, .ridge = 0.25};
+    csrbf_solver *solver = solved(&settings, tip, g, 1);
+    double x[3] = {0, 0, 0};
+    csrbf_move_f64(solver, x, 1);
+    expect_near(x[0], 0.8, 1e-15); /* 1 / (1 + ridge) */
+    csrbf_solver_destroy(solver);
+}
+
+/* ---- hull, order, points ---- */
+
+static void a_hull_is_as_flat_as_its_points(void **state)
+{
+    (void)state;
+    double row[4][3] = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
+    hull h;
+    hull_fit(&h, row[0], 4);
+    assert_int_equal(h.dimension, 0);
+    expect_near(h.centre[1], 2.0, 0.0);
+    row[1][0] = 5;
+    hull_fit(&h, row[0], 4);
+    assert_int_equal(h.dimension, 1);
+    expect_near(h.axis.at[0][0], 1.0, 1e-15);
+    row[2][1] = 2.0 + 0.0042; /* off the line by a spread of 0.00343, 3.464 along it */
+    hull_fit(&h, row[0], 4);
+    assert_int_equal(h.dimension, 1);
+    row[2][1] = 2.0 + 0.0043;
+    hull_fit(&h, row[0], 4);
+    assert_int_equal(h.dimension, 2);
+    row[3][2] = 7;
+    hull_fit(&h, row[0], 4);
+    assert_int_equal(h.dimension, 3);
+}
+
+static void float_steps_far_from_the_origin_count_as_flat(void **state)
+{
+    (void)state;
+    /* On a slanted line at 1e5, where floats are 0.0078 apart. */
+    double row[9][3];
+    for (int i = 0; i < 9; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            row[i][axis] = (double)(float)(1e5 + 0.37 * i * (axis + 1));
+    hull h;
+    hull_fit(&h, row[0], 9);
+    assert_int_equal(h.dimension, 1);
+}
+
+static void the_canonical_order_does_not_depend_on_the_numbering(void **state)
+{
+    (void)state;
+    enum { COUNT = 500 };
+    static order_item a[COUNT], b[COUNT], scratch[COUNT];
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        uint32_t from = (i * 7 + 3) % COUNT;
+        a[i] = (order_item){.at = {sin((double)i), i % 10, i / 100}, .row = i};
+        b[i] = (order_item){.at = {sin((double)from), from % 10, from / 100}, .row = from};
+    }
+    order_sort(a, scratch, COUNT);
+    order_sort(b, scratch, COUNT);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        assert_memory_equal(a[i].at, b[i].at, sizeof a[i].at);
+        assert_true(i == 0 || a[i - 1].key <= a[i].key);
+    }
+}
+
+static void points_go_to_blocks_and_back(void **state)
+{
+    (void)state;
+    enum { COUNT = 131 };
+    static float row[COUNT][3], back[COUNT][3];
+    points_order order;
+    points p;
+    for (int i = 0; i < COUNT; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            row[i][axis] = (float)((i * (axis + 3) * 37) % 101) - 50.0f;
+    make_points(&p, &order, row[0], COUNT);
+    assert_int_equal(p.block_count, 3);
+    assert_int_equal(p.padded_count, 192);
+    assert_int_equal((uintptr_t)p.x % 64, 0);
+    assert_int_equal((uintptr_t)p.y % 64, 0);
+    assert_int_equal((uintptr_t)p.z % 64, 0);
+    for (uint32_t i = 0; i < COUNT; ++i)
+        assert_int_equal(order.slot_of_file[order.file_of_slot[i]], i);
+    for (uint32_t i = COUNT; i < p.padded_count; ++i)
+        assert_true(p.x[i] == p.x[COUNT - 1] && p.z[i] == p.z[COUNT - 1]);
+    for (uint32_t i = 0; i < p.padded_count; ++i) {
+        const points_bounds *block = &p.block[i / POINTS_BLOCK];
+        assert_true(block->low[1] <= p.y[i] && p.y[i] <= block->high[1]);
+    }
+    points_to_rows(back[0], &p, &order);
+    assert_memory_equal(row, back, sizeof row);
+    points_destroy(&p);
+    points_order_destroy(&order);
+    make_points(&p, &order, row[0], 0);
+    assert_int_equal(p.block_count, 0);
+    points_update_bounds(&p);
+    points_destroy(&p);
+    points_order_destroy(&order);
+}
+
+static void bad_coordinates_are_refused_by_their_vertex(void **state)
+{
+    (void)state;
+    float row[3][3] = {{0}};
+    error err = {""};
+    points_order order;
+    row[2][1] = NAN;
+    assert_int_equal(points_order_create(&order, row[0], 3, &err), MRT_ERR_ARGUMENT);
+    assert_string_equal(err.text, "vertex 2: coordinate nan is not within +-1e+15");
+    row[2][1] = 2e15f;
+    assert_int_equal(points_order_create(&order, row[0], 3, &err), MRT_ERR_ARGUMENT);
+}
+
+static void culled_blocks_change_no_bit(void **state)
+{
+    (void)state;
+    enum { COUNT = 2000 };
+    static float row[COUNT][3], culled[COUNT][3], dense[COUNT][3];
+    csrbf_settings settings = {.radius = 0.5};
+    points_order order;
+    points p;
+    for (int i = 0; i < COUNT; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            row[i][axis] = (float)(2.0 * sin(i * (1.0 + axis) * 0.7));
+    make_points(&p, &order, row[0], COUNT);
+    csrbf_solver *solver = solved(&settings, four_tips[0], four_pulls[0], 4);
+    points out;
+    error err = {""};
+    assert_int_equal(points_create(&out, &order, row[0], &err), MRT_OK);
+    uint32_t moved = csrbf_move(solver, &out, &p);
+    assert_true(moved > 0 && moved < p.block_count);
+    points_to_rows(culled[0], &out, &order);
+    for (uint32_t block = 0; block < p.block_count; ++block) /* bounds that cull nothing */
+        p.block[block] = (points_bounds){{-9, -9, -9}, {9, 9, 9}};
+    assert_int_equal(csrbf_move(solver, &p, &p), p.block_count);
+    points_to_rows(dense[0], &p, &order);
+    assert_memory_equal(culled, dense, sizeof dense);
+    points_destroy(&out);
+    points_destroy(&p);
+    points_order_destroy(&order);
+    csrbf_solver_destroy(solver);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_are_one_at_the_centre_and_zero_from_the_radius_on),
+        cmocka_unit_test(kernels_have_the_published_values),
+        cmocka_unit_test(slopes_are_the_derivatives),
+        cmocka_unit_test(the_steepest_slope_bounds_and_is_reached),
+        cmocka_unit_test(rows_agree_with_single_values),
+        cmocka_unit_test(names_are_those_of_the_case_files),
+        cmocka_unit_test(the_envelope_factor_has_the_bits_of_the_dense_one),
+        cmocka_unit_test(the_envelope_solves_its_system),
+        cmocka_unit_test(an_indefinite_matrix_is_refused_at_its_row),
+        cmocka_unit_test(one_centre_folds_at_the_known_length),
+        cmocka_unit_test(meters_agree_with_differences_of_the_field),
+        cmocka_unit_test(a_ridge_gives_way),
+        cmocka_unit_test(a_hull_is_as_flat_as_its_points),
+        cmocka_unit_test(float_steps_far_from_the_origin_count_as_flat),
+        cmocka_unit_test(the_canonical_order_does_not_depend_on_the_numbering),
+        cmocka_unit_test(points_go_to_blocks_and_back),
+        cmocka_unit_test(bad_coordinates_are_refused_by_their_vertex),
+        cmocka_unit_test(culled_blocks_change_no_bit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
