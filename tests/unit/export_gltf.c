@@ -187,7 +187,7 @@ static void a_single_odd_frame_holds_the_tolerance_too(void **state)
     float *odd = malloc((size_t)m.vertex_count * 3 * sizeof *odd);
     memcpy(odd, m.position, (size_t)m.vertex_count * 3 * sizeof *odd);
     odd[5 * 3 + 1] += 30.0f;
-    odd[77 * 3] -= 11.0f;
+    odd[(size_t)m.vertex_count * 3 - 1] -= 31.0f;
     assert_int_equal(clip_add_free(c, odd, NULL, 0, &err), MRT_OK);
     scene_add_free(c, 469, 7.0, 1);
     gltf_report report = write_clip(c, (gltf_options){0});
@@ -229,80 +229,6 @@ static void mixed_frames_keep_both_promises(void **state)
     clip_destroy(c);
     mesh_destroy(&m);
     free(base);
-}
-
-/* Angle between two directions, in degrees. */
-static double angle_deg(const double *a, const double *b)
-{
-    double dot = 0.0, aa = 0.0, bb = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        dot += a[i] * b[i];
-        aa += a[i] * a[i];
-        bb += b[i] * b[i];
-    }
-    return acos(fmin(1.0, dot / sqrt(aa * bb))) * 57.29577951308232;
-}
-
-static void shape_normals(double *out, const mesh *m, const float *shape)
-{
-    memset(out, 0, (size_t)m->vertex_count * 3 * sizeof *out);
-    for (size_t i = 0; i < (size_t)m->triangle_count * 3; i += 3) {
-        const uint32_t *t = m->triangle + i;
-        double e[2][3];
-        for (size_t k = 0; k < 6; ++k)
-            e[k / 3][k % 3] =
-                (double)shape[t[1 + k / 3] * 3 + k % 3] - (double)shape[t[0] * 3 + k % 3];
-        for (size_t k = 0; k < 9; ++k) {
-            size_t axis = k % 3, b = (axis + 1) % 3, c = (axis + 2) % 3;
-            out[t[k / 3] * 3 + axis] += e[0][b] * e[1][c] - e[0][c] * e[1][b];
-        }
-    }
-}
-
-/* Greatest angle between the normals that the file shows at a key, with or without its normal
- * targets, and those of the true shape. */
-static double normal_error_deg(const clip *c, const glb_face *face, uint32_t key, int with_targets)
-{
-    error err;
-    const mesh *m = clip_mesh(c);
-    float *shape = malloc(face->vertex_count * 3 * sizeof *shape);
-    double *wanted = malloc(face->vertex_count * 3 * sizeof *wanted), greatest = 0.0;
-    assert_int_equal(clip_read(c, key, shape, &err), MRT_OK);
-    shape_normals(wanted, m, shape);
-    for (size_t v = 0; v < face->vertex_count; ++v) {
-        double n[3];
-        for (size_t axis = 0; axis < 3; ++axis) {
-            n[axis] = (double)face->normal[v * 3 + axis];
-            for (size_t j = 0; with_targets && j < face->target_count; ++j)
-                n[axis] += (double)face->weight[key * face->target_count + j] *
-                           (double)face->target_normal[j][v * 3 + axis];
-        }
-        greatest = fmax(greatest, angle_deg(n, wanted + v * 3));
-    }
-    free(shape);
-    free(wanted);
-    return greatest;
-}
-
-static void normals_follow_small_motions_to_first_order(void **state)
-{
-    (void)state;
-    error err;
-    mesh m = scene_sheet(24);
-    clip *c = clip_create(&m, 60.0, NULL, &err);
-    scene_begin_segment(c, m.position, &err);
-    double displacement[SCENE_CONTROLS * 3] = {1.0, -0.5, 2.0, 0.5, 1.0, -1.5, -1.0, 0.3, 1.0};
-    assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_OK);
-    (void)write_clip(c, (gltf_options){0});
-    glb g = glb_open(path);
-    glb_face face = glb_read_face(&g);
-    double still = normal_error_deg(c, &face, 0, 0), followed = normal_error_deg(c, &face, 0, 1);
-    assert_true(still > 2.0);
-    assert_true(followed < 0.1 * still);
-    glb_face_finish(&face);
-    glb_close(&g);
-    clip_destroy(c);
-    mesh_destroy(&m);
 }
 
 static void narrow_targets_are_sparse(void **state)
@@ -498,7 +424,6 @@ int main(void)
         cmocka_unit_test(a_cap_on_targets_reports_the_true_error),
         cmocka_unit_test(a_single_odd_frame_holds_the_tolerance_too),
         cmocka_unit_test(mixed_frames_keep_both_promises),
-        cmocka_unit_test(normals_follow_small_motions_to_first_order),
         cmocka_unit_test(narrow_targets_are_sparse),
         cmocka_unit_test(a_clip_at_rest_is_a_plain_mesh),
         cmocka_unit_test(the_same_clip_gives_the_same_bytes),

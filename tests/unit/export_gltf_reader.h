@@ -17,18 +17,18 @@ typedef struct glb {
     json_t *root;
 } glb;
 
-static void glb_expect(int holds, const char *what)
+static inline void glb_expect(int holds, const char *what)
 {
     if (!holds)
         fail_msg("the .glb: %s", what);
 }
 
-static uint32_t glb_u32(const unsigned char *at)
+static inline uint32_t glb_u32(const unsigned char *at)
 {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-static float glb_float(const unsigned char *at)
+static inline float glb_float(const unsigned char *at)
 {
     uint32_t bits = glb_u32(at);
     float value;
@@ -36,7 +36,7 @@ static float glb_float(const unsigned char *at)
     return value;
 }
 
-static glb glb_open(const char *path)
+static inline glb glb_open(const char *path)
 {
     glb g = {0};
     FILE *stream = fopen(path, "rb");
@@ -62,21 +62,21 @@ static glb glb_open(const char *path)
     return g;
 }
 
-static void glb_close(glb *g)
+static inline void glb_close(glb *g)
 {
     json_decref(g->root);
     free(g->file);
 }
 
 /* "meshes", 0, "primitives", 2: glb_at(glb_at(...)). */
-static json_t *glb_at(const json_t *array, size_t index)
+static inline json_t *glb_at(const json_t *array, size_t index)
 {
     json_t *item = json_array_get(array, index);
     glb_expect(item != NULL, "an index is out of range");
     return item;
 }
 
-static size_t glb_number(const json_t *object, const char *key, size_t otherwise)
+static inline size_t glb_number(const json_t *object, const char *key, size_t otherwise)
 {
     const json_t *value = json_object_get(object, key);
     if (!value)
@@ -85,7 +85,7 @@ static size_t glb_number(const json_t *object, const char *key, size_t otherwise
     return (size_t)json_integer_value(value);
 }
 
-static const unsigned char *glb_view(const glb *g, size_t index, size_t offset, size_t size)
+static inline const unsigned char *glb_view(const glb *g, size_t index, size_t offset, size_t size)
 {
     const json_t *view = glb_at(json_object_get(g->root, "bufferViews"), index);
     size_t start = glb_number(view, "byteOffset", 0), length = glb_number(view, "byteLength", 0);
@@ -95,7 +95,7 @@ static const unsigned char *glb_view(const glb *g, size_t index, size_t offset, 
     return g->binary + start + offset;
 }
 
-static size_t glb_components(const json_t *accessor)
+static inline size_t glb_components(const json_t *accessor)
 {
     const char *type = json_string_value(json_object_get(accessor, "type"));
     glb_expect(type != NULL, "accessor type");
@@ -105,8 +105,8 @@ static size_t glb_components(const json_t *accessor)
     return (size_t)(type[3] - '0');
 }
 
-static void glb_apply_sparse(const glb *g, const json_t *sparse, float *value, size_t count,
-                             size_t width)
+static inline void glb_apply_sparse(const glb *g, const json_t *sparse, float *value, size_t count,
+                                    size_t width)
 {
     size_t changed = glb_number(sparse, "count", 0), before = 0;
     const json_t *index = json_object_get(sparse, "indices");
@@ -128,7 +128,8 @@ static void glb_apply_sparse(const glb *g, const json_t *sparse, float *value, s
 }
 
 /* The bounds that the accessor states are exactly those of its values. */
-static void glb_check_bounds(const json_t *accessor, const float *value, size_t count, size_t width)
+static inline void glb_check_bounds(const json_t *accessor, const float *value, size_t count,
+                                    size_t width)
 {
     const json_t *low = json_object_get(accessor, "min"), *high = json_object_get(accessor, "max");
     if (!low)
@@ -145,7 +146,7 @@ static void glb_check_bounds(const json_t *accessor, const float *value, size_t 
 }
 
 /* A float accessor as it is to be read: free it. */
-static float *glb_floats(const glb *g, size_t index, size_t *out_count, size_t width)
+static inline float *glb_floats(const glb *g, size_t index, size_t *out_count, size_t width)
 {
     const json_t *accessor = glb_at(json_object_get(g->root, "accessors"), index);
     size_t count = glb_number(accessor, "count", 0);
@@ -180,17 +181,17 @@ typedef struct glb_face {
     float *weight;         /* key_count by target_count */
 } glb_face;
 
-static const json_t *glb_mesh(const glb *g)
+static inline const json_t *glb_mesh(const glb *g)
 {
     return glb_at(json_object_get(g->root, "meshes"), 0);
 }
 
-static const json_t *glb_primitive(const glb *g, size_t index)
+static inline const json_t *glb_primitive(const glb *g, size_t index)
 {
     return glb_at(json_object_get(glb_mesh(g), "primitives"), index);
 }
 
-static void glb_read_targets(const glb *g, glb_face *face)
+static inline void glb_read_targets(const glb *g, glb_face *face)
 {
     const json_t *targets = json_object_get(glb_primitive(g, 0), "targets");
     size_t count;
@@ -210,7 +211,7 @@ static void glb_read_targets(const glb *g, glb_face *face)
     glb_expect(json_array_size(weights) == face->target_count, "mesh.weights");
 }
 
-static void glb_read_animation(const glb *g, glb_face *face)
+static inline void glb_read_animation(const glb *g, glb_face *face)
 {
     const json_t *animations = json_object_get(g->root, "animations");
     if (!animations)
@@ -230,7 +231,7 @@ static void glb_read_animation(const glb *g, glb_face *face)
     glb_expect(count == face->key_count * face->target_count, "weights per key");
 }
 
-static glb_face glb_read_face(const glb *g)
+static inline glb_face glb_read_face(const glb *g)
 {
     glb_face face = {0};
     size_t count;
@@ -253,7 +254,7 @@ static glb_face glb_read_face(const glb *g)
     return face;
 }
 
-static void glb_face_finish(glb_face *face)
+static inline void glb_face_finish(glb_face *face)
 {
     for (size_t i = 0; i < face->target_count; ++i) {
         free(face->target[i]);
@@ -268,7 +269,7 @@ static void glb_face_finish(glb_face *face)
 }
 
 /* Greatest distance in mm between what the file shows at a key and a shape in mm. */
-static double glb_key_error_mm(const glb_face *face, size_t key, const float *shape_mm)
+static inline double glb_key_error_mm(const glb_face *face, size_t key, const float *shape_mm)
 {
     double greatest = 0.0;
     const float *weight = face->weight + key * face->target_count;
@@ -287,7 +288,7 @@ static double glb_key_error_mm(const glb_face *face, size_t key, const float *sh
     return greatest;
 }
 
-static size_t glb_target_index(const glb *g, const char *name)
+static inline size_t glb_target_index(const glb *g, const char *name)
 {
     const json_t *names = json_object_get(json_object_get(glb_mesh(g), "extras"), "targetNames");
     for (size_t i = 0; i < json_array_size(names); ++i)
