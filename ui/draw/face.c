@@ -28,32 +28,37 @@ static mrt_result allocate(draw_face *self, uint32_t material_count, error *err)
     return enough ? MRT_OK : no_memory(err);
 }
 
-/* One batch per material, in the order of the materials; triangles keep the file's order in it. */
+/* Where each material's batch begins; index_count is left 0. */
+static void lay_out_batches(draw_face *self, const mesh *m)
+{
+    self->batch_count = m->material_count;
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        self->batch[m->part[i].material].first_index += (size_t)m->part[i].triangle_count * 3;
+    size_t next = 0;
+    for (uint32_t i = 0; i < m->material_count; ++i) {
+        const mesh_material *look = &m->material[i];
+        face_batch *batch = &self->batch[i];
+        size_t index_count = batch->first_index;
+        *batch = (face_batch){
+            .first_index = next, .roughness = look->roughness, .metallic = look->metallic};
+        memcpy(batch->base_colour, look->base_colour, sizeof batch->base_colour);
+        next += index_count;
+    }
+}
+
+/* One batch per material, in their order; triangles keep the file's order in it. */
 static void sort_by_material(draw_face *self, const mesh *m)
 {
-    size_t next = 0;
-    for (uint32_t material = 0; material < m->material_count; ++material) {
-        const mesh_material *look = &m->material[material];
-        size_t first = next;
-        for (uint32_t i = 0; i < m->part_count; ++i) {
-            const mesh_part *part = &m->part[i];
-            if (part->material != material)
-                continue;
-            size_t count = (size_t)part->triangle_count * 3;
-            memcpy(self->triangle + next, m->triangle + (size_t)part->first_triangle * 3,
-                   count * sizeof *self->triangle);
-            next += count;
-        }
-        if (next == first)
-            continue;
-        face_batch *batch = &self->batch[self->batch_count++];
-        *batch = (face_batch){.index_count = (GLsizei)(next - first),
-                              .first_index = first,
-                              .roughness = look->roughness,
-                              .metallic = look->metallic};
-        memcpy(batch->base_colour, look->base_colour, sizeof batch->base_colour);
+    lay_out_batches(self, m);
+    for (uint32_t i = 0; i < m->part_count; ++i) {
+        const mesh_part *part = &m->part[i];
+        face_batch *batch = &self->batch[part->material];
+        size_t first = batch->first_index + (size_t)batch->index_count;
+        memcpy(self->triangle + first, m->triangle + (size_t)part->first_triangle * 3,
+               (size_t)part->triangle_count * 3 * sizeof *self->triangle);
+        batch->index_count += (GLsizei)(part->triangle_count * 3);
     }
-    if (self->batch_count == 0) { /* points */
+    if (m->triangle_count == 0) { /* points */
         self->batch_count = 1;
         self->batch[0] = (face_batch){.base_colour = {0.6f, 0.6f, 0.6f, 1.0f}, .roughness = 0.7f};
     }

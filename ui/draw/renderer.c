@@ -203,7 +203,8 @@ static void draw_batches(const draw_renderer *self, const draw_face *face, bool 
     for (uint32_t i = 0; i < face->batch_count; ++i) {
         const face_batch *batch = &face->batch[i];
         bool is_stone = batch->roughness > stone_roughness && batch->metallic < 0.5f;
-        if (is_clear(batch) == clear_ones)
+        bool is_used = batch->index_count > 0 || face->triangle_count == 0;
+        if (is_used && is_clear(batch) == clear_ones)
             draw_batch(&self->face[is_stone ? RENDERER_STONE : RENDERER_SMOOTH], face, batch);
     }
 }
