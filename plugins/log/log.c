@@ -232,6 +232,10 @@ static void follow_hand(mrt_plugin *self, const double *params)
     if (self->data.channel[0].hand == self->wanted_hand)
         return;
     self->asked_to_restart = true;
+    say(self, MRT_LOG_WARNING,
+        self->wanted_hand == MRT_LEFT
+            ? "plays as a right hand until it is opened again; log:PATH?hand=left does so at once"
+            : "plays as a left hand until it is opened again; log:PATH?hand=right does so at once");
     self->host->request_restart(self->host);
 }
 

@@ -446,6 +446,8 @@ static void hand_parameter_asks_once_to_be_opened_again(void **state)
     assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
     assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
     assert_int_equal(p->host.restart_count, 1);
+    assert_int_equal(p->host.log_count[MRT_LOG_WARNING], 1);
+    assert_non_null(strstr(p->host.last_text, "?hand=left"));
     assert_int_equal(hand_of(p), MRT_RIGHT); /* channels stay until closed */
     assert_int_equal(p->input->open(p->plugin, LOG_PATH), MRT_OK);
     assert_int_equal(hand_of(p), MRT_LEFT);
