@@ -167,17 +167,18 @@ void field_rows_from(const field *f, field_rows *rows, uint32_t centre)
     }
 }
 
-/* sum: 3 by POINTS_BLOCK. Adds window (or 1, if NULL) times p. */
+/* sum: 3 by POINTS_BLOCK. Adds window times p, which may be beyond float where window is 0. */
 static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const float *window,
                            const points *in, uint32_t block)
 {
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        size_t slot = (size_t)block * POINTS_BLOCK + i;
         double x[3], p[3];
-        points_at(x, in, slot);
+        if (window[i] == 0.0f)
+            continue;
+        points_at(x, in, (size_t)block * POINTS_BLOCK + i);
         field_polynomial(f, p, x);
         for (int axis = 0; axis < 3; ++axis)
-            sum[axis][i] += window ? window[i] * (float)p[axis] : (float)p[axis];
+            sum[axis][i] += window[i] * (float)p[axis];
     }
 }
 
@@ -213,8 +214,8 @@ static bool block_displacement(const field *f, float sum[3][POINTS_BLOCK], const
     if (f->term_count == 0 || (windowed && !reached))
         return reached;
     for (int i = 0; i < POINTS_BLOCK; ++i)
-        window[i] = 1.0f - window[i];
-    add_polynomial(f, sum, windowed ? window : NULL, in, block);
+        window[i] = windowed ? 1.0f - window[i] : 1.0f;
+    add_polynomial(f, sum, window, in, block);
     return true;
 }
 

@@ -42,15 +42,16 @@ static void window_times(window_rows *w, const float *weight, float step[3][POIN
         w->outside[i] *= 1.0f - weight[i];
 }
 
-/* grad (W p) = W grad p + p grad W. */
+/* grad (W p) = W grad p + p grad W; p may be beyond float where W is 0. */
 static void add_windowed_gradient(const field *f, gradient *out, const window_rows *w,
                                   const points *at, uint32_t block)
 {
     const matrix3 slope = polynomial_gradient(f);
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        size_t slot = (size_t)block * POINTS_BLOCK + i;
         double x[3], p[3];
-        points_at(x, at, slot);
+        if (w->outside[i] == 1.0f)
+            continue;
+        points_at(x, at, (size_t)block * POINTS_BLOCK + i);
         field_polynomial(f, p, x);
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b)

@@ -402,6 +402,7 @@ static void a_hull_is_as_flat_as_its_points(void **state)
     row[2][1] = 2.0 + 0.0043;
     hull_fit(&h, row[0], 4);
     assert_int_equal(h.dimension, 2);
+    row[2][1] = 6;
     row[3][2] = 7;
     hull_fit(&h, row[0], 4);
     assert_int_equal(h.dimension, 3);
