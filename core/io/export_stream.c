@@ -56,8 +56,10 @@ mrt_result export_put_frames(file_writer *writer, const clip *c, export_order or
         result = clip_read(c, frame, position, err);
         if (result == MRT_OK)
             result = check_finite(position, count, frame, err);
-        if (result < 0)
+        if (result < 0) {
+            error_prefix(err, writer->path);
             break;
+        }
         uint8_t *out = packed;
         for (size_t i = 0; i < count; ++i)
             out = export_pack_float(out, position[i], order);

@@ -7,6 +7,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <string>
 #include <vector>
@@ -228,7 +229,10 @@ template <typename action> mrt_result guarded(const char *path, error *err, cons
         run();
         return MRT_OK;
     } catch (const gltf_failure &failed) {
-        return error_set(err, failed.code, "%s", failed.what());
+        (void)error_set(err, failed.code, "%s", failed.what());
+        if (std::strncmp(failed.what(), path, std::strlen(path)) != 0)
+            error_prefix(err, path);
+        return failed.code;
     } catch (const std::bad_alloc &) {
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", path);
     } catch (const std::exception &unexpected) {

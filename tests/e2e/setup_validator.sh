@@ -19,8 +19,8 @@ installed && { echo "glTF validator: installed"; exit 0; }
 command -v npm >/dev/null ||
     skip "the glTF validator is fetched with npm: apt-get install --no-install-recommends npm"
 # The time-outs keep a machine without a network from waiting for minutes.
-npm ci --ignore-scripts --no-audit --no-fund --loglevel=error \
-    --fetch-retries=1 --fetch-timeout=20000 >/dev/null ||
-    skip "npm could not fetch the glTF validator: is there a network?"
+said=$(npm ci --ignore-scripts --no-audit --no-fund --loglevel=error \
+    --fetch-retries=1 --fetch-timeout=20000 2>&1) ||
+    skip "npm could not fetch the glTF validator ($(head -n 1 <<<"$said")): is there a network?"
 installed || skip "npm ran, but gltf-validator is not in tests/e2e/node_modules"
 echo "glTF validator: fetched"

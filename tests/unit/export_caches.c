@@ -201,6 +201,7 @@ static void caches_refuse_shapes_that_are_not_finite(void **state)
     assert_int_equal(pc2_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
     assert_int_equal(mdd_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "frame 0"));
+    assert_memory_equal(err.text, path, strlen(path));
     assert_int_equal(access(path, F_OK), -1);
     clip_destroy(c);
     mesh_destroy(&m);

@@ -365,6 +365,7 @@ static void shapes_that_are_not_finite_are_refused(void **state)
     assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_OK);
     assert_int_equal(gltf_write(path, c, NULL, NULL, NULL, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "not finite"));
+    assert_memory_equal(err.text, path, strlen(path));
     clip_destroy(c);
     m.position[10] = NAN;
     assert_int_equal(gltf_write_mesh(path, &m, &err), MRT_ERR_FORMAT);
