@@ -12,7 +12,7 @@
 enum { HALF_TRIANGLES = 7152 / 2, ADAPT_ROUNDS = 14 };
 
 /* Gives a few triangles more than wanted, which remesh_reduce takes away. */
-static const double EDGE_SCALE = 1.115;
+static const double EDGE_SCALE = 1.12;
 static const double GRID_CELL_MM = 2.0;
 
 static const mesh_material STONE = {

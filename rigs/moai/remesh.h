@@ -13,7 +13,7 @@ CHECKED mrt_result remesh_cut_level(skin *s, vec3 line_end, error *err);
 CHECKED mrt_result remesh_adapt(skin *s, const form *shape, int32_t rounds, error *err);
 
 /* Collapses the shortest edges (by the sizes wanted) until triangle_count are left, and smooths.
- * Refuses when fewer are there already. An edge on the border takes one triangle, others two. */
+ * Refuses when fewer are there already, or when no more edges can go. */
 CHECKED mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, error *err);
 
 #endif

@@ -3,11 +3,14 @@
 #include <math.h>
 
 const vec3 SCULPT_LOW = {-80.0, -150.0, -80.0}, SCULPT_HIGH = {80.0, 150.0, 90.0};
-const vec3 SCULPT_LINE_END[SCULPT_LINES] = {{27.0, -54.0, 20.0},
-                                            {26.0, -52.1, 20.0},
-                                            {26.0, -55.9, 20.0},
-                                            {48.0, 65.1, 40.0},
-                                            {80.0, -149.7, -80.0}};
+const vec3 SCULPT_LINE_END[SCULPT_LINES] = {
+    {27.0, -54.0, 20.0},   /* between the lips */
+    {26.0, -52.1, 20.0},   /* upper lip */
+    {26.0, -55.9, 20.0},   /* lower lip */
+    {48.0, 65.1, 40.0},    /* edge of the brow */
+    {80.0, -149.7, -80.0}, /* rim of the base */
+    {80.0, -145.5, -80.0}, /* a band above it, which keeps its shading narrow */
+};
 
 static const double LIP_LINE_Y = -54.0, BROW_Y = 64.0;
 
@@ -197,7 +200,7 @@ static double eye(vec3 p)
 /* Two thin rolls that taper to the corners; the valley between them is level. */
 static double lips(vec3 p)
 {
-    double bend = 0.011 * p.x * p.x, taper = 1.0 - 0.00045 * p.x * p.x;
+    double bend = 0.011 * p.x * p.x, taper = larger(1.0 - 0.00045 * p.x * p.x, 0.2);
     double rise = p.y - LIP_LINE_Y;
     vec3 upper = {p.x, rise - 5.0 * taper, p.z + bend - 47.0};
     vec3 lower = {p.x, rise + 5.6 * taper, p.z + bend - 46.5};

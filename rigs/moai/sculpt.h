@@ -7,14 +7,13 @@
 
 /* The box that holds the stone. */
 extern const vec3 SCULPT_LOW, SCULPT_HIGH;
-/* Level lines that the mesh should follow (remesh_cut_level): between the lips, the edge of the
- * brow, the rim of the base. */
-enum { SCULPT_LINES = 5 };
+/* Where the level lines end that the mesh should follow (remesh_cut_level). */
+enum { SCULPT_LINES = 6 };
 extern const vec3 SCULPT_LINE_END[SCULPT_LINES];
 
 /* Below 0 inside the stone; near its surface, about the distance to it. */
 double sculpt_distance(vec3 p);
-/* The same before its grooves are cut: what a coarse grid can hold. */
+/* The same without the nostrils: what a coarse grid can hold. */
 double sculpt_rough_distance(vec3 p);
 /* The length of edge that the mesh should have at p, up to a common factor. */
 double sculpt_edge_mm(vec3 p);
