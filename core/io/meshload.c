@@ -16,9 +16,9 @@ enum { LIMITS_MEMORY = 0 }; /* sanitizers reserve terabytes of addresses */
 enum { LIMITS_MEMORY = 1 };
 #endif
 
-static void limit(int resource, rlim_t most)
+static void limit(int resource, rlim_t soft, rlim_t hard)
 {
-    struct rlimit both = {most, most};
+    struct rlimit both = {soft, hard};
     (void)setrlimit(resource, &both);
 }
 
@@ -30,10 +30,10 @@ int main(int argument_count, char **arguments)
         fprintf(stderr, "usage: marotte-meshload FILE\n");
         return 2;
     }
-    limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, 3); /* s */
+    limit(RLIMIT_CORE, 0, 0);
+    limit(RLIMIT_CPU, 3, 4); /* s: SIGXCPU, which has a name, before SIGKILL */
     if (LIMITS_MEMORY)
-        limit(RLIMIT_AS, (rlim_t)1536 << 20); /* bytes */
+        limit(RLIMIT_AS, (rlim_t)1536 << 20, (rlim_t)1536 << 20); /* bytes */
     mrt_result result = openmesh_read_unsafe(&m, arguments[1], &err);
     if (result < 0)
         mesh_wire_write_failure(stdout, err.text);
