@@ -1,0 +1,14 @@
+/* rigs/puppet/mouth.h - lips, rolled like felt over a cord, and the bag behind them. [main] */
+#ifndef MAROTTE_RIGS_PUPPET_MOUTH_H
+#define MAROTTE_RIGS_PUPPET_MOUTH_H
+#include "plan.h"
+#include "sheet.h"
+
+enum { MOUTH_POINTS = 2 * PLAN_MOUTH_COLUMNS + PLAN_MOUTH_ROWS + 1 };
+
+/* Where the lips rise from the face: a half ring, lower lip first. */
+void mouth_outline(vec3 out_point[MOUTH_POINTS]);
+/* From that ring inwards: lips, part of the skin, and the bag, closed behind. */
+CHECKED mrt_result mouth_build(sheet *s, const ring *outline, error *err);
+
+#endif
