@@ -1,0 +1,43 @@
+/* face/bind.h - a rig laid on its mesh: per vertex the bones that move it, how freely it can be
+ * pulled, and where the contacts are. Arrays in the file's order. [main] makes it; read-only then.
+ */
+#ifndef MAROTTE_FACE_BIND_H
+#define MAROTTE_FACE_BIND_H
+#include "face/rig.h"
+#include "mesh/mesh.h"
+#include "mesh/topology.h"
+
+/* What the rig's regions say, before anything is filled in. */
+typedef struct bind_marks {
+    uint32_t *rigid_bone; /* vertex_count: the bone that a vertex is rigid on, or RIG_NONE */
+    float *weight;        /* bone_count by vertex_count: 0..1 where marked, NaN where free */
+    float *mobility;      /* vertex_count: 0..1 where marked, NaN where free */
+} bind_marks;
+CHECKED mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m,
+                                     const topology *t, error *err);
+void bind_marks_destroy(bind_marks *marks);
+
+/* Evaluates a selector: out (vertex_count) 0..1. */
+CHECKED mrt_result bind_select(float *out, const rig_select *select, const mesh *m,
+                               const topology *t, error *err);
+
+typedef struct binding {
+    uint32_t vertex_count, bone_count;
+    float *weight;                           /* bone_count by vertex_count; sums to 1 within 1e-6 */
+    float *mobility;                         /* vertex_count, 0..1 */
+    vec3 *contact_position, *contact_normal; /* per contact: mm, unit outward */
+} binding;
+
+/* Marks, then the harmonic fill over the surface (sparse Laplace, CHOLMOD). A NULL rig: one bone,
+ * everything free. */
+CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t,
+                                  error *err);
+void binding_destroy(binding *b);
+
+/* The fill alone (weights.c): fills the NaNs of marks over the surface into out->weight and
+ * out->mobility, which are allocated. Components of the surface without any mark follow the nearest
+ * marked vertex in space. */
+CHECKED mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, const mesh *m,
+                                const topology *t, error *err);
+
+#endif

@@ -1,0 +1,146 @@
+/* face/rig.h - a rig file, NAME.rig.json version 1: which mesh, which bones, which vertices belong
+ * to them, where a face can be pulled, and how its surface is solved. Parsing, validating, writing;
+ * what the numbers do to a mesh is in bind.h. In memory all lengths are mm and all angles rad,
+ * whatever the file's unit. Unknown keys are kept and written back. [main] */
+#ifndef MAROTTE_FACE_RIG_H
+#define MAROTTE_FACE_RIG_H
+#include "base/error.h"
+#include "base/rigid.h"
+#include "csrbf/csrbf.h"
+
+/* "select": which vertices. Evaluated to a weight of 0..1 per vertex (0 or 1 but for attributes).
+ */
+typedef enum rig_select_kind {
+    SELECT_NOTHING = 0,
+    SELECT_VERTICES, /* "vertices": [204, "120-180"] */
+    SELECT_GROUP, /* "group": name of a part, material or node; '*' at its end matches any rest */
+    SELECT_ATTRIBUTE,  /* "attribute": "_SKULL" (first component, clamped to 0..1) */
+    SELECT_BOX,        /* "box": { "low": [x,y,z], "high": [x,y,z] } */
+    SELECT_ELLIPSOID,  /* "ellipsoid": { "centre": [x,y,z], "radii": [x,y,z] } */
+    SELECT_HALF_SPACE, /* "half_space": { "point": [x,y,z], "normal": [x,y,z] }: where normal points
+                        */
+    SELECT_WITHIN,     /* "within": { "mm": d, "of": vertex }: along the surface */
+    SELECT_ALL,        /* "all": [ ... ]: the least of them */
+    SELECT_ANY,        /* "any": [ ... ]: the greatest of them */
+    SELECT_NOT         /* "not": { ... } */
+} rig_select_kind;
+
+typedef struct rig_select {
+    rig_select_kind kind;
+    char *path;             /* JSON path, for messages */
+    char *name;             /* group or attribute */
+    uint32_t *first, *last; /* vertices: range_count inclusive ranges */
+    uint32_t range_count;
+    vec3 a, b; /* low and high; centre and radii; point and normal; mm */
+    uint32_t vertex;
+    double within_mm;
+    struct rig_select *child;
+    uint32_t child_count;
+} rig_select;
+
+typedef enum rig_bone_kind {
+    BONE_FIXED = 0,
+    BONE_JAW, /* "hinge": open, lateral, forward; slides forward-down as it opens */
+    BONE_BALL /* "ball": turns about a centre */
+} rig_bone_kind;
+
+#define RIG_NONE UINT32_MAX
+enum { RIG_TURNS_MAX = 3, RIG_BONES_MAX = 16 };
+
+typedef struct rig_turn { /* of a ball: "turns": [ { "name", "axis": [x,y,z], "deg": [min, max] } ]
+                           */
+    char *name;
+    vec3 axis; /* unit; right-handed */
+    double min_rad, max_rad;
+} rig_turn;
+
+typedef struct rig_bone {
+    char *name;
+    rig_bone_kind kind;
+    uint32_t parent;              /* "parent": name; default skull, for the skull none: RIG_NONE */
+    vec3 hinge_left, hinge_right; /* mm: the condyles */
+    double open_min_rad, open_max_rad, lateral_mm, forward_mm, slide_mm;
+    vec3 incisor; /* mm: lower incisor edge, "incisor": [x,y,z]; jaw: where mm of motion are
+                     measured; has_incisor false: derived from the mesh (front of the jaw's rigid
+                     vertices) */
+    bool has_incisor;
+    vec3 centre;                  /* ball, mm */
+    double radius_mm;             /* 0: not given */
+    rig_turn turn[RIG_TURNS_MAX]; /* the first listed is applied last (outermost) */
+    uint32_t turn_count;
+} rig_bone;
+
+typedef struct rig_region {
+    uint32_t bone;
+    bool is_rigid;   /* weight 1 on the bone and mobility 0, and no blending into it */
+    double weight;   /* 0..1 on the bone; NaN: this region says nothing of weight */
+    double mobility; /* 0..1; NaN: says nothing of mobility */
+    rig_select select;
+} rig_region;
+
+typedef struct rig_contact {
+    char *name;
+    uint32_t bone;   /* RIG_NONE: "auto", by the weights of its vertex */
+    uint32_t vertex; /* of the mesh file */
+    uint32_t mirror; /* index of the contact on the other side; RIG_NONE */
+} rig_contact;
+
+typedef struct rig_proxy { /* "skull_proxy": skin does not enter it */
+    uint32_t bone;
+    vec3 centre, radii; /* mm */
+} rig_proxy;
+
+typedef struct rig_pose { /* "poses": [ { "name", "dofs": { name: value }, "pulls": { contact:
+                             [x,y,z] } } ] */
+    char *name;
+    char **dof_name;
+    double *dof_value; /* rad or mm */
+    uint32_t dof_count;
+    uint32_t *pull_contact;
+    vec3 *pull_mm;
+    uint32_t pull_count;
+} rig_pose;
+
+typedef struct rig_contact_set { /* "contact_sets": { "fit10": [names] } */
+    char *name;
+    uint32_t *contact;
+    uint32_t contact_count;
+} rig_contact_set;
+
+typedef struct rig {
+    char *path; /* of the file */
+    char *name;
+    char *mesh_path; /* as it can be opened: relative to the working directory, or absolute */
+    double mm_per_unit;
+    uint32_t mesh_vertex_count; /* "mesh_vertices": what the rig was made for; 0: not said */
+    uint64_t mesh_hash;         /* "mesh_hash": see rig_mesh_hash; 0: not said */
+    rig_bone *bone;
+    rig_region *region; /* in order: later ones win where two speak of one vertex */
+    rig_contact *contact;
+    rig_proxy *proxy;
+    rig_pose *pose;
+    rig_contact_set *contact_set;
+    uint32_t bone_count, region_count, contact_count, proxy_count, pose_count, contact_set_count;
+    csrbf_settings solver; /* radius in mm; 0: not said */
+    void *document;        /* the JSON as read, for what this version does not know */
+    char *note;            /* unknown keys and the like, lines ended by \n; NULL: nothing */
+} rig;
+
+/* Errors name the file, the JSON path ("$.contacts[3].vertex"), what was expected, and a remedy. */
+CHECKED mrt_result rig_read(rig *out, const char *path, error *err);
+/* From bytes, for tests and the fuzzer: `path` is only for messages and for relative names;
+ * includes are refused. */
+CHECKED mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err);
+/* Writes what was read plus what changed in the struct's solver, contacts, regions, bones, poses,
+ * contact sets; beside and renamed. */
+CHECKED mrt_result rig_write(const rig *r, const char *path, error *err);
+void rig_destroy(rig *r); /* accepts NULL and zeroed */
+
+uint32_t rig_find_bone(const rig *r, const char *name);                      /* RIG_NONE */
+uint32_t rig_find_contact(const rig *r, const char *name);                   /* RIG_NONE */
+const rig_contact_set *rig_find_contact_set(const rig *r, const char *name); /* NULL */
+
+/* FNV-1a, 64 bits, of vertex count and triangles. */
+uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t triangle_count);
+
+#endif
