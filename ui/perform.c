@@ -74,8 +74,9 @@ static void print_note(const mesh *m)
 static mrt_result check_export(const char *path, error *err)
 {
     struct stat status;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
-        return error_set(err, MRT_ERR_IO, "%s: is a directory, cannot write a file there", path);
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is a %s, cannot write a file there", path,
+                         S_ISDIR(status.st_mode) ? "directory" : "device or pipe");
     char *directory = file_directory(path);
     if (!directory)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);

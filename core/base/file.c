@@ -87,8 +87,9 @@ mrt_result file_writer_open(file_writer *out, const char *path, error *err)
     struct stat status;
     if (length == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "cannot write: the path is empty");
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
-        return error_set(err, MRT_ERR_IO, "%s: is a directory, cannot write a file there", path);
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is a %s, cannot write a file there", path,
+                         S_ISDIR(status.st_mode) ? "directory" : "device or pipe");
     out->path = strdup(path);
     out->temporary_path = malloc(length + sizeof suffix);
     if (!out->path || !out->temporary_path) {

@@ -67,7 +67,7 @@ mrt_result input_create(input **out, const mrt_plugin_type *type, const char *ad
     instance_latch(&self->plugin);
     error why = {""};
     self->plugin.failure = &why;
-    result = self->functions->open(self->plugin.self, address);
+    result = self->functions->open(self->plugin.self, address, self->plugin.params);
     self->plugin.failure = NULL;
     if (result < 0) {
         error_set(err, result, "%s", why.text[0] ? why.text : "the input could not be opened");

@@ -19,8 +19,6 @@ struct mrt_plugin {
     const mrt_host *host;
     log_data data;
     bool is_open;
-    uint32_t wanted_hand; /* by the parameter: whose hand a log shows that does not say so */
-    bool is_hand_in_address;
     bool asked_to_restart, told_empty;
 
     /* The record of time anchor_record_ns is due at anchor_host_ns; speed holds from there on. */
@@ -38,34 +36,6 @@ static void say(const mrt_plugin *self, int32_t level, const char *text)
 }
 
 /* ---- opening ---- */
-
-static const char left_suffix[] = "?hand=left", right_suffix[] = "?hand=right";
-
-/* Cuts the suffix off and says whether it was there. */
-static bool cut_suffix(char *address, const char *suffix)
-{
-    size_t length = strlen(address), cut = strlen(suffix);
-    if (length < cut || strcmp(address + length - cut, suffix) != 0)
-        return false;
-    address[length - cut] = '\0';
-    return true;
-}
-
-/* A copy of the address without its suffix, for the caller to free. */
-static char *path_of(mrt_plugin *self, const char *address, uint32_t *out_hand)
-{
-    size_t size = strlen(address) + 1;
-    char *path = malloc(size);
-    if (!path)
-        return NULL;
-    memcpy(path, address, size);
-    bool is_left = cut_suffix(path, left_suffix);
-    self->is_hand_in_address = is_left || cut_suffix(path, right_suffix);
-    *out_hand = self->wanted_hand;
-    if (self->is_hand_in_address)
-        *out_hand = (uint32_t)(is_left ? MRT_LEFT : MRT_RIGHT);
-    return path;
-}
 
 static void say_damage(const mrt_plugin *self, const char *path)
 {
@@ -105,21 +75,20 @@ static void log_close(mrt_plugin *self)
     self->is_playing = false;
 }
 
-static mrt_result log_open(mrt_plugin *self, const char *address)
+/* Whose hand a log shows that does not say so. */
+static uint32_t hand_of(const double *params)
+{
+    return (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
+}
+
+static mrt_result log_open(mrt_plugin *self, const char *address, const double *params)
 {
     log_close(self);
     if (!address || address[0] == '\0') {
         say(self, MRT_LOG_ERROR, "expected the path of a log, as in log:performance.csv");
         return MRT_ERR_ARGUMENT;
     }
-    uint32_t hand;
-    char *path = path_of(self, address, &hand);
-    if (!path) {
-        say(self, MRT_LOG_ERROR, "no memory to open a log");
-        return MRT_ERR_MEMORY;
-    }
-    mrt_result result = read_log(self, path, hand);
-    free(path);
+    mrt_result result = read_log(self, address, hand_of(params));
     if (result < 0)
         return result;
     self->is_open = true;
@@ -226,16 +195,10 @@ static void follow_speed(mrt_plugin *self, const double *params)
 /* Channels are fixed while the log is open, so another hand needs it opened again. */
 static void follow_hand(mrt_plugin *self, const double *params)
 {
-    if (!self->data.is_hand_assumed || self->is_hand_in_address || self->asked_to_restart)
-        return;
-    self->wanted_hand = (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
-    if (self->data.channel[0].hand == self->wanted_hand)
+    if (!self->data.is_hand_assumed || self->asked_to_restart ||
+        self->data.channel[0].hand == hand_of(params))
         return;
     self->asked_to_restart = true;
-    say(self, MRT_LOG_WARNING,
-        self->wanted_hand == MRT_LEFT
-            ? "plays as a right hand until it is opened again; log:PATH?hand=left does so at once"
-            : "plays as a left hand until it is opened again; log:PATH?hand=right does so at once");
     self->host->request_restart(self->host);
 }
 
@@ -312,7 +275,6 @@ static mrt_plugin *log_create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    self->wanted_hand = MRT_RIGHT;
     return self;
 }
 

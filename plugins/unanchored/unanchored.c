@@ -104,7 +104,7 @@ static const char *const off_on[] = {"Off", "On", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
     {12, 0, "Gain", "Pull", "", "How far the points move when the hand moves by 1.",
-     0, 4, 0.6, NULL},
+     0, 4, 0.35, NULL},
     {13, 0, "Radius", "Pull", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 25, NULL},
     {14, MRT_PARAM_STEPPED, "Gate", "Pull", "",

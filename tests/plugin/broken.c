@@ -71,10 +71,11 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 #endif
 }
 
-static mrt_result open_input(mrt_plugin *self, const char *address)
+static mrt_result open_input(mrt_plugin *self, const char *address, const double *params)
 {
     (void)self;
     (void)address;
+    (void)params;
     return MRT_OK;
 }
 

@@ -222,6 +222,8 @@ static void files_are_written_whole_or_not_at_all(void **state)
     assert_non_null(strstr(err.text, "directory"));
     assert_true(file_write(folder, "x", 1, &err) < 0);
     assert_non_null(strstr(err.text, "directory"));
+    assert_true(file_write("/dev/null", "x", 1, &err) < 0); /* not to be renamed over */
+    assert_non_null(strstr(err.text, "device"));
     char missing[160];
     snprintf(missing, sizeof missing, "%s/no/such.txt", folder);
     assert_true(file_write(missing, "x", 1, &err) < 0);

@@ -65,8 +65,9 @@ static void destroy(mrt_plugin *self)
     free(self);
 }
 
-static mrt_result open_table(mrt_plugin *self, const char *address)
+static mrt_result open_table(mrt_plugin *self, const char *address, const double *params)
 {
+    (void)params;
     if (strcmp(address, "gone") != 0)
         return MRT_OK;
     self->host->log(self->host, MRT_LOG_ERROR, "gone: the cable is not there");

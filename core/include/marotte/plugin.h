@@ -126,7 +126,8 @@ enum {
     MRT_INPUT_RECORDED = 1
 };
 typedef struct mrt_input {
-    mrt_result (*open)(mrt_plugin *self, const char *address); /* [main] "": the first found */
+    mrt_result (*open)(mrt_plugin *self, const char *address,
+                       const double *params); /* [main] "": the first found */
     const mrt_channel *(*channels)(mrt_plugin *self, uint32_t *out_count); /* [main] until close */
     mrt_result (*read)(mrt_plugin *self, const double *params, int64_t deadline_ns,
                        mrt_sample *out_sample); /* [input] waits, never past the deadline */
