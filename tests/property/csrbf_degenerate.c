@@ -85,6 +85,19 @@ static void controls_closer_than_a_thousandth_of_the_radius_are_one(void **state
     expect_displacement(tip[1], -0.5, 0.0, 0.0, 1e-9);
 }
 
+static void merged_controls_that_part_are_reported(void **state)
+{
+    (void)state;
+    static const double tip[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    csrbf_settings settings = {.radius = 2.0};
+    double g[2][3] = {{1, 0, 0}, {1, 0.0019, 0}};
+    solve(&settings, tip[0], NULL, g[0], 2);
+    assert_false(csrbf_diagnose(solver).merged_apart);
+    g[1][1] = 0.0021;
+    solve(&settings, tip[0], NULL, g[0], 2);
+    assert_true(csrbf_diagnose(solver).merged_apart);
+}
+
 static void a_chain_of_close_controls_is_one(void **state)
 {
     (void)state;
@@ -470,6 +483,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coincident_controls_move_by_their_mean),
         cmocka_unit_test(controls_closer_than_a_thousandth_of_the_radius_are_one),
+        cmocka_unit_test(merged_controls_that_part_are_reported),
         cmocka_unit_test(a_chain_of_close_controls_is_one),
         cmocka_unit_test(skull_holds_jaw_and_jaw_holds_tips),
         cmocka_unit_test(merged_controls_share_a_response),

@@ -370,6 +370,60 @@ static void meters_agree_with_differences_of_the_field(void **state)
             }
 }
 
+static void a_cone_is_steepest_at_its_tip(void **state)
+{
+    (void)state;
+    static const float vertex[3] = {0.5f, 0, 0};
+    static const double tip[3] = {0.5, 0, 0}, g[3] = {0, 0.75, 1.0};
+    csrbf_settings settings = {.kernel = CSRBF_WENDLAND_C0, .radius = 2.0};
+    points_order order;
+    points p;
+    make_points(&p, &order, vertex, 1);
+    csrbf_solver *solver = solved(&settings, tip, g, 1);
+    expect_near(csrbf_max_slope(solver, &p), 2.0 * 1.25 / 2.0, 1e-15);
+    csrbf_solver_destroy(solver);
+    points_destroy(&p);
+    points_order_destroy(&order);
+}
+
+/* On the rim of a support, to the last bits: what is not inside must keep its bits in float, too,
+ * also a coordinate that is 0 and would show the smallest push. */
+static void nothing_on_the_rim_of_a_support_is_touched(void **state)
+{
+    (void)state;
+    enum { COUNT = 5000 };
+    static float row[COUNT][3], back[COUNT][3];
+    /* The second one takes the field's origin away from the first. */
+    static const double tip[2][3] = {{33.3, 0.2, 0.0}, {-20.1, 7.7, 0.0}};
+    static const double g[2][3] = {{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}};
+    for (int round = 0; round < 8; ++round) {
+        csrbf_settings settings = {.radius = 0.7 + 0.4 * round};
+        points_order order;
+        points p;
+        int outside = 0;
+        for (int i = 0; i < COUNT; ++i) {
+            row[i][0] = (float)(tip[0][0] + settings.radius * cos(i * 0.01));
+            row[i][1] = (float)(tip[0][1] + settings.radius * sin(i * 0.01));
+            row[i][2] = -0.0f;
+        }
+        make_points(&p, &order, row[0], COUNT);
+        csrbf_solver *solver = solved(&settings, tip[0], g[0], 2);
+        assert_true(csrbf_move(solver, &p, &p) > 0);
+        points_to_rows(back[0], &p, &order);
+        for (int i = 0; i < COUNT; ++i) {
+            double dx = (double)row[i][0] - tip[0][0], dy = (double)row[i][1] - tip[0][1];
+            if (sqrt(dx * dx + dy * dy) < settings.radius)
+                continue;
+            ++outside;
+            assert_memory_equal(row[i], back[i], sizeof row[i]);
+        }
+        assert_true(outside > COUNT / 4);
+        csrbf_solver_destroy(solver);
+        points_destroy(&p);
+        points_order_destroy(&order);
+    }
+}
+
 static void a_ridge_gives_way(void **state)
 {
     (void)state;
@@ -411,11 +465,11 @@ static void a_hull_is_as_flat_as_its_points(void **state)
 static void float_steps_far_from_the_origin_count_as_flat(void **state)
 {
     (void)state;
-    /* On a slanted line at 1e5, where floats are 0.0078 apart. */
+    /* On a slanted line at 1e6, where floats are 0.0625 apart: off it by up to 0.5 % of it. */
     double row[9][3];
     for (int i = 0; i < 9; ++i)
         for (int axis = 0; axis < 3; ++axis)
-            row[i][axis] = (double)(float)(1e5 + 0.37 * i * (axis + 1));
+            row[i][axis] = (double)(float)(1e6 + 0.37 * i * (axis + 1));
     hull h;
     hull_fit(&h, row[0], 9);
     assert_int_equal(h.dimension, 1);
@@ -531,6 +585,8 @@ int main(void)
         cmocka_unit_test(an_indefinite_matrix_is_refused_at_its_row),
         cmocka_unit_test(one_centre_folds_at_the_known_length),
         cmocka_unit_test(meters_agree_with_differences_of_the_field),
+        cmocka_unit_test(a_cone_is_steepest_at_its_tip),
+        cmocka_unit_test(nothing_on_the_rim_of_a_support_is_touched),
         cmocka_unit_test(a_ridge_gives_way),
         cmocka_unit_test(a_hull_is_as_flat_as_its_points),
         cmocka_unit_test(float_steps_far_from_the_origin_count_as_flat),
