@@ -63,15 +63,16 @@ static turn turn_compose(const turn *second, const turn *first)
     return out;
 }
 
-/* Hand frame to face frame, without the place. */
-static turn posture_turn(const double *params)
+/* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
+static turn posture_turn(const double *params, int side)
 {
+    double mirror = side == MRT_LEFT ? -1.0 : 1.0;
     static const turn in_head = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     static const turn before_face = {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};
     turn out = (int)params[PLACEMENT_POSTURE] == POSTURE_BEFORE_FACE ? before_face : in_head;
-    turn roll = turn_about(2, params[PLACEMENT_ROLL]);
+    turn roll = turn_about(2, mirror * params[PLACEMENT_ROLL]);
     turn pitch = turn_about(0, -params[PLACEMENT_PITCH]);
-    turn yaw = turn_about(1, params[PLACEMENT_YAW]);
+    turn yaw = turn_about(1, mirror * params[PLACEMENT_YAW]);
     out = turn_compose(&roll, &out);
     out = turn_compose(&pitch, &out);
     return turn_compose(&yaw, &out);
@@ -135,7 +136,6 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX])
 {
     const double *params = frame->params;
-    turn t = posture_turn(params);
     float scale =
         placement_face_height(self) * (float)(0.01 * params[PLACEMENT_SIZE]) / hand_length_mm;
     uint32_t count = 0;
@@ -147,6 +147,7 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             self->home[side] = centre_of_tips(hand);
             self->is_laid[side] = true;
         }
+        turn t = posture_turn(params, side);
         mrt_vec3 home = self->home[side], place = place_of(self, frame, side);
         for (int finger = 0; finger < 5; ++finger)
             out_point[count++] = laid(&t, scale, home, place, hand->joint[4 + 4 * finger]);

@@ -42,17 +42,17 @@ extern const char *const placement_posture_labels[];
      -100, 200, 50, NULL}, \
     {6, 0, "Up", "Placement", "%", \
      "Where the fingertips are laid: 0 the lower edge of the face, 100 the top.", \
-     -100, 200, 45, NULL}, \
+     -100, 200, 36, NULL}, \
     {7, 0, "Depth", "Placement", "%", \
-     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, 85, NULL}, \
+     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, 95, NULL}, \
     {8, 0, "Apart", "Placement", "%", \
      "With both hands: how far apart they are laid, in per cent of the face's width.", \
      0, 200, 50, NULL}, \
     {9, 0, "Pitch", "Placement", "deg", "Turns the hand: fingertips up.", -180, 180, 0, NULL}, \
-    {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the subject's left.", \
+    {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the thumb's side.", \
      -180, 180, 0, NULL}, \
-    {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: right thumb up.", \
-     -180, 180, 0, NULL}
+    {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: thumb up.", \
+     -180, 180, -45, NULL}
 /* clang-format on */
 
 typedef struct placement {

@@ -83,7 +83,7 @@ bad_map "$in/none.so" "$in/none.so"
 bad_map "$in/range.obj" "$in/range.obj"
 bad_map 'radius=0 is outside' anchored,radius=0
 bad_map 'radius=-3 is outside' anchored,radius=-3
-bad_map 'radius=nan' anchored,radius=nan
+bad_map 'radius="nan" is not a number' anchored,radius=nan
 
 # Exports.
 perform "$moai" "log:$demo" anchored

@@ -247,6 +247,26 @@ static void both_hands_and_palms_pull_with_all_their_points(void **state)
     tear_down(&r);
 }
 
+static void left_hand_mirrors_the_right_one(void **state)
+{
+    (void)state;
+    mrt_pull pulls[2];
+    for (uint32_t side = 0; side < 2; ++side) {
+        rig r;
+        set_up(&r, "anchored", "yaw=20,pitch=10,roll=-60,palm=on");
+        (void)step(&r, side, 0.1f);
+        (void)step(&r, side, 0.6f);
+        pulls[side] = r.pull;
+        tear_down(&r);
+    }
+    assert_int_equal(pulls[0].count, 13);
+    for (uint32_t i = 0; i < 13; ++i) {
+        mrt_vec3 left = pulls[MRT_LEFT].vector[i].end, right = pulls[MRT_RIGHT].vector[i].end;
+        assert_true(fabsf(left.x + right.x) < 1e-3f);
+        assert_true(fabsf(left.y - right.y) < 1e-3f && fabsf(left.z - right.z) < 1e-3f);
+    }
+}
+
 static void hand_is_laid_where_the_placement_says(void **state)
 {
     (void)state;
@@ -344,6 +364,7 @@ int main(void)
         cmocka_unit_test(anchored_release_holds_or_springs_back_without_a_jump),
         cmocka_unit_test(anchored_leak_eases_a_held_pull_away),
         cmocka_unit_test(both_hands_and_palms_pull_with_all_their_points),
+        cmocka_unit_test(left_hand_mirrors_the_right_one),
         cmocka_unit_test(hand_is_laid_where_the_placement_says),
         cmocka_unit_test(unanchored_goes_on_from_its_last_ends),
         cmocka_unit_test(unanchored_release_lets_go_and_touch_moves_nothing_first),
