@@ -5,7 +5,7 @@
 #include <string.h>
 
 typedef struct part_look {
-    const char *name; /* of the part; of the material too */
+    const char *name;
     float red, green, blue, roughness;
 } part_look;
 
@@ -46,26 +46,6 @@ static char *sided_name(const char *name, char side)
     out[stem + 1] = side;
     memcpy(out + stem + 2, name + stem, length - stem + 1);
     return out;
-}
-
-static mrt_result name_materials(mesh *m, error *err)
-{
-    mesh_material *material = calloc(PLAN_PART_COUNT, sizeof *material);
-    if (!material)
-        return no_memory(err);
-    free(m->material[0].name);
-    free(m->material);
-    m->material = material;
-    m->material_count = PLAN_PART_COUNT;
-    for (int i = 0; i < PLAN_PART_COUNT; ++i) {
-        const part_look *look = &LOOK[i];
-        material[i] = (mesh_material){.name = strdup(look->name),
-                                      .base_colour = {look->red, look->green, look->blue, 1.0f},
-                                      .roughness = look->roughness};
-        if (!material[i].name)
-            return no_memory(err);
-    }
-    return MRT_OK;
 }
 
 static mrt_result add_attributes(mesh *m, error *err)
@@ -142,16 +122,33 @@ static void span_vertices(const mesh *m, mesh_part *part)
     part->vertex_count = part->triangle_count ? high - low + 1 : 0;
 }
 
-/* side 'l': the half itself; 'r': its image; 0: both. Returns where the next part begins. */
+/* Each part has a material of its own, of the same name: that is what readers keep. */
+static mrt_result name_part(mesh *m, const part_look *look, char side, error *err)
+{
+    uint32_t index = m->part_count;
+    char *part = side ? sided_name(look->name, side) : strdup(look->name);
+    char *material = part ? strdup(part) : NULL;
+    if (!material) {
+        free(part);
+        return no_memory(err);
+    }
+    m->part[index] = (mesh_part){.name = part, .material = index};
+    m->material[index] = (mesh_material){.name = material,
+                                         .base_colour = {look->red, look->green, look->blue, 1.0f},
+                                         .roughness = look->roughness};
+    m->part_count = m->material_count = index + 1;
+    return MRT_OK;
+}
+
+/* side 'l': the half itself; 'r': its image; 0: both. */
 static mrt_result place_part(mesh *m, const sheet *half, const uint32_t *image, int part, char side,
                              uint32_t *next_triangle, error *err)
 {
     mesh_part *out = &m->part[m->part_count];
-    *out = (mesh_part){.material = (uint32_t)part, .first_triangle = *next_triangle};
-    out->name = side ? sided_name(LOOK[part].name, side) : strdup(LOOK[part].name);
-    if (!out->name)
-        return no_memory(err);
-    ++m->part_count;
+    mrt_result result = name_part(m, &LOOK[part], side, err);
+    if (result < 0)
+        return result;
+    out->first_triangle = *next_triangle;
     for (int32_t q = 0; q < half->quad_count; ++q) {
         uint32_t corner[6];
         if (half->quad[q].part != part)
@@ -171,18 +168,27 @@ static mrt_result place_part(mesh *m, const sheet *half, const uint32_t *image, 
 
 static mrt_result place_parts(mesh *m, const sheet *half, const uint32_t *image, error *err)
 {
+    mesh_part *part_room = calloc(MESH_PARTS, sizeof *part_room);
+    mesh_material *material_room = calloc(MESH_PARTS, sizeof *material_room);
+    if (!part_room || !material_room) {
+        free(part_room);
+        free(material_room);
+        return no_memory(err);
+    }
     free(m->part[0].name);
     free(m->part);
-    m->part_count = 0;
-    m->part = calloc(MESH_PARTS, sizeof *m->part);
-    if (!m->part)
-        return no_memory(err);
+    free(m->material[0].name);
+    free(m->material);
+    m->part = part_room;
+    m->material = material_room;
+    m->part_count = m->material_count = 0;
     uint32_t next_triangle = 0;
     for (int part = 0; part < PLAN_PART_COUNT; ++part) {
-        const char *sides = part < FIRST_SIDED ? "" : "lr";
-        mrt_result result = place_part(m, half, image, part, sides[0], &next_triangle, err);
-        if (result >= 0 && sides[0])
-            result = place_part(m, half, image, part, sides[1], &next_triangle, err);
+        int is_sided = part >= FIRST_SIDED;
+        mrt_result result =
+            place_part(m, half, image, part, is_sided ? 'l' : 0, &next_triangle, err);
+        if (result >= 0 && is_sided)
+            result = place_part(m, half, image, part, 'r', &next_triangle, err);
         if (result < 0)
             return result;
     }
@@ -198,9 +204,7 @@ mrt_result assembly_build(mesh *out, const sheet *half, error *err)
     mrt_result result = mesh_create(out, vertex_count, 4 * (uint32_t)half->quad_count, err);
     if (result < 0)
         goto done;
-    result = name_materials(out, err);
-    if (result >= 0)
-        result = add_attributes(out, err);
+    result = add_attributes(out, err);
     if (result >= 0) {
         place_vertices(out, half, image);
         result = place_parts(out, half, image, err);

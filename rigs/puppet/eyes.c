@@ -1,7 +1,7 @@
 #include "eyes.h"
 #include "plan.h"
 
-enum { BALL_CELLS = 10, BALL_POINTS = 4 * BALL_CELLS, LID_COLUMNS = 18, LID_ROWS = 11 };
+enum { BALL_CELLS = 10, BALL_POINTS = 4 * BALL_CELLS, LID_COLUMNS = 20, LID_ROWS = 9 };
 
 typedef struct zone { /* a ring of the ball, and what lies between the one before it and it */
     double from_front_deg;
@@ -18,8 +18,8 @@ enum { ZONES = sizeof ZONE / sizeof *ZONE };
 
 /* The lids at rest: where their edges lie, above the middle of the ball; how far they go to the
  * sides; the rounding of their edges goes half as far as they are thick. */
-static const double UPPER_EDGE_DEG = 43.0, LOWER_EDGE_DEG = -33.0, LID_BACK_DEG = 150.0;
-static const double LID_SIDE_DEG = 76.0, LID_EDGE_DEG = 1.6;
+static const double UPPER_EDGE_DEG = 39.0, LOWER_EDGE_DEG = -31.0, LID_BACK_DEG = 150.0;
+static const double LID_SIDE_DEG = 82.0, LID_EDGE_DEG = 1.6;
 
 static vec3 on_ball(vec3 direction, double radius_mm)
 {

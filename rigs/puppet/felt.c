@@ -9,7 +9,7 @@ static const double SEAM_MM = 0.4; /* between felt and skin */
 /* ---- brow ---- */
 
 enum {
-    BROW_COLUMNS = 8, /* across; BROW_ROWS through its thickness */
+    BROW_COLUMNS = 6, /* across; BROW_ROWS through its thickness */
     BROW_ROWS = 2,
     BROW_POINTS = 2 * (BROW_COLUMNS + BROW_ROWS),
     BROW_CELLS = 24
@@ -20,8 +20,8 @@ static const double BROW_THICK_MM = 5.5;
 /* From its inner (t = 0) to its outer end. */
 static vec3 brow_middle(double t)
 {
-    double x = 13.0 + 52.0 * t;
-    double y = 107.0 + 22.0 * t * (1.0 - t) - 11.0 * t * t;
+    double x = 12.5 + 50.0 * t;
+    double y = 106.0 + 21.0 * t * (1.0 - t) - 7.0 * t * t;
     return form_along((vec3){x, y, 40.0}, (vec3){0, 0, 1});
 }
 
@@ -29,7 +29,7 @@ static double brow_half_width_mm(double t)
 {
     double q = 2.0 * t - 0.85; /* widest a little inside the middle */
     double r = fmin(q * q, 1.3225) / 1.3225;
-    return 1.6 + 6.2 * sqrt(1.0 - r * r);
+    return 3.6 + 4.8 * sqrt(1.0 - r * r);
 }
 
 /* Around the section, in cells: bottom from low to high, and back over the top. */
@@ -83,16 +83,16 @@ void felt_build_brow(sheet *s)
 
 /* ---- ear ---- */
 
-enum { EAR_COLUMNS = 5, EAR_ROWS = 11, EAR_POINTS = 2 * (EAR_COLUMNS + EAR_ROWS) };
+enum { EAR_COLUMNS = 3, EAR_ROWS = 9, EAR_POINTS = 2 * (EAR_COLUMNS + EAR_ROWS) };
 
 typedef struct ear_station {
     double out_mm, half_height_mm, half_thick_mm, dish_mm;
 } ear_station;
 
 static const ear_station EAR[] = {
-    {2.5, 13.0, 4.6, 0.0},  {6.0, 15.5, 4.4, 1.0},  {10.5, 18.5, 4.6, 2.6},
+    {5.5, 15.2, 4.6, 0.6},  {8.2, 16.9, 4.5, 1.5},  {10.5, 18.5, 4.6, 2.6},
     {15.5, 21.0, 4.8, 4.2}, {20.5, 22.0, 4.8, 5.0}, {25.5, 21.4, 4.7, 4.6},
-    {30.0, 19.0, 4.4, 3.2}, {33.5, 15.0, 3.8, 1.6}, {35.6, 10.0, 2.6, 0.4},
+    {30.0, 19.0, 4.4, 3.2}, {33.5, 15.0, 3.8, 1.6}, {35.3, 10.5, 3.0, 0.4},
 };
 
 typedef struct ear_frame {
@@ -111,7 +111,7 @@ static ear_frame ear_frame_of(void)
 
 static vec3 ear_point(const ear_frame *f, const ear_station *at, int32_t i)
 {
-    angle_turn a = plan_degrees(-155.0 + 360.0 * i / EAR_POINTS);
+    angle_turn a = plan_degrees(-112.0 + 360.0 * i / EAR_POINTS);
     double front = -a.cos * at->half_thick_mm, up = a.sin;
     if (front > 0.0)
         front -= at->dish_mm * (1.0 - up * up) * (1.0 - up * up);
@@ -139,8 +139,8 @@ void felt_build_ear(sheet *s)
 
 /* ---- hair ---- */
 
-enum { LOCK_CELLS = 4, LOCK_POINTS = 4 * LOCK_CELLS, LOCK_RINGS = 14 };
-enum { HALF_COLUMNS = 2, HALF_ROWS = 4, HALF_POINTS = 2 * HALF_COLUMNS + HALF_ROWS + 1 };
+enum { LOCK_CELLS = 3, LOCK_POINTS = 4 * LOCK_CELLS, LOCK_RINGS = 14 };
+enum { HALF_COLUMNS = 2, HALF_ROWS = 2, HALF_POINTS = 2 * HALF_COLUMNS + HALF_ROWS + 1 };
 
 typedef struct lock { /* of hair: an arc from its root over a knee to its tip */
     vec3 root, knee, tip;
@@ -160,7 +160,7 @@ static vec3 lock_middle(const lock *l, double t)
 
 static double lock_radius_mm(const lock *l, double t)
 {
-    return l->radius_mm * (0.75 + 1.1 * t * (1.0 - t)) * sqrt(1.0 - 0.97 * t * t * t);
+    return l->radius_mm * (0.75 + 1.1 * t * (1.0 - t)) * sqrt(1.0 - 0.93 * t * t * t);
 }
 
 /* Around the lock at t against the clock seen from its tip, from angle_deg on. */

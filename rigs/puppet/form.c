@@ -19,10 +19,10 @@ static const blob MIDDLE[] = {
 
 static const blob PAIRS[] = {
     {{58, -8, 44}, {34, 30, 34}, 24},  /* cheeks */
-    {{36, 104, 42}, {34, 12, 16}, 26}, /* the ridge that carries the brows */
+    {{34, 104, 32}, {28, 11, 13}, 30}, /* the ridge that carries the brows */
 };
 
-static const double MOUND_RADIUS_MM = 35.0, MOUND_BEHIND_MM = 17.0, MOUND_MELT_MM = 12.0;
+static const double MOUND_RADIUS_MM = 35.0, MOUND_BEHIND_MM = 15.0, MOUND_MELT_MM = 18.0;
 
 static double length_of(vec3 a)
 {
@@ -66,7 +66,7 @@ static double mound(vec3 p)
 static double neck(vec3 p)
 {
     double below = (p.y - PLAN_NECK_Y) / 60.0;
-    double radius = 43.0 + 5.0 / (1.0 + below * below * 6.0);
+    double radius = 40.0 + 6.0 / (1.0 + below * below * 6.0);
     double z = p.z - PLAN_NECK_Z;
     double side = sqrt(p.x * p.x + z * z) - radius;
     return fmax(side, p.y + 20.0); /* its upper end is deep in the head */

@@ -13,13 +13,15 @@ typedef struct column {
     vec3 outward, away; /* unit: out of the face, and from the slit into the lip */
     double radius_mm;   /* of the cord */
     double gap_mm;      /* from the middle of the slit to the lip */
-    double across, up;  /* on the bag's section: -1..1 of its half width and height */
+    double bend;       /* 1/mm: how the face rises from the slit, over the square of the way away */
+    double across, up; /* on the bag's section: -1..1 of its half width and height */
 } column;
 
 static const double GAP_MM = 1.5, CORNER_GAP_MM = 2.0;
 static const double UPPER_RADIUS_MM = 6.0, LOWER_RADIUS_MM = 7.4, CORNER_RADIUS_MM = 3.6;
 static const double CORNER_TILT_DEG = 50.0;
-static const double SUNK = 0.3; /* of its radius the cord lies below the face */
+static const double OUTLINE_RADII = 2.6; /* from the slit's edge to where the lip leaves the face */
+static const double SUNK = 0.3;          /* of its radius the cord lies below the face */
 
 /* Angles around the cord, from where it leaves the face over its front and the slit to its back. */
 static const double CORD_DEG[] = {64, 40, 16, -8, -32, -56, -80, -106, -136};
@@ -85,6 +87,18 @@ static column corner_column(double t, vec3 *out_face, double *out_tilt_deg)
     return c;
 }
 
+static vec3 beside(const column *c, double away_mm, double out_mm)
+{
+    double rise_mm = c->bend * away_mm * away_mm;
+    vec3 shift = vec3_add(vec3_scale(c->away, away_mm), vec3_scale(c->outward, out_mm + rise_mm));
+    return vec3_add(c->slit, shift);
+}
+
+static double outline_mm(const column *c)
+{
+    return c->gap_mm + OUTLINE_RADII * c->radius_mm;
+}
+
 static column column_at(int32_t i)
 {
     const int32_t columns = PLAN_MOUTH_COLUMNS, rows = PLAN_MOUTH_ROWS;
@@ -104,13 +118,10 @@ static column column_at(int32_t i)
     angle_turn tilt = plan_degrees(tilt_deg);
     c.away = (vec3){c.outward.z * tilt.cos, tilt.sin, -c.outward.x * tilt.cos};
     c.slit = vec3_sub(foot, vec3_scale(c.outward, SUNK * c.radius_mm));
+    vec3 outline = form_projected(beside(&c, outline_mm(&c), 0.0));
+    double rise_mm = vec3_dot(vec3_sub(outline, foot), c.outward);
+    c.bend = rise_mm / (outline_mm(&c) * outline_mm(&c));
     return c;
-}
-
-static vec3 beside(const column *c, double away_mm, double out_mm)
-{
-    vec3 shift = vec3_add(vec3_scale(c->away, away_mm), vec3_scale(c->outward, out_mm));
-    return vec3_add(c->slit, shift);
 }
 
 static vec3 cord_point(const column *c, double angle_deg)
@@ -119,11 +130,11 @@ static vec3 cord_point(const column *c, double angle_deg)
     return beside(c, c->gap_mm + c->radius_mm * (1.0 + a.sin), c->radius_mm * a.cos);
 }
 
-void mouth_outline(vec3 out_point[MOUTH_POINTS])
+void mouth_outline(vec3 out_point[MOUTH_POINTS], double away_mm)
 {
     for (int32_t i = 0; i < MOUTH_POINTS; ++i) {
         column c = column_at(i);
-        out_point[i] = form_projected(beside(&c, c.gap_mm + 2.6 * c.radius_mm, 0.0));
+        out_point[i] = form_projected(beside(&c, outline_mm(&c) + away_mm, 0.0));
     }
 }
 
@@ -164,7 +175,7 @@ static vec3 bag_point(const column *c, int32_t step)
 /* The middle of the lower lip is the jaw's alone; towards the corners both bones share it. */
 static void mark_lower_lip(sheet *s, const ring *r)
 {
-    for (int32_t i = 0; 10 * i <= 6 * PLAN_MOUTH_COLUMNS; ++i)
+    for (int32_t i = 0; 3 * i <= PLAN_MOUTH_COLUMNS; ++i)
         s->bone[r->at[i]] = SHEET_JAW;
 }
 
@@ -208,5 +219,5 @@ mrt_result mouth_build(sheet *s, const ring *outline, error *err)
     }
     int32_t first =
         sheet_close(s, &last, PLAN_MOUTH_COLUMNS, PLAN_MOUTH_ROWS, PLAN_PART_MOUTH_BAG, SHEET_FREE);
-    return relax_points(s, first, 20, 1.0, NULL, err);
+    return relax_points(s, first, 20, RELAX_AREA, NULL, err);
 }

@@ -6,9 +6,9 @@
 
 enum { MOUTH_POINTS = 2 * PLAN_MOUTH_COLUMNS + PLAN_MOUTH_ROWS + 1 };
 
-/* Where the lips rise from the face: a half ring, lower lip first. */
-void mouth_outline(vec3 out_point[MOUTH_POINTS]);
-/* From that ring inwards: lips, part of the skin, and the bag, closed behind. */
+/* A line around the lips, away_mm from where they leave the face: a half ring, lower lip first. */
+void mouth_outline(vec3 out_point[MOUTH_POINTS], double away_mm);
+/* From the line at 0 inwards: lips, part of the skin, and the bag, closed behind. */
 CHECKED mrt_result mouth_build(sheet *s, const ring *outline, error *err);
 
 #endif

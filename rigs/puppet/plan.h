@@ -28,23 +28,23 @@ typedef enum plan_part { /* in the order of the file; those after EAR are left a
 /* The half's net, in cells. The wall goes around the head from the middle of the face to the middle
  * of the nape, and up from the neck; the roof closes it like the lid of a box. */
 enum {
-    PLAN_FRONT = 22, /* columns from the middle of the face to the edge of the roof */
+    PLAN_FRONT = 20, /* columns from the middle of the face to the edge of the roof */
     PLAN_SIDE = 18,
     PLAN_AROUND = 2 * PLAN_FRONT + PLAN_SIDE,
-    PLAN_MOUTH_COLUMNS = 19,
-    PLAN_MOUTH_ROW = 18, /* its first row */
-    PLAN_MOUTH_ROWS = 4,
+    PLAN_MOUTH_COLUMNS = 18,
+    PLAN_MOUTH_ROW = 20, /* its first row */
+    PLAN_MOUTH_ROWS = 6,
     PLAN_NOSE_COLUMNS = 5,
-    PLAN_NOSE_ROW = PLAN_MOUTH_ROW + PLAN_MOUTH_ROWS + 3,
-    PLAN_NOSE_ROWS = 8,
-    PLAN_EYE_COLUMN = 3,
+    PLAN_NOSE_ROW = PLAN_MOUTH_ROW + PLAN_MOUTH_ROWS + 2,
+    PLAN_NOSE_ROWS = 6,
+    PLAN_EYE_COLUMN = 1,
     PLAN_EYE_CELLS = 14,
     PLAN_EYE_ROW = PLAN_NOSE_ROW + PLAN_NOSE_ROWS + 1,
     PLAN_UP = PLAN_EYE_ROW + PLAN_EYE_CELLS + 7
 };
 
 /* The left eye; lids turn about the line through it along x. */
-static const vec3 PLAN_EYE = {36.0, 68.0, 62.0};
+static const vec3 PLAN_EYE = {37.5, 68.0, 62.0};
 static const double PLAN_EYE_RADIUS = 25.0;
 static const double PLAN_LID_INNER = 25.9, PLAN_LID_OUTER = 27.6;
 static const double PLAN_SOCKET_RADIUS = 28.7;
@@ -53,12 +53,12 @@ static const double PLAN_SOCKET_RADIUS = 28.7;
 static const double PLAN_MOUTH_REACH = 57.0, PLAN_MOUTH_Y = -38.0;
 static const double PLAN_CORNER_RISE = 10.0; /* of the corners above the middle */
 
-static const double PLAN_NECK_Y = -150.0, PLAN_NECK_Z = -22.0;
+static const double PLAN_NECK_Y = -150.0, PLAN_NECK_Z = -27.0;
 
 /* The way that the left socket opens. */
 static inline vec3 plan_eye_axis(void)
 {
-    return vec3_normalised((vec3){0.16, 0.10, 1.0}, (vec3){0, 0, 1});
+    return vec3_normalised((vec3){0.05, 0.08, 1.0}, (vec3){0, 0, 1});
 }
 
 static inline angle_turn plan_degrees(double angle_deg)

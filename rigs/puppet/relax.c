@@ -3,107 +3,100 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct links { /* neighbours of each point, one row each */
-    int32_t *start;    /* point_count + 1 */
-    int32_t *to;
-} links;
+/* Of the way to the mean. EVEN's goes beyond it: that settles sooner. */
+static const double EVEN_STEP = 1.9, AREA_STEP = 1.0;
 
-static void links_finish(links *l)
+typedef struct fans { /* the quads around each point, one row each */
+    int32_t *start;   /* point_count + 1 */
+    int32_t *quad;
+} fans;
+
+static void fans_finish(fans *f)
 {
-    free(l->start);
-    free(l->to);
-    *l = (links){0};
+    free(f->start);
+    free(f->quad);
+    *f = (fans){0};
 }
 
-static int is_linked(const links *l, int32_t row, int32_t end, int32_t to)
-{
-    for (int32_t i = l->start[row]; i < end; ++i)
-        if (l->to[i] == to)
-            return 1;
-    return 0;
-}
-
-static void add_link(const links *l, int32_t *end, int32_t from, int32_t to)
-{
-    if (!is_linked(l, from, end[from], to))
-        l->to[end[from]++] = to;
-}
-
-/* Rows have room for two links per quad; out_end says where each really ends. */
-static mrt_result links_init(links *out, const sheet *s, int32_t **out_end, error *err)
+static mrt_result fans_init(fans *out, const sheet *s, error *err)
 {
     size_t points = (size_t)s->point_count, quads = (size_t)s->quad_count;
-    *out = (links){.start = calloc(points + 1, sizeof(int32_t)),
-                   .to = calloc(8 * quads + 1, sizeof(int32_t))};
-    *out_end = calloc(points + 1, sizeof(int32_t));
-    if (!out->start || !out->to || !*out_end) {
-        links_finish(out);
-        free(*out_end);
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the links of %d points",
+    *out = (fans){.start = calloc(points + 2, sizeof(int32_t)),
+                  .quad = calloc(4 * quads + 1, sizeof(int32_t))};
+    if (!out->start || !out->quad) {
+        fans_finish(out);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the fans of %d points",
                          s->point_count);
     }
+    /* Filled one row late: when all are placed, each start has moved to where it belongs. */
+    int32_t *end = out->start + 1;
     for (int32_t q = 0; q < s->quad_count; ++q)
         for (int k = 0; k < 4; ++k)
-            out->start[s->quad[q].corner[k] + 1] += 2;
+            end[s->quad[q].corner[k] + 1]++;
     for (int32_t v = 0; v < s->point_count; ++v)
-        out->start[v + 1] += out->start[v];
-    memcpy(*out_end, out->start, points * sizeof(int32_t));
+        end[v + 1] += end[v];
     for (int32_t q = 0; q < s->quad_count; ++q)
-        for (int k = 0; k < 4; ++k) {
-            int32_t a = s->quad[q].corner[k], b = s->quad[q].corner[(k + 1) % 4];
-            add_link(out, *out_end, a, b);
-            add_link(out, *out_end, b, a);
-        }
+        for (int k = 0; k < 4; ++k)
+            out->quad[end[s->quad[q].corner[k]]++] = q;
     return MRT_OK;
 }
 
-static vec3 mean_of_neighbours(const sheet *s, const int32_t *first, const int32_t *end,
-                               int is_middle)
+static double area_mm2(const sheet *s, const sheet_quad *q)
+{
+    vec3 across = vec3_sub(s->point[q->corner[2]], s->point[q->corner[0]]);
+    vec3 other = vec3_sub(s->point[q->corner[3]], s->point[q->corner[1]]);
+    return 0.5 * vec3_length(vec3_cross(across, other));
+}
+
+static vec3 centre_of(const sheet *s, const sheet_quad *q)
+{
+    vec3 sum = {0, 0, 0};
+    for (int k = 0; k < 4; ++k)
+        sum = vec3_add(sum, s->point[q->corner[k]]);
+    return vec3_scale(sum, 0.25);
+}
+
+/* A point on the middle has the mirrored quads too: they take its x back to 0. */
+static vec3 wanted_point(const sheet *s, const fans *f, int32_t v, relax_pull pull)
 {
     vec3 sum = {0, 0, 0};
     double weight = 0.0;
-    for (const int32_t *to = first; to < end; ++to) {
-        /* A neighbour off the middle of a point on it has an image on the other side. */
-        double share = is_middle && !(s->hold[*to] & SHEET_MIDDLE) ? 2.0 : 1.0;
-        sum = vec3_add(sum, vec3_scale(s->point[*to], share));
+    for (int32_t i = f->start[v]; i < f->start[v + 1]; ++i) {
+        const sheet_quad *q = &s->quad[f->quad[i]];
+        double share = pull == RELAX_AREA ? area_mm2(s, q) + 1e-6 : 1.0;
+        sum = vec3_add(sum, vec3_scale(centre_of(s, q), share));
         weight += share;
     }
-    sum = vec3_scale(sum, 1.0 / weight);
-    if (is_middle)
-        sum.x = 0.0;
-    return sum;
+    return vec3_scale(sum, 1.0 / weight);
 }
 
-static void relax_point(sheet *s, int32_t v, vec3 wanted, double boldness, relax_projection project)
+static void relax_point(sheet *s, int32_t v, vec3 wanted, double step, relax_projection project)
 {
-    vec3 old = s->point[v], step = vec3_sub(wanted, old);
-    vec3 moved = vec3_add(old, vec3_scale(step, boldness));
+    vec3 old = s->point[v];
+    if (s->hold[v] & SHEET_MIDDLE)
+        wanted.x = 0.0;
+    vec3 moved = vec3_add(old, vec3_scale(vec3_sub(wanted, old), step));
     if (project)
         moved = project(moved);
     if (s->hold[v] & SHEET_MIDDLE)
         moved.x = 0.0;
-    if (s->hold[v] & SHEET_LEVEL)
-        moved.y = old.y;
     s->point[v] = moved;
 }
 
-mrt_result relax_points(sheet *s, int32_t first_point, int32_t round_count, double boldness,
+mrt_result relax_points(sheet *s, int32_t first_point, int32_t round_count, relax_pull pull,
                         relax_projection project, error *err)
 {
-    links l;
-    int32_t *end;
-    mrt_result result = links_init(&l, s, &end, err);
+    fans f;
+    mrt_result result = fans_init(&f, s, err);
     if (result < 0)
         return result;
+    double step = pull == RELAX_AREA ? AREA_STEP : EVEN_STEP;
     for (int32_t round = 0; round < round_count; ++round)
         for (int32_t v = first_point; v < s->point_count; ++v) {
-            if (s->hold[v] & SHEET_FIXED || end[v] == l.start[v])
+            if (s->hold[v] & SHEET_FIXED || f.start[v] == f.start[v + 1])
                 continue;
-            vec3 wanted =
-                mean_of_neighbours(s, l.to + l.start[v], l.to + end[v], s->hold[v] & SHEET_MIDDLE);
-            relax_point(s, v, wanted, boldness, project);
+            relax_point(s, v, wanted_point(s, &f, v, pull), step, project);
         }
-    links_finish(&l);
-    free(end);
+    fans_finish(&f);
     return MRT_OK;
 }

@@ -12,8 +12,7 @@ enum { SHEET_RING_CAP = 128 };
 enum {
     SHEET_FREE = 0,
     SHEET_MIDDLE = 1, /* x = 0: it is its own mirror image */
-    SHEET_FIXED = 2,
-    SHEET_LEVEL = 4 /* its height */
+    SHEET_FIXED = 2
 };
 
 /* The bone that a point moves with and nothing else, 0: neither is certain. */

@@ -7,15 +7,20 @@
 #include <math.h>
 
 enum {
-    MOUTH_COLLAR = 5,
-    EYE_COLLAR = 4,
+    MOUTH_COLLAR = 4,
     NOSE_COLLAR = 2,
     NOSE_DOME = 3,
     EYE_POINTS = 4 * PLAN_EYE_CELLS,
     NOSE_POINTS = 2 * PLAN_NOSE_COLUMNS + PLAN_NOSE_ROWS + 1,
     NO_POINT = -1,
-    ROUNDS = 260
+    EVEN_ROUNDS = 200,
+    AREA_ROUNDS = 150
 };
+
+/* Fixed lines around lips and sockets: relaxed ones would fold over such sharp bends. From where
+ * lips and rims begin. */
+static const double LIP_LINES_MM[] = {4.0, 0.0};
+static const double RIM_LINES_MM[] = {4.9, 2.6};
 
 /* The points of the box that the net is folded from. */
 typedef struct box {
@@ -48,7 +53,7 @@ static int has_cell(const window *w, int32_t column, int32_t row)
 static vec3 wall_point(int32_t column, int32_t row)
 {
     angle_turn around = angle_turn_of(ANGLE_PI * column / PLAN_AROUND);
-    double radius = row == 0 ? 48.0 : 60.0;
+    double radius = row == 0 ? 46.0 : 60.0;
     double y = PLAN_NECK_Y + 240.0 * row / PLAN_UP;
     return form_projected((vec3){radius * around.sin, y, PLAN_NECK_Z + radius * around.cos});
 }
@@ -151,8 +156,14 @@ static void eye_line(vec3 out_point[EYE_POINTS], double radius_mm)
     }
 }
 
+static vec3 on_bowl(vec3 p)
+{
+    vec3 from = vec3_normalised(vec3_sub(p, PLAN_EYE), (vec3){0, 0, -1});
+    return vec3_add(PLAN_EYE, vec3_scale(from, PLAN_SOCKET_RADIUS));
+}
+
 /* From the rim over its rounded edge down to a bowl around the ball. */
-static void add_socket(sheet *s, const ring *rim)
+static mrt_result add_socket(sheet *s, const ring *rim, error *err)
 {
     static const double EDGE[][2] = {/* of the way from the rim's to the bowl's radius; sunk, mm */
                                      {0.45, 0.1},
@@ -189,13 +200,9 @@ static void add_socket(sheet *s, const ring *rim)
         sheet_strip(s, &last, &next, PLAN_PART_SKIN);
         last = next;
     }
-    int32_t cap =
-        sheet_close(s, &last, PLAN_EYE_CELLS, PLAN_EYE_CELLS, PLAN_PART_SKIN, SHEET_FIXED);
-    for (int32_t i = cap; i < s->point_count; ++i) {
-        vec3 from = vec3_normalised(vec3_sub(s->point[i], PLAN_EYE), (vec3){0, 0, -1});
-        s->point[i] = vec3_add(PLAN_EYE, vec3_scale(from, PLAN_SOCKET_RADIUS));
-    }
+    int32_t cap = sheet_close(s, &last, PLAN_EYE_CELLS, PLAN_EYE_CELLS, PLAN_PART_SKIN, SHEET_FREE);
     sheet_mark(s, first, SHEET_SKULL);
+    return relax_points(s, cap, 40, RELAX_AREA, on_bowl, err);
 }
 
 static void nose_line(vec3 out_point[NOSE_POINTS])
@@ -227,8 +234,8 @@ static void mark_bones(sheet *s)
     for (int32_t i = 0; i < s->point_count; ++i) {
         vec3 p = s->point[i];
         int is_cranium = p.y > 106.0 || (p.z < -8.0 && p.y > -70.0) || p.z < -30.0;
-        int is_neck = p.y < -128.0;
-        int is_chin = p.x < 40.0 && p.y < -54.0 && p.y > -92.0 && p.z > 48.0;
+        int is_neck = p.y < -132.0;
+        int is_chin = p.x < 30.0 && p.y < -56.0 && p.y > -92.0 && p.z > 48.0;
         if (s->bone[i] == SHEET_UNSURE && (is_cranium || is_neck))
             s->bone[i] = SHEET_SKULL;
         if (s->bone[i] == SHEET_UNSURE && is_chin)
@@ -244,20 +251,24 @@ mrt_result skin_build(sheet *s, error *err)
     add_roof_points(s, &b);
     add_box_quads(s, &b);
     ring mouth = frame_of(&b, &MOUTH), eye = frame_of(&b, &EYE), nose = frame_of(&b, &NOSE);
-    mouth_outline(line);
-    mouth = add_collar(s, &mouth, line, MOUTH_COLLAR);
-    eye_line(line, PLAN_SOCKET_RADIUS + 3.4);
-    eye = add_collar(s, &eye, line, EYE_COLLAR);
+    for (size_t k = 0; k < sizeof LIP_LINES_MM / sizeof *LIP_LINES_MM; ++k) {
+        mouth_outline(line, LIP_LINES_MM[k]);
+        mouth = add_collar(s, &mouth, line, k == 0 ? MOUTH_COLLAR : 1);
+    }
+    for (size_t k = 0; k < sizeof RIM_LINES_MM / sizeof *RIM_LINES_MM; ++k) {
+        eye_line(line, PLAN_SOCKET_RADIUS + RIM_LINES_MM[k]);
+        eye = add_collar(s, &eye, line, 1);
+    }
     nose_line(line);
     nose = add_collar(s, &nose, line, NOSE_COLLAR);
     add_nose(s, &nose);
-    mrt_result result = relax_points(s, 0, ROUNDS, 1.5, form_projected, err);
+    mrt_result result = relax_points(s, 0, EVEN_ROUNDS, RELAX_EVEN, form_projected, err);
     if (result >= 0)
-        result = relax_points(s, 0, 10, 1.0, form_projected, err);
-    if (result < 0)
-        return result;
-    add_socket(s, &eye);
-    result = mouth_build(s, &mouth, err);
+        result = relax_points(s, 0, AREA_ROUNDS, RELAX_AREA, form_projected, err);
+    if (result >= 0)
+        result = add_socket(s, &eye, err);
+    if (result >= 0)
+        result = mouth_build(s, &mouth, err);
     mark_bones(s);
     return result;
 }

@@ -18,7 +18,7 @@ static const section_point SECTION[] = {
 };
 enum { SECTION_POINTS = sizeof SECTION / sizeof *SECTION, CAP_COLUMNS = 3, CAP_ROWS = 6 };
 
-enum { TEETH = 5, TOOTH_CELLS = 8, ARCH_CELLS = TEETH * TOOTH_CELLS };
+enum { TEETH = 5, TOOTH_CELLS = 6, ARCH_CELLS = TEETH * TOOTH_CELLS };
 
 typedef struct arch {
     double front_z;           /* of the middle line */
@@ -29,9 +29,9 @@ typedef struct arch {
 } arch;
 
 static const arch UPPER = {
-    80.0, 42.0, 36.0, -36.8, 19.0, 3.9, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
+    80.0, 42.0, 36.0, -43.5, 25.0, 3.9, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
 static const arch LOWER = {
-    76.0, 39.0, 33.0, -40.2, -18.0, 3.7, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
+    76.0, 39.0, 33.0, -46.5, -15.5, 3.7, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
 
 /* From the middle (s = 0) to the end (1): an arch that is flat in front. */
 static vec3 arch_point(const arch *a, double s)
@@ -56,6 +56,12 @@ static double tooth_bulge(double s)
     return 1.0 - q * q * q * q * q * q;
 }
 
+/* Upside down the ring runs the other way, from the other end of its first side. */
+static int section_index(const arch *a, int i)
+{
+    return a->height_mm > 0.0 ? i : (SECTION_POINTS + CAP_COLUMNS - i) % SECTION_POINTS;
+}
+
 static ring arch_ring(sheet *s, const arch *a, int32_t cell)
 {
     vec3 point[SECTION_POINTS];
@@ -63,7 +69,7 @@ static ring arch_ring(sheet *s, const arch *a, int32_t cell)
     double bulge = tooth_bulge(along), shrink = 1.0 - 0.25 * along * along;
     vec3 base = arch_point(a, along), outward = arch_outward(a, along);
     for (int i = 0; i < SECTION_POINTS; ++i) {
-        int k = a->height_mm > 0.0 ? i : SECTION_POINTS - 1 - i; /* upside down turns the ring */
+        int k = section_index(a, i);
         const section_point *at = &SECTION[k];
         int is_tooth_point = at->up < 0.5;
         double narrow = is_tooth_point ? 0.80 + 0.20 * bulge : 1.0;
@@ -80,7 +86,7 @@ static void add_arch_strip(sheet *s, const arch *a, const ring *from, const ring
 {
     for (int i = 0; i < SECTION_POINTS; ++i) {
         int next = (i + 1) % SECTION_POINTS;
-        int k = a->height_mm > 0.0 ? i : (2 * SECTION_POINTS - 2 - i) % SECTION_POINTS;
+        int k = a->height_mm > 0.0 ? i : section_index(a, next);
         sheet_add_quad(s, from->at[i], from->at[next], to->at[next], to->at[i],
                        SECTION[k].is_tooth ? a->tooth : a->gum);
     }
@@ -117,7 +123,7 @@ static const tongue_station TONGUE[] = {
     {21.0, -55.0, 15.0, 3.2}, {23.5, -54.0, 19.0, 5.0}, {29.0, -53.0, 22.5, 6.4},
     {35.0, -52.2, 24.5, 7.0}, {41.0, -51.6, 25.5, 7.2}, {47.0, -51.2, 25.0, 7.1},
     {53.0, -51.0, 23.5, 6.7}, {58.0, -51.0, 21.0, 6.0}, {62.0, -51.0, 17.5, 5.0},
-    {64.8, -51.0, 13.5, 3.8}, {66.2, -51.0, 9.5, 2.4},
+    {64.8, -51.0, 13.0, 4.0}, {66.4, -51.0, 8.5, 2.8},
 };
 
 /* From below, by the left side, to the top: an oval, with a groove along the top. */
