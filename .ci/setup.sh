@@ -9,8 +9,8 @@ setup_build_packages=(
 )
 setup_test_packages=(libcmocka-dev clang-format-14 nodejs npm)
 
-# For ./test --long: the fuzz targets.
-setup_long_packages=(clang libclang-rt-14-dev)
+# For ./test --long: the fuzz targets, clang-tidy.
+setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)
 
 setup_is_installed() {
     case $1 in # these may also come from elsewhere

@@ -399,8 +399,8 @@ static mrt_result run_create(run *r, const deform_case *c, error *err)
                .from = calloc(3 * controls + 1, sizeof *r->from),
                .to = calloc(3 * controls + 1, sizeof *r->to),
                .rows = calloc(numbers + 1, sizeof *r->rows)};
-    if (!r->solver || !r->class || !r->from || !r->to || !r->rows)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for %zu controls", controls);
+    if (!r->solver || !r->class || !r->from || !r->to || !r->rows) /* run_destroy frees the rest */
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %zu controls", controls); // NOLINT
     for (size_t i = c->tip_count; i < controls; ++i)
         r->class[i] = i < c->tip_count + c->skull_count ? CSRBF_SKULL : CSRBF_JAW;
     for (size_t i = 0; i < numbers; ++i)

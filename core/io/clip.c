@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -107,12 +108,11 @@ static mrt_result open_temporary(clip *c, error *err)
         directory = getenv("TMPDIR");
     if (!directory || !*directory)
         directory = "/tmp";
-    size_t length = strlen(directory);
-    char *path = malloc(length + sizeof name);
+    size_t size = strlen(directory) + sizeof name;
+    char *path = malloc(size);
     if (!path)
         return no_memory(c, err);
-    memcpy(path, directory, length);
-    memcpy(path + length, name, sizeof name);
+    (void)snprintf(path, size, "%s%s", directory, name);
     mrt_result result = MRT_OK;
     c->fd = mkstemp(path);
     if (c->fd < 0) {

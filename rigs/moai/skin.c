@@ -282,7 +282,7 @@ static int keeps_lines(const skin *s, int32_t h)
  * a neighbour of b makes no second line with it. */
 static int closes_cleanly(const skin *s, int32_t a, int32_t b, int32_t corner_count)
 {
-    int32_t around_a[SKIN_RING], around_b[SKIN_RING];
+    int32_t around_a[SKIN_RING] = {0}, around_b[SKIN_RING] = {0};
     int32_t count_a = skin_neighbours(s, a, around_a), count_b = skin_neighbours(s, b, around_b);
     if (count_a + count_b > SKIN_RING)
         return 0;

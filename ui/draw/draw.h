@@ -13,10 +13,10 @@ void draw_context_destroy(draw_context *context);
 
 typedef struct draw_target draw_target; /* a multisampled framebuffer and its picture */
 draw_target *draw_target_create(uint32_t width, uint32_t height, error *err);
-void draw_target_destroy(draw_target *target);
+void draw_target_destroy(draw_target *self);
 /* The OpenGL name of the picture as a 2D texture, brought up to date: colours as they go to a
  * screen (sRGB-coded), first row at the bottom. Until the target is destroyed. */
-uint32_t draw_target_texture(draw_target *target);
+uint32_t draw_target_texture(draw_target *self);
 
 typedef struct draw_renderer draw_renderer; /* programs and lights */
 draw_renderer *draw_renderer_create(error *err);
@@ -52,6 +52,6 @@ float draw_text_width(draw_renderer *renderer, const char *text, float size_px);
 /* The font file in use; NULL: none was found (installing fonts-inter helps). */
 const char *draw_text_font(const draw_renderer *renderer);
 /* out_rgba: width * height * 4, rows from the top. */
-void draw_read(draw_target *target, uint8_t *out_rgba);
+void draw_read(draw_target *self, uint8_t *out_rgba);
 
 #endif

@@ -84,7 +84,7 @@ static mrt_result draw_picture(const mesh *m, const char *path, const view_angle
 
 int main(int argc, char **argv)
 {
-    view_angles view[VIEWS_MAX];
+    view_angles view[VIEWS_MAX] = {{0}};
     uint32_t view_count = argc >= 3 ? read_views(argc - 3, argv + 3, view) : 0;
     if (view_count == 0) {
         fprintf(stderr, "usage: draw_preview MESH OUT.png [yaw_deg pitch_deg]... (at most %d)\n",
