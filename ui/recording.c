@@ -50,7 +50,7 @@ static mrt_result begin_segment(recording *self, const shape *s, error *err)
     for (uint32_t k = 0; k < s->control_count; ++k)
         for (uint32_t v = 0; v < s->base.count; ++v)
             self->response[(size_t)k * s->base.count + s->order.file_of_slot[v]] =
-                s->response[k * s->response_stride + v];
+                columns_row(&s->response, k)[v];
     return clip_begin_segment(self->clip, self->rows, self->response, s->start, s->control_count,
                               err);
 }

@@ -184,8 +184,20 @@ double csrbf_max_slope(const csrbf_solver *solver, const points *at)
     return meter_max_slope(field_of(solver), at);
 }
 
+bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], const points *in,
+                    uint32_t block)
+{
+    return field_in_block(field_of(solver), sum, in, block);
+}
+
 void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,
                      const points *in)
 {
-    response_fill(&solver->saddle[solver->current], solver->rhs, out_response, stride, in);
+    csrbf_responses_in(solver, out_response, stride, in, NULL);
+}
+
+void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t stride,
+                        const points *in, const uint8_t *wanted)
+{
+    response_fill(&solver->saddle[solver->current], solver->rhs, out_response, stride, in, wanted);
 }

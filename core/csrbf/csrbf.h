@@ -80,6 +80,10 @@ void csrbf_move_f64(const csrbf_solver *solver, double *x, uint32_t count);
  * keep their bits. out may be in. Uses the bounds of `in`, keeps those of `out`. Returns how
  * many blocks of vertices lie within reach of the field: 0 when nothing moved. */
 uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in);
+/* sum: 3 by POINTS_BLOCK := d at the vertices of one block, as csrbf_move adds it. False when d is
+ * zero all over the block; sum may not be set then. */
+bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], const points *in,
+                    uint32_t block);
 
 /* Unit responses (theory section 6): d(x) = sum_k B_k(x) g_k for the factored centres. Row k of
  * out_response (stride floats apart, >= in->padded_count) holds B_k at the vertices of `in`, in
@@ -87,6 +91,9 @@ uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in);
  * Computed in float64, stored as float32. */
 void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,
                      const points *in);
+/* The same in the blocks that are wanted (block_count); zero is written in the others. */
+void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t stride,
+                        const points *in, const uint8_t *wanted);
 
 /* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. In float32. */
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);

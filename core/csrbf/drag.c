@@ -1,8 +1,9 @@
-/* The unanchored half of shape.h: a sample's way in substeps that do not fold. With the slope
- * L = 1.2 max |grad d| of what is left of the way, the next substep is that way over ceil(L / 0.5);
- * then the rest is looked at again. Theory: a step with L < 1 is a homeomorphism, and so is any
- * number of them. */
-#include "csrbf/shape.h"
+/* A sample's way in substeps that do not fold. With the slope L = 1.2 max |grad d| of what is left
+ * of the way, the next substep is that way over ceil(L / 0.5); then the rest is looked at again.
+ * Theory: a step with L < 1 is a homeomorphism, and so is any number of them. */
+#include "csrbf/drag.h"
+
+#include "csrbf/columns.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,80 +11,155 @@
 static const double safety = 1.2; /* the slope is sampled at the vertices only */
 static const double slope_per_step = 0.5;
 
-/* Number of equal substeps that the way in s->step asks for. The solver is factored at s->tip. */
-static mrt_result steps_wanted(shape *s, double *out_steps, double *out_slope, error *err)
-{
-    mrt_result result = csrbf_solve(s->solver, s->step, err);
-    if (result < 0)
-        return result;
-    *out_slope = csrbf_max_slope(s->solver, &s->shown);
-    double steps = ceil(safety * *out_slope / slope_per_step);
-    *out_steps = steps > 1.0 ? steps : 1.0;
-    return MRT_OK;
-}
-
-/* s->step := from the tips to the next ones on their way, 1 / steps of what is left. */
-static void shorten_step(shape *s, const double *to, size_t count, double steps)
-{
-    for (size_t i = 0; i < count; ++i) {
-        double next = steps > 1.0 ? s->tip[i] + (to[i] - s->tip[i]) / steps : to[i];
-        s->step[i] = next - s->tip[i];
-    }
-}
-
-static void advance_tips(shape *s, const double *to, size_t count, double steps)
-{
-    for (size_t i = 0; i < count; ++i)
-        s->tip[i] = steps > 1.0 ? s->tip[i] + (to[i] - s->tip[i]) / steps : to[i];
-}
-
 /* Adds up what the substeps of one sample do. */
 typedef struct tally {
     shape_step step;
     uint64_t touched; /* blocks */
 } tally;
 
-static mrt_result move_shown(shape *s, tally *t, error *err)
+/* d->pull := the layer's rows of `row` (control capacity by 3). */
+static void gather(const drag *d, const drag_layer *layer, const double *row)
 {
-    double determinant = csrbf_min_determinant(s->solver, &s->shown);
-    if (t->step.substeps == 0 || determinant < t->step.min_determinant)
-        t->step.min_determinant = determinant;
-    t->touched += csrbf_move(s->solver, &s->shown, &s->shown);
+    for (size_t i = 0; i < layer->control_count; ++i) {
+        size_t from = layer->control ? layer->control[i] : i;
+        memcpy(d->pull + 3 * i, row + 3 * from, 3 * sizeof *row);
+    }
+}
+
+static mrt_result factor_at_tips(const drag *d, const csrbf_settings *settings, error *err)
+{
+    for (uint32_t i = 0; i < d->layer_count; ++i) {
+        const drag_layer *layer = &d->layer[i];
+        gather(d, layer, d->tip);
+        mrt_result result =
+            csrbf_factor(layer->solver, settings, d->pull, NULL, layer->control_count, err);
+        if (result < 0)
+            return result;
+        csrbf_limit_gain(layer->solver, d->moved, SHAPE_GAIN_LIMIT);
+    }
+    return MRT_OK;
+}
+
+static mrt_result solve_step(const drag *d, error *err)
+{
+    for (uint32_t i = 0; i < d->layer_count; ++i) {
+        gather(d, &d->layer[i], d->step);
+        mrt_result result = csrbf_solve(d->layer[i].solver, d->pull, err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+/* Number of equal substeps that the way in d->step asks for. The solvers are factored at the tips.
+ */
+static mrt_result steps_wanted(const drag *d, double *out_steps, double *out_slope, error *err)
+{
+    mrt_result result = solve_step(d, err);
+    if (result < 0)
+        return result;
+    *out_slope = 0.0;
+    for (uint32_t i = 0; i < d->layer_count; ++i)
+        *out_slope = fmax(*out_slope, csrbf_max_slope(d->layer[i].solver, d->moved));
+    double steps = ceil(safety * *out_slope / slope_per_step);
+    *out_steps = steps > 1.0 ? steps : 1.0;
+    return MRT_OK;
+}
+
+/* d->step := what is solved for on the way to the next tips, 1 / steps of what is left. */
+static void shorten_step(const drag *d, const drag_way *way, double steps)
+{
+    for (size_t i = 0; i < (size_t)3 * way->count; ++i) {
+        double tip = d->tip[i], to = way->to[i];
+        double next = steps > 1.0 ? tip + (to - tip) / steps : to;
+        d->step[i] = way->gain ? (next - tip) * way->gain[i / 3] : next - tip;
+    }
+}
+
+static void advance_tips(const drag *d, const drag_way *way, double steps)
+{
+    for (size_t i = 0; i < (size_t)3 * way->count; ++i) {
+        double tip = d->tip[i], to = way->to[i];
+        d->tip[i] = steps > 1.0 ? tip + (to - tip) / steps : to;
+    }
+}
+
+/* total += weight times the layer's field in one block. */
+static bool add_layer(const drag *d, const drag_layer *layer, float total[3][POINTS_BLOCK],
+                      uint32_t block)
+{
+    float sum[3][POINTS_BLOCK];
+    if ((layer->wanted && !layer->wanted[block]) ||
+        !csrbf_in_block(layer->solver, sum, d->moved, block))
+        return false;
+    const float *weight = layer->weight + (size_t)block * POINTS_BLOCK;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < POINTS_BLOCK; ++i)
+            total[axis][i] += weight[i] * sum[axis][i];
+    return true;
+}
+
+static uint32_t move_by_layers(const drag *d)
+{
+    uint32_t touched = 0;
+    for (uint32_t block = 0; block < d->moved->block_count; ++block) {
+        float total[3][POINTS_BLOCK] = {{0.0f}};
+        bool reached = false;
+        for (uint32_t i = 0; i < d->layer_count; ++i)
+            reached = add_layer(d, &d->layer[i], total, block) || reached;
+        if (!reached)
+            continue;
+        columns_add(d->moved, d->moved, total, block);
+        ++touched;
+    }
+    return touched;
+}
+
+static mrt_result move_vertices(const drag *d, tally *t, error *err)
+{
+    for (uint32_t i = 0; i < d->layer_count; ++i) {
+        double determinant = csrbf_min_determinant(d->layer[i].solver, d->moved);
+        bool is_first = t->step.substeps == 0 && i == 0;
+        if (is_first || determinant < t->step.min_determinant)
+            t->step.min_determinant = determinant;
+    }
+    t->touched += d->layer_count == 1 && !d->layer[0].weight
+                      ? csrbf_move(d->layer[0].solver, d->moved, d->moved)
+                      : move_by_layers(d);
     ++t->step.substeps;
-    if (!points_are_usable(&s->shown))
+    if (!points_are_usable(d->moved))
         return error_set(err, MRT_ERR_UNSUPPORTED, "the shape would leave +-%g",
                          (double)POINTS_REACH);
     return MRT_OK;
 }
 
-static mrt_result take_substep(shape *s, const csrbf_settings *settings, const double *to,
-                               uint32_t count, tally *t, double *out_steps, error *err)
+static mrt_result take_substep(const drag *d, const csrbf_settings *settings, const drag_way *way,
+                               tally *t, double *out_steps, error *err)
 {
     double slope = 0.0;
-    mrt_result result = csrbf_factor(s->solver, settings, s->tip, NULL, count, err);
+    mrt_result result = factor_at_tips(d, settings, err);
     if (result < 0)
         return result;
-    csrbf_limit_gain(s->solver, &s->shown, SHAPE_GAIN_LIMIT);
-    shorten_step(s, to, (size_t)3 * count, 1.0);
-    result = steps_wanted(s, out_steps, &slope, err);
+    shorten_step(d, way, 1.0);
+    result = steps_wanted(d, out_steps, &slope, err);
     if (result >= 0 && *out_steps > 1.0) {
-        shorten_step(s, to, (size_t)3 * count, *out_steps);
-        result = csrbf_solve(s->solver, s->step, err);
+        shorten_step(d, way, *out_steps);
+        result = solve_step(d, err);
     }
     if (t->step.substeps == 0)
         t->step.max_slope = slope;
     if (result >= 0)
-        result = move_shown(s, t, err);
-    advance_tips(s, to, (size_t)3 * count, *out_steps);
+        result = move_vertices(d, t, err);
+    advance_tips(d, way, *out_steps);
     return result;
 }
 
-static mrt_result take_way(shape *s, const csrbf_settings *settings, const double *to,
-                           uint32_t count, tally *t, error *err)
+static mrt_result take_way(const drag *d, const csrbf_settings *settings, const drag_way *way,
+                           tally *t, error *err)
 {
     double steps = 2.0;
     while (steps > 1.0 && t->step.substeps < SHAPE_SUBSTEP_CAP) {
-        mrt_result result = take_substep(s, settings, to, count, t, &steps, err);
+        mrt_result result = take_substep(d, settings, way, t, &steps, err);
         if (result < 0)
             return result;
     }
@@ -91,53 +167,51 @@ static mrt_result take_way(shape *s, const csrbf_settings *settings, const doubl
     return MRT_OK;
 }
 
-static mrt_result check_way(const shape *s, const double *from, const double *to, uint32_t count,
-                            error *err)
+static mrt_result check_way(const drag *d, const drag_way *way, error *err)
 {
-    if (count > s->control_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the shape has room for %u", count,
-                         s->control_capacity);
-    for (size_t i = 0; i < (size_t)3 * count; ++i)
-        if (!(fabs(from[i]) <= (double)POINTS_REACH && fabs(to[i]) <= (double)POINTS_REACH))
+    if (way->count > d->control_capacity)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the shape has room for %u",
+                         way->count, d->control_capacity);
+    for (size_t i = 0; i < (size_t)3 * way->count; ++i) {
+        double from = way->from[i], to = way->to[i];
+        if (!(fabs(from) <= (double)POINTS_REACH && fabs(to) <= (double)POINTS_REACH))
             return error_set(err, MRT_ERR_ARGUMENT,
                              "control %u: its way from %g to %g is not within +-%g",
-                             (uint32_t)(i / 3), from[i], to[i], (double)POINTS_REACH);
+                             (uint32_t)(i / 3), from, to, (double)POINTS_REACH);
+    }
     return MRT_OK;
 }
 
-static bool stays(const double *from, const double *to, size_t count)
+static bool stays(const drag_way *way)
 {
-    for (size_t i = 0; i < count; ++i)
-        if (from[i] != to[i])
+    for (size_t i = 0; i < (size_t)3 * way->count; ++i)
+        if (way->from[i] != way->to[i])
             return false;
     return true;
 }
 
-mrt_result shape_drag(shape *s, const csrbf_settings *settings, const double *from,
-                      const double *to, uint32_t count, double *out_reached, shape_step *out_step,
-                      error *err)
+mrt_result drag_along(const drag *d, const csrbf_settings *settings, const drag_way *way,
+                      double *out_reached, shape_step *out_step, error *err)
 {
-    size_t numbers = (size_t)3 * count;
     tally t = {.step = {.min_determinant = 1.0}};
     *out_step = t.step;
-    mrt_result result = check_way(s, from, to, count, err);
+    mrt_result result = check_way(d, way, err);
     if (result < 0)
         return result;
-    s->control_count = 0;
-    for (size_t i = 0; i < numbers; ++i)
-        s->tip[i] = from[i];
-    if (!stays(from, to, numbers)) {
-        points_copy(&s->before, &s->shown);
-        result = take_way(s, settings, to, count, &t, err);
+    for (size_t i = 0; i < (size_t)3 * way->count; ++i)
+        d->tip[i] = way->from[i];
+    if (!stays(way)) {
+        points_copy(d->before, d->moved);
+        result = take_way(d, settings, way, &t, err);
     }
     if (result < 0) {
-        points_copy(&s->shown, &s->before);
+        points_copy(d->moved, d->before);
         return result;
     }
     *out_step = t.step;
     if (t.touched == 0)
         out_step->substeps = 0;
-    if (out_reached && count > 0)
-        memcpy(out_reached, s->tip, numbers * sizeof *out_reached);
+    if (out_reached && way->count > 0)
+        memcpy(out_reached, d->tip, (size_t)3 * way->count * sizeof *out_reached);
     return MRT_OK;
 }

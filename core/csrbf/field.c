@@ -1,5 +1,6 @@
 #include "csrbf/field.h"
 
+#include "csrbf/columns.h"
 #include "csrbf/kernel.h"
 
 #include <math.h>
@@ -219,15 +220,6 @@ static bool block_displacement(const field *f, float sum[3][POINTS_BLOCK], const
     return true;
 }
 
-/* out = in + sum; where sum is zero the bits of in. */
-static void add_row(float *out, const float *in, const float *restrict sum)
-{
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float moved = in[i] + sum[i];
-        out[i] = sum[i] == 0.0f ? in[i] : moved;
-    }
-}
-
 static void copy_block(points *out, const points *in, uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
@@ -261,19 +253,19 @@ static bool block_displacement_f64(const field *f, float sum[3][POINTS_BLOCK], c
     return true;
 }
 
+bool field_in_block(const field *f, float sum[3][POINTS_BLOCK], const points *in, uint32_t block)
+{
+    return f->needs_double ? block_displacement_f64(f, sum, in, block)
+                           : block_displacement(f, sum, in, block);
+}
+
 uint32_t field_move(const field *f, points *out, const points *in)
 {
     uint32_t moved = 0;
     for (uint32_t block = 0; block < in->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
-        size_t first = (size_t)block * POINTS_BLOCK;
-        bool reached = f->needs_double ? block_displacement_f64(f, sum, in, block)
-                                       : block_displacement(f, sum, in, block);
-        if (reached) {
-            add_row(out->x + first, in->x + first, sum[0]);
-            add_row(out->y + first, in->y + first, sum[1]);
-            add_row(out->z + first, in->z + first, sum[2]);
-            points_update_block(out, block);
+        if (field_in_block(f, sum, in, block)) {
+            columns_add(out, in, sum, block);
             ++moved;
         } else if (out->x != in->x) {
             copy_block(out, in, block);

@@ -45,6 +45,9 @@ void field_polynomial(const field *f, double out[3], const double x[3]);
 void field_terms(const field *f, double out_term[4], const double x[3]);
 
 void field_move_f64(const field *f, double *x, uint32_t count);
+/* sum: 3 by POINTS_BLOCK := d at the vertices of one block. False when d is zero all over it; sum
+ * may not be set then. */
+bool field_in_block(const field *f, float sum[3][POINTS_BLOCK], const points *in, uint32_t block);
 /* Returns how many blocks were touched. out may be in. */
 uint32_t field_move(const field *f, points *out, const points *in);
 

@@ -85,7 +85,8 @@ static void store_block(const merge *m, const batch *b, double sum[][POINTS_BLOC
     }
 }
 
-void response_fill(const saddle *s, double *alpha, float *out, size_t stride, const points *in)
+void response_fill(const saddle *s, double *alpha, float *out, size_t stride, const points *in,
+                   const uint8_t *wanted)
 {
     uint32_t centres = s->field.centre_count;
     for (uint32_t first = 0; first < centres; first += ENVELOPE_MANY) {
@@ -94,7 +95,10 @@ void response_fill(const saddle *s, double *alpha, float *out, size_t stride, co
         saddle_solve_units(s, first, alpha, b.beta);
         for (uint32_t block = 0; block < in->block_count; ++block) {
             double sum[ENVELOPE_MANY][POINTS_BLOCK];
-            responses_in_block(&s->field, &b, sum, in, block);
+            if (!wanted || wanted[block])
+                responses_in_block(&s->field, &b, sum, in, block);
+            else
+                memset(sum, 0, sizeof sum);
             store_block(&s->merge, &b, sum, out, stride, block);
         }
     }

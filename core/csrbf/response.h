@@ -4,7 +4,9 @@
 #define MAROTTE_CSRBF_RESPONSE_H
 #include "csrbf/saddle.h"
 
-/* out: a row of `stride` floats per control. alpha: scratch of centre_count by ENVELOPE_MANY. */
-void response_fill(const saddle *s, double *alpha, float *out, size_t stride, const points *in);
+/* out: a row of `stride` floats per control; zero in blocks that are not wanted (NULL: all are).
+ * alpha: scratch of centre_count by ENVELOPE_MANY. */
+void response_fill(const saddle *s, double *alpha, float *out, size_t stride, const points *in,
+                   const uint8_t *wanted);
 
 #endif

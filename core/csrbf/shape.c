@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows of responses */
-
 static mrt_result create_points(shape *s, const float *xyz, error *err)
 {
     points *const all[] = {&s->rest, &s->base, &s->shown, &s->before};
@@ -21,18 +19,17 @@ static mrt_result create_controls(shape *s, uint32_t control_capacity, error *er
 {
     size_t controls = control_capacity;
     s->control_capacity = control_capacity;
-    s->response_stride = (size_t)s->rest.padded_count + STAGGER;
-    if (controls < SIZE_MAX / sizeof(float) / s->response_stride - 1)
-        s->response =
-            aligned_alloc(ALIGNMENT, (controls + 1) * s->response_stride * sizeof *s->response);
+    mrt_result result = columns_create(&s->response, &s->rest, control_capacity, err);
+    if (result < 0)
+        return result;
     s->solver = csrbf_solver_create(control_capacity);
     s->start = calloc(3 * controls + 1, sizeof *s->start);
     s->tip = calloc(3 * controls + 1, sizeof *s->tip);
     s->step = calloc(3 * controls + 1, sizeof *s->step);
-    if (s->response && s->solver && s->start && s->tip && s->step)
+    s->pull = calloc(3 * controls + 1, sizeof *s->pull);
+    if (s->solver && s->start && s->tip && s->step && s->pull)
         return MRT_OK;
-    return error_set(err, MRT_ERR_MEMORY, "no memory for %u controls on %u vertices",
-                     control_capacity, s->rest.count);
+    return error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", control_capacity);
 }
 
 mrt_result shape_create(shape *out, const float *xyz, uint32_t vertex_count,
@@ -59,10 +56,11 @@ void shape_destroy(shape *s)
     points_destroy(&s->shown);
     points_destroy(&s->before);
     csrbf_solver_destroy(s->solver);
-    free(s->response);
+    columns_destroy(&s->response);
     free(s->start);
     free(s->tip);
     free(s->step);
+    free(s->pull);
     *s = (shape){0};
 }
 
@@ -103,42 +101,13 @@ mrt_result shape_engage(shape *s, const csrbf_settings *settings, const double *
         return result;
     points_copy(&s->base, &s->shown);
     csrbf_limit_gain(s->solver, &s->base, SHAPE_GAIN_LIMIT);
-    csrbf_responses(s->solver, s->response, s->response_stride, &s->base);
+    csrbf_responses(s->solver, s->response.value, s->response.stride, &s->base);
+    columns_note(&s->response, count);
     if (count > 0)
         memcpy(s->start, start, (size_t)3 * count * sizeof *start);
     s->control_count = count;
     s->settings = *settings;
     return MRT_OK;
-}
-
-/* out = base + sum; where sum is zero the bits of base. */
-static void add_row(float *restrict out, const float *restrict base, const float *restrict sum)
-{
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float moved = base[i] + sum[i];
-        out[i] = sum[i] == 0.0f ? base[i] : moved;
-    }
-}
-
-/* shown = base + sum_k B_k g_k for one block, k ascending. */
-static void pull_block(shape *s, uint32_t block, const double *displacement)
-{
-    size_t first = (size_t)block * POINTS_BLOCK;
-    const float *response = s->response + first;
-    float sum[3][POINTS_BLOCK] = {{0.0f}};
-    for (size_t k = 0; k < s->control_count; ++k, response += s->response_stride) {
-        const float gx = (float)displacement[3 * k];
-        const float gy = (float)displacement[3 * k + 1];
-        const float gz = (float)displacement[3 * k + 2];
-        for (int i = 0; i < POINTS_BLOCK; ++i) {
-            sum[0][i] += response[i] * gx;
-            sum[1][i] += response[i] * gy;
-            sum[2][i] += response[i] * gz;
-        }
-    }
-    add_row(s->shown.x + first, s->base.x + first, sum[0]);
-    add_row(s->shown.y + first, s->base.y + first, sum[1]);
-    add_row(s->shown.z + first, s->base.z + first, sum[2]);
 }
 
 mrt_result shape_pull(shape *s, const double *displacement, error *err)
@@ -148,10 +117,7 @@ mrt_result shape_pull(shape *s, const double *displacement, error *err)
     mrt_result result = csrbf_solve(s->solver, displacement, err);
     if (result < 0)
         return result;
-    for (uint32_t block = 0; block < s->base.block_count; ++block) {
-        pull_block(s, block, displacement);
-        points_update_block(&s->shown, block);
-    }
+    columns_move(&s->response, &s->shown, &s->base, displacement);
     return MRT_OK;
 }
 
@@ -168,25 +134,48 @@ void shape_reset(shape *s)
     s->control_count = 0;
 }
 
-static void leak_stream(float *restrict shown, const float *restrict rest, uint32_t count,
+static void leak_stream(float *restrict p, const float *restrict towards, uint32_t count,
                         float part)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        float moved = shown[i] + part * (rest[i] - shown[i]);
-        shown[i] = rest[i] == shown[i] ? shown[i] : moved;
+        float moved = p[i] + part * (towards[i] - p[i]);
+        p[i] = towards[i] == p[i] ? p[i] : moved;
     }
 }
 
-void shape_leak(shape *s, double rate_per_s, double dt_s)
+void shape_ease(points *p, const points *towards, double rate_per_s, double dt_s)
 {
     double amount = rate_per_s * dt_s;
     if (!(amount > 0.0 && amount <= 1e300))
         return;
     float part = (float)(1.0 - 1.0 / (1.0 + amount));
-    leak_stream(s->shown.x, s->rest.x, s->shown.padded_count, part);
-    leak_stream(s->shown.y, s->rest.y, s->shown.padded_count, part);
-    leak_stream(s->shown.z, s->rest.z, s->shown.padded_count, part);
-    points_update_bounds(&s->shown);
+    leak_stream(p->x, towards->x, p->padded_count, part);
+    leak_stream(p->y, towards->y, p->padded_count, part);
+    leak_stream(p->z, towards->z, p->padded_count, part);
+    points_update_bounds(p);
+}
+
+void shape_leak(shape *s, double rate_per_s, double dt_s)
+{
+    shape_ease(&s->shown, &s->base, rate_per_s, dt_s);
+}
+
+mrt_result shape_drag(shape *s, const csrbf_settings *settings, const double *from,
+                      const double *to, uint32_t count, double *out_reached, shape_step *out_step,
+                      error *err)
+{
+    const drag_layer layer = {.solver = s->solver, .control_count = count};
+    const drag d = {.moved = &s->shown,
+                    .before = &s->before,
+                    .layer = &layer,
+                    .layer_count = 1,
+                    .control_capacity = s->control_capacity,
+                    .tip = s->tip,
+                    .step = s->step,
+                    .pull = s->pull};
+    const drag_way way = {.from = from, .to = to, .count = count};
+    s->control_count = 0;
+    return drag_along(&d, settings, &way, out_reached, out_step, err);
 }
 
 double shape_min_determinant(const shape *s, const double *displacement)

@@ -8,7 +8,8 @@
  * allocation; same input, same bits. */
 #ifndef MAROTTE_CSRBF_SHAPE_H
 #define MAROTTE_CSRBF_SHAPE_H
-#include "csrbf/csrbf.h"
+#include "csrbf/columns.h"
+#include "csrbf/drag.h"
 
 typedef struct shape {
     points_order order;
@@ -16,18 +17,13 @@ typedef struct shape {
     points base;  /* anchored frames start from it */
     points shown; /* the result */
     csrbf_solver *solver;
-    float *response; /* control_capacity rows of response_stride: B_k at base */
-    size_t response_stride;
+    columns response;                         /* B_k at base */
     double *start;                            /* control_count by 3: starts of the engagement */
     uint32_t control_capacity, control_count; /* control_count > 0: engaged */
     csrbf_settings settings;                  /* of the engagement */
     points before;                            /* drag: what is restored on an error */
-    double *tip, *step;                       /* drag: control_capacity by 3 each */
+    double *tip, *step, *pull;                /* drag: control_capacity by 3 each */
 } shape;
-
-/* A linear or windowed polynomial that would move some corner of the shape's box more than this
- * many times further than the tips loses its flattest direction (csrbf_limit_gain). */
-#define SHAPE_GAIN_LIMIT 64.0
 
 CHECKED mrt_result shape_create(shape *out, const float *xyz, uint32_t vertex_count,
                                 uint32_t control_capacity, error *err);
@@ -49,16 +45,6 @@ void shape_commit(shape *s);
 /* shown := base := rest; the engagement ends. */
 void shape_reset(shape *s);
 
-typedef struct shape_step {
-    uint32_t substeps;      /* 0: nothing moved */
-    double min_determinant; /* over all vertices and substeps; 1 when nothing moved */
-    double max_slope;       /* norm of grad d of the whole way, over the vertices */
-    bool limited; /* the cap of substeps was reached: the tips moved less far than asked */
-} shape_step;
-
-/* At most so many substeps per sample, each with 1.2 times its largest slope at most 0.5. */
-enum { SHAPE_SUBSTEP_CAP = 32 };
-
 /* One unanchored sample: moves shown along from -> to (count by 3 each). `out_reached` (count by 3,
  * may be NULL): where the tips are now (== to unless limited). On error nothing has moved. An
  * anchored engagement ends. */
@@ -67,6 +53,8 @@ CHECKED mrt_result shape_drag(shape *s, const csrbf_settings *settings, const do
                               shape_step *out_step, error *err);
 /* shown := shown + (1 - 1 / (1 + rate_per_s dt_s)) (base - shown): eases back to the base. */
 void shape_leak(shape *s, double rate_per_s, double dt_s);
+/* The same for any points of one count; keeps the bounds of p. */
+void shape_ease(points *p, const points *towards, double rate_per_s, double dt_s);
 
 /* Smallest determinant of an anchored pull, over the vertices of base; the exact meter, not for
  * every frame. The cheap bound is in csrbf_diagnose after shape_pull. -INFINITY when the

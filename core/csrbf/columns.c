@@ -1,0 +1,114 @@
+#include "csrbf/columns.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of two */
+
+mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err)
+{
+    *out = (columns){.capacity = capacity, .block_count = like->block_count};
+    size_t rows = capacity;
+    out->stride = (size_t)like->padded_count + STAGGER;
+    if (capacity <= COLUMNS_CAPACITY && rows < SIZE_MAX / sizeof(float) / out->stride - 1) {
+        size_t marks = rows * out->block_count + 1;
+        out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
+        out->active = malloc(marks * sizeof *out->active);
+        out->active_count = calloc((size_t)out->block_count + 1, sizeof *out->active_count);
+        out->weight = calloc(3 * rows + 1, sizeof *out->weight);
+    }
+    if (out->value && out->active && out->active_count && out->weight)
+        return MRT_OK;
+    columns_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory for %u columns of %u vertices", capacity,
+                     like->count);
+}
+
+void columns_destroy(columns *c)
+{
+    if (!c)
+        return;
+    free(c->value);
+    free(c->active);
+    free(c->active_count);
+    free(c->weight);
+    *c = (columns){0};
+}
+
+float *columns_row(const columns *c, uint32_t column)
+{
+    return c->value + column * c->stride;
+}
+
+static bool is_zero(const float *value)
+{
+    bool zero = true;
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        zero = zero & (value[i] == 0.0f);
+    return zero;
+}
+
+void columns_note(columns *c, uint32_t count)
+{
+    c->count = count;
+    memset(c->active_count, 0, c->block_count * sizeof *c->active_count);
+    for (uint32_t column = 0; column < count; ++column)
+        for (uint32_t block = 0; block < c->block_count; ++block)
+            if (!is_zero(columns_row(c, column) + (size_t)block * POINTS_BLOCK)) {
+                size_t slot = (size_t)block * c->capacity + c->active_count[block]++;
+                c->active[slot] = (uint16_t)column;
+            }
+}
+
+/* sum += value times (gx, gy, gz). */
+static void accumulate(float sum[3][POINTS_BLOCK], const float *restrict value, const float g[3])
+{
+    const float gx = g[0], gy = g[1], gz = g[2];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        sum[0][i] += value[i] * gx;
+        sum[1][i] += value[i] * gy;
+        sum[2][i] += value[i] * gz;
+    }
+}
+
+void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], const float *weight, uint32_t block,
+                 uint32_t first, uint32_t end)
+{
+    const uint16_t *active = c->active + (size_t)block * c->capacity;
+    memset(sum, 0, 3 * sizeof *sum);
+    for (uint32_t i = 0; i < c->active_count[block]; ++i) {
+        uint32_t column = active[i];
+        const float *g = weight + (size_t)3 * column;
+        bool counts = column >= first && column < end;
+        if (counts && (g[0] != 0.0f || g[1] != 0.0f || g[2] != 0.0f))
+            accumulate(sum, columns_row(c, column) + (size_t)block * POINTS_BLOCK, g);
+    }
+}
+
+static void add_row(float *out, const float *base, const float *restrict sum)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float moved = base[i] + sum[i];
+        out[i] = sum[i] == 0.0f ? base[i] : moved;
+    }
+}
+
+void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK;
+    add_row(out->x + first, base->x + first, sum[0]);
+    add_row(out->y + first, base->y + first, sum[1]);
+    add_row(out->z + first, base->z + first, sum[2]);
+    points_update_block(out, block);
+}
+
+void columns_move(columns *c, points *out, const points *base, const double *weight)
+{
+    for (size_t i = 0; i < (size_t)3 * c->count; ++i)
+        c->weight[i] = (float)weight[i];
+    for (uint32_t block = 0; block < c->block_count; ++block) {
+        float sum[3][POINTS_BLOCK];
+        columns_sum(c, sum, c->weight, block, 0, c->count);
+        columns_add(out, base, sum, block);
+    }
+}
