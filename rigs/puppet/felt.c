@@ -4,7 +4,13 @@
 
 #include <math.h>
 
-static const double SEAM_MM = 0.4; /* between felt and skin */
+static const double SEAM_MM = 0.7; /* between felt and skin */
+
+/* Sewn pieces lean: what would dip into the skin is kept least_mm above it. */
+static vec3 kept_above(vec3 p, double least_mm)
+{
+    return form_distance(p) < least_mm ? form_lifted(p, least_mm) : p;
+}
 
 /* ---- brow ---- */
 
@@ -32,7 +38,7 @@ static double brow_half_width_mm(double t)
     return 3.6 + 4.8 * sqrt(1.0 - r * r);
 }
 
-/* Around the section, in cells: bottom from low to high, and back over the top. */
+/* Around the section, in cells: the bottom, and back over the top. */
 static void brow_section(int32_t i, double *out_across, double *out_lift)
 {
     const int32_t columns = BROW_COLUMNS, rows = BROW_ROWS;
@@ -58,7 +64,7 @@ static ring brow_ring(sheet *s, double t)
     vec3 point[BROW_POINTS];
     vec3 middle = brow_middle(t);
     vec3 along = vec3_sub(brow_middle(t + 0.01), brow_middle(t - 0.01));
-    vec3 across = vec3_normalised(vec3_cross(form_normal(middle), along), (vec3){0, 1, 0});
+    vec3 across = vec3_normalised(vec3_cross(along, form_normal(middle)), (vec3){0, 1, 0});
     double thick = BROW_THICK_MM * (0.35 + 0.65 * fmin(1.0, brow_half_width_mm(t) / 6.5));
     for (int32_t i = 0; i < BROW_POINTS; ++i) {
         double aside, lift;
@@ -129,7 +135,7 @@ void felt_build_ear(sheet *s)
     ring last = sheet_ring(s, point, EAR_POINTS, 0, SHEET_FIXED);
     for (size_t k = 0; k < sizeof EAR / sizeof *EAR; ++k) {
         for (int32_t i = 0; i < EAR_POINTS; ++i)
-            point[i] = ear_point(&f, &EAR[k], i);
+            point[i] = kept_above(ear_point(&f, &EAR[k], i), SEAM_MM + 1.5 * (double)(k + 1));
         ring next = sheet_ring(s, point, EAR_POINTS, 0, SHEET_FIXED);
         sheet_strip(s, &last, &next, PLAN_PART_EAR);
         last = next;
@@ -183,8 +189,8 @@ static ring lock_ring(sheet *s, const lock *l, int32_t k, int32_t count, int is_
     for (int32_t i = 0; i < count; ++i) {
         double angle_deg = is_half ? -90.0 + 180.0 * i / (count - 1) : -135.0 + 360.0 * i / count;
         point[i] = lock_point(l, t, angle_deg);
-        if (k == 0)
-            point[i] = form_lifted(point[i], SEAM_MM);
+        point[i] =
+            k == 0 ? form_lifted(point[i], SEAM_MM) : kept_above(point[i], SEAM_MM + 0.8 * k);
     }
     return sheet_ring(s, point, count, is_half, SHEET_FIXED);
 }

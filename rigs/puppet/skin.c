@@ -169,7 +169,7 @@ static mrt_result add_socket(sheet *s, const ring *rim, error *err)
                                      {0.45, 0.1},
                                      {0.8, 0.9},
                                      {1.0, 2.6}};
-    static const double BOWL_DEG[] = {0, 20, 40, 58}; /* behind the middle of the ball */
+    static const double BOWL_DEG[] = {12, 28, 44, 60}; /* behind the middle of the ball */
     vec3 axis = plan_eye_axis();
     vec3 foot[EYE_POINTS], side[EYE_POINTS], point[EYE_POINTS];
     double height[EYE_POINTS], radius = 0.0;

@@ -3,8 +3,7 @@
 
 #include <math.h>
 
-/* The section of a row: a tooth's point at 0, and on around it against the clock, seen from its end
- * of the arch towards the middle. */
+/* The section of a row: from the tips of the teeth outwards, over the gum and back inside. */
 typedef struct section_point {
     double out, up; /* 0..1 of the thickness, from the middle line of the arch; of the height */
     int is_tooth;   /* the strip from here to the next */
@@ -31,7 +30,7 @@ typedef struct arch {
 static const arch UPPER = {
     80.0, 42.0, 36.0, -43.5, 25.0, 3.9, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
 static const arch LOWER = {
-    76.0, 39.0, 33.0, -46.5, -15.5, 3.7, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
+    76.0, 36.5, 33.0, -46.5, -14.0, 3.7, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
 
 /* From the middle (s = 0) to the end (1): an arch that is flat in front. */
 static vec3 arch_point(const arch *a, double s)
@@ -56,10 +55,11 @@ static double tooth_bulge(double s)
     return 1.0 - q * q * q * q * q * q;
 }
 
-/* Upside down the ring runs the other way, from the other end of its first side. */
+/* The upper row hangs upside down: its ring runs the other way, from the other end of the first
+ * side. */
 static int section_index(const arch *a, int i)
 {
-    return a->height_mm > 0.0 ? i : (SECTION_POINTS + CAP_COLUMNS - i) % SECTION_POINTS;
+    return a->height_mm < 0.0 ? i : (SECTION_POINTS + CAP_COLUMNS - i) % SECTION_POINTS;
 }
 
 static ring arch_ring(sheet *s, const arch *a, int32_t cell)
@@ -86,7 +86,7 @@ static void add_arch_strip(sheet *s, const arch *a, const ring *from, const ring
 {
     for (int i = 0; i < SECTION_POINTS; ++i) {
         int next = (i + 1) % SECTION_POINTS;
-        int k = a->height_mm > 0.0 ? i : section_index(a, next);
+        int k = a->height_mm < 0.0 ? i : section_index(a, next);
         sheet_add_quad(s, from->at[i], from->at[next], to->at[next], to->at[i],
                        SECTION[k].is_tooth ? a->tooth : a->gum);
     }
@@ -120,8 +120,8 @@ typedef struct tongue_station {
 } tongue_station;
 
 static const tongue_station TONGUE[] = {
-    {21.0, -55.0, 15.0, 3.2}, {23.5, -54.0, 19.0, 5.0}, {29.0, -53.0, 22.5, 6.4},
-    {35.0, -52.2, 24.5, 7.0}, {41.0, -51.6, 25.5, 7.2}, {47.0, -51.2, 25.0, 7.1},
+    {28.0, -54.2, 14.5, 3.6}, {30.0, -53.4, 18.5, 5.2}, {34.0, -52.6, 22.0, 6.4},
+    {38.5, -52.0, 24.0, 7.0}, {43.0, -51.6, 25.0, 7.2}, {48.0, -51.2, 24.8, 7.1},
     {53.0, -51.0, 23.5, 6.7}, {58.0, -51.0, 21.0, 6.0}, {62.0, -51.0, 17.5, 5.0},
     {64.8, -51.0, 13.0, 4.0}, {66.4, -51.0, 8.5, 2.8},
 };
