@@ -172,13 +172,6 @@ static vec3 bag_point(const column *c, int32_t step)
     return curve(knot[span], knot[span + 1], knot[span + 2], knot[span + 3], t);
 }
 
-/* The middle of the lower lip is the jaw's alone; towards the corners both bones share it. */
-static void mark_lower_lip(sheet *s, const ring *r)
-{
-    for (int32_t i = 0; 3 * i <= PLAN_MOUTH_COLUMNS; ++i)
-        s->bone[r->at[i]] = SHEET_JAW;
-}
-
 /* The floor of the bag carries the lower gum, its roof the upper one. */
 static void mark_bag(sheet *s, const ring *r, int32_t step)
 {
@@ -209,7 +202,6 @@ mrt_result mouth_build(sheet *s, const ring *outline, error *err)
         for (int32_t i = 0; i < MOUTH_POINTS; ++i)
             point[i] = cord_point(&c[i], CORD_DEG[k]);
         last = add_ring(s, point, &last, PLAN_PART_SKIN);
-        mark_lower_lip(s, &last);
     }
     for (int32_t step = 1; step <= STATIONS * BAG_STEPS; ++step) {
         for (int32_t i = 0; i < MOUTH_POINTS; ++i)

@@ -228,14 +228,22 @@ static void add_nose(sheet *s, const ring *base)
     (void)sheet_close(s, &last, PLAN_NOSE_COLUMNS, PLAN_NOSE_ROWS, PLAN_PART_NOSE, SHEET_FREE);
 }
 
-/* Cranium, nape and the lower end of the neck never move; the chin goes with the jaw. */
+/* An ellipse, seen from the front. */
+static int is_in_chin(vec3 p)
+{
+    double x = p.x / 44.0, y = (p.y + 74.0) / 22.0;
+    return p.z > 40.0 && x * x + y * y < 1.0;
+}
+
+/* Cranium, nape and the lower end of the neck never move; the chin goes with the jaw. The lower lip
+ * is left to the fill between chin, floor of the bag and corners: so it opens in a smooth curve. */
 static void mark_bones(sheet *s)
 {
     for (int32_t i = 0; i < s->point_count; ++i) {
         vec3 p = s->point[i];
         int is_cranium = p.y > 106.0 || (p.z < -8.0 && p.y > -70.0) || p.z < -30.0;
         int is_neck = p.y < -132.0;
-        int is_chin = p.x < 30.0 && p.y < -56.0 && p.y > -92.0 && p.z > 48.0;
+        int is_chin = is_in_chin(p);
         if (s->bone[i] == SHEET_UNSURE && (is_cranium || is_neck))
             s->bone[i] = SHEET_SKULL;
         if (s->bone[i] == SHEET_UNSURE && is_chin)
@@ -245,7 +253,7 @@ static void mark_bones(sheet *s)
 
 mrt_result skin_build(sheet *s, error *err)
 {
-    static box b; /* too big for a stack */
+    box b;
     vec3 line[SHEET_RING_CAP];
     add_wall_points(s, &b);
     add_roof_points(s, &b);
