@@ -1,0 +1,255 @@
+#include "fitting.h"
+
+#include "curve.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT_OF(array) ((int)(sizeof(array) / sizeof *(array)))
+
+/* ---- finding ---- */
+
+static uint32_t find_contact(const mrt_face *face, const char *name)
+{
+    for (uint32_t i = 0; i < face->contact_count; ++i)
+        if (face->contacts[i].name && strcmp(face->contacts[i].name, name) == 0)
+            return i;
+    return FITTING_NONE;
+}
+
+static uint32_t find_dof(const mrt_face *face, const char *name)
+{
+    for (uint32_t i = 0; i < face->dof_count && i < MRT_MAX_DOFS; ++i)
+        if (face->dofs[i].name && strcmp(face->dofs[i].name, name) == 0)
+            return i;
+    return FITTING_NONE;
+}
+
+static bool has_pair(const fitting *self, int place)
+{
+    return self->contact[place] != FITTING_NONE && self->contact[place + 1] != FITTING_NONE;
+}
+
+static double apart(const fitting *self, int place)
+{
+    mrt_vec3 a = self->start[place], b = self->start[place + 1];
+    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y,
+           z = (double)a.z - (double)b.z;
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* Against a head whose pupils are 63 mm apart: these distances, or its height. */
+static double scale_of(const fitting *self, const mrt_face *face)
+{
+    static const struct measure {
+        int place;
+        double mm;
+    } measures[] = {{PLACE_MOUTH_CORNER, 52},
+                    {PLACE_BROW_MID, 66},
+                    {PLACE_BROW_INNER, 30},
+                    {PLACE_BROW_OUTER, 100}};
+    double scale = ((double)face->high.y - (double)face->low.y) / 240.0;
+    for (int i = COUNT_OF(measures) - 1; i >= 0; --i) {
+        double mm = has_pair(self, measures[i].place) ? apart(self, measures[i].place) : 0.0;
+        if (mm > 0.0)
+            scale = mm / measures[i].mm;
+    }
+    return isfinite(scale) && scale > 0.0 ? scale : 1.0;
+}
+
+static bool is_lid(int dof)
+{
+    return dof >= DOF_LID_UPPER;
+}
+
+static bool is_length(int dof)
+{
+    return dof == DOF_JAW_LATERAL || dof == DOF_JAW_FORWARD;
+}
+
+/* What a pose's value may be. A degree of freedom that is missing may go as far as it likes: what
+ * stands in for it has its own range. */
+static void limit_dofs(fitting *self, const mrt_face *face)
+{
+    for (int i = 0; i < DOF_COUNT; ++i) {
+        double most = is_lid(i) ? 1.0 : is_length(i) ? 30.0 : 1.5;
+        self->low[i] = is_lid(i) || i == DOF_JAW_OPEN ? 0.0 : -most;
+        self->high[i] = most;
+        if (self->dof[i] == FITTING_NONE)
+            continue;
+        const mrt_dof *dof = &face->dofs[self->dof[i]];
+        double min = fmin((double)dof->min, 0.0), max = fmax((double)dof->max, 0.0);
+        if (is_lid(i)) {
+            self->closed[i] = isfinite(max) ? max : 0.0;
+        } else {
+            double unit = is_length(i) ? self->scale : 1.0;
+            self->low[i] = fmax(self->low[i], min / unit);
+            self->high[i] = fmin(self->high[i], max / unit);
+        }
+    }
+}
+
+bool fitting_find(fitting *out, const mrt_face *face)
+{
+    *out = (fitting){.scale = 1.0};
+    for (int i = 0; i < PLACE_COUNT; ++i) {
+        out->contact[i] = find_contact(face, pose_place_names[i]);
+        if (out->contact[i] == FITTING_NONE)
+            continue;
+        out->start[i] = face->contacts[out->contact[i]].rest;
+        out->contact_count += 1;
+    }
+    for (int i = 0; i < DOF_COUNT; ++i) {
+        out->dof[i] = find_dof(face, pose_dof_names[i]);
+        out->dof_count += out->dof[i] != FITTING_NONE;
+    }
+    out->scale = scale_of(out, face);
+    limit_dofs(out, face);
+    return out->contact_count + out->dof_count > 0;
+}
+
+/* ---- saying so ---- */
+
+enum { LINE = 200 }; /* hosts may cut longer ones */
+
+/* "misses X: a, b" in lines of bearable length. */
+static void report_missing(const mrt_host *host, const char *what, const char *const *names,
+                           const uint32_t *found, int count)
+{
+    char line[LINE];
+    size_t head = (size_t)snprintf(line, sizeof line, "the face has no %s", what), used = head;
+    for (int i = 0; i < count; ++i) {
+        if (found[i] != FITTING_NONE)
+            continue;
+        if (used + strlen(names[i]) + 3 > sizeof line) {
+            host->log(host, MRT_LOG_WARNING, line);
+            used = head;
+        }
+        used += (size_t)snprintf(line + used, sizeof line - used, "%s %s", used > head ? "," : "",
+                                 names[i]);
+    }
+    if (used > head)
+        host->log(host, MRT_LOG_WARNING, line);
+}
+
+void fitting_report(const fitting *self, const mrt_host *host)
+{
+    char line[LINE];
+    snprintf(line, sizeof line,
+             "performs %u of %d contacts and %u of %d degrees of freedom; 1 mm is %.2f mm here",
+             self->contact_count, PLACE_COUNT, self->dof_count, DOF_COUNT, self->scale);
+    host->log(host, MRT_LOG_INFO, line);
+    report_missing(host, "contact", pose_place_names, self->contact, PLACE_COUNT);
+    report_missing(host, "degree of freedom", pose_dof_names, self->dof, DOF_COUNT);
+}
+
+/* ---- writing ---- */
+
+/* What the skin does where a jaw that is no bone would carry it, per mm at the incisors. */
+static const pose_part drop_parts[] = {
+    {PLACE_CHIN, 0, -1, -0.3},
+    {PLACE_LIP_LOWER_MID, 0, -0.9, -0.2},
+    {PLACE_LIP_LOWER_SIDE, 0, -0.75, -0.2},
+    {PLACE_JAW_ANGLE, 0, -0.25, -0.1},
+    {PLACE_MOUTH_CORNER, 0, -0.35, -0.05},
+    {PLACE_CHEEK_LOWER, 0, -0.3, 0},
+};
+static const struct carried {
+    int place;
+    double share;
+} carried[] = {{PLACE_CHIN, 1},
+               {PLACE_LIP_LOWER_MID, 1},
+               {PLACE_LIP_LOWER_SIDE, 0.85},
+               {PLACE_LIP_LOWER_SIDE + 1, 0.85},
+               {PLACE_JAW_ANGLE, 0.5},
+               {PLACE_JAW_ANGLE + 1, 0.5}};
+
+static double dof_value(const fitting *self, const pose *p, int dof)
+{
+    return curve_clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
+}
+
+static void carry(pose *p, int axis, double mm)
+{
+    for (int i = 0; i < COUNT_OF(carried); ++i)
+        p->value[3 * carried[i].place + axis] += carried[i].share * mm;
+}
+
+/* Pulls for the jaw's degrees of freedom that the face lacks. */
+static void stand_in(const fitting *self, pose *p, double lever_mm)
+{
+    if (self->dof[DOF_JAW_OPEN] == FITTING_NONE)
+        pose_add(p, drop_parts, COUNT_OF(drop_parts), lever_mm * dof_value(self, p, DOF_JAW_OPEN));
+    if (self->dof[DOF_JAW_LATERAL] == FITTING_NONE)
+        carry(p, 0, dof_value(self, p, DOF_JAW_LATERAL));
+    if (self->dof[DOF_JAW_FORWARD] == FITTING_NONE)
+        carry(p, 2, dof_value(self, p, DOF_JAW_FORWARD));
+}
+
+static void limit_pulls(pose *p, double reach_mm)
+{
+    for (int place = 0; place < PLACE_COUNT; ++place) {
+        double *v = p->value + 3 * place;
+        double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        double most = curve_limit(length, reach_mm, reach_mm);
+        if (most < length)
+            for (int axis = 0; axis < 3; ++axis)
+                v[axis] *= most / length;
+    }
+}
+
+static void write_dofs(const fitting *self, const pose *p, double closure, double size,
+                       const double *params, mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        pull->dof[i] = NAN;
+    for (int i = 0; i < DOF_COUNT; ++i) {
+        if (self->dof[i] == FITTING_NONE)
+            continue;
+        double value = dof_value(self, p, i);
+        if (is_lid(i)) {
+            double share = i >= DOF_LID_LOWER ? 0.01 * params[SET_LOWER_LID] : 1.0;
+            value = (1.0 - (1.0 - value) * (1.0 - share * closure)) * self->closed[i];
+        } else if (is_length(i)) {
+            value =
+                curve_clamp(value * size, self->low[i] * self->scale, self->high[i] * self->scale);
+        }
+        pull->dof[self->dof[i]] = (float)(value + 0.0); /* never -0 */
+    }
+}
+
+static bool is_same(mrt_vec3 a, mrt_vec3 b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+void fitting_write(const fitting *self, const pose *shown, double closure, const double *params,
+                   mrt_pull *pull)
+{
+    pose p = *shown;
+    double size = self->scale * 0.01 * params[SET_SIZE];
+    limit_pulls(&p, params[SET_REACH]);
+    stand_in(self, &p, params[SET_LEVER]);
+    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->contact_count;
+    uint32_t count = 0;
+    for (int place = 0; place < PLACE_COUNT; ++place) {
+        if (self->contact[place] == FITTING_NONE)
+            continue;
+        const double *v = p.value + 3 * place;
+        mrt_vec3 start = self->start[place];
+        mrt_vector *vector = &pull->vector[count++];
+        is_new =
+            is_new || vector->contact != 1 + self->contact[place] || !is_same(vector->start, start);
+        *vector = (mrt_vector){.start = start, .contact = 1 + self->contact[place]};
+        vector->end = (mrt_vec3){start.x + (float)(size * v[0]), start.y + (float)(size * v[1]),
+                                 start.z + (float)(size * v[2])};
+    }
+    write_dofs(self, &p, closure, size, params, pull);
+    pull->mode = MRT_ANCHORED;
+    pull->count = count;
+    pull->gate = 0;
+    pull->radius_mm = 0.0f;
+    pull->leak_per_s = 0.0f;
+    pull->anchor += is_new;
+}
