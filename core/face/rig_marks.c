@@ -52,10 +52,10 @@ static mrt_result refuse_overlap(const marking *k, uint32_t region, uint32_t ver
     uint32_t first = k->rigid_region[vertex];
     rig_place a = rig_where(k->r, RIG_REGIONS, first), b = rig_where(k->r, RIG_REGIONS, region);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s and %s overlap: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
+                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
                      "out of one of them",
-                     a.text, b.text, vertex, k->r->bone[k->r->region[first].bone].name,
-                     k->r->bone[k->r->region[region].bone].name);
+                     b.text, a.text, vertex, k->r->bone[k->r->region[region].bone].name,
+                     k->r->bone[k->r->region[first].bone].name);
 }
 
 static mrt_result mark_rigid(const marking *k, uint32_t region, uint32_t vertex, error *err)

@@ -1,0 +1,14 @@
+/* face/rig_draft.h - a first rig for a mesh that has none, guessed from its shape and the names of
+ * its parts. It is for a person to look at and correct: every guess is said. [main] */
+#ifndef MAROTTE_FACE_RIG_DRAFT_H
+#define MAROTTE_FACE_RIG_DRAFT_H
+#include "face/rig.h"
+#include "mesh/mesh.h"
+#include "mesh/topology.h"
+
+/* mesh_path: as it can be opened. out_confirm: lines ended by \n, each a thing to confirm; to be
+ * freed. Write it with rig_write; unsupported where no face is found. */
+CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m,
+                                  const char *mesh_path, error *err);
+
+#endif

@@ -1,0 +1,99 @@
+#include "stage/face_file.h"
+
+#include "base/file.h"
+#include "face/rig_check.h"
+#include "io/openmesh.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+}
+
+static bool is_rig_path(const char *path)
+{
+    return strcmp(file_extension_of(path).text, "json") == 0;
+}
+
+/* glTF is in metres, whatever a rig measures in. */
+static mesh_unit unit_of_mesh(const rig *r)
+{
+    file_extension extension = file_extension_of(r->mesh_path);
+    if (strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0)
+        return MESH_UNIT_AUTO;
+    return r->mm_per_unit > 100.0 ? MESH_UNIT_M
+           : r->mm_per_unit > 5.0 ? MESH_UNIT_CM
+                                  : MESH_UNIT_MM;
+}
+
+static mrt_result read_rig(face_file *f, const char *path, error *err)
+{
+    f->rig = calloc(1, sizeof *f->rig);
+    return f->rig ? rig_read(f->rig, path, err) : no_memory(err);
+}
+
+static mrt_result read_mesh(face_file *f, const char *path, mesh_unit unit, error *err)
+{
+    mrt_result result = mesh_file_read(&f->mesh, f->rig ? f->rig->mesh_path : path,
+                                       f->rig ? unit_of_mesh(f->rig) : unit, err);
+    if (result < 0 && f->rig) {
+        error_prefix(err, "$.mesh");
+        error_prefix(err, path);
+    }
+    return result;
+}
+
+static mrt_result validate(const face_file *f, const char *path, error *err)
+{
+    mrt_result result = rig_validate(f->rig, &f->mesh, &f->topology, err);
+    if (result < 0)
+        error_prefix(err, path);
+    return result;
+}
+
+static mrt_result join_notes(face_file *f, error *err)
+{
+    const char *from_rig = f->rig && f->rig->note ? f->rig->note : "";
+    const char *from_mesh = f->mesh.note ? f->mesh.note : "";
+    size_t size = strlen(from_rig) + strlen(from_mesh) + 1;
+    if (size == 1)
+        return MRT_OK;
+    f->note = malloc(size);
+    if (!f->note)
+        return no_memory(err);
+    (void)snprintf(f->note, size, "%s%s", from_rig, from_mesh);
+    return MRT_OK;
+}
+
+mrt_result face_file_read(face_file *out, const char *path, mesh_unit unit,
+                          face_file_strictness strictness, error *err)
+{
+    *out = (face_file){0};
+    mrt_result result = is_rig_path(path) ? read_rig(out, path, err) : MRT_OK;
+    if (result >= 0)
+        result = read_mesh(out, path, unit, err);
+    if (result >= 0)
+        result = openmesh_topology(&out->topology, &out->mesh, err);
+    if (result >= 0 && out->rig && strictness == FACE_FILE_USABLE)
+        result = validate(out, path, err);
+    if (result >= 0)
+        result = join_notes(out, err);
+    if (result < 0)
+        face_file_destroy(out);
+    return result;
+}
+
+void face_file_destroy(face_file *f)
+{
+    if (!f)
+        return;
+    rig_destroy(f->rig);
+    free(f->rig);
+    mesh_destroy(&f->mesh);
+    topology_destroy(&f->topology);
+    free(f->note);
+    *f = (face_file){0};
+}
