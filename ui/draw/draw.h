@@ -28,6 +28,8 @@ draw_face *draw_face_create(const mesh *m, error *err);
 void draw_face_destroy(draw_face *face);
 /* position, normal: vertex_count by 3, mm; normal NULL: computed. */
 void draw_face_update(draw_face *face, const float *position, const float *normal);
+/* Colours instead of the materials': vertex_count by 3, linear, 0..1; NULL: the materials again. */
+void draw_face_colour(draw_face *face, const float *rgb);
 
 typedef struct draw_camera {
     float target[3]; /* mm: what it looks at */
@@ -43,6 +45,17 @@ draw_camera draw_camera_framing(const float low[3], const float high[3], float a
 void draw_render(draw_renderer *renderer, draw_target *target, const draw_face *face,
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width,
                  uint32_t height);
+/* Where draw_render with the same camera and rectangle (x, y, width, height) puts a point, mm: in
+ * pixels from the top left of the target; false: behind the eye. */
+bool draw_project(float out_px[2], const draw_camera *camera, const uint32_t rectangle[4],
+                  const float point[3]);
+/* A straight stroke with round ends over the picture, pixels from the top left; a dot where its
+ * ends are one. rgba as for draw_text. */
+typedef struct draw_stroke {
+    float from[2], to[2], width_px, rgba[4];
+} draw_stroke;
+void draw_strokes(draw_renderer *renderer, draw_target *target, const draw_stroke *stroke,
+                  uint32_t count);
 /* Text (UTF-8) in pixels from the top left of the target; size = height of a line. rgba 0..1, as on
  * a screen (sRGB). Draws nothing when there is no font. */
 void draw_text(draw_renderer *renderer, draw_target *target, const char *text, float x, float y,

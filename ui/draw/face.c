@@ -205,7 +205,7 @@ void draw_face_destroy(draw_face *self)
     if (!self)
         return;
     GLuint buffers[] = {self->position_buffer, self->normal_buffer, self->rest_buffer,
-                        self->openness_buffer, self->index_buffer};
+                        self->openness_buffer, self->index_buffer,  self->colour_buffer};
     if (self->vertex_array) {
         glDeleteVertexArrays(1, &self->vertex_array);
         glDeleteBuffers((GLsizei)(sizeof buffers / sizeof *buffers), buffers);
@@ -238,6 +238,20 @@ void draw_face_update(draw_face *self, const float *position, const float *norma
     replace(self->position_buffer, position, self->vertex_count);
     replace(self->normal_buffer, normal, self->vertex_count);
     glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
+}
+
+void draw_face_colour(draw_face *self, const float *rgb)
+{
+    gl_state before;
+    gl_state_enter(&before);
+    glBindVertexArray(self->vertex_array);
+    glDisableVertexAttribArray(FACE_COLOUR);
+    glDeleteBuffers(1, &self->colour_buffer);
+    self->colour_buffer = 0;
+    if (rgb)
+        self->colour_buffer =
+            add_attribute(FACE_COLOUR, 3, self->vertex_count, rgb, GL_STATIC_DRAW);
+    gl_state_leave(&before);
 }
 
 void face_draw_all(const draw_face *face)

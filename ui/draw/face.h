@@ -9,7 +9,8 @@ enum { /* vertex attributes, as in shaders/face.vert */
        FACE_POSITION = 0,
        FACE_NORMAL = 1,
        FACE_REST = 2,
-       FACE_OPENNESS = 3
+       FACE_OPENNESS = 3,
+       FACE_COLOUR = 4
 };
 
 typedef struct face_batch { /* the triangles of one material */
@@ -20,6 +21,7 @@ typedef struct face_batch { /* the triangles of one material */
 
 struct draw_face {
     GLuint vertex_array, position_buffer, normal_buffer, rest_buffer, openness_buffer, index_buffer;
+    GLuint colour_buffer; /* 0: the materials' colours */
     uint32_t vertex_count, triangle_count;
     face_batch *batch;
     uint32_t batch_count;

@@ -31,6 +31,7 @@ static void find_face_uniforms(renderer_face_program *out)
     out->shadow_map = glGetUniformLocation(p, "shadow_map");
     out->shadow_texel_mm = glGetUniformLocation(p, "shadow_texel_mm");
     out->origin = glGetUniformLocation(p, "origin");
+    out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
 }
 
 static mrt_result create_programs(draw_renderer *self, error *err)
@@ -94,6 +95,8 @@ draw_renderer *draw_renderer_create(error *err)
     bool made = create_programs(self, err) == MRT_OK && create_shadow(self, err) == MRT_OK;
     if (made)
         made = (self->letters = letters_create(letters_fonts, err)) != NULL;
+    if (made)
+        made = (self->strokes = strokes_create(err)) != NULL;
     gl_state_leave(&before);
     if (made)
         return self;
@@ -106,6 +109,7 @@ void draw_renderer_destroy(draw_renderer *self)
     if (!self)
         return;
     letters_destroy(self->letters);
+    strokes_destroy(self->strokes);
     for (int i = 0; i < RENDERER_SURFACES; ++i)
         glDeleteProgram(self->face[i].program);
     glDeleteProgram(self->depth_program);
@@ -177,20 +181,24 @@ static void set_face_uniforms(const renderer_face_program *u, const draw_face *f
     glUniform1i(u->shadow_map, 0);
     glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / SHADOW_MAP);
     glUniform2i(u->origin, v->x, v->y);
+    glUniform1i(u->has_own_colours, face->colour_buffer != 0);
 }
 
-static bool is_clear(const face_batch *batch)
+/* Own colours are opaque, and no stone. */
+static bool is_clear(const draw_face *face, const face_batch *batch)
 {
-    return batch->base_colour[3] < 0.999f;
+    return batch->base_colour[3] < 0.999f && !face->colour_buffer;
 }
 
 static void draw_batch(const renderer_face_program *u, const draw_face *face,
                        const face_batch *batch)
 {
     glUseProgram(u->program);
-    glUniform4fv(u->base_colour, 1, batch->base_colour);
-    glUniform1f(u->roughness, batch->roughness);
-    glUniform1f(u->metallic, batch->metallic);
+    static const float opaque[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+    bool own = face->colour_buffer != 0;
+    glUniform4fv(u->base_colour, 1, own ? opaque : batch->base_colour);
+    glUniform1f(u->roughness, own ? 0.6f : batch->roughness);
+    glUniform1f(u->metallic, own ? 0.0f : batch->metallic);
     if (face->triangle_count)
         glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
                        (const void *)(batch->first_index * sizeof(GLuint)));
@@ -202,9 +210,10 @@ static void draw_batches(const draw_renderer *self, const draw_face *face, bool 
 {
     for (uint32_t i = 0; i < face->batch_count; ++i) {
         const face_batch *batch = &face->batch[i];
-        bool is_stone = batch->roughness > stone_roughness && batch->metallic < 0.5f;
+        bool is_stone =
+            batch->roughness > stone_roughness && batch->metallic < 0.5f && !face->colour_buffer;
         bool is_used = batch->index_count > 0 || face->triangle_count == 0;
-        if (is_used && is_clear(batch) == clear_ones)
+        if (is_used && is_clear(face, batch) == clear_ones)
             draw_batch(&self->face[is_stone ? RENDERER_STONE : RENDERER_SMOOTH], face, batch);
     }
 }
@@ -257,6 +266,31 @@ void draw_text(draw_renderer *self, draw_target *target, const char *words, floa
                float size_px, const float rgba[4])
 {
     letters_draw(self->letters, target, words, x, y, size_px, rgba);
+}
+
+void draw_strokes(draw_renderer *self, draw_target *target, const draw_stroke *stroke,
+                  uint32_t count)
+{
+    strokes_draw(self->strokes, target, stroke, count);
+}
+
+bool draw_project(float out_px[2], const draw_camera *camera, const uint32_t rectangle[4],
+                  const float point[3])
+{
+    if (rectangle[2] == 0 || rectangle[3] == 0)
+        return false;
+    draw_camera safe = camera_made_safe(camera);
+    float width = (float)rectangle[2], height = (float)rectangle[3];
+    matrix4 p = camera_projection(&safe, width / height, safe.target, safe.distance_mm);
+    float clip[4];
+    for (int row = 0; row < 4; ++row)
+        clip[row] =
+            p.m[row] * point[0] + p.m[4 + row] * point[1] + p.m[8 + row] * point[2] + p.m[12 + row];
+    if (!(clip[3] > 0.0f))
+        return false;
+    out_px[0] = (float)rectangle[0] + width * (0.5f + 0.5f * clip[0] / clip[3]);
+    out_px[1] = (float)rectangle[1] + height * (0.5f - 0.5f * clip[1] / clip[3]);
+    return true;
 }
 
 float draw_text_width(draw_renderer *self, const char *words, float size_px)

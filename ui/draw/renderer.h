@@ -4,11 +4,12 @@
 #include "draw/draw.h"
 #include "draw/gl.h"
 #include "draw/letters.h"
+#include "draw/strokes.h"
 
 typedef struct renderer_face_program {
     GLuint program;
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
-    GLint shadow_projection, shadow_map, shadow_texel_mm, origin;
+    GLint shadow_projection, shadow_map, shadow_texel_mm, origin, has_own_colours;
 } renderer_face_program;
 
 typedef enum renderer_surface {
@@ -24,6 +25,7 @@ struct draw_renderer {
     GLuint shadow_map, shadow_framebuffer;
     GLuint vertex_array; /* without attributes */
     letters *letters;
+    strokes *strokes;
 };
 
 #endif

@@ -1,11 +1,12 @@
 // A face in a studio: key light with a soft shadow, fill, rim, light from the room; GGX for what
 // shines, grain for what is rough as stone. Everything is in linear light until the last line.
-in vec3 v_position, v_normal, v_rest;
+in vec3 v_position, v_normal, v_rest, v_colour;
 in float v_openness;
 
 uniform vec3 eye;            // mm
 uniform vec4 base_colour;    // linear
 uniform float roughness, metallic;
+uniform bool has_own_colours; // v_colour instead of base_colour
 uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
 uniform mat4 shadow_projection;  // mm to 0..1
@@ -130,7 +131,7 @@ void main()
         normal = -normal;
     float open = gl_FrontFacing ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
     float rough = clamp(roughness, 0.12, 1.0);
-    vec3 base = base_colour.rgb;
+    vec3 base = has_own_colours ? v_colour : base_colour.rgb;
 
 #ifdef STONE
     vec4 grain = vec4(0.0);

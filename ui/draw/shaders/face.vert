@@ -2,8 +2,10 @@ layout(location = 0) in vec3 position; // mm
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 rest; // mm: where the grain of the stone is fixed
 layout(location = 3) in float openness;
+layout(location = 4) in vec3 own_colour; // linear
 uniform mat4 projection;
 out vec3 v_position, v_normal, v_rest;
+out vec3 v_colour;
 out float v_openness;
 
 void main()
@@ -12,5 +14,6 @@ void main()
     v_normal = normal;
     v_rest = rest;
     v_openness = openness;
+    v_colour = own_colour;
     gl_Position = projection * vec4(position, 1.0);
 }
