@@ -4,8 +4,9 @@
  * where x is the base shape with all bones at rest. While the projection is inactive this is
  *   x'(v) = x(v) + sum_j column_j(v) * weight_j,   weight_j a vector:
  * one column per control and bone that it touches (w_b m B^b_k, moved by R_b g_k), and four columns
- * per moving bone (w_b x, w_b y, w_b z, w_b, moved by the columns of R_b - I and by t_b). So a
- * frame is one pass over columns, exports are exact, and without a rig it is csrbf/shape.h.
+ * per moving bone (w_b x, w_b y, w_b z, w_b, moved by the columns of R_b - I and by t_b; x from
+ * the bone's own centre, so that a turned head loses no digits). So a frame is one pass over
+ * columns, exports are exact, and without a rig it is csrbf/shape.h, bit for bit.
  * Vertices in the engine's order. [frame] all but create/destroy: no allocation; same input, same
  * bits. */
 #ifndef MAROTTE_FACE_FACE_H
@@ -20,6 +21,9 @@ typedef struct face face;
  * m: in mm. */
 CHECKED mrt_result face_create(face **out, const rig *r, const mesh *m, const topology *t,
                                uint32_t control_capacity, error *err);
+/* The same with a binding that is there already; takes it over, zeroes b, on errors too. */
+CHECKED mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b,
+                                     uint32_t control_capacity, error *err);
 void face_destroy(face *f); /* NULL is fine */
 
 const points_order *face_order(const face *f);
@@ -39,13 +43,19 @@ typedef struct face_control {
 
 /* The base becomes the shape shown with its bones at rest (no jump whatever the pose); the controls
  * take hold: starts are carried back through the bones' motion (dof: as in the last frame shown).
- * A control belongs to the field of each bone with a share of more than 2 % at it. */
+ * The shares of a control are the weights at its contact, or at the vertex shown that is nearest to
+ * a free point. A control belongs to the field of each bone with a share of more than 2 % at it, of
+ * at most four. Where the mobility is below 1/10 a control lands short of its end; where it is
+ * below 1/100 it moves nothing (face_meter.dropped_count). What the projection adds is not baked
+ * in: it is found anew in each frame. On error nothing has changed. count 0 ends the engagement. */
 CHECKED mrt_result face_engage(face *f, const csrbf_settings *settings, const face_control *control,
                                uint32_t count, error *err);
 /* The frame: shown from base, for the ends of the controls (count by 3, mm, where each control is
  * to land in the shape shown) and the degrees of freedom (dof_count; NaN: not driven: the jaw is
- * derived from the controls that ride on it, others are 0). With no control engaged only bones
- * move. */
+ * derived from the controls that ride on it, others are 0; dof NULL: none is driven). A control
+ * rides on the jaw if its share there is above 1/2, fully from 9/10 on; a jaw on which none rides
+ * stays as it is, and so do lateral and forward on which one alone rides. With no control engaged
+ * only bones move. Not finite: error, shown is kept. */
 CHECKED mrt_result face_pull(face *f, const double *end, const float *dof, error *err);
 /* Base := shown with its bones at rest; the engagement ends; nothing jumps. */
 void face_commit(face *f);
@@ -53,13 +63,19 @@ void face_reset(face *f);
 
 /* ---- unanchored ---- */
 
-/* Drags the shape, carried back through the bones' motion, from -> to, then poses it: the bones
- * come from absolute poses, never accumulated. */
+/* Drags the shape, carried back through the bones' motion (from: of the frame before, to: of this
+ * one), from -> to, then poses it: the bones come from absolute poses, never accumulated. A jaw
+ * that is not driven stays as it is, other dofs are 0. The weights are those of the vertex shown
+ * that is nearest to `from`. A vertex moves by m sum_b w_b d_b. An anchored engagement ends. On
+ * error nothing has moved. */
 CHECKED mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from,
                              const double *to, uint32_t count, const float *dof,
                              double *out_reached, shape_step *out_step, error *err);
-void face_leak(face *f, double rate_per_s, double dt_s); /* towards the base */
+/* The unposed shape eases towards the base, as shape_leak; an anchored engagement ends. */
+void face_leak(face *f, double rate_per_s, double dt_s);
 
+/* Whether a point (count by 3) is closer than radius to the base while engaged, else to the shape
+ * shown. */
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius);
 
 /* ---- what happened ---- */
@@ -80,10 +96,20 @@ typedef struct face_meter {
     double penetration_mm; /* how deep the projection found skin below its floor, before it acted */
     uint32_t projected_count; /* vertices that it moved */
     float dof[MRT_MAX_DOFS];  /* as posed, derived and limited ones included */
+    uint32_t dropped_count;   /* controls of the engagement that can move nothing: mobility 0 */
 } face_meter;
 const face_meter *face_metered(const face *f);
-/* Smallest determinant of the whole map's Jacobian over the vertices with a field; the exact meter,
- * not for every frame. */
+/* How close the face is to folding; <= 0: it folds. The exact meter, not for every frame.
+ * Without a rig: the smallest determinant of the map's Jacobian at the vertices of the base
+ * (shape_min_determinant of the last pull; 1 while nothing is engaged).
+ * With a rig the weights live on the surface, so the surface is measured: for each triangle of skin
+ * (one with a mobile vertex) its area as shown over its area at rest, times how its bends agree
+ * with those at rest: (1 + 2 c) / (1 + 2 c0), at most 1, the least over its edges, c the cosine
+ * between the normals of the two triangles at an edge, c0 the same at rest (edges that are bent by
+ * more than 60 degrees at rest do not count). It is <= 0 where a triangle has no area or an edge is
+ * bent by 120 degrees and more: where skin is turned over onto its neighbour. */
 double face_min_determinant(const face *f);
+/* How far the vertex furthest below a proxy's floor is below it as shown, mm; 0: none. */
+double face_penetration_mm(const face *f);
 
 #endif

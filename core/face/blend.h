@@ -1,0 +1,33 @@
+/* face/blend.h - what a place on the face is moved by: the motions of several bones, each in its
+ * share, as one affine map. Inside the room. Pure. */
+#ifndef MAROTTE_FACE_BLEND_H
+#define MAROTTE_FACE_BLEND_H
+#include "base/rigid.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct matrix3x3 {
+    double at[3][3]; /* rows */
+} matrix3x3;
+
+/* x -> x + sum_b share_b (R_b x + t_b - x) */
+typedef struct blend {
+    matrix3x3 turn; /* sum_b share_b (R_b - I) */
+    vec3 shift;     /* sum_b share_b t_b */
+} blend;
+
+blend blend_of(const double *share, const rigid *pose, const bool *moves, uint32_t bone_count);
+/* How far x is moved. */
+vec3 blend_moves(const blend *b, vec3 x);
+vec3 blend_apply(const blend *b, vec3 x);
+/* x from where it was moved to; a blend that is singular is taken as a translation. */
+vec3 blend_undo(const blend *b, vec3 moved);
+/* The same for a direction that x was moved by before the blend was applied. */
+vec3 blend_undo_direction(const blend *b, vec3 direction);
+
+vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x);
+/* False, and out is not set, when m is as good as singular: |det| < 1e-6. */
+bool matrix3x3_invert(matrix3x3 *out, const matrix3x3 *m);
+
+#endif

@@ -1,0 +1,186 @@
+/* The jaw pose that controls ask for: least squares by Gauss-Newton within a box. What the controls
+ * say is summed up first, so that a pose is judged at the cost of a few small products. */
+#include "face/bones.h"
+
+#include <math.h>
+
+enum { OPENINGS = 10, POSES = 14, SWEEPS = 24, JAW_DOFS = 3 };
+static const double differences[JAW_DOFS] = {1e-5, 1e-3, 1e-3}; /* rad, mm, mm */
+
+/* With s the starts from the middle of the hinge and d = end - start. */
+typedef struct evidence {
+    double weight;
+    double s[3], d[3];         /* sum of w s, w d */
+    double ss[3][3], ds[3][3]; /* sum of w s s^T, w d s^T */
+    uint32_t rider_count;      /* controls that ride on the jaw at all */
+} evidence;
+
+/* x -> x + r x + t, about the middle of the hinge. */
+typedef struct motion {
+    double r[3][3], t[3];
+} motion;
+
+static evidence gather(const bones *b, const double *start, const double *end, const double *weight,
+                       uint32_t count)
+{
+    evidence e = {0};
+    const double middle[3] = {b->hinge.middle.x, b->hinge.middle.y, b->hinge.middle.z};
+    for (size_t k = 0; k < count; ++k) {
+        double w = weight[k], s[3], d[3];
+        if (!(w > 0.0))
+            continue;
+        for (size_t i = 0; i < 3; ++i) {
+            s[i] = start[3 * k + i] - middle[i];
+            d[i] = end[3 * k + i] - start[3 * k + i];
+        }
+        e.rider_count += 1;
+        e.weight += w;
+        for (size_t i = 0; i < 3; ++i) {
+            e.s[i] += w * s[i];
+            e.d[i] += w * d[i];
+            for (size_t j = 0; j < 3; ++j) {
+                e.ss[i][j] += w * (s[i] * s[j]);
+                e.ds[i][j] += w * (d[i] * s[j]);
+            }
+        }
+    }
+    return e;
+}
+
+/* p[2]: along the path of the condyles, from `slide` on. */
+static motion motion_at(const bones *b, const double p[JAW_DOFS], double slide)
+{
+    rigid jaw = bones_jaw_on_path(b, p[0], p[1], slide + p[2]);
+    vec3 t = vec3_sub(rigid_apply(&jaw, b->hinge.middle), b->hinge.middle);
+    motion out = {.t = {t.x, t.y, t.z}};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] = jaw.r[i][j] - (i == j ? 1.0 : 0.0);
+    return out;
+}
+
+/* Derivative by one degree of freedom while the condyles stay, by central differences. */
+static motion slope_at(const bones *b, const double p[JAW_DOFS], double slide, int dof)
+{
+    double before[JAW_DOFS] = {p[0], p[1], p[2]}, after[JAW_DOFS] = {p[0], p[1], p[2]};
+    before[dof] -= differences[dof];
+    after[dof] += differences[dof];
+    motion low = motion_at(b, before, slide), high = motion_at(b, after, slide);
+    double scale = 0.5 / differences[dof];
+    for (int i = 0; i < 3; ++i) {
+        high.t[i] = (high.t[i] - low.t[i]) * scale;
+        for (int j = 0; j < 3; ++j)
+            high.r[i][j] = (high.r[i][j] - low.r[i][j]) * scale;
+    }
+    return high;
+}
+
+/* sum of w (a.r s + a.t) . (b.r s + b.t) */
+static double product(const evidence *e, const motion *a, const motion *b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        double a_mean = a->t[i] * e->weight, b_mean = 0.0;
+        for (int j = 0; j < 3; ++j) {
+            double column = 0.0;
+            for (int k = 0; k < 3; ++k)
+                column += a->r[i][k] * e->ss[k][j];
+            sum += column * b->r[i][j];
+            a_mean += a->r[i][j] * e->s[j];
+            b_mean += b->r[i][j] * e->s[j];
+        }
+        sum += a_mean * b->t[i] + a->t[i] * b_mean;
+    }
+    return sum;
+}
+
+/* sum of w d . (a.r s + a.t) */
+static double asked(const evidence *e, const motion *a)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        sum += e->d[i] * a->t[i];
+        for (int j = 0; j < 3; ++j)
+            sum += e->ds[i][j] * a->r[i][j];
+    }
+    return sum;
+}
+
+/* Minimises 1/2 x H x + g x for the first `count` unknowns, low <= x <= high, coordinate by
+ * coordinate. */
+static void solve_in_box(double x[JAW_DOFS], double h[JAW_DOFS][JAW_DOFS], const double *g,
+                         const double *low, const double *high, int count)
+{
+    for (int sweep = 0; sweep < SWEEPS; ++sweep)
+        for (int i = 0; i < count; ++i) {
+            double slope = g[i];
+            for (int j = 0; j < JAW_DOFS; ++j)
+                slope += h[i][j] * x[j];
+            if (!(h[i][i] > 1e-12))
+                continue;
+            double next = x[i] - slope / h[i][i];
+            x[i] = next < low[i] ? low[i] : (next > high[i] ? high[i] : next);
+        }
+}
+
+/* One step of Gauss-Newton for the first `count` degrees of freedom. */
+static void improve(const bones *b, const evidence *e, double p[JAW_DOFS], int count)
+{
+    const rig_bone *jaw = &b->rig->bone[b->jaw];
+    double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
+    double slide = bones_slide(b, p[0]);
+    double low[JAW_DOFS] = {jaw->open_min_rad - p[0], -lateral - p[1], -p[2]};
+    double high[JAW_DOFS] = {jaw->open_max_rad - p[0], lateral - p[1], forward - p[2]};
+    double h[JAW_DOFS][JAW_DOFS] = {{0}}, g[JAW_DOFS] = {0}, step[JAW_DOFS] = {0};
+    motion now = motion_at(b, p, slide), slope[JAW_DOFS];
+    for (int i = 0; i < count; ++i) {
+        slope[i] = slope_at(b, p, slide, i);
+        g[i] = product(e, &now, &slope[i]) - asked(e, &slope[i]);
+        for (int j = 0; j <= i; ++j)
+            h[i][j] = h[j][i] = product(e, &slope[i], &slope[j]);
+    }
+    solve_in_box(step, h, g, low, high, count);
+    for (int i = 0; i < count; ++i)
+        p[i] += step[i];
+}
+
+/* Lateral and forward as their last values, limited at the opening of now. */
+static void hold(const bones *b, double p[JAW_DOFS], const float *dof)
+{
+    double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
+    p[1] = isfinite(dof[1]) ? bones_soft_limit((double)dof[1], -lateral, lateral) : 0.0;
+    p[2] = isfinite(dof[2]) ? bones_soft_limit((double)dof[2], 0.0, forward) : 0.0;
+}
+
+static double clamped(double value, double min, double max)
+{
+    return value < min ? min : (value > max ? max : value);
+}
+
+void bones_derive_jaw(float *out_dof, const bones *b, const double *start, const double *end,
+                      const double *weight, uint32_t count)
+{
+    if (b->jaw == RIG_NONE)
+        return;
+    evidence e = gather(b, start, end, weight, count);
+    if (e.rider_count == 0)
+        return;
+    const rig_bone *jaw = &b->rig->bone[b->jaw];
+    bool all = e.rider_count >= 2;
+    double p[JAW_DOFS] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < OPENINGS; ++i) {
+        if (!all)
+            hold(b, p, out_dof);
+        improve(b, &e, p, 1);
+    }
+    for (int i = 0; all && i < POSES; ++i)
+        improve(b, &e, p, JAW_DOFS);
+    double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
+    p[1] = clamped(p[1], -lateral, lateral);
+    p[2] = clamped(p[2], 0.0, forward);
+    out_dof[0] = (float)bones_soft_limit_inverse(p[0], jaw->open_min_rad, jaw->open_max_rad);
+    if (!all)
+        return;
+    out_dof[1] = (float)bones_soft_limit_inverse(p[1], -lateral, lateral);
+    out_dof[2] = (float)bones_soft_limit_inverse(p[2], 0.0, forward);
+}

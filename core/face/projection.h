@@ -1,0 +1,45 @@
+/* face/projection.h - skin slides over the skull but never enters it (research, theory 4.3): a
+ * one-sided, smooth projection out of ellipsoids that ride on bones. In the ellipsoid's scaled
+ * space q = (x - centre) / radii a vertex has the height h = |q| - 1; h0 is its height at rest. The
+ * floor is c = 0.4 h0; from h0 down, the height is eased onto the floor:
+ *   h >= h0: h;   h <= -0.2 h0: c;   between: c + (h + 0.2 h0)^2 / (2.4 h0),
+ * along q. Where ellipsoids overlap, what one pushed into another is put back onto that one's
+ * floor. So at rest nothing moves, and neither does anything further out than at rest. Vertices
+ * that are inside at rest, or further from the ellipsoid than PROJECTION_REACH_MM, are left alone.
+ * Inside the room. [frame] all but create/destroy. */
+#ifndef MAROTTE_FACE_PROJECTION_H
+#define MAROTTE_FACE_PROJECTION_H
+#include "csrbf/points.h"
+#include "face/rig.h"
+
+#define PROJECTION_REACH_MM 60.0
+enum { PROJECTION_PROXIES_MAX = 32 };
+
+typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
+    uint32_t proxy, block;
+    float height[POINTS_BLOCK]; /* h0; 0: left alone */
+    float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is lower than at rest */
+} projection_block;
+
+typedef struct projection {
+    const rig_proxy *proxy;
+    uint32_t proxy_count, block_count;
+    projection_block *block; /* by proxy, then by block */
+} projection;
+
+typedef struct projection_report {
+    double depth_mm;      /* greatest, below the floor, before anything was moved */
+    uint32_t moved_count; /* vertices moved by more than 1e-4 mm, once for each proxy */
+} projection_report;
+
+/* mobility: padded_count; where it is 0 a vertex is left alone. r may be NULL. */
+CHECKED mrt_result projection_create(projection *out, const rig *r, const points *rest,
+                                     const float *mobility, error *err);
+void projection_destroy(projection *p);
+
+/* pose: of each bone. Keeps the bounds of shown. */
+projection_report projection_apply(const projection *p, points *shown, const rigid *pose);
+/* How deep the deepest vertex is below its floor, mm. */
+double projection_depth_mm(const projection *p, const points *shown, const rigid *pose);
+
+#endif
