@@ -7,10 +7,11 @@
 #include <stddef.h>
 
 typedef struct basis {
-    float *axis; /* capacity by length; owned. Rows 0..count-1 are orthonormal; rows
-                    next..candidate_end-1 are candidates, of any length and direction */
-    size_t count, next, candidate_end, capacity;
-    size_t cap; /* greatest count */
+    float *axis; /* capacity by length; owned: rows 0..count-1 are orthonormal */
+    size_t count, capacity;
+    float *candidate; /* candidate_count by length; owned: of any length and direction */
+    size_t candidate_count, next; /* the first that has not been tried */
+    size_t cap;                   /* greatest count */
     size_t length;
 } basis;
 
@@ -18,10 +19,11 @@ double basis_dot(const float *a, const float *b, size_t length);
 /* out -= weight * axis */
 void basis_subtract(float *out, float weight, const float *axis, size_t length);
 
-/* Room for so many rows (at most cap); false: no memory. */
-bool basis_reserve(basis *b, size_t row_count);
-/* One more axis: the next candidate that is not spanned yet or, without any, the direction of
- * `residual` (NULL: none). False: the cap is reached, nothing new is left, or no memory. */
+/* One more axis: the next candidate that is not spanned yet. False: the cap is reached, no
+ * candidate is left, or no memory. To take axes back, set count and next to what they were. */
+bool basis_add_candidate(basis *b);
+/* One more axis: the direction of `residual`. False: the cap is reached, it is spanned, or no
+ * memory. */
 bool basis_add(basis *b, const float *residual);
 void basis_finish(basis *b);
 

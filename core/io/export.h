@@ -13,14 +13,16 @@ typedef struct export_progress { /* optional: called now and then; NULL callback
 typedef struct gltf_options {
     double tolerance_mm;  /* greatest vertex error of free frames; 0: 0.1 % of the face's height;
                              at least 1e-6 of its size, which is what float32 can show */
-    uint32_t max_targets; /* of the components for free frames; 0: as many as the tolerance needs,
-                             within the limits of components.h */
+    uint32_t max_targets; /* for free frames, in all; 0: as many as the tolerance needs, within the
+                             limits of components.h */
     const char *name;     /* of the animation; NULL: "performance" */
 } gltf_options;
 
 typedef struct gltf_report {
-    uint32_t target_count, exact_target_count, component_count;
-    double max_error_mm; /* over all free frames, measured on what is written; 0 without any */
+    uint32_t target_count, exact_target_count;
+    uint32_t component_count; /* all others: components for free frames and bases of windows */
+    uint32_t window_count;    /* of free frames; 0 without any */
+    double max_error_mm;      /* over all free frames, measured on what is written; 0 without any */
     double tolerance_mm; /* that was aimed at; max_error_mm is above it only where a limit on the
                             number of components came first */
     uint64_t byte_count;
@@ -29,9 +31,13 @@ typedef struct gltf_report {
 /* .glb: base mesh, morph targets, a weights animation with a key per frame. Anchored frames exactly
  * (to float32): one target per control axis and segment, "s1.control2.y", weights = displacements
  * in metres, and one target per committed base, "s2.base". Free frames: principal components up to
- * the tolerance, "component1", weights within -1..1. Normals follow to first order. A clip without
- * motion is a plain mesh; the mesh's own targets are left out. Parts are primitives on the same
- * vertices, in the file's order, with their name in extras.name. Errors name the frame or file. */
+ * the tolerance, "component1", weights within -1..1. Where that makes less work and few more bytes,
+ * a long motion is split into windows of time, each with a base and components of its own,
+ * "w2.base" (weight 1 in its frames) and "w2.component1"; the weights of other windows are 0. Each
+ * key shows its own shape, and between two keys the shape goes straight from one to the other.
+ * Normals follow to first order. A clip without motion is a plain mesh; the mesh's own targets are
+ * left out. Parts are primitives on the same vertices, in the file's order, with their name in
+ * extras.name. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */

@@ -38,6 +38,18 @@ static void dot_row(double *out_dot, const float *a, const float *block, size_t 
         out_dot[lane] += (double)sum[lane];
 }
 
+void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length)
+{
+    for (size_t d = 0; d < length; ++d)
+        block[d * FRAME_BLOCK + lane] = frame[d];
+}
+
+void frame_block_get(float *out, const float *block, uint32_t lane, size_t length)
+{
+    for (size_t d = 0; d < length; ++d)
+        out[d] = block[d * FRAME_BLOCK + lane];
+}
+
 void frame_block_dot(double *out_dot, const float *row, size_t row_count, const float *block,
                      size_t length)
 {

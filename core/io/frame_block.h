@@ -9,6 +9,9 @@
 
 enum { FRAME_BLOCK = 16 };
 
+/* One frame into and out of its lane. */
+void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length);
+void frame_block_get(float *out, const float *block, uint32_t lane, size_t length);
 /* out_dot: row_count by FRAME_BLOCK, the inner products of each row with each frame.
  * row: row_count by length. */
 void frame_block_dot(double *out_dot, const float *row, size_t row_count, const float *block,

@@ -61,6 +61,16 @@ void make_materials(mesh &out, const tinygltf::Model &model, const gltf_plan &pl
     }
 }
 
+/* What the file calls a primitive, else the node. */
+std::string part_name(const tinygltf::Primitive &primitive, const gltf_instance &instance)
+{
+    const tinygltf::Value &extras = primitive.extras;
+    if (!extras.IsObject() || !extras.Has("name") || !extras.Get("name").IsString())
+        return instance.name;
+    const std::string &name = extras.Get("name").Get<std::string>();
+    return name.empty() ? instance.name : name;
+}
+
 void make_parts(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
 {
     free(out.part[0].name);
@@ -73,7 +83,7 @@ void make_parts(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
         for (const gltf_primitive_plan &surface : plan.meshes.at(instance.mesh).surfaces) {
             mesh_part &part = out.part[out.part_count];
             int material = surface.source->material;
-            part.name = clean_name(instance.name);
+            part.name = clean_name(part_name(*surface.source, instance));
             part.material = (uint32_t)(material < 0 ? (int)model.materials.size() : material);
             part.first_triangle = first;
             part.triangle_count = (uint32_t)surface.triangle_count;

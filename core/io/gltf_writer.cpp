@@ -25,8 +25,8 @@ struct segment_targets {
 struct performance {
     const clip *source;
     std::vector<segment_targets> segment;
-    components found{}; /* of the free frames */
-    size_t first_component = 0;
+    components found{};               /* of the free frames */
+    std::vector<size_t> first_target; /* of each of its windows */
     gltf_report report{};
 
     explicit performance(const clip *c) : source(c)
@@ -80,6 +80,20 @@ void add_exact_targets(gltf_output &out, gltf_surface &s, performance &p)
     p.report.exact_target_count = static_cast<uint32_t>(s.target.size());
 }
 
+void add_window_targets(gltf_output &out, gltf_surface &s, performance &p, uint32_t index)
+{
+    const component_window &window = p.found.window[index];
+    std::string prefix = p.found.window_count > 1 ? "w" + std::to_string(index + 1) + "." : "";
+    std::vector<float> offset(s.position.size());
+    p.first_target.push_back(s.target.size());
+    if (window.base)
+        gltf_surface_target(out, s, prefix + "base", window.base);
+    for (uint32_t j = 0; j < window.count; ++j) {
+        components_offset(offset.data(), &p.found, &window, j);
+        gltf_surface_target(out, s, prefix + "component" + std::to_string(j + 1), offset.data());
+    }
+}
+
 void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
                            const gltf_options &options, const export_progress *progress)
 {
@@ -88,12 +102,11 @@ void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
     mrt_result result = components_find(&p.found, p.source, &wanted, progress, &err);
     if (result < 0)
         gltf_fail(result, "%s", err.text);
-    p.first_component = s.target.size();
-    p.report.component_count = p.found.count;
+    p.report.component_count = p.found.target_count;
+    p.report.window_count = p.found.window_count;
     p.report.max_error_mm = p.found.max_error_mm;
-    for (uint32_t j = 0; j < p.found.count; ++j)
-        gltf_surface_target(out, s, "component" + std::to_string(j + 1),
-                            p.found.axis + j * s.position.size());
+    for (uint32_t w = 0; w < p.found.window_count; ++w)
+        add_window_targets(out, s, p, w);
 }
 
 /* Weights of an anchored frame: its displacements in metres, and its committed base. */
@@ -108,6 +121,19 @@ void put_anchored_weights(const performance &p, uint32_t frame, float *weight)
         weight[at.first_control + i] = static_cast<float>(displacement[i] * GLTF_METRES_PER_MM);
 }
 
+/* Weights of a window's frames: its base, and its components. */
+void put_window_weights(const performance &p, uint32_t index, float *weight, size_t target_count)
+{
+    const component_window &window = p.found.window[index];
+    for (size_t i = 0; i < window.frame_count; ++i) {
+        float *at =
+            weight + p.found.frame[window.first_frame + i] * target_count + p.first_target[index];
+        if (window.base)
+            *at++ = 1.0f;
+        std::copy_n(window.weight + i * window.count, window.count, at);
+    }
+}
+
 std::vector<float> all_weights(const performance &p, size_t target_count)
 {
     uint32_t frame_count = clip_frame_count(p.source);
@@ -115,10 +141,8 @@ std::vector<float> all_weights(const performance &p, size_t target_count)
     for (uint32_t frame = 0; frame < frame_count; ++frame)
         if (clip_frame_segment(p.source, frame) >= 0)
             put_anchored_weights(p, frame, &weight[frame * target_count]);
-    for (size_t i = 0; i < p.found.frame_count; ++i)
-        for (size_t j = 0; j < p.found.count; ++j)
-            weight[p.found.frame[i] * target_count + p.first_component + j] =
-                p.found.weight[i * p.found.count + j];
+    for (uint32_t w = 0; w < p.found.window_count; ++w)
+        put_window_weights(p, w, weight.data(), target_count);
     return weight;
 }
 

@@ -103,6 +103,24 @@ static void sample_clips(void)
     free(base);
 }
 
+/* A motion long enough to be split into windows of time. */
+static void sample_windows(void)
+{
+    char path[512];
+    error err = {""};
+    gltf_report report = {0};
+    mesh m = scene_sheet(24);
+    clip *c = scene_clay(&m, 1200, 600);
+    scene_path(path, sizeof path, folder, "windows.glb");
+    say("windows.glb", gltf_write(path, c, NULL, NULL, &report, &err), &err);
+    if (report.window_count < 2) {
+        (void)fprintf(stderr, "windows.glb: %u windows, expected several\n", report.window_count);
+        ++failures;
+    }
+    clip_destroy(c);
+    mesh_destroy(&m);
+}
+
 /* A face of many parts that another tool made. */
 static void sample_shared_face(void)
 {
@@ -134,6 +152,7 @@ int main(int argument_count, char **arguments)
     sample_meshes();
     sample_degenerate();
     sample_clips();
+    sample_windows();
     sample_shared_face();
     return failures ? 1 : 0;
 }

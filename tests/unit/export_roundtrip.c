@@ -38,6 +38,8 @@ static void what_is_written_is_read_back_in_the_same_order(void **state)
         assert_true(fabsf(back.target[0].offset[i] - m.target[0].offset[i]) < 1e-5f);
     }
     assert_int_equal(back.part_count, 2);
+    assert_string_equal(back.part[0].name, "brow");
+    assert_string_equal(back.part[1].name, "mouth");
     assert_int_equal(back.part[1].first_triangle, m.part[1].first_triangle);
     assert_int_equal(back.part[1].triangle_count, m.part[1].triangle_count);
     assert_string_equal(back.target[0].name, "smile");

@@ -139,4 +139,36 @@ static inline void scene_add_free(clip *c, uint32_t count, double first_time, ui
     free(shape);
 }
 
+/* Clay: every frame changes the shape that the last one left (V by 3), the first `left` frames on
+ * the left side of the sheet, the others on its right side. */
+static inline void scene_knead(clip *c, float *shape, uint32_t count, uint32_t left)
+{
+    error err;
+    const mesh *m = clip_mesh(c);
+    for (uint32_t frame = 0; frame < count; ++frame) {
+        double time = frame / 30.0, side = frame < left ? -50.0 : 50.0;
+        double x = side + 20.0 * sin(2.3 * time), y = 80.0 * cos(1.1 * time);
+        double pull[3] = {0.4 * sin(3.1 * time), 0.5 * cos(1.9 * time), 0.9 * sin(2.7 * time)};
+        for (size_t v = 0; v < m->vertex_count; ++v) {
+            double w = scene_bump(m->position + v * 3, x, y, 28.0);
+            for (size_t axis = 0; axis < 3; ++axis)
+                shape[v * 3 + axis] += (float)(w * pull[axis]);
+        }
+        assert_int_equal(clip_add_free(c, shape, NULL, 0, &err), MRT_OK);
+    }
+}
+
+static inline clip *scene_clay(const mesh *m, uint32_t count, uint32_t left)
+{
+    error err;
+    float *shape = malloc((size_t)m->vertex_count * 3 * sizeof *shape);
+    assert_non_null(shape);
+    memcpy(shape, m->position, (size_t)m->vertex_count * 3 * sizeof *shape);
+    clip *c = clip_create(m, 30.0, NULL, &err);
+    assert_non_null(c);
+    scene_knead(c, shape, count, left);
+    free(shape);
+    return c;
+}
+
 #endif

@@ -160,6 +160,25 @@ static void nodes_are_placed_by_matrix_and_by_parts(void **state)
     mesh_destroy(&m);
 }
 
+static void parts_are_named_by_their_primitive_where_it_says(void **state)
+{
+    (void)state;
+    static const char *const extras[] = {"{'name':'upper lip'}", "{'name':7}", "{'name':''}",
+                                         "{'other':'x'}",        "'name'",     "[]"};
+    static const char *const expected[] = {"upper lip", "left", "left", "left", "left", "left"};
+    for (size_t i = 0; i < sizeof extras / sizeof *extras; ++i) {
+        char json[4096];
+        (void)snprintf(json, sizeof json,
+                       DOCUMENT_DATA "'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+                                     "'indices':1,'extras':%s}]}],"
+                                     "'nodes':[{'mesh':0,'name':'left'}],'scenes':[{'nodes':[0]}]",
+                       extras[i]);
+        mesh m = read_good(json);
+        assert_string_equal(m.part[0].name, expected[i]);
+        mesh_destroy(&m);
+    }
+}
+
 static void mirrored_nodes_keep_the_outside_outside(void **state)
 {
     (void)state;
@@ -350,6 +369,7 @@ int main(void)
         cmocka_unit_test(a_text_file_with_a_data_uri_is_the_same),
         cmocka_unit_test(external_buffers_are_read_from_the_directory_only),
         cmocka_unit_test(nodes_are_placed_by_matrix_and_by_parts),
+        cmocka_unit_test(parts_are_named_by_their_primitive_where_it_says),
         cmocka_unit_test(mirrored_nodes_keep_the_outside_outside),
         cmocka_unit_test(normals_turn_by_the_inverse_transpose),
         cmocka_unit_test(primitives_that_share_vertices_do_not_double_them),
