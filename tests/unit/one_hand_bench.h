@@ -286,4 +286,35 @@ static inline bool bench_is_rest(const bench *b)
     return b->pull.count == BENCH_PERFORMED && b->pull.mode == MRT_ANCHORED;
 }
 
+/* ---- at work ---- */
+
+/* From one pose to another in `steps` frames; returns the greatest step of a contact, mm. */
+static inline float bench_sweep(bench *b, bends from, bends to, int steps)
+{
+    float most = 0, start[MRT_ANGLES], end[MRT_ANGLES], angle[MRT_ANGLES];
+    bench_bent(start, &from, 1);
+    bench_bent(end, &to, 1);
+    for (int i = 1; i <= steps; ++i) {
+        mrt_pull before = b->pull;
+        for (int k = 0; k < MRT_ANGLES; ++k)
+            angle[k] = start[k] + (end[k] - start[k]) * (float)i / (float)steps;
+        bench_step(b, MRT_RIGHT, angle);
+        most = fmaxf(most, bench_jump(&before, &b->pull));
+    }
+    return most;
+}
+
+static const bends bench_nothing = {{{0, 0}}};
+
+static const bends bench_talking = {{{THUMB_MPJ, -20}, {RING_MPJ, -15}, {LITTLE_MPJ, -15}}};
+
+/* Mouth open and smiling. */
+static inline void bench_set_up_talking(bench *b, const char *params)
+{
+    bench_set_up(b, params);
+    bench_talk_for(b, MRT_RIGHT, 3);
+    (void)bench_sweep(b, bench_nothing, bench_talking, 50);
+    assert_true(bench_dof(b, "jaw.open") > 0.15f);
+}
+
 #endif
