@@ -57,6 +57,14 @@ CHECKED mrt_result face_engage(face *f, const csrbf_settings *settings, const fa
  * stays as it is, and so do lateral and forward on which one alone rides. With no control engaged
  * only bones move. Not finite: error, shown is kept. */
 CHECKED mrt_result face_pull(face *f, const double *end, const float *dof, error *err);
+/* Its two halves: what depends on the frame before (the derived jaw), once per sample; and the
+ * vertices, once per drawn frame. */
+CHECKED mrt_result face_aim(face *f, const double *end, const float *dof, error *err);
+void face_show(face *f);
+/* Ends for controls that ride on the bones (rides: 1 for each such control): on entry their `end` is
+ * how far they are to be pulled with all bones at rest, on return where that lands once the bones
+ * that `dof` drives have moved. Other ends stay. */
+void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof);
 /* Base := shown with its bones at rest; the engagement ends; nothing jumps. */
 void face_commit(face *f);
 void face_reset(face *f);
@@ -102,12 +110,11 @@ const face_meter *face_metered(const face *f);
 /* How close the face is to folding; <= 0: it folds. The exact meter, not for every frame.
  * Without a rig: the smallest determinant of the map's Jacobian at the vertices of the base
  * (shape_min_determinant of the last pull; 1 while nothing is engaged).
- * With a rig the weights live on the surface, so the surface is measured: for each triangle of skin
- * (one with a mobile vertex) its area as shown over its area at rest, times how its bends agree
- * with those at rest: (1 + 2 c) / (1 + 2 c0), at most 1, the least over its edges, c the cosine
- * between the normals of the two triangles at an edge, c0 the same at rest (edges that are bent by
- * more than 60 degrees at rest do not count). It is <= 0 where a triangle has no area or an edge is
- * bent by 120 degrees and more: where skin is turned over onto its neighbour. */
+ * With a rig the weights live on the surface, so the surface is measured: of each triangle of skin
+ * (one with a mobile vertex) the area as shown over the area at rest, seen along its normal at rest
+ * as the bones alone turn it. That is the determinant of the map from the triangle at rest into its
+ * own plane: <= 0 where skin is squashed to nothing, or turned by more than 90 degrees from where
+ * the bones turn it, as in any fold. */
 double face_min_determinant(const face *f);
 /* How far the vertex furthest below a proxy's floor is below it as shown, mm; 0: none. */
 double face_penetration_mm(const face *f);

@@ -299,8 +299,8 @@ void face_destroy(face *f)
     projection_destroy(&f->projection);
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);
-    face_skin_destroy(f);
     free(f->mobility);
+    free(f->skin);
     free(f->contact);
     free(f->contact_slot);
     free(f->grip);

@@ -30,12 +30,6 @@ typedef struct face_grip {
     bool is_dropped; /* it can move nothing */
 } face_grip;
 
-/* Two triangles that share an edge. */
-typedef struct face_edge {
-    uint32_t triangle[2];
-    double cosine; /* between their normals, at rest */
-} face_edge;
-
 struct face {
     const rig *rig; /* or NULL */
     binding binding;
@@ -74,11 +68,7 @@ struct face {
     bool is_exact;
 
     uint32_t *skin; /* skin_count by 3 slots: triangles with a mobile vertex */
-    double *rest_area;
-    face_edge *edge;
-    double *area, *bend; /* scratch: skin_count */
-    vec3 *normal;        /* scratch: skin_count */
-    uint32_t skin_count, edge_count;
+    uint32_t skin_count;
 };
 
 /* ---- face_grip.c ---- */
@@ -100,8 +90,6 @@ void face_bake(face *f, points *out);
 void face_pose_columns(face *f);
 /* weight: those of the bones for these poses, behind the first control_column_count. */
 void face_pose_weights(const face *f, double *weight, const rigid *pose);
-/* shown := origin moved by the columns, projected. */
-void face_show(face *f);
 /* Puts the dofs and poses of a frame in force. */
 void face_take_pose(face *f, const float *dof, const rigid *pose);
 
@@ -114,6 +102,5 @@ CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, cons
 /* ---- face_skin.c ---- */
 
 CHECKED mrt_result face_skin_create(face *f, const mesh *m, error *err);
-void face_skin_destroy(face *f);
 
 #endif
