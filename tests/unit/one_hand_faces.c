@@ -131,6 +131,21 @@ static void mask_gives_each_fingertip_its_place(void **state)
     }
 }
 
+static void mask_gives_the_palm_both_cheeks(void **state)
+{
+    (void)state;
+    bench b;
+    bench_set_up(&b, "mode=mask,mask.dead_zone=0.5,mask.little=0,mask.ring=0");
+    bench_talk_for(&b, MRT_RIGHT, 3);
+    bench_bend(&b, MRT_RIGHT, (bends){{{ARCH, 25}}}, 30);
+    mrt_vec3 left = bench_pulled(&b, "cheek.l"), right = bench_pulled(&b, "cheek.r");
+    assert_true(bench_length(left) > 1.0f && fabsf(left.x) > 0.2f);
+    assert_true(fabsf(left.x + right.x) < 1e-4f && fabsf(left.y - right.y) < 1e-4f &&
+                fabsf(left.z - right.z) < 1e-4f);
+    assert_true(bench_length(bench_pulled(&b, "brow.mid.l")) <= 0.0f);
+    bench_tear_down(&b);
+}
+
 static void mask_moves_with_the_fingers_not_with_the_wrist(void **state)
 {
     (void)state;
@@ -298,6 +313,7 @@ int main(void)
         cmocka_unit_test(left_hand_mirrors_the_right),
         cmocka_unit_test(the_wanted_hand_performs),
         cmocka_unit_test(mask_gives_each_fingertip_its_place),
+        cmocka_unit_test(mask_gives_the_palm_both_cheeks),
         cmocka_unit_test(mask_moves_with_the_fingers_not_with_the_wrist),
         cmocka_unit_test(mask_hangs_the_jaw_on_the_thumb),
         cmocka_unit_test(a_larger_face_moves_further),

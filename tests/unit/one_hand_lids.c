@@ -92,6 +92,24 @@ static void a_slow_bend_droops_as_far_as_its_range(void **state)
     assert_true(fabsf(lid[count - 1] - 0.6f) < 0.01f);
 }
 
+static void an_anchor_keeps_drooping_lids(void **state)
+{
+    (void)state;
+    bench b;
+    bends half = {{{INDEX_MPJ, 0}, {MIDDLE_MPJ, 20}}};
+    bench_set_up(&b, "");
+    bench_talk_for(&b, MRT_RIGHT, 5);
+    (void)bench_sweep(&b, bench_nothing, half, 60);
+    float before = bench_dof(&b, "lid_upper.l.close");
+    assert_true(before > 0.1f);
+    bench_trigger(&b, "Anchor");
+    for (int i = 0; i < 100; ++i) {
+        bench_bend(&b, MRT_RIGHT, half, 1);
+        assert_true(fabsf(bench_dof(&b, "lid_upper.l.close") - before) <= 0.0f);
+    }
+    bench_tear_down(&b);
+}
+
 static void lids_do_not_jump_when_a_blink_meets_a_droop(void **state)
 {
     (void)state;
@@ -187,6 +205,7 @@ int main(void)
         cmocka_unit_test(a_quick_bend_blinks_and_a_slow_one_does_not),
         cmocka_unit_test(a_blink_closes_in_80_ms_and_opens_in_150),
         cmocka_unit_test(a_slow_bend_droops_as_far_as_its_range),
+        cmocka_unit_test(an_anchor_keeps_drooping_lids),
         cmocka_unit_test(lids_do_not_jump_when_a_blink_meets_a_droop),
         cmocka_unit_test(stored_neutral_comes_back),
         cmocka_unit_test(bytes_that_are_no_stored_neutral_are_refused),
