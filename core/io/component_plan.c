@@ -13,7 +13,7 @@ enum { MAX_FRAMES = 1536, MAX_VERTICES = 384, MAX_FRAME_BYTES = 512 << 20 };
 static const uint32_t LIMIT[] = {32, 48, 64, 96, 128, 192, 256, 384};
 enum { LIMIT_COUNT = sizeof LIMIT / sizeof *LIMIT };
 /* Windows with fewer targets than this show too little when the number of targets is capped. */
-enum { FEWEST_PER_WINDOW = 16 };
+enum { FEWEST_PER_WINDOW = 32 };
 /* A byte of the file is worth so many multiplications: about 5 MB to a second. */
 static const double PRODUCTS_PER_BYTE = 1000.0;
 /* Windows need more targets in all: they are made where they cost at most this share. */
