@@ -1,0 +1,345 @@
+#include "rigpicture.h"
+
+#include "draw/draw.h"
+#include "io/export.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { /* pixels */
+       MARGIN = 14,
+       LABEL_SIZE = 17,
+       LABEL_GAP = 19,
+       TITLE_SIZE = 24,
+       LEGEND_SIZE = 18,
+       LEGEND_TOP = 42,
+       SWATCH = 16
+};
+enum { LABELS_MAX = 1024, STROKES_PER_LABEL = 3 };
+static const float ink[4] = {0.90f, 0.91f, 0.93f, 1.0f}, faint[4] = {0.62f, 0.64f, 0.68f, 1.0f};
+static const float leader[4] = {0.85f, 0.86f, 0.90f, 0.45f};
+static const float dot[4] = {1.0f, 0.96f, 0.55f, 1.0f}, rim[4] = {0.05f, 0.05f, 0.06f, 1.0f};
+static const float axis_ink[4] = {1.0f, 0.35f, 0.75f, 1.0f};
+
+typedef struct label {
+    const char *name;
+    float at[2];
+    bool is_right; /* stands at the right edge of its view; half of them do */
+} label;
+
+typedef struct picture {
+    const rig *r;
+    const mesh *m;
+    const binding *b;
+    draw_context *context;
+    draw_target *target;
+    draw_renderer *renderer;
+    draw_face *face;
+    label *label; /* of one view */
+    uint32_t label_count;
+    draw_stroke *stroke;
+    uint32_t stroke_count;
+    float *number;   /* LABELS_MAX by 2, scratch */
+    float *rgb;      /* vertex_count by 3 */
+    uint8_t *pixels; /* the whole */
+    uint32_t width;
+} picture;
+
+/* ---- colours ---- */
+
+rigpicture_colour rigpicture_bone_colour(const rig *r, uint32_t bone)
+{
+    static const rigpicture_colour skull = {{0.05f, 0.22f, 0.80f}}, jaw = {{0.85f, 0.08f, 0.04f}};
+    static const rigpicture_colour others[] = {{{0.03f, 0.50f, 0.12f}}, {{0.80f, 0.45f, 0.02f}},
+                                               {{0.40f, 0.06f, 0.70f}}, {{0.02f, 0.50f, 0.55f}},
+                                               {{0.70f, 0.05f, 0.35f}}, {{0.35f, 0.45f, 0.03f}}};
+    if (strcmp(r->bone[bone].name, "skull") == 0)
+        return skull;
+    if (r->bone[bone].kind == BONE_JAW)
+        return jaw;
+    return others[bone % (sizeof others / sizeof *others)];
+}
+
+/* Bones mixed by weight; grey is mixed in as mobility goes. */
+static void colour_vertices(picture *p)
+{
+    for (uint32_t v = 0; v < p->m->vertex_count; ++v) {
+        float mixed[3] = {0.0f, 0.0f, 0.0f};
+        for (uint32_t bone = 0; bone < p->b->bone_count; ++bone) {
+            rigpicture_colour colour = rigpicture_bone_colour(p->r, bone);
+            float weight = p->b->weight[(size_t)bone * p->m->vertex_count + v];
+            for (int i = 0; i < 3; ++i)
+                mixed[i] += weight * colour.rgb[i];
+        }
+        float grey = 0.45f, strength = 0.18f + 0.82f * p->b->mobility[v];
+        for (int i = 0; i < 3; ++i)
+            p->rgb[(size_t)v * 3 + (size_t)i] = grey + strength * (mixed[i] - grey);
+    }
+}
+
+/* ---- labels ---- */
+
+void rigpicture_spread(float *out_y, const float *wanted, uint32_t count, float gap, float low,
+                       float high)
+{
+    if (count == 0)
+        return;
+    float least = low;
+    for (uint32_t i = 0; i < count; ++i) {
+        out_y[i] = fmaxf(wanted[i], least);
+        least = out_y[i] + gap;
+    }
+    float most = high;
+    for (uint32_t i = count; i-- > 0;) {
+        out_y[i] = fminf(out_y[i], most);
+        most = out_y[i] - gap;
+    }
+    if (out_y[0] < low) /* too many: from the top, as they come */
+        for (uint32_t i = 0; i < count; ++i)
+            out_y[i] = low + gap * (float)i;
+}
+
+static int compare_labels(const void *left, const void *right)
+{
+    const label *a = left, *b = right;
+    if (a->is_right != b->is_right)
+        return a->is_right ? 1 : -1;
+    if (a->at[1] < b->at[1] || a->at[1] > b->at[1])
+        return a->at[1] < b->at[1] ? -1 : 1;
+    return strcmp(a->name, b->name);
+}
+
+static int compare_across(const void *left, const void *right)
+{
+    const label *a = left, *b = right;
+    if (a->at[0] < b->at[0] || a->at[0] > b->at[0])
+        return a->at[0] < b->at[0] ? -1 : 1;
+    return strcmp(a->name, b->name);
+}
+
+static void add_stroke(picture *p, const float from[2], const float to[2], float width_px,
+                       const float rgba[4])
+{
+    draw_stroke *out = &p->stroke[p->stroke_count++];
+    *out = (draw_stroke){.from = {from[0], from[1]}, .to = {to[0], to[1]}, .width_px = width_px};
+    memcpy(out->rgba, rgba, sizeof out->rgba);
+}
+
+static vec3 vertex_position(const mesh *m, uint32_t vertex)
+{
+    const float *p = m->position + (size_t)vertex * 3;
+    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
+}
+
+static double height_of(const mesh *m)
+{
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    return (double)high[1] - (double)low[1];
+}
+
+/* How far along the unit direction from a point the triangle is; < 0: not at all. */
+static double ray_meets(vec3 from, vec3 direction, const vec3 corner[3])
+{
+    vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]);
+    vec3 cross = vec3_cross(direction, b);
+    double determinant = vec3_dot(a, cross);
+    if (!(fabs(determinant) > 1e-12))
+        return -1.0;
+    vec3 s = vec3_sub(from, corner[0]), t = vec3_cross(s, a);
+    double u = vec3_dot(s, cross) / determinant, v = vec3_dot(direction, t) / determinant;
+    if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0))
+        return -1.0;
+    return vec3_dot(b, t) / determinant;
+}
+
+/* Nothing of the face, but for what is right at the contact, is between it and the eye. */
+static bool is_seen(const picture *p, vec3 at, const draw_camera *camera)
+{
+    const double near_mm = 0.05 * height_of(p->m); /* brows lie on the skin */
+    double yaw = (double)camera->yaw_rad, pitch = (double)camera->pitch_rad;
+    vec3 back = {sin(yaw) * cos(pitch), sin(pitch), cos(yaw) * cos(pitch)};
+    vec3 target = {(double)camera->target[0], (double)camera->target[1], (double)camera->target[2]};
+    vec3 eye = vec3_add(target, vec3_scale(back, (double)camera->distance_mm));
+    vec3 direction = vec3_normalised(vec3_sub(eye, at), back);
+    for (uint32_t i = 0; i < p->m->triangle_count; ++i) {
+        vec3 corner[3];
+        for (size_t k = 0; k < 3; ++k)
+            corner[k] = vertex_position(p->m, p->m->triangle[(size_t)i * 3 + k]);
+        if (ray_meets(at, direction, corner) > near_mm)
+            return false;
+    }
+    return true;
+}
+
+static void collect_labels(picture *p, const draw_camera *camera, const uint32_t rectangle[4])
+{
+    p->label_count = 0;
+    for (uint32_t i = 0; i < p->r->contact_count && p->label_count < LABELS_MAX; ++i) {
+        vec3 at = p->b->contact_position[i];
+        float point[3] = {(float)at.x, (float)at.y, (float)at.z};
+        label *l = &p->label[p->label_count];
+        if (!is_seen(p, at, camera) || !draw_project(l->at, camera, rectangle, point))
+            continue;
+        l->name = p->r->contact[i].name;
+        p->label_count += 1;
+    }
+    qsort(p->label, p->label_count, sizeof *p->label, compare_across);
+    for (uint32_t i = 0; i < p->label_count; ++i)
+        p->label[i].is_right = i >= (p->label_count + 1) / 2;
+    qsort(p->label, p->label_count, sizeof *p->label, compare_labels);
+}
+
+/* One side's labels in a column at the edge of the view, with lines to their contacts. */
+static void place_column(picture *p, uint32_t first, uint32_t count, const uint32_t rectangle[4])
+{
+    float *wanted = p->number, *y = p->number + LABELS_MAX;
+    for (uint32_t i = 0; i < count; ++i)
+        wanted[i] = p->label[first + i].at[1];
+    rigpicture_spread(y, wanted, count, LABEL_GAP, (float)rectangle[1] + MARGIN + LABEL_SIZE,
+                      (float)(rectangle[1] + rectangle[3]) - 3 * LABEL_SIZE);
+    for (uint32_t i = 0; i < count; ++i) {
+        const label *l = &p->label[first + i];
+        float width = draw_text_width(p->renderer, l->name, LABEL_SIZE);
+        float left = l->is_right ? (float)(rectangle[0] + rectangle[2]) - MARGIN - width
+                                 : (float)rectangle[0] + MARGIN;
+        float end[2] = {l->is_right ? left - 5.0f : left + width + 5.0f, y[i]};
+        add_stroke(p, end, l->at, 1.4f, leader);
+        add_stroke(p, l->at, l->at, 11.0f, rim);
+        add_stroke(p, l->at, l->at, 7.5f, dot);
+        draw_text(p->renderer, p->target, l->name, left, y[i] - 0.55f * LABEL_SIZE, LABEL_SIZE,
+                  ink);
+    }
+}
+
+static void draw_axis(picture *p, const draw_camera *camera, const uint32_t rectangle[4])
+{
+    for (uint32_t i = 0; i < p->r->bone_count; ++i) {
+        const rig_bone *bone = &p->r->bone[i];
+        if (bone->kind != BONE_JAW)
+            continue;
+        vec3 beyond = vec3_scale(vec3_sub(bone->hinge_left, bone->hinge_right), 0.25);
+        vec3 ends[4] = {vec3_add(bone->hinge_left, beyond), vec3_sub(bone->hinge_right, beyond),
+                        bone->hinge_left, bone->hinge_right};
+        float px[4][2];
+        for (int k = 0; k < 4; ++k) {
+            float point[3] = {(float)ends[k].x, (float)ends[k].y, (float)ends[k].z};
+            if (!draw_project(px[k], camera, rectangle, point))
+                return;
+        }
+        add_stroke(p, px[0], px[1], 2.5f, axis_ink);
+        add_stroke(p, px[2], px[2], 13.0f, axis_ink);
+        add_stroke(p, px[3], px[3], 13.0f, axis_ink);
+        return;
+    }
+}
+
+/* ---- views ---- */
+
+static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
+{
+    const uint32_t rectangle[4] = {index * RIGPICTURE_WIDTH, RIGPICTURE_HEADER, RIGPICTURE_WIDTH,
+                                   RIGPICTURE_HEIGHT};
+    float low[3], high[3];
+    mesh_bounds(p->m, low, high);
+    draw_camera camera = draw_camera_framing(low, high, 0.74f); /* room for labels */
+    camera.yaw_rad = view->yaw_rad;
+    camera.pitch_rad = view->pitch_rad;
+    draw_render(p->renderer, p->target, p->face, &camera, rectangle[0], rectangle[1], rectangle[2],
+                rectangle[3]);
+    p->stroke_count = 0;
+    draw_axis(p, &camera, rectangle);
+    collect_labels(p, &camera, rectangle);
+    uint32_t left_count = 0;
+    while (left_count < p->label_count && !p->label[left_count].is_right)
+        left_count += 1;
+    place_column(p, 0, left_count, rectangle);
+    place_column(p, left_count, p->label_count - left_count, rectangle);
+    draw_strokes(p->renderer, p->target, p->stroke, p->stroke_count);
+    char words[64];
+    const double degree = 57.29577951308232;
+    (void)snprintf(words, sizeof words, "yaw %.0f°  pitch %.0f°", (double)view->yaw_rad * degree,
+                   (double)view->pitch_rad * degree);
+    draw_text(p->renderer, p->target, words, (float)rectangle[0] + MARGIN,
+              (float)(rectangle[1] + rectangle[3]) - 30.0f, LABEL_SIZE, faint);
+}
+
+/* As colours go to a screen. */
+static float coded(float linear)
+{
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+static void draw_legend(picture *p)
+{
+    float x = MARGIN;
+    char words[160];
+    (void)snprintf(words, sizeof words, "%s: what rides on which bone; pale: cannot be pulled",
+                   p->r->name);
+    draw_text(p->renderer, p->target, words, x, 10.0f, TITLE_SIZE, ink);
+    p->stroke_count = 0;
+    for (uint32_t i = 0; i < p->r->bone_count; ++i) {
+        rigpicture_colour colour = rigpicture_bone_colour(p->r, i);
+        float rgba[4] = {coded(colour.rgb[0]), coded(colour.rgb[1]), coded(colour.rgb[2]), 1.0f};
+        float at[2] = {x + 0.5f * SWATCH, LEGEND_TOP + 0.6f * LEGEND_SIZE};
+        float width = draw_text_width(p->renderer, p->r->bone[i].name, LEGEND_SIZE);
+        if (x + SWATCH + width + 40.0f > (float)p->width)
+            break;
+        add_stroke(p, at, at, SWATCH, rgba);
+        draw_text(p->renderer, p->target, p->r->bone[i].name, x + SWATCH + 6.0f, LEGEND_TOP,
+                  LEGEND_SIZE, faint);
+        x += SWATCH + width + 30.0f;
+    }
+    draw_strokes(p->renderer, p->target, p->stroke, p->stroke_count);
+}
+
+static void finish(picture *p)
+{
+    draw_face_destroy(p->face);
+    draw_renderer_destroy(p->renderer);
+    draw_target_destroy(p->target);
+    draw_context_destroy(p->context);
+    free(p->label);
+    free(p->stroke);
+    free(p->number);
+    free(p->rgb);
+    free(p->pixels);
+}
+
+static mrt_result init(picture *p, uint32_t view_count, error *err)
+{
+    p->width = view_count * RIGPICTURE_WIDTH;
+    uint32_t height = RIGPICTURE_HEADER + RIGPICTURE_HEIGHT;
+    p->label = calloc(LABELS_MAX, sizeof *p->label);
+    p->stroke = calloc((LABELS_MAX + 4) * STROKES_PER_LABEL, sizeof *p->stroke);
+    p->number = calloc((size_t)LABELS_MAX * 2, sizeof *p->number);
+    p->rgb = calloc((size_t)p->m->vertex_count * 3 + 1, sizeof *p->rgb);
+    p->pixels = malloc((size_t)p->width * height * 4);
+    if (!p->label || !p->stroke || !p->number || !p->rgb || !p->pixels)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the picture");
+    p->context = draw_context_create(err);
+    p->target = p->context ? draw_target_create(p->width, height, err) : NULL;
+    p->renderer = p->target ? draw_renderer_create(err) : NULL;
+    p->face = p->renderer ? draw_face_create(p->m, err) : NULL;
+    return p->face ? MRT_OK : MRT_ERR_UNSUPPORTED;
+}
+
+mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
+                            const rigpicture_view *view, uint32_t view_count, error *err)
+{
+    picture p = {.r = r, .m = m, .b = b};
+    mrt_result result = init(&p, view_count, err);
+    if (result >= 0) {
+        colour_vertices(&p);
+        draw_face_colour(p.face, p.rgb);
+        for (uint32_t i = 0; i < view_count; ++i)
+            draw_view(&p, &view[i], i);
+        draw_legend(&p);
+        draw_read(p.target, p.pixels);
+        result = png_write(path, p.pixels, p.width, RIGPICTURE_HEADER + RIGPICTURE_HEIGHT, err);
+    }
+    finish(&p);
+    return result;
+}
