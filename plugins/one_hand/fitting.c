@@ -39,7 +39,15 @@ static double apart(const fitting *self, int place)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Against a head whose pupils are 63 mm apart: these distances, or its height. */
+static void insert(double *sorted, int count, double value)
+{
+    for (; count > 0 && sorted[count - 1] > value; --count)
+        sorted[count] = sorted[count - 1];
+    sorted[count] = value;
+}
+
+/* Against a head whose pupils are 63 mm apart. The median of what there is to measure, for puppets
+ * have wide mouths or high foreheads, but rarely everything. */
 static double scale_of(const fitting *self, const mrt_face *face)
 {
     static const struct measure {
@@ -49,13 +57,17 @@ static double scale_of(const fitting *self, const mrt_face *face)
                     {PLACE_BROW_MID, 66},
                     {PLACE_BROW_INNER, 30},
                     {PLACE_BROW_OUTER, 100}};
-    double scale = ((double)face->high.y - (double)face->low.y) / 240.0;
-    for (int i = COUNT_OF(measures) - 1; i >= 0; --i) {
+    double scales[1 + COUNT_OF(measures)];
+    int count = 0;
+    double height = ((double)face->high.y - (double)face->low.y) / 240.0;
+    if (isfinite(height) && height > 0.0)
+        insert(scales, count++, height);
+    for (int i = 0; i < COUNT_OF(measures); ++i) {
         double mm = has_pair(self, measures[i].place) ? apart(self, measures[i].place) : 0.0;
-        if (mm > 0.0)
-            scale = mm / measures[i].mm;
+        if (isfinite(mm) && mm > 0.0)
+            insert(scales, count++, mm / measures[i].mm);
     }
-    return isfinite(scale) && scale > 0.0 ? scale : 1.0;
+    return count > 0 ? 0.5 * (scales[(count - 1) / 2] + scales[count / 2]) : 1.0;
 }
 
 static bool is_lid(int dof)

@@ -209,6 +209,28 @@ static void a_larger_face_moves_further(void **state)
                 fabsf(corner[1].y - 2 * corner[0].y) < 1e-3f);
 }
 
+static void a_wide_mouth_alone_makes_no_large_face(void **state)
+{
+    (void)state;
+    mrt_contact wide[BENCH_CONTACTS];
+    memcpy(wide, bench_contacts, sizeof wide);
+    for (size_t i = 0; i < BENCH_CONTACTS; ++i)
+        if (strncmp(wide[i].name, "mouth.corner", 12) == 0)
+            wide[i].rest.x *= 2.2f;
+    mrt_face face = bench_face;
+    face.contacts = wide;
+    float lift[2];
+    for (int k = 0; k < 2; ++k) {
+        bench b;
+        bench_set_up_on(&b, k ? &face : &bench_face, "samples=1");
+        bench_talk_for(&b, MRT_RIGHT, 3);
+        bench_bend(&b, MRT_RIGHT, (bends){{{INDEX_MPJ, -15}, {MIDDLE_MPJ, -15}}}, 1);
+        lift[k] = bench_pulled(&b, "brow.mid.l").y;
+        bench_tear_down(&b);
+    }
+    assert_true(lift[0] > 3.0f && fabsf(lift[1] - lift[0]) < 1e-4f);
+}
+
 static void logged(bench *b, char *out, size_t capacity)
 {
     log_record record;
@@ -317,6 +339,7 @@ int main(void)
         cmocka_unit_test(mask_moves_with_the_fingers_not_with_the_wrist),
         cmocka_unit_test(mask_hangs_the_jaw_on_the_thumb),
         cmocka_unit_test(a_larger_face_moves_further),
+        cmocka_unit_test(a_wide_mouth_alone_makes_no_large_face),
         cmocka_unit_test(a_face_without_anything_to_move_is_refused_with_a_reason),
         cmocka_unit_test(what_a_face_lacks_is_said_once_and_the_rest_performs),
         cmocka_unit_test(without_a_jaw_bone_the_chin_is_pulled),
