@@ -27,7 +27,7 @@ typedef struct planner {
     float *residual;  /* vertex_count by 3: scratch */
     uint8_t *is_moved;
     float tolerance_square;
-    basis basis; /* of the window so far, on the vertices looked at */
+    basis *basis; /* of the window so far, on the vertices looked at */
 } planner;
 
 typedef struct estimate {
@@ -38,7 +38,8 @@ typedef struct estimate {
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to split the free frames into windows");
+    (void)error_set(err, MRT_ERR_MEMORY, "no memory to split the free frames into windows");
+    return MRT_ERR_MEMORY;
 }
 
 /* ---- what is looked at ---- */
@@ -109,10 +110,10 @@ static mrt_result look(planner *p, double tolerance_m, error *err)
     if (result == MRT_OK) {
         pick_vertices(p, is_moved, moved_count);
         size_t width = (size_t)p->vertex_count * 3;
-        p->shape = malloc((p->picked * width + 1) * sizeof *p->shape);
+        p->shape = calloc(p->picked * width + 1, sizeof *p->shape);
         p->residual = malloc((width + 1) * sizeof *p->residual);
         p->is_moved = malloc((size_t)p->vertex_count + 1);
-        p->basis = (basis){.length = width, .cap = p->picked};
+        *p->basis = (basis){.length = width, .cap = p->picked};
         result = p->shape && p->residual && p->is_moved ? read_shapes(p, err) : no_memory(err);
     }
     free(is_moved);
@@ -122,26 +123,26 @@ static mrt_result look(planner *p, double tolerance_m, error *err)
 /* ---- estimates ---- */
 
 /* What the basis leaves of a frame seen from another (NULL: from rest). */
-static float leave_residual(planner *p, const float *shape, const float *origin)
+static float leave_residual(const planner *p, const float *shape, const float *origin)
 {
-    size_t width = p->basis.length;
+    size_t width = p->basis->length;
     for (size_t d = 0; d < width; ++d)
         p->residual[d] = origin ? shape[d] - origin[d] : shape[d];
     for (uint32_t v = 0; v < p->vertex_count; ++v)
         p->is_moved[v] |=
             component_frames_peak(p->residual + (size_t)v * 3, 1) >
             p->tolerance_square * (float)(COMPONENT_STILL_SHARE * COMPONENT_STILL_SHARE);
-    for (size_t j = 0; j < p->basis.count; ++j) {
-        const float *axis = p->basis.axis + j * width;
+    for (size_t j = 0; j < p->basis->count; ++j) {
+        const float *axis = p->basis->axis + j * width;
         basis_subtract(p->residual, (float)basis_dot(p->residual, axis, width), axis, width);
     }
     return component_frames_peak(p->residual, p->vertex_count);
 }
 
-static void close_window(planner *p, estimate *e, uint32_t end)
+static void close_window(const planner *p, estimate *e, uint32_t end)
 {
     component_plan *plan = &e->plan;
-    uint32_t rank = p->basis.count ? (uint32_t)p->basis.count : 1, moved = 0;
+    uint32_t rank = p->basis->count ? (uint32_t)p->basis->count : 1, moved = 0;
     for (uint32_t v = 0; v < p->vertex_count; ++v)
         moved += p->is_moved[v];
     double share = p->vertex_count ? (double)moved / p->vertex_count : 0.0;
@@ -153,7 +154,7 @@ static void close_window(planner *p, estimate *e, uint32_t end)
     plan->need[plan->count++] = rank;
     plan->first[plan->count] = end;
     e->target_count += rank;
-    p->basis.count = 0;
+    p->basis->count = 0;
     memset(p->is_moved, 0, p->vertex_count);
 }
 
@@ -172,20 +173,20 @@ static void add_bases(const planner *p, estimate *e)
 
 /* Windows that end where more than `limit` directions would be needed (0: one window). Gives up
  * when it costs more than `enough`. */
-static void estimate_windows(planner *p, estimate *e, uint32_t limit, double enough)
+static void estimate_windows(const planner *p, estimate *e, uint32_t limit, double enough)
 {
-    size_t width = p->basis.length;
+    size_t width = p->basis->length;
     const float *origin = limit ? p->shape : NULL;
     e->plan.count = e->plan.first[0] = e->target_count = 0;
     e->cost = 0.0;
-    p->basis.count = 0;
+    p->basis->count = 0;
     memset(p->is_moved, 0, p->vertex_count);
     for (uint32_t i = 0; i < p->picked && e->cost < enough; ++i) {
         const float *shape = p->shape + i * width;
         if (leave_residual(p, shape, origin) <= p->tolerance_square)
             continue;
-        if (!limit || p->basis.count < limit) {
-            (void)basis_add(&p->basis, p->residual);
+        if (!limit || p->basis->count < limit) {
+            (void)basis_add(p->basis, p->residual);
             continue;
         }
         close_window(p, e, picked_frame(p, i));
@@ -215,7 +216,7 @@ static void swap_estimates(estimate *a, estimate *b)
 }
 
 /* Leaves the cheapest in *best; *other is room to work in. */
-static void choose(planner *p, estimate *best, estimate *other)
+static void choose(const planner *p, estimate *best, estimate *other)
 {
     estimate_windows(p, best, 0, INFINITY);
     double enough = CLEARLY_CHEAPER * best->cost;
@@ -254,7 +255,8 @@ void component_plan_finish(component_plan *p)
 mrt_result component_plan_make(component_plan *out, component_frames *frames, double tolerance_m,
                                uint32_t cap, error *err)
 {
-    planner p = {.frames = frames, .cap = cap, .picked = picked_count(frames)};
+    basis so_far = {0};
+    planner p = {.frames = frames, .basis = &so_far, .cap = cap, .picked = picked_count(frames)};
     estimate best = {0}, other = {0};
     p.tolerance_square = (float)(tolerance_m * tolerance_m);
     mrt_result result = look(&p, tolerance_m, err);
@@ -266,7 +268,7 @@ mrt_result component_plan_make(component_plan *out, component_frames *frames, do
         choose(&p, &best, &other);
     *out = best.plan;
     component_plan_finish(&other.plan);
-    basis_finish(&p.basis);
+    basis_finish(&so_far);
     free(p.vertex);
     free(p.shape);
     free(p.residual);

@@ -32,7 +32,8 @@ typedef struct search {
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to find the components of the free frames");
+    (void)error_set(err, MRT_ERR_MEMORY, "no memory to find the components of the free frames");
+    return MRT_ERR_MEMORY;
 }
 
 static uint32_t lanes_in_block(const search *s, uint32_t block)
@@ -262,7 +263,7 @@ static float hand_out_weights(const search *s, component_window *out)
 static mrt_result hand_out(search *s, component_window *out, double *out_error_m, error *err)
 {
     out->count = (uint32_t)s->basis.count;
-    out->weight = malloc(((size_t)out->frame_count * out->count + 1) * sizeof *out->weight);
+    out->weight = calloc((size_t)out->frame_count * out->count + 1, sizeof *out->weight);
     if (!out->weight)
         return no_memory(err);
     *out_error_m = sqrt((double)hand_out_weights(s, out));

@@ -3,6 +3,7 @@
 #include "io/component_plan.h"
 #include "io/component_window.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,7 @@ static uint32_t cap_of_window(const component_plan *plan, uint32_t window, uint3
     uint64_t need = 0;
     for (uint32_t w = window; w < plan->count; ++w)
         need += plan->need[w];
+    assert(need > 0);
     uint32_t share = (uint32_t)((uint64_t)left * plan->need[window] / need);
     return share ? share : left > 0;
 }

@@ -29,7 +29,8 @@ typedef struct workshop {
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory for the principal components");
+    (void)error_set(err, MRT_ERR_MEMORY, "no memory for the principal components");
+    return MRT_ERR_MEMORY;
 }
 
 /* ---- the frames ---- */
@@ -174,7 +175,7 @@ mrt_result window_axes_find(window_axes *out, basis *b, window_frames *frames,
     *out = (window_axes){0};
     size_t wanted = picked_count(frames), length = (size_t)frames->moved_count * 3;
     workshop w = {.axes = out, .frames = frames, .length = length};
-    out->pick = malloc(wanted * sizeof *out->pick);
+    out->pick = calloc(wanted, sizeof *out->pick);
     out->vector = malloc(wanted * wanted * sizeof *out->vector);
     out->strength = malloc(wanted * sizeof *out->strength);
     w.row = malloc((wanted * length + 1) * sizeof *w.row);

@@ -6,7 +6,8 @@
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to look at the free frames");
+    (void)error_set(err, MRT_ERR_MEMORY, "no memory to look at the free frames");
+    return MRT_ERR_MEMORY;
 }
 
 typedef struct survey {
