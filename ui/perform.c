@@ -24,7 +24,7 @@ typedef struct performance {
     const perform_options *options;
     log_queue *log;
     plugin_list plugins;
-    mesh mesh;
+    face_file face;
     instance_clock clock;
     input *inputs[PERFORM_INPUTS_MAX];
     uint32_t input_count;
@@ -61,9 +61,9 @@ static void print_log(log_queue *log)
             fprintf(stderr, "%s: %s: %s\n", levels[record.level], record.source, record.text);
 }
 
-static void print_note(const mesh *m)
+static void print_note(const char *note)
 {
-    for (const char *line = m->note; line && *line;) {
+    for (const char *line = note; line && *line;) {
         size_t length = strcspn(line, "\n");
         fprintf(stderr, "note: %.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
@@ -143,18 +143,18 @@ static mrt_result prepare(performance *self, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
     mrt_result result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
-        result = mesh_file_read(&self->mesh, options->face, options->unit, err);
+        result = face_file_read(&self->face, options->face, options->unit, FACE_FILE_USABLE, err);
     if (result < 0)
         return result;
-    print_note(&self->mesh);
+    print_note(self->face.note);
     result = open_inputs(self, err);
     if (result >= 0)
         result = open_mapping(self, err);
     performer_settings settings = {.hand_length_mm = options->hand_length_mm};
     if (result >= 0)
-        result = performer_create(&self->performer, &self->mesh, &self->mapping, &settings, err);
+        result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
     if (result >= 0)
-        result = recording_create(&self->recording, &self->mesh, options->fps, NULL, err);
+        result = recording_create(&self->recording, &self->face.mesh, options->fps, NULL, err);
     return result;
 }
 
@@ -165,7 +165,7 @@ static void finish(performance *self)
     instance_destroy(&self->mapping);
     for (uint32_t i = 0; i < self->input_count; ++i)
         input_destroy(self->inputs[i]);
-    mesh_destroy(&self->mesh);
+    face_file_destroy(&self->face);
     plugin_list_destroy(&self->plugins);
     print_log(self->log);
     log_queue_destroy(self->log);
@@ -239,8 +239,8 @@ static void report_performance(performance *self, facts *told)
     const performer_counts *counts = performer_counted(self->performer);
     const player_report *report = &self->report;
     facts_text(told, "face", "face", self->options->face);
-    facts_number(told, "vertices", "vertices", self->mesh.vertex_count, 0, "");
-    facts_number(told, "triangles", "triangles", self->mesh.triangle_count, 0, "");
+    facts_number(told, "vertices", "vertices", self->face.mesh.vertex_count, 0, "");
+    facts_number(told, "triangles", "triangles", self->face.mesh.triangle_count, 0, "");
     for (uint32_t i = 0; i < self->input_count; ++i)
         facts_list(told, "inputs", "input", input_name(self->inputs[i]));
     facts_text(told, "mapping", "mapping", self->mapping.type->id);

@@ -11,8 +11,7 @@ mrt_result recording_create(recording *out, const mesh *m, double fps, const cha
     if (!out->clip)
         return MRT_ERR_IO;
     out->rows = malloc((size_t)m->vertex_count * 3 * sizeof *out->rows);
-    out->response = malloc((size_t)m->vertex_count * MRT_MAX_VECTORS * sizeof *out->response);
-    if (out->rows && out->response)
+    if (out->rows)
         return MRT_OK;
     recording_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
@@ -24,7 +23,9 @@ void recording_destroy(recording *self)
         return;
     clip_destroy(self->clip);
     free(self->rows);
-    free(self->response);
+    free(self->column);
+    free(self->scale);
+    free(self->vector);
     free(self->work_ms);
     *self = (recording){0};
 }
@@ -43,61 +44,103 @@ static mrt_result keep_work(recording *self, int64_t work_ns, error *err)
     return MRT_OK;
 }
 
-/* The engagement as a segment, in the file's order. */
-static mrt_result begin_segment(recording *self, const shape *s, error *err)
+static mrt_result make_room(recording *self, uint32_t count, error *err)
 {
-    points_to_rows(self->rows, &s->base, &s->order);
-    for (uint32_t k = 0; k < s->control_count; ++k)
-        for (uint32_t v = 0; v < s->base.count; ++v)
-            self->response[(size_t)k * s->base.count + s->order.file_of_slot[v]] =
-                columns_row(&s->response, k)[v];
-    return clip_begin_segment(self->clip, self->rows, self->response, s->start, s->control_count,
-                              err);
+    if (count <= self->column_capacity)
+        return MRT_OK;
+    free(self->column);
+    free(self->scale);
+    free(self->vector);
+    self->column_capacity = 0;
+    self->column = malloc((size_t)count * self->mesh->vertex_count * sizeof *self->column);
+    self->scale = calloc(count, sizeof *self->scale);
+    self->vector = calloc((size_t)count * 3, sizeof *self->vector);
+    if (!self->column || !self->scale || !self->vector)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
+    self->column_capacity = count;
+    return MRT_OK;
 }
 
-static void meter_folds(recording *self, const performer *p)
+/* The columns of bones are lengths in mm; other programs like morph targets near 1. Divides the
+ * column by the least power of two that is not less than its greatest value, if that is above 1:
+ * with the vector multiplied by it, the bits of the product are the same. */
+static double normalise_column(float *column, uint32_t count)
 {
-    const shape *s = performer_shape(p);
-    const double *displacement = performer_displacement(p);
-    if (shape_slope_bound(s, displacement) < 1.0)
+    float greatest = 0.0f;
+    double scale = 1.0;
+    for (uint32_t v = 0; v < count; ++v)
+        greatest = fmaxf(greatest, fabsf(column[v]));
+    while (scale < (double)greatest && scale < 1e30)
+        scale *= 2.0;
+    for (uint32_t v = 0; scale > 1.0 && v < count; ++v)
+        column[v] *= (float)(1.0 / scale);
+    return scale;
+}
+
+/* The columns of the face as a segment, in the file's order. */
+static mrt_result begin_segment(recording *self, const face *f, const face_columns *now, error *err)
+{
+    const points_order *order = face_order(f);
+    mrt_result result = make_room(self, now->count, err);
+    if (result < 0)
+        return result;
+    points_to_rows(self->rows, now->base, order);
+    for (uint32_t k = 0; k < now->count; ++k) {
+        float *column = self->column + (size_t)k * order->count;
+        for (uint32_t v = 0; v < order->count; ++v)
+            column[order->file_of_slot[v]] = now->column[k * now->stride + v];
+        self->scale[k] = normalise_column(column, order->count);
+    }
+    return clip_begin_segment(self->clip, self->rows, self->column, NULL, now->count, err);
+}
+
+static void meter_folds(recording *self, const face *f)
+{
+    self->penetration_mm = fmax(self->penetration_mm, face_penetration_mm(f));
+    if (face_metered(f)->slope_bound < 1.0 && face_bones(f)->dof_count == 0)
         return;
-    double determinant = shape_min_determinant(s, displacement);
+    double determinant = face_min_determinant(f);
     if (!(determinant > 0.0))
         self->folded_frames += 1;
     self->min_determinant = fmin(self->min_determinant, determinant);
 }
 
-static mrt_result add_anchored(recording *self, const performer *p, error *err)
+static mrt_result add_anchored(recording *self, const face *f, const face_columns *now, error *err)
 {
     mrt_result result = MRT_OK;
-    uint32_t engagement = performer_engagement(p);
-    if (!self->has_segment || engagement != self->engagement)
-        result = begin_segment(self, performer_shape(p), err);
+    if (!self->has_segment || now->engagement != self->engagement)
+        result = begin_segment(self, f, now, err);
     if (result < 0)
         return result;
     self->has_segment = true;
-    self->engagement = engagement;
-    meter_folds(self, p);
-    return clip_add_anchored(self->clip, performer_displacement(p), err);
+    self->engagement = now->engagement;
+    for (size_t i = 0; i < (size_t)now->count * 3; ++i)
+        self->vector[i] = now->weight[i] * self->scale[i / 3];
+    return clip_add_anchored(self->clip, self->vector, err);
 }
 
-static mrt_result add_free(recording *self, const performer *p, error *err)
+static mrt_result add_free(recording *self, const face *f, error *err)
 {
-    const shape *s = performer_shape(p);
-    const mrt_pull *pull = performer_pull(p);
-    double tip[MRT_MAX_VECTORS * 3];
+    points_to_rows(self->rows, face_shown(f), face_order(f));
+    return clip_add_free(self->clip, self->rows, err);
+}
+
+/* The control vectors of the frame, for the text export. */
+static mrt_result add_controls(recording *self, const mrt_pull *pull, error *err)
+{
+    double ends[MRT_MAX_VECTORS * 6];
     for (uint32_t i = 0; i < pull->count; ++i) {
-        tip[3 * i] = (double)pull->vector[i].end.x;
-        tip[3 * i + 1] = (double)pull->vector[i].end.y;
-        tip[3 * i + 2] = (double)pull->vector[i].end.z;
+        const mrt_vector *v = &pull->vector[i];
+        const float row[6] = {v->start.x, v->start.y, v->start.z, v->end.x, v->end.y, v->end.z};
+        for (int k = 0; k < 6; ++k)
+            ends[6 * i + (uint32_t)k] = (double)row[k];
     }
-    points_to_rows(self->rows, &s->shown, &s->order);
-    return clip_add_free(self->clip, self->rows, tip, pull->count, err);
+    return clip_add_controls(self->clip, ends, pull->count, err);
 }
 
-static void measure_motion(recording *self, const shape *s)
+static void measure_motion(recording *self, const face *f)
 {
-    const points *a = &s->shown, *b = &s->rest;
+    const points *a = face_shown(f), *b = face_rest(f);
     float furthest = 0.0f;
     for (uint32_t v = 0; v < a->count; ++v) {
         float x = a->x[v] - b->x[v], y = a->y[v] - b->y[v], z = a->z[v] - b->z[v];
@@ -106,13 +149,26 @@ static void measure_motion(recording *self, const shape *s)
     self->furthest_mm = fmax(self->furthest_mm, sqrt((double)furthest));
 }
 
-mrt_result recording_add(recording *self, const performer *p, int64_t work_ns, error *err)
+mrt_result recording_add(recording *self, performer *p, int64_t work_ns, error *err)
 {
+    const face *f = performer_face(p);
+    bool is_anchored = performer_is_anchored(p);
     mrt_result result = keep_work(self, work_ns, err);
     if (result < 0)
         return result;
-    measure_motion(self, performer_shape(p));
-    return performer_is_anchored(p) ? add_anchored(self, p, err) : add_free(self, p, err);
+    measure_motion(self, f);
+    face_columns now = face_columns_now(f);
+    if (is_anchored)
+        meter_folds(self, f);
+    if (is_anchored && !now.is_exact)
+        self->inexact_frames += 1;
+    if (is_anchored && now.is_exact)
+        result = add_anchored(self, f, &now, err);
+    else
+        result = add_free(self, f, err);
+    if (result >= 0)
+        result = add_controls(self, performer_pull(p), err);
+    return result;
 }
 
 static int by_size(const void *a, const void *b)

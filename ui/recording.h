@@ -9,14 +9,20 @@
 typedef struct recording {
     clip *clip;
     const mesh *mesh;
-    uint32_t engagement; /* of the performer at the last segment begun */
+    uint32_t engagement; /* of the face's columns at the last segment begun */
     bool has_segment;
-    float *rows, *response; /* scratch: vertex_count by 3; MRT_MAX_VECTORS by vertex_count */
-    float *work_ms;         /* per frame */
+    float *rows;    /* scratch: vertex_count by 3 */
+    float *column;  /* scratch: column_capacity by vertex_count */
+    double *scale;  /* column_capacity: a power of two that brings a column near 1 */
+    double *vector; /* scratch: column_capacity by 3 */
+    uint32_t column_capacity;
+    float *work_ms; /* per frame */
     uint32_t frame_count, frame_capacity;
-    double furthest_mm;     /* of any vertex from rest, in any frame */
-    uint32_t folded_frames; /* anchored frames with a determinant <= 0 at a vertex */
-    double min_determinant; /* of the anchored frames; 1 when the bound says that none folds */
+    double furthest_mm;      /* of any vertex from rest, in any frame */
+    uint32_t folded_frames;  /* anchored frames that fold: face_min_determinant <= 0 */
+    double min_determinant;  /* of the anchored frames; 1 when the bound says that none folds */
+    double penetration_mm;   /* of skin into the skull, as shown */
+    uint32_t inexact_frames; /* anchored, but kept as vertices: the projection was at work */
 } recording;
 
 /* clip_directory: see clip_create. */
@@ -25,7 +31,7 @@ CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps,
 void recording_destroy(recording *self);
 
 /* Takes the performer's shape as the next frame. */
-CHECKED mrt_result recording_add(recording *self, const performer *p, int64_t work_ns, error *err);
+CHECKED mrt_result recording_add(recording *self, performer *p, int64_t work_ns, error *err);
 
 /* Frame times, ms; 0 without frames. Sorts what recording_add kept. */
 double recording_median_ms(recording *self);

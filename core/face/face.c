@@ -157,6 +157,13 @@ bool face_is_near(const face *f, const double *point, uint32_t count, double rad
     return shape_is_near(f->control_count > 0 ? &f->base : &f->shown, point, count, radius);
 }
 
+vec3 face_contact_now(const face *f, uint32_t contact)
+{
+    double at[3];
+    points_at(at, &f->shown, f->contact_slot[contact - 1]);
+    return (vec3){at[0], at[1], at[2]};
+}
+
 face_columns face_columns_now(const face *f)
 {
     return (face_columns){.base = f->origin,

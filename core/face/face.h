@@ -33,6 +33,8 @@ const binding *face_binding(const face *f);
 const bones *face_bones(const face *f); /* dof_count 0 without a rig */
 /* Contacts as plugins see them; until destroy. */
 const mrt_contact *face_contacts(const face *f, uint32_t *out_count);
+/* Where a contact (1 + index) is in the shape shown, mm. */
+vec3 face_contact_now(const face *f, uint32_t contact);
 
 typedef struct face_control {
     vec3 start;       /* mm, where it takes hold of the face shown */
@@ -61,9 +63,9 @@ CHECKED mrt_result face_pull(face *f, const double *end, const float *dof, error
  * vertices, once per drawn frame. */
 CHECKED mrt_result face_aim(face *f, const double *end, const float *dof, error *err);
 void face_show(face *f);
-/* Ends for controls that ride on the bones (rides: 1 for each such control): on entry their `end` is
- * how far they are to be pulled with all bones at rest, on return where that lands once the bones
- * that `dof` drives have moved. Other ends stay. */
+/* Ends for controls that ride on the bones (rides: 1 for each such control): on entry their `end`
+ * is how far they are to be pulled with all bones at rest, on return where that lands once the
+ * bones that `dof` drives have moved. Other ends stay. */
 void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof);
 /* Base := shown with its bones at rest; the engagement ends; nothing jumps. */
 void face_commit(face *f);

@@ -166,7 +166,7 @@ static mrt_result check_ends(const face *f, const double *end, error *err)
     return MRT_OK;
 }
 
-mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
+mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
 {
     float resolved[MRT_MAX_DOFS];
     rigid pose[RIG_BONES_MAX];
@@ -185,6 +185,34 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
     memcpy(f->weight, f->next_weight, (size_t)3 * f->columns.count * sizeof *f->weight);
     face_take_pose(f, resolved, pose);
     f->meter.slope_bound = slope;
-    face_show(f);
     return MRT_OK;
+}
+
+mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
+{
+    mrt_result result = face_aim(f, end, dof, err);
+    if (result >= 0)
+        face_show(f);
+    return result;
+}
+
+void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)
+{
+    float driven[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    for (uint32_t i = 0; i < f->bones.dof_count; ++i)
+        driven[i] = dof && isfinite(dof[i]) ? dof[i] : 0.0f;
+    bones_pose(pose, &f->bones, driven);
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        if (!rides[k])
+            continue;
+        const face_grip *grip = &f->grip[k];
+        blend posed = face_blend_at(f, grip, pose);
+        vec3 pulled = {grip->start.x + end[3 * k], grip->start.y + end[3 * k + 1],
+                       grip->start.z + end[3 * k + 2]};
+        vec3 to = blend_apply(&posed, pulled);
+        end[3 * k] = to.x;
+        end[3 * k + 1] = to.y;
+        end[3 * k + 2] = to.z;
+    }
 }

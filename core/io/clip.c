@@ -11,9 +11,10 @@
 
 typedef struct clip_frame {
     int32_t segment;      /* -1: free */
-    uint32_t tip_count;   /* of a free frame */
-    size_t first_control; /* of its displacements or tips, index into clip.control in doubles */
-    uint64_t free_index;  /* of a free frame, in the temporary file */
+    size_t first_vector;  /* of an anchored frame, index into clip.number */
+    size_t first_control; /* of its control vectors, index into clip.number */
+    uint32_t control_count;
+    uint64_t free_index; /* of a free frame, in the temporary file */
 } clip_frame;
 
 struct clip {
@@ -24,8 +25,8 @@ struct clip {
     uint32_t segment_count, segment_capacity;
     clip_frame *frame;
     uint32_t frame_count, frame_capacity;
-    double *control; /* displacements and tips of all frames, 3 per control */
-    size_t control_count, control_capacity;
+    double *number; /* vectors and control vectors of all frames */
+    size_t number_count, number_capacity;
     uint64_t free_count;
     int fd; /* the temporary file, -1 until the first free frame */
 };
@@ -48,13 +49,14 @@ static mrt_result check_floats(const float *value, size_t count, const char *wha
     return MRT_OK;
 }
 
-static mrt_result check_controls(const clip *c, const double *value, uint32_t count,
-                                 const char *what, error *err)
+/* width: numbers of one control or column. */
+static mrt_result check_numbers(const clip *c, const double *value, uint32_t count, uint32_t width,
+                                const char *what, error *err)
 {
-    for (size_t i = 0; i < (size_t)count * 3; ++i)
+    for (size_t i = 0; i < (size_t)count * width; ++i)
         if (!isfinite(value[i]))
-            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s of control %zu is not finite",
-                             c->frame_count, what, i / 3 + 1);
+            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s %zu is not finite",
+                             c->frame_count, what, i / width + 1);
     return MRT_OK;
 }
 
@@ -72,32 +74,37 @@ static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t elemen
     return grown;
 }
 
-static mrt_result reserve_frame(clip *c, uint32_t control_count, error *err)
+static mrt_result reserve_frame(clip *c, error *err)
 {
     clip_frame *frame = grow(c->frame, c->frame_count, &c->frame_capacity, sizeof *c->frame);
     if (!frame)
         return no_memory(c, err);
     c->frame = frame;
-    size_t needed = c->control_count + (size_t)control_count * 3;
-    if (needed <= c->control_capacity)
-        return MRT_OK;
-    size_t wanted = needed + needed / 2 + 64;
-    double *control = realloc(c->control, wanted * sizeof *control);
-    if (!control)
-        return no_memory(c, err);
-    c->control = control;
-    c->control_capacity = wanted;
     return MRT_OK;
 }
 
-/* Room has been reserved. */
-static void push_frame(clip *c, clip_frame frame, const double *control, uint32_t control_count)
+static mrt_result reserve_numbers(clip *c, size_t count, error *err)
 {
-    frame.first_control = c->control_count;
-    if (control_count)
-        memcpy(c->control + c->control_count, control, (size_t)control_count * 3 * sizeof *control);
-    c->control_count += (size_t)control_count * 3;
-    c->frame[c->frame_count++] = frame;
+    size_t needed = c->number_count + count;
+    if (needed <= c->number_capacity)
+        return MRT_OK;
+    size_t wanted = needed + needed / 2 + 64;
+    double *number = realloc(c->number, wanted * sizeof *number);
+    if (!number)
+        return no_memory(c, err);
+    c->number = number;
+    c->number_capacity = wanted;
+    return MRT_OK;
+}
+
+/* Room has been reserved. Returns where they are. */
+static size_t push_numbers(clip *c, const double *number, size_t count)
+{
+    size_t first = c->number_count;
+    if (count > 0)
+        memcpy(c->number + first, number, count * sizeof *number);
+    c->number_count += count;
+    return first;
 }
 
 static mrt_result open_temporary(clip *c, error *err)
@@ -168,26 +175,27 @@ static mrt_result read_free(const clip *c, uint32_t frame, float *out_position, 
 static void read_anchored(const clip *c, uint32_t frame, float *out_position)
 {
     const clip_segment *segment = &c->segment[c->frame[frame].segment];
-    const double *displacement = clip_displacement(c, frame);
+    const double *vector = clip_vector(c, frame);
     uint32_t vertex_count = c->mesh->vertex_count;
     memcpy(out_position, segment->base, position_bytes(c));
-    for (uint32_t k = 0; k < segment->control_count; ++k) {
-        const float *response = segment->response + (size_t)k * vertex_count;
-        float x = (float)displacement[k * 3], y = (float)displacement[k * 3 + 1],
-              z = (float)displacement[k * 3 + 2];
+    for (uint32_t k = 0; k < segment->column_count; ++k) {
+        const float *column = segment->column + (size_t)k * vertex_count;
+        float x = (float)vector[k * 3], y = (float)vector[k * 3 + 1], z = (float)vector[k * 3 + 2];
         for (size_t v = 0; v < vertex_count; ++v) {
-            out_position[v * 3] += response[v] * x;
-            out_position[v * 3 + 1] += response[v] * y;
-            out_position[v * 3 + 2] += response[v] * z;
+            out_position[v * 3] += column[v] * x;
+            out_position[v * 3 + 1] += column[v] * y;
+            out_position[v * 3 + 2] += column[v] * z;
         }
     }
 }
 
 static void segment_finish(clip_segment *segment)
 {
+    for (uint32_t k = 0; segment->name && k < segment->column_count; ++k)
+        free(segment->name[k]);
     free(segment->base);
-    free(segment->response);
-    free(segment->start);
+    free(segment->column);
+    free(segment->name);
     *segment = (clip_segment){0};
 }
 
@@ -236,21 +244,31 @@ void clip_destroy(clip *c)
         (void)close(c->fd);
     free(c->segment);
     free(c->frame);
-    free(c->control);
+    free(c->number);
     free(c->directory);
     free(c);
 }
 
-mrt_result clip_begin_segment(clip *c, const float *base, const float *response,
-                              const double *start, uint32_t control_count, error *err)
+static bool name_columns(clip_segment *segment, const char *const *name)
+{
+    segment->name = calloc((size_t)segment->column_count + 1, sizeof *segment->name);
+    for (uint32_t k = 0; segment->name && k < segment->column_count; ++k) {
+        char usual[32];
+        (void)snprintf(usual, sizeof usual, "control%u", k + 1);
+        segment->name[k] = strdup(name ? name[k] : usual);
+        if (!segment->name[k])
+            return false;
+    }
+    return segment->name != NULL;
+}
+
+mrt_result clip_begin_segment(clip *c, const float *base, const float *column,
+                              const char *const *name, uint32_t column_count, error *err)
 {
     size_t vertex_count = c->mesh->vertex_count;
     mrt_result result = check_floats(base, vertex_count * 3, "the segment's base shape", err);
     if (result == MRT_OK)
-        result =
-            check_floats(response, vertex_count * control_count, "the segment's responses", err);
-    if (result == MRT_OK)
-        result = check_controls(c, start, control_count, "the start", err);
+        result = check_floats(column, vertex_count * column_count, "the segment's columns", err);
     if (result < 0)
         return result;
     clip_segment *grown =
@@ -259,11 +277,9 @@ mrt_result clip_begin_segment(clip *c, const float *base, const float *response,
         return no_memory(c, err);
     c->segment = grown;
     clip_segment segment = {.base = copy_of(base, position_bytes(c)),
-                            .response =
-                                copy_of(response, vertex_count * control_count * sizeof *response),
-                            .start = copy_of(start, (size_t)control_count * 3 * sizeof *start),
-                            .control_count = control_count};
-    if (!segment.base || !segment.response || !segment.start) {
+                            .column = copy_of(column, vertex_count * column_count * sizeof *column),
+                            .column_count = column_count};
+    if (!segment.base || !segment.column || !name_columns(&segment, name)) {
         segment_finish(&segment);
         return no_memory(c, err);
     }
@@ -271,44 +287,58 @@ mrt_result clip_begin_segment(clip *c, const float *base, const float *response,
     return MRT_OK;
 }
 
-mrt_result clip_add_anchored(clip *c, const double *displacement, error *err)
+mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
 {
     if (c->segment_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "frame %u: an anchored frame needs a segment",
                          c->frame_count);
     clip_segment *segment = &c->segment[c->segment_count - 1];
+    size_t count = (size_t)segment->column_count * 3;
     mrt_result result =
-        check_controls(c, displacement, segment->control_count, "the displacement", err);
+        check_numbers(c, vector, segment->column_count, 3, "the vector of column", err);
     if (result == MRT_OK)
-        result = reserve_frame(c, segment->control_count, err);
+        result = reserve_frame(c, err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, count, err);
     if (result < 0)
         return result;
-    push_frame(c, (clip_frame){.segment = (int32_t)(c->segment_count - 1)}, displacement,
-               segment->control_count);
+    clip_frame frame = {.segment = (int32_t)(c->segment_count - 1),
+                        .first_vector = push_numbers(c, vector, count)};
+    c->frame[c->frame_count++] = frame;
     segment->frame_count++;
     return MRT_OK;
 }
 
-mrt_result clip_add_free(clip *c, const float *position, const double *tip, uint32_t tip_count,
-                         error *err)
+mrt_result clip_add_free(clip *c, const float *position, error *err)
 {
     size_t v3 = (size_t)c->mesh->vertex_count * 3;
     for (size_t i = 0; i < v3; ++i)
         if (!isfinite(position[i]))
             return error_set(err, MRT_ERR_ARGUMENT, "frame %u: vertex %zu is not finite",
                              c->frame_count, i / 3);
-    mrt_result result = check_controls(c, tip, tip_count, "the place", err);
-    if (result == MRT_OK)
-        result = reserve_frame(c, tip_count, err);
+    mrt_result result = reserve_frame(c, err);
     if (result == MRT_OK && c->fd < 0)
         result = open_temporary(c, err);
     if (result == MRT_OK)
         result = write_free(c, position, err);
     if (result < 0)
         return result;
-    push_frame(c,
-               (clip_frame){.segment = -1, .tip_count = tip_count, .free_index = c->free_count++},
-               tip, tip_count);
+    c->frame[c->frame_count++] = (clip_frame){.segment = -1, .free_index = c->free_count++};
+    return MRT_OK;
+}
+
+mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err)
+{
+    if (c->frame_count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "control vectors need a frame");
+    mrt_result result = check_numbers(c, start_end, count, 6, "the vector of control", err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, (size_t)count * 6, err);
+    if (result < 0)
+        return result;
+    clip_frame *frame = &c->frame[c->frame_count - 1];
+    frame->first_control = push_numbers(c, start_end, (size_t)count * 6);
+    frame->control_count = count;
     return MRT_OK;
 }
 
@@ -344,18 +374,18 @@ int32_t clip_frame_segment(const clip *c, uint32_t frame)
     return c->frame[frame].segment;
 }
 
-const double *clip_displacement(const clip *c, uint32_t frame)
+const double *clip_vector(const clip *c, uint32_t frame)
 {
     assert(frame < c->frame_count);
-    return c->frame[frame].segment >= 0 ? c->control + c->frame[frame].first_control : NULL;
+    return c->frame[frame].segment >= 0 ? c->number + c->frame[frame].first_vector : NULL;
 }
 
-const double *clip_tips(const clip *c, uint32_t frame, uint32_t *out_count)
+const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count)
 {
     assert(frame < c->frame_count);
     const clip_frame *f = &c->frame[frame];
-    *out_count = f->segment >= 0 ? 0 : f->tip_count;
-    return *out_count ? c->control + f->first_control : NULL;
+    *out_count = f->control_count;
+    return f->control_count ? c->number + f->first_control : NULL;
 }
 
 mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err)

@@ -1,6 +1,6 @@
 /* io/clip.h - a performance as the exporters need it: a mesh and its motion at a fixed frame rate.
- * Frames are either anchored (a segment's base and unit responses, and one displacement per
- * control: exact and small) or free (vertex positions). Free frames are kept in an unlinked
+ * Frames are either anchored (a segment's base and columns, and one vector per column: exact and
+ * small) or free (vertex positions). Free frames are kept in an unlinked
  * temporary file, not in memory. Vertices are in the mesh's (file) order, mm. What is not finite is
  * refused. One thread at a time. */
 #ifndef MAROTTE_IO_CLIP_H
@@ -9,9 +9,9 @@
 
 typedef struct clip_segment { /* an anchored engagement */
     float *base;              /* vertex_count by 3 */
-    float *response;          /* control_count by vertex_count */
-    double *start;            /* control_count by 3: where the controls were at engage */
-    uint32_t control_count;
+    float *column;            /* column_count by vertex_count: unit responses, weights of bones */
+    char **name;              /* column_count: "control1", "jaw.x" */
+    uint32_t column_count;
     uint32_t frame_count; /* frames that use it */
 } clip_segment;
 
@@ -22,16 +22,17 @@ typedef struct clip clip;
 clip *clip_create(const mesh *m, double fps, const char *directory, error *err);
 void clip_destroy(clip *c);
 
-/* Copies; frames added by clip_add_anchored belong to the newest segment. */
-CHECKED mrt_result clip_begin_segment(clip *c, const float *base, const float *response,
-                                      const double *start, uint32_t control_count, error *err);
-/* displacement: control_count by 3 of the newest segment, mm. The shape is
- * base + sum_k response_k * (float)displacement_k, summed in k order in float32. */
-CHECKED mrt_result clip_add_anchored(clip *c, const double *displacement, error *err);
-/* tip: tip_count by 3, mm, where the controls are in this frame (for the text export); may be NULL
- * when tip_count is 0. */
-CHECKED mrt_result clip_add_free(clip *c, const float *position, const double *tip,
-                                 uint32_t tip_count, error *err);
+/* Copies; frames added by clip_add_anchored belong to the newest segment. name: column_count, or
+ * NULL: "control1" and so on. */
+CHECKED mrt_result clip_begin_segment(clip *c, const float *base, const float *column,
+                                      const char *const *name, uint32_t column_count, error *err);
+/* vector: column_count by 3 of the newest segment, mm. The shape is
+ * base + sum_k column_k * (float)vector_k, summed in k order in float32. */
+CHECKED mrt_result clip_add_anchored(clip *c, const double *vector, error *err);
+CHECKED mrt_result clip_add_free(clip *c, const float *position, error *err);
+/* The control vectors of the frame that was added last, for the text export: count by 6, mm: start
+ * and end. */
+CHECKED mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err);
 
 const mesh *clip_mesh(const clip *c);
 double clip_fps(const clip *c);
@@ -40,11 +41,10 @@ uint32_t clip_segment_count(const clip *c);
 const clip_segment *clip_segment_at(const clip *c, uint32_t segment);
 /* Segment of a frame, or -1 for a free one. */
 int32_t clip_frame_segment(const clip *c, uint32_t frame);
-/* The displacements of an anchored frame, NULL for a free one; until the clip changes. */
-const double *clip_displacement(const clip *c, uint32_t frame);
-/* Where the controls are in a free frame, NULL and 0 for an anchored one; until the clip changes.
- */
-const double *clip_tips(const clip *c, uint32_t frame, uint32_t *out_count);
+/* The vectors of an anchored frame, NULL for a free one; until the clip changes. */
+const double *clip_vector(const clip *c, uint32_t frame);
+/* The control vectors of a frame (count by 6), NULL and 0 without any; until the clip changes. */
+const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count);
 /* Positions of any frame, vertex_count by 3. */
 CHECKED mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err);
 

@@ -29,7 +29,7 @@ typedef struct gltf_report {
 } gltf_report;
 
 /* .glb: base mesh, morph targets, a weights animation with a key per frame. Anchored frames exactly
- * (to float32): one target per control axis and segment, "s1.control2.y", weights = displacements
+ * (to float32): one target per column axis and segment, "s1.control2.y", weights = vectors
  * in metres, and one target per committed base, "s2.base". Free frames: principal components up to
  * the tolerance, "component1", weights within -1..1. Where that makes less work and few more bytes,
  * a long motion is split into windows of time, each with a base and components of its own,
@@ -51,7 +51,7 @@ CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progr
 /* The controls as text, one row per frame and control, mm:
  * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
  * (mode: anchored or free; frame from 0; segment and control from 1, as in the glTF names; a free
- * frame has no segment, and its start is where the control was the frame before). */
+ * frame has no segment). */
 CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 

@@ -18,7 +18,7 @@ namespace
 /* Where the targets of a segment are among all targets. */
 struct segment_targets {
     size_t base; /* valid if has_base */
-    size_t first_control;
+    size_t first_column;
     bool has_base;
 };
 
@@ -56,15 +56,14 @@ void add_segment_targets(gltf_output &out, gltf_surface &s, performance &p, uint
     at.base = s.target.size();
     if (at.has_base)
         gltf_surface_target(out, s, prefix + "base", offset.data());
-    at.first_control = s.target.size();
-    for (uint32_t k = 0; k < segment->control_count; ++k) {
-        const float *response = segment->response + k * vertex_count;
+    at.first_column = s.target.size();
+    for (uint32_t k = 0; k < segment->column_count; ++k) {
+        const float *column = segment->column + k * vertex_count;
         for (size_t axis = 0; axis < 3; ++axis) {
             std::fill(offset.begin(), offset.end(), 0.0f);
             for (size_t v = 0; v < vertex_count; ++v)
-                offset[v * 3 + axis] = response[v];
-            gltf_surface_target(out, s,
-                                prefix + "control" + std::to_string(k + 1) + "." + axis_name[axis],
+                offset[v * 3 + axis] = column[v];
+            gltf_surface_target(out, s, prefix + segment->name[k] + "." + axis_name[axis],
                                 offset.data());
         }
     }
@@ -109,16 +108,16 @@ void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
         add_window_targets(out, s, p, w);
 }
 
-/* Weights of an anchored frame: its displacements in metres, and its committed base. */
+/* Weights of an anchored frame: its vectors in metres, and its committed base. */
 void put_anchored_weights(const performance &p, uint32_t frame, float *weight)
 {
     auto segment = static_cast<uint32_t>(clip_frame_segment(p.source, frame));
     const segment_targets &at = p.segment[segment];
-    const double *displacement = clip_displacement(p.source, frame);
+    const double *vector = clip_vector(p.source, frame);
     if (at.has_base)
         weight[at.base] = 1.0f;
-    for (size_t i = 0; i < size_t{clip_segment_at(p.source, segment)->control_count} * 3; ++i)
-        weight[at.first_control + i] = static_cast<float>(displacement[i] * GLTF_METRES_PER_MM);
+    for (size_t i = 0; i < size_t{clip_segment_at(p.source, segment)->column_count} * 3; ++i)
+        weight[at.first_column + i] = static_cast<float>(vector[i] * GLTF_METRES_PER_MM);
 }
 
 /* Weights of a window's frames: its base, and its components. */
@@ -180,7 +179,7 @@ void add_animation(gltf_output &out, const performance &p, size_t target_count, 
     std::vector<float> time_s = key_times(p.source);
     gltf_output_reserve(out, time_s.size() * (target_count + 1) * sizeof(float));
     std::vector<float> weight = all_weights(p, target_count);
-    gltf_output_check(weight.data(), weight.size(), "weights of the controls");
+    gltf_output_check(weight.data(), weight.size(), "weights of the columns");
     tinygltf::AnimationSampler sampler;
     sampler.input = gltf_output_floats(out, time_s.data(), time_s.size(), 1, 0);
     sampler.output = gltf_output_floats(out, weight.data(), weight.size(), 1, 0);

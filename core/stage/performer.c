@@ -23,7 +23,9 @@ typedef struct hand_stage { /* steps 2 and 3 of one hand */
 struct performer {
     instance *mapping;
     const mrt_mapping *functions;
-    mrt_face face;
+    face *face;
+    mrt_face about; /* the face as the mapping sees it */
+    mrt_dof dof[MRT_MAX_DOFS];
     csrbf_settings solver; /* with the default radius filled in */
     double reach_mm;
     vec3 centre;
@@ -34,17 +36,14 @@ struct performer {
     mrt_pull good; /* the last that passed the guard */
     bool has_time;
 
-    shape shape;
     uint32_t *triangle; /* of the face, in the engine's order */
     uint32_t triangle_count;
     float *normal; /* 3 streams of padded_count */
 
-    bool engaged; /* anchored: the shape is engaged for `anchor` */
-    bool stale;   /* anchored: shown is older than displacement */
-    uint32_t anchor, commit, engagement;
+    bool engaged; /* anchored: the face is engaged for `anchor` */
+    bool stale;   /* anchored: what is shown is older than the last sample */
+    uint32_t anchor, commit, control_count;
     float engaged_radius_mm;
-    double start[MRT_MAX_VECTORS * 3];
-    double displacement[MRT_MAX_VECTORS * 3];
     bool was_near, is_dragging;
     double tip[MRT_MAX_VECTORS * 3]; /* unanchored: where the tips really are */
     uint32_t tip_count;
@@ -59,19 +58,21 @@ static double to_double(float v)
     return (double)v;
 }
 
-static mrt_result create_surface(performer *self, const mesh *face, error *err)
+static mrt_result create_surface(performer *self, const face_file *file, error *err)
 {
+    const mesh *m = &file->mesh;
     mrt_result result =
-        shape_create(&self->shape, face->position, face->vertex_count, MRT_MAX_VECTORS, err);
+        face_create(&self->face, file->rig, m, &file->topology, MRT_MAX_VECTORS, err);
     if (result < 0)
         return result;
-    self->triangle_count = face->triangle_count;
-    self->triangle = malloc((size_t)face->triangle_count * 3 * sizeof *self->triangle + 1);
-    self->normal = calloc((size_t)self->shape.rest.padded_count * 3, sizeof *self->normal);
+    const points_order *order = face_order(self->face);
+    self->triangle_count = m->triangle_count;
+    self->triangle = malloc((size_t)m->triangle_count * 3 * sizeof *self->triangle + 1);
+    self->normal = calloc((size_t)face_rest(self->face)->padded_count * 3, sizeof *self->normal);
     if (!self->triangle || !self->normal)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the surface");
-    for (size_t i = 0; i < (size_t)face->triangle_count * 3; ++i)
-        self->triangle[i] = self->shape.order.slot_of_file[face->triangle[i]];
+    for (size_t i = 0; i < (size_t)m->triangle_count * 3; ++i)
+        self->triangle[i] = order->slot_of_file[m->triangle[i]];
     return MRT_OK;
 }
 
@@ -87,12 +88,13 @@ static mrt_result create_hands(performer *self, double length_mm, error *err)
     return MRT_OK;
 }
 
-static void measure_face(performer *self, const mesh *face, const csrbf_settings *solver)
+/* How large the face is, and the radius of a pull that names none. */
+static void measure_face(performer *self, const face_file *file, const csrbf_settings *solver)
 {
     float low[3], high[3];
-    mesh_bounds(face, low, high);
-    self->face.low = (mrt_vec3){low[0], low[1], low[2]};
-    self->face.high = (mrt_vec3){high[0], high[1], high[2]};
+    mesh_bounds(&file->mesh, low, high);
+    self->about.low = (mrt_vec3){low[0], low[1], low[2]};
+    self->about.high = (mrt_vec3){high[0], high[1], high[2]};
     double size = 0;
     for (int axis = 0; axis < 3; ++axis)
         size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
@@ -101,13 +103,26 @@ static void measure_face(performer *self, const mesh *face, const csrbf_settings
                           0.5 * (to_double(low[2]) + to_double(high[2]))};
     self->reach_mm = reach_in_faces * fmax(size, 1.0);
     self->solver = *solver;
+    if (!(self->solver.radius > 0) && file->rig)
+        self->solver = file->rig->solver;
     if (!(self->solver.radius > 0)) {
         double height = to_double(high[1]) - to_double(low[1]);
         self->solver.radius = 0.25 * (height > 0 ? height : fmax(size, 1.0));
     }
 }
 
-mrt_result performer_create(performer **out, const mesh *face, instance *mapping,
+/* What the mapping may pull and drive. */
+static void describe_face(performer *self)
+{
+    const bones *b = face_bones(self->face);
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        self->dof[i] = (mrt_dof){b->dof[i].name, b->dof[i].unit, b->dof[i].min, b->dof[i].max};
+    self->about.contacts = face_contacts(self->face, &self->about.contact_count);
+    self->about.dofs = self->dof;
+    self->about.dof_count = b->dof_count;
+}
+
+mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
                             const performer_settings *settings, error *err)
 {
     *out = NULL;
@@ -117,19 +132,20 @@ mrt_result performer_create(performer **out, const mesh *face, instance *mapping
     double length =
         settings->hand_length_mm > 0 ? settings->hand_length_mm : hand_length_default_mm;
     self->counts.min_determinant = 1.0;
-    measure_face(self, face, &settings->solver);
-    mrt_result result = create_surface(self, face, err);
+    measure_face(self, file, &settings->solver);
+    mrt_result result = create_surface(self, file, err);
     if (result >= 0)
         result = create_hands(self, length, err);
     if (result < 0)
         goto fail;
+    describe_face(self);
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         self->pull.dof[i] = NAN;
     self->good = self->pull;
     self->functions = plugin_interface(mapping->type, MRT_MAPPING);
     error why = {""};
     mapping->failure = &why;
-    result = self->functions->activate(mapping->self, &self->face);
+    result = self->functions->activate(mapping->self, &self->about);
     mapping->failure = NULL;
     if (result < 0) {
         error_set(err, result, "mapping %s cannot be used on this face%s%s", mapping->type->id,
@@ -154,7 +170,7 @@ void performer_destroy(performer *self)
         self->functions->deactivate(self->mapping->self);
     for (int side = 0; side < 2; ++side)
         hand_skeleton_destroy(self->hand[side].skeleton);
-    shape_destroy(&self->shape);
+    face_destroy(self->face);
     free(self->triangle);
     free(self->normal);
     free(self);
@@ -256,7 +272,7 @@ static const char *pull_fault(const performer *self, const mrt_pull *pull)
         const mrt_vector *v = &pull->vector[i];
         if (!is_within_reach(self, v->start) || !is_within_reach(self, v->end))
             return "a control vector that is not finite or leads out of reach";
-        if (v->contact > self->face.contact_count)
+        if (v->contact > self->about.contact_count)
             return "a contact that the face does not have";
     }
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
@@ -297,14 +313,9 @@ static void run_mapping(performer *self)
 
 static void show_anchored(performer *self)
 {
-    error err = {""};
-    if (!self->stale)
-        return;
+    if (self->stale)
+        face_show(self->face);
     self->stale = false;
-    if (shape_pull(&self->shape, self->displacement, &err) < 0) {
-        self->counts.held_pulls += 1;
-        note_problem(self, err.text);
-    }
 }
 
 static csrbf_settings settings_of(const performer *self, const mrt_pull *pull)
@@ -325,13 +336,23 @@ static void copy_ends(double *out, const mrt_pull *pull, bool ends)
     }
 }
 
+/* A contact is taken where it is now, wherever the mapping says that it rests. */
+static vec3 start_of(const performer *self, const mrt_vector *v)
+{
+    if (v->contact == 0)
+        return (vec3){to_double(v->start.x), to_double(v->start.y), to_double(v->start.z)};
+    return face_contact_now(self->face, v->contact);
+}
+
 static void engage(performer *self, const mrt_pull *pull)
 {
     error err = {""};
+    face_control control[MRT_MAX_VECTORS];
     csrbf_settings settings = settings_of(self, pull);
     show_anchored(self); /* the base is the shape of this sample, not of the last drawn frame */
-    copy_ends(self->start, pull, false);
-    if (shape_engage(&self->shape, &settings, self->start, pull->count, &err) < 0) {
+    for (uint32_t i = 0; i < pull->count; ++i)
+        control[i] = (face_control){start_of(self, &pull->vector[i]), pull->vector[i].contact};
+    if (face_engage(self->face, &settings, control, pull->count, &err) < 0) {
         self->counts.held_pulls += 1;
         note_problem(self, err.text);
         self->engaged = false;
@@ -339,29 +360,46 @@ static void engage(performer *self, const mrt_pull *pull)
     }
     self->engaged = true;
     self->anchor = pull->anchor;
+    self->control_count = pull->count;
     self->engaged_radius_mm = pull->radius_mm;
-    self->engagement += 1;
     self->counts.engagements += 1;
-    memset(self->displacement, 0, sizeof self->displacement);
+}
+
+/* Step 6: where every control is to land, and the bones' poses. */
+static void aim(performer *self, const mrt_pull *pull)
+{
+    error err = {""};
+    double end[MRT_MAX_VECTORS * 3];
+    uint8_t rides[MRT_MAX_VECTORS];
+    copy_ends(end, pull, true);
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        const mrt_vector *v = &pull->vector[i];
+        rides[i] = v->contact != 0;
+        if (!rides[i])
+            continue;
+        end[3 * i] -= to_double(v->start.x);
+        end[3 * i + 1] -= to_double(v->start.y);
+        end[3 * i + 2] -= to_double(v->start.z);
+    }
+    face_ride(self->face, end, rides, pull->dof);
+    if (face_aim(self->face, end, pull->dof, &err) < 0) {
+        self->counts.held_pulls += 1;
+        note_problem(self, err.text);
+        return;
+    }
+    self->stale = true;
 }
 
 static void move_anchored(performer *self, const mrt_pull *pull)
 {
     self->is_dragging = false;
     bool is_new = !self->engaged || pull->anchor != self->anchor ||
-                  pull->count != self->shape.control_count ||
+                  pull->count != self->control_count ||
                   fabsf(pull->radius_mm - self->engaged_radius_mm) > 0.0f;
     if (is_new)
         engage(self, pull);
-    if (!self->engaged)
-        return;
-    for (uint32_t i = 0; i < pull->count; ++i) {
-        mrt_vec3 end = pull->vector[i].end;
-        self->displacement[3 * i] = to_double(end.x) - self->start[3 * i];
-        self->displacement[3 * i + 1] = to_double(end.y) - self->start[3 * i + 1];
-        self->displacement[3 * i + 2] = to_double(end.z) - self->start[3 * i + 2];
-    }
-    self->stale = true;
+    if (self->engaged)
+        aim(self, pull);
 }
 
 /* Where this step's drag begins: at the tips as they really are when the mapping goes on from its
@@ -373,6 +411,14 @@ static void drag_from(performer *self, const mrt_pull *pull, double *out_from)
         memcpy(out_from, self->tip, (size_t)pull->count * 3 * sizeof *out_from);
 }
 
+static bool drives_bones(const performer *self, const mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < self->about.dof_count; ++i)
+        if (!isnan(pull->dof[i]))
+            return true;
+    return false;
+}
+
 static void move_unanchored(performer *self, const mrt_pull *pull)
 {
     show_anchored(self);
@@ -380,9 +426,11 @@ static void move_unanchored(performer *self, const mrt_pull *pull)
     csrbf_settings settings = settings_of(self, pull);
     double from[MRT_MAX_VECTORS * 3], to[MRT_MAX_VECTORS * 3];
     copy_ends(to, pull, true);
-    bool near = !pull->gate || shape_is_near(&self->shape.shown, to, pull->count, settings.radius);
+    bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
     /* The first sample near the shape only says where the tips are. */
     bool may_move = near && self->was_near && pull->count > 0;
+    if (pull->count == 0)
+        may_move = drives_bones(self, pull);
     self->was_near = near;
     if (!may_move) {
         self->is_dragging = false;
@@ -390,8 +438,8 @@ static void move_unanchored(performer *self, const mrt_pull *pull)
         error err = {""};
         shape_step step = {.min_determinant = 1.0};
         drag_from(self, pull, from);
-        mrt_result result =
-            shape_drag(&self->shape, &settings, from, to, pull->count, self->tip, &step, &err);
+        mrt_result result = face_drag(self->face, &settings, from, to, pull->count, pull->dof,
+                                      self->tip, &step, &err);
         self->tip_count = pull->count;
         self->is_dragging = result >= 0 && step.limited;
         self->counts.held_pulls += result < 0;
@@ -403,7 +451,7 @@ static void move_unanchored(performer *self, const mrt_pull *pull)
         self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
     }
     if (pull->leak_per_s > 0.0f)
-        shape_leak(&self->shape, to_double(pull->leak_per_s), self->frame.dt_s);
+        face_leak(self->face, to_double(pull->leak_per_s), self->frame.dt_s);
 }
 
 static void move_shape(performer *self)
@@ -411,10 +459,9 @@ static void move_shape(performer *self)
     const mrt_pull *pull = &self->good;
     if (pull->commit != self->commit) {
         show_anchored(self);
-        shape_commit(&self->shape);
+        face_commit(self->face);
         self->commit = pull->commit;
         self->engaged = false;
-        self->engagement += 1;
         self->counts.commits += 1;
     }
     if (pull->mode != MRT_UNANCHORED)
@@ -425,7 +472,8 @@ static void move_shape(performer *self)
         move_unanchored(self, pull);
 }
 
-/* For the mapping's next frame. Only shapes that do not depend on when frames are drawn. */
+/* For the mapping's next frame. Asked of shapes that do not depend on when frames are drawn: the
+ * base while engaged, and what unanchored samples left. */
 static bool is_near(const performer *self)
 {
     const mrt_pull *pull = &self->good;
@@ -433,8 +481,7 @@ static bool is_near(const performer *self)
         return false;
     double end[MRT_MAX_VECTORS * 3];
     copy_ends(end, pull, true);
-    const points *at = self->engaged ? &self->shape.base : &self->shape.shown;
-    return shape_is_near(at, end, pull->count, settings_of(self, pull).radius);
+    return face_is_near(self->face, end, pull->count, settings_of(self, pull).radius);
 }
 
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
@@ -456,35 +503,25 @@ void performer_sample(performer *self, const channel_route *route, const mrt_sam
 void performer_draw(performer *self)
 {
     show_anchored(self);
-    const points *p = &self->shape.shown;
+    const points *p = face_shown(self->face);
     size_t stride = p->padded_count;
     normals_smooth(self->normal, self->normal + stride, self->normal + 2 * stride, p->x, p->y, p->z,
                    p->count, self->triangle, self->triangle_count);
 }
 
-const shape *performer_shape(const performer *self)
+face *performer_face(performer *self)
 {
-    return &self->shape;
+    return self->face;
 }
 
 const float *performer_normal(const performer *self, uint32_t axis)
 {
-    return self->normal + (size_t)axis * self->shape.shown.padded_count;
+    return self->normal + (size_t)axis * face_shown(self->face)->padded_count;
 }
 
 const mrt_pull *performer_pull(const performer *self)
 {
     return &self->good;
-}
-
-const double *performer_displacement(const performer *self)
-{
-    return self->displacement;
-}
-
-uint32_t performer_engagement(const performer *self)
-{
-    return self->engagement;
 }
 
 bool performer_is_anchored(const performer *self)

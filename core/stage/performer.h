@@ -5,21 +5,22 @@
  * samples alone. [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
-#include "csrbf/shape.h"
+#include "face/face.h"
 #include "hand/filter.h"
 #include "hand/hand.h"
-#include "mesh/mesh.h"
+#include "stage/face_file.h"
 #include "stage/instance.h"
 
 typedef struct performer performer;
 
 typedef struct performer_settings {
-    csrbf_settings solver; /* radius: used when a pull names none; 0: a quarter of the height */
+    csrbf_settings solver; /* radius: used when a pull names none; 0: the rig's, or a quarter of the
+                              height */
     double hand_length_mm; /* 0: 190 */
 } performer_settings;
 
-/* [main] The mesh and the mapping must outlive it; the mapping is activated and reset. */
-CHECKED mrt_result performer_create(performer **out, const mesh *face, instance *mapping,
+/* [main] The face file and the mapping must outlive it; the mapping is activated and reset. */
+CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
                                     const performer_settings *settings, error *err);
 void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
 
@@ -36,15 +37,12 @@ void performer_sample(performer *self, const channel_route *route, const mrt_sam
 /* Step 7 for drawing: the shape shown and its normals. */
 void performer_draw(performer *self);
 
-/* The shape after performer_draw, in the engine's order; the order leads back to the file's. */
-const shape *performer_shape(const performer *self);
+/* The face; its shape is that of performer_draw, in the engine's order. */
+face *performer_face(performer *self);
 const float *performer_normal(const performer *self, uint32_t axis); /* engine's order */
-/* What the mapping pulls, after the guard, and the displacements of the anchored engagement
- * (control_count of the shape by 3). */
+/* What the mapping pulls, after the guard. */
 const mrt_pull *performer_pull(const performer *self);
-const double *performer_displacement(const performer *self);
-/* Grows by one at each engagement of anchored starts and at each commit: a new base. */
-uint32_t performer_engagement(const performer *self);
+/* True while the frames are anchored: face_columns_now tells them exactly. */
 bool performer_is_anchored(const performer *self);
 
 typedef struct performer_counts {

@@ -56,9 +56,11 @@ void *realloc(void *old, size_t size)
 
 enum { GRID = 40, SENSORS = MRT_ANGLES, SAMPLES = 300 };
 
-static void make_face(mesh *out)
+static void make_face(face_file *file)
 {
     error err;
+    mesh *out = &file->mesh;
+    *file = (face_file){0};
     assert_int_equal(mesh_create(out, GRID * GRID, 2 * (GRID - 1) * (GRID - 1), &err), MRT_OK);
     for (uint32_t i = 0; i < GRID * GRID; ++i) {
         out->position[3 * i] = (float)(i % GRID) * 5.0f;
@@ -119,15 +121,15 @@ static void no_sample_allocates(void **state)
         const mrt_plugin_type *type;
         instance plugin;
         performer *p;
-        mesh face;
+        face_file file;
         channel_route route;
-        make_face(&face);
+        make_face(&file);
         snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, names[n]);
         assert_int_equal(plugin_list_add(&list, path, &err), MRT_OK);
         assert_int_equal(plugin_list_find(&list, names[n], MRT_MAPPING, &type, &err), MRT_OK);
         assert_int_equal(instance_create(&plugin, type, CLOCK_VIRTUAL, NULL, &err), MRT_OK);
         performer_settings settings = {.hand_length_mm = 0};
-        assert_int_equal(performer_create(&p, &face, &plugin, &settings, &err), MRT_OK);
+        assert_int_equal(performer_create(&p, &file, &plugin, &settings, &err), MRT_OK);
         channel_route_init(&route, channels, SENSORS);
 
         uint64_t before = atomic_load(&allocations);
@@ -147,7 +149,7 @@ static void no_sample_allocates(void **state)
         performer_destroy(p);
         instance_destroy(&plugin);
         plugin_list_destroy(&list);
-        mesh_destroy(&face);
+        face_file_destroy(&file);
     }
 }
 

@@ -132,15 +132,18 @@ static void csv_has_a_row_per_frame_and_control(void **state)
     assert_int_equal(mesh_create(&m, 1, 0, &err), MRT_OK);
     clip *c = clip_create(&m, 4.0, NULL, &err);
     const float base[3] = {0}, response[2] = {1.0f, 0.5f};
-    const double start[6] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
-    const double displacement[6] = {0.5, 0.0, -0.25, 0.0, 1e-3, 0.0};
-    const double tips[2][6] = {{7.0, 8.0, 9.0, 10.0, 11.0, 12.0}, {7.5, 8.0, 9.0, 0.0, 0.0, 0.0}};
-    assert_int_equal(clip_begin_segment(c, base, response, start, 2, &err), MRT_OK);
-    assert_int_equal(clip_begin_segment(c, base, response, start, 2, &err), MRT_OK);
-    assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_OK);
-    assert_int_equal(clip_add_free(c, base, tips[0], 2, &err), MRT_OK);
-    assert_int_equal(clip_add_free(c, base, tips[1], 1, &err), MRT_OK);
-    assert_int_equal(clip_add_free(c, base, tips[0], 2, &err), MRT_OK);
+    const double vector[6] = {0.5, 0.0, -0.25, 0.0, 1e-3, 0.0};
+    const double controls[2][12] = {{1.0, 2.0, 3.0, 1.5, 2.0, 2.75, 4.0, 5.0, 6.0, 4.0, 5.001, 6.0},
+                                    {1.5, 2.0, 2.75, 7.0, 8.0, 9.0}};
+    assert_int_equal(clip_begin_segment(c, base, response, NULL, 2, &err), MRT_OK);
+    assert_int_equal(clip_begin_segment(c, base, response, NULL, 2, &err), MRT_OK);
+    assert_int_equal(clip_add_anchored(c, vector, &err), MRT_OK);
+    assert_int_equal(clip_add_controls(c, controls[0], 2, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, base, &err), MRT_OK);
+    assert_int_equal(clip_add_controls(c, controls[1], 1, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, base, &err), MRT_OK); /* without controls: no row */
+    assert_int_equal(clip_add_free(c, base, &err), MRT_OK);
+    assert_int_equal(clip_add_controls(c, controls[0], 2, &err), MRT_OK);
     assert_int_equal(csv_write(path, c, NULL, &err), MRT_OK);
     unsigned char *bytes = read_back(&size);
     assert_string_equal((const char *)bytes,
@@ -149,10 +152,8 @@ static void csv_has_a_row_per_frame_and_control(void **state)
                         "0,0,anchored,2,1,1,2,3,1.5,2,2.75\n"
                         "0,0,anchored,2,2,4,5,6,4,5.001,6\n"
                         "1,0.25,free,,1,1.5,2,2.75,7,8,9\n"
-                        "1,0.25,free,,2,4,5.001,6,10,11,12\n"
-                        "2,0.5,free,,1,7,8,9,7.5,8,9\n"
-                        "3,0.75,free,,1,7.5,8,9,7,8,9\n"
-                        "3,0.75,free,,2,10,11,12,10,11,12\n");
+                        "3,0.75,free,,1,1,2,3,1.5,2,2.75\n"
+                        "3,0.75,free,,2,4,5,6,4,5.001,6\n");
     free(bytes);
     clip_destroy(c);
     mesh_destroy(&m);

@@ -77,7 +77,7 @@ static void motion_of_rank_two_needs_two_components(void **state)
             shape[i] = m.position[i] + (float)(9.0 * a * sin(0.1 * frame) +
                                                4.0 * b * (double)(i % 3) * cos(0.07 * frame));
         }
-        assert_int_equal(clip_add_free(c, shape, NULL, 0, &err), MRT_OK);
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
     }
     components found;
     components_request wanted = {.base_m = base_m, .tolerance_mm = 0.01};
@@ -110,7 +110,7 @@ static void noise_holds_the_tolerance_or_says_that_it_does_not(void **state)
             noise = noise * 1664525u + 1013904223u;
             shape[i] = m.position[i] + (float)((double)(noise >> 8) / (1 << 24) * 10.0 - 5.0);
         }
-        assert_int_equal(clip_add_free(c, shape, NULL, 0, &err), MRT_OK);
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
     }
     components found;
     components_request wanted = {.base_m = base_m, .tolerance_mm = 0.05};

@@ -79,7 +79,7 @@ static void anchored_frames_are_exact(void **state)
     assert_true(greatest_error_mm(c, &face, 0) <= EXACT_MM);
     /* The weights are the displacements in metres. */
     size_t y2 = glb_target_index(&g, "s1.control2.y");
-    double displacement_mm = clip_displacement(c, 7)[4];
+    double displacement_mm = clip_vector(c, 7)[4];
     assert_true(face.weight[7 * face.target_count + y2] == (float)(displacement_mm * 0.001));
     glb_face_finish(&face);
     glb_close(&g);
@@ -188,7 +188,7 @@ static void a_single_odd_frame_holds_the_tolerance_too(void **state)
     memcpy(odd, m.position, (size_t)m.vertex_count * 3 * sizeof *odd);
     odd[5 * 3 + 1] += 30.0f;
     odd[(size_t)m.vertex_count * 3 - 1] -= 31.0f;
-    assert_int_equal(clip_add_free(c, odd, NULL, 0, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, odd, &err), MRT_OK);
     scene_add_free(c, 469, 7.0, 1);
     gltf_report report = write_clip(c, (gltf_options){0});
     glb g = glb_open(path);
@@ -254,7 +254,7 @@ static void a_clip_at_rest_is_a_plain_mesh(void **state)
     clip *c = clip_create(&m, 60.0, NULL, &err);
     gltf_report report = write_clip(c, (gltf_options){0});
     assert_int_equal(report.target_count, 0);
-    assert_int_equal(clip_add_free(c, m.position, NULL, 0, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, m.position, &err), MRT_OK);
     report = write_clip(c, (gltf_options){0});
     assert_int_equal(report.target_count, 0);
     glb g = glb_open(path);
@@ -385,7 +385,7 @@ static void shapes_beyond_float32_squares_are_refused(void **state)
     float *shape = calloc((size_t)m.vertex_count * 3, sizeof *shape);
     clip *c = clip_create(&m, 60.0, NULL, &err);
     shape[9] = 3e38f;
-    assert_int_equal(clip_add_free(c, shape, NULL, 0, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
     assert_int_equal(gltf_write(path, c, NULL, NULL, NULL, &err), MRT_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.text, "frame 0: vertex 3"));
     clip_destroy(c);

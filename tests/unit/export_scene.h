@@ -81,18 +81,14 @@ static inline void scene_begin_segment(clip *c, const float *base, error *err)
 {
     const mesh *m = clip_mesh(c);
     static const double place[SCENE_CONTROLS][2] = {{-40.0, 30.0}, {10.0, -20.0}, {50.0, 60.0}};
-    double start[SCENE_CONTROLS * 3];
     float *response = malloc((size_t)SCENE_CONTROLS * m->vertex_count * sizeof *response);
     assert_non_null(response);
     for (size_t k = 0; k < SCENE_CONTROLS; ++k) {
-        start[k * 3] = place[k][0];
-        start[k * 3 + 1] = place[k][1];
-        start[k * 3 + 2] = 40.0;
         for (size_t v = 0; v < m->vertex_count; ++v)
             response[k * m->vertex_count + v] =
                 (float)scene_bump(m->position + v * 3, place[k][0], place[k][1], 45.0);
     }
-    assert_int_equal(clip_begin_segment(c, base, response, start, SCENE_CONTROLS, err), MRT_OK);
+    assert_int_equal(clip_begin_segment(c, base, response, NULL, SCENE_CONTROLS, err), MRT_OK);
     free(response);
 }
 
@@ -104,6 +100,10 @@ static inline void scene_add_anchored(clip *c, uint32_t count, double phase)
         for (size_t i = 0; i < SCENE_CONTROLS * 3; ++i)
             displacement[i] = 12.0 * sin(phase + 0.13 * frame * (double)(i + 1));
         assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_OK);
+        double control[SCENE_CONTROLS * 6] = {0};
+        for (size_t i = 0; i < SCENE_CONTROLS * 3; ++i)
+            control[i / 3 * 6 + 3 + i % 3] = displacement[i];
+        assert_int_equal(clip_add_controls(c, control, SCENE_CONTROLS, &err), MRT_OK);
     }
 }
 
@@ -132,9 +132,10 @@ static inline void scene_add_free(clip *c, uint32_t count, double first_time, ui
     assert_non_null(shape);
     for (uint32_t frame = 0; frame < count; ++frame) {
         double time = first_time + frame / 60.0;
-        double tip[6] = {time, 1.0, 2.0, -time, 0.25, 1e-3};
+        double control[12] = {time, 1.0, 2.0, -time, 0.25, 1e-3};
         scene_free_shape(shape, m, time, bump_count);
-        assert_int_equal(clip_add_free(c, shape, tip, 2, &err), MRT_OK);
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
+        assert_int_equal(clip_add_controls(c, control, 2, &err), MRT_OK);
     }
     free(shape);
 }
@@ -154,7 +155,7 @@ static inline void scene_knead(clip *c, float *shape, uint32_t count, uint32_t l
             for (size_t axis = 0; axis < 3; ++axis)
                 shape[v * 3 + axis] += (float)(w * pull[axis]);
         }
-        assert_int_equal(clip_add_free(c, shape, NULL, 0, &err), MRT_OK);
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
     }
 }
 

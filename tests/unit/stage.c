@@ -19,9 +19,11 @@
 
 enum { GRID = 9, TABLE_MAX = 64 };
 
-static void make_face(mesh *out)
+static void make_face(face_file *file)
 {
     error err;
+    mesh *out = &file->mesh;
+    *file = (face_file){0};
     assert_int_equal(mesh_create(out, GRID * GRID, 2 * (GRID - 1) * (GRID - 1), &err), MRT_OK);
     for (uint32_t i = 0; i < GRID * GRID; ++i) {
         out->position[3 * i] = (float)(i % GRID) * 10.0f;
@@ -100,10 +102,10 @@ static void close_table(mrt_plugin *self)
     (void)self;
 }
 
-static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+static mrt_result activate(mrt_plugin *self, const mrt_face *about)
 {
     (void)self;
-    return face->high.x > 0 ? MRT_OK : MRT_ERR_UNSUPPORTED;
+    return about->high.x > 0 ? MRT_OK : MRT_ERR_UNSUPPORTED;
 }
 
 static void deactivate(mrt_plugin *self)
@@ -184,10 +186,10 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return MRT_OK;
 }
 
-static uint64_t hash_of(const shape *s)
+static uint64_t hash_of(const face *f)
 {
     float rows[GRID * GRID * 3];
-    points_to_rows(rows, &s->shown, &s->order);
+    points_to_rows(rows, face_shown(f), face_order(f));
     const unsigned char *bytes = (const unsigned char *)rows;
     uint64_t hash = 14695981039346656037u;
     for (size_t i = 0; i < sizeof rows; ++i)
@@ -199,13 +201,13 @@ static void play(outcome *out, const table *const *tables, uint32_t table_count,
                  double fps, instance_clock clock)
 {
     error err = {""};
-    mesh face;
+    face_file file;
     instance mapping;
     performer *p;
     input *inputs[4];
     log_queue *log = log_queue_create();
     *out = (outcome){.hash = 0};
-    make_face(&face);
+    make_face(&file);
     for (uint32_t i = 0; i < table_count; ++i) {
         next_table = tables[i];
         assert_int_equal(input_create(&inputs[i], &table_type, "", "", clock, log, &err), MRT_OK);
@@ -213,20 +215,20 @@ static void play(outcome *out, const table *const *tables, uint32_t table_count,
     assert_int_equal(instance_create(&mapping, &follow_type, clock, log, &err), MRT_OK);
     assert_int_equal(instance_set_list(&mapping, params, &err), MRT_OK);
     performer_settings settings = {.hand_length_mm = 0};
-    assert_int_equal(performer_create(&p, &face, &mapping, &settings, &err), MRT_OK);
+    assert_int_equal(performer_create(&p, &file, &mapping, &settings, &err), MRT_OK);
     player_settings player = {.fps = fps, .clock = clock};
     player_events events = {.frame = on_frame, .data = out};
     assert_int_equal(player_run(p, inputs, table_count, &player, &events, &out->report, &err),
                      MRT_OK);
     performer_draw(p);
-    out->hash = hash_of(performer_shape(p));
+    out->hash = hash_of(performer_face(p));
     out->counts = *performer_counted(p);
     performer_destroy(p);
     instance_destroy(&mapping);
     for (uint32_t i = 0; i < table_count; ++i)
         input_destroy(inputs[i]);
     log_queue_destroy(log);
-    mesh_destroy(&face);
+    face_file_destroy(&file);
 }
 
 static void performance_is_a_function_of_its_samples_whatever_the_frame_rate(void **state)
@@ -341,19 +343,19 @@ static void a_gap_of_hours_is_an_error_not_hours_of_frames(void **state)
 {
     (void)state;
     error err = {""};
-    mesh face;
+    face_file file;
     instance mapping;
     performer *p;
     input *in;
     table t;
     log_queue *log = log_queue_create();
-    make_face(&face);
+    make_face(&file);
     fill_table(&t, MRT_RIGHT, 3, 0, 7200 * NS_PER_S);
     next_table = &t;
     assert_int_equal(input_create(&in, &table_type, "", "", CLOCK_VIRTUAL, log, &err), MRT_OK);
     assert_int_equal(instance_create(&mapping, &follow_type, CLOCK_VIRTUAL, log, &err), MRT_OK);
     performer_settings settings = {.hand_length_mm = 0};
-    assert_int_equal(performer_create(&p, &face, &mapping, &settings, &err), MRT_OK);
+    assert_int_equal(performer_create(&p, &file, &mapping, &settings, &err), MRT_OK);
     outcome out = {.hash = 0};
     player_settings player = {.fps = 30, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = on_frame, .data = &out};
@@ -363,7 +365,7 @@ static void a_gap_of_hours_is_an_error_not_hours_of_frames(void **state)
     instance_destroy(&mapping);
     input_destroy(in);
     log_queue_destroy(log);
-    mesh_destroy(&face);
+    face_file_destroy(&file);
 }
 
 /* ---- plugins ---- */

@@ -3,13 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The squared distance of a segment's frames from rest as a polynomial of their displacements:
+/* The squared distance of a segment's frames from rest as a polynomial of their vectors:
  * constant + 2 sum_k d_k . linear_k + sum_kl d_k . d_l square_kl. Sums over the vertices, mm. */
 typedef struct segment_sums {
     int32_t segment; /* -1: none yet */
     double constant;
-    double *linear; /* control_count by 3 */
-    double *square; /* control_count by control_count */
+    double *linear; /* column_count by 3 */
+    double *square; /* column_count by column_count */
 } segment_sums;
 
 typedef struct search {
@@ -41,8 +41,8 @@ static void sum_linear(segment_sums *out, const clip_segment *s, const mesh *m)
             size_t i = (size_t)v * 3 + axis;
             double moved = (double)s->base[i] - (double)m->position[i];
             out->constant += moved * moved;
-            for (size_t k = 0; k < s->control_count; ++k)
-                out->linear[k * 3 + axis] += (double)s->response[k * m->vertex_count + v] * moved;
+            for (size_t k = 0; k < s->column_count; ++k)
+                out->linear[k * 3 + axis] += (double)s->column[k * m->vertex_count + v] * moved;
         }
 }
 
@@ -51,7 +51,7 @@ static bool sums_init(segment_sums *out, const clip *c, int32_t segment)
 {
     const clip_segment *s = clip_segment_at(c, (uint32_t)segment);
     const mesh *m = clip_mesh(c);
-    size_t count = s->control_count;
+    size_t count = s->column_count;
     sums_finish(out);
     out->linear = calloc(count * 3 + 1, sizeof *out->linear);
     out->square = calloc(count * count + 1, sizeof *out->square);
@@ -63,9 +63,8 @@ static bool sums_init(segment_sums *out, const clip *c, int32_t segment)
     sum_linear(out, s, m);
     for (size_t k = 0; k < count; ++k)
         for (size_t l = 0; l <= k; ++l)
-            out->square[k * count + l] = out->square[l * count + k] =
-                product(s->response + k * m->vertex_count, s->response + l * m->vertex_count,
-                        m->vertex_count);
+            out->square[k * count + l] = out->square[l * count + k] = product(
+                s->column + k * m->vertex_count, s->column + l * m->vertex_count, m->vertex_count);
     return true;
 }
 
@@ -102,11 +101,11 @@ static bool find_square_anchored(search *self, uint32_t frame, double *out)
     if (segment < 0)
         return false;
     const clip_segment *s = clip_segment_at(self->clip, (uint32_t)segment);
-    if (s->frame_count <= s->control_count)
+    if (s->frame_count <= s->column_count)
         return false;
     if (self->sums.segment != segment && !sums_init(&self->sums, self->clip, segment))
         return false;
-    *out = sums_square(&self->sums, clip_displacement(self->clip, frame), s->control_count);
+    *out = sums_square(&self->sums, clip_vector(self->clip, frame), s->column_count);
     return true;
 }
 

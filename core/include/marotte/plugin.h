@@ -170,7 +170,9 @@ typedef struct mrt_face { /* valid from activate until deactivate */
 } mrt_face;
 typedef struct mrt_vector { /* one control vector */
     mrt_vec3 start, end;    /* mm, face frame */
-    uint32_t contact;       /* 1 + index of the contact that it pulls; 0: a free point */
+    uint32_t contact; /* 1 + index of the contact that it pulls: end - start is its way with the
+                         bones at rest, and it rides on the bones that dof drives;
+                         0: a free point, which lands on its end whatever the bones do */
 } mrt_vector;
 enum {
     MRT_IDLE = 0,      /* the shape stays as it is; vectors move nothing (but see gate) */
