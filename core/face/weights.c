@@ -1,6 +1,6 @@
 #include "face/bind.h"
+#include "face/weights_follow.h"
 #include "face/weights_laplace.h"
-#include "face/weights_nearest.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -175,20 +175,26 @@ static bool find_free(weights *w)
     return is_any_given;
 }
 
+static void bound_filled(const weights *w, float *value)
+{
+    for (uint32_t v = 0; v < w->mesh->vertex_count; v++)
+        if (w->is_free[v])
+            value[v] = unit_range((value[v] - RIPPLE) / (1 - 2 * RIPPLE));
+}
+
 /* The bound of the fill is imposed afterwards: exact bounds (Jacobson and others 2011) cost an
  * optimisation for each bone and change little. */
 static void normalise_filled(const weights *w, float *weight)
 {
     uint32_t count = w->mesh->vertex_count, root = root_bone(w->rig);
+    for (uint32_t b = 0; b < w->rig->bone_count; b++)
+        bound_filled(w, weight + (size_t)b * count);
     for (uint32_t v = 0; v < count; v++) {
         if (!w->is_free[v])
             continue;
         float sum = 0;
-        for (uint32_t b = 0; b < w->rig->bone_count; b++) {
-            float *share = &weight[(size_t)b * count + v];
-            *share = unit_range((*share - RIPPLE) / (1 - 2 * RIPPLE));
-            sum += *share;
-        }
+        for (uint32_t b = 0; b < w->rig->bone_count; b++)
+            sum += weight[(size_t)b * count + v];
         if (!(sum > 0)) {
             weight[(size_t)root * count + v] = 1;
             continue;
@@ -198,23 +204,27 @@ static void normalise_filled(const weights *w, float *weight)
     }
 }
 
-/* value: column_count by vertex_count; what is not settled takes the values of the nearest vertex
- * that is. */
-static mrt_result follow_nearest(const weights *w, float *value, uint32_t column_count, error *err)
+/* What is not settled takes the values of the vertices that it follows, at its roots, and is filled
+ * from there. value: column_count by vertex_count. Afterwards is_free says what was filled. */
+static mrt_result follow(weights *w, float *value, uint32_t column_count, error *err)
 {
-    uint32_t count = w->mesh->vertex_count;
-    nearest *n = nearest_create(w->mesh->position, w->is_settled, count);
-    if (n == NULL)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices", count);
-    for (uint32_t v = 0; v < count; v++) {
-        if (w->is_settled[v])
-            continue;
-        uint32_t leader = nearest_find(n, w->mesh->position + 3 * (size_t)v);
-        for (uint32_t c = 0; c < column_count && leader != UINT32_MAX; c++)
-            value[(size_t)c * count + v] = value[(size_t)c * count + leader];
+    size_t count = w->mesh->vertex_count;
+    uint32_t *leader = malloc((count + 1) * sizeof *leader);
+    if (leader == NULL)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
+                         w->mesh->vertex_count);
+    follow_scene scene = {w->mesh->position,  w->mesh->vertex_count, w->component,
+                          w->component_count, w->marks->rigid_bone,  w->is_settled};
+    mrt_result result = follow_find(leader, w->is_given, &scene, err);
+    for (size_t v = 0; result == MRT_OK && v < count; v++) {
+        w->is_free[v] = !w->is_settled[v] && !w->is_given[v];
+        for (uint32_t c = 0; c < column_count && w->is_given[v]; c++)
+            value[c * count + v] = value[c * count + leader[v]];
     }
-    nearest_destroy(n);
-    return MRT_OK;
+    free(leader);
+    if (result == MRT_OK)
+        result = laplace_fill(&w->laplace, value, column_count, w->is_free, w->is_given, err);
+    return result;
 }
 
 static mrt_result fill_weights(weights *w, float *weight, error *err)
@@ -232,7 +242,10 @@ static mrt_result fill_weights(weights *w, float *weight, error *err)
     if (result != MRT_OK)
         return result;
     normalise_filled(w, weight);
-    return follow_nearest(w, weight, w->rig->bone_count, err);
+    result = follow(w, weight, w->rig->bone_count, err);
+    if (result == MRT_OK)
+        normalise_filled(w, weight);
+    return result;
 }
 
 static mrt_result fill_mobility(weights *w, float *mobility, error *err)
@@ -251,10 +264,11 @@ static mrt_result fill_mobility(weights *w, float *mobility, error *err)
     mrt_result result = laplace_fill(&w->laplace, mobility, 1, w->is_free, w->is_given, err);
     if (result != MRT_OK)
         return result;
-    for (uint32_t v = 0; v < count; v++)
-        if (w->is_free[v])
-            mobility[v] = unit_range((mobility[v] - RIPPLE) / (1 - 2 * RIPPLE));
-    return follow_nearest(w, mobility, 1, err);
+    bound_filled(w, mobility);
+    result = follow(w, mobility, 1, err);
+    if (result == MRT_OK)
+        bound_filled(w, mobility);
+    return result;
 }
 
 static bool allocate(weights *w)

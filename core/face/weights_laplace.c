@@ -7,10 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Slivers must not rule the operator: cotangents and areas beyond these are cut. */
-#define COTANGENT_LEAST 1e-3
+/* Slivers must not rule the operator: cotangents and areas beyond these are cut. Negative ones are
+ * right: without them a quad would weigh as it happens to be split, and the two halves of a face,
+ * split alike instead of mirrored, would differ by 0.08. The system is definite all the same. */
+#define COTANGENT_LEAST (-1.0)
 #define COTANGENT_MOST  20.0
 #define STIFFNESS_MOST  100.0
+#define STRETCH_LEAST   1e-3
 /* The tension takes over at distances of an eighth of the surface's width. */
 #define TENSION_WIDTHS 8.0
 /* Time and memory grow faster than the vertices. */
@@ -170,7 +173,7 @@ static void put_bend(const fill *f, int *at, uint32_t v)
 
 static void put_stretch(const fill *f, int *at, uint32_t v, uint32_t other, double edge_weight)
 {
-    double scale = sqrt(f->laplace->tension * edge_weight);
+    double scale = sqrt(f->laplace->tension * fmax(edge_weight, STRETCH_LEAST));
     if (f->is_free[v])
         put(f->root, at, f->free_row[v], scale);
     if (f->is_free[other])
@@ -224,7 +227,7 @@ static void add_given(const fill *f, double *right, const float *value)
                 continue;
             double stretch = (f->is_given[v] ? (double)value[v] : 0) -
                              (f->is_given[other] ? (double)value[other] : 0);
-            stretch *= sqrt(f->laplace->tension * f->laplace->edge_weight[e]);
+            stretch *= sqrt(f->laplace->tension * fmax(f->laplace->edge_weight[e], STRETCH_LEAST));
             for (int i = start[column]; i < start[column + 1]; i++)
                 right[row[i]] -= x[i] * stretch;
             column++;
