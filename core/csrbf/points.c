@@ -123,25 +123,39 @@ void points_to_rows(float *out_xyz, const points *p, const points_order *order)
     }
 }
 
-/* Lanes first, so that the loop runs on whole vectors; minimum and maximum depend on no order. */
+static inline float lesser(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float greater(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* By halves, so that the loops run on whole vectors; minimum and maximum depend on no order. */
 static void range_of(float *out_low, float *out_high, const float *value)
 {
-    enum { LANES = 8 };
-    float low[LANES], high[LANES];
-    memcpy(low, value, sizeof low);
-    memcpy(high, value, sizeof high);
-    for (int i = LANES; i < POINTS_BLOCK; i += LANES)
-        for (int lane = 0; lane < LANES; ++lane) {
-            float v = value[i + lane];
-            low[lane] = v < low[lane] ? v : low[lane];
-            high[lane] = v > high[lane] ? v : high[lane];
-        }
-    for (int lane = 1; lane < LANES; ++lane) {
-        low[0] = low[lane] < low[0] ? low[lane] : low[0];
-        high[0] = high[lane] > high[0] ? high[lane] : high[0];
+    enum { HALF = POINTS_BLOCK / 2, QUARTER = HALF / 2, EIGHTH = HALF / 4, LANES = HALF / 8 };
+    float low[HALF], high[HALF];
+    for (int i = 0; i < HALF; ++i) {
+        low[i] = lesser(value[i], value[i + HALF]);
+        high[i] = greater(value[i], value[i + HALF]);
     }
-    *out_low = low[0];
-    *out_high = high[0];
+    for (int i = 0; i < QUARTER; ++i) {
+        low[i] = lesser(low[i], low[i + QUARTER]);
+        high[i] = greater(high[i], high[i + QUARTER]);
+    }
+    for (int i = 0; i < EIGHTH; ++i) {
+        low[i] = lesser(low[i], low[i + EIGHTH]);
+        high[i] = greater(high[i], high[i + EIGHTH]);
+    }
+    for (int i = 0; i < LANES; ++i) {
+        low[i] = lesser(low[i], low[i + LANES]);
+        high[i] = greater(high[i], high[i + LANES]);
+    }
+    *out_low = lesser(lesser(low[0], low[1]), lesser(low[2], low[3]));
+    *out_high = greater(greater(high[0], high[1]), greater(high[2], high[3]));
 }
 
 void points_update_block(points *p, uint32_t block)

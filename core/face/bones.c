@@ -97,8 +97,9 @@ static double lateral_angle(double depth, double side, double way)
 }
 
 /* The working condyle stays, the other one goes forward; smooth and symmetric about 0. */
-static rigid lateral_turn(const bones_hinge *h, double lateral_mm)
+rigid bones_aside(const bones *b, double lateral_mm)
 {
+    const bones_hinge *h = &b->hinge;
     if (lateral_mm == 0.0)
         return rigid_identity();
     double side = lateral_mm / sqrt(lateral_mm * lateral_mm + side_mm * side_mm);
@@ -113,21 +114,16 @@ double bones_slide(const bones *b, double open_rad)
     return b->rig->bone[b->jaw].slide_mm * smoothstep(slide_begins_mm, slide_ends_mm, gap);
 }
 
-rigid bones_jaw_on_path(const bones *b, double open_rad, double lateral_mm, double way_mm)
-{
-    const bones_hinge *h = &b->hinge;
-    rigid opening = rigid_turn(h->middle, h->left, open_rad);
-    rigid aside = lateral_turn(h, lateral_mm);
-    rigid out = rigid_compose(&aside, &opening);
-    out.t = vec3_add(out.t, vec3_scale(h->path, way_mm));
-    return out;
-}
-
 rigid bones_jaw(const bones *b, double open_rad, double lateral_mm, double forward_mm)
 {
     if (b->jaw == RIG_NONE)
         return rigid_identity();
-    return bones_jaw_on_path(b, open_rad, lateral_mm, bones_slide(b, open_rad) + forward_mm);
+    const bones_hinge *h = &b->hinge;
+    rigid opening = rigid_turn(h->middle, h->left, open_rad);
+    rigid aside = bones_aside(b, lateral_mm);
+    rigid out = rigid_compose(&aside, &opening);
+    out.t = vec3_add(out.t, vec3_scale(h->path, bones_slide(b, open_rad) + forward_mm));
+    return out;
 }
 
 static double value_of(const float *dof, uint32_t at)

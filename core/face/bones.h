@@ -55,8 +55,8 @@ void bones_limit(float *out_dof, const bones *b, const float *dof);
 rigid bones_jaw(const bones *b, double open_rad, double lateral_mm, double forward_mm);
 /* slide_mm smoothstep(20 mm, 45 mm, gap); gap: of the incisors, by the turn alone. */
 double bones_slide(const bones *b, double open_rad);
-/* bones_jaw with the condyles `way_mm` along their path in all. */
-rigid bones_jaw_on_path(const bones *b, double open_rad, double lateral_mm, double way_mm);
+/* The lateral turn alone: of bones_jaw, what comes after the opening. */
+rigid bones_aside(const bones *b, double lateral_mm);
 
 /* The limits of lateral (to either side) and forward motion at an opening: they narrow linearly, to
  * 40 % at the widest. */

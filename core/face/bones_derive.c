@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-enum { OPENINGS = 10, POSES = 14, SWEEPS = 24, JAW_DOFS = 3 };
-static const double differences[JAW_DOFS] = {1e-5, 1e-3, 1e-3}; /* rad, mm, mm */
+enum { OPENINGS = 6, POSES = 8, SWEEPS = 16, JAW_DOFS = 3 };
+static const double difference_mm = 1e-3;
 
 /* With s the starts from the middle of the hinge and d = end - start. */
 typedef struct evidence {
@@ -47,32 +47,61 @@ static evidence gather(const bones *b, const double *start, const double *end, c
     return e;
 }
 
-/* p[2]: along the path of the condyles, from `slide` on. */
-static motion motion_at(const bones *b, const double p[JAW_DOFS], double slide)
+/* A rigid motion, about the middle of the hinge. */
+static motion motion_of(const bones *b, const rigid *m)
 {
-    rigid jaw = bones_jaw_on_path(b, p[0], p[1], slide + p[2]);
-    vec3 t = vec3_sub(rigid_apply(&jaw, b->hinge.middle), b->hinge.middle);
+    vec3 t = vec3_sub(rigid_apply(m, b->hinge.middle), b->hinge.middle);
     motion out = {.t = {t.x, t.y, t.z}};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            out.r[i][j] = jaw.r[i][j] - (i == j ? 1.0 : 0.0);
+            out.r[i][j] = m->r[i][j] - (i == j ? 1.0 : 0.0);
     return out;
 }
 
-/* Derivative by one degree of freedom while the condyles stay, by central differences. */
-static motion slope_at(const bones *b, const double p[JAW_DOFS], double slide, int dof)
+/* By the opening, while the condyles stay: turn is the jaw's. */
+static motion slope_of_opening(const bones *b, const rigid *jaw)
 {
-    double before[JAW_DOFS] = {p[0], p[1], p[2]}, after[JAW_DOFS] = {p[0], p[1], p[2]};
-    before[dof] -= differences[dof];
-    after[dof] += differences[dof];
-    motion low = motion_at(b, before, slide), high = motion_at(b, after, slide);
-    double scale = 0.5 / differences[dof];
+    const vec3 u = b->hinge.left;
+    const double k[3][3] = {{0, -u.z, u.y}, {u.z, 0, -u.x}, {-u.y, u.x, 0}};
+    motion out = {.t = {0}};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] = jaw->r[i][0] * k[0][j] + jaw->r[i][1] * k[1][j] + jaw->r[i][2] * k[2][j];
+    return out;
+}
+
+/* By lateral motion, by central differences. */
+static motion slope_of_lateral(const bones *b, const rigid *opening, double lateral_mm)
+{
+    rigid before = bones_aside(b, lateral_mm - difference_mm);
+    rigid after = bones_aside(b, lateral_mm + difference_mm);
+    before = rigid_compose(&before, opening);
+    after = rigid_compose(&after, opening);
+    motion low = motion_of(b, &before), high = motion_of(b, &after);
+    double scale = 0.5 / difference_mm;
     for (int i = 0; i < 3; ++i) {
         high.t[i] = (high.t[i] - low.t[i]) * scale;
         for (int j = 0; j < 3; ++j)
             high.r[i][j] = (high.r[i][j] - low.r[i][j]) * scale;
     }
     return high;
+}
+
+/* The jaw's motion at p, and its derivatives by the first `count` degrees of freedom while the
+ * condyles stay. */
+static motion motion_at(const bones *b, const double p[JAW_DOFS], motion slope[JAW_DOFS], int count)
+{
+    rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, p[0]);
+    rigid aside = bones_aside(b, p[1]);
+    rigid jaw = rigid_compose(&aside, &opening);
+    slope[0] = slope_of_opening(b, &jaw);
+    if (count > 1) {
+        const vec3 path = b->hinge.path;
+        slope[1] = slope_of_lateral(b, &opening, p[1]);
+        slope[2] = (motion){.t = {path.x, path.y, path.z}};
+    }
+    jaw.t = vec3_add(jaw.t, vec3_scale(b->hinge.path, bones_slide(b, p[0]) + p[2]));
+    return motion_of(b, &jaw);
 }
 
 /* sum of w (a.r s + a.t) . (b.r s + b.t) */
@@ -128,13 +157,11 @@ static void improve(const bones *b, const evidence *e, double p[JAW_DOFS], int c
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
     double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
-    double slide = bones_slide(b, p[0]);
     double low[JAW_DOFS] = {jaw->open_min_rad - p[0], -lateral - p[1], -p[2]};
     double high[JAW_DOFS] = {jaw->open_max_rad - p[0], lateral - p[1], forward - p[2]};
     double h[JAW_DOFS][JAW_DOFS] = {{0}}, g[JAW_DOFS] = {0}, step[JAW_DOFS] = {0};
-    motion now = motion_at(b, p, slide), slope[JAW_DOFS];
+    motion slope[JAW_DOFS], now = motion_at(b, p, slope, count);
     for (int i = 0; i < count; ++i) {
-        slope[i] = slope_at(b, p, slide, i);
         g[i] = product(e, &now, &slope[i]) - asked(e, &slope[i]);
         for (int j = 0; j <= i; ++j)
             h[i][j] = h[j][i] = product(e, &slope[i], &slope[j]);

@@ -57,10 +57,49 @@ static vec3 find_incisor(const rig *r, const mesh *m, const binding *b)
     return (vec3){(double)at[0], (double)at[1], (double)at[2]};
 }
 
+/* 1 + the bone that a vertex is rigid on; 0: skin. */
+static uint32_t part_of(const binding *b, uint32_t vertex)
+{
+    uint32_t bone = 0;
+    while (bone < b->bone_count && b->weight[(size_t)bone * b->vertex_count + vertex] < 1.0f)
+        ++bone;
+    return bone < b->bone_count && b->mobility[vertex] < weight_least ? 1 + bone : 0;
+}
+
+/* Skin first, then what is rigid on each bone, in the order that was: so a block of vertices is
+ * seldom moved by bones and controls that move only some of it. */
+static void group_order(points_order *order, const binding *b, uint32_t *scratch)
+{
+    uint32_t slot = 0;
+    if (b->bone_count < 2)
+        return;
+    for (uint32_t part = 0; part <= b->bone_count; ++part)
+        for (uint32_t i = 0; i < order->count; ++i)
+            if (part_of(b, order->file_of_slot[i]) == part)
+                scratch[slot++] = order->file_of_slot[i];
+    for (uint32_t i = 0; i < order->count; ++i) {
+        order->file_of_slot[i] = scratch[i];
+        order->slot_of_file[scratch[i]] = i;
+    }
+}
+
+static mrt_result create_order(face *f, const mesh *m, error *err)
+{
+    mrt_result result = points_order_create(&f->order, m->position, m->vertex_count, err);
+    if (result < 0)
+        return result;
+    uint32_t *scratch = calloc((size_t)m->vertex_count + 1, sizeof *scratch);
+    if (!scratch)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to order %u vertices", m->vertex_count);
+    group_order(&f->order, &f->binding, scratch);
+    free(scratch);
+    return MRT_OK;
+}
+
 static mrt_result create_points(face *f, const mesh *m, error *err)
 {
     points *const all[] = {&f->rest, &f->base, &f->shown, &f->free, &f->before};
-    mrt_result result = points_order_create(&f->order, m->position, m->vertex_count, err);
+    mrt_result result = create_order(f, m, err);
     for (size_t i = 0; result >= 0 && i < sizeof all / sizeof *all; ++i)
         result = points_create(all[i], &f->order, m->position, err);
     f->origin = &f->base;

@@ -25,11 +25,12 @@ typedef struct projection {
     const rig_proxy *proxy;
     uint32_t proxy_count, block_count;
     projection_block *block; /* by proxy, then by block */
+    uint8_t *touched; /* scratch: of each block of vertices, what a pass moved: 1 + the proxy; 0 */
 } projection;
 
 typedef struct projection_report {
     double depth_mm;      /* greatest, below the floor, before anything was moved */
-    uint32_t moved_count; /* vertices moved by more than 1e-4 mm, once for each proxy */
+    uint32_t moved_count; /* vertices moved, once for each proxy */
 } projection_report;
 
 /* mobility: padded_count; where it is 0 a vertex is left alone. r may be NULL. */
@@ -38,7 +39,7 @@ CHECKED mrt_result projection_create(projection *out, const rig *r, const points
 void projection_destroy(projection *p);
 
 /* pose: of each bone. Keeps the bounds of shown. */
-projection_report projection_apply(const projection *p, points *shown, const rigid *pose);
+projection_report projection_apply(projection *p, points *shown, const rigid *pose);
 /* How deep the deepest vertex is below its floor, mm. */
 double projection_depth_mm(const projection *p, const points *shown, const rigid *pose);
 
