@@ -82,7 +82,7 @@ static void check_opening(rig_checking *c, uint32_t jaw, const rig_place *place)
     double gap_mm = vec3_length(vec3_sub(rigid_apply(&motion, incisor), incisor));
     double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
     double usual_mm = 50.0 * head_mm / 225.0;
-    bool is_usual = gap_mm > 0.7 * usual_mm && gap_mm < 1.4 * usual_mm;
+    bool is_usual = gap_mm > 0.6 * usual_mm && gap_mm < 1.5 * usual_mm;
     rig_find(
         c, is_usual ? RIG_NOTE : RIG_WARNING, place->text,
         "fully open (%.0f degrees) the incisors are %.1f mm apart%s%.0f mm would be usual for a "

@@ -22,8 +22,9 @@ static bool is_same(double a, double b)
 
 json_t *rig_number_to_json(double value)
 {
-    bool is_whole = fabs(value) < 1e9 && is_same(value, floor(value));
-    return is_whole ? json_integer((json_int_t)value) : json_real(value);
+    double whole = floor(value + 0.5); /* 30 degrees come back from radians as nearly 30 */
+    bool is_whole = fabs(value) < 1e9 && fabs(value - whole) <= 1e-13 * fabs(value);
+    return is_whole ? json_integer((json_int_t)whole) : json_real(value);
 }
 
 json_t *rig_point_to_json(vec3 point, double mm_per_unit)

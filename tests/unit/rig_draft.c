@@ -1,0 +1,154 @@
+/* Rigs drafted from meshes alone: they are valid, and near what a person would say. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "face/rig_check.h"
+#include "face/rig_draft.h"
+#include "stage/face_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct drafted {
+    face_file file;
+    rig rig;
+    char *confirm;
+} drafted;
+
+static drafted draft(const char *path)
+{
+    drafted d;
+    error err = {""};
+    if (face_file_read(&d.file, path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err) < 0 ||
+        rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, path, &err) < 0 ||
+        rig_validate(&d.rig, &d.file.mesh, &d.file.topology, &err) < 0)
+        fail_msg("%s: %s", path, err.text);
+    return d;
+}
+
+static void finish(drafted *d)
+{
+    rig_destroy(&d->rig);
+    free(d->confirm);
+    face_file_destroy(&d->file);
+}
+
+static vec3 contact_position(const drafted *d, const char *name)
+{
+    uint32_t index = rig_find_contact(&d->rig, name);
+    if (index == RIG_NONE)
+        fail_msg("there is no contact %s", name);
+    const float *p = d->file.mesh.position + (size_t)d->rig.contact[index].vertex * 3;
+    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
+}
+
+static void assert_within(vec3 found, vec3 expected, double mm)
+{
+    if (!(vec3_length(vec3_sub(found, expected)) <= mm))
+        fail_msg("(%.1f, %.1f, %.1f) is further than %.0f mm from (%.1f, %.1f, %.1f)", found.x,
+                 found.y, found.z, mm, expected.x, expected.y, expected.z);
+}
+
+static void parts_are_understood_by_name(void **state)
+{
+    (void)state;
+    drafted d = draft(SOURCE_DIR "/rigs/puppet/puppet.glb");
+    uint32_t eye = rig_find_bone(&d.rig, "eye.l");
+    assert_int_not_equal(eye, RIG_NONE);
+    assert_within(d.rig.bone[eye].centre, (vec3){37.5, 68.0, 62.0}, 4.0);
+    assert_non_null(strstr(d.confirm, "part teeth_lower: rigid on jaw"));
+    assert_non_null(strstr(d.confirm, "part teeth_upper: rigid on skull"));
+    assert_non_null(strstr(d.confirm, "part tongue: rigid on jaw"));
+    assert_null(strstr(d.confirm, "part lid_upper.l: rigid"));
+    finish(&d);
+}
+
+static void lips_lie_on_either_side_of_the_puppets_slit(void **state)
+{
+    (void)state;
+    drafted d = draft(SOURCE_DIR "/rigs/puppet/puppet.glb");
+    assert_true(contact_position(&d, "lip.upper.mid").y > -36.4);
+    assert_true(contact_position(&d, "lip.lower.mid").y < -39.6);
+    assert_within(contact_position(&d, "nose.tip"), (vec3){0.0, 26.0, 103.0}, 4.0);
+    finish(&d);
+}
+
+static void left_contacts_mirror_right_ones(void **state)
+{
+    (void)state;
+    drafted d = draft(SOURCE_DIR "/rigs/moai/moai.glb");
+    assert_true(d.rig.contact_count >= 20);
+    for (uint32_t i = 0; i < d.rig.contact_count; ++i) {
+        const rig_contact *contact = &d.rig.contact[i];
+        vec3 p = contact_position(&d, contact->name);
+        if (contact->mirror == RIG_NONE)
+            continue;
+        vec3 q = contact_position(&d, d.rig.contact[contact->mirror].name);
+        assert_within((vec3){-q.x, q.y, q.z}, p, 0.01);
+        size_t length = strlen(contact->name);
+        assert_true((p.x > 0.0) == (strcmp(contact->name + length - 2, ".l") == 0));
+    }
+    finish(&d);
+}
+
+/* Against the landmarks that came with it. */
+static void contacts_lie_near_the_landmarks_of_a_real_face(void **state)
+{
+    (void)state;
+    const char *shared = getenv("MAROTTE_SHARED");
+    char path[1024];
+    (void)snprintf(path, sizeof path, "%s/data/faces/ict_face.glb",
+                   shared ? shared : SOURCE_DIR "/../shared");
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        print_message("SKIPPED: no %s\n", path);
+        skip();
+    }
+    fclose(file);
+    drafted d = draft(path);
+    assert_int_equal(d.rig.contact_count, 27);
+    assert_within(contact_position(&d, "nose.tip"), (vec3){0.0, 4.1, 130.7}, 8.0);
+    assert_within(contact_position(&d, "mouth.corner.l"), (vec3){25.3, -35.2, 101.9}, 8.0);
+    assert_within(contact_position(&d, "brow.inner.l"), (vec3){11.7, 59.1, 107.3}, 8.0);
+    assert_within(contact_position(&d, "brow.outer.r"), (vec3){-58.2, 52.0, 79.1}, 8.0);
+    assert_true(contact_position(&d, "lip.upper.mid").y > -33.2);
+    assert_true(contact_position(&d, "lip.lower.mid").y < -34.0);
+    vec3 hinge = vec3_scale(vec3_add(d.rig.bone[1].hinge_left, d.rig.bone[1].hinge_right), 0.5);
+    assert_within(hinge, (vec3){0.0, -5.5, 18.0}, 35.0); /* proportions only: a person confirms */
+    finish(&d);
+}
+
+static void what_has_no_face_is_refused(void **state)
+{
+    (void)state;
+    mesh m;
+    rig r;
+    char *confirm;
+    error err = {""};
+    static const float corner[] = {0, 0, 0, 100, 0, 0, 0, 200, 0};
+    assert_int_equal(mesh_create(&m, 3, 1, &err), MRT_OK);
+    memcpy(m.position, corner, sizeof corner);
+    m.triangle[1] = 1;
+    m.triangle[2] = 2;
+    assert_int_equal(rig_draft_make(&r, &confirm, &m, "flat.obj", &err), MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, "no profile of a face"));
+    assert_null(confirm);
+    mesh_destroy(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parts_are_understood_by_name),
+        cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
+        cmocka_unit_test(left_contacts_mirror_right_ones),
+        cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
+        cmocka_unit_test(what_has_no_face_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
