@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES_MOST = 4000, UNITS_MOST = 150, EXCHANGES = 2 };
+enum { SAMPLES_MOST = 4000, UNITS_MOST = 200, EXCHANGES = 3 };
 
 /* Contacts closer than this part of the radius fight each other. */
 #define SPACING      (1.0 / 6)
