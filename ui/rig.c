@@ -9,11 +9,7 @@ static int run(int argc, char **argv)
         const char *name;
         int (*run)(int argc, char **argv);
     } parts[] = {
-        {"check", rigcheck_run},
-#ifdef RIG_FIT
- {"fit", rigfit_run},
-#endif
- {"new", rignew_run}, {"show", rigshow_run}};
+        {"check", rigcheck_run}, {"fit", rigfit_run}, {"new", rignew_run}, {"show", rigshow_run}};
     if (argc < 2)
         return command_usage(&command_rig, "check, show, new or fit?");
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)

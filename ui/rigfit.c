@@ -181,6 +181,24 @@ static void pose_finish(rig_pose *pose)
     *pose = (rig_pose){0};
 }
 
+/* To what a file needs: 0.01 degrees, 0.01 mm. */
+static double rounded(double value)
+{
+    return round(100.0 * value) / 100.0;
+}
+
+static double rounded_dof(const bones_dof *dof, double value)
+{
+    const double radian_per_degree = 0.017453292519943295;
+    bool is_angle = strcmp(dof->unit, "rad") == 0;
+    return is_angle ? rounded(value / radian_per_degree) * radian_per_degree : rounded(value);
+}
+
+static vec3 rounded_pull(vec3 pull)
+{
+    return (vec3){rounded(pull.x), rounded(pull.y), rounded(pull.z)};
+}
+
 static bool fill_pose(rig_pose *out, const fitting *f, const bones *b, const fit_result *fitted)
 {
     *out = (rig_pose){.name = strndup(fitted->name, 63)};
@@ -191,16 +209,17 @@ static bool fill_pose(rig_pose *out, const fitting *f, const bones *b, const fit
     if (!out->name || !out->dof_name || !out->dof_value || !out->pull_contact || !out->pull_mm)
         return false;
     for (uint32_t i = 0; i < b->dof_count; ++i) {
-        if (!(fabsf(fitted->dof[i]) > 1e-6f))
+        double value = rounded_dof(&b->dof[i], (double)fitted->dof[i]);
+        if (!(fabs(value) > 0.0))
             continue;
         out->dof_name[out->dof_count] = strdup(b->dof[i].name);
         if (!out->dof_name[out->dof_count])
             return false;
-        out->dof_value[out->dof_count++] = (double)fitted->dof[i];
+        out->dof_value[out->dof_count++] = value;
     }
     for (uint32_t i = 0; i < f->contact_count; ++i) {
         out->pull_contact[i] = f->contact[i];
-        out->pull_mm[i] = fitted->pull[i];
+        out->pull_mm[i] = rounded_pull(fitted->pull[i]);
     }
     out->pull_count = f->contact_count;
     return true;
@@ -271,8 +290,10 @@ static void print_row(const char *name, const double value[7])
 
 static void print_text(const fitting *f)
 {
-    printf("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "target", "residual", "worst mm", "rigid mm",
-           "inside mm", "min det", "paper", "paper rigid mm");
+    printf("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "", "residual", "worst", "rigid", "inside",
+           "least", "paper's", "paper's");
+    printf("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "target", "", "mm", "mm", "mm", "jacobian",
+           "residual", "rigid mm");
     double paper_rigid_mm = 0.0;
     for (uint32_t i = 0; i < f->result_count; ++i) {
         const fit_result *one = &f->result[i];

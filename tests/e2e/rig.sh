@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# marotte rig: drafting, checking, showing and fitting, as a technical artist does it.
+source "$(dirname "$0")/lib.sh"
+cd "$scratch" || exit 1
+puppet=$SOURCE_DIR/rigs/puppet/puppet
+
+# The rigs that come with the program are right.
+for name in moai puppet; do
+    "$MAROTTE" rig check "$SOURCE_DIR/rigs/$name/$name.rig.json" >"$name.txt" ||
+        fail "rig check $name: $(head -3 "$name.txt")"
+    grep -q ': 0 errors, 0 warnings' "$name.txt" || fail "$name: $(tail -1 "$name.txt")"
+done
+
+# A new head: drafted, checked, and it says what to look at.
+cp "$puppet.glb" new.glb
+"$MAROTTE" rig new new.glb >drafted.txt || fail "rig new"
+grep -q '^wrote    new.rig.json$' drafted.txt || fail "what was written: $(head -1 drafted.txt)"
+[ "$(grep -c '^confirm  ' drafted.txt)" -ge 10 ] || fail "little to confirm"
+"$MAROTTE" rig check new.rig.json --json >checked.json || fail "the draft has errors"
+grep -q '"errors": 0' checked.json || fail "the draft's errors as JSON"
+refused 1 "new.rig.json: is there already" "$MAROTTE" rig new new.glb
+"$MAROTTE" rig new new.glb --force >/dev/null || fail "rig new --force"
+
+# The picture.
+if "$MAROTTE" rig show new.rig.json --out rig.png >shown.txt 2>show_error.txt; then
+    [ "$(head -c 8 rig.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] || fail "no PNG"
+    "$MAROTTE" rig show new.rig.json --out one.png --yaw 20 --pitch 5 >/dev/null || fail "--yaw"
+    [ "$(stat -c %s rig.png)" -gt "$(stat -c %s one.png)" ] || fail "three views and one"
+elif grep -qi 'egl\|opengl\|graphics' show_error.txt; then
+    echo "no picture here: $(cat show_error.txt)"
+else
+    fail "rig show: $(cat show_error.txt)"
+fi
+
+# Errors make the exit code.
+bad() { # words file text
+    printf '%s' "$3" >"$2"
+    if "$MAROTTE" rig check "$2" >out.txt 2>&1; then
+        fail "$2 passes"
+    elif ! grep -qF -- "$1" out.txt; then
+        fail "\"$1\" is not said: $(cat out.txt)"
+    fi
+}
+mesh='"marotte_rig": 1, "mesh": "new.glb"'
+jaw='{"name": "jaw", "hinge": {"left": [60,0,0], "right": [-60,0,0]}}'
+bones="\"bones\": [{\"name\": \"skull\"}, $jaw]"
+skull='{"bone": "skull", "rigid": true, "select": {"group": "teeth_upper"}}'
+bad 'm.rig.json: $.mesh: gone.glb: No such file' m.rig.json '{"marotte_rig": 1, "mesh": "gone.glb"}'
+bad '$.bones[1]: no vertex belongs to the bone "jaw"' b.rig.json \
+    "{$mesh, $bones, \"regions\": [$skull]}"
+bad '$.regions[1]: overlaps $.regions[0]: vertex' o.rig.json \
+    "{$mesh, $bones, \"regions\": [$skull, {\"bone\": \"jaw\", \"rigid\": true, \"select\": {\"group\": \"teeth*\"}}]}"
+bad '$.contact_sets.s[0]: there is no contact "cheek"' c.rig.json "{$mesh, \"contact_sets\": {\"s\": [\"cheek\"]}}"
+bad '$.bones[0].hinge: left and right are 0 mm apart' h.rig.json \
+    "{$mesh, \"bones\": [{\"name\": \"jaw\", \"hinge\": {\"left\": [1,1,1], \"right\": [1,1,1]}}]}"
+bad '$.bones[0].open_deg: [32, 0] is reversed' r.rig.json \
+    "{$mesh, \"bones\": [{\"name\": \"jaw\", \"hinge\": {\"left\": [60,0,0], \"right\": [-60,0,0]}, \"open_deg\": [32, 0]}]}"
+bad '$.mesh_vertices: the rig was made for a mesh of 7 vertices, this one has 19216' v.rig.json \
+    "{$mesh, \"mesh_vertices\": 7}"
+printf '{"marotte_rig": 1, "include": "y.rig.json"}' >x.rig.json
+bad 'y.rig.json includes x.rig.json includes y.rig.json' y.rig.json \
+    "{$mesh, \"include\": \"x.rig.json\"}"
+bad 'line 1, column' j.rig.json '{"marotte_rig": 1,, }'
+
+# Wrong usage.
+refused 2 "check, show, new or fit?" "$MAROTTE" rig
+refused 2 'there is no "rig paint"' "$MAROTTE" rig paint
+refused 2 "check takes one rig file" "$MAROTTE" rig check
+refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json
+refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
+refused 2 "fit takes a rig and a mesh" "$MAROTTE" rig fit new.rig.json
+refused 1 "is a mesh; marotte rig new" "$MAROTTE" rig check new.glb
+refused 1 "has no morph targets" "$MAROTTE" rig fit new.rig.json new.glb
+
+# A face made with the rig is found again.
+if [ -e "$shared/data/faces/ict_face.glb" ]; then
+    "$MAROTTE" rig new "$shared/data/faces/ict_face.glb" --out ict.rig.json >/dev/null || fail "ict"
+    "$MAROTTE" rig fit ict.rig.json "$shared/data/faces/ict_face.glb" --json --out fitted.glb \
+        --save-poses posed.rig.json >fit.json || fail "rig fit"
+    [ "$(grep -c '"relative_residual"' fit.json)" -eq 14 ] || fail "not 14 targets"
+    "$MAROTTE" rig fit posed.rig.json fitted.glb >again.txt || fail "fit of what was fitted"
+    residual=$(sed -nE 's/^mean, or worst +([0-9.]+).*/\1/p' again.txt)
+    awk "BEGIN { exit !($residual < 0.05) }" || fail "fitted faces are missed by $residual"
+    refused 1 'ict.rig.json: $.contact_sets has no "few"' "$MAROTTE" rig fit ict.rig.json \
+        "$shared/data/faces/ict_face.glb" --contacts few
+    [ "$(grep -c '"name": "jawOpen", "dofs"' posed.rig.json)" -eq 1 ] || fail "no pose was saved"
+else
+    echo "no face to fit in $shared"
+fi
+finish
