@@ -2,6 +2,7 @@
 
 #include "face/fit_candidates.h"
 #include "face/fit_side.h"
+#include "face/pieces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -393,32 +394,52 @@ static void find_interest(double *out, const suggesting *s, uint32_t vertex_coun
     }
 }
 
-static mrt_result prepare(suggesting *s, uint32_t count, const mesh *m, error *err)
+/* Where a contact may be: mobile vertices of the largest piece of surface, not lashes and brows. */
+static mrt_result find_places(uint8_t *is_place, const suggesting *s, const topology *t, error *err)
+{
+    size_t room = t->vertex_count + (size_t)2;
+    uint32_t *piece = malloc(room * sizeof *piece), *size = calloc(room, sizeof *size);
+    uint32_t count = 0, largest = 0;
+    mrt_result result =
+        piece != NULL && size != NULL ? pieces_find(piece, &count, t, err) : no_memory(err);
+    for (uint32_t v = 0; result == MRT_OK && v < t->vertex_count; v++)
+        size[piece[v]]++;
+    for (uint32_t c = 0; result == MRT_OK && c < count; c++)
+        largest = size[c] > size[largest] ? c : largest;
+    for (uint32_t v = 0; result == MRT_OK && v < t->vertex_count; v++)
+        is_place[v] = piece[v] == largest && s->binding->mobility[v] >= MOBILE_LEAST;
+    free(piece);
+    free(size);
+    return result;
+}
+
+static mrt_result prepare(suggesting *s, uint32_t count, const mesh *m, const topology *t,
+                          error *err)
 {
     uint8_t *is_skin = calloc(m->vertex_count + (size_t)1, 1);
-    uint8_t *is_mobile = calloc(m->vertex_count + (size_t)1, 1);
+    uint8_t *is_place = calloc(m->vertex_count + (size_t)1, 1);
     double *interest = malloc((m->vertex_count + (size_t)1) * sizeof *interest);
     s->dof = calloc((size_t)s->targets->target_count * MRT_MAX_DOFS + 1, sizeof *s->dof);
     s->choice = malloc((count + (size_t)1) * sizeof *s->choice);
     s->share = malloc(((size_t)s->binding->bone_count * count * count + 1) * sizeof *s->share);
     s->pull = malloc((3 * (size_t)count + 1) * sizeof *s->pull);
     mrt_result result = MRT_OK;
-    if (is_skin == NULL || is_mobile == NULL || interest == NULL || s->dof == NULL ||
+    if (is_skin == NULL || is_place == NULL || interest == NULL || s->dof == NULL ||
         s->choice == NULL || s->share == NULL || s->pull == NULL)
         result = no_memory(err);
-    for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++) {
+    for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++)
         is_skin[v] = s->binding->mobility[v] > 0;
-        is_mobile[v] = s->binding->mobility[v] >= MOBILE_LEAST;
-    }
+    if (result == MRT_OK)
+        result = find_places(is_place, s, t, err);
     if (result == MRT_OK)
         find_interest(interest, s, m->vertex_count);
     if (result == MRT_OK)
-        result = fit_candidates_create(&s->candidates, m, is_mobile, interest, UNITS_MOST,
+        result = fit_candidates_create(&s->candidates, m, is_place, interest, UNITS_MOST,
                                        s->settings.radius, err);
     if (result == MRT_OK)
         result = create_full(s, m, is_skin, err);
     free(is_skin);
-    free(is_mobile);
+    free(is_place);
     free(interest);
     return result;
 }
@@ -445,7 +466,7 @@ mrt_result fit_suggest(uint32_t *out_vertex, uint32_t *out_count, uint32_t count
     if (result == MRT_OK) {
         s.binding = face_binding(f);
         s.bones = face_bones(f);
-        result = prepare(&s, count, m, err);
+        result = prepare(&s, count, m, t, err);
     }
     if (result == MRT_OK)
         result = search(&s, m, err);

@@ -1,4 +1,5 @@
 #include "face/bind.h"
+#include "face/pieces.h"
 #include "face/weights_follow.h"
 #include "face/weights_laplace.h"
 
@@ -21,45 +22,6 @@ typedef struct weights {
     uint8_t *has_mark;                        /* component_count + 1 */
     laplace laplace;
 } weights;
-
-/* ---- components of the surface ---- */
-
-static void flood(weights *w, uint32_t *stack, uint32_t from)
-{
-    const topology *t = w->topology;
-    uint32_t depth = 0;
-    stack[depth++] = from;
-    w->component[from] = w->component_count;
-    while (depth > 0) {
-        uint32_t v = stack[--depth];
-        for (size_t e = t->neighbour_start[v]; e < t->neighbour_start[v + 1]; e++) {
-            uint32_t other = t->neighbour[e];
-            if (w->component[other] != UINT32_MAX)
-                continue;
-            w->component[other] = w->component_count;
-            stack[depth++] = other;
-        }
-    }
-    w->component_count++;
-}
-
-static bool find_components(weights *w)
-{
-    const topology *t = w->topology;
-    uint32_t *stack = malloc((t->vertex_count + (size_t)1) * sizeof *stack);
-    if (stack == NULL)
-        return false;
-    for (uint32_t v = 0; v < t->vertex_count; v++)
-        w->component[v] = UINT32_MAX;
-    for (uint32_t v = 0; v < t->vertex_count; v++)
-        if (w->component[v] == UINT32_MAX && t->neighbour_start[v] < t->neighbour_start[v + 1])
-            flood(w, stack, v);
-    for (uint32_t v = 0; v < t->vertex_count; v++)
-        if (w->component[v] == UINT32_MAX)
-            w->component[v] = w->component_count;
-    free(stack);
-    return true;
-}
 
 /* ---- what is given ---- */
 
@@ -280,7 +242,7 @@ static bool allocate(weights *w)
     w->is_settled = calloc(count, 1);
     w->has_mark = calloc(count, 1);
     return w->component != NULL && w->is_given != NULL && w->is_free != NULL &&
-           w->is_settled != NULL && w->has_mark != NULL && find_components(w);
+           w->is_settled != NULL && w->has_mark != NULL;
 }
 
 mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, const mesh *m,
@@ -295,6 +257,8 @@ mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, con
     if (!allocate(&w))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
                            m->vertex_count);
+    if (result == MRT_OK)
+        result = pieces_find(w.component, &w.component_count, t, err);
     if (result == MRT_OK)
         result = laplace_create(&w.laplace, m, t, err);
     if (result == MRT_OK)
