@@ -1,6 +1,7 @@
 /* marotte perform: a performance without a window. */
 #include "base/file.h"
 #include "command.h"
+#include "constraint_cost.h"
 #include "draw/sheet.h"
 #include "facts.h"
 #include "perform_options.h"
@@ -263,6 +264,28 @@ static void report_performance(performance *self, facts *told)
     report_folds(self, told);
 }
 
+/* With a rig: what its constraints cost, and what they held. */
+static mrt_result report_constraints(performance *self, facts *told, error *err)
+{
+    constraint_cost cost;
+    const recording *kept = &self->recording;
+    if (!self->face.rig)
+        return MRT_OK;
+    mrt_result result = constraint_cost_measure(&cost, &self->face, self->performer, err);
+    if (result < 0)
+        return result;
+    facts_number(told, "penetration_mm", "penetration", kept->penetration_mm, 3, "mm");
+    facts_number(told, "inexact_frames", "projected frames", kept->inexact_frames, 0,
+                 "in which skin slid over the skull");
+    if (cost.unconstrained_ms > 0) {
+        facts_number(told, "constrained_ms", "with constraints", cost.constrained_ms, 4, "ms");
+        facts_number(told, "unconstrained_ms", "without", cost.unconstrained_ms, 4, "ms");
+        facts_number(told, "constraint_ratio", "  ratio",
+                     cost.constrained_ms / cost.unconstrained_ms, 2, "");
+    }
+    return MRT_OK;
+}
+
 static void on_export(void *data, double done)
 {
     progress_show(data, done, "");
@@ -348,6 +371,9 @@ static int run(int argc, char **argv)
         result = perform(&self, &err);
     if (result >= 0) {
         report_performance(&self, told);
+        result = report_constraints(&self, told, &err);
+    }
+    if (result >= 0) {
         result = write_exports(&self, told, &err);
     }
     if (result >= 0 && self.report.input_failed)

@@ -26,6 +26,8 @@ void recording_destroy(recording *self)
     free(self->column);
     free(self->scale);
     free(self->vector);
+    free(self->name);
+    free(self->names);
     free(self->work_ms);
     *self = (recording){0};
 }
@@ -51,11 +53,15 @@ static mrt_result make_room(recording *self, uint32_t count, error *err)
     free(self->column);
     free(self->scale);
     free(self->vector);
+    free(self->name);
+    free(self->names);
     self->column_capacity = 0;
     self->column = malloc((size_t)count * self->mesh->vertex_count * sizeof *self->column);
     self->scale = calloc(count, sizeof *self->scale);
     self->vector = calloc((size_t)count * 3, sizeof *self->vector);
-    if (!self->column || !self->scale || !self->vector)
+    self->name = calloc((size_t)count + 1, sizeof *self->name);
+    self->names = calloc((size_t)count + 1, sizeof *self->names);
+    if (!self->column || !self->scale || !self->vector || !self->name || !self->names)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
     self->column_capacity = count;
     return MRT_OK;
@@ -90,8 +96,10 @@ static mrt_result begin_segment(recording *self, const face *f, const face_colum
         for (uint32_t v = 0; v < order->count; ++v)
             column[order->file_of_slot[v]] = now->column[k * now->stride + v];
         self->scale[k] = normalise_column(column, order->count);
+        face_column_name(f, k, self->name[k]);
+        self->names[k] = self->name[k];
     }
-    return clip_begin_segment(self->clip, self->rows, self->column, NULL, now->count, err);
+    return clip_begin_segment(self->clip, self->rows, self->column, self->names, now->count, err);
 }
 
 static void meter_folds(recording *self, const face *f)

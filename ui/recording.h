@@ -15,6 +15,8 @@ typedef struct recording {
     float *column;  /* scratch: column_capacity by vertex_count */
     double *scale;  /* column_capacity: a power of two that brings a column near 1 */
     double *vector; /* scratch: column_capacity by 3 */
+    char (*name)[FACE_COLUMN_NAME]; /* column_capacity */
+    const char **names;
     uint32_t column_capacity;
     float *work_ms; /* per frame */
     uint32_t frame_count, frame_capacity;

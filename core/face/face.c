@@ -1,6 +1,7 @@
 #include "face/face_state.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- columns of the bones ---- */
@@ -155,6 +156,40 @@ void face_reset(face *f)
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius)
 {
     return shape_is_near(f->control_count > 0 ? &f->base : &f->shown, point, count, radius);
+}
+
+static const char *bone_name(const face *f, uint32_t bone)
+{
+    return f->rig ? f->rig->bone[bone].name : "face";
+}
+
+static void name_control(const face *f, uint32_t bone, uint32_t control, char *out)
+{
+    const face_grip *grip = &f->grip[control];
+    uint32_t holders = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        holders += grip->belongs[b];
+    const char *on = holders > 1 ? bone_name(f, bone) : "", *at = holders > 1 ? "@" : "";
+    if (grip->contact > 0)
+        snprintf(out, FACE_COLUMN_NAME, "%.80s%s%.64s", f->contact[grip->contact - 1].name, at, on);
+    else
+        snprintf(out, FACE_COLUMN_NAME, "control%u%s%.64s", control + 1, at, on);
+}
+
+void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME])
+{
+    static const char *const motions[FACE_POSE_COLUMNS] = {"turn_x", "turn_y", "turn_z", "shift"};
+    out[0] = '\0';
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        if (column < f->control_column_count && column >= field->first_column &&
+            column - field->first_column < field->control_count)
+            name_control(f, b, field->control[column - field->first_column], out);
+        if (column >= f->control_column_count && f->bones.moves[b] &&
+            column - field->pose_column < FACE_POSE_COLUMNS)
+            snprintf(out, FACE_COLUMN_NAME, "%.80s.%s", bone_name(f, b),
+                     motions[column - field->pose_column]);
+    }
 }
 
 vec3 face_contact_now(const face *f, uint32_t contact)

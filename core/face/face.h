@@ -100,6 +100,11 @@ typedef struct face_columns { /* of the engagement; valid until the next engage 
     bool is_exact;       /* false: the projection moved a vertex in the last frame shown */
 } face_columns;
 face_columns face_columns_now(const face *f);
+/* What a column is of: a contact ("mouth.corner.l"), a free point by its number ("control2"), both
+ * with "@bone" behind when several bones are in it; or a bone's motion: "jaw.turn_x" to
+ * "jaw.turn_z", "jaw.shift". */
+enum { FACE_COLUMN_NAME = 160 };
+void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME]);
 
 typedef struct face_meter {
     double slope_bound;    /* of the field: < 1 nothing folds */

@@ -80,7 +80,7 @@ double face_share_held(const face *f, const face_grip *grip)
 void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact)
 {
     uint32_t slot = contact > 0 ? f->contact_slot[contact - 1] : nearest_slot(&f->shown, at);
-    *out = (face_grip){.mobility = 1.0};
+    *out = (face_grip){.mobility = 1.0, .contact = contact};
     for (uint32_t b = 0; b < f->bone_count; ++b)
         out->share[b] = (double)f->field[b].weight[slot];
     double mobility = (double)f->mobility[slot];

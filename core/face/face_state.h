@@ -24,10 +24,11 @@ typedef struct face_field {
 typedef struct face_grip {
     double share[RIG_BONES_MAX];
     bool belongs[RIG_BONES_MAX];
-    double mobility; /* what its pull is divided by */
-    double riding;   /* on the jaw, 0..1 */
-    vec3 start;      /* mm, bones at rest */
-    bool is_dropped; /* it can move nothing */
+    double mobility;  /* what its pull is divided by */
+    double riding;    /* on the jaw, 0..1 */
+    vec3 start;       /* mm, bones at rest */
+    uint32_t contact; /* 1 + index; 0: a free point */
+    bool is_dropped;  /* it can move nothing */
 } face_grip;
 
 struct face {

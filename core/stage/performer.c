@@ -514,6 +514,11 @@ face *performer_face(performer *self)
     return self->face;
 }
 
+csrbf_settings performer_solver(const performer *self)
+{
+    return self->solver;
+}
+
 const float *performer_normal(const performer *self, uint32_t axis)
 {
     return self->normal + (size_t)axis * face_shown(self->face)->padded_count;
