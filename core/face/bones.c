@@ -9,7 +9,10 @@ static const double soft_part = 0.15;       /* of a limit: where it begins to be
 static const double narrowed_to = 0.4;      /* of the lateral and forward limits at full opening */
 static const double slide_begins_mm = 20.0; /* incisor gap */
 static const double slide_ends_mm = 45.0;
-static const double side_mm = 2.0; /* lateral motion that brings its centre to a condyle */
+static const double guidance = 0.4;        /* mm down for each mm aside, teeth together */
+static const double guidance_ends_mm = 12; /* incisor gap */
+static const double depth_least = 0.3;     /* of the arm: a jaw that hangs down does not spin */
+static const double side_mm = 2.0;         /* lateral motion that brings its centre to a condyle */
 static const vec3 condyle_path = {0.0, -0.55, 0.83};
 
 /* ---- limits ---- */
@@ -97,21 +100,37 @@ static double lateral_angle(double depth, double side, double way)
 }
 
 /* The working condyle stays, the other one goes forward; smooth and symmetric about 0. */
-rigid bones_aside(const bones *b, double lateral_mm)
+rigid bones_aside(const bones *b, double lateral_mm, double turn_rad)
 {
     const bones_hinge *h = &b->hinge;
     if (lateral_mm == 0.0)
         return rigid_identity();
     double side = lateral_mm / sqrt(lateral_mm * lateral_mm + side_mm * side_mm);
     double offset = h->half_mm * side;
+    angle_turn opened = angle_turn_of(turn_rad);
+    double depth = h->depth_mm * opened.cos + h->rise_mm * opened.sin;
+    depth = depth > depth_least * h->arm_mm ? depth : depth_least * h->arm_mm;
     vec3 centre = vec3_add(h->middle, vec3_scale(h->left, offset));
-    return rigid_turn(centre, h->up, lateral_angle(h->depth_mm, offset, lateral_mm));
+    return rigid_turn(centre, h->up, lateral_angle(depth, offset, lateral_mm));
+}
+
+static double incisor_gap(const bones *b, double open_rad)
+{
+    return 2.0 * b->hinge.arm_mm * fabs(angle_turn_of(0.5 * open_rad).sin);
 }
 
 double bones_slide(const bones *b, double open_rad)
 {
-    double gap = 2.0 * b->hinge.arm_mm * fabs(angle_turn_of(0.5 * open_rad).sin);
+    double gap = incisor_gap(b, open_rad);
     return b->rig->bone[b->jaw].slide_mm * smoothstep(slide_begins_mm, slide_ends_mm, gap);
+}
+
+/* Smooth where the jaw begins to go aside: 1 mm rounds the corner. */
+double bones_guided_opening(const bones *b, double open_rad, double lateral_mm)
+{
+    double down_mm = guidance * (sqrt(lateral_mm * lateral_mm + 1.0) - 1.0);
+    double touching = 1.0 - smoothstep(0.0, guidance_ends_mm, incisor_gap(b, open_rad));
+    return open_rad + down_mm / b->hinge.arm_mm * touching;
 }
 
 rigid bones_jaw(const bones *b, double open_rad, double lateral_mm, double forward_mm)
@@ -119,8 +138,9 @@ rigid bones_jaw(const bones *b, double open_rad, double lateral_mm, double forwa
     if (b->jaw == RIG_NONE)
         return rigid_identity();
     const bones_hinge *h = &b->hinge;
-    rigid opening = rigid_turn(h->middle, h->left, open_rad);
-    rigid aside = bones_aside(b, lateral_mm);
+    double turn_rad = bones_guided_opening(b, open_rad, lateral_mm);
+    rigid opening = rigid_turn(h->middle, h->left, turn_rad);
+    rigid aside = bones_aside(b, lateral_mm, turn_rad);
     rigid out = rigid_compose(&aside, &opening);
     out.t = vec3_add(out.t, vec3_scale(h->path, bones_slide(b, open_rad) + forward_mm));
     return out;
@@ -242,6 +262,7 @@ static mrt_result init_hinge(bones *b, const rig_bone *jaw, error *err)
     arm = vec3_sub(arm, vec3_scale(h->left, vec3_dot(arm, h->left)));
     h->arm_mm = vec3_length(arm);
     h->depth_mm = vec3_dot(arm, h->forward);
+    h->rise_mm = vec3_dot(arm, h->up);
     if (!is_finite(arm) || !(h->depth_mm > 1.0))
         return error_set(
             err, MRT_ERR_FORMAT,

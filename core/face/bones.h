@@ -20,7 +20,7 @@ typedef struct bones_hinge {
     vec3 middle;                  /* mm: between the condyles */
     vec3 left, up, forward, path; /* path: the way of the condyles, forward and down */
     double half_mm;               /* from the middle to a condyle */
-    double depth_mm;              /* of the incisor, forward of the axis */
+    double depth_mm, rise_mm;     /* of the incisor, forward of the axis and above it */
     double arm_mm;                /* of the incisor, from the axis */
 } bones_hinge;
 
@@ -55,8 +55,11 @@ void bones_limit(float *out_dof, const bones *b, const float *dof);
 rigid bones_jaw(const bones *b, double open_rad, double lateral_mm, double forward_mm);
 /* slide_mm smoothstep(20 mm, 45 mm, gap); gap: of the incisors, by the turn alone. */
 double bones_slide(const bones *b, double open_rad);
-/* The lateral turn alone: of bones_jaw, what comes after the opening. */
-rigid bones_aside(const bones *b, double lateral_mm);
+/* The opening, and a little more where the jaw goes aside with its teeth together: cusps slide down
+ * each other, by 0.4 mm at the incisor for each mm aside, until the gap is 12 mm wide. */
+double bones_guided_opening(const bones *b, double open_rad, double lateral_mm);
+/* The lateral turn alone: of bones_jaw, what comes after an opening by turn_rad. */
+rigid bones_aside(const bones *b, double lateral_mm, double turn_rad);
 
 /* The limits of lateral (to either side) and forward motion at an opening: they narrow linearly, to
  * 40 % at the widest. */

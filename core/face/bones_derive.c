@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-enum { OPENINGS = 6, POSES = 8, SWEEPS = 16, JAW_DOFS = 3 };
-static const double difference_mm = 1e-3;
+enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, JAW_DOFS = 3 };
+static const double difference_rad = 1e-5, difference_mm = 1e-3;
 
 /* With s the starts from the middle of the hinge and d = end - start. */
 typedef struct evidence {
@@ -58,46 +58,49 @@ static motion motion_of(const bones *b, const rigid *m)
     return out;
 }
 
-/* By the opening, while the condyles stay: turn is the jaw's. */
-static motion slope_of_opening(const bones *b, const rigid *jaw)
+/* Opened and aside, the condyles where they are at rest. */
+static rigid turns_at(const bones *b, double open_rad, double lateral_mm)
 {
-    const vec3 u = b->hinge.left;
-    const double k[3][3] = {{0, -u.z, u.y}, {u.z, 0, -u.x}, {-u.y, u.x, 0}};
-    motion out = {.t = {0}};
-    for (int i = 0; i < 3; ++i)
+    double turn_rad = bones_guided_opening(b, open_rad, lateral_mm);
+    rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, turn_rad);
+    rigid aside = bones_aside(b, lateral_mm, turn_rad);
+    return rigid_compose(&aside, &opening);
+}
+
+static motion slope_between(const bones *b, const rigid *before, const rigid *after, double step)
+{
+    motion low = motion_of(b, before), out = motion_of(b, after);
+    for (int i = 0; i < 3; ++i) {
+        out.t[i] = (out.t[i] - low.t[i]) / step;
         for (int j = 0; j < 3; ++j)
-            out.r[i][j] = jaw->r[i][0] * k[0][j] + jaw->r[i][1] * k[1][j] + jaw->r[i][2] * k[2][j];
+            out.r[i][j] = (out.r[i][j] - low.r[i][j]) / step;
+    }
     return out;
 }
 
-/* By lateral motion, by central differences. */
-static motion slope_of_lateral(const bones *b, const rigid *opening, double lateral_mm)
+static motion slope_of_opening(const bones *b, const double p[JAW_DOFS])
 {
-    rigid before = bones_aside(b, lateral_mm - difference_mm);
-    rigid after = bones_aside(b, lateral_mm + difference_mm);
-    before = rigid_compose(&before, opening);
-    after = rigid_compose(&after, opening);
-    motion low = motion_of(b, &before), high = motion_of(b, &after);
-    double scale = 0.5 / difference_mm;
-    for (int i = 0; i < 3; ++i) {
-        high.t[i] = (high.t[i] - low.t[i]) * scale;
-        for (int j = 0; j < 3; ++j)
-            high.r[i][j] = (high.r[i][j] - low.r[i][j]) * scale;
-    }
-    return high;
+    rigid before = turns_at(b, p[0] - difference_rad, p[1]);
+    rigid after = turns_at(b, p[0] + difference_rad, p[1]);
+    return slope_between(b, &before, &after, 2.0 * difference_rad);
+}
+
+static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS])
+{
+    rigid before = turns_at(b, p[0], p[1] - difference_mm);
+    rigid after = turns_at(b, p[0], p[1] + difference_mm);
+    return slope_between(b, &before, &after, 2.0 * difference_mm);
 }
 
 /* The jaw's motion at p, and its derivatives by the first `count` degrees of freedom while the
  * condyles stay. */
 static motion motion_at(const bones *b, const double p[JAW_DOFS], motion slope[JAW_DOFS], int count)
 {
-    rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, p[0]);
-    rigid aside = bones_aside(b, p[1]);
-    rigid jaw = rigid_compose(&aside, &opening);
-    slope[0] = slope_of_opening(b, &jaw);
+    rigid jaw = turns_at(b, p[0], p[1]);
+    slope[0] = slope_of_opening(b, p);
     if (count > 1) {
         const vec3 path = b->hinge.path;
-        slope[1] = slope_of_lateral(b, &opening, p[1]);
+        slope[1] = slope_of_lateral(b, p);
         slope[2] = (motion){.t = {path.x, path.y, path.z}};
     }
     jaw.t = vec3_add(jaw.t, vec3_scale(b->hinge.path, bones_slide(b, p[0]) + p[2]));

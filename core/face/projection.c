@@ -189,12 +189,14 @@ static projection_report ease_all(projection *p, points *shown, const rigid *pos
 static bool floor_all(projection *p, points *shown, const rigid *pose)
 {
     bool any = false;
+    proxy_frame f;
     for (uint32_t i = 0; i < p->block_count; ++i) {
         const projection_block *b = &p->block[i];
         double depth_mm = 0.0;
+        if (i == 0 || b->proxy != p->block[i - 1].proxy)
+            f = frame_of(&p->proxy[b->proxy], pose);
         if (p->touched[b->block] == 0 || p->touched[b->block] == 1 + b->proxy)
             continue;
-        proxy_frame f = frame_of(&p->proxy[b->proxy], pose);
         if (project_block(&f, b, shown, FLOORED, &depth_mm) == 0)
             continue;
         p->touched[b->block] = (uint8_t)(1 + b->proxy);

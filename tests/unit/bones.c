@@ -159,9 +159,14 @@ static void the_jaw_goes_aside_alike_on_both_sides(void **state)
         rigid left = bones_jaw(&b, 0.0, lateral, 0.0), right = bones_jaw(&b, 0.0, -lateral, 0.0);
         vec3 a = rigid_apply(&left, incisor), c = rigid_apply(&right, incisor);
         expect_near(a.x, lateral, 1e-9);
-        expect_near(c.x, -lateral, 1e-9);
+        expect_near(c.x, -a.x, 1e-12);
         expect_near(a.y, c.y, 1e-12);
         expect_near(a.z, c.z, 1e-12);
+    }
+    for (double open = 0.0; open <= 0.5;
+         open += 0.125) { /* at the incisor, however wide it is open */
+        rigid jaw = bones_jaw(&b, open, 4.0, 0.0);
+        expect_near(rigid_apply(&jaw, incisor).x, 4.0, 1e-9);
     }
     /* To the left the left condyle all but stays and the right one goes forward. */
     rigid left = bones_jaw(&b, 0.0, 10.0, 0.0);
@@ -174,6 +179,28 @@ static void the_jaw_goes_aside_alike_on_both_sides(void **state)
     vec3 p = rigid_apply(&before, condyle[0]), q = rigid_apply(&after, condyle[0]);
     double bend = vec3_length(vec3_sub(vec3_add(p, q), vec3_scale(condyle[0], 2.0))) / h;
     assert_true(bend < 1e-3);
+}
+
+/* Teeth together, the cusps slide down each other; apart, they do not meet. */
+static void the_jaw_gives_way_to_the_cusps(void **state)
+{
+    (void)state;
+    static face_scene s;
+    bones b = make_bones(&s);
+    double last = 0.0;
+    for (double lateral = 1.0; lateral <= 10.0; lateral += 1.0) {
+        rigid jaw = bones_jaw(&b, 0.0, lateral, 0.0), alone = bones_aside(&b, lateral, 0.0);
+        double down = rigid_apply(&alone, incisor).y - rigid_apply(&jaw, incisor).y;
+        expect_near(down, 0.4 * (sqrt(lateral * lateral + 1.0) - 1.0), 0.05);
+        assert_true(down > last);
+        last = down;
+    }
+    assert_true(bones_guided_opening(&b, 0.2, 10.0) == 0.2);
+    for (double open = 0.0, before = 0.0; open <= 0.2; open += 0.001) {
+        double now = bones_guided_opening(&b, open, 10.0);
+        assert_true(now >= before && now >= open);
+        before = now;
+    }
 }
 
 static void the_envelope_narrows_as_the_jaw_opens(void **state)
@@ -410,6 +437,7 @@ int main(void)
         cmocka_unit_test(an_open_jaw_gapes_45_to_55_mm),
         cmocka_unit_test(condyles_slide_as_the_jaw_opens),
         cmocka_unit_test(the_jaw_goes_aside_alike_on_both_sides),
+        cmocka_unit_test(the_jaw_gives_way_to_the_cusps),
         cmocka_unit_test(the_envelope_narrows_as_the_jaw_opens),
         cmocka_unit_test(balls_turn_about_their_centre_first_listed_outermost),
         cmocka_unit_test(bones_ride_on_a_skull_that_turns),
