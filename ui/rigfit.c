@@ -391,6 +391,7 @@ int rigfit_run(int argc, char **argv)
                              SUGGEST_MAX);
     mrt_result result = work(&f, &err);
     fit_results_destroy(f.result, f.result_count);
+    free(f.result);
     free(f.contact);
     mesh_destroy(&f.targets);
     face_file_destroy(&f.face);

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { FEW_CONTACTS = 8 }; /* fewer stand apart on purpose */
 static const double twin_reach_mm = 1e-4, mirror_reach_mm = 2.0, still = 0.02;
 
 /* ---- seams ---- */
@@ -145,7 +146,7 @@ static void check_spacing(rig_checking *c)
         }
         sum += nearest;
     }
-    if (count < 2 || c->radius_mm >= 2.0 * sum / count)
+    if (count < FEW_CONTACTS || c->radius_mm >= 2.0 * sum / count)
         return;
     rig_find(c, RIG_WARNING, "$.solver.radius_mm",
              "a radius of %.1f mm is less than twice the %.1f mm between contacts: the skin dips "
