@@ -5,7 +5,7 @@
 #include <string.h>
 
 enum { FLOOR_PASSES = 6 };
-static const double floor_part = 0.4;
+static const double floor_part = 0.4, floor_most_mm = 2.0, band_most_mm = 3.0;
 static const float part_least = 1e-6f; /* 1e-4 mm at 100 mm from the centre: less is not moved */
 
 /* From the face to the scaled space of a proxy on its bone: q = row x. The way along q is, in the
@@ -92,12 +92,11 @@ typedef enum easing { EASED = 0, FLOORED } easing; /* FLOORED: out of other elli
 static void ease_block(float *restrict part, float *restrict sunk, const block_sizes *sizes,
                        const projection_block *b, easing rule)
 {
-    const float lowest_part = (float)floor_part, half_part = (float)(1.0 - floor_part);
     const float least = part_least, curved = rule == EASED ? 1.0f : 0.0f;
     for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float rest = b->height[i], squared = sizes->squared[i] + 1e-12f;
+        float lowest = b->floor[i], half = b->band[i] + 1e-12f;
+        float squared = sizes->squared[i] + 1e-12f;
         float size = sqrtf(squared), height = size - 1.0f;
-        float lowest = lowest_part * rest, half = half_part * rest + 1e-12f;
         float above = height - lowest + half;
         above = above > 0.0f ? above * curved : 0.0f;
         float target = lowest + above * above / (4.0f * half);
@@ -224,8 +223,8 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
         proxy_frame f = frame_of(&p->proxy[b->proxy], pose);
         for (size_t v = 0; v < POINTS_BLOCK; ++v) {
             vec3 x = vertex_at(shown, (size_t)b->block * POINTS_BLOCK + v);
-            double size = scaled_size(&f, x), lowest = 1.0 + floor_part * (double)b->height[v];
-            if (b->height[v] > 0.0f && size < lowest && size > 1e-6)
+            double size = scaled_size(&f, x), lowest = 1.0 + (double)b->floor[v];
+            if (b->band[v] > 0.0f && size < lowest && size > 1e-6)
                 deepest =
                     fmax(deepest, (lowest - size) / size * vec3_length(vec3_sub(x, f.centre)));
         }
@@ -235,19 +234,33 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
 
 /* ---- made from a rig ---- */
 
-static bool fill_block(projection_block *out, const proxy_frame *f, double thinnest,
-                       const points *rest, const float *mobility)
+static void fill_vertex(projection_block *out, size_t lane, double height, double mm_per_height)
+{
+    double lowest = fmin(floor_part * height, floor_most_mm / mm_per_height);
+    double band = fmin((1.0 - floor_part) * height, band_most_mm / mm_per_height);
+    double edge = 1.0 + lowest + band;
+    out->floor[lane] = (float)lowest;
+    out->band[lane] = (float)band;
+    /* Less by what float may get wrong: the easing is flat there. */
+    out->inside[lane] = (float)(edge * edge * (1.0 - 8e-6));
+}
+
+/* False: no vertex of the block is in reach. */
+static bool fill_block(projection_block *out, const proxy_frame *f, const points *rest,
+                       const float *mobility)
 {
     bool any = false;
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
         size_t slot = (size_t)out->block * POINTS_BLOCK + i;
-        double height = scaled_size(f, vertex_at(rest, slot)) - 1.0;
-        bool in_reach =
-            mobility[slot] > 0.0f && height > 1e-6 && height * thinnest <= PROJECTION_REACH_MM;
-        out->height[i] = in_reach ? (float)height : 0.0f;
-        /* Less by what float may get wrong: the easing is flat there. */
-        out->inside[i] = in_reach ? (float)((1.0 + height) * (1.0 + height) * (1.0 - 8e-6)) : -1.0f;
-        any = any || in_reach;
+        vec3 x = vertex_at(rest, slot);
+        double size = scaled_size(f, x), height = size - 1.0;
+        double mm_per_height = vec3_length(vec3_sub(x, f->centre)) / size;
+        out->inside[i] = -1.0f;
+        if (!(mobility[slot] > 0.0f && height > 1e-6 &&
+              height * mm_per_height <= PROJECTION_REACH_MM))
+            continue;
+        fill_vertex(out, i, height, mm_per_height);
+        any = true;
     }
     return any;
 }
@@ -294,13 +307,11 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
             projection_destroy(out);
             return result;
         }
-        vec3 radii = r->proxy[proxy].radii;
-        double thinnest = fmin(radii.x, fmin(radii.y, radii.z));
         proxy_frame f = frame_of(&r->proxy[proxy], still);
         for (uint32_t block = 0; block < rest->block_count; ++block) {
             projection_block *b = &out->block[out->block_count];
             *b = (projection_block){.proxy = proxy, .block = block};
-            out->block_count += fill_block(b, &f, thinnest, rest, mobility);
+            out->block_count += fill_block(b, &f, rest, mobility);
         }
     }
     return MRT_OK;

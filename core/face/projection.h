@@ -1,8 +1,9 @@
 /* face/projection.h - skin slides over the skull but never enters it (research, theory 4.3): a
  * one-sided, smooth projection out of ellipsoids that ride on bones. In the ellipsoid's scaled
- * space q = (x - centre) / radii a vertex has the height h = |q| - 1; h0 is its height at rest. The
- * floor is c = 0.4 h0; from h0 down, the height is eased onto the floor:
- *   h >= h0: h;   h <= -0.2 h0: c;   between: c + (h + 0.2 h0)^2 / (2.4 h0),
+ * space q = (x - centre) / radii a vertex has the height h = |q| - 1; h0 is its height at rest. Its
+ * floor is c = 0.4 h0, but at most 2 mm; within e = 0.6 h0, but at most 3 mm, of the floor the
+ * height is eased onto it:
+ *   h >= c + e: h;   h <= c - e: c;   between: c + (h - c + e)^2 / (4 e),
  * along q. Where ellipsoids overlap, what one pushed into another is put back onto that one's
  * floor. So at rest nothing moves, and neither does anything further out than at rest. Vertices
  * that are inside at rest, or further from the ellipsoid than PROJECTION_REACH_MM, are left alone.
@@ -17,8 +18,9 @@ enum { PROJECTION_PROXIES_MAX = 32 };
 
 typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
     uint32_t proxy, block;
-    float height[POINTS_BLOCK]; /* h0; 0: left alone */
-    float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is lower than at rest */
+    float floor[POINTS_BLOCK];  /* c */
+    float band[POINTS_BLOCK];   /* e; 0: left alone */
+    float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is within the band */
 } projection_block;
 
 typedef struct projection {
