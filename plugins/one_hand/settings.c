@@ -29,7 +29,7 @@ const mrt_param settings[SET_COUNT] = {
            "Of brows, lids, mouth corners, width and sneer; not of jaw and head."),
     NUMBER(SET_SIZE, 4, "Map", "Size", "%", 10, 400, 100,
            "Of all movements in mm; 100: as the face's own size says."),
-    NUMBER(SET_REACH, 5, "Map", "Reach", "mm", 1, 100, 28,
+    NUMBER(SET_REACH, 5, "Map", "Reach", "mm", 1, 100, 13,
            "Where the pull at a contact is softly stopped, whatever adds up there."),
     NUMBER(SET_LEVER, 6, "Map", "Lever", "mm", 20, 300, 90,
            "From the jaw's hinge to the incisors: what turns an opening into mm."),
