@@ -211,17 +211,18 @@ void fit_side_destroy(fit_side *s)
 
 /* ---- one target ---- */
 
-/* Where a contact lands: sum_b w_b T_b(start + m g). */
+/* Where a contact lands: sum_b w_b T_b(start + m g), exactly at start when nothing moves. */
 static vec3 landing(const fit_side *s, const rigid *pose, uint32_t contact)
 {
     const double *g = s->pull + 3 * (size_t)contact;
     uint32_t vertex = s->vertex[contact];
     double mobility = (double)s->binding->mobility[vertex];
-    vec3 pulled = vec3_add(s->start[contact], vec3_scale((vec3){g[0], g[1], g[2]}, mobility));
-    vec3 sum = {0, 0, 0};
-    for (uint32_t b = 0; b < s->binding->bone_count; b++)
-        sum = vec3_add(sum,
-                       vec3_scale(rigid_apply(&pose[b], pulled), (double)share_of(s, b, vertex)));
+    vec3 start = s->start[contact];
+    vec3 pulled = vec3_add(start, vec3_scale((vec3){g[0], g[1], g[2]}, mobility)), sum = start;
+    for (uint32_t b = 0; b < s->binding->bone_count; b++) {
+        vec3 moved = vec3_sub(rigid_apply(&pose[b], pulled), start);
+        sum = vec3_add(sum, vec3_scale(moved, (double)share_of(s, b, vertex)));
+    }
     return sum;
 }
 
