@@ -5,6 +5,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
 moai=$SOURCE_DIR/rigs/moai/moai.glb
+puppet=$SOURCE_DIR/rigs/puppet/puppet.rig.json
 demo=$SOURCE_DIR/plugins/log/demo_hand.csv
 failures=0
 

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# The main job: the demo recording performs the Moai through both mappings of the paper, and every
-# export is there, complete and not empty.
+# The main job: the demo recording performs the puppet with one hand and the Moai through both mappings
+# of the paper, and every export is there, complete and not empty.
 source "$(dirname "$0")/lib.sh"
-for map in anchored unanchored; do
+for map in one_hand anchored unanchored; do
+    face=$moai
+    [ $map = one_hand ] && face=$puppet
     facts=$scratch/$map.txt
     exports=()
     for kind in glb pc2 mdd csv png; do exports+=(--export "$scratch/$map.$kind"); done
-    "$MAROTTE" perform --face "$moai" --input "log:$demo" --map $map "${exports[@]}" >"$facts" ||
+    "$MAROTTE" perform --face "$face" --input "log:$demo" --map $map "${exports[@]}" >"$facts" ||
         fail "perform $map"
     echo "--- $map"
     cat "$facts"
@@ -19,11 +21,20 @@ for map in anchored unanchored; do
         [ "$(stat -c %s "$scratch/$map.$kind")" -gt 1000 ] || fail "$map.$kind is missing or tiny"
     done
     # Twice the same: the same bytes.
-    "$MAROTTE" perform --face "$moai" --input "log:$demo" --map $map \
+    "$MAROTTE" perform --face "$face" --input "log:$demo" --map $map \
         --export "$scratch/again.glb" --export "$scratch/again.pc2" >/dev/null || fail "again $map"
     cmp "$scratch/$map.glb" "$scratch/again.glb" || fail "$map.glb differs from run to run"
     cmp "$scratch/$map.pc2" "$scratch/again.pc2" || fail "$map.pc2 differs from run to run"
 done
+# A neutral hand is the rest face, exactly.
+{ grep -m1 '^time' "$demo"; for i in $(seq 0 99); do
+    grep -m1 '^0' "$demo" | sed -E "s/^[^,]+/$(printf '0.%02d' "$i")/"; done; } >"$scratch/still.csv"
+"$MAROTTE" perform --face "$puppet" --input "log:$scratch/still.csv" --map one_hand \
+    >"$scratch/still.txt" || fail "a still hand"
+[ "$(fact 'range of motion' "$scratch/still.txt")" = 0.00 ] || {
+    fail "a still hand moves the face"
+    cat "$scratch/still.txt"
+}
 # As JSON, and with the frame rate and length asked for.
 "$MAROTTE" perform --face "$moai" --input "log:$demo,speed=2" --map anchored --fps 60 --seconds 2 \
     --json >"$scratch/facts.json" || fail "perform --json"
