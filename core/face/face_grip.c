@@ -77,9 +77,17 @@ double face_share_held(const face *f, const face_grip *grip)
     return sum;
 }
 
+/* Where all vertices are alike none has to be looked for. */
+static uint32_t slot_at(const face *f, vec3 at, uint32_t contact)
+{
+    if (contact > 0)
+        return f->contact_slot[contact - 1];
+    return f->bone_count == 1 && f->field[0].is_whole ? 0 : nearest_slot(&f->shown, at);
+}
+
 void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact)
 {
-    uint32_t slot = contact > 0 ? f->contact_slot[contact - 1] : nearest_slot(&f->shown, at);
+    uint32_t slot = slot_at(f, at, contact);
     *out = (face_grip){.mobility = 1.0, .contact = contact};
     for (uint32_t b = 0; b < f->bone_count; ++b)
         out->share[b] = (double)f->field[b].weight[slot];
