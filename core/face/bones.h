@@ -78,7 +78,8 @@ double bones_soft_limit_inverse(double limited, double min, double max);
  * the slide begins. Fixed number of iterations. Writes the jaw's three dofs, such that bones_pose
  * gives that pose; on entry out_dof holds their last values, and those that too few controls speak
  * of keep them. Controls that a pose of the jaw explains without a rest give that pose: nothing
- * jumps when they take hold anew. All 0, exactly, when start is end. */
+ * jumps when they take hold anew. All 0, exactly, when start is end and they
+ * were 0. */
 void bones_derive_jaw(float *out_dof, const bones *b, const double *start, const double *end,
                       const double *weight, uint32_t count);
 
