@@ -12,7 +12,7 @@ static const double riding_begins = 0.5, riding_ends = 0.9;
 static uint32_t nearest_slot(const points *p, vec3 at)
 {
     const double x[3] = {at.x, at.y, at.z};
-    double best = INFINITY;
+    double best = (double)INFINITY;
     uint32_t found = 0;
     for (uint32_t block = 0; block < p->block_count; ++block) {
         if (points_bounds_distance_squared(&p->block[block], x) >= best)
