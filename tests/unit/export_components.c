@@ -5,8 +5,8 @@
 #include <cmocka.h>
 
 #include "export_scene.h"
-#include "io/components.h"
-#include "io/symmetric.h"
+#include "io/write/components.h"
+#include "io/write/symmetric.h"
 
 /* Greatest distance in mm between what was found and a frame. */
 static double frame_error_mm(const components *found, const component_window *window,

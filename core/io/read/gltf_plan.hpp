@@ -1,0 +1,50 @@
+/* io/gltf_plan.hpp - what a glTF scene will be as one mesh: which vertices, triangles, morph
+ * targets and attributes, and how much memory they take, before any of it is read. Private to the
+ * glTF reader; failures are gltf_failure. */
+#ifndef MAROTTE_IO_GLTF_PLAN_HPP
+#define MAROTTE_IO_GLTF_PLAN_HPP
+#include "io/read/gltf_accessor.hpp"
+#include "io/read/gltf_scene.hpp"
+
+#include <map>
+
+struct gltf_group_plan { /* vertices that primitives of one mesh share */
+    const tinygltf::Primitive *source;
+    size_t first_vertex, vertex_count; /* within the mesh */
+};
+
+struct gltf_primitive_plan { /* a primitive with triangles */
+    const tinygltf::Primitive *source;
+    size_t group, triangle_count;
+};
+
+struct gltf_mesh_plan {
+    std::vector<gltf_group_plan> groups;
+    std::vector<gltf_primitive_plan> surfaces;
+    std::vector<size_t> target_slots; /* of its targets, in gltf_plan.targets */
+    size_t vertex_count, triangle_count;
+};
+
+struct gltf_attribute_plan {
+    std::string name;
+    size_t component_count;
+};
+
+struct gltf_plan {
+    gltf_scene scene;
+    std::map<size_t, gltf_mesh_plan> meshes; /* those that the scene shows */
+    std::vector<std::string> targets;
+    std::vector<gltf_attribute_plan> attributes;
+    size_t vertex_count, triangle_count, part_count; /* of all instances */
+    size_t skipped_count;                            /* primitives of points or lines */
+    bool has_normals, needs_default_material;
+};
+
+/* `file_size` bounds the memory that the plan may ask for. */
+gltf_plan gltf_plan_of(const tinygltf::Model &model, size_t file_size);
+
+bool gltf_is_custom(const std::string &attribute); /* "_NAME" */
+/* Index of a custom attribute, or -1 when its type does not fit the plan. */
+int gltf_plan_attribute(const gltf_plan &plan, const std::string &name, size_t component_count);
+
+#endif

@@ -1,0 +1,292 @@
+/* glTF into a mesh: plans the scene, reads the accessors, and is the border that no exception
+ * crosses. */
+#include "io/read/gltf_plan.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+extern "C" {
+#include "io/read/mesh_build.h"
+#include "io/mesh_file.h"
+}
+
+namespace
+{
+
+/* Memory that mesh_destroy frees. */
+template <class T> T *zeroed(size_t count)
+{
+    void *memory = calloc(count ? count : 1, sizeof(T));
+    if (!memory)
+        throw std::bad_alloc();
+    return static_cast<T *>(memory);
+}
+
+char *clean_name(const std::string &name)
+{
+    char *out = zeroed<char>(MESH_BUILD_NAME_LENGTH_MAX + 1);
+    mesh_build_clean_name(out, MESH_BUILD_NAME_LENGTH_MAX + 1,
+                          text_view_of(name.data(), name.size()));
+    return out;
+}
+
+float unit_range(double value)
+{
+    return value > 0.0 ? (value < 1.0 ? (float)value : 1.0f) : 0.0f;
+}
+
+/* mesh_create's grey material is the one of primitives without any. */
+void make_materials(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
+{
+    size_t count = model.materials.size();
+    bool needs_default = plan.needs_default_material || count == 0;
+    mesh_material grey = out.material[0];
+    mesh_material *material = zeroed<mesh_material>(count + 1);
+    free(out.material);
+    out.material = material;
+    material[count] = grey;
+    out.material_count = (uint32_t)(count + 1);
+    for (size_t i = 0; i < count; ++i) {
+        const tinygltf::PbrMetallicRoughness &source = model.materials[i].pbrMetallicRoughness;
+        for (size_t channel = 0; channel < 4; ++channel)
+            material[i].base_colour[channel] = unit_range(source.baseColorFactor.at(channel));
+        material[i].roughness = unit_range(source.roughnessFactor);
+        material[i].metallic = unit_range(source.metallicFactor);
+        material[i].name = clean_name(model.materials[i].name);
+    }
+    if (!needs_default) {
+        free(grey.name);
+        out.material_count -= 1;
+    }
+}
+
+/* What the file calls a primitive, else the node. */
+std::string part_name(const tinygltf::Primitive &primitive, const gltf_instance &instance)
+{
+    const tinygltf::Value &extras = primitive.extras;
+    if (!extras.IsObject() || !extras.Has("name") || !extras.Get("name").IsString())
+        return instance.name;
+    const std::string &name = extras.Get("name").Get<std::string>();
+    return name.empty() ? instance.name : name;
+}
+
+void make_parts(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
+{
+    free(out.part[0].name);
+    free(out.part);
+    out.part = nullptr;
+    out.part_count = 0;
+    out.part = zeroed<mesh_part>(plan.part_count);
+    uint32_t first = 0;
+    for (const gltf_instance &instance : plan.scene.instances)
+        for (const gltf_primitive_plan &surface : plan.meshes.at(instance.mesh).surfaces) {
+            mesh_part &part = out.part[out.part_count];
+            int material = surface.source->material;
+            part.name = clean_name(part_name(*surface.source, instance));
+            part.material = (uint32_t)(material < 0 ? (int)model.materials.size() : material);
+            part.first_triangle = first;
+            part.triangle_count = (uint32_t)surface.triangle_count;
+            first += part.triangle_count;
+            out.part_count += 1;
+        }
+}
+
+void make_targets(mesh &out, const gltf_plan &plan)
+{
+    out.target = zeroed<mesh_target>(plan.targets.size());
+    for (const std::string &name : plan.targets) {
+        mesh_target &target = out.target[out.target_count++];
+        target.name = clean_name(name);
+        target.offset = zeroed<float>(plan.vertex_count * 3);
+    }
+}
+
+void make_attributes(mesh &out, const gltf_plan &plan)
+{
+    out.attribute = zeroed<mesh_attribute>(plan.attributes.size());
+    for (const gltf_attribute_plan &source : plan.attributes) {
+        mesh_attribute &attribute = out.attribute[out.attribute_count++];
+        attribute.name = clean_name(source.name);
+        attribute.component_count = (uint32_t)source.component_count;
+        attribute.value = zeroed<float>(plan.vertex_count * source.component_count);
+    }
+}
+
+class reader
+{
+  public:
+    reader(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
+        : out_(out), model_(model), plan_(plan)
+    {
+    }
+
+    void read()
+    {
+        size_t vertex = 0;
+        uint32_t *triangle = out_.triangle;
+        for (const gltf_instance &instance : plan_.scene.instances) {
+            const gltf_mesh_plan &mesh = plan_.meshes.at(instance.mesh);
+            for (const gltf_group_plan &group : mesh.groups)
+                read_group(mesh, group, instance.world, vertex + group.first_vertex);
+            bool mirrors = gltf_transform_mirrors(instance.world);
+            for (const gltf_primitive_plan &surface : mesh.surfaces) {
+                const gltf_group_plan &group = mesh.groups[surface.group];
+                read_triangles(triangle, surface, group, (uint32_t)(vertex + group.first_vertex),
+                               mirrors);
+                triangle += surface.triangle_count * 3;
+            }
+            vertex += mesh.vertex_count;
+        }
+    }
+
+    size_t misfit_count() const
+    {
+        return misfit_count_;
+    }
+
+  private:
+    void read_group(const gltf_mesh_plan &mesh, const gltf_group_plan &group,
+                    const gltf_transform &world, size_t first)
+    {
+        const tinygltf::Primitive &source = *group.source;
+        float *position = out_.position + first * 3;
+        gltf_accessor(model_, source.attributes.at("POSITION")).read_floats(position);
+        gltf_transform_points(world, position, group.vertex_count);
+        if (plan_.has_normals) {
+            float *normal = out_.normal + first * 3;
+            gltf_accessor(model_, source.attributes.at("NORMAL")).read_floats(normal);
+            gltf_transform_normals(world, normal, group.vertex_count);
+        }
+        for (const auto &attribute : source.attributes)
+            if (gltf_is_custom(attribute.first))
+                read_attribute(attribute.first, attribute.second, first);
+        for (size_t i = 0; i < source.targets.size(); ++i) {
+            auto offsets = source.targets[i].find("POSITION");
+            if (offsets == source.targets[i].end())
+                continue;
+            float *offset = out_.target[mesh.target_slots[i]].offset + first * 3;
+            gltf_accessor(model_, offsets->second).read_floats(offset);
+            if (!gltf_transform_is_linear_identity(world))
+                gltf_transform_vectors(world, offset, group.vertex_count);
+        }
+    }
+
+    void read_attribute(const std::string &name, int index, size_t first)
+    {
+        gltf_accessor accessor(model_, index);
+        int slot = gltf_plan_attribute(plan_, name, accessor.component_count());
+        if (slot < 0) {
+            misfit_count_ += 1;
+            return;
+        }
+        accessor.read_floats(out_.attribute[slot].value + first * accessor.component_count());
+    }
+
+    void read_triangles(uint32_t *out, const gltf_primitive_plan &surface,
+                        const gltf_group_plan &group, uint32_t first, bool mirrors) const
+    {
+        std::vector<uint32_t> index;
+        if (surface.source->indices >= 0)
+            index = gltf_accessor(model_, surface.source->indices).read_indices(group.vertex_count);
+        else
+            for (size_t i = 0; i < group.vertex_count; ++i)
+                index.push_back((uint32_t)i);
+        for (size_t t = 0; t < surface.triangle_count; ++t, out += 3) {
+            size_t corner[3] = {t * 3, t * 3 + 1, t * 3 + 2};
+            if (surface.source->mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+                corner[0] = t;
+                corner[1] = t + 1 + t % 2; /* every other one runs the other way round */
+                corner[2] = t + 2 - t % 2;
+            } else if (surface.source->mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+                corner[0] = t + 1;
+                corner[1] = t + 2;
+                corner[2] = 0;
+            }
+            if (mirrors)
+                std::swap(corner[1], corner[2]);
+            for (size_t i = 0; i < 3; ++i)
+                out[i] = first + index[corner[i]];
+        }
+    }
+
+    mesh &out_;
+    const tinygltf::Model &model_;
+    const gltf_plan &plan_;
+    size_t misfit_count_ = 0;
+};
+
+bool has_default_weights(const tinygltf::Model &model, const gltf_plan &plan)
+{
+    for (const auto &mesh : plan.meshes)
+        for (double weight : model.meshes[mesh.first].weights)
+            if (weight != 0.0)
+                return true;
+    return false;
+}
+
+void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan, size_t misfit_count)
+{
+    if (!plan.scene.has_nodes)
+        mesh_note(&out, "the file has no nodes: its meshes are taken as they are");
+    if (model.scenes.size() > 1)
+        mesh_note(&out, "one of %zu scenes was read", model.scenes.size());
+    if (plan.scene.skinned_count)
+        mesh_note(&out, "%zu nodes have skins, which were not applied", plan.scene.skinned_count);
+    if (plan.skipped_count)
+        mesh_note(&out, "%zu primitives of points or lines were skipped", plan.skipped_count);
+    if (has_default_weights(model, plan))
+        mesh_note(&out, "the default weights of the morph targets were not applied");
+    if (misfit_count)
+        mesh_note(&out, "%zu custom attributes were skipped: another primitive has another type",
+                  misfit_count);
+    mesh_build_note_degenerate(&out);
+}
+
+void parse(mesh &out, const void *data, size_t size, const char *directory)
+{
+    gltf_container container;
+    error failed = {""};
+    mrt_result result = gltf_container_parse(&container, data, size, &failed);
+    if (result < 0)
+        throw gltf_failure(result, failed.text);
+    const tinygltf::Model model = gltf_load(container, directory);
+    const gltf_plan plan = gltf_plan_of(model, size);
+    result = mesh_create(&out, (uint32_t)plan.vertex_count, (uint32_t)plan.triangle_count, &failed);
+    if (result < 0)
+        throw gltf_failure(result, failed.text);
+    make_materials(out, model, plan);
+    make_parts(out, model, plan);
+    make_targets(out, plan);
+    make_attributes(out, plan);
+    if (plan.has_normals)
+        out.normal = zeroed<float>(plan.vertex_count * 3);
+    reader r(out, model, plan);
+    r.read();
+    mesh_build_unit_normals(&out);
+    mesh_build_part_ranges(&out);
+    add_notes(out, model, plan, r.misfit_count());
+    result = mesh_validate(&out, &failed);
+    if (result < 0)
+        throw gltf_failure(result, failed.text);
+}
+
+} // namespace
+
+mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *directory, error *err)
+{
+    *out = mesh{};
+    mrt_result result;
+    try {
+        parse(*out, data, size, directory);
+        return MRT_OK;
+    } catch (const gltf_failure &caught) {
+        result = error_set(err, caught.code, "%s", caught.what());
+    } catch (const std::bad_alloc &) {
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the glTF document");
+    } catch (...) {
+        result = error_set(err, MRT_ERR_FORMAT, "the glTF document makes no sense");
+    }
+    mesh_destroy(out);
+    return result;
+}

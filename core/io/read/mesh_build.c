@@ -1,0 +1,423 @@
+#include "io/read/mesh_build.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t UNKNOWN_PART = UINT32_MAX;
+enum { COUNT_MAX = INT32_MAX / 3 };
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the mesh");
+}
+
+mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t size, error *err)
+{
+    if (needed <= *capacity)
+        return MRT_OK;
+    size_t wanted = *capacity + *capacity / 2 + 64;
+    if (wanted < needed)
+        wanted = needed;
+    if (wanted > SIZE_MAX / size)
+        return no_memory(err);
+    void *grown = realloc(*array, wanted * size);
+    if (!grown)
+        return no_memory(err);
+    *array = grown;
+    *capacity = wanted;
+    return MRT_OK;
+}
+
+/* Length of the UTF-8 sequence at `at`, 0 when it is none. */
+static size_t utf8_length(const unsigned char *at, const unsigned char *end)
+{
+    static const struct {
+        unsigned char first_low, first_high, second_low, second_high;
+        size_t length;
+    } form[] = {
+        /* Unicode 15, table 3-7 */
+        {0x20, 0x7e, 0, 0, 1},       {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
+        {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
+        {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4}};
+    for (size_t i = 0; i < sizeof form / sizeof *form; ++i) {
+        if (*at < form[i].first_low || *at > form[i].first_high)
+            continue;
+        if ((size_t)(end - at) < form[i].length)
+            return 0;
+        if (form[i].length > 1 && (at[1] < form[i].second_low || at[1] > form[i].second_high))
+            return 0;
+        for (size_t k = 2; k < form[i].length; ++k)
+            if (at[k] < 0x80 || at[k] > 0xbf)
+                return 0;
+        return form[i].length;
+    }
+    return 0;
+}
+
+void mesh_build_clean_name(char *out, size_t capacity, text_view name)
+{
+    const unsigned char *at = (const unsigned char *)name.at;
+    const unsigned char *end = (const unsigned char *)name.end;
+    size_t used = 0;
+    while (at < end) {
+        size_t length = utf8_length(at, end);
+        if (used + (length ? length : 1) > capacity - 1)
+            break;
+        if (length)
+            memcpy(out + used, at, length);
+        else
+            out[used] = '?';
+        used += length ? length : 1;
+        at += length ? length : 1;
+    }
+    out[used] = '\0';
+}
+
+static uint32_t name_hash(const char *text, uint32_t material)
+{
+    uint32_t hash = 2166136261u ^ material; /* FNV-1a */
+    for (; *text; ++text)
+        hash = (hash ^ (unsigned char)*text) * 16777619u;
+    return hash * 2654435761u >> 8;
+}
+
+static uint32_t *table_slot(const mesh_build_table *t, const char *text, uint32_t material)
+{
+    uint32_t at = name_hash(text, material) & (t->slot_count - 1);
+    while (t->slot[at]) {
+        const mesh_build_name *item = &t->item[t->slot[at] - 1];
+        if (item->material == material && strcmp(item->text, text) == 0)
+            break;
+        at = (at + 1) & (t->slot_count - 1);
+    }
+    return &t->slot[at];
+}
+
+static mrt_result table_grow(mesh_build_table *t, error *err)
+{
+    uint32_t slot_count = t->slot_count ? t->slot_count * 2 : 32;
+    uint32_t *slot = calloc(slot_count, sizeof *slot);
+    mesh_build_name *item = realloc(t->item, slot_count / 2 * sizeof *item);
+    if (item)
+        t->item = item;
+    if (!slot || !item) {
+        free(slot);
+        return no_memory(err);
+    }
+    free(t->slot);
+    t->slot = slot;
+    t->slot_count = slot_count;
+    for (uint32_t i = 0; i < t->count; ++i)
+        *table_slot(t, item[i].text, item[i].material) = i + 1;
+    return MRT_OK;
+}
+
+/* Finds or adds. */
+static mrt_result table_find(mesh_build_table *t, const char *text, uint32_t material,
+                             uint32_t *out_item, error *err)
+{
+    if (t->count == t->slot_count / 2) {
+        mrt_result result = table_grow(t, err);
+        if (result < 0)
+            return result;
+    }
+    uint32_t *slot = table_slot(t, text, material);
+    if (*slot == 0) {
+        if (t->count == MESH_BUILD_NAMES_MAX)
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "\"%s\": more than %d groups or materials are not accepted", text,
+                             MESH_BUILD_NAMES_MAX);
+        char *copy = strdup(text);
+        if (!copy)
+            return no_memory(err);
+        t->item[t->count] = (mesh_build_name){copy, material};
+        t->count += 1;
+        *slot = t->count;
+    }
+    *out_item = *slot - 1;
+    return MRT_OK;
+}
+
+static void table_free(mesh_build_table *t)
+{
+    for (uint32_t i = 0; i < t->count; ++i)
+        free(t->item[i].text);
+    free(t->item);
+    free(t->slot);
+}
+
+void mesh_build_init(mesh_build *b)
+{
+    *b = (mesh_build){.part = UNKNOWN_PART};
+}
+
+void mesh_build_finish(mesh_build *b)
+{
+    if (!b)
+        return;
+    table_free(&b->parts);
+    table_free(&b->materials);
+    free(b->position);
+    free(b->normal);
+    free(b->triangle);
+    free(b->part_of);
+    free(b->corner);
+    *b = (mesh_build){0};
+}
+
+mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err)
+{
+    if (b->vertex_count == COUNT_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
+                         COUNT_MAX);
+    mrt_result result = mesh_build_grow((void **)&b->position, &b->vertex_capacity,
+                                        b->vertex_count + 1, 3 * sizeof *b->position, err);
+    if (result < 0)
+        return result;
+    memcpy(b->position + b->vertex_count * 3, position, 3 * sizeof *position);
+    b->vertex_count += 1;
+    return MRT_OK;
+}
+
+mrt_result mesh_build_normal(mesh_build *b, const float normal[3], error *err)
+{
+    mrt_result result = mesh_build_grow((void **)&b->normal, &b->normal_capacity,
+                                        b->normal_count + 1, 3 * sizeof *b->normal, err);
+    if (result < 0)
+        return result;
+    memcpy(b->normal + b->normal_count * 3, normal, 3 * sizeof *normal);
+    b->normal_count += 1;
+    return MRT_OK;
+}
+
+void mesh_build_group(mesh_build *b, text_view name)
+{
+    mesh_build_clean_name(b->group, sizeof b->group, name);
+    b->part = UNKNOWN_PART;
+}
+
+void mesh_build_material(mesh_build *b, text_view name)
+{
+    mesh_build_clean_name(b->material, sizeof b->material, name);
+    b->part = UNKNOWN_PART;
+}
+
+static mrt_result find_part(mesh_build *b, error *err)
+{
+    if (b->part != UNKNOWN_PART)
+        return MRT_OK;
+    uint32_t material;
+    mrt_result result = table_find(&b->materials, b->material, 0, &material, err);
+    if (result < 0)
+        return result;
+    return table_find(&b->parts, b->group, material, &b->part, err);
+}
+
+mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err)
+{
+    if (vertex < 0 || (uint64_t)vertex >= b->vertex_count)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "a face uses vertex %lld (counted from 0), but %zu are there",
+                         (long long)vertex, b->vertex_count);
+    mrt_result result = mesh_build_grow((void **)&b->corner, &b->corner_capacity,
+                                        b->corner_count + 1, sizeof *b->corner, err);
+    if (result < 0)
+        return result;
+    b->corner[b->corner_count] = (uint32_t)vertex;
+    b->corner_count += 1;
+    return MRT_OK;
+}
+
+static double squared_distance(const mesh_build *b, uint32_t v, uint32_t w)
+{
+    double sum = 0.0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        double d =
+            (double)b->position[(size_t)v * 3 + axis] - (double)b->position[(size_t)w * 3 + axis];
+        sum += d * d;
+    }
+    return sum;
+}
+
+static void add_triangle(mesh_build *b, uint32_t i, uint32_t j, uint32_t k)
+{
+    uint32_t *triangle = b->triangle + b->triangle_count * 3;
+    triangle[0] = i;
+    triangle[1] = j;
+    triangle[2] = k;
+    b->part_of[b->triangle_count] = b->part;
+    b->triangle_count += 1;
+}
+
+static mrt_result reserve_triangles(mesh_build *b, size_t added, error *err)
+{
+    if (added > COUNT_MAX - b->triangle_count)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d triangles are not accepted",
+                         COUNT_MAX);
+    size_t needed = b->triangle_count + added;
+    size_t capacity = b->triangle_capacity;
+    mrt_result result =
+        mesh_build_grow((void **)&b->triangle, &capacity, needed, 3 * sizeof *b->triangle, err);
+    if (result < 0)
+        return result;
+    return mesh_build_grow((void **)&b->part_of, &b->triangle_capacity, needed, sizeof *b->part_of,
+                           err);
+}
+
+mrt_result mesh_build_face(mesh_build *b, error *err)
+{
+    const uint32_t *c = b->corner;
+    size_t count = b->corner_count;
+    b->corner_count = 0;
+    if (count < 3)
+        return error_set(err, MRT_ERR_FORMAT, "a face has %zu corners, at least 3 are needed",
+                         count);
+    mrt_result result = find_part(b, err);
+    if (result < 0)
+        return result;
+    result = reserve_triangles(b, count - 2, err);
+    if (result < 0)
+        return result;
+    if (count > 4)
+        b->polygon_count += 1;
+    if (count == 4 && squared_distance(b, c[1], c[3]) < squared_distance(b, c[0], c[2])) {
+        add_triangle(b, c[0], c[1], c[3]);
+        add_triangle(b, c[1], c[2], c[3]);
+        return MRT_OK;
+    }
+    for (size_t i = 2; i < count; ++i)
+        add_triangle(b, c[0], c[i - 1], c[i]);
+    return MRT_OK;
+}
+
+void mesh_build_part_ranges(mesh *m)
+{
+    for (uint32_t i = 0; i < m->part_count; ++i) {
+        mesh_part *part = &m->part[i];
+        const uint32_t *at = m->triangle + (size_t)part->first_triangle * 3;
+        const uint32_t *end = at + (size_t)part->triangle_count * 3;
+        uint32_t low = at < end ? *at : 0, high = low;
+        for (const uint32_t *v = at; v < end; ++v) {
+            if (*v < low)
+                low = *v;
+            if (*v > high)
+                high = *v;
+        }
+        part->first_vertex = low;
+        part->vertex_count = at < end ? high - low + 1 : 0;
+    }
+}
+
+void mesh_build_unit_normals(mesh *m)
+{
+    for (size_t v = 0; m->normal && v < m->vertex_count; ++v) {
+        float *n = m->normal + v * 3;
+        double x = (double)n[0], y = (double)n[1], z = (double)n[2];
+        double length = sqrt(x * x + y * y + z * z);
+        if (!(length > 1e-30) || !isfinite(length)) {
+            mesh_note(m,
+                      "the normal of vertex %zu has no direction: the file's normals are not "
+                      "used",
+                      v);
+            free(m->normal);
+            m->normal = NULL;
+            return;
+        }
+        n[0] = (float)(x / length);
+        n[1] = (float)(y / length);
+        n[2] = (float)(z / length);
+    }
+}
+
+void mesh_build_note_degenerate(mesh *m)
+{
+    size_t count = 0;
+    for (const uint32_t *t = m->triangle, *end = t + (size_t)m->triangle_count * 3; t < end; t += 3)
+        count += t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    if (count)
+        mesh_note(m, "%zu triangles use a vertex twice and have no area", count);
+}
+
+/* Copies the triangles of part after part, in file order within each. */
+static void sort_triangles(const mesh_build *b, mesh *out)
+{
+    uint32_t next = 0;
+    for (size_t t = 0; t < b->triangle_count; ++t)
+        out->part[b->part_of[t]].triangle_count += 1;
+    for (uint32_t p = 0; p < out->part_count; ++p) {
+        out->part[p].first_triangle = next;
+        next += out->part[p].triangle_count;
+        out->part[p].triangle_count = 0;
+    }
+    for (size_t t = 0; t < b->triangle_count; ++t) {
+        mesh_part *part = &out->part[b->part_of[t]];
+        memcpy(out->triangle + ((size_t)part->first_triangle + part->triangle_count) * 3,
+               b->triangle + t * 3, 3 * sizeof *b->triangle);
+        part->triangle_count += 1;
+    }
+}
+
+static mrt_result take_names(mesh_build *b, mesh *out, error *err)
+{
+    mesh_material grey = out->material[0];
+    free(grey.name);
+    free(out->part[0].name);
+    free(out->material);
+    free(out->part);
+    out->material_count = out->part_count = 0;
+    out->material = calloc(b->materials.count, sizeof *out->material);
+    out->part = calloc(b->parts.count, sizeof *out->part);
+    if (!out->material || !out->part)
+        return no_memory(err);
+    for (uint32_t i = 0; i < b->materials.count; ++i) {
+        out->material[i] = grey;
+        out->material[i].name = b->materials.item[i].text;
+        b->materials.item[i].text = NULL;
+    }
+    for (uint32_t i = 0; i < b->parts.count; ++i) {
+        out->part[i] =
+            (mesh_part){.name = b->parts.item[i].text, .material = b->parts.item[i].material};
+        b->parts.item[i].text = NULL;
+    }
+    out->material_count = b->materials.count;
+    out->part_count = b->parts.count;
+    return MRT_OK;
+}
+
+mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
+{
+    *out = (mesh){0};
+    mrt_result result = MRT_ERR_FORMAT;
+    if (b->vertex_count == 0) {
+        error_set(err, result, "there are no vertices in it");
+        goto fail;
+    }
+    if (b->triangle_count == 0) {
+        error_set(err, result, "%zu vertices but no faces: a surface is needed", b->vertex_count);
+        goto fail;
+    }
+    result = mesh_create(out, (uint32_t)b->vertex_count, (uint32_t)b->triangle_count, err);
+    if (result < 0)
+        goto fail;
+    result = take_names(b, out, err);
+    if (result < 0)
+        goto fail;
+    memcpy(out->position, b->position, b->vertex_count * 3 * sizeof *b->position);
+    if (b->normal_count == b->vertex_count) {
+        out->normal = b->normal;
+        b->normal = NULL;
+        mesh_build_unit_normals(out);
+    }
+    sort_triangles(b, out);
+    mesh_build_part_ranges(out);
+    if (b->polygon_count)
+        mesh_note(out, "%zu faces of more than 4 corners were cut into fans", b->polygon_count);
+    mesh_build_note_degenerate(out);
+    mesh_build_finish(b);
+    return MRT_OK;
+fail:
+    mesh_destroy(out);
+    mesh_build_finish(b);
+    return result;
+}

@@ -1,0 +1,189 @@
+#include "io/read/mesh_child.h"
+
+#include "base/clock.h"
+#include "io/read/mesh_build.h"
+#include "io/read/mesh_wire.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const int64_t PATIENCE_NS = 10 * NS_PER_S;
+static const size_t ANSWER_SIZE_MAX = (size_t)1536 << 20; /* bytes: what the child may use itself */
+
+extern char **environ;
+
+typedef struct answer {
+    char *data;
+    size_t size, capacity;
+} answer;
+
+/* ---- the program ---- */
+
+static bool is_program(const char *path)
+{
+    return access(path, X_OK) == 0;
+}
+
+static mrt_result find_program(char out[PATH_MAX], error *err)
+{
+    static const char name[] = "marotte-meshload";
+    const char *chosen = getenv("MAROTTE_MESHLOAD");
+    if (chosen && *chosen) {
+        if (strlen(chosen) < PATH_MAX && is_program(chosen)) {
+            memcpy(out, chosen, strlen(chosen) + 1);
+            return MRT_OK;
+        }
+        return error_set(err, MRT_ERR_IO, "MAROTTE_MESHLOAD names \"%s\", which cannot be run",
+                         chosen);
+    }
+    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - sizeof name);
+    if (length > 0) {
+        out[length] = '\0';
+        char *slash = strrchr(out, '/');
+        if (slash) {
+            memcpy(slash + 1, name, sizeof name);
+            if (is_program(out))
+                return MRT_OK;
+        }
+    }
+    int written = snprintf(out, PATH_MAX, "%s/%s", MAROTTE_BUILD_DIR, name);
+    if (written > 0 && written < PATH_MAX && is_program(out))
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO,
+                     "%s is not beside the program: it reads this format; install it there or name "
+                     "it in MAROTTE_MESHLOAD",
+                     name);
+}
+
+static int spawn(pid_t *out_pid, char *program, const char *path, int answer_fd)
+{
+    posix_spawn_file_actions_t actions;
+    /* posix_spawn does not write to its arguments: they are only declared so. */
+    union {
+        const char *path;
+        char *argument;
+    } cast = {.path = path};
+    char *arguments[] = {program, cast.argument, NULL};
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    failed = posix_spawn_file_actions_adddup2(&actions, answer_fd, STDOUT_FILENO);
+    if (!failed)
+        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (!failed)
+        failed =
+            posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    if (!failed)
+        failed = posix_spawn(out_pid, program, &actions, NULL, arguments, environ);
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+static mrt_result start(pid_t *out_pid, int *out_fd, const char *path, error *err)
+{
+    char program[PATH_MAX];
+    int end[2];
+    mrt_result result = find_program(program, err);
+    if (result < 0)
+        return result;
+    if (pipe(end) != 0)
+        return error_set(err, MRT_ERR_IO, "no pipe: %s", strerror(errno));
+    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    int failed = spawn(out_pid, program, path, end[1]);
+    close(end[1]);
+    if (failed) {
+        close(end[0]);
+        return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", program, strerror(failed));
+    }
+    *out_fd = end[0];
+    return MRT_OK;
+}
+
+/* ---- its answer ---- */
+
+/* MRT_END: all is read. */
+static mrt_result read_some(answer *a, int fd, error *err)
+{
+    const size_t step = 1 << 16;
+    if (a->size > ANSWER_SIZE_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "the mesh is too large");
+    mrt_result result = mesh_build_grow((void **)&a->data, &a->capacity, a->size + step, 1, err);
+    if (result < 0)
+        return result;
+    ssize_t got = read(fd, a->data + a->size, step);
+    if (got < 0)
+        return errno == EINTR ? MRT_OK : error_set(err, MRT_ERR_IO, "%s", strerror(errno));
+    a->size += (size_t)got;
+    return got ? MRT_OK : MRT_END;
+}
+
+static mrt_result read_answer(answer *a, int fd, error *err)
+{
+    int64_t deadline_ns = clock_now_ns() + PATIENCE_NS;
+    mrt_result result = MRT_OK;
+    while (result == MRT_OK) {
+        int64_t left_ns = deadline_ns - clock_now_ns();
+        struct pollfd waiting = {.fd = fd, .events = POLLIN};
+        if (left_ns <= 0)
+            return error_set(err, MRT_ERR_FORMAT,
+                             "its reader took more than %lld s: the file is "
+                             "probably damaged",
+                             (long long)(PATIENCE_NS / NS_PER_S));
+        int ready = poll(&waiting, 1, (int)(left_ns / NS_PER_MS) + 1);
+        if (ready > 0)
+            result = read_some(a, fd, err);
+        else if (ready < 0 && errno != EINTR)
+            return error_set(err, MRT_ERR_IO, "%s", strerror(errno));
+    }
+    return result;
+}
+
+/* How it ended, if that was not of its own will. */
+static mrt_result judge(pid_t pid, error *err)
+{
+    int status = 0;
+    pid_t ended;
+    do
+        ended = waitpid(pid, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    if (ended < 0 || !WIFSIGNALED(status))
+        return MRT_OK;
+    if (WTERMSIG(status) == SIGXCPU)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "its reader used up its processor time: the file is probably damaged");
+    return error_set(err, MRT_ERR_FORMAT, "its reader crashed (%s): the file is probably damaged",
+                     strsignal(WTERMSIG(status)));
+}
+
+mrt_result mesh_child_read(mesh *out, const char *path, error *err)
+{
+    answer a = {0};
+    pid_t pid = 0;
+    int fd = -1;
+    *out = (mesh){0};
+    mrt_result result = start(&pid, &fd, path, err);
+    if (result < 0)
+        return result;
+    result = read_answer(&a, fd, err);
+    close(fd);
+    if (result < 0) {
+        (void)kill(pid, SIGKILL);
+        error ignored;
+        (void)judge(pid, &ignored);
+    } else {
+        result = judge(pid, err);
+    }
+    if (result == MRT_OK)
+        result = mesh_wire_parse(out, a.data, a.size, err);
+    free(a.data);
+    return result;
+}

@@ -1,0 +1,44 @@
+/* marotte-meshload FILE - OpenMesh's readers in a process of their own, with little memory and
+ * little time; the mesh goes to the standard output as io/mesh_wire.h has it. Started by
+ * io/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+#include "io/read/mesh_wire.h"
+#include "io/openmesh.h"
+
+#include <sys/resource.h>
+
+#ifndef __has_feature
+#define __has_feature(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||                               \
+    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+enum { LIMITS_MEMORY = 0 }; /* sanitizers reserve terabytes of addresses */
+#else
+enum { LIMITS_MEMORY = 1 };
+#endif
+
+static void limit(int resource, rlim_t soft, rlim_t hard)
+{
+    struct rlimit both = {soft, hard};
+    (void)setrlimit(resource, &both);
+}
+
+int main(int argument_count, char **arguments)
+{
+    mesh m;
+    error err = {""};
+    if (argument_count != 2) {
+        fprintf(stderr, "usage: marotte-meshload FILE\n");
+        return 2;
+    }
+    limit(RLIMIT_CORE, 0, 0);
+    limit(RLIMIT_CPU, 3, 4); /* s: SIGXCPU, which has a name, before SIGKILL */
+    if (LIMITS_MEMORY)
+        limit(RLIMIT_AS, (rlim_t)1536 << 20, (rlim_t)1536 << 20); /* bytes */
+    mrt_result result = openmesh_read_unsafe(&m, arguments[1], &err);
+    if (result < 0)
+        mesh_wire_write_failure(stdout, err.text);
+    else
+        mesh_wire_write(stdout, &m);
+    mesh_destroy(&m);
+    return fflush(stdout) == 0 && result == MRT_OK ? 0 : 1;
+}

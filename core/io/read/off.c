@@ -1,0 +1,173 @@
+/* Geomview OFF as text: [ST][C][N]OFF. Normals are kept; colours and texture coordinates are
+ * checked to be numbers and passed over. */
+#include "io/read/mesh_build.h"
+#include "io/mesh_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { LINE_LENGTH_MAX = 1 << 20, VERTEX_BYTES_MIN = 5, FACE_BYTES_MIN = 7 };
+
+typedef struct off_reader {
+    mesh_build build;
+    text_view rest, line; /* line: what is left of it, without its comment */
+    uint64_t line_number;
+    int64_t vertex_count, face_count;
+    bool has_normals;
+    error *err;
+} off_reader;
+
+static mrt_result malformed(const off_reader *r, const char *expected, text_view found)
+{
+    char text[48];
+    text_copy(text, sizeof text, found);
+    return error_set(r->err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
+}
+
+/* The next line that holds something but a comment. */
+static mrt_result next_line(off_reader *r, const char *expected)
+{
+    text_view line;
+    do {
+        if (!text_next_line(&r->rest, &line))
+            return error_set(r->err, MRT_ERR_FORMAT, "the file ends where %s was expected",
+                             expected);
+        r->line_number += 1;
+        if (line.end - line.at > LINE_LENGTH_MAX)
+            return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
+                             LINE_LENGTH_MAX);
+        const char *comment =
+            line.at < line.end ? memchr(line.at, '#', (size_t)(line.end - line.at)) : NULL;
+        r->line = text_trim((text_view){line.at, comment ? comment : line.end});
+    } while (r->line.at == r->line.end);
+    return MRT_OK;
+}
+
+static bool skip_letters(text_view *word, const char *letters)
+{
+    size_t length = strlen(letters);
+    if ((size_t)(word->end - word->at) < length || memcmp(word->at, letters, length) != 0)
+        return false;
+    word->at += length;
+    return true;
+}
+
+static mrt_result read_keyword(off_reader *r)
+{
+    text_view rest = r->line, word, next;
+    int64_t number;
+    if (text_next_word(&rest, &word) && text_int(word, &number))
+        return MRT_OK; /* the keyword is optional */
+    text_view keyword = word;
+    (void)skip_letters(&word, "ST");
+    (void)skip_letters(&word, "C");
+    r->has_normals = skip_letters(&word, "N");
+    if (!skip_letters(&word, "OFF") || word.at != word.end)
+        return malformed(r, "OFF, COFF, NOFF, CNOFF or STOFF", keyword);
+    r->line = text_trim(rest);
+    if (text_next_word(&rest, &next) && text_equals(next, "BINARY"))
+        return error_set(r->err, MRT_ERR_UNSUPPORTED,
+                         "binary OFF is not read: export it as text or as .ply");
+    return r->line.at < r->line.end ? MRT_OK : next_line(r, "the counts");
+}
+
+static mrt_result read_counts(off_reader *r, size_t size)
+{
+    int64_t count[3] = {0, 0, 0};
+    text_view word;
+    int found = 0;
+    for (; text_next_word(&r->line, &word); ++found)
+        if (found == 3 || !text_int(word, &count[found]) || count[found] < 0)
+            return malformed(r, "vertex, face and edge count", word);
+    if (found < 2)
+        return error_set(r->err, MRT_ERR_FORMAT, "vertex, face and edge count were expected");
+    if (count[0] > (int64_t)(size / VERTEX_BYTES_MIN) + 1 ||
+        count[1] > (int64_t)(size / FACE_BYTES_MIN) + 1)
+        return error_set(r->err, MRT_ERR_FORMAT,
+                         "%lld vertices and %lld faces do not fit into a file of %zu bytes",
+                         (long long)count[0], (long long)count[1], size);
+    r->vertex_count = count[0];
+    r->face_count = count[1];
+    return MRT_OK;
+}
+
+static mrt_result read_vertex(off_reader *r)
+{
+    float number[6];
+    int needed = r->has_normals ? 6 : 3, found = 0;
+    text_view word;
+    mrt_result result = next_line(r, "a vertex");
+    if (result < 0)
+        return result;
+    for (; text_next_word(&r->line, &word); ++found) {
+        float ignored;
+        if (!text_float(word, found < needed ? &number[found] : &ignored))
+            return malformed(r, "a finite number", word);
+    }
+    if (found < needed)
+        return error_set(r->err, MRT_ERR_FORMAT, "a vertex has %d numbers, %d were expected", found,
+                         needed);
+    result = mesh_build_vertex(&r->build, number, r->err);
+    if (result == MRT_OK && r->has_normals)
+        result = mesh_build_normal(&r->build, number + 3, r->err);
+    return result;
+}
+
+static mrt_result read_face(off_reader *r)
+{
+    text_view word;
+    int64_t corner_count, vertex;
+    float ignored;
+    mrt_result result = next_line(r, "a face");
+    if (result < 0)
+        return result;
+    if (!text_next_word(&r->line, &word) || !text_int(word, &corner_count) || corner_count < 0)
+        return malformed(r, "the number of corners", word);
+    for (int64_t i = 0; i < corner_count; ++i) {
+        if (!text_next_word(&r->line, &word))
+            return error_set(r->err, MRT_ERR_FORMAT, "a face of %lld corners lists %lld",
+                             (long long)corner_count, (long long)i);
+        if (!text_int(word, &vertex))
+            return malformed(r, "a vertex index", word);
+        result = mesh_build_corner(&r->build, vertex, r->err);
+        if (result < 0)
+            return result;
+    }
+    while (text_next_word(&r->line, &word))
+        if (!text_float(word, &ignored))
+            return malformed(r, "a colour", word);
+    return mesh_build_face(&r->build, r->err);
+}
+
+static mrt_result read_file(off_reader *r, size_t size)
+{
+    mrt_result result = next_line(r, "OFF");
+    if (result == MRT_OK)
+        result = read_keyword(r);
+    if (result == MRT_OK)
+        result = read_counts(r, size);
+    for (int64_t i = 0; result == MRT_OK && i < r->vertex_count; ++i)
+        result = read_vertex(r);
+    for (int64_t i = 0; result == MRT_OK && i < r->face_count; ++i)
+        result = read_face(r);
+    return result;
+}
+
+mrt_result off_parse(mesh *out, const void *data, size_t size, error *err)
+{
+    off_reader r = {.rest = text_view_of(data, size), .err = err};
+    *out = (mesh){0};
+    mesh_build_init(&r.build);
+    mrt_result result = read_file(&r, size);
+    if (result < 0) {
+        char prefix[32];
+        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)r.line_number);
+        error_prefix(err, prefix);
+        mesh_build_finish(&r.build);
+        return result;
+    }
+    result = mesh_build_take(&r.build, out, err);
+    if (result == MRT_OK && text_trim(r.rest).at != r.rest.end)
+        mesh_note(out, "what follows the last face was not read");
+    return result;
+}

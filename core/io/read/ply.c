@@ -1,0 +1,380 @@
+/* Stanford PLY, text and binary of either byte order: x y z, normals and the faces; other
+ * floating-point properties of the vertices become attributes of the same name. */
+#include "io/read/mesh_build.h"
+#include "io/mesh_file.h"
+#include "io/read/ply_header.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Where the value of a vertex property goes: the first six are in this order in `value`. */
+typedef enum ply_role {
+    ROLE_X = 0,
+    ROLE_NX = 3,
+    ROLE_ATTRIBUTE = 6,
+    ROLES_MAX = ROLE_ATTRIBUTE + 64,
+    ROLE_PASSED_OVER
+} ply_role;
+
+typedef struct ply_reader {
+    ply_header header;
+    mesh_build build;
+    text_view rest, line; /* line: what is left of the current one (text) */
+    uint64_t line_number;
+    ply_role role[PLY_PROPERTIES_MAX]; /* of the vertex element's properties */
+    bool has_role[ROLE_ATTRIBUTE];
+    uint32_t attribute_property[ROLES_MAX - ROLE_ATTRIBUTE];
+    uint32_t attribute_count, passed_over_count;
+    float *attribute; /* vertex by attribute_count */
+    size_t attribute_capacity;
+    error *err;
+} ply_reader;
+
+static mrt_result next_line(ply_reader *r)
+{
+    if (r->header.format != PLY_ASCII)
+        return MRT_OK;
+    do {
+        if (!text_next_line(&r->rest, &r->line))
+            return error_set(r->err, MRT_ERR_FORMAT, "the file ends too early");
+        r->line_number += 1;
+        if (r->line.end - r->line.at > PLY_LINE_LENGTH_MAX)
+            return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
+                             PLY_LINE_LENGTH_MAX);
+        r->line = text_trim(r->line);
+    } while (r->line.at == r->line.end);
+    return MRT_OK;
+}
+
+static mrt_result end_line(const ply_reader *r)
+{
+    if (r->header.format == PLY_ASCII && r->line.at != r->line.end)
+        return error_set(r->err, MRT_ERR_FORMAT, "there are more values than properties");
+    return MRT_OK;
+}
+
+static mrt_result read_text(ply_reader *r, ply_type type, double *out)
+{
+    static const double low[] = {0, -128, 0, -32768, 0, -2147483648.0, 0};
+    static const double high[] = {0, 127, 255, 32767, 65535, 2147483647.0, 4294967295.0};
+    text_view word;
+    int64_t whole;
+    if (!text_next_word(&r->line, &word))
+        return error_set(r->err, MRT_ERR_FORMAT, "there are fewer values than properties");
+    if (type >= PLY_FLOAT32 && text_double(word, out))
+        return MRT_OK;
+    if (type < PLY_FLOAT32 && text_int(word, &whole) && (double)whole >= low[type] &&
+        (double)whole <= high[type]) {
+        *out = (double)whole;
+        return MRT_OK;
+    }
+    char text[48];
+    text_copy(text, sizeof text, word);
+    return error_set(r->err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found",
+                     type >= PLY_FLOAT32 ? "a finite number" : "a whole number of its type", text);
+}
+
+static double decode(uint64_t bits, ply_type type)
+{
+    uint32_t bits32 = (uint32_t)bits;
+    float single;
+    double number;
+    switch (type) {
+    case PLY_INT8:
+        return bits < 0x80 ? (double)bits : (double)bits - 256.0;
+    case PLY_INT16:
+        return bits < 0x8000 ? (double)bits : (double)bits - 65536.0;
+    case PLY_INT32:
+        return bits < 0x80000000u ? (double)bits : (double)bits - 4294967296.0;
+    case PLY_FLOAT32:
+        memcpy(&single, &bits32, sizeof single);
+        return (double)single;
+    case PLY_FLOAT64:
+        memcpy(&number, &bits, sizeof number);
+        return number;
+    case PLY_NONE:
+    case PLY_UINT8:
+    case PLY_UINT16:
+    case PLY_UINT32:
+        break;
+    }
+    return (double)bits;
+}
+
+static mrt_result read_binary(ply_reader *r, ply_type type, double *out)
+{
+    size_t size = ply_type_size(type);
+    uint64_t bits = 0;
+    if ((size_t)(r->rest.end - r->rest.at) < size)
+        return error_set(r->err, MRT_ERR_FORMAT, "the file ends too early");
+    for (size_t i = 0; i < size; ++i) {
+        size_t shift = r->header.format == PLY_LITTLE_ENDIAN ? i : size - 1 - i;
+        bits |= (uint64_t)(unsigned char)r->rest.at[i] << (8 * shift);
+    }
+    r->rest.at += size;
+    *out = decode(bits, type);
+    return MRT_OK;
+}
+
+static mrt_result read_number(ply_reader *r, ply_type type, double *out)
+{
+    return r->header.format == PLY_ASCII ? read_text(r, type, out) : read_binary(r, type, out);
+}
+
+static mrt_result read_list_length(ply_reader *r, ply_type type, int64_t *out)
+{
+    double length;
+    mrt_result result = read_number(r, type, &length);
+    if (result < 0)
+        return result;
+    if (length < 0.0)
+        return error_set(r->err, MRT_ERR_FORMAT, "the length of a list is negative");
+    *out = (int64_t)length;
+    return MRT_OK;
+}
+
+static mrt_result skip_property(ply_reader *r, const ply_property *property)
+{
+    int64_t length = 1;
+    double ignored;
+    mrt_result result = MRT_OK;
+    if (property->list_type)
+        result = read_list_length(r, property->list_type, &length);
+    for (int64_t i = 0; result == MRT_OK && i < length; ++i)
+        result = read_number(r, property->type, &ignored);
+    return result;
+}
+
+/* ---- vertices ---- */
+
+static ply_role known_role(const char *name)
+{
+    static const char *const known[ROLE_ATTRIBUTE] = {"x", "y", "z", "nx", "ny", "nz"};
+    for (int role = 0; role < ROLE_ATTRIBUTE; ++role)
+        if (strcmp(name, known[role]) == 0)
+            return (ply_role)role;
+    return ROLE_PASSED_OVER;
+}
+
+static mrt_result assign_roles(ply_reader *r, const ply_element *e)
+{
+    for (uint32_t i = 0; i < e->property_count; ++i) {
+        const ply_property *property = &r->header.property[e->first_property + i];
+        ply_role role = property->list_type ? ROLE_PASSED_OVER : known_role(property->name);
+        if (role < ROLE_ATTRIBUTE && r->has_role[role])
+            return error_set(r->err, MRT_ERR_FORMAT, "property \"%s\" is there twice",
+                             property->name);
+        if (role < ROLE_ATTRIBUTE) {
+            r->has_role[role] = true;
+        } else if (property->list_type == PLY_NONE && property->type >= PLY_FLOAT32 &&
+                   ROLE_ATTRIBUTE + r->attribute_count < ROLES_MAX) {
+            role = (ply_role)(ROLE_ATTRIBUTE + r->attribute_count);
+            r->attribute_property[r->attribute_count] = e->first_property + i;
+            r->attribute_count += 1;
+        } else {
+            r->passed_over_count += 1;
+        }
+        r->role[i] = role;
+    }
+    if (!r->has_role[ROLE_X] || !r->has_role[ROLE_X + 1] || !r->has_role[ROLE_X + 2])
+        return error_set(r->err, MRT_ERR_FORMAT, "the vertices have no x, y and z");
+    return MRT_OK;
+}
+
+static mrt_result read_vertex_values(ply_reader *r, const ply_element *e, float value[ROLES_MAX])
+{
+    for (uint32_t i = 0; i < e->property_count; ++i) {
+        const ply_property *property = &r->header.property[e->first_property + i];
+        double number;
+        mrt_result result;
+        if (r->role[i] == ROLE_PASSED_OVER) {
+            result = skip_property(r, property);
+            if (result < 0)
+                return result;
+            continue;
+        }
+        result = read_number(r, property->type, &number);
+        if (result < 0)
+            return result;
+        value[r->role[i]] = (float)number;
+        if (!isfinite(value[r->role[i]]))
+            return error_set(r->err, MRT_ERR_FORMAT, "\"%s\" is not finite", property->name);
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_vertex(ply_reader *r, const ply_element *e)
+{
+    float value[ROLES_MAX];
+    mrt_result result = read_vertex_values(r, e, value);
+    if (result == MRT_OK)
+        result = mesh_build_vertex(&r->build, value + ROLE_X, r->err);
+    if (result == MRT_OK && r->has_role[ROLE_NX] && r->has_role[ROLE_NX + 1] &&
+        r->has_role[ROLE_NX + 2])
+        result = mesh_build_normal(&r->build, value + ROLE_NX, r->err);
+    if (result < 0 || r->attribute_count == 0)
+        return result;
+    size_t used = (r->build.vertex_count - 1) * r->attribute_count;
+    result = mesh_build_grow((void **)&r->attribute, &r->attribute_capacity,
+                             used + r->attribute_count, sizeof *r->attribute, r->err);
+    if (result == MRT_OK)
+        memcpy(r->attribute + used, value + ROLE_ATTRIBUTE,
+               r->attribute_count * sizeof *r->attribute);
+    return result;
+}
+
+/* ---- faces and the rest ---- */
+
+static bool is_corner_list(const ply_property *property)
+{
+    return property->list_type && (strcmp(property->name, "vertex_indices") == 0 ||
+                                   strcmp(property->name, "vertex_index") == 0);
+}
+
+static mrt_result read_corners(ply_reader *r, const ply_property *property)
+{
+    int64_t corner_count = 0;
+    double index;
+    if (property->type >= PLY_FLOAT32)
+        return error_set(r->err, MRT_ERR_FORMAT, "the vertex indices must be whole numbers");
+    mrt_result result = read_list_length(r, property->list_type, &corner_count);
+    for (int64_t i = 0; result == MRT_OK && i < corner_count; ++i) {
+        result = read_number(r, property->type, &index);
+        if (result == MRT_OK)
+            result = mesh_build_corner(&r->build, (int64_t)index, r->err);
+    }
+    return result < 0 ? result : mesh_build_face(&r->build, r->err);
+}
+
+static mrt_result read_face(ply_reader *r, const ply_element *e)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i) {
+        const ply_property *property = &r->header.property[e->first_property + i];
+        result = is_corner_list(property) ? read_corners(r, property) : skip_property(r, property);
+    }
+    return result;
+}
+
+static mrt_result skip_element(ply_reader *r, const ply_element *e)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i)
+        result = skip_property(r, &r->header.property[e->first_property + i]);
+    return result;
+}
+
+static void name_place(const ply_reader *r, const ply_element *e, int64_t index)
+{
+    char prefix[96];
+    if (r->header.format == PLY_ASCII)
+        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)r->line_number);
+    else
+        (void)snprintf(prefix, sizeof prefix, "%s %lld", e->name, (long long)index);
+    error_prefix(r->err, prefix);
+}
+
+static mrt_result read_elements(ply_reader *r, const ply_element *e,
+                                mrt_result (*read)(ply_reader *, const ply_element *))
+{
+    for (int64_t i = 0; i < e->count; ++i) {
+        mrt_result result = next_line(r);
+        if (result == MRT_OK)
+            result = read(r, e);
+        if (result == MRT_OK)
+            result = end_line(r);
+        if (result < 0) {
+            name_place(r, e, i);
+            return result;
+        }
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_body(ply_reader *r)
+{
+    bool has_vertices = false;
+    for (uint32_t i = 0; i < r->header.element_count; ++i) {
+        const ply_element *e = &r->header.element[i];
+        mrt_result result;
+        if (strcmp(e->name, "vertex") == 0) {
+            if (has_vertices)
+                return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" is there twice");
+            has_vertices = true;
+            result = assign_roles(r, e);
+            if (result == MRT_OK)
+                result = read_elements(r, e, read_vertex);
+        } else if (strcmp(e->name, "face") == 0) {
+            result = read_elements(r, e, read_face);
+        } else {
+            result = read_elements(r, e, skip_element);
+        }
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+static mrt_result take_attributes(const ply_reader *r, mesh *out)
+{
+    if (r->attribute_count == 0)
+        return MRT_OK;
+    out->attribute = calloc(r->attribute_count, sizeof *out->attribute);
+    if (!out->attribute)
+        return error_set(r->err, MRT_ERR_MEMORY, "no memory for the attributes");
+    for (uint32_t i = 0; i < r->attribute_count; ++i) {
+        mesh_attribute *attribute = &out->attribute[i];
+        out->attribute_count += 1;
+        attribute->component_count = 1;
+        attribute->name = strdup(r->header.property[r->attribute_property[i]].name);
+        attribute->value = malloc(out->vertex_count * sizeof *attribute->value);
+        if (!attribute->name || !attribute->value)
+            return error_set(r->err, MRT_ERR_MEMORY, "no memory for the attributes");
+        for (size_t v = 0; v < out->vertex_count; ++v)
+            attribute->value[v] = r->attribute[v * r->attribute_count + i];
+    }
+    return MRT_OK;
+}
+
+static void note_what_was_not_read(const ply_reader *r, mesh *out)
+{
+    for (uint32_t i = 0; i < r->header.element_count; ++i) {
+        const char *name = r->header.element[i].name;
+        if (strcmp(name, "vertex") != 0 && strcmp(name, "face") != 0)
+            mesh_note(out, "element \"%s\" was skipped", name);
+    }
+    if (r->passed_over_count)
+        mesh_note(out, "%u vertex properties that are no floating-point numbers were skipped",
+                  r->passed_over_count);
+    if (text_trim(r->rest).at != r->rest.end)
+        mesh_note(out, "what follows the last element was not read");
+}
+
+mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err)
+{
+    *out = (mesh){0};
+    ply_reader *r = calloc(1, sizeof *r);
+    if (!r)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the reader");
+    r->rest = text_view_of(data, size);
+    r->err = err;
+    mesh_build_init(&r->build);
+    mrt_result result = ply_header_parse(&r->header, &r->rest, err);
+    r->line_number = r->header.line_count;
+    if (result == MRT_OK)
+        result = read_body(r);
+    if (result == MRT_OK)
+        result = mesh_build_take(&r->build, out, err);
+    if (result == MRT_OK)
+        result = take_attributes(r, out);
+    if (result == MRT_OK)
+        note_what_was_not_read(r, out);
+    else
+        mesh_destroy(out);
+    mesh_build_finish(&r->build);
+    free(r->attribute);
+    free(r);
+    return result;
+}

@@ -1,0 +1,48 @@
+/* io/gltf_output.hpp - a .glb being made: binary data in the order it is added, the accessors that
+ * describe it, and the file in the end. tinygltf makes the JSON; the binary part is written from
+ * where it is, never copied. Private to the glTF writer; failures are gltf_failure. */
+#ifndef MAROTTE_IO_GLTF_OUTPUT_HPP
+#define MAROTTE_IO_GLTF_OUTPUT_HPP
+#include "io/read/gltf_load.hpp"
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+using gltf_bytes = std::vector<unsigned char>;
+
+struct gltf_output {
+    tinygltf::Model model;         /* without its buffer */
+    std::vector<gltf_bytes> chunk; /* the binary part, each padded to 4 bytes */
+    size_t binary_size = 0;
+};
+
+/* The text with bytes that are no UTF-8 replaced: JSON cannot hold them. NULL gives "". */
+std::string gltf_utf8(const char *text);
+
+template <typename number> gltf_bytes gltf_bytes_of(const std::vector<number> &value)
+{
+    gltf_bytes data(value.size() * sizeof(number));
+    if (!data.empty())
+        std::memcpy(data.data(), value.data(), data.size());
+    return data;
+}
+
+/* Fails with the name of what is not finite. */
+void gltf_output_check(const float *value, size_t count, const std::string &what);
+
+/* Fails when so many bytes more are too many for a .glb. */
+void gltf_output_reserve(const gltf_output &out, size_t size);
+/* Each returns the index of what it added. `target`: TINYGLTF_TARGET_* or 0. */
+int gltf_output_view(gltf_output &out, gltf_bytes &&data, int target);
+int gltf_output_accessor(gltf_output &out, tinygltf::Accessor &&accessor);
+/* count by component_count floats, finite, count > 0, with their bounds. */
+int gltf_output_floats(gltf_output &out, const float *value, size_t count, size_t component_count,
+                       int target);
+/* count by 3, of all vertices: only those that are not zero where that takes less room. */
+int gltf_output_offsets(gltf_output &out, const float *value, size_t count);
+
+/* Returns the size of the file. */
+uint64_t gltf_output_write(gltf_output &out, const char *path);
+
+#endif

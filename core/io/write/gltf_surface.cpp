@@ -1,0 +1,215 @@
+#include "io/write/gltf_surface.hpp"
+
+extern "C" {
+#include "io/write/morph.h"
+}
+
+#include <cmath>
+
+namespace
+{
+
+bool is_zero(const float *v)
+{
+    return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f;
+}
+
+/* The normal wanted, else that of the area around the vertex, else +z. */
+void unit_normal(float *out, const float *wanted, const double *area)
+{
+    double n[3] = {area[0], area[1], area[2]};
+    if (wanted && !is_zero(wanted))
+        for (int axis = 0; axis < 3; ++axis)
+            n[axis] = static_cast<double>(wanted[axis]);
+    double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    bool good = length > 1e-30 && std::isfinite(length);
+    for (int axis = 0; axis < 3; ++axis)
+        out[axis] = good ? static_cast<float>(n[axis] / length) : (axis == 2 ? 1.0f : 0.0f);
+}
+
+/* A custom attribute's name begins with an underscore, and each has its own. */
+std::string attribute_name(const gltf_surface &s, const char *wanted)
+{
+    std::string name = gltf_utf8(wanted);
+    if (name.empty() || name[0] != '_')
+        name = "_" + name;
+    std::string unique = name;
+    for (int i = 2; s.attribute.count(unique); ++i)
+        unique = name + "_" + std::to_string(i);
+    return unique;
+}
+
+void add_attributes(gltf_output &out, gltf_surface &s)
+{
+    const mesh *m = s.source;
+    s.attribute["POSITION"] = gltf_output_floats(out, s.position.data(), m->vertex_count, 3,
+                                                 TINYGLTF_TARGET_ARRAY_BUFFER);
+    s.attribute["NORMAL"] =
+        gltf_output_floats(out, s.normal.data(), m->vertex_count, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
+    for (uint32_t i = 0; i < m->attribute_count; ++i) {
+        const mesh_attribute &a = m->attribute[i];
+        if (a.component_count < 1 || a.component_count > 4)
+            gltf_fail(MRT_ERR_ARGUMENT, "attribute \"%s\" has %u components, expected 1 to 4",
+                      a.name, a.component_count);
+        s.attribute[attribute_name(s, a.name)] = gltf_output_floats(
+            out, a.value, m->vertex_count, a.component_count, TINYGLTF_TARGET_ARRAY_BUFFER);
+    }
+}
+
+double unit_range(float value)
+{
+    return value >= 0.0f ? (value <= 1.0f ? static_cast<double>(value) : 1.0) : 0.0;
+}
+
+void add_materials(gltf_output &out, const mesh *m)
+{
+    for (uint32_t i = 0; i < m->material_count; ++i) {
+        const mesh_material &from = m->material[i];
+        tinygltf::Material material;
+        material.name = gltf_utf8(from.name);
+        material.pbrMetallicRoughness.baseColorFactor = {
+            unit_range(from.base_colour[0]), unit_range(from.base_colour[1]),
+            unit_range(from.base_colour[2]), unit_range(from.base_colour[3])};
+        material.pbrMetallicRoughness.roughnessFactor = unit_range(from.roughness);
+        material.pbrMetallicRoughness.metallicFactor = unit_range(from.metallic);
+        if (from.base_colour[3] < 1.0f)
+            material.alphaMode = "BLEND";
+        out.model.materials.push_back(std::move(material));
+    }
+}
+
+tinygltf::Primitive make_primitive(const gltf_surface &s)
+{
+    tinygltf::Primitive primitive;
+    primitive.attributes = s.attribute;
+    primitive.mode = TINYGLTF_MODE_POINTS;
+    for (const gltf_target &target : s.target) {
+        primitive.targets.push_back({{"POSITION", target.position}});
+        if (target.normal >= 0)
+            primitive.targets.back()["NORMAL"] = target.normal;
+    }
+    return primitive;
+}
+
+tinygltf::Value named(const char *key, tinygltf::Value &&value)
+{
+    tinygltf::Value::Object object;
+    object[key] = std::move(value);
+    return tinygltf::Value(std::move(object));
+}
+
+/* One primitive per part, all on the same vertices; a mesh without triangles is one of points. */
+std::vector<tinygltf::Primitive> make_primitives(gltf_output &out, const gltf_surface &s)
+{
+    const mesh *m = s.source;
+    std::vector<tinygltf::Primitive> primitives;
+    if (m->triangle_count == 0)
+        return {make_primitive(s)};
+    std::vector<uint32_t> index(m->triangle, m->triangle + size_t{m->triangle_count} * 3);
+    int view = gltf_output_view(out, gltf_bytes_of(index), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    for (uint32_t i = 0; i < m->part_count; ++i) {
+        const mesh_part &part = m->part[i];
+        if (part.triangle_count == 0)
+            continue;
+        tinygltf::Accessor accessor;
+        accessor.bufferView = view;
+        accessor.byteOffset = size_t{part.first_triangle} * 3 * sizeof(uint32_t);
+        accessor.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+        accessor.count = size_t{part.triangle_count} * 3;
+        accessor.type = TINYGLTF_TYPE_SCALAR;
+        tinygltf::Primitive primitive = make_primitive(s);
+        primitive.mode = TINYGLTF_MODE_TRIANGLES;
+        primitive.material = static_cast<int>(part.material);
+        primitive.indices = gltf_output_accessor(out, std::move(accessor));
+        std::string name = gltf_utf8(part.name);
+        if (!name.empty())
+            primitive.extras = named("name", tinygltf::Value(std::move(name)));
+        primitives.push_back(std::move(primitive));
+    }
+    return primitives;
+}
+
+std::string scene_name(const mesh *m)
+{
+    std::string only = m->part_count == 1 ? gltf_utf8(m->part[0].name) : "";
+    return only.empty() ? "face" : only;
+}
+
+gltf_surface make_surface(const mesh *m)
+{
+    gltf_surface s;
+    s.source = m;
+    s.position = gltf_in_metres(m->position, size_t{m->vertex_count} * 3);
+    s.area.resize(s.position.size());
+    s.work.resize(s.position.size());
+    s.turn.resize(s.position.size());
+    s.normal.resize(s.position.size());
+    morph_area(s.area.data(), s.position.data(), m->vertex_count, m->triangle, m->triangle_count);
+    for (size_t i = 0; i < s.position.size(); i += 3)
+        unit_normal(&s.normal[i], m->normal ? m->normal + i : nullptr, &s.area[i]);
+    return s;
+}
+
+} // namespace
+
+gltf_surface gltf_surface_of(gltf_output &out, const mesh *m)
+{
+    error err;
+    mrt_result result = mesh_validate(m, &err);
+    if (result < 0)
+        gltf_fail(result, "%s", err.text);
+    gltf_surface s = make_surface(m);
+    add_materials(out, m);
+    add_attributes(out, s);
+    return s;
+}
+
+std::vector<float> gltf_in_metres(const float *value_mm, size_t count)
+{
+    std::vector<float> out(count);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = static_cast<float>(static_cast<double>(value_mm[i]) * GLTF_METRES_PER_MM);
+    return out;
+}
+
+void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
+                         const float *offset)
+{
+    const mesh *m = s.source;
+    gltf_target target;
+    target.name = name;
+    gltf_output_check(offset, s.position.size(), name);
+    target.position = gltf_output_offsets(out, offset, m->vertex_count);
+    if (m->triangle_count > 0) {
+        morph_surface rest = {s.position.data(), s.normal.data(), s.area.data(),
+                              m->triangle,       m->vertex_count, m->triangle_count};
+        morph_normal_offset(s.turn.data(), s.work.data(), &rest, offset);
+        target.normal = gltf_output_offsets(out, s.turn.data(), m->vertex_count);
+    }
+    s.target.push_back(target);
+}
+
+void gltf_surface_scene(gltf_output &out, const gltf_surface &s)
+{
+    tinygltf::Mesh face;
+    face.name = scene_name(s.source);
+    face.primitives = make_primitives(out, s);
+    face.weights.assign(s.target.size(), 0.0);
+    if (!s.target.empty()) {
+        tinygltf::Value::Array names;
+        for (const gltf_target &target : s.target)
+            names.emplace_back(target.name);
+        face.extras = named("targetNames", tinygltf::Value(std::move(names)));
+    }
+    out.model.meshes.push_back(std::move(face));
+    tinygltf::Node node;
+    node.name = scene_name(s.source);
+    node.mesh = 0;
+    out.model.nodes.push_back(std::move(node));
+    tinygltf::Scene scene;
+    scene.nodes = {0};
+    out.model.scenes.push_back(std::move(scene));
+    out.model.defaultScene = 0;
+    out.model.asset.version = "2.0";
+    out.model.asset.generator = "marotte " MAROTTE_VERSION;
+}

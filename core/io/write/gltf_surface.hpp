@@ -1,0 +1,41 @@
+/* io/gltf_surface.hpp - a mesh and its morph targets as glTF: metres, one primitive per part, all
+ * on the same vertices in the file's order. Private to the glTF writer; failures are gltf_failure.
+ */
+#ifndef MAROTTE_IO_GLTF_SURFACE_HPP
+#define MAROTTE_IO_GLTF_SURFACE_HPP
+#include "io/write/gltf_output.hpp"
+
+extern "C" {
+#include "mesh/mesh.h"
+}
+
+#include <map>
+
+constexpr double GLTF_METRES_PER_MM = 0.001;
+
+struct gltf_target {
+    std::string name;
+    int position = -1, normal = -1; /* accessors; -1: no normals */
+};
+
+struct gltf_surface {
+    const mesh *source;
+    std::vector<float> position, normal; /* as written: V by 3, metres; unit */
+    std::vector<double> area;            /* morph_area of position */
+    std::map<std::string, int> attribute;
+    std::vector<gltf_target> target;
+    std::vector<double> work; /* V by 3: scratch */
+    std::vector<float> turn;  /* V by 3: scratch */
+};
+
+/* Checks the mesh; adds its materials and attributes. */
+gltf_surface gltf_surface_of(gltf_output &out, const mesh *m);
+/* offset: V by 3, metres per unit of weight. Its normals follow to first order. */
+void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
+                         const float *offset);
+/* Once all targets are added: mesh 0 on node 0. */
+void gltf_surface_scene(gltf_output &out, const gltf_surface &s);
+
+std::vector<float> gltf_in_metres(const float *value_mm, size_t count);
+
+#endif
