@@ -28,15 +28,19 @@ typedef struct binding {
     vec3 *contact_position, *contact_normal; /* per contact: mm, unit outward */
 } binding;
 
-/* Marks, then the harmonic fill over the surface (sparse Laplace, CHOLMOD). A NULL rig: one bone,
- * everything free. */
+/* Marks, then the fill over the surface. A contact that names its bone rides on it wholly. A NULL
+ * rig: one bone, everything free (t may be NULL then). */
 CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t,
                                   error *err);
 void binding_destroy(binding *b);
 
 /* The fill alone (weights.c): fills the NaNs of marks over the surface into out->weight and
- * out->mobility, which are allocated. Components of the surface without any mark follow the nearest
- * marked vertex in space. */
+ * out->mobility, which are allocated; smooth also around single marks (weights_laplace.h). What is
+ * missing to a sum of 1 at a marked vertex goes to the parent of the bone marked most. Pieces of
+ * the surface without any mark follow the nearest vertices in space (weights_follow.h). A contact
+ * of whose mobility nothing is said has 1; without any mobility above 0, all that is not marked
+ * has 1.
+ */
 CHECKED mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, const mesh *m,
                                 const topology *t, error *err);
 
