@@ -1,0 +1,33 @@
+/* face/fit_solve.h - the pose and the pulls that come closest to one target of a fit_gram: the
+ * pulls are linear once the bones are posed, the few degrees of freedom are found around them
+ * (Levenberg-Marquardt with the linear part eliminated: Golub and Pereyra 1973).
+ * Inside the room. [main] */
+#ifndef MAROTTE_FACE_FIT_SOLVE_H
+#define MAROTTE_FACE_FIT_SOLVE_H
+#include "face/fit/fit_gram.h"
+
+typedef struct fit_solver {
+    const bones *bones;
+    const fit_gram *gram;
+    double ridge;     /* on the pulls, in parts of the mean diagonal of their matrix; > 0 */
+    uint32_t unknown; /* 3 * control_count */
+    double *weight;   /* column_count by 3 */
+    double *slope;    /* MRT_MAX_DOFS by column_count by 3: of the weights by a dof */
+    double *matrix;   /* unknown by unknown, then its Cholesky factor */
+    double *vector;   /* unknown */
+    double *cross;    /* MRT_MAX_DOFS by unknown */
+    double *product;  /* column_count by 3 */
+    uint32_t *control_column, *control_start; /* the columns of a control: control_count + 1 */
+} fit_solver;
+
+CHECKED mrt_result fit_solver_create(fit_solver *out, const bones *b, const fit_gram *gram,
+                                     double ridge, error *err);
+void fit_solver_destroy(fit_solver *s); /* accepts zeroed */
+
+/* For the bones posed by dof (dof_count): pull (control_count by 3: g of the design's formula, in
+ * the bones' rest) such that the squared error is least; returns that. */
+double fit_solve_pulls(fit_solver *s, double *pull, const float *dof, uint32_t target);
+/* dof too, within its limits; from where it starts. Returns the squared error. */
+double fit_solve_pose(fit_solver *s, double *pull, float *dof, uint32_t target);
+
+#endif

@@ -1,0 +1,221 @@
+#include "face/frame/face_state.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- columns of the bones ---- */
+
+/* w (x - c) for one axis, and w alone for NULL. */
+static void fill_column(float *out, const face *f, const face_field *field, const float *x,
+                        double centre)
+{
+    for (uint32_t slot = 0; slot < f->rest.padded_count; ++slot) {
+        float weight = field->weight[slot];
+        out[slot] = x ? (float)((double)weight * ((double)x[slot] - centre)) : weight;
+    }
+}
+
+void face_pose_columns(face *f)
+{
+    uint32_t column = f->control_column_count;
+    const points *at = f->origin;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        face_field *field = &f->field[b];
+        if (!f->bones.moves[b])
+            continue;
+        field->pose_column = column;
+        fill_column(columns_row(&f->columns, column++), f, field, at->x, field->pivot.x);
+        fill_column(columns_row(&f->columns, column++), f, field, at->y, field->pivot.y);
+        fill_column(columns_row(&f->columns, column++), f, field, at->z, field->pivot.z);
+        fill_column(columns_row(&f->columns, column++), f, field, NULL, 0.0);
+    }
+    columns_note(&f->columns, column);
+    f->engagement += 1;
+}
+
+static void put(double *row, double x, double y, double z)
+{
+    row[0] = x;
+    row[1] = y;
+    row[2] = z;
+}
+
+void face_pose_weights(const face *f, double *weight, const rigid *pose)
+{
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        if (!f->bones.moves[b])
+            continue;
+        double *row = weight + (size_t)3 * field->pose_column;
+        const rigid *p = &pose[b];
+        vec3 shift = vec3_sub(rigid_apply(p, field->pivot), field->pivot);
+        put(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
+        put(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
+        put(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
+        put(row + 9, shift.x, shift.y, shift.z);
+    }
+}
+
+/* ---- the shape without its pose ---- */
+
+static bool is_posed(const face *f)
+{
+    const rigid still = rigid_identity();
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        if (f->bones.moves[b] && memcmp(&f->pose[b], &still, sizeof still) != 0)
+            return true;
+    return false;
+}
+
+/* What the controls add to a block of the shape shown, carried back through the bones' motion. */
+static void unpose_block(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+        vec3 moved = {(double)sum[0][i], (double)sum[1][i], (double)sum[2][i]};
+        double share[RIG_BONES_MAX];
+        if (moved.x == 0.0 && moved.y == 0.0 && moved.z == 0.0)
+            continue;
+        for (uint32_t b = 0; b < f->bone_count; ++b)
+            share[b] = (double)f->field[b].weight[(size_t)block * POINTS_BLOCK + i];
+        blend here = blend_of(share, f->pose, f->bones.moves, f->bone_count);
+        moved = blend_undo_direction(&here, moved);
+        sum[0][i] = (float)moved.x;
+        sum[1][i] = (float)moved.y;
+        sum[2][i] = (float)moved.z;
+    }
+}
+
+void face_bake(face *f, points *out)
+{
+    columns *c = &f->columns;
+    bool posed = is_posed(f);
+    for (size_t i = 0; i < (size_t)3 * f->control_column_count; ++i)
+        c->weight[i] = (float)f->weight[i];
+    for (uint32_t block = 0; block < c->block_count; ++block) {
+        float sum[3][POINTS_BLOCK];
+        columns_sum(c, sum, c->weight, block, 0, f->control_column_count);
+        if (posed)
+            unpose_block(f, sum, block);
+        columns_add(out, f->origin, sum, block);
+    }
+}
+
+/* ---- frames ---- */
+
+void face_show(face *f)
+{
+    columns_move(&f->columns, &f->shown, f->origin, f->weight);
+    projection_report report = projection_apply(&f->projection, &f->shown, f->pose);
+    f->meter.penetration_mm = report.depth_mm;
+    f->meter.projected_count = report.moved_count;
+    f->is_exact = report.moved_count == 0;
+}
+
+void face_take_pose(face *f, const float *dof, const rigid *pose)
+{
+    memcpy(f->dof, dof, sizeof f->dof);
+    memcpy(f->pose, pose, sizeof f->pose);
+    bones_limit(f->meter.dof, &f->bones, dof);
+}
+
+static void release_controls(face *f)
+{
+    f->control_count = 0;
+    f->control_column_count = 0;
+    f->meter.dropped_count = 0;
+    f->meter.slope_bound = 0.0;
+    f->origin = &f->base;
+    face_pose_columns(f);
+    face_pose_weights(f, f->weight, f->pose);
+}
+
+void face_commit(face *f)
+{
+    face_bake(f, &f->base);
+    release_controls(f);
+}
+
+void face_reset(face *f)
+{
+    const float still[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
+        pose[b] = rigid_identity();
+    face_take_pose(f, still, pose);
+    points_copy(&f->base, &f->rest);
+    points_copy(&f->shown, &f->rest);
+    release_controls(f);
+    f->meter.penetration_mm = 0.0;
+    f->meter.projected_count = 0;
+    f->is_exact = true;
+}
+
+/* ---- what happened ---- */
+
+bool face_is_near(const face *f, const double *point, uint32_t count, double radius)
+{
+    return shape_is_near(f->control_count > 0 ? &f->base : &f->shown, point, count, radius);
+}
+
+static const char *bone_name(const face *f, uint32_t bone)
+{
+    return f->rig ? f->rig->bone[bone].name : "face";
+}
+
+static void name_control(const face *f, uint32_t bone, uint32_t control, char *out)
+{
+    const face_grip *grip = &f->grip[control];
+    uint32_t holders = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        holders += grip->belongs[b];
+    const char *on = holders > 1 ? bone_name(f, bone) : "", *at = holders > 1 ? "@" : "";
+    if (grip->contact > 0)
+        snprintf(out, FACE_COLUMN_NAME, "%.80s%s%.64s", f->contact[grip->contact - 1].name, at, on);
+    else
+        snprintf(out, FACE_COLUMN_NAME, "control%u%s%.64s", control + 1, at, on);
+}
+
+void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME])
+{
+    static const char *const motions[FACE_POSE_COLUMNS] = {"turn_x", "turn_y", "turn_z", "shift"};
+    out[0] = '\0';
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        if (column < f->control_column_count && column >= field->first_column &&
+            column - field->first_column < field->control_count)
+            name_control(f, b, field->control[column - field->first_column], out);
+        if (column >= f->control_column_count && f->bones.moves[b] &&
+            column - field->pose_column < FACE_POSE_COLUMNS)
+            snprintf(out, FACE_COLUMN_NAME, "%.80s.%s", bone_name(f, b),
+                     motions[column - field->pose_column]);
+    }
+}
+
+vec3 face_contact_now(const face *f, uint32_t contact)
+{
+    double at[3];
+    points_at(at, &f->shown, f->contact_slot[contact - 1]);
+    return (vec3){at[0], at[1], at[2]};
+}
+
+face_columns face_columns_now(const face *f)
+{
+    return (face_columns){.base = f->origin,
+                          .column = f->columns.value,
+                          .stride = f->columns.stride,
+                          .weight = f->weight,
+                          .count = f->columns.count,
+                          .engagement = f->engagement,
+                          .is_exact = f->is_exact};
+}
+
+const face_meter *face_metered(const face *f)
+{
+    return &f->meter;
+}
+
+double face_penetration_mm(const face *f)
+{
+    return projection_depth_mm(&f->projection, &f->shown, f->pose);
+}

@@ -1,0 +1,218 @@
+#include "face/frame/face_state.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SWEEPS = 5 };
+
+/* ---- the pose ---- */
+
+static bool jaw_is_driven(const bones *b, const float *dof)
+{
+    const float *jaw = dof + b->first_dof[b->jaw];
+    return !(isnan(jaw[0]) && isnan(jaw[1]) && isnan(jaw[2]));
+}
+
+/* Where the jaw alone has to bring each control that rides on it, in the frame that it rides in. */
+static void ask_of_jaw(face *f, const rigid *pose, const double *end, double *target)
+{
+    const bones *b = &f->bones;
+    uint32_t parent = f->rig->bone[b->jaw].parent;
+    rigid out = parent != RIG_NONE ? rigid_inverse(&pose[parent]) : rigid_identity();
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        face_grip others = f->grip[k];
+        double jaw_share = 0.0;
+        f->scratch[k] = others.riding;
+        if (!(others.riding > 0.0))
+            continue;
+        for (uint32_t bone = 0; bone < f->bone_count; ++bone) {
+            uint32_t on = bone;
+            while (on != RIG_NONE && on != b->jaw)
+                on = f->rig->bone[on].parent;
+            if (on == RIG_NONE)
+                continue;
+            jaw_share += others.share[bone];
+            others.share[bone] = 0.0;
+        }
+        blend other = face_blend_at(f, &others, pose);
+        vec3 way = {end[3 * k] - others.start.x, end[3 * k + 1] - others.start.y,
+                    end[3 * k + 2] - others.start.z};
+        way = vec3_scale(vec3_sub(way, blend_moves(&other, others.start)), 1.0 / jaw_share);
+        vec3 to = rigid_apply(&out, vec3_add(others.start, way));
+        target[3 * k] = to.x;
+        target[3 * k + 1] = to.y;
+        target[3 * k + 2] = to.z;
+        f->position[3 * k] = others.start.x;
+        f->position[3 * k + 1] = others.start.y;
+        f->position[3 * k + 2] = others.start.z;
+    }
+}
+
+mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end, error *err)
+{
+    const bones *b = &f->bones;
+    memset(out, 0, MRT_MAX_DOFS * sizeof *out);
+    for (uint32_t i = 0; i < b->dof_count; ++i) {
+        if (dof && isinf(dof[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "%s is not a number", b->dof[i].name);
+        out[i] = !dof || isnan(dof[i]) ? 0.0f : dof[i];
+    }
+    if (b->jaw == RIG_NONE || (dof && jaw_is_driven(b, dof)))
+        return MRT_OK;
+    float *jaw = out + b->first_dof[b->jaw];
+    memcpy(jaw, f->dof + b->first_dof[b->jaw], 3 * sizeof *jaw);
+    if (!end || f->control_count == 0)
+        return MRT_OK;
+    rigid pose[RIG_BONES_MAX];
+    bones_pose(pose, b, out);
+    ask_of_jaw(f, pose, end, f->g);
+    bones_derive_jaw(jaw, b, f->position, f->g, f->scratch, f->control_count);
+    return MRT_OK;
+}
+
+/* ---- what the controls have to add ---- */
+
+/* f->position := how far each control is from its end once the bones have moved, over what its pull
+ * is worth; f->turn: (sum of share_b R_b over its own bones)^-1. */
+static void measure_rest(face *f, const double *end, const rigid *pose)
+{
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        const face_grip *grip = &f->grip[k];
+        blend posed = face_blend_at(f, grip, pose);
+        vec3 moved = blend_moves(&posed, grip->start);
+        face_grip own = *grip;
+        for (uint32_t b = 0; b < f->bone_count; ++b)
+            own.share[b] = grip->belongs[b] ? grip->share[b] : 0.0;
+        matrix3x3 whole = face_blend_at(f, &own, pose).turn;
+        for (int i = 0; i < 3; ++i)
+            whole.at[i][i] += face_share_held(f, grip);
+        if (grip->is_dropped || !matrix3x3_invert(&f->turn[k], &whole))
+            f->turn[k] = (matrix3x3){{{0}}};
+        f->position[3 * k] = (end[3 * k] - grip->start.x - moved.x) / grip->mobility;
+        f->position[3 * k + 1] = (end[3 * k + 1] - grip->start.y - moved.y) / grip->mobility;
+        f->position[3 * k + 2] = (end[3 * k + 2] - grip->start.z - moved.z) / grip->mobility;
+    }
+}
+
+/* What the fields that a control is not in do at it all the same, in its small share of them. */
+static vec3 stray(const face *f, uint32_t k, const rigid *pose)
+{
+    vec3 sum = {0, 0, 0};
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        const face_grip *grip = &f->grip[k];
+        const float *row = f->cross + (size_t)field->first_column * f->grip_place.padded_count + k;
+        vec3 here = {0, 0, 0};
+        if (grip->belongs[b] || grip->share[b] == 0.0)
+            continue;
+        for (uint32_t i = 0; i < field->control_count; ++i, row += f->grip_place.padded_count) {
+            const double *g = f->g + (size_t)3 * field->control[i];
+            here = vec3_add(here, vec3_scale((vec3){g[0], g[1], g[2]}, (double)*row));
+        }
+        sum = vec3_add(sum, vec3_scale(rigid_rotate(&pose[b], here), grip->share[b]));
+    }
+    return sum;
+}
+
+/* f->g: such that each control lands on its end. Gauss-Seidel over what strays: shares below 2 %.
+ */
+static void solve_grips(face *f, const double *end, const rigid *pose)
+{
+    measure_rest(f, end, pose);
+    memset(f->g, 0, (size_t)3 * f->control_count * sizeof *f->g);
+    for (int sweep = 0; sweep < (f->bone_count > 1 ? SWEEPS : 1); ++sweep)
+        for (uint32_t k = 0; k < f->control_count; ++k) {
+            vec3 rest = {f->position[3 * k], f->position[3 * k + 1], f->position[3 * k + 2]};
+            vec3 g = matrix3x3_apply(&f->turn[k], vec3_sub(rest, stray(f, k, pose)));
+            f->g[3 * k] = g.x;
+            f->g[3 * k + 1] = g.y;
+            f->g[3 * k + 2] = g.z;
+        }
+}
+
+/* The columns' weights in next_weight, the fields' slopes in out_slope. */
+static mrt_result weigh_controls(face *f, const rigid *pose, double *out_slope, error *err)
+{
+    *out_slope = 0.0;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        double *weight = f->next_weight + (size_t)3 * field->first_column;
+        if (field->control_count == 0)
+            continue;
+        for (uint32_t i = 0; i < field->control_count; ++i) {
+            const double *g = f->g + (size_t)3 * field->control[i];
+            vec3 turned = {g[0], g[1], g[2]};
+            memcpy(f->scratch + 3 * i, g, 3 * sizeof *g);
+            if (f->bones.moves[b])
+                turned = rigid_rotate(&pose[b], turned);
+            weight[3 * i] = turned.x;
+            weight[3 * i + 1] = turned.y;
+            weight[3 * i + 2] = turned.z;
+        }
+        mrt_result result = csrbf_solve(field->solver, f->scratch, err);
+        if (result < 0)
+            return result;
+        *out_slope = fmax(*out_slope, csrbf_diagnose(field->solver).slope_bound);
+    }
+    return MRT_OK;
+}
+
+static mrt_result check_ends(const face *f, const double *end, error *err)
+{
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        if (!(fabs(end[i]) <= (double)POINTS_REACH))
+            return error_set(err, MRT_ERR_ARGUMENT, "control %u: its end %g is not within +-%g",
+                             (uint32_t)(i / 3), end[i], (double)POINTS_REACH);
+    return MRT_OK;
+}
+
+mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
+{
+    float resolved[MRT_MAX_DOFS];
+    rigid pose[RIG_BONES_MAX];
+    double slope = 0.0;
+    mrt_result result = check_ends(f, end, err);
+    if (result >= 0)
+        result = face_resolve_dofs(f, resolved, dof, end, err);
+    if (result < 0)
+        return result;
+    bones_pose(pose, &f->bones, resolved);
+    solve_grips(f, end, pose);
+    result = weigh_controls(f, pose, &slope, err);
+    if (result < 0)
+        return result;
+    face_pose_weights(f, f->next_weight, pose);
+    memcpy(f->weight, f->next_weight, (size_t)3 * f->columns.count * sizeof *f->weight);
+    face_take_pose(f, resolved, pose);
+    f->meter.slope_bound = slope;
+    return MRT_OK;
+}
+
+mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
+{
+    mrt_result result = face_aim(f, end, dof, err);
+    if (result >= 0)
+        face_show(f);
+    return result;
+}
+
+void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)
+{
+    float driven[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    for (uint32_t i = 0; i < f->bones.dof_count; ++i)
+        driven[i] = dof && isfinite(dof[i]) ? dof[i] : 0.0f;
+    bones_pose(pose, &f->bones, driven);
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        if (!rides[k])
+            continue;
+        const face_grip *grip = &f->grip[k];
+        blend posed = face_blend_at(f, grip, pose);
+        vec3 pulled = {grip->start.x + end[3 * k], grip->start.y + end[3 * k + 1],
+                       grip->start.z + end[3 * k + 2]};
+        vec3 to = blend_apply(&posed, pulled);
+        end[3 * k] = to.x;
+        end[3 * k + 1] = to.y;
+        end[3 * k + 2] = to.z;
+    }
+}

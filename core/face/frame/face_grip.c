@@ -1,0 +1,118 @@
+/* Where a control holds the face: which bones move it there, and how freely it is moved. */
+#include "face/frame/face_state.h"
+
+#include <math.h>
+
+static const double share_least = 0.02;    /* of a bone, for a control to be in its field */
+static const double mobility_exact = 0.1;  /* below, a control lands short */
+static const double mobility_least = 0.01; /* below, it moves nothing */
+static const double riding_begins = 0.5, riding_ends = 0.9;
+
+/* Ties: the lowest slot. */
+static uint32_t nearest_slot(const points *p, vec3 at)
+{
+    const double x[3] = {at.x, at.y, at.z};
+    double best = (double)INFINITY;
+    uint32_t found = 0;
+    for (uint32_t block = 0; block < p->block_count; ++block) {
+        if (points_bounds_distance_squared(&p->block[block], x) >= best)
+            continue;
+        uint32_t first = block * POINTS_BLOCK;
+        for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
+            double dx = (double)p->x[slot] - at.x, dy = (double)p->y[slot] - at.y;
+            double dz = (double)p->z[slot] - at.z, q = dx * dx + dy * dy + dz * dz;
+            if (q < best) {
+                best = q;
+                found = slot;
+            }
+        }
+    }
+    return found;
+}
+
+/* The bones with the greatest shares, of those that count. */
+static void join_bones(face_grip *grip, uint32_t bone_count)
+{
+    for (uint32_t joined = 0; joined < FACE_BONES_PER_CONTROL; ++joined) {
+        uint32_t best = RIG_NONE;
+        for (uint32_t b = 0; b < bone_count; ++b)
+            if (!grip->belongs[b] && grip->share[b] > share_least &&
+                (best == RIG_NONE || grip->share[b] > grip->share[best]))
+                best = b;
+        if (best == RIG_NONE)
+            return;
+        grip->belongs[best] = true;
+    }
+}
+
+static bool rides_on(const face *f, uint32_t bone, uint32_t on)
+{
+    while (bone != RIG_NONE && bone != on)
+        bone = f->rig->bone[bone].parent;
+    return bone == on;
+}
+
+static double riding_of(const face *f, const double *share)
+{
+    double sum = 0.0;
+    if (f->bones.jaw == RIG_NONE)
+        return 0.0;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        sum += rides_on(f, b, f->bones.jaw) ? share[b] : 0.0;
+    double t = (sum - riding_begins) / (riding_ends - riding_begins);
+    t = t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+blend face_blend_at(const face *f, const face_grip *grip, const rigid *pose)
+{
+    return blend_of(grip->share, pose, f->bones.moves, f->bone_count);
+}
+
+double face_share_held(const face *f, const face_grip *grip)
+{
+    double sum = 0.0;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        sum += grip->belongs[b] ? grip->share[b] : 0.0;
+    return sum;
+}
+
+/* Where all vertices are alike none has to be looked for. */
+static uint32_t slot_at(const face *f, vec3 at, uint32_t contact)
+{
+    if (contact > 0)
+        return f->contact_slot[contact - 1];
+    return f->bone_count == 1 && f->field[0].is_whole ? 0 : nearest_slot(&f->shown, at);
+}
+
+void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact)
+{
+    uint32_t slot = slot_at(f, at, contact);
+    *out = (face_grip){.mobility = 1.0, .contact = contact};
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        out->share[b] = (double)f->field[b].weight[slot];
+    double mobility = (double)f->mobility[slot];
+    out->is_dropped = mobility < mobility_least;
+    out->mobility = mobility < mobility_exact ? mobility_exact : mobility;
+    if (!out->is_dropped)
+        join_bones(out, f->bone_count);
+    out->is_dropped = !(face_share_held(f, out) > 0.0);
+    out->riding = riding_of(f, out->share);
+    blend posed = face_blend_at(f, out, f->pose);
+    out->start = blend_undo(&posed, at);
+}
+
+void face_assign(face *f, const face_grip *grip, uint32_t count)
+{
+    uint32_t column = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        face_field *field = &f->field[b];
+        field->control_count = 0;
+        field->first_column = column;
+        for (uint32_t k = 0; k < count; ++k)
+            if (grip[k].belongs[b])
+                field->control[field->control_count++] = k;
+        column += field->control_count;
+    }
+    f->control_column_count = column;
+}

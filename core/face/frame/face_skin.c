@@ -1,0 +1,74 @@
+/* The exact meter of a face with a rig: is any skin turned over? See face_min_determinant. */
+#include "face/frame/face_state.h"
+
+#include <stdlib.h>
+
+static vec3 vertex_at(const points *p, uint32_t slot)
+{
+    return (vec3){(double)p->x[slot], (double)p->y[slot], (double)p->z[slot]};
+}
+
+/* Along the normal, twice as long as the triangle is large. */
+static vec3 area_of(const points *p, const uint32_t *corner)
+{
+    vec3 a = vertex_at(p, corner[0]);
+    return vec3_cross(vec3_sub(vertex_at(p, corner[1]), a), vec3_sub(vertex_at(p, corner[2]), a));
+}
+
+/* Triangles with an area at rest and a vertex that is free to move. */
+static void list_skin(face *f, const mesh *m)
+{
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        uint32_t *corner = f->skin + (size_t)3 * f->skin_count;
+        bool is_mobile = false;
+        for (size_t c = 0; c < 3; ++c) {
+            corner[c] = f->order.slot_of_file[m->triangle[(size_t)3 * t + c]];
+            is_mobile = is_mobile || f->mobility[corner[c]] > 0.0f;
+        }
+        if (is_mobile && vec3_length(area_of(&f->rest, corner)) > 0.0)
+            f->skin_count += 1;
+    }
+}
+
+mrt_result face_skin_create(face *f, const mesh *m, error *err)
+{
+    f->skin = malloc(3 * ((size_t)m->triangle_count + 1) * sizeof *f->skin);
+    if (!f->skin)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %u triangles", m->triangle_count);
+    list_skin(f, m);
+    return MRT_OK;
+}
+
+/* Where the bones alone turn a normal, at the mean of the triangle's weights. */
+static vec3 turned(const face *f, const uint32_t *corner, vec3 normal)
+{
+    double share[RIG_BONES_MAX];
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const float *weight = f->field[b].weight;
+        share[b] =
+            ((double)weight[corner[0]] + (double)weight[corner[1]] + (double)weight[corner[2]]) /
+            3.0;
+    }
+    blend here = blend_of(share, f->pose, f->bones.moves, f->bone_count);
+    return vec3_add(normal, matrix3x3_apply(&here.turn, normal));
+}
+
+static double skin_determinant(const face *f)
+{
+    double smallest = 1.0;
+    for (uint32_t t = 0; t < f->skin_count; ++t) {
+        const uint32_t *corner = f->skin + (size_t)3 * t;
+        vec3 rest = area_of(&f->rest, corner), shown = area_of(&f->shown, corner);
+        vec3 along = vec3_normalised(turned(f, corner, rest), rest);
+        double determinant = vec3_dot(shown, along) / vec3_length(rest);
+        smallest = t == 0 || determinant < smallest ? determinant : smallest;
+    }
+    return smallest;
+}
+
+double face_min_determinant(const face *f)
+{
+    if (f->rig)
+        return skin_determinant(f);
+    return f->control_count > 0 ? csrbf_min_determinant(f->field[0].solver, f->origin) : 1.0;
+}

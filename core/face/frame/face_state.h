@@ -1,0 +1,107 @@
+/* face/face_state.h - what a face is made of. Inside the room. */
+#ifndef MAROTTE_FACE_FACE_STATE_H
+#define MAROTTE_FACE_FACE_STATE_H
+#include "face/frame/blend.h"
+#include "face/face.h"
+#include "face/frame/projection.h"
+
+enum { FACE_BONES_PER_CONTROL = 4, FACE_POSE_COLUMNS = 4 };
+
+/* A bone: how far each vertex follows its motion, and the field that moves its vertices before. */
+typedef struct face_field {
+    csrbf_solver *solver;
+    float *weight;                    /* padded_count: w_b */
+    float *pull;                      /* padded_count: w_b m */
+    uint8_t *wanted;                  /* block_count: 1 where pull is not 0 all over */
+    uint32_t *control, control_count; /* the controls that belong to it, ascending */
+    uint32_t first_column;            /* of its controls */
+    uint32_t pose_column;             /* the first of four, when the bone moves */
+    vec3 pivot;                       /* mm: what the pose columns count from */
+    bool is_whole;                    /* pull is 1 everywhere */
+} face_field;
+
+/* A control that holds the face. */
+typedef struct face_grip {
+    double share[RIG_BONES_MAX];
+    bool belongs[RIG_BONES_MAX];
+    double mobility;  /* what its pull is divided by */
+    double riding;    /* on the jaw, 0..1 */
+    vec3 start;       /* mm, bones at rest */
+    uint32_t contact; /* 1 + index; 0: a free point */
+    bool is_dropped;  /* it can move nothing */
+} face_grip;
+
+struct face {
+    const rig *rig; /* or NULL */
+    binding binding;
+    bones bones;
+    projection projection;
+    points_order order;
+    points rest, base, shown;
+    points free;          /* unanchored: the shape with its bones at rest */
+    const points *origin; /* what the columns move: base, or free */
+    points before;        /* drag: what is restored on an error */
+    float *mobility;      /* padded_count */
+
+    mrt_contact *contact;
+    uint32_t *contact_slot;
+    uint32_t contact_count;
+
+    uint32_t bone_count;
+    face_field field[RIG_BONES_MAX];
+    columns columns;
+    uint32_t control_column_count; /* those of controls, before those of bones */
+    double *weight, *next_weight;  /* column capacity by 3 */
+
+    csrbf_settings settings; /* of the engagement */
+    uint32_t control_capacity, control_count;
+    face_grip *grip, *next_grip; /* control_capacity; next: drag and engage */
+    points grip_place;           /* control_capacity: the starts, for `cross` */
+    float *cross;                /* a row per control column: its response at the starts */
+    matrix3x3 *turn;             /* control_capacity: scratch of a frame */
+    double *g, *position, *scratch, *gain; /* control_capacity by 3, gain by 1 */
+    double *tip, *step, *pull, *from, *to; /* drag: control_capacity by 3 */
+
+    float dof[MRT_MAX_DOFS]; /* as asked for or derived, not limited */
+    rigid pose[RIG_BONES_MAX];
+    face_meter meter;
+    uint32_t engagement;
+    bool is_exact;
+
+    uint32_t *skin; /* skin_count by 3 slots: triangles with a mobile vertex */
+    uint32_t skin_count;
+};
+
+/* ---- face_grip.c ---- */
+
+/* What holds at `at` (mm, in the shape shown), at a contact or (0) at the nearest vertex. */
+void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact);
+/* Lists each field's controls and gives them columns. */
+void face_assign(face *f, const face_grip *grip, uint32_t count);
+blend face_blend_at(const face *f, const face_grip *grip, const rigid *pose);
+/* sum of the shares of the bones that it belongs to */
+double face_share_held(const face *f, const face_grip *grip);
+
+/* ---- face.c ---- */
+
+/* The shape shown with its bones at rest: origin and what the controls add; out may be f->base or
+ * f->free. Leaves the projection out. */
+void face_bake(face *f, points *out);
+/* The columns of the moving bones over the origin, behind those of the controls; notes all. */
+void face_pose_columns(face *f);
+/* weight: those of the bones for these poses, behind the first control_column_count. */
+void face_pose_weights(const face *f, double *weight, const rigid *pose);
+/* Puts the dofs and poses of a frame in force. */
+void face_take_pose(face *f, const float *dof, const rigid *pose);
+
+/* ---- face_frame.c ---- */
+
+/* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */
+CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
+                                     error *err);
+
+/* ---- face_skin.c ---- */
+
+CHECKED mrt_result face_skin_create(face *f, const mesh *m, error *err);
+
+#endif

@@ -1,0 +1,383 @@
+#include "face/rig/rig_document.h"
+
+#include "base/file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FILE_SIZE_CAP = 16 << 20, CHAIN_TEXT = 800 };
+
+const char *const rig_section_key[RIG_SECTIONS] = {"bones",       "regions", "contacts",
+                                                   "skull_proxy", "poses",   "contact_sets"};
+static const uint32_t section_cap[RIG_SECTIONS] = {RIG_BONES_MAX, 1024, 1024, 64, 1024, 64};
+
+typedef struct loading { /* the files being read, outermost first */
+    rig_document *document;
+    const char *path[RIG_INCLUDE_DEPTH_MAX + 1];
+    uint32_t depth;
+} loading;
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
+}
+
+/* ---- one file ---- */
+
+static mrt_result parse_root(json_t **out, const void *data, size_t size, error *err)
+{
+    json_error_t reason;
+    *out = json_loadb(data, size, JSON_REJECT_DUPLICATES, &reason);
+    if (*out)
+        return MRT_OK;
+    rig_word word = rig_word_of(reason.text);
+    return error_set(err, MRT_ERR_FORMAT, "line %d, column %d: is not JSON: %s", reason.line,
+                     reason.column, word.text);
+}
+
+static mrt_result check_version(const rig_node *root, error *err)
+{
+    mrt_result result = rig_json_object(root, "an object with \"marotte_rig\": 1", err);
+    if (result < 0)
+        return result;
+    rig_node version = rig_json_member(root, "marotte_rig");
+    if (!version.value)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: expected the version of the format, 1; this is no rig file",
+                         version.place.text);
+    if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
+        return rig_json_unexpected(err, &version, "1, the version that this program reads");
+    return MRT_OK;
+}
+
+static mrt_result read_unit(rig_file *file, const rig_node *root, error *err)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } units[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+    rig_node unit = rig_json_member(root, "unit");
+    if (!unit.value)
+        return MRT_OK;
+    const char *name = json_string_value(unit.value);
+    for (size_t i = 0; name && i < sizeof units / sizeof *units; ++i)
+        if (strcmp(units[i].name, name) == 0)
+            file->mm_per_unit = units[i].mm;
+    return file->mm_per_unit > 0.0 ? MRT_OK
+                                   : rig_json_unexpected(err, &unit, "\"mm\", \"cm\" or \"m\"");
+}
+
+/* Takes `root` over, whatever it returns. `shown` names an included file in messages; NULL: the
+ * rig itself. */
+static mrt_result add_file(rig_document *d, const char *path, json_t *root, const char *shown,
+                           error *err)
+{
+    rig_file *file = &d->file[d->file_count];
+    *file = (rig_file){.root = root, .path = strdup(path), .place = {"$"}};
+    d->file_count += 1;
+    if (!file->path)
+        return no_memory(err);
+    if (shown) {
+        rig_word word = rig_word_of(shown);
+        (void)snprintf(file->place.text, sizeof file->place.text, "%s: $", word.text);
+    }
+    rig_node node = {root, file->place};
+    mrt_result result = check_version(&node, err);
+    return result < 0 ? result : read_unit(file, &node, err);
+}
+
+/* ---- includes ---- */
+
+static mrt_result load_file(loading *l, const char *path, const char *shown, error *err);
+
+static mrt_result refuse_chain(const loading *l, const char *last, const char *why, error *err)
+{
+    char chain[CHAIN_TEXT] = "";
+    for (uint32_t i = 0; i <= l->depth; ++i) {
+        size_t used = strlen(chain);
+        const char *path = i < l->depth ? l->path[i] : last;
+        const char *slash = strrchr(path, '/');
+        rig_word word = rig_word_of(slash ? slash + 1 : path);
+        (void)snprintf(chain + used, sizeof chain - used, "%s%s", i ? " includes " : "", word.text);
+    }
+    return error_set(err, MRT_ERR_FORMAT, "$.include: %s: %s", why, chain);
+}
+
+static char *join_path(const char *directory, const char *name)
+{
+    size_t size = strlen(directory) + strlen(name) + 1;
+    char *path = malloc(size);
+    if (path)
+        (void)snprintf(path, size, "%s%s", name[0] == '/' ? "" : directory, name);
+    return path;
+}
+
+static mrt_result include_one(loading *l, const rig_node *at, const char *directory, error *err)
+{
+    char *name = NULL;
+    mrt_result result = rig_json_text(&name, at, "the name of a rig file", 1024, err);
+    if (result < 0)
+        return result;
+    char *path = join_path(directory, name);
+    result = path ? load_file(l, path, name, err) : no_memory(err);
+    free(path);
+    free(name);
+    return result;
+}
+
+static mrt_result include_all(loading *l, const rig_node *root, const char *path, error *err)
+{
+    rig_node include = rig_json_member(root, "include");
+    if (!include.value)
+        return MRT_OK;
+    char *directory = file_directory(path);
+    if (!directory)
+        return no_memory(err);
+    mrt_result result = MRT_OK;
+    if (json_is_string(include.value))
+        result = include_one(l, &include, directory, err);
+    else
+        result = rig_json_array(&include, "the name of a rig file, or a list of names",
+                                RIG_FILES_MAX, err);
+    for (size_t i = 0; result >= 0 && i < json_array_size(include.value); ++i) {
+        rig_node item = rig_json_item(&include, i);
+        result = include_one(l, &item, directory, err);
+    }
+    free(directory);
+    return result;
+}
+
+static mrt_result check_chain(const loading *l, const char *real_path, error *err)
+{
+    for (uint32_t i = 0; i < l->depth; ++i)
+        if (strcmp(l->path[i], real_path) == 0)
+            return refuse_chain(l, real_path, "a file includes itself; remove one of these", err);
+    if (l->depth > RIG_INCLUDE_DEPTH_MAX)
+        return refuse_chain(l, real_path, "more than 8 files deep; put some of them together", err);
+    if (l->document->file_count + l->depth >= RIG_FILES_MAX)
+        return refuse_chain(l, real_path, "more than 64 files in all; put some of them together",
+                            err);
+    return MRT_OK;
+}
+
+static mrt_result read_root(json_t **out, const char *path, error *err)
+{
+    file_bytes bytes;
+    mrt_result result = file_read(&bytes, path, FILE_SIZE_CAP, err);
+    if (result < 0)
+        return result;
+    result = parse_root(out, bytes.data, bytes.size, err);
+    if (result < 0)
+        error_prefix(err, path);
+    file_bytes_finish(&bytes);
+    return result;
+}
+
+/* Adds the included files, then the file itself. */
+static mrt_result load_chained(loading *l, const char *path, const char *shown, error *err)
+{
+    json_t *root = NULL;
+    mrt_result result = read_root(&root, path, err);
+    if (result < 0 && shown)
+        error_prefix(err, "$.include");
+    if (result < 0)
+        return result;
+    rig_node node = {root, {"$"}};
+    result = include_all(l, &node, path, err);
+    if (result < 0) {
+        json_decref(root);
+        return result;
+    }
+    return add_file(l->document, path, root, shown, err);
+}
+
+static mrt_result load_file(loading *l, const char *path, const char *shown, error *err)
+{
+    char *real_path = realpath(path, NULL);
+    const char *known_as = real_path ? real_path : path;
+    mrt_result result = check_chain(l, known_as, err);
+    if (result >= 0) {
+        l->path[l->depth] = known_as;
+        l->depth += 1;
+        result = load_chained(l, path, shown, err);
+        l->depth -= 1;
+    }
+    free(real_path);
+    return result;
+}
+
+/* ---- entries ---- */
+
+/* A later file's entry takes the place of an earlier file's of the same name. */
+static mrt_result add_entry(rig_document *d, rig_section section, const rig_entry *entry,
+                            error *err)
+{
+    rig_entry *all = d->entry[section];
+    uint32_t count = d->entry_count[section];
+    for (uint32_t i = 0; entry->name[0] && i < count; ++i) {
+        if (strcmp(all[i].name, entry->name) != 0)
+            continue;
+        if (all[i].file == entry->file) {
+            rig_word word = rig_word_of(entry->name);
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: the name \"%s\" is taken by %s; choose another",
+                             entry->node.place.text, word.text, all[i].node.place.text);
+        }
+        all[i] = *entry;
+        return MRT_OK;
+    }
+    if (count >= section_cap[section])
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: more than %u are too many",
+                         entry->node.place.text, section_cap[section]);
+    all[count] = *entry;
+    d->entry_count[section] = count + 1;
+    return MRT_OK;
+}
+
+static mrt_result add_list(rig_document *d, rig_section section, const rig_node *list,
+                           uint32_t file, error *err)
+{
+    mrt_result result = rig_json_array(list, "an array", section_cap[section], err);
+    for (size_t i = 0; result >= 0 && i < json_array_size(list->value); ++i) {
+        rig_entry entry = {.node = rig_json_item(list, i), .name = "", .file = file};
+        result = rig_json_object(&entry.node, "an object", err);
+        const char *name = json_string_value(json_object_get(entry.node.value, "name"));
+        if (name)
+            entry.name = name;
+        if (result >= 0)
+            result = add_entry(d, section, &entry, err);
+    }
+    return result;
+}
+
+static mrt_result add_members(rig_document *d, rig_section section, const rig_node *object,
+                              uint32_t file, error *err)
+{
+    mrt_result result = rig_json_object(object, "an object of lists of contacts", err);
+    json_t *value = result < 0 ? NULL : (json_t *)(uintptr_t)object->value;
+    for (void *at = json_object_iter(value); result >= 0 && at;
+         at = json_object_iter_next(value, at)) {
+        const char *key = json_object_iter_key(at);
+        rig_entry entry = {.node = rig_json_member(object, key), .name = key, .file = file};
+        if (key[0] == '\0' || strlen(key) > RIG_NAME_MAX)
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: expected a name of 1 to %d letters as the key",
+                             entry.node.place.text, RIG_NAME_MAX);
+        result = add_entry(d, section, &entry, err);
+    }
+    return result;
+}
+
+static mrt_result collect_section(rig_document *d, rig_section section, error *err)
+{
+    d->entry[section] = calloc(section_cap[section], sizeof *d->entry[section]);
+    if (!d->entry[section])
+        return no_memory(err);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result >= 0 && i < d->file_count; ++i) {
+        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node list = rig_json_member(&root, rig_section_key[section]);
+        if (!list.value)
+            continue;
+        result = section == RIG_SETS ? add_members(d, section, &list, i, err)
+                                     : add_list(d, section, &list, i, err);
+    }
+    return result;
+}
+
+/* A file without a unit takes that of the rig: the last that is said, else mm. */
+static void settle_units(rig_document *d)
+{
+    double unit = 1.0;
+    for (uint32_t i = 0; i < d->file_count; ++i)
+        if (d->file[i].mm_per_unit > 0.0)
+            unit = d->file[i].mm_per_unit;
+    for (uint32_t i = 0; i < d->file_count; ++i)
+        if (!(d->file[i].mm_per_unit > 0.0))
+            d->file[i].mm_per_unit = unit;
+}
+
+static mrt_result collect(rig_document *d, error *err)
+{
+    settle_units(d);
+    mrt_result result = MRT_OK;
+    for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
+        result = collect_section(d, (rig_section)section, err);
+    return result;
+}
+
+/* ---- the room's ---- */
+
+mrt_result rig_document_read(rig_document **out, const char *path, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return no_memory(err);
+    loading l = {.document = *out};
+    mrt_result result = load_file(&l, path, NULL, err);
+    if (result >= 0)
+        result = collect(*out, err);
+    if (result >= 0)
+        return result;
+    rig_document_destroy(*out);
+    *out = NULL;
+    return result;
+}
+
+mrt_result rig_document_parse(rig_document **out, const void *data, size_t size, const char *path,
+                              error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return no_memory(err);
+    json_t *root = NULL;
+    mrt_result result = parse_root(&root, data, size, err);
+    if (result >= 0)
+        result = add_file(*out, path, root, NULL, err);
+    if (result >= 0 && json_object_get(root, "include"))
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "$.include: a rig that is no file cannot include one");
+    if (result >= 0)
+        result = collect(*out, err);
+    if (result >= 0)
+        return result;
+    rig_document_destroy(*out);
+    *out = NULL;
+    return result;
+}
+
+void rig_document_destroy(rig_document *d)
+{
+    if (!d)
+        return;
+    for (uint32_t i = 0; i < d->file_count; ++i) {
+        json_decref(d->file[i].root);
+        free(d->file[i].path);
+    }
+    for (int section = 0; section < RIG_SECTIONS; ++section)
+        free(d->entry[section]);
+    free(d);
+}
+
+rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file)
+{
+    for (uint32_t i = d->file_count; i-- > 0;) {
+        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node member = rig_json_member(&root, key);
+        *out_file = i;
+        if (member.value)
+            return member;
+    }
+    return (rig_node){NULL, {"$"}};
+}
+
+rig_place rig_where(const rig *r, rig_section section, uint32_t index)
+{
+    const rig_document *d = r->document;
+    if (d && index < d->entry_count[section])
+        return d->entry[section][index].node.place;
+    rig_place out;
+    (void)snprintf(out.text, sizeof out.text, "$.%s[%u]", rig_section_key[section], index);
+    return out;
+}

@@ -1,0 +1,234 @@
+#include "face/rig/rig_head.h"
+
+#include "face/rig/rig_mirror.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { ROWS = 512 };
+
+typedef struct profile { /* the cut of the mesh in its middle plane, by height */
+    double low_y, row_mm;
+    double front[ROWS], back[ROWS]; /* z; -inf and +inf where there is nothing */
+} profile;
+
+/* ---- the profile ---- */
+
+static double row_y(const profile *p, int row)
+{
+    return p->low_y + (row + 0.5) * p->row_mm;
+}
+
+static void add_point(profile *p, double y, double z)
+{
+    int row = (int)floor((y - p->low_y) / p->row_mm);
+    row = row < 0 ? 0 : row >= ROWS ? ROWS - 1 : row;
+    p->front[row] = fmax(p->front[row], z);
+    p->back[row] = fmin(p->back[row], z);
+}
+
+static void add_segment(profile *p, vec3 a, vec3 b)
+{
+    int steps = 1 + (int)fmin(2.0 * ROWS, ceil(fabs(b.y - a.y) / p->row_mm * 2.0));
+    for (int i = 0; i <= steps; ++i) {
+        double s = (double)i / steps;
+        add_point(p, a.y + s * (b.y - a.y), a.z + s * (b.z - a.z));
+    }
+}
+
+/* Where the triangle's edges cross x = middle_x: none or two points. */
+static void add_triangle(profile *p, const vec3 corner[3], double middle_x)
+{
+    vec3 cut[3];
+    int count = 0;
+    for (int i = 0; i < 3; ++i) {
+        vec3 a = corner[i], b = corner[(i + 1) % 3];
+        if ((a.x < middle_x) == (b.x < middle_x))
+            continue;
+        double s = (middle_x - a.x) / (b.x - a.x);
+        cut[count++] = vec3_add(a, vec3_scale(vec3_sub(b, a), s));
+    }
+    if (count == 2)
+        add_segment(p, cut[0], cut[1]);
+}
+
+static void triangle_corners(vec3 out[3], const mesh *m, uint32_t triangle)
+{
+    for (size_t i = 0; i < 3; ++i)
+        out[i] = rig_mirror_position(m, m->triangle[(size_t)triangle * 3 + i]);
+}
+
+static void cut_profile(profile *p, const mesh *m, double middle_x, double low_y, double high_y)
+{
+    *p = (profile){.low_y = low_y, .row_mm = (high_y - low_y) / ROWS};
+    for (int row = 0; row < ROWS; ++row) {
+        p->front[row] = -(double)INFINITY;
+        p->back[row] = (double)INFINITY;
+    }
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        vec3 corner[3];
+        triangle_corners(corner, m, i);
+        add_triangle(p, corner, middle_x);
+    }
+}
+
+/* ---- what is in it ---- */
+
+static int find_nose(const profile *p)
+{
+    int best = -1;
+    for (int row = ROWS / 4; row < ROWS * 17 / 20; ++row)
+        if (isfinite(p->front[row]) && (best < 0 || p->front[row] > p->front[best]))
+            best = row;
+    return best;
+}
+
+/* Going down from the nose, the last row before the front recedes to the neck. Dips that are no
+ * longer than 6 % of the height, as under a nose, are part of the face. */
+static int find_chin(const profile *p, int nose, double recession_mm)
+{
+    int chin = nose;
+    for (int row = nose; row >= 0 && chin - row <= ROWS * 6 / 100; --row)
+        if (isfinite(p->front[row]) && p->front[row] >= p->front[nose] - recession_mm)
+            chin = row;
+    return chin;
+}
+
+/* The deepest place between the lips: least against the line from 8 % above to 8 % below. */
+static int find_mouth(const profile *p, int nose, int chin)
+{
+    int span = nose - chin, reach = span * 8 / 100 + 1, best = nose - span * 47 / 100;
+    double deepest = 0.0;
+    for (int row = nose - span * 64 / 100; row <= nose - span * 34 / 100; ++row) {
+        if (row - reach < 0 || row + reach >= ROWS)
+            continue;
+        double depth = 0.5 * (p->front[row - reach] + p->front[row + reach]) - p->front[row];
+        if (isfinite(depth) && depth > deepest) {
+            deepest = depth;
+            best = row;
+        }
+    }
+    return best;
+}
+
+static mrt_result choose_plane(double *out_x, const mesh *m, double box_middle_x, double reach_mm,
+                               error *err)
+{
+    uint32_t at_zero, at_middle, example;
+    if (!rig_mirror_count_alone(&at_zero, &example, m, 0.0, reach_mm) ||
+        !rig_mirror_count_alone(&at_middle, &example, m, box_middle_x, reach_mm))
+        return error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
+    *out_x = at_zero <= at_middle ? 0.0 : box_middle_x;
+    return MRT_OK;
+}
+
+/* Outwards from the middle until the front is no longer face: at 0.58 of the depth from the back
+ * (as on the 26 719 vertices of the ICT face, at the first points of the jaw line). */
+static double measure_half_width(const mesh *m, const rig_head *head, double reach_mm)
+{
+    const int steps = 48;
+    double limit_z = head->back_z + 0.58 * (head->nose.z - head->back_z), width = 0.0;
+    for (int i = 1; i <= steps; ++i) {
+        vec3 hit;
+        uint32_t vertex;
+        double x = reach_mm * i / steps;
+        if (!rig_head_hit(&hit, &vertex, m, head->middle_x + x, head->nose.y) || hit.z < limit_z)
+            break;
+        width = x;
+    }
+    return width;
+}
+
+mrt_result rig_head_measure(rig_head *out, const mesh *m, error *err)
+{
+    static const char refusal[] = "no profile of a face is found in the mesh: it must look along "
+                                  "+z, with +y up, and have a nose and a chin";
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    double low_y = (double)low[1], high_y = (double)high[1],
+           depth = (double)high[2] - (double)low[2];
+    *out = (rig_head){0};
+    if (!(high_y - low_y > 0.0) || !(depth > 0.0) || m->triangle_count == 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
+    mrt_result result = choose_plane(&out->middle_x, m, 0.5 * ((double)low[0] + (double)high[0]),
+                                     0.002 * (high_y - low_y), err);
+    profile *p = result < 0 ? NULL : malloc(sizeof *p);
+    if (!p)
+        return result < 0 ? result
+                          : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
+    /* A little aside: edges that lie in the plane are not cut by it. */
+    cut_profile(p, m, out->middle_x + 1e-4 * (high_y - low_y), low_y, high_y);
+    int nose = find_nose(p), chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * depth);
+    if (nose - chin < ROWS / 20) {
+        free(p);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
+    }
+    int mouth = find_mouth(p, nose, chin);
+    out->nose = (vec3){out->middle_x, row_y(p, nose), p->front[nose]};
+    out->chin = (vec3){out->middle_x, row_y(p, chin), p->front[chin]};
+    out->mouth_y = row_y(p, mouth);
+    out->mouth_z = p->front[mouth];
+    out->back_z = out->nose.z;
+    for (int row = chin; row < ROWS; ++row)
+        out->back_z = fmin(out->back_z, p->back[row]);
+    for (int row = chin; row < ROWS; ++row)
+        out->top_y = isfinite(p->front[row]) ? row_y(p, row) : out->top_y;
+    free(p);
+    out->half_width = measure_half_width(m, out, 0.5 * ((double)high[0] - (double)low[0]));
+    return MRT_OK;
+}
+
+/* ---- rays ---- */
+
+/* Signed areas by corner of the point in the triangle, seen along z. */
+static bool covers(double share[3], const vec3 corner[3], double x, double y)
+{
+    double area = (corner[1].x - corner[0].x) * (corner[2].y - corner[0].y) -
+                  (corner[2].x - corner[0].x) * (corner[1].y - corner[0].y);
+    if (!(fabs(area) > 1e-12))
+        return false;
+    for (int i = 0; i < 3; ++i) {
+        vec3 a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
+        share[i] = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+        if (!(share[i] >= -1e-9))
+            return false;
+    }
+    return true;
+}
+
+static uint32_t nearest_corner(const mesh *m, uint32_t triangle, vec3 to)
+{
+    uint32_t best = m->triangle[(size_t)triangle * 3];
+    double best_mm = (double)INFINITY;
+    for (size_t i = 0; i < 3; ++i) {
+        uint32_t vertex = m->triangle[(size_t)triangle * 3 + i];
+        double mm = vec3_length(vec3_sub(rig_mirror_position(m, vertex), to));
+        if (mm < best_mm) {
+            best_mm = mm;
+            best = vertex;
+        }
+    }
+    return best;
+}
+
+bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, double x, double y)
+{
+    bool found = false;
+    uint32_t best = 0;
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        vec3 corner[3];
+        double share[3];
+        triangle_corners(corner, m, i);
+        if (!covers(share, corner, x, y))
+            continue;
+        double z = share[0] * corner[0].z + share[1] * corner[1].z + share[2] * corner[2].z;
+        if (found && z <= out_point->z)
+            continue;
+        *out_point = (vec3){x, y, z};
+        best = i;
+        found = true;
+    }
+    if (found)
+        *out_vertex = nearest_corner(m, best, *out_point);
+    return found;
+}
