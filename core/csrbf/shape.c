@@ -183,7 +183,7 @@ double shape_min_determinant(const shape *s, const double *displacement)
     if (s->control_count == 0)
         return 1.0;
     if (csrbf_solve(s->solver, displacement, NULL) < 0)
-        return -INFINITY;
+        return -(double)INFINITY;
     return csrbf_min_determinant(s->solver, &s->base);
 }
 
@@ -192,6 +192,6 @@ double shape_slope_bound(const shape *s, const double *displacement)
     if (s->control_count == 0)
         return 0.0;
     if (csrbf_solve(s->solver, displacement, NULL) < 0)
-        return INFINITY;
+        return (double)INFINITY;
     return csrbf_diagnose(s->solver).slope_bound;
 }

@@ -86,10 +86,10 @@ static void values_that_make_no_sense_are_refused(void **state)
     error err;
     mesh m = scene_sheet(4);
     assert_null(clip_create(&m, 0.0, NULL, &err));
-    assert_null(clip_create(&m, NAN, NULL, &err));
+    assert_null(clip_create(&m, (double)NAN, NULL, &err));
     assert_null(clip_create(&m, -5.0, NULL, &err));
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    const double displacement[SCENE_CONTROLS * 3] = {0.0, INFINITY};
+    const double displacement[SCENE_CONTROLS * 3] = {0.0, (double)INFINITY};
     assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_ERR_ARGUMENT);
     scene_begin_segment(c, m.position, &err);
     assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_ERR_ARGUMENT);

@@ -204,7 +204,7 @@ static void a_cap_on_targets_makes_few_windows(void **state)
 {
     (void)state;
     static const uint32_t cap[] = {8, 20, 40, 60, 80};
-    double before_mm = INFINITY;
+    double before_mm = (double)INFINITY;
     for (size_t i = 0; i < sizeof cap / sizeof *cap; ++i) {
         gltf_report other = write_clip(clay, (gltf_options){.max_targets = cap[i]});
         assert_true(other.component_count <= cap[i]);

@@ -44,7 +44,7 @@ static vec3 on_segment(vec3 p, vec3 a, vec3 b)
 static vec3 nearest_on_triangle(vec3 p, const vec3 corner[3], vec3 normal)
 {
     vec3 best = vec3_sub(p, vec3_scale(normal, vec3_dot(vec3_sub(p, corner[0]), normal)));
-    double least = INFINITY;
+    double least = (double)INFINITY;
     bool inside = true;
     for (int i = 0; i < 3; ++i) {
         vec3 a = corner[i], b = corner[(i + 1) % 3];
@@ -113,7 +113,7 @@ static void make_lattice(lattice *out, const mesh *m)
     out->facing = calloc(nodes, sizeof *out->facing);
     assert_true(out->distance && out->facing);
     for (size_t i = 0; i < nodes; ++i)
-        out->distance[i] = INFINITY;
+        out->distance[i] = (double)INFINITY;
     for (uint32_t p = 0; p < m->part_count; ++p)
         for (uint32_t t = 0; t < m->part[p].triangle_count; ++t) {
             const uint32_t *row = m->triangle + (size_t)3 * (m->part[p].first_triangle + t);

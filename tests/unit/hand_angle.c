@@ -80,12 +80,12 @@ static void gives_the_stated_bits(void **state)
 static void takes_any_number(void **state)
 {
     (void)state;
-    static const double wild[] = {1e4, -1e4, 1e9, -1e300, HUGE_VAL, -HUGE_VAL, NAN};
+    static const double wild[] = {1e4, -1e4, 1e9, -1e300, HUGE_VAL, -HUGE_VAL, (double)NAN};
     for (size_t i = 0; i < sizeof wild / sizeof wild[0]; ++i) {
         angle_turn turn = angle_turn_of(wild[i]);
         assert_true(fabs(turn.sin * turn.sin + turn.cos * turn.cos - 1.0) < 1e-14);
     }
-    assert_true(angle_turn_of(NAN).cos == 1.0);
+    assert_true(angle_turn_of((double)NAN).cos == 1.0);
 }
 
 static void rigid_turn_is_right_handed(void **state)

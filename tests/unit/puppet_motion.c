@@ -29,7 +29,7 @@ static uint32_t skin_nearest(vec3 wanted)
 {
     uint8_t *skin = vertices_of("skin");
     uint32_t best = 0;
-    double least_mm = INFINITY;
+    double least_mm = (double)INFINITY;
     for (uint32_t v = 0; v < face.vertex_count; ++v)
         if (skin[v] && distance(point_of(v), wanted) < least_mm) {
             least_mm = distance(point_of(v), wanted);
@@ -126,7 +126,7 @@ static double clearance_mm(double open_deg, vec3 shift)
     static const char *const ROW[2][2] = {{"teeth_upper", "teeth_upper.gum"},
                                           {"teeth_lower", "teeth_lower.gum"}};
     rigid jaw = rigid_turn(HINGE, (vec3){1, 0, 0}, open_deg * (ANGLE_PI / 180.0));
-    double upper = INFINITY, lower = -INFINITY;
+    double upper = (double)INFINITY, lower = -(double)INFINITY;
     for (int row = 0; row < 2; ++row)
         for (int i = 0; i < 2; ++i) {
             uint8_t *used = vertices_of(ROW[row][i]);

@@ -165,7 +165,7 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, ri
 {
     static const char *const known[] = {"name",     "bone",   "rigid", "weight",
                                         "mobility", "select", NULL};
-    *region = (rig_region){.bone = RIG_NONE, .weight = NAN, .mobility = NAN};
+    *region = (rig_region){.bone = RIG_NONE, .weight = (double)NAN, .mobility = (double)NAN};
     rig_json_note_unknown(&r->note, at, known);
     rig_node bone = rig_json_member(at, "bone"), is_rigid = rig_json_member(at, "rigid");
     mrt_result result = bone.value ? find_bone(&region->bone, r, &bone, err) : MRT_OK;

@@ -52,7 +52,7 @@ static void set_optional_number(json_t *object, const char *key, double value)
     if (isnan(value))
         json_object_del(object, key);
     else
-        set_number(object, key, value, 1.0, NAN);
+        set_number(object, key, value, 1.0, (double)NAN);
 }
 
 static bool holds_point(const json_t *there, vec3 point, double scale)
@@ -151,7 +151,7 @@ static json_t *turn_to_json(const rig_turn *turn, const json_t *source)
     set_text(out, "name", turn->name);
     if (!holds_axis(json_object_get(out, "axis"), turn->axis))
         json_object_set_new(out, "axis", rig_point_to_json(turn->axis, 1.0));
-    set_range(out, "deg", turn->min_rad, turn->max_rad, NAN);
+    set_range(out, "deg", turn->min_rad, turn->max_rad, (double)NAN);
     return out;
 }
 
@@ -229,7 +229,7 @@ static void write_contact(json_t *out, const writing *w, uint32_t index)
         set_text(out, "bone", w->r->bone[contact->bone].name);
     else if (json_object_get(out, "bone"))
         set_text(out, "bone", "auto");
-    set_number(out, "vertex", contact->vertex, 1.0, NAN);
+    set_number(out, "vertex", contact->vertex, 1.0, (double)NAN);
     if (contact->mirror != RIG_NONE)
         set_text(out, "mirror", w->r->contact[contact->mirror].name);
     else
@@ -272,7 +272,7 @@ static void write_dofs(json_t *out, const rig *r, const rig_pose *pose)
     for (uint32_t i = 0; i < pose->dof_count; ++i) {
         const char *name = pose->dof_name[i];
         bool is_angle = rig_dof_unit_of(r, name) == RIG_DOF_RAD;
-        set_number(dofs, name, pose->dof_value[i], is_angle ? radian_per_degree : 1.0, NAN);
+        set_number(dofs, name, pose->dof_value[i], is_angle ? radian_per_degree : 1.0, (double)NAN);
     }
 }
 

@@ -17,8 +17,8 @@ struct nearest {
 static void find_box(nearest *n, const uint8_t *is_member, uint32_t vertex_count, double high[3])
 {
     for (int a = 0; a < 3; a++) {
-        n->low[a] = INFINITY;
-        high[a] = -INFINITY;
+        n->low[a] = (double)INFINITY;
+        high[a] = -(double)INFINITY;
     }
     for (uint32_t v = 0; v < vertex_count; v++) {
         if (!is_member[v])
@@ -168,7 +168,7 @@ static void search_shell(const nearest *n, search *s, const int32_t centre[3], i
 
 uint32_t nearest_find(const nearest *n, const float at[3])
 {
-    search s = {.at = at, .distance_squared = INFINITY, .vertex = UINT32_MAX};
+    search s = {.at = at, .distance_squared = (double)INFINITY, .vertex = UINT32_MAX};
     if (n->member_count == 0)
         return s.vertex;
     int32_t centre[3];

@@ -218,7 +218,7 @@ static void swap_estimates(estimate *a, estimate *b)
 /* Leaves the cheapest in *best; *other is room to work in. */
 static void choose(const planner *p, estimate *best, estimate *other)
 {
-    estimate_windows(p, best, 0, INFINITY);
+    estimate_windows(p, best, 0, (double)INFINITY);
     double enough = CLEARLY_CHEAPER * best->cost;
     for (int i = 0; i < LIMIT_COUNT; ++i) {
         estimate_windows(p, other, LIMIT[i], enough);
