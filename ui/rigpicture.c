@@ -1,7 +1,6 @@
 #include "rigpicture.h"
 
-#include "draw/draw.h"
-#include "io/export.h"
+#include "draw/easel.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +16,7 @@ enum { /* pixels */
        LEGEND_TOP = 42,
        SWATCH = 16
 };
-enum { LABELS_MAX = 1024, STROKES_PER_LABEL = 3 };
+enum { LABELS_MAX = RIGPICTURE_LABELS_MAX, STROKES_PER_LABEL = 3 };
 static const float ink[4] = {0.90f, 0.91f, 0.93f, 1.0f}, faint[4] = {0.62f, 0.64f, 0.68f, 1.0f};
 static const float leader[4] = {0.85f, 0.86f, 0.90f, 0.45f};
 static const float dot[4] = {1.0f, 0.96f, 0.55f, 1.0f}, rim[4] = {0.05f, 0.05f, 0.06f, 1.0f};
@@ -33,18 +32,13 @@ typedef struct picture {
     const rig *r;
     const mesh *m;
     const binding *b;
-    draw_context *context;
-    draw_target *target;
-    draw_renderer *renderer;
-    draw_face *face;
+    easel easel;
     label *label; /* of one view */
     uint32_t label_count;
     draw_stroke *stroke;
     uint32_t stroke_count;
-    float *number;   /* LABELS_MAX by 2, scratch */
-    float *rgb;      /* vertex_count by 3 */
-    uint8_t *pixels; /* the whole */
-    uint32_t width;
+    float *number; /* LABELS_MAX by 2, scratch */
+    float *rgb;    /* vertex_count by 3 */
 } picture;
 
 /* ---- colours ---- */
@@ -81,24 +75,41 @@ static void colour_vertices(picture *p)
 
 /* ---- labels ---- */
 
+/* Labels that stand at their distance, as one. */
+typedef struct label_pile {
+    double wanted; /* mean of where its first label should stand */
+    uint32_t count;
+} label_pile;
+
+/* Least squares: piles that would overlap become one, which stands at the mean of what they want
+ * (pool adjacent violators). */
+static uint32_t pile_up(label_pile *pile, const float *wanted, uint32_t count, double gap)
+{
+    uint32_t pile_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        label_pile last = {(double)wanted[i] - gap * (double)i, 1};
+        while (pile_count > 0 && pile[pile_count - 1].wanted > last.wanted) {
+            label_pile before = pile[--pile_count];
+            uint32_t both = before.count + last.count;
+            last.wanted = (before.wanted * before.count + last.wanted * last.count) / both;
+            last.count = both;
+        }
+        pile[pile_count++] = last;
+    }
+    return pile_count;
+}
+
 void rigpicture_spread(float *out_y, const float *wanted, uint32_t count, float gap, float low,
                        float high)
 {
-    if (count == 0)
-        return;
-    float least = low;
-    for (uint32_t i = 0; i < count; ++i) {
-        out_y[i] = fmaxf(wanted[i], least);
-        least = out_y[i] + gap;
+    label_pile pile[RIGPICTURE_LABELS_MAX];
+    uint32_t pile_count = pile_up(pile, wanted, count, (double)gap), i = 0;
+    double most = (double)high - (double)gap * ((double)count - 1.0);
+    for (uint32_t k = 0; k < pile_count; ++k) {
+        double top = fmax(fmin(pile[k].wanted, most), (double)low); /* too many: from low on */
+        for (uint32_t end = i + pile[k].count; i < end; ++i)
+            out_y[i] = (float)(top + (double)gap * (double)i);
     }
-    float most = high;
-    for (uint32_t i = count; i-- > 0;) {
-        out_y[i] = fminf(out_y[i], most);
-        most = out_y[i] - gap;
-    }
-    if (out_y[0] < low) /* too many: from the top, as they come */
-        for (uint32_t i = 0; i < count; ++i)
-            out_y[i] = low + gap * (float)i;
 }
 
 static int compare_labels(const void *left, const void *right)
@@ -202,15 +213,15 @@ static void place_column(picture *p, uint32_t first, uint32_t count, const uint3
                       (float)(rectangle[1] + rectangle[3]) - 3 * LABEL_SIZE);
     for (uint32_t i = 0; i < count; ++i) {
         const label *l = &p->label[first + i];
-        float width = draw_text_width(p->renderer, l->name, LABEL_SIZE);
+        float width = draw_text_width(p->easel.renderer, l->name, LABEL_SIZE);
         float left = l->is_right ? (float)(rectangle[0] + rectangle[2]) - MARGIN - width
                                  : (float)rectangle[0] + MARGIN;
         float end[2] = {l->is_right ? left - 5.0f : left + width + 5.0f, y[i]};
         add_stroke(p, end, l->at, 1.4f, leader);
         add_stroke(p, l->at, l->at, 11.0f, rim);
         add_stroke(p, l->at, l->at, 7.5f, dot);
-        draw_text(p->renderer, p->target, l->name, left, y[i] - 0.55f * LABEL_SIZE, LABEL_SIZE,
-                  ink);
+        draw_text(p->easel.renderer, p->easel.target, l->name, left, y[i] - 0.55f * LABEL_SIZE,
+                  LABEL_SIZE, ink);
     }
 }
 
@@ -247,8 +258,8 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
     draw_camera camera = draw_camera_framing(low, high, 0.74f); /* room for labels */
     camera.yaw_rad = view->yaw_rad;
     camera.pitch_rad = view->pitch_rad;
-    draw_render(p->renderer, p->target, p->face, &camera, rectangle[0], rectangle[1], rectangle[2],
-                rectangle[3]);
+    draw_render(p->easel.renderer, p->easel.target, p->easel.face, &camera, rectangle[0],
+                rectangle[1], rectangle[2], rectangle[3]);
     p->stroke_count = 0;
     draw_axis(p, &camera, rectangle);
     collect_labels(p, &camera, rectangle);
@@ -257,12 +268,12 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
         left_count += 1;
     place_column(p, 0, left_count, rectangle);
     place_column(p, left_count, p->label_count - left_count, rectangle);
-    draw_strokes(p->renderer, p->target, p->stroke, p->stroke_count);
+    draw_strokes(p->easel.renderer, p->easel.target, p->stroke, p->stroke_count);
     char words[64];
     const double degree = 57.29577951308232;
     (void)snprintf(words, sizeof words, "yaw %.0f°  pitch %.0f°", (double)view->yaw_rad * degree,
                    (double)view->pitch_rad * degree);
-    draw_text(p->renderer, p->target, words, (float)rectangle[0] + MARGIN,
+    draw_text(p->easel.renderer, p->easel.target, words, (float)rectangle[0] + MARGIN,
               (float)(rectangle[1] + rectangle[3]) - 30.0f, LABEL_SIZE, faint);
 }
 
@@ -278,52 +289,42 @@ static void draw_legend(picture *p)
     char words[160];
     (void)snprintf(words, sizeof words, "%s: what rides on which bone; pale: cannot be pulled",
                    p->r->name);
-    draw_text(p->renderer, p->target, words, x, 10.0f, TITLE_SIZE, ink);
+    draw_text(p->easel.renderer, p->easel.target, words, x, 10.0f, TITLE_SIZE, ink);
     p->stroke_count = 0;
     for (uint32_t i = 0; i < p->r->bone_count; ++i) {
         rigpicture_colour colour = rigpicture_bone_colour(p->r, i);
         float rgba[4] = {coded(colour.rgb[0]), coded(colour.rgb[1]), coded(colour.rgb[2]), 1.0f};
         float at[2] = {x + 0.5f * SWATCH, LEGEND_TOP + 0.6f * LEGEND_SIZE};
-        float width = draw_text_width(p->renderer, p->r->bone[i].name, LEGEND_SIZE);
-        if (x + SWATCH + width + 40.0f > (float)p->width)
+        float width = draw_text_width(p->easel.renderer, p->r->bone[i].name, LEGEND_SIZE);
+        if (x + SWATCH + width + 40.0f > (float)p->easel.width)
             break;
         add_stroke(p, at, at, SWATCH, rgba);
-        draw_text(p->renderer, p->target, p->r->bone[i].name, x + SWATCH + 6.0f, LEGEND_TOP,
-                  LEGEND_SIZE, faint);
+        draw_text(p->easel.renderer, p->easel.target, p->r->bone[i].name, x + SWATCH + 6.0f,
+                  LEGEND_TOP, LEGEND_SIZE, faint);
         x += SWATCH + width + 30.0f;
     }
-    draw_strokes(p->renderer, p->target, p->stroke, p->stroke_count);
+    draw_strokes(p->easel.renderer, p->easel.target, p->stroke, p->stroke_count);
 }
 
 static void finish(picture *p)
 {
-    draw_face_destroy(p->face);
-    draw_renderer_destroy(p->renderer);
-    draw_target_destroy(p->target);
-    draw_context_destroy(p->context);
+    easel_finish(&p->easel);
     free(p->label);
     free(p->stroke);
     free(p->number);
     free(p->rgb);
-    free(p->pixels);
 }
 
 static mrt_result init(picture *p, uint32_t view_count, error *err)
 {
-    p->width = view_count * RIGPICTURE_WIDTH;
-    uint32_t height = RIGPICTURE_HEADER + RIGPICTURE_HEIGHT;
     p->label = calloc(LABELS_MAX, sizeof *p->label);
     p->stroke = calloc((LABELS_MAX + 4) * STROKES_PER_LABEL, sizeof *p->stroke);
     p->number = calloc((size_t)LABELS_MAX * 2, sizeof *p->number);
     p->rgb = calloc((size_t)p->m->vertex_count * 3 + 1, sizeof *p->rgb);
-    p->pixels = malloc((size_t)p->width * height * 4);
-    if (!p->label || !p->stroke || !p->number || !p->rgb || !p->pixels)
+    if (!p->label || !p->stroke || !p->number || !p->rgb)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the picture");
-    p->context = draw_context_create(err);
-    p->target = p->context ? draw_target_create(p->width, height, err) : NULL;
-    p->renderer = p->target ? draw_renderer_create(err) : NULL;
-    p->face = p->renderer ? draw_face_create(p->m, err) : NULL;
-    return p->face ? MRT_OK : MRT_ERR_UNSUPPORTED;
+    return easel_init(&p->easel, p->m, view_count * RIGPICTURE_WIDTH,
+                      RIGPICTURE_HEADER + RIGPICTURE_HEIGHT, err);
 }
 
 mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
@@ -333,12 +334,11 @@ mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const
     mrt_result result = init(&p, view_count, err);
     if (result >= 0) {
         colour_vertices(&p);
-        draw_face_colour(p.face, p.rgb);
+        draw_face_colour(p.easel.face, p.rgb);
         for (uint32_t i = 0; i < view_count; ++i)
             draw_view(&p, &view[i], i);
         draw_legend(&p);
-        draw_read(p.target, p.pixels);
-        result = png_write(path, p.pixels, p.width, RIGPICTURE_HEADER + RIGPICTURE_HEIGHT, err);
+        result = easel_save(&p.easel, path, err);
     }
     finish(&p);
     return result;

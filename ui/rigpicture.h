@@ -8,7 +8,8 @@ enum {
     RIGPICTURE_VIEWS_MAX = 3,
     RIGPICTURE_WIDTH = 900,
     RIGPICTURE_HEIGHT = 900,
-    RIGPICTURE_HEADER = 76
+    RIGPICTURE_HEADER = 76,
+    RIGPICTURE_LABELS_MAX = 1024 /* of one view */
 };
 
 typedef struct rigpicture_view {
@@ -20,8 +21,9 @@ typedef struct rigpicture_view {
 CHECKED mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
                                     const rigpicture_view *view, uint32_t view_count, error *err);
 
-/* Where labels stand, for the tests: y in pixels, ascending, at least `gap` apart and within
- * low..high as far as they fit; as near to `wanted` (ascending) as that allows. */
+/* Where at most RIGPICTURE_LABELS_MAX labels stand, for the tests: y in pixels, ascending, at least
+ * `gap` apart and within low..high as far as they fit, else from low on; as near to `wanted`
+ * (ascending) as that allows, by least squares. */
 void rigpicture_spread(float *out_y, const float *wanted, uint32_t count, float gap, float low,
                        float high);
 

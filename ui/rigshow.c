@@ -1,7 +1,7 @@
-/* marotte rig show: a rig on a picture. */
+/* marotte rig show: a rig, or its poses, on a picture. */
 #include "rig.h"
 
-#include "rigpicture.h"
+#include "rigportraits.h"
 #include "stage/face_file.h"
 
 #include "base/text.h"
@@ -12,7 +12,8 @@
 typedef struct showing {
     const char *path, *out_path;
     rigpicture_view view[RIGPICTURE_VIEWS_MAX];
-    uint32_t view_count;
+    uint32_t view_count; /* 0: from the usual sides */
+    bool has_poses;      /* --poses: them instead of the rig */
 } showing;
 
 static const double radian_per_degree = 0.017453292519943295;
@@ -32,6 +33,8 @@ static bool read_options(showing *s, int argc, char **argv)
         bool has_value = i + 1 < argc;
         if (strcmp(argv[i], "--out") == 0 && has_value) {
             s->out_path = argv[++i];
+        } else if (strcmp(argv[i], "--poses") == 0) {
+            s->has_poses = true;
         } else if (strcmp(argv[i], "--yaw") == 0 && has_value) {
             s->view_count = 1;
             if (!read_angle(&s->view[0].yaw_rad, argv[++i]))
@@ -46,8 +49,10 @@ static bool read_options(showing *s, int argc, char **argv)
             return false;
         }
     }
-    return s->path && s->out_path;
+    return s->path && (s->out_path || s->has_poses);
 }
+
+/* ---- the rig ---- */
 
 static void use_usual_views(showing *s)
 {
@@ -59,10 +64,78 @@ static void use_usual_views(showing *s)
     s->view_count = 3;
 }
 
-static mrt_result show(const showing *s, error *err)
+static mrt_result show_rig(showing *s, const face_file *f, error *err)
+{
+    binding b;
+    if (s->view_count == 0)
+        use_usual_views(s);
+    mrt_result result = binding_create(&b, f->rig, &f->mesh, &f->topology, err);
+    if (result < 0)
+        return result;
+    result = rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, err);
+    binding_destroy(&b);
+    if (result >= 0)
+        printf("wrote %s: %u bones, %u contacts, %u views\n", s->out_path, f->rig->bone_count,
+               f->rig->contact_count, s->view_count);
+    return result;
+}
+
+/* ---- its poses ---- */
+
+static mrt_result print_poses(rigpose_stage *stage, rigportraits_frame *frame, error *err)
+{
+    for (uint32_t i = 0; i < stage->rig->pose_count; ++i) {
+        mrt_result result = rigpose_show(stage, i, err);
+        if (result < 0)
+            return result;
+        if (i < RIGPORTRAITS_MAX)
+            rigportraits_frame_add(frame, stage->position, stage->mesh->vertex_count);
+        rigpose_measure m = rigpose_measured(stage);
+        printf("%-20s least determinant %6.3f   penetration %.2f mm   furthest %.1f mm (vertex "
+               "%u)%s\n",
+               stage->rig->pose[i].name, m.least_determinant, m.penetration_mm, m.furthest_mm,
+               m.furthest_vertex, m.least_determinant > 0.0 ? "" : "   FOLDS");
+    }
+    return MRT_OK;
+}
+
+static mrt_result draw_poses(const showing *s, rigpose_stage *stage,
+                             const rigportraits_frame *frame, error *err)
+{
+    mrt_result result = rigportraits_write(s->out_path, stage, frame, err);
+    if (result < 0)
+        return result;
+    if (stage->rig->pose_count > RIGPORTRAITS_MAX)
+        printf("wrote %s: the first %d of %u poses\n", s->out_path, RIGPORTRAITS_MAX,
+               stage->rig->pose_count);
+    else
+        printf("wrote %s: %u poses\n", s->out_path, stage->rig->pose_count);
+    return result;
+}
+
+static mrt_result show_poses(const showing *s, const face_file *f, error *err)
+{
+    rigpose_stage stage;
+    if (f->rig->pose_count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: $.poses is empty: no poses to show; write some, or let marotte rig "
+                         "fit --save-poses find them",
+                         s->path);
+    mrt_result result = rigpose_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
+    if (result < 0)
+        return result;
+    rigportraits_frame frame =
+        rigportraits_frame_empty(s->view_count > 0 ? s->view[0] : rigportraits_usual_view());
+    result = print_poses(&stage, &frame, err);
+    if (result >= 0 && s->out_path)
+        result = draw_poses(s, &stage, &frame, err);
+    rigpose_stage_finish(&stage);
+    return result;
+}
+
+static mrt_result show(showing *s, error *err)
 {
     face_file f;
-    binding b;
     mrt_result result = face_file_read(&f, s->path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
     if (result < 0)
         return result;
@@ -70,14 +143,7 @@ static mrt_result show(const showing *s, error *err)
         result = error_set(err, MRT_ERR_ARGUMENT,
                            "%s: is a mesh; marotte rig new drafts a rig for it", s->path);
     else
-        result = binding_create(&b, f.rig, &f.mesh, &f.topology, err);
-    if (result >= 0) {
-        result = rigpicture_write(s->out_path, f.rig, &f.mesh, &b, s->view, s->view_count, err);
-        binding_destroy(&b);
-    }
-    if (result >= 0)
-        printf("wrote %s: %u bones, %u contacts, %u views\n", s->out_path, f.rig->bone_count,
-               f.rig->contact_count, s->view_count);
+        result = s->has_poses ? show_poses(s, &f, err) : show_rig(s, &f, err);
     face_file_destroy(&f);
     return result;
 }
@@ -88,9 +154,7 @@ int rigshow_run(int argc, char **argv)
     error err = {""};
     if (!read_options(&s, argc, argv))
         return command_usage(&command_rig,
-                             "show takes a rig file, --out PICTURE.png, and --yaw and --pitch in "
-                             "degrees");
-    if (s.view_count == 0)
-        use_usual_views(&s);
+                             "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
+                             "degrees, and --poses for its poses (then --out may be left away)");
     return show(&s, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }

@@ -32,6 +32,28 @@ else
     fail "rig show: $(cat show_error.txt)"
 fi
 
+# The poses: a line each; a portrait each where pictures can be made.
+"$MAROTTE" rig show "$puppet.rig.json" --poses >poses.txt || fail "rig show --poses"
+[ "$(cut -d' ' -f1 poses.txt | tr '\n' ' ')" = "joy surprise grumpy mischief " ] ||
+    fail "the puppet's poses: $(cat poses.txt)"
+[ "$(grep -cE 'least determinant  0\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 4 ] ||
+    fail "what is measured of poses: $(cat poses.txt)"
+grep -q FOLDS poses.txt && fail "a pose of the puppet folds"
+if [ -e rig.png ]; then
+    "$MAROTTE" rig show "$puppet.rig.json" --poses --out poses.png >shown.txt || fail "portraits"
+    [ "$(tail -1 shown.txt)" = "wrote poses.png: 4 poses" ] || fail "$(tail -1 shown.txt)"
+    [ "$(od -An -tu1 -j16 -N8 poses.png | tr -s ' ')" = " 0 0 6 64 0 0 2 12" ] ||
+        fail "the portraits are not 1600 by 524"
+    "$MAROTTE" rig show "$puppet.rig.json" --poses --yaw -20 --out other.png >/dev/null || fail "--yaw"
+    cmp -s poses.png other.png && fail "--yaw does not turn the portraits"
+fi
+printf '{"marotte_rig": 1, "mesh": "new.glb", "include": "new.rig.json", "poses": [%s]}' \
+    '{"name": "torn", "pulls": {"mouth.corner.l": [-90, 60, 0]}}' >torn.rig.json
+"$MAROTTE" rig show torn.rig.json --poses >torn.txt || fail "a pose that folds cannot be shown"
+grep -qE '^torn +least determinant +-[0-9.]+ .* FOLDS$' torn.txt || fail "no fold: $(cat torn.txt)"
+refused 1 'new.rig.json: $.poses is empty' "$MAROTTE" rig show new.rig.json --poses --out out/p.png
+refused 1 'no/such/folder/p.png' "$MAROTTE" rig show torn.rig.json --poses --out no/such/folder/p.png
+
 # Errors make the exit code.
 bad() { # words file text
     printf '%s' "$3" >"$2"
@@ -68,6 +90,8 @@ refused 2 'there is no "rig paint"' "$MAROTTE" rig paint
 refused 2 "check takes one rig file" "$MAROTTE" rig check
 refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json
 refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
+refused 2 "show takes a rig file, --out" "$MAROTTE" rig show --poses
+refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json --poses --out
 refused 2 "fit takes a rig and a mesh" "$MAROTTE" rig fit new.rig.json
 refused 1 "is a mesh; marotte rig new" "$MAROTTE" rig check new.glb
 refused 1 "has no morph targets" "$MAROTTE" rig fit new.rig.json new.glb

@@ -1,6 +1,5 @@
 #include "draw/sheet.h"
-#include "draw/draw.h"
-#include "draw/gl.h"
+#include "draw/easel.h"
 #include "draw/moments.h"
 
 #include <math.h>
@@ -33,47 +32,25 @@ typedef struct sheet {
     moment moment[MOMENTS_MAX];
     uint32_t moment_count;
     float *position; /* of one frame */
-    uint8_t *pixels;
-    draw_context *context; /* NULL: somebody else's is in use */
-    draw_target *target;
-    draw_renderer *renderer;
-    draw_face *face;
+    easel easel;
 } sheet;
 
 static void sheet_finish(sheet *s)
 {
-    draw_face_destroy(s->face);
-    draw_renderer_destroy(s->renderer);
-    draw_target_destroy(s->target);
-    draw_context_destroy(s->context);
+    easel_finish(&s->easel);
     free(s->position);
-    free(s->pixels);
-}
-
-static bool create_drawing(sheet *s, error *err)
-{
-    if (!gl_is_current()) {
-        s->context = draw_context_create(err);
-        if (!s->context)
-            return false;
-    }
-    s->target = draw_target_create(SHEET_WIDTH, SHEET_HEIGHT, err);
-    s->renderer = s->target ? draw_renderer_create(err) : NULL;
-    s->face = s->renderer ? draw_face_create(s->mesh, err) : NULL;
-    return s->face != NULL;
 }
 
 static mrt_result sheet_init(sheet *s, const clip *c, error *err)
 {
     *s = (sheet){.clip = c, .mesh = clip_mesh(c)};
     s->position = malloc(((size_t)s->mesh->vertex_count * 3 + 1) * sizeof *s->position);
-    s->pixels = malloc((size_t)SHEET_WIDTH * SHEET_HEIGHT * 4);
-    if (!s->position || !s->pixels)
+    if (!s->position)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the contact sheet");
     mrt_result result = moments_choose(s->moment, &s->moment_count, c, err);
     if (result != MRT_OK)
         return result;
-    return create_drawing(s, err) ? MRT_OK : MRT_ERR_UNSUPPORTED;
+    return easel_init(&s->easel, s->mesh, SHEET_WIDTH, SHEET_HEIGHT, err);
 }
 
 /* Grows the box by the shape, at most by `limit` beyond its first size: one wild moment must not
@@ -119,22 +96,6 @@ static draw_camera three_quarter(const draw_camera *front)
     return camera;
 }
 
-/* Words in at most `width_px`, cut with an ellipsis. */
-static void write_words(sheet *s, const char *words, float x, float y, float size_px,
-                        float width_px, const float ink[4])
-{
-    char line[512];
-    snprintf(line, sizeof line - 4, "%s", words);
-    size_t length = strlen(line);
-    while (length > 0 && draw_text_width(s->renderer, line, size_px) > width_px) {
-        do
-            --length;
-        while (length > 0 && ((unsigned char)line[length] & 0xc0) == 0x80); /* whole letters */
-        memcpy(line + length, "…", sizeof "…");
-    }
-    draw_text(s->renderer, s->target, line, x, y, size_px, ink);
-}
-
 /* "1.25 s" within the first minute of a short clip, "2:01.25" in longer ones. */
 static void format_time(char *out, size_t capacity, const clip *c, uint32_t frame)
 {
@@ -154,7 +115,7 @@ static void write_header(sheet *s, const char *title)
     const float width = SHEET_WIDTH - 2 * MARGIN;
     uint32_t frame_count = clip_frame_count(s->clip);
     if (title)
-        write_words(s, title, MARGIN, TITLE_TOP, TITLE_SIZE, width, ink_strong);
+        easel_words(&s->easel, title, MARGIN, TITLE_TOP, TITLE_SIZE, width, ink_strong);
     if (frame_count == 0)
         snprintf(legend, sizeof legend, "The face at rest: the performance has no frames.");
     else
@@ -163,19 +124,21 @@ static void write_header(sheet *s, const char *title)
                  "from rest: its time, and how far the vertices are (root mean square).",
                  frame_count, frame_count == 1 ? "" : "s", clip_fps(s->clip),
                  frame_count / clip_fps(s->clip));
-    write_words(s, legend, MARGIN, LEGEND_TOP, LEGEND_SIZE, width, ink_calm);
+    easel_words(&s->easel, legend, MARGIN, LEGEND_TOP, LEGEND_SIZE, width, ink_calm);
 }
 
 static void draw_rest(sheet *s, const draw_camera *front)
 {
     draw_camera turned = three_quarter(front);
     const float width = VIEW_WIDTH;
-    draw_render(s->renderer, s->target, s->face, front, MARGIN, GRID_TOP, VIEW_WIDTH, VIEW_HEIGHT);
-    draw_render(s->renderer, s->target, s->face, &turned, MARGIN, GRID_TOP + ROW_HEIGHT, VIEW_WIDTH,
-                VIEW_HEIGHT);
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, front, MARGIN, GRID_TOP,
+                VIEW_WIDTH, VIEW_HEIGHT);
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, MARGIN,
+                GRID_TOP + ROW_HEIGHT, VIEW_WIDTH, VIEW_HEIGHT);
     for (int row = 0; row < 2; ++row)
-        write_words(s, "at rest", MARGIN, (float)(GRID_TOP + row * ROW_HEIGHT + VIEW_HEIGHT + 6),
-                    LABEL_SIZE, width, ink_calm);
+        easel_words(&s->easel, "at rest", MARGIN,
+                    (float)(GRID_TOP + row * ROW_HEIGHT + VIEW_HEIGHT + 6), LABEL_SIZE, width,
+                    ink_calm);
 }
 
 static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, error *err)
@@ -183,21 +146,22 @@ static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, er
     mrt_result result = clip_read(s->clip, s->moment[i].frame, s->position, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->face, s->position, NULL);
+    draw_face_update(s->easel.face, s->position, NULL);
     draw_camera turned = three_quarter(front);
     uint32_t column = i % COLUMNS, row = i / COLUMNS;
     uint32_t x = MARGIN + VIEW_WIDTH + GAP + column * (2 * VIEW_WIDTH + GAP);
     uint32_t y = GRID_TOP + row * ROW_HEIGHT;
-    draw_render(s->renderer, s->target, s->face, front, x, y, VIEW_WIDTH, VIEW_HEIGHT);
-    draw_render(s->renderer, s->target, s->face, &turned, x + VIEW_WIDTH, y, VIEW_WIDTH,
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, front, x, y, VIEW_WIDTH,
                 VIEW_HEIGHT);
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, x + VIEW_WIDTH, y,
+                VIEW_WIDTH, VIEW_HEIGHT);
     char label[64];
     format_time(label, sizeof label, s->clip, s->moment[i].frame);
     float top = (float)(y + VIEW_HEIGHT + 6);
-    write_words(s, label, (float)x, top, LABEL_SIZE, VIEW_WIDTH, ink_strong);
-    float right = (float)x + draw_text_width(s->renderer, label, LABEL_SIZE) + 14.0f;
+    easel_words(&s->easel, label, (float)x, top, LABEL_SIZE, VIEW_WIDTH, ink_strong);
+    float right = (float)x + draw_text_width(s->easel.renderer, label, LABEL_SIZE) + 14.0f;
     snprintf(label, sizeof label, "%.1f mm from rest", s->moment[i].distance_mm);
-    write_words(s, label, right, top, LABEL_SIZE, 2 * VIEW_WIDTH - 100, ink_calm);
+    easel_words(&s->easel, label, right, top, LABEL_SIZE, 2 * VIEW_WIDTH - 100, ink_calm);
     return MRT_OK;
 }
 
@@ -207,7 +171,7 @@ static mrt_result draw_moments(sheet *s, error *err)
     mrt_result result = frame_all(s, (float)VIEW_WIDTH / VIEW_HEIGHT, &front, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->face, s->mesh->position, NULL); /* shaded as the moments are */
+    draw_face_update(s->easel.face, s->mesh->position, NULL); /* shaded as the moments are */
     draw_rest(s, &front);
     for (uint32_t i = 0; i < s->moment_count && result == MRT_OK; ++i)
         result = draw_moment(s, i, &front, err);
@@ -222,10 +186,11 @@ static mrt_result draw_rest_alone(sheet *s, error *err)
         return result;
     draw_camera turned = three_quarter(&front);
     const uint32_t x = (SHEET_WIDTH - 2 * REST_WIDTH) / 2;
-    draw_render(s->renderer, s->target, s->face, &front, x, GRID_TOP, REST_WIDTH, REST_HEIGHT);
-    draw_render(s->renderer, s->target, s->face, &turned, x + REST_WIDTH, GRID_TOP, REST_WIDTH,
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &front, x, GRID_TOP, REST_WIDTH,
                 REST_HEIGHT);
-    write_words(s, "at rest", (float)x, GRID_TOP + REST_HEIGHT + 8, LABEL_SIZE, REST_WIDTH,
+    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, x + REST_WIDTH,
+                GRID_TOP, REST_WIDTH, REST_HEIGHT);
+    easel_words(&s->easel, "at rest", (float)x, GRID_TOP + REST_HEIGHT + 8, LABEL_SIZE, REST_WIDTH,
                 ink_calm);
     return MRT_OK;
 }
@@ -238,12 +203,11 @@ mrt_result sheet_write(const char *path, const clip *c, const char *title, error
         result = s.moment_count ? draw_moments(&s, err) : draw_rest_alone(&s, err);
     if (result == MRT_OK) {
         write_header(&s, title);
-        draw_read(s.target, s.pixels);
-        result = png_write(path, s.pixels, SHEET_WIDTH, SHEET_HEIGHT, err);
+        result = easel_save(&s.easel, path, err);
     }
     if (result == MRT_OK)
         error_set(err, MRT_OK, "%s",
-                  draw_text_font(s.renderer)
+                  draw_text_font(s.easel.renderer)
                       ? ""
                       : "the contact sheet has no words: no font was found, install fonts-inter");
     sheet_finish(&s);

@@ -1,0 +1,184 @@
+/* A rig's poses on its face: bones turn, contacts land where their pulls ride to, nothing of one
+ * pose is left in the next; and the puppet's expressions are sound. mm. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "rig_help.h"
+#include "rigpose.h"
+#include "stage/face_file.h"
+
+#include <math.h>
+
+/* A plane that rides on a head, which turns about +z; one contact at (10, 10, 0), one in the
+ * middle. */
+static const char plane_rig[] =
+    "\"unit\": \"mm\", \"bones\": [{\"name\": \"skull\", \"ball\": {\"centre\": [0, 0, 0]}, "
+    "\"turns\": [{\"name\": \"turn\", \"axis\": [0, 0, 1], \"deg\": [-120, 120]}]}], "
+    "\"contacts\": [{\"name\": \"corner\", \"vertex\": 18}, {\"name\": \"middle\", \"vertex\": "
+    "12}], \"poses\": ["
+    "{\"name\": \"turned\", \"dofs\": {\"skull.turn\": 90}, \"pulls\": {\"corner\": [4, 0, 3]}}, "
+    "{\"name\": \"rest\"}, "
+    "{\"name\": \"folded\", \"pulls\": {\"middle\": [35, 0, 0]}}], "
+    "\"solver\": {\"kernel\": \"wendland_c2\", \"radius_mm\": 30, \"polynomial\": \"none\"}";
+enum { TURNED, REST, FOLDED, CORNER = 18, MIDDLE = 12 };
+
+typedef struct plane {
+    rig rig;
+    mesh mesh;
+    topology topology;
+    rigpose_stage stage;
+} plane;
+
+static void open_plane(plane *out)
+{
+    error err = {""};
+    if (rig_with(&out->rig, plane_rig, &err) < 0)
+        fail_msg("%s", err.text);
+    out->mesh = make_sheet();
+    out->topology = make_topology(&out->mesh);
+    if (rigpose_stage_init(&out->stage, &out->rig, &out->mesh, &out->topology, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+static void close_plane(plane *p)
+{
+    rigpose_stage_finish(&p->stage);
+    topology_destroy(&p->topology);
+    mesh_destroy(&p->mesh);
+    rig_destroy(&p->rig);
+}
+
+static void show(rigpose_stage *stage, uint32_t pose)
+{
+    error err = {""};
+    if (rigpose_show(stage, pose, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+static void assert_at(const rigpose_stage *stage, uint32_t vertex, float x, float y, float z)
+{
+    const float *p = stage->position + (size_t)vertex * 3;
+    const float apart = fabsf(p[0] - x) + fabsf(p[1] - y) + fabsf(p[2] - z);
+    if (!(apart < 1e-3f))
+        fail_msg("vertex %u is at %g %g %g", vertex, (double)p[0], (double)p[1], (double)p[2]);
+}
+
+static void pulls_ride_on_turned_bones(void **state)
+{
+    (void)state;
+    plane p;
+    open_plane(&p);
+    show(&p.stage, TURNED);
+    assert_at(&p.stage, CORNER, -10.0f, 14.0f, 3.0f); /* (14, 10, 3), a quarter turn on */
+    rigpose_measure m = rigpose_measured(&p.stage);
+    assert_true(m.furthest_mm > 39.9 && m.furthest_mm < 42.0); /* the sheet's corners: 40 */
+    assert_true(m.least_determinant > 0.0 && m.least_determinant <= 1.0);
+    close_plane(&p);
+}
+
+static void no_pose_is_left_in_the_next(void **state)
+{
+    (void)state;
+    plane p;
+    open_plane(&p);
+    show(&p.stage, FOLDED);
+    show(&p.stage, TURNED);
+    show(&p.stage, REST);
+    for (uint32_t i = 0; i < p.mesh.vertex_count * 3; ++i)
+        assert_true(fabsf(p.stage.position[i] - p.mesh.position[i]) < 1e-5f);
+    rigpose_measure m = rigpose_measured(&p.stage);
+    assert_true(m.furthest_mm < 1e-4 && fabs(m.least_determinant - 1.0) < 1e-6);
+    close_plane(&p);
+}
+
+static void a_pose_that_folds_is_measured_as_one(void **state)
+{
+    (void)state;
+    plane p;
+    open_plane(&p);
+    show(&p.stage, FOLDED);
+    rigpose_measure m = rigpose_measured(&p.stage);
+    assert_true(m.least_determinant < 0.0);
+    assert_int_equal(m.furthest_vertex, MIDDLE);
+    assert_true(fabs(m.furthest_mm - 35.0) < 1e-3);
+    close_plane(&p);
+}
+
+/* ---- the puppet ---- */
+
+/* Greatest motion of the contacts to the subject's left, whose mirror has another one. */
+static double asymmetry(const rig *r, const mesh *m, const rigpose_stage *stage)
+{
+    double most = 0.0;
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        if (r->contact[i].mirror == RIG_NONE)
+            continue;
+        size_t a = r->contact[i].vertex * (size_t)3,
+               b = r->contact[r->contact[i].mirror].vertex * (size_t)3;
+        float up = stage->position[a + 1] - m->position[a + 1];
+        float mirrored_up = stage->position[b + 1] - m->position[b + 1];
+        most = fmax(most, (double)fabsf(up - mirrored_up));
+    }
+    return most;
+}
+
+/* Between the middles of the lips, mm; 11.7 at rest. */
+static double lips_apart(const rig *r, const rigpose_stage *stage)
+{
+    uint32_t upper = rig_find_contact(r, "lip.upper.mid"),
+             lower = rig_find_contact(r, "lip.lower.mid");
+    assert_true(upper != RIG_NONE && lower != RIG_NONE);
+    const float *a = stage->position + (size_t)3 * r->contact[upper].vertex;
+    const float *b = stage->position + (size_t)3 * r->contact[lower].vertex;
+    return vec3_length((vec3){(double)(a[0] - b[0]), (double)(a[1] - b[1]), (double)(a[2] - b[2])});
+}
+
+static void expressions_of_the_puppet_are_sound(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double lips_least_mm, lips_most_mm;
+    } expected[] = {{"joy", 35.0, 70.0},
+                    {"surprise", 35.0, 80.0},
+                    {"grumpy", 3.0, 11.0},
+                    {"mischief", 5.0, 14.0}};
+    face_file f;
+    rigpose_stage stage;
+    error err = {""};
+    if (face_file_read(&f, SOURCE_DIR "/rigs/puppet/puppet.rig.json", MESH_UNIT_AUTO,
+                       FACE_FILE_USABLE, &err) < 0 ||
+        rigpose_stage_init(&stage, f.rig, &f.mesh, &f.topology, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_int_equal(f.rig->pose_count, 4);
+    for (uint32_t i = 0; i < 4; ++i) {
+        assert_string_equal(f.rig->pose[i].name, expected[i].name);
+        show(&stage, i);
+        rigpose_measure m = rigpose_measured(&stage);
+        double lips_mm = lips_apart(f.rig, &stage);
+        print_message("%s: least determinant %.3f, penetration %.2f mm, lips %.1f mm apart\n",
+                      expected[i].name, m.least_determinant, m.penetration_mm, lips_mm);
+        assert_true(m.least_determinant > 0.1);
+        assert_true(m.penetration_mm < 0.1);
+        assert_true(m.furthest_mm > 10.0 && m.furthest_mm < 80.0);
+        assert_true(lips_mm > expected[i].lips_least_mm && lips_mm < expected[i].lips_most_mm);
+        if (i == 3)
+            assert_true(asymmetry(f.rig, &f.mesh, &stage) > 10.0);
+    }
+    rigpose_stage_finish(&stage);
+    face_file_destroy(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pulls_ride_on_turned_bones),
+        cmocka_unit_test(no_pose_is_left_in_the_next),
+        cmocka_unit_test(a_pose_that_folds_is_measured_as_one),
+        cmocka_unit_test(expressions_of_the_puppet_are_sound),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

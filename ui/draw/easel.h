@@ -1,0 +1,28 @@
+/* draw/easel.h - what a picture of one face is painted on without a window: context, target,
+ * renderer, face and pixels, made and given back together. It leaves out what is painted (draw.h).
+ * The thread that made it. */
+#ifndef MAROTTE_UI_DRAW_EASEL_H
+#define MAROTTE_UI_DRAW_EASEL_H
+#include "draw/draw.h"
+
+typedef struct easel {
+    draw_context *context; /* NULL: somebody else's is in use */
+    draw_target *target;
+    draw_renderer *renderer;
+    draw_face *face;
+    uint8_t *pixels; /* width by height, RGBA */
+    uint32_t width, height;
+} easel;
+
+/* In the context that is current, or in one of its own. On error there is nothing to finish. */
+CHECKED mrt_result easel_init(easel *out, const mesh *m, uint32_t width, uint32_t height,
+                              error *err);
+void easel_finish(easel *self); /* accepts NULL and zeroed */
+
+/* draw_text in at most width_px, cut with an ellipsis. */
+void easel_words(easel *self, const char *words, float x, float y, float size_px, float width_px,
+                 const float rgba[4]);
+/* Writes what is painted as a PNG. */
+CHECKED mrt_result easel_save(easel *self, const char *path, error *err);
+
+#endif

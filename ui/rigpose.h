@@ -1,0 +1,34 @@
+/* ui/rigpose.h - a rig's poses on its face: bones turned, contacts pulled, and what that does to
+ * the surface. It leaves out pictures of them (rigportraits.h). [main] */
+#ifndef MAROTTE_UI_RIGPOSE_H
+#define MAROTTE_UI_RIGPOSE_H
+#include "face/face.h"
+
+typedef struct rigpose_stage {
+    const rig *rig;
+    const mesh *mesh;
+    face *face;
+    csrbf_settings solver; /* the rig's; without a radius a quarter of the face's height */
+    float *position;       /* vertex_count by 3, mm, in the file's order: the pose shown last */
+} rigpose_stage;
+
+typedef struct rigpose_measure {
+    double least_determinant; /* <= 0: it folds; see face_min_determinant */
+    double penetration_mm;    /* below the proxies' floors, as shown */
+    double furthest_mm;       /* of any vertex, from rest */
+    uint32_t furthest_vertex; /* of the mesh file */
+} rigpose_measure;
+
+/* The rig and the mesh must outlive it. On error there is nothing to finish. */
+CHECKED mrt_result rigpose_stage_init(rigpose_stage *out, const rig *r, const mesh *m,
+                                      const topology *t, error *err);
+void rigpose_stage_finish(rigpose_stage *self); /* accepts NULL and zeroed */
+
+/* Shows one of the rig's poses, from rest, whatever was shown before; degrees of freedom that it
+ * does not name are 0. Pulls are as with all bones at rest, and ride on the bones. Errors name the
+ * file and the pose. */
+CHECKED mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err);
+/* Of the pose shown. */
+rigpose_measure rigpose_measured(const rigpose_stage *self);
+
+#endif
