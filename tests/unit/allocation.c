@@ -10,49 +10,11 @@
 #include "base/clock.h"
 #include "stage/performer.h"
 #include "stage/plugins.h"
+#include "unit/allocation_count.h"
 
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Sanitizers bring their own allocator; there this test would count nothing. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define COUNTS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define COUNTS 0
-#endif
-#endif
-#ifndef COUNTS
-#define COUNTS 1
-#endif
-
-static _Atomic uint64_t allocations;
-
-#if COUNTS
-void *__libc_malloc(size_t size);
-void *__libc_calloc(size_t count, size_t size);
-void *__libc_realloc(void *old, size_t size);
-
-void *malloc(size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_malloc(size);
-}
-
-void *calloc(size_t count, size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_calloc(count, size);
-}
-
-void *realloc(void *old, size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_realloc(old, size);
-}
-#endif
 
 enum { GRID = 40, SENSORS = MRT_ANGLES, SAMPLES = 300 };
 
@@ -106,7 +68,7 @@ static void perform(performer *p, instance *plugin, const channel_route *route)
 static void no_sample_allocates(void **state)
 {
     (void)state;
-    if (!COUNTS) {
+    if (!ALLOCATIONS_ARE_COUNTED) {
         print_message("SKIPPED: the sanitizer has an allocator of its own\n");
         skip();
     }
@@ -132,9 +94,9 @@ static void no_sample_allocates(void **state)
         assert_int_equal(performer_create(&p, &file, &plugin, &settings, &err), MRT_OK);
         channel_route_init(&route, channels, SENSORS);
 
-        uint64_t before = atomic_load(&allocations);
+        uint64_t before = atomic_load(&allocation_count);
         perform(p, &plugin, &route);
-        uint64_t after = atomic_load(&allocations);
+        uint64_t after = atomic_load(&allocation_count);
         const performer_counts *counts = performer_counted(p);
         print_message("%s: %ju samples, %ju engagements, %ju substeps, %ju allocations\n", names[n],
                       (uintmax_t)counts->samples, (uintmax_t)counts->engagements,

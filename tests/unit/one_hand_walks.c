@@ -11,46 +11,7 @@
 #include "log_file.h"
 #include "log_parse.h"
 #include "one_hand_bench.h"
-
-#include <stdatomic.h>
-
-/* Sanitizers bring their own allocator; there nothing could be counted. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define COUNTS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define COUNTS 0
-#endif
-#endif
-#ifndef COUNTS
-#define COUNTS 1
-#endif
-
-static _Atomic uint64_t allocations;
-
-#if COUNTS
-void *__libc_malloc(size_t size);
-void *__libc_calloc(size_t count, size_t size);
-void *__libc_realloc(void *old, size_t size);
-
-void *malloc(size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_malloc(size);
-}
-
-void *calloc(size_t count, size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_calloc(count, size);
-}
-
-void *realloc(void *old, size_t size)
-{
-    atomic_fetch_add(&allocations, 1);
-    return __libc_realloc(old, size);
-}
-#endif
+#include "unit/allocation_count.h"
 
 static const char *const modes[] = {"mode=muppet+,eyes=40", "mode=mask", "mode=layered_waldo"};
 
@@ -187,7 +148,7 @@ static void an_eighth_of_the_time_makes_a_small_part_of_the_way(void **state)
 static void steady_performance_does_not_allocate(void **state)
 {
     (void)state;
-    if (!COUNTS) {
+    if (!ALLOCATIONS_ARE_COUNTED) {
         print_message("SKIPPED: the sanitizer has an allocator of its own\n");
         skip();
     }
@@ -197,7 +158,7 @@ static void steady_performance_does_not_allocate(void **state)
         bench_set_up(&b, modes[m]);
         walk_start(&w, 3);
         bench_step(&b, MRT_RIGHT, w.angle);
-        uint64_t before = atomic_load(&allocations);
+        uint64_t before = atomic_load(&allocation_count);
         for (int i = 0; i < 3000; ++i) {
             walk_on(&w, 0.01f);
             stamp_pedals(&b, &w.random);
@@ -211,7 +172,7 @@ static void steady_performance_does_not_allocate(void **state)
         b.functions->reset(b.plugin.self);
         bench_step(&b, MRT_RIGHT, w.angle);
         assert_true(before > 0); /* the count counts */
-        assert_int_equal(atomic_load(&allocations) - before, 0);
+        assert_int_equal(atomic_load(&allocation_count) - before, 0);
         bench_tear_down(&b);
     }
 }
