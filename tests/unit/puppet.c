@@ -218,7 +218,9 @@ static int compare_extents(const void *a, const void *b)
 
 static extent extent_of(uint32_t triangle)
 {
-    extent out = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, triangle};
+    extent out = {{(double)INFINITY, (double)INFINITY, (double)INFINITY},
+                  {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY},
+                  triangle};
     for (uint32_t k = 0; k < 3; ++k) {
         vec3 p = corner_of(triangle, k);
         const double at[3] = {p.x, p.y, p.z};
