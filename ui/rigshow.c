@@ -117,10 +117,9 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
 {
     rigpose_stage stage;
     if (f->rig->pose_count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: $.poses is empty: no poses to show; write some, or let marotte rig "
-                         "fit --save-poses find them",
-                         s->path);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s: $.poses is empty: no poses to show; write some, as rigs/README.md says", s->path);
     mrt_result result = rigpose_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
     if (result < 0)
         return result;
