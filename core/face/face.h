@@ -67,6 +67,8 @@ void face_show(face *f);
  * is how far they are to be pulled with all bones at rest, on return where that lands once the
  * bones that `dof` drives have moved. Other ends stay. */
 void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof);
+/* The way back, for all controls: ends become how far each is pulled with all bones at rest. */
+void face_unride(const face *f, double *end, const float *dof);
 /* Base := shown with its bones at rest; the engagement ends; nothing jumps. */
 void face_commit(face *f);
 void face_reset(face *f);

@@ -22,7 +22,7 @@ typedef struct fit_result {
     double paper_residual; /* the paper's unconstrained warp with the same contacts */
     double paper_rigid_motion_mm;
     float dof[MRT_MAX_DOFS];
-    vec3 *pull;      /* contact_count: control vectors, mm */
+    vec3 *pull;      /* contact_count: control vectors with the bones at rest, mm: they ride */
     float *position; /* vertex_count by 3, file order: the fitted shape */
 } fit_result;
 

@@ -94,6 +94,43 @@ static void a_face_that_the_rig_can_make_is_found(void **state)
     stage_destroy(&s);
 }
 
+/* Saved as a pose of the rig, pulls ride on the bones: they must not hold what the jaw does. */
+static void dofs_and_riding_pulls_pose_the_fitted_shape(void **state)
+{
+    (void)state;
+    stage s;
+    face *f;
+    stage_create(&s);
+    fit_options options = {all_contacts, 4, {0}};
+    fit_result result[2];
+    error err = {""};
+    assert_int_equal(fit_targets(result, &s.sheet.rig, &s.sheet.mesh, &s.sheet.topology, &s.targets,
+                                 &options, &err),
+                     MRT_OK);
+    assert_int_equal(face_create(&f, &s.sheet.rig, &s.sheet.mesh, &s.sheet.topology, 4, &err),
+                     MRT_OK);
+    face_control control[4];
+    double end[12];
+    const uint8_t rides[4] = {1, 1, 1, 1};
+    for (uint32_t k = 0; k < 4; k++) {
+        control[k] = (face_control){s.sheet.binding.contact_position[k], k + 1};
+        memcpy(end + 3 * (size_t)k, &result[1].pull[k], 3 * sizeof *end);
+    }
+    assert_int_equal(face_engage(f, &s.sheet.rig.solver, control, 4, &err), MRT_OK);
+    face_ride(f, end, rides, result[1].dof);
+    assert_int_equal(face_pull(f, end, result[1].dof, &err), MRT_OK);
+    float *posed = malloc(3 * SHEET_COUNT * sizeof *posed);
+    assert_non_null(posed);
+    points_to_rows(posed, face_shown(f), face_order(f));
+    assert_true(fabsf(result[1].dof[0]) > 0.05f); /* the jaw is open */
+    for (size_t i = 0; i < (size_t)3 * SHEET_COUNT; i++)
+        assert_true(fabsf(posed[i] - result[1].position[i]) < 1e-3f);
+    free(posed);
+    face_destroy(f);
+    fit_results_destroy(result, 2);
+    stage_destroy(&s);
+}
+
 static void the_fitted_shape_is_what_the_residual_is_of(void **state)
 {
     (void)state;
@@ -233,6 +270,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_face_that_the_rig_can_make_is_found),
+        cmocka_unit_test(dofs_and_riding_pulls_pose_the_fitted_shape),
         cmocka_unit_test(the_fitted_shape_is_what_the_residual_is_of),
         cmocka_unit_test(the_papers_warp_cannot_part_the_lips),
         cmocka_unit_test(a_target_that_moves_nothing_has_no_residual),

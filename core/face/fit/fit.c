@@ -188,9 +188,10 @@ static mrt_result fit_rigged(fitting *f, fit_result *out, uint32_t target, error
     out->worst_mm = d.worst_mm;
     out->rigid_motion_mm = d.still_mm;
     out->penetration_mm = face_penetration_mm(f->rigged.face);
+    face_unride(f->rigged.face, f->rigged.end, out->dof);
     for (uint32_t k = 0; k < f->options->contact_count; k++) {
-        const double *end = f->rigged.end + 3 * (size_t)k;
-        out->pull[k] = vec3_sub((vec3){end[0], end[1], end[2]}, f->rigged.start[k]);
+        const double *pull = f->rigged.end + 3 * (size_t)k;
+        out->pull[k] = (vec3){pull[0], pull[1], pull[2]};
     }
     memcpy(out->position, f->shown, 3 * (size_t)f->mesh->vertex_count * sizeof(float));
     return MRT_OK;

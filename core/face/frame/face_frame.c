@@ -196,13 +196,19 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
     return result;
 }
 
-void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)
+/* Where the bones are that `dof` drives; the others rest. */
+static void pose_driven(const face *f, rigid *pose, const float *dof)
 {
     float driven[MRT_MAX_DOFS] = {0};
-    rigid pose[RIG_BONES_MAX];
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         driven[i] = dof && isfinite(dof[i]) ? dof[i] : 0.0f;
     bones_pose(pose, &f->bones, driven);
+}
+
+void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)
+{
+    rigid pose[RIG_BONES_MAX];
+    pose_driven(f, pose, dof);
     for (uint32_t k = 0; k < f->control_count; ++k) {
         if (!rides[k])
             continue;
@@ -214,5 +220,20 @@ void face_ride(const face *f, double *end, const uint8_t *rides, const float *do
         end[3 * k] = to.x;
         end[3 * k + 1] = to.y;
         end[3 * k + 2] = to.z;
+    }
+}
+
+void face_unride(const face *f, double *end, const float *dof)
+{
+    rigid pose[RIG_BONES_MAX];
+    pose_driven(f, pose, dof);
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        const face_grip *grip = &f->grip[k];
+        blend posed = face_blend_at(f, grip, pose);
+        vec3 at_rest = blend_undo(&posed, (vec3){end[3 * k], end[3 * k + 1], end[3 * k + 2]});
+        vec3 pull = vec3_sub(at_rest, grip->start);
+        end[3 * k] = pull.x;
+        end[3 * k + 1] = pull.y;
+        end[3 * k + 2] = pull.z;
     }
 }
