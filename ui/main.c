@@ -41,6 +41,7 @@ static int flushed(int code)
 int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
     if (argc < 2) {
         print_help(stderr);
         return COMMAND_USAGE;

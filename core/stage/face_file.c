@@ -1,9 +1,11 @@
 #include "stage/face_file.h"
 
 #include "base/file.h"
+#include "csrbf/points.h"
 #include "face/rig_check.h"
 #include "io/openmesh.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,6 +48,19 @@ static mrt_result read_mesh(face_file *f, const char *path, mesh_unit unit, erro
     return result;
 }
 
+/* Reading checks that coordinates are finite; a field wants them within its reach too. */
+static mrt_result check_reach(const mesh *m, const char *path, error *err)
+{
+    for (size_t i = 0; i < (size_t)3 * m->vertex_count; ++i)
+        if (!(fabsf(m->position[i]) <= POINTS_REACH))
+            return error_set(
+                err, MRT_ERR_UNSUPPORTED,
+                "%s: vertex %zu: its coordinate %g mm is not within +-%g mm: scale the "
+                "mesh, or say its --unit",
+                path, i / 3, (double)m->position[i], (double)POINTS_REACH);
+    return MRT_OK;
+}
+
 static mrt_result validate(const face_file *f, const char *path, error *err)
 {
     mrt_result result = rig_validate(f->rig, &f->mesh, &f->topology, err);
@@ -75,6 +90,8 @@ mrt_result face_file_read(face_file *out, const char *path, mesh_unit unit,
     mrt_result result = is_rig_path(path) ? read_rig(out, path, err) : MRT_OK;
     if (result >= 0)
         result = read_mesh(out, path, unit, err);
+    if (result >= 0)
+        result = check_reach(&out->mesh, out->rig ? out->rig->mesh_path : path, err);
     if (result >= 0)
         result = openmesh_topology(&out->topology, &out->mesh, err);
     if (result >= 0 && out->rig && strictness == FACE_FILE_USABLE)

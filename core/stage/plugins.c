@@ -1,5 +1,7 @@
 #include "stage/plugins.h"
 
+#include "stage/library_file.h"
+
 #include <dirent.h>
 #include <dlfcn.h>
 #include <math.h>
@@ -136,6 +138,8 @@ static mrt_result add_type(plugin_list *list, const mrt_plugin_type *type, const
 /* The types of a library, or NULL and why. */
 static const mrt_plugin_type *const *open_library(const char *path, error *err)
 {
+    if (library_file_check(path, err) < 0)
+        return NULL;
     dlerror();
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!library) {

@@ -42,6 +42,8 @@ printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n' >"$in/range.off"
 bad_face "$in/range.off" "$in/range.off"
 printf 'ply\nformat ascii 1.0\nelement vertex 2000000000\nproperty float x\n' >"$in/huge.ply"
 bad_face "$in/huge.ply" "$in/huge.ply"
+printf 'v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n' >"$in/far.obj"
+bad_face "$in/far.obj: vertex 0" "$in/far.obj"
 printf 'hello' >"$in/a.xyz"
 bad_face "$in/a.xyz" "$in/a.xyz"
 head -c 4096 /dev/urandom >"$in/random.stl"
@@ -81,6 +83,14 @@ bad_map 'org.example.broken gave a radius' "$BUILD_DIR/tests/plugin/radius.so"
 bad_map 'org.example.broken gave an error' "$BUILD_DIR/tests/plugin/result.so"
 bad_map "$in/none.so" "$in/none.so"
 bad_map "$in/range.obj" "$in/range.obj"
+mkfifo "$in/pipe.so"
+bad_map "$in/pipe.so: is no regular file" "$in/pipe.so"
+library=$BUILD_DIR/tests/plugin/nan.so
+size=$(stat -c %s "$library")
+for i in $(seq 1 8); do
+    head -c $((size * i / 16)) "$library" >"$in/cut.so"
+    bad_map "$in/cut.so: " "$in/cut.so"
+done
 bad_map 'radius=0 is outside' anchored,radius=0
 bad_map 'radius=-3 is outside' anchored,radius=-3
 bad_map 'radius="nan" is not a number' anchored,radius=nan
@@ -95,6 +105,27 @@ if [ -w /dev/full ]; then
     "$MAROTTE" plugin list >/dev/full 2>"$scratch/stderr"
     [ $? -eq 1 ] || fail "a full disk behind stdout is not a failure"
 fi
+# A disk that takes no more: a limit on the size of files stands in for it, first for the temporary
+# file of the frames, then for the exports.
+full_disk() { # KiB name map
+    rm -rf "$scratch/out"
+    mkdir "$scratch/out"
+    (
+        ulimit -f "$1"
+        timeout 60 "$MAROTTE" perform --face "$moai" --input "log:$demo,end=5" --map "$3" \
+            --export "$scratch/out/$2" >/dev/null 2>"$scratch/stderr"
+    )
+    local got=$?
+    [ "$got" -eq 1 ] || fail "exit $got instead of 1: $2 over the limit of $1 KiB"
+    grep -q 'File too large' "$scratch/stderr" || fail "no reason: $(cat "$scratch/stderr")"
+    [ -z "$(ls -A "$scratch/out")" ] || fail "left behind: $(ls -A "$scratch/out")"
+}
+full_disk 2 a.glb unanchored
+full_disk 2 a.png anchored
+full_disk 400 a.glb anchored
+full_disk 400 a.pc2 anchored
+full_disk 400 a.mdd anchored
+grep -qF "$scratch/out/a.mdd" "$scratch/stderr" || fail "not the export failed: $(cat "$scratch/stderr")"
 
 # Wrong usage.
 usage() {
