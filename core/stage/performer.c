@@ -84,6 +84,8 @@ static mrt_result create_hands(performer *self, double length_mm, error *err)
         if (!hand->skeleton)
             return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
         hand_filter_init(&hand->filter);
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            hand->raw[i] = NAN; /* until a channel says otherwise: the sensor's middle value */
     }
     return MRT_OK;
 }

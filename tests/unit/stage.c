@@ -42,6 +42,7 @@ typedef struct table {
     mrt_sample sample[TABLE_MAX];
     uint32_t count;
     uint32_t hand;
+    bool is_index_in_counts; /* instead of the thumb in rad */
 } table;
 
 struct mrt_plugin {
@@ -79,6 +80,9 @@ static mrt_result open_table(mrt_plugin *self, const char *address, const double
 static const mrt_channel *channels(mrt_plugin *self, uint32_t *out_count)
 {
     self->channel = (mrt_channel){"thumb", "rad", MRT_CH_ANGLE + 1, self->table->hand, -2, 2};
+    if (self->table->is_index_in_counts)
+        self->channel =
+            (mrt_channel){"index", "count", MRT_CH_ANGLE + 4, self->table->hand, 0, 255};
     *out_count = 1;
     return &self->channel;
 }
@@ -122,10 +126,13 @@ static void reset(mrt_plugin *self)
  * "Nonsense" spoils the pull from the tenth sample on. */
 enum { PARAM_MODE, PARAM_NONSENSE };
 
+static float last_thumb_rad; /* of the right hand */
+
 static mrt_result follow(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     self->at += 1;
     float z = 10.0f * (frame->hand[MRT_LEFT].angle[1] + frame->hand[MRT_RIGHT].angle[1]);
+    last_thumb_rad = frame->hand[MRT_RIGHT].angle[1];
     mrt_vec3 start = {40, 40, 0}, end = {40, 40, z};
     pull->mode = frame->params[PARAM_MODE] > 0.5 ? MRT_UNANCHORED : MRT_ANCHORED;
     if (pull->mode == MRT_UNANCHORED && self->at > 1)
@@ -326,6 +333,18 @@ static void samples_that_are_not_finite_are_refused_and_counted(void **state)
     assert_int_equal(out.report.refused, 2);
 }
 
+static void sensors_that_a_glove_lacks_stay_in_the_middle(void **state)
+{
+    (void)state;
+    table t;
+    fill_table(&t, MRT_RIGHT, 10, 0, 10 * NS_PER_MS);
+    t.is_index_in_counts = true;
+    const table *tables[] = {&t};
+    outcome out;
+    play(&out, tables, 1, "", 30, CLOCK_VIRTUAL);
+    assert_true(fabsf(last_thumb_rad - 0.6816f) < 1e-4f); /* 0.0142 rad/count, (128 - 80) counts */
+}
+
 static void time_that_runs_backwards_counts_as_simultaneous(void **state)
 {
     (void)state;
@@ -445,6 +464,7 @@ int main(void)
         cmocka_unit_test(real_time_plays_every_sample_through_a_thread),
         cmocka_unit_test(guard_holds_the_last_good_pull_and_counts),
         cmocka_unit_test(samples_that_are_not_finite_are_refused_and_counted),
+        cmocka_unit_test(sensors_that_a_glove_lacks_stay_in_the_middle),
         cmocka_unit_test(time_that_runs_backwards_counts_as_simultaneous),
         cmocka_unit_test(a_gap_of_hours_is_an_error_not_hours_of_frames),
         cmocka_unit_test(an_input_that_cannot_be_opened_says_why_in_its_own_words),
