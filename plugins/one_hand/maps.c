@@ -102,7 +102,7 @@ typedef struct follower {
     double share;
 } follower;
 
-static const follower index_followers[] = {
+static const follower brow_followers[] = {
     {PLACE_BROW_INNER, 0.8}, {PLACE_BROW_MID, 1}, {PLACE_BROW_OUTER, 0.8}};
 static const follower corner_followers[] = {{PLACE_MOUTH_CORNER, 1},
                                             {PLACE_NASOLABIAL, 0.4},
@@ -130,6 +130,16 @@ static void scaled(double out[3], const double *moved, double gain, double most_
         out[axis] = length > 0.0 ? pulled * (moved[axis] / length) : 0.0;
 }
 
+/* As far as brows go: beyond it the skin between them and the sockets folds. */
+static void pull_brow(pose *p, int side, const double pull[3], const double *params)
+{
+    double aside_mm = params[SET_MASK_BROW_ASIDE];
+    double kept[3] = {curve_limit(pull[0], aside_mm, aside_mm),
+                      curve_limit(pull[1], params[SET_BROW_UP], params[SET_BROW_DOWN]),
+                      curve_limit(pull[2], aside_mm, aside_mm)};
+    follow(p, brow_followers, COUNT_OF(brow_followers), side, kept);
+}
+
 /* The thumb holds the jaw by the chin: what a jaw can do it does, only up is left to the skin. */
 static void pull_jaw(pose *p, const double pull[3], const double *params)
 {
@@ -155,8 +165,8 @@ void maps_mask(pose *out, const reading *difference, const double *params)
                params[SET_MASK_THUMB + finger], finger == THUMB ? 1.5 * jaw_mm : reach_mm, params);
     scaled(palm, difference->value + READING_PALM, params[SET_MASK_PALM], reach_mm, params);
     pull_jaw(out, pull[THUMB], params);
-    follow(out, index_followers, COUNT_OF(index_followers), LEFT, pull[INDEX]);
-    follow(out, index_followers, COUNT_OF(index_followers), RIGHT, pull[MIDDLE]);
+    pull_brow(out, LEFT, pull[INDEX], params);
+    pull_brow(out, RIGHT, pull[MIDDLE], params);
     follow(out, corner_followers, COUNT_OF(corner_followers), LEFT, pull[RING]);
     follow(out, corner_followers, COUNT_OF(corner_followers), RIGHT, pull[LITTLE]);
     follow(out, cheek_followers, COUNT_OF(cheek_followers), RIGHT, palm);

@@ -189,6 +189,8 @@ const mrt_param settings[SET_COUNT] = {
            "Cheeks for 1 mm of the outer palm, which moves little."),
     NUMBER(SET_MASK_DEAD, 126, "Mask", "Dead zone", "mm", 0, 30, 1.5,
            "Movement of a tip that moves nothing."),
+    NUMBER(SET_MASK_BROW_ASIDE, 127, "Mask", "Brow aside", "mm", 0, 30, 1.5,
+           "How far brows go aside and forwards; up and down as the group Brows says."),
 
     NUMBER(SET_ARC_THUMB, 130, "Waldo", "Thumb arc", "deg", 2, 120, 45,
            "Drop of the thumb for the whole range."),

@@ -26,6 +26,12 @@ for map in one_hand anchored unanchored; do
     cmp "$scratch/$map.glb" "$scratch/again.glb" || fail "$map.glb differs from run to run"
     cmp "$scratch/$map.pc2" "$scratch/again.pc2" || fail "$map.pc2 differs from run to run"
 done
+# The other ways to read the hand fold nothing either.
+for mode in mask layered_waldo; do
+    "$MAROTTE" perform --face "$puppet" --input "log:$demo" --map "one_hand,mode=$mode" \
+        >"$scratch/mode.txt" || fail "perform one_hand $mode"
+    [ "$(fact folds "$scratch/mode.txt")" -eq 0 ] || fail "one_hand $mode: the face folds"
+done
 # A neutral hand is the rest face, exactly.
 { grep -m1 '^time' "$demo"; for i in $(seq 0 99); do
     grep -m1 '^0' "$demo" | sed -E "s/^[^,]+/$(printf '0.%02d' "$i")/"; done; } >"$scratch/still.csv"

@@ -30,5 +30,11 @@ for recording in "$shared"/data/hands/*.txt; do
         awk -v mib="$(fact 'peak memory' "$facts")" 'BEGIN { exit !(mib < 300) }' ||
             fail "$(fact 'peak memory' "$facts") MiB of memory"
     done
+    for mode in mask layered_waldo; do
+        "$MAROTTE" perform --face "$puppet" --input "log:$recording" --map "one_hand,mode=$mode" \
+            >"$scratch/facts.txt" || fail "$(basename "$recording") $mode"
+        [ "$(fact folds "$scratch/facts.txt")" -eq 0 ] ||
+            fail "$(basename "$recording"), $mode: the puppet folds"
+    done
 done
 finish
