@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, JAW_DOFS = 3 };
+enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, HALVINGS = 48, JAW_DOFS = 3 };
 static const double difference_rad = 1e-5, difference_mm = 1e-3;
 
 /* With s the starts from the middle of the hinge and d = end - start. */
@@ -58,10 +58,11 @@ static motion motion_of(const bones *b, const rigid *m)
     return out;
 }
 
-/* Opened and aside, the condyles where they are at rest. */
-static rigid turns_at(const bones *b, double open_rad, double lateral_mm)
+/* Opened and aside, the condyles where they are at rest. The first unknown is the turn about the
+ * hinge, what the cusps add to the opening included: with the guidance in the model, pulls that
+ * press the teeth together would have two best answers, one to either side. */
+static rigid turns_at(const bones *b, double turn_rad, double lateral_mm)
 {
-    double turn_rad = bones_guided_opening(b, open_rad, lateral_mm);
     rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, turn_rad);
     rigid aside = bones_aside(b, lateral_mm, turn_rad);
     return rigid_compose(&aside, &opening);
@@ -92,6 +93,21 @@ static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS])
     return slope_between(b, &before, &after, 2.0 * difference_mm);
 }
 
+/* The opening that the cusps guide to this turn; 0 where they alone turn further. */
+static double opening_of(const bones *b, double turn_rad, double lateral_mm)
+{
+    const rig_bone *jaw = &b->rig->bone[b->jaw];
+    double low = jaw->open_min_rad, high = turn_rad;
+    for (int i = 0; i < HALVINGS && low < high; ++i) {
+        double middle = 0.5 * (low + high);
+        if (bones_guided_opening(b, middle, lateral_mm) < turn_rad)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high > jaw->open_min_rad ? high : jaw->open_min_rad;
+}
+
 /* The jaw's motion at p, and its derivatives by the first `count` degrees of freedom while the
  * condyles stay. */
 static motion motion_at(const bones *b, const double p[JAW_DOFS], motion slope[JAW_DOFS], int count)
@@ -103,7 +119,8 @@ static motion motion_at(const bones *b, const double p[JAW_DOFS], motion slope[J
         slope[1] = slope_of_lateral(b, p);
         slope[2] = (motion){.t = {path.x, path.y, path.z}};
     }
-    jaw.t = vec3_add(jaw.t, vec3_scale(b->hinge.path, bones_slide(b, p[0]) + p[2]));
+    double slide_mm = bones_slide(b, opening_of(b, p[0], p[1]));
+    jaw.t = vec3_add(jaw.t, vec3_scale(b->hinge.path, slide_mm + p[2]));
     return motion_of(b, &jaw);
 }
 
@@ -159,7 +176,8 @@ static void solve_in_box(double x[JAW_DOFS], double h[JAW_DOFS][JAW_DOFS], const
 static void improve(const bones *b, const evidence *e, double p[JAW_DOFS], int count)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
-    double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
+    double open_rad = opening_of(b, p[0], p[1]);
+    double lateral = bones_lateral_limit(b, open_rad), forward = bones_forward_limit(b, open_rad);
     double low[JAW_DOFS] = {jaw->open_min_rad - p[0], -lateral - p[1], -p[2]};
     double high[JAW_DOFS] = {jaw->open_max_rad - p[0], lateral - p[1], forward - p[2]};
     double h[JAW_DOFS][JAW_DOFS] = {{0}}, g[JAW_DOFS] = {0}, step[JAW_DOFS] = {0};
@@ -205,6 +223,7 @@ void bones_derive_jaw(float *out_dof, const bones *b, const double *start, const
     }
     for (int i = 0; all && i < POSES; ++i)
         improve(b, &e, p, JAW_DOFS);
+    p[0] = opening_of(b, p[0], p[1]);
     double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
     p[1] = clamped(p[1], -lateral, lateral);
     p[2] = clamped(p[2], 0.0, forward);
