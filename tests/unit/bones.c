@@ -380,6 +380,48 @@ static void the_jaw_follows_the_chin_steadily(void **state)
     }
 }
 
+static double any_between(uint64_t *seed, double low, double high)
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return low + (high - low) * (double)(*seed >> 40) / 16777216.0;
+}
+
+/* Two tips that ask for what no jaw can do, up to 20 mm apart from it, on straight ways of 0.05 mm
+ * a step: the answer passes from one side to the other in steps, not in one leap of 10 mm. */
+static void a_jaw_that_is_torn_to_both_sides_goes_there_in_steps(void **state)
+{
+    (void)state;
+    static face_scene s;
+    bones b = make_bones(&s);
+    uint64_t seed = 7;
+    double worst_mm = 0.0;
+    for (int way = 0; way < 60; ++way) {
+        double from[6], along[6], length = 0.0;
+        for (int i = 0; i < 6; ++i) {
+            from[i] = any_between(&seed, -12.0, 12.0);
+            along[i] = any_between(&seed, -1.0, 1.0);
+            length += along[i] * along[i];
+        }
+        vec3 last = {0, 0, 0};
+        for (int step = -100; step <= 100; ++step) {
+            double end[2][3];
+            float dof[MRT_MAX_DOFS] = {0};
+            rigid pose[SCENE_BONES];
+            for (int i = 0; i < 6; ++i)
+                end[i / 3][i % 3] =
+                    rider[2 + i / 3][i % 3] + from[i] + along[i] * 0.05 * step / sqrt(length);
+            bones_derive_jaw(dof, &b, rider[2], end[0], riding + 2, 2);
+            bones_pose(pose, &b, dof);
+            vec3 now = rigid_apply(&pose[JAW], incisor);
+            if (step > -100)
+                worst_mm = fmax(worst_mm, scene_distance(now, last));
+            last = now;
+        }
+    }
+    print_message("0.05 mm of two tips moves the incisor by at most %.3f mm\n", worst_mm);
+    assert_true(worst_mm < 3.5);
+}
+
 static void pulls_upwards_do_not_open_it(void **state)
 {
     (void)state;
@@ -445,6 +487,7 @@ int main(void)
         cmocka_unit_test(controls_at_rest_leave_the_jaw_exactly_shut),
         cmocka_unit_test(a_pose_of_the_jaw_is_found_again),
         cmocka_unit_test(the_jaw_follows_the_chin_steadily),
+        cmocka_unit_test(a_jaw_that_is_torn_to_both_sides_goes_there_in_steps),
         cmocka_unit_test(pulls_upwards_do_not_open_it),
         cmocka_unit_test(too_few_controls_leave_the_last_values),
         cmocka_unit_test(the_derived_jaw_keeps_within_its_limits),

@@ -4,14 +4,17 @@
 
 #include <math.h>
 
-enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, HALVINGS = 48, JAW_DOFS = 3 };
+enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, NEWTON = 5, JAW_DOFS = 3 };
 static const double difference_rad = 1e-5, difference_mm = 1e-3;
+static const double settled_rad = 1e-9, settled_mm = 1e-7;
+static const double negligible = 1e-12; /* of what is asked for */
 
 /* With s the starts from the middle of the hinge and d = end - start. */
 typedef struct evidence {
     double weight;
     double s[3], d[3];         /* sum of w s, w d */
     double ss[3][3], ds[3][3]; /* sum of w s s^T, w d s^T */
+    double dd;                 /* sum of w d . d */
     uint32_t rider_count;      /* controls that ride on the jaw at all */
 } evidence;
 
@@ -38,6 +41,7 @@ static evidence gather(const bones *b, const double *start, const double *end, c
         for (size_t i = 0; i < 3; ++i) {
             e.s[i] += w * s[i];
             e.d[i] += w * d[i];
+            e.dd += w * (d[i] * d[i]);
             for (size_t j = 0; j < 3; ++j) {
                 e.ss[i][j] += w * (s[i] * s[j]);
                 e.ds[i][j] += w * (d[i] * s[j]);
@@ -86,37 +90,40 @@ static motion slope_of_opening(const bones *b, const double p[JAW_DOFS])
     return slope_between(b, &before, &after, 2.0 * difference_rad);
 }
 
-static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS])
+/* Towards the side: at 0 the axis changes from one condyle to the other. */
+static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS], double side)
 {
-    rigid before = turns_at(b, p[0], p[1] - difference_mm);
-    rigid after = turns_at(b, p[0], p[1] + difference_mm);
-    return slope_between(b, &before, &after, 2.0 * difference_mm);
+    rigid before = turns_at(b, p[0], p[1]);
+    rigid after = turns_at(b, p[0], p[1] + side * difference_mm);
+    return slope_between(b, &before, &after, side * difference_mm);
 }
 
-/* The opening that the cusps guide to this turn; 0 where they alone turn further. */
+/* The opening that the cusps guide to this turn, by Newton's method: they never take more than half
+ * of an opening's slope. The least opening where they alone turn further. */
 static double opening_of(const bones *b, double turn_rad, double lateral_mm)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
-    double low = jaw->open_min_rad, high = turn_rad;
-    for (int i = 0; i < HALVINGS && low < high; ++i) {
-        double middle = 0.5 * (low + high);
-        if (bones_guided_opening(b, middle, lateral_mm) < turn_rad)
-            low = middle;
-        else
-            high = middle;
+    double open_rad = turn_rad;
+    for (int i = 0; i < NEWTON; ++i) {
+        double over = bones_guided_opening(b, open_rad, lateral_mm) - turn_rad;
+        if (!(fabs(over) > 1e-15))
+            break;
+        double beyond = bones_guided_opening(b, open_rad + difference_rad, lateral_mm) - turn_rad;
+        open_rad -= over * difference_rad / (beyond - over);
     }
-    return high > jaw->open_min_rad ? high : jaw->open_min_rad;
+    return open_rad > jaw->open_min_rad ? open_rad : jaw->open_min_rad;
 }
 
 /* The jaw's motion at p, and its derivatives by the first `count` degrees of freedom while the
  * condyles stay. */
-static motion motion_at(const bones *b, const double p[JAW_DOFS], motion slope[JAW_DOFS], int count)
+static motion motion_at(const bones *b, const double p[JAW_DOFS], double side,
+                        motion slope[JAW_DOFS], int count)
 {
     rigid jaw = turns_at(b, p[0], p[1]);
     slope[0] = slope_of_opening(b, p);
     if (count > 1) {
         const vec3 path = b->hinge.path;
-        slope[1] = slope_of_lateral(b, p);
+        slope[1] = slope_of_lateral(b, p, side);
         slope[2] = (motion){.t = {path.x, path.y, path.z}};
     }
     double slide_mm = bones_slide(b, opening_of(b, p[0], p[1]));
@@ -172,16 +179,20 @@ static void solve_in_box(double x[JAW_DOFS], double h[JAW_DOFS][JAW_DOFS], const
         }
 }
 
-/* One step of Gauss-Newton for the first `count` degrees of freedom. */
-static void improve(const bones *b, const evidence *e, double p[JAW_DOFS], int count)
+/* One step of Gauss-Newton for the first `count` degrees of freedom, lateral motion to one side
+ * only (1: the subject's left). Returns what p left over before: sum of w |d - what the jaw
+ * does|^2. */
+static double improve(const bones *b, const evidence *e, double p[JAW_DOFS], double side, int count)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
     double open_rad = opening_of(b, p[0], p[1]);
     double lateral = bones_lateral_limit(b, open_rad), forward = bones_forward_limit(b, open_rad);
-    double low[JAW_DOFS] = {jaw->open_min_rad - p[0], -lateral - p[1], -p[2]};
-    double high[JAW_DOFS] = {jaw->open_max_rad - p[0], lateral - p[1], forward - p[2]};
+    double low[JAW_DOFS] = {jaw->open_min_rad - p[0], (side > 0.0 ? 0.0 : -lateral) - p[1], -p[2]};
+    double high[JAW_DOFS] = {jaw->open_max_rad - p[0], (side > 0.0 ? lateral : 0.0) - p[1],
+                             forward - p[2]};
     double h[JAW_DOFS][JAW_DOFS] = {{0}}, g[JAW_DOFS] = {0}, step[JAW_DOFS] = {0};
-    motion slope[JAW_DOFS], now = motion_at(b, p, slope, count);
+    motion slope[JAW_DOFS], now = motion_at(b, p, side, slope, count);
+    double left_over = product(e, &now, &now) - 2.0 * asked(e, &now) + e->dd;
     for (int i = 0; i < count; ++i) {
         g[i] = product(e, &now, &slope[i]) - asked(e, &slope[i]);
         for (int j = 0; j <= i; ++j)
@@ -190,6 +201,37 @@ static void improve(const bones *b, const evidence *e, double p[JAW_DOFS], int c
     solve_in_box(step, h, g, low, high, count);
     for (int i = 0; i < count; ++i)
         p[i] += step[i];
+    return left_over > 0.0 ? left_over : 0.0;
+}
+
+static bool is_settled(const double before[JAW_DOFS], const double now[JAW_DOFS])
+{
+    return fabs(now[0] - before[0]) < settled_rad && fabs(now[1] - before[1]) < settled_mm &&
+           fabs(now[2] - before[2]) < settled_mm;
+}
+
+/* A turn about the one condyle is not a turn about the other: to each side there is a best pose.
+ * The two are weighed by how little they leave over, so that the jaw passes from one to the other
+ * without a jump; where one explains all, it alone counts. */
+static void weigh_sides(const bones *b, const evidence *e, double p[JAW_DOFS])
+{
+    double sum[JAW_DOFS] = {0}, weight_sum = 0.0;
+    for (int k = 0; k < 2; ++k) {
+        double side = k == 0 ? 1.0 : -1.0, q[JAW_DOFS] = {p[0], 0.0, 0.0}, left_over = 0.0;
+        for (int i = 0; i <= POSES; ++i) {
+            const double before[JAW_DOFS] = {q[0], q[1], q[2]};
+            left_over = improve(b, e, q, side, JAW_DOFS);
+            if (is_settled(before, q))
+                break;
+        }
+        double rest = left_over + negligible * e->dd + 1e-30;
+        double weight = 1.0 / (rest * rest);
+        weight_sum += weight;
+        for (int i = 0; i < JAW_DOFS; ++i)
+            sum[i] += weight * q[i];
+    }
+    for (int i = 0; i < JAW_DOFS; ++i)
+        p[i] = sum[i] / weight_sum;
 }
 
 /* Lateral and forward as their last values, limited at the opening of now. */
@@ -219,10 +261,13 @@ void bones_derive_jaw(float *out_dof, const bones *b, const double *start, const
     for (int i = 0; i < OPENINGS; ++i) {
         if (!all)
             hold(b, p, out_dof);
-        improve(b, &e, p, 1);
+        double before = p[0];
+        (void)improve(b, &e, p, 1.0, 1);
+        if (fabs(p[0] - before) < settled_rad)
+            break;
     }
-    for (int i = 0; all && i < POSES; ++i)
-        improve(b, &e, p, JAW_DOFS);
+    if (all)
+        weigh_sides(b, &e, p);
     p[0] = opening_of(b, p[0], p[1]);
     double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);
     p[1] = clamped(p[1], -lateral, lateral);
