@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#undef error_set
 mrt_result error_set(error *out, mrt_result code, const char *format, ...)
 {
     if (out) {

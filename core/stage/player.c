@@ -129,9 +129,8 @@ static mrt_result play(playing *self, error *err)
                 break;
             input_take(self->inputs[from]);
             result = play_sample(self, from, &sample, err);
-        } else if (over || self->settings->clock == CLOCK_VIRTUAL) {
-            break;
-        } else if (is_past_end(self, clock_now_ns())) {
+        } else if (over || self->settings->clock == CLOCK_VIRTUAL ||
+                   is_past_end(self, clock_now_ns())) {
             break;
         } else {
             result = idle(self, err);

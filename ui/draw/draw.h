@@ -9,7 +9,7 @@
 /* An OpenGL context without a window (EGL surfaceless); it is made current. */
 typedef struct draw_context draw_context;
 draw_context *draw_context_create(error *err); /* NULL: failed */
-void draw_context_destroy(draw_context *context);
+void draw_context_destroy(draw_context *self);
 
 typedef struct draw_target draw_target; /* a multisampled framebuffer and its picture */
 draw_target *draw_target_create(uint32_t width, uint32_t height, error *err);
@@ -20,16 +20,16 @@ uint32_t draw_target_texture(draw_target *self);
 
 typedef struct draw_renderer draw_renderer; /* programs and lights */
 draw_renderer *draw_renderer_create(error *err);
-void draw_renderer_destroy(draw_renderer *renderer);
+void draw_renderer_destroy(draw_renderer *self);
 
 /* A mesh on the graphics card; the mesh itself is not needed any more. */
 typedef struct draw_face draw_face;
 draw_face *draw_face_create(const mesh *m, error *err);
-void draw_face_destroy(draw_face *face);
+void draw_face_destroy(draw_face *self);
 /* position, normal: vertex_count by 3, mm; normal NULL: computed. */
-void draw_face_update(draw_face *face, const float *position, const float *normal);
+void draw_face_update(draw_face *self, const float *position, const float *normal);
 /* Colours instead of the materials': vertex_count by 3, linear, 0..1; NULL: the materials again. */
-void draw_face_colour(draw_face *face, const float *rgb);
+void draw_face_colour(draw_face *self, const float *rgb);
 
 typedef struct draw_camera {
     float target[3]; /* mm: what it looks at */
@@ -42,7 +42,7 @@ draw_camera draw_camera_framing(const float low[3], const float high[3], float a
 
 /* Clears a width x height rectangle of the target at x, y (from the top left) and draws the face.
  */
-void draw_render(draw_renderer *renderer, draw_target *target, const draw_face *face,
+void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width,
                  uint32_t height);
 /* Where draw_render with the same camera and rectangle (x, y, width, height) puts a point, mm: in
@@ -54,16 +54,16 @@ bool draw_project(float out_px[2], const draw_camera *camera, const uint32_t rec
 typedef struct draw_stroke {
     float from[2], to[2], width_px, rgba[4];
 } draw_stroke;
-void draw_strokes(draw_renderer *renderer, draw_target *target, const draw_stroke *stroke,
+void draw_strokes(draw_renderer *self, draw_target *target, const draw_stroke *stroke,
                   uint32_t count);
 /* Text (UTF-8) in pixels from the top left of the target; size = height of a line. rgba 0..1, as on
  * a screen (sRGB). Draws nothing when there is no font. */
-void draw_text(draw_renderer *renderer, draw_target *target, const char *text, float x, float y,
+void draw_text(draw_renderer *self, draw_target *target, const char *words, float x, float y,
                float size_px, const float rgba[4]);
 /* How wide draw_text would be, px; 0 when there is no font. */
-float draw_text_width(draw_renderer *renderer, const char *text, float size_px);
+float draw_text_width(draw_renderer *self, const char *words, float size_px);
 /* The font file in use; NULL: none was found (installing fonts-inter helps). */
-const char *draw_text_font(const draw_renderer *renderer);
+const char *draw_text_font(const draw_renderer *self);
 /* out_rgba: width * height * 4, rows from the top. */
 void draw_read(draw_target *self, uint8_t *out_rgba);
 

@@ -53,7 +53,8 @@ static int32_t cell_along(const nearest *n, const float *at, int axis)
 
 static size_t cell_index(const nearest *n, const int32_t cell[3])
 {
-    return (size_t)((cell[2] * n->cells[1] + cell[1]) * n->cells[0] + cell[0]);
+    const size_t x = (size_t)cell[0], y = (size_t)cell[1], z = (size_t)cell[2];
+    return (z * (size_t)n->cells[1] + y) * (size_t)n->cells[0] + x;
 }
 
 static size_t cell_of(const nearest *n, const float *at)
