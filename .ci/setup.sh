@@ -5,9 +5,10 @@ setup_build_packages=(
     build-essential cmake ninja-build pkg-config
     libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libsuitesparse-dev libpng-dev
     libepoxy-dev libegl-dev libfreetype-dev fonts-inter
+    libusb-1.0-0-dev liblo-dev libsqlite3-dev libsndfile1-dev portaudio19-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri
 )
-setup_test_packages=(libcmocka-dev clang-format-14 nodejs npm)
+setup_test_packages=(libcmocka-dev libumockdev-dev umockdev clang-format-14 nodejs npm)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)

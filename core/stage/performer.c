@@ -12,14 +12,6 @@ static const double reach_in_faces = 10.0;
 static const double dt_max_s = 0.1;
 static const double hand_length_default_mm = 190.0;
 
-typedef struct hand_stage { /* steps 2 and 3 of one hand */
-    hand_skeleton *skeleton;
-    hand_filter filter;
-    float raw[MRT_ANGLES];
-    float wrist[7]; /* mm, quaternion */
-    bool has_wrist;
-} hand_stage;
-
 struct performer {
     instance *mapping;
     const mrt_mapping *functions;
@@ -30,7 +22,7 @@ struct performer {
     double reach_mm;
     vec3 centre;
 
-    hand_stage hand[2];
+    hands *hands;
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */
@@ -49,9 +41,6 @@ struct performer {
     uint32_t tip_count;
     performer_counts counts;
 };
-
-/* Sensor numbers of the distal joints, index to little: what an 18-sensor glove lacks. */
-static const uint32_t distal_sensor[4] = {6, 9, 13, 17};
 
 static double to_double(float v)
 {
@@ -73,20 +62,6 @@ static mrt_result create_surface(performer *self, const face_file *file, error *
         return error_set(err, MRT_ERR_MEMORY, "no memory for the surface");
     for (size_t i = 0; i < (size_t)m->triangle_count * 3; ++i)
         self->triangle[i] = order->slot_of_file[m->triangle[i]];
-    return MRT_OK;
-}
-
-static mrt_result create_hands(performer *self, double length_mm, error *err)
-{
-    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
-        hand_stage *hand = &self->hand[side];
-        hand->skeleton = hand_skeleton_create(side, length_mm);
-        if (!hand->skeleton)
-            return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
-        hand_filter_init(&hand->filter);
-        for (int i = 0; i < MRT_ANGLES; ++i)
-            hand->raw[i] = NAN; /* until a channel says otherwise: the sensor's middle value */
-    }
     return MRT_OK;
 }
 
@@ -137,7 +112,7 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     measure_face(self, file, &settings->solver);
     mrt_result result = create_surface(self, file, err);
     if (result >= 0)
-        result = create_hands(self, length, err);
+        result = hands_create(&self->hands, length, err);
     if (result < 0)
         goto fail;
     describe_face(self);
@@ -170,84 +145,11 @@ void performer_destroy(performer *self)
         return;
     if (self->mapping)
         self->functions->deactivate(self->mapping->self);
-    for (int side = 0; side < 2; ++side)
-        hand_skeleton_destroy(self->hand[side].skeleton);
+    hands_destroy(self->hands);
     face_destroy(self->face);
     free(self->triangle);
     free(self->normal);
     free(self);
-}
-
-void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count)
-{
-    *out = (channel_route){.count = count};
-    bool in_counts[2] = {false, false};
-    bool distal[2][4] = {{false}};
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t semantic = channel[i].semantic, hand = channel[i].hand;
-        out->semantic[i] = semantic;
-        out->hand[i] = hand;
-        if (hand > MRT_RIGHT || semantic < MRT_CH_ANGLE || semantic >= MRT_CH_ANGLE + MRT_ANGLES)
-            continue;
-        if (strcmp(channel[i].unit, "count") == 0)
-            in_counts[hand] = true;
-        uint32_t sensor = semantic - MRT_CH_ANGLE;
-        for (uint32_t finger = 0; finger < 4; ++finger)
-            if (sensor == distal_sensor[finger])
-                distal[hand][finger] = true;
-    }
-    for (int side = 0; side < 2; ++side) {
-        hand_calibration *calibration = &out->calibration[side];
-        if (in_counts[side])
-            hand_calibration_default(calibration);
-        else
-            hand_calibration_identity(calibration);
-        memcpy(calibration->has_distal, distal[side], sizeof distal[side]);
-    }
-}
-
-/* ---- step 3: raw -> rad -> mm ---- */
-
-static void pose_hand(hand_stage *stage, const hand_calibration *calibration, int64_t time_ns,
-                      mrt_hand *out)
-{
-    hand_calibrate(calibration, stage->raw, out->angle);
-    hand_filter_apply(&stage->filter, out->angle, time_ns);
-    rigid wrist = rigid_identity();
-    if (stage->has_wrist) {
-        double quaternion[4] = {to_double(stage->wrist[3]), to_double(stage->wrist[4]),
-                                to_double(stage->wrist[5]), to_double(stage->wrist[6])};
-        vec3 position = {to_double(stage->wrist[0]), to_double(stage->wrist[1]),
-                         to_double(stage->wrist[2])};
-        wrist = rigid_from_quaternion(quaternion, position);
-    }
-    hand_pose(stage->skeleton, out->angle, &wrist, out->joint, out->palm);
-    out->present = true;
-    out->time_ns = time_ns;
-}
-
-static void read_channels(performer *self, const channel_route *route, const mrt_sample *sample)
-{
-    bool touched[2] = {false, false};
-    for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
-        uint32_t semantic = route->semantic[i], hand = route->hand[i];
-        float value = sample->value[i];
-        if (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS) {
-            self->frame.pedal[semantic - MRT_CH_PEDAL] = fminf(fmaxf(value, 0.0f), 1.0f);
-        } else if (hand <= MRT_RIGHT && semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + 7) {
-            self->hand[hand].wrist[semantic - MRT_CH_WRIST] = value;
-            self->hand[hand].has_wrist = true;
-            touched[hand] = true;
-        } else if (hand <= MRT_RIGHT && semantic >= MRT_CH_ANGLE &&
-                   semantic < MRT_CH_ANGLE + MRT_ANGLES) {
-            self->hand[hand].raw[semantic - MRT_CH_ANGLE] = value;
-            touched[hand] = true;
-        }
-    }
-    for (int side = 0; side < 2; ++side)
-        if (touched[side])
-            pose_hand(&self->hand[side], &route->calibration[side], self->frame.time_ns,
-                      &self->frame.hand[side]);
 }
 
 /* ---- steps 4 and 5: the mapping and the guard ---- */
@@ -496,7 +398,7 @@ void performer_sample(performer *self, const channel_route *route, const mrt_sam
     self->frame.time_ns = time_ns;
     self->has_time = true;
     self->counts.samples += 1;
-    read_channels(self, route, sample);
+    hands_read(self->hands, route, sample, &self->frame);
     run_mapping(self);
     move_shape(self);
     self->frame.near = is_near(self);

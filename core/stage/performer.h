@@ -6,9 +6,8 @@
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "face/face.h"
-#include "hand/filter.h"
-#include "hand/hand.h"
 #include "stage/face_file.h"
+#include "stage/hands.h"
 #include "stage/instance.h"
 
 typedef struct performer performer;
@@ -23,14 +22,6 @@ typedef struct performer_settings {
 CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
                                     const performer_settings *settings, error *err);
 void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
-
-/* Which channel feeds what. Made once per input; calibration: counts or rad, by the unit. */
-typedef struct channel_route {
-    uint32_t count;
-    uint32_t semantic[MRT_MAX_CHANNELS], hand[MRT_MAX_CHANNELS];
-    hand_calibration calibration[2]; /* left, right */
-} channel_route;
-void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count);
 
 /* Steps 3 to 6, and 7 while unanchored. A sample older than the last one counts as simultaneous. */
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample);

@@ -24,8 +24,8 @@ while IFS=: read -r file line text; do
         fi ;;
     plugins/*/*)
         own=$(cut -d/ -f2 <<<"$file")
-        # A plugin's own headers lie in its own folder; hands/ is what mappings share.
-        [ -e "plugins/$own/$target" ] || [ -e "plugins/hands/$target" ] || complain "$file:$line: a plugin includes $target" ;;
+        # A plugin's own headers lie in its own folder; mappings share hands/, inputs share devices/.
+        [ -e "plugins/$own/$target" ] || [ -e "plugins/hands/$target" ] || [ -e "plugins/devices/$target" ] || complain "$file:$line: a plugin includes $target" ;;
     esac
 done < <(grep -rnE '#include +"' core plugins --include=*.c --include=*.h --include=*.cpp)
 

@@ -115,7 +115,9 @@ typedef struct mrt_channel {
     float min, max;          /* of the raw value */
 } mrt_channel;
 typedef struct mrt_sample {
-    int64_t time_ns;   /* host clock when the last byte arrived: not a guess, not "now" */
+    int64_t time_ns;   /* host clock at which it was measured, as well as the device can tell: its
+                          own clock mapped to the host's, else when the last byte arrived; never
+                          before the last sample's, never in the future */
     uint32_t sequence; /* +1 each time; a gap says samples were lost */
     uint32_t count;    /* as channels() said */
     float value[MRT_MAX_CHANNELS]; /* raw, finite */
@@ -126,14 +128,50 @@ enum {
     MRT_INPUT_RECORDED = 1
 };
 typedef struct mrt_input {
-    mrt_result (*open)(mrt_plugin *self, const char *address,
-                       const double *params); /* [main] "": the first found */
+    /* [main] "": the first found. When read() has failed with MRT_ERR_IO the host closes and opens
+     * again, with the same address, until the device is back; then [input]. An instance that was
+     * opened with "" finds the very device that it had, by where it is plugged in. Should
+     * host->wait_until_ns return early, the host is stopping: give up. */
+    mrt_result (*open)(mrt_plugin *self, const char *address, const double *params);
     const mrt_channel *(*channels)(mrt_plugin *self, uint32_t *out_count); /* [main] until close */
+    /* An input with pedals that loses its device first gives a sample in which they are up. */
     mrt_result (*read)(mrt_plugin *self, const double *params, int64_t deadline_ns,
                        mrt_sample *out_sample); /* [input] waits, never past the deadline */
-    void (*close)(mrt_plugin *self);            /* [main] the input thread has been joined */
+    void (*close)(mrt_plugin *self);            /* [main] [input] as open */
     uint32_t flags;                             /* MRT_INPUT_* */
 } mrt_input;
+
+/* ---- devices: what an input could open, and what to do about what it cannot ---- */
+#define MRT_DEVICES "marotte.devices/1"
+enum {
+    MRT_DEVICE_READY = 0,  /* open() would do */
+    MRT_DEVICE_BUSY = 1,   /* another program holds it */
+    MRT_DEVICE_DENIED = 2, /* this user may not open it */
+    MRT_DEVICE_UNSURE = 3  /* a port at which it may be: only open() can tell */
+};
+typedef struct mrt_device {
+    char address[192]; /* for open(): this very device, also after it was away: its port path */
+    char name[64];     /* "VEC USB Footpedal" */
+    char advice[384];  /* what the person can do, in one sentence; "" when ready */
+    int32_t state;     /* MRT_DEVICE_* */
+} mrt_device;
+typedef struct mrt_devices {
+    /* [main] Writes up to `capacity` devices that are plugged in; returns how many there are. On an
+     * instance that need not be open. Looks, and disturbs nobody: sends nothing to a device. */
+    uint32_t (*list)(mrt_plugin *self, mrt_device *out, uint32_t capacity);
+    /* [main] [input] Which one is open; false: none. */
+    bool (*current)(mrt_plugin *self, mrt_device *out);
+} mrt_devices;
+
+/* ---- output: what the inputs measure, passed on ---- */
+#define MRT_OUTPUT "marotte.output/1"
+typedef struct mrt_output {
+    mrt_result (*open)(mrt_plugin *self, const char *address, const double *params); /* [main] */
+    /* [one thread] Passes one sample of the input called `source` on. Never waits. */
+    mrt_result (*write)(mrt_plugin *self, const char *source, const mrt_channel *channels,
+                        const mrt_sample *sample);
+    void (*close)(mrt_plugin *self); /* [main] */
+} mrt_output;
 
 /* ---- mapping: hands in, control vectors out ---- */
 #define MRT_MAPPING "marotte.mapping/1"
