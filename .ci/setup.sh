@@ -5,7 +5,7 @@ setup_build_packages=(
     build-essential cmake ninja-build pkg-config
     libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libsuitesparse-dev libpng-dev
     libepoxy-dev libegl-dev libfreetype-dev fonts-inter
-    libusb-1.0-0-dev liblo-dev libsqlite3-dev libsndfile1-dev portaudio19-dev
+    libusb-1.0-0-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev portaudio19-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri
 )
 setup_test_packages=(libcmocka-dev libumockdev-dev umockdev clang-format-14 nodejs npm)
