@@ -15,7 +15,7 @@
 #include "base/rigid.h"
 
 /* Piecewise-linear table per sensor, extended by its end slopes. */
-enum { HAND_TABLE_MAX = 8 };
+enum { HAND_TABLE_MAX = 16 };
 typedef struct hand_table {
     uint32_t count;                                 /* 0: raw is already rad */
     float raw[HAND_TABLE_MAX], rad[HAND_TABLE_MAX]; /* raw strictly ascending */
@@ -26,6 +26,7 @@ typedef struct hand_calibration {
     /* false: the distal joint (index..little) is estimated from the middle one. Both functions
      * below say true: who knows that the glove has 18 sensors says otherwise. */
     bool has_distal[4];
+    float neutral_rad[MRT_ANGLES]; /* the hand relaxed, ready to talk: what a re-zero leads to */
 } hand_calibration;
 
 /* Raw is rad: recorded logs. */
@@ -36,6 +37,11 @@ void hand_calibration_default(hand_calibration *out);
 /* raw: MRT_ANGLES values; out_rad likewise, within +-pi. Non-finite raw gives the sensor's middle
  * value. */
 void hand_calibrate(const hand_calibration *calibration, const float *raw, float *out_rad);
+
+/* The table alone, as hand_calibrate reads it; count > 0. */
+double hand_table_value(const hand_table *table, double raw);
+/* What a finger's end joint does when its middle joint does so. */
+float hand_distal_from_middle(float middle_rad);
 
 /* Lengths and rest positions of one hand: the default shape, which nothing changes afterwards.
  * hand_length_mm: wrist to the tip of the straight middle finger. */

@@ -1,46 +1,28 @@
 #include "hand/hand.h"
 
 #include "base/angle.h"
+#include "hand/sensor.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { FINGER_COUNT = 4 };
-
-/* Sensors of the middle and of the distal joint, index to little. */
-static const int middle_joint[FINGER_COUNT] = {5, 8, 12, 16};
-static const int distal_joint[FINGER_COUNT] = {6, 9, 13, 17};
-
-/* A starting pose for a hand that nobody has calibrated, averaged over the gloves of
- * research/hardware.md 2.1: rad = gain * (raw - zero) + rad_at_zero. Two rows are not taken as that
- * page suggests. Its thumb roll is 0 for a resting thumb, ours for a thumb in the plane of the
- * palm, which rests 0.6 rad in front of it. Its wrist pitch has the sign of a table in which
- * flexion is negative. */
-static const struct gain {
-    float gain, zero, rad_at_zero;
-} default_gain[MRT_ANGLES] = {
-    {0.0160f, 74, 0.6f},                                        /* thumb roll */
-    {0.0142f, 80, 0},    {0.0185f, 100, 0}, {-0.0090f, 200, 0}, /* thumb MPJ, IJ, abduction */
-    {0.0200f, 90, 0},    {0.0140f, 65, 0},  {0.0140f, 80, 0},   /* index MPJ, PIJ, DIJ */
-    {0.0200f, 90, 0},    {0.0140f, 65, 0},  {0.0140f, 80, 0},   /* middle */
-    {-0.0060f, 150, 0},                                         /* middle-index spread */
-    {0.0200f, 90, 0},    {0.0140f, 65, 0},  {0.0140f, 80, 0},   /* ring */
-    {-0.0060f, 150, 0},                                         /* ring-middle spread */
-    {0.0200f, 90, 0},    {0.0140f, 65, 0},  {0.0140f, 80, 0},   /* little */
-    {-0.0060f, 150, 0},                                         /* little-ring spread */
-    {0.0090f, 103, 0},   {0.0148f, 134, 0}, {-0.0068f, 90, 0},  /* arch, wrist pitch, yaw */
-};
-
 static void expect_all_distal(hand_calibration *out)
 {
-    for (int i = 0; i < FINGER_COUNT; ++i)
+    for (int i = 0; i < SENSOR_DISTAL_COUNT; ++i)
         out->has_distal[i] = true;
+}
+
+static void expect_usual_neutral(hand_calibration *out)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out->neutral_rad[i] = sensor_table[i].neutral_rad;
 }
 
 void hand_calibration_identity(hand_calibration *out)
 {
     memset(out, 0, sizeof *out);
     expect_all_distal(out);
+    expect_usual_neutral(out);
 }
 
 void hand_calibration_default(hand_calibration *out)
@@ -48,7 +30,7 @@ void hand_calibration_default(hand_calibration *out)
     static const float raw_end[2] = {1.0f, 255.0f}; /* of a sensor byte */
     memset(out, 0, sizeof *out);
     for (int i = 0; i < MRT_ANGLES; ++i) {
-        const struct gain *g = &default_gain[i];
+        const sensor_facts *g = &sensor_table[i];
         hand_table *table = &out->sensor[i];
         table->count = 2;
         for (int k = 0; k < 2; ++k) {
@@ -57,6 +39,7 @@ void hand_calibration_default(hand_calibration *out)
         }
     }
     expect_all_distal(out);
+    expect_usual_neutral(out);
 }
 
 /* Half a turn either way is more than any joint has: what a damaged table or sensor says beyond it
@@ -66,7 +49,7 @@ static double within_half_turn(double angle_rad)
     return fmin(fmax(angle_rad, -ANGLE_PI), ANGLE_PI);
 }
 
-static double table_value(const hand_table *table, double raw)
+double hand_table_value(const hand_table *table, double raw)
 {
     uint32_t count = table->count < HAND_TABLE_MAX ? table->count : HAND_TABLE_MAX;
     if (count == 0)
@@ -89,9 +72,10 @@ static double middle_raw(const hand_table *table)
 }
 
 /* As VirtualHand does for gloves of 18 sensors (hardware.md 2.2); 90 degrees give 30. */
-static double distal_from_middle(double middle_rad)
+float hand_distal_from_middle(float middle_rad)
 {
-    return fmax(0.32 * middle_rad * middle_rad - 0.17 * middle_rad, 0.0);
+    double middle = (double)middle_rad;
+    return (float)fmax(0.32 * middle * middle - 0.17 * middle, 0.0);
 }
 
 void hand_calibrate(const hand_calibration *calibration, const float *raw, float *out_rad)
@@ -99,10 +83,10 @@ void hand_calibrate(const hand_calibration *calibration, const float *raw, float
     for (int i = 0; i < MRT_ANGLES; ++i) {
         const hand_table *table = &calibration->sensor[i];
         double value = isfinite(raw[i]) ? (double)raw[i] : middle_raw(table);
-        double rad = table_value(table, value);
+        double rad = hand_table_value(table, value);
         out_rad[i] = isfinite(rad) ? (float)within_half_turn(rad) : 0.0f;
     }
-    for (int i = 0; i < FINGER_COUNT; ++i)
+    for (int i = 0; i < SENSOR_DISTAL_COUNT; ++i)
         if (!calibration->has_distal[i])
-            out_rad[distal_joint[i]] = (float)distal_from_middle((double)out_rad[middle_joint[i]]);
+            out_rad[sensor_distal[i]] = hand_distal_from_middle(out_rad[sensor_middle[i]]);
 }

@@ -1,6 +1,7 @@
 #include "hand/hand.h"
 
 #include "base/angle.h"
+#include "hand/sensor.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,24 +11,6 @@
  * the default shape: a flat right hand, fingers straight and parallel, thumb in the plane of the
  * palm. Poses are computed from there and stored nowhere. */
 typedef enum node_kind { NODE_PARENT = 0, NODE_PALM_JOINT, NODE_JOINT, NODE_THUMB } node_kind;
-
-/* Sensors in the order of plugin.h. */
-enum {
-    SENSOR_THUMB_ROLL = 0,
-    SENSOR_THUMB_MPJ = 1,
-    SENSOR_THUMB_ABDUCTION = 3,
-    SENSOR_INDEX_MPJ = 4,
-    SENSOR_MIDDLE_MPJ = 7,
-    SENSOR_MIDDLE_INDEX_SPREAD = 10,
-    SENSOR_RING_MPJ = 11,
-    SENSOR_RING_MIDDLE_SPREAD = 14,
-    SENSOR_LITTLE_MPJ = 15,
-    SENSOR_LITTLE_RING_SPREAD = 18,
-    SENSOR_ARCH = 19,
-    SENSOR_WRIST_PITCH = 20,
-    SENSOR_WRIST_YAW = 21,
-    SENSOR_NONE = -1
-};
 
 enum { JOINT_NONE = -1, NODE_MAX = 32, FINGER_COUNT = 5, PALM_POINTS = MRT_PALM };
 

@@ -1,6 +1,7 @@
 /* stage/hands.h - step 3 of the frame: what the inputs' channels measured becomes two posed hands
- * and the pedals of a mrt_frame. Calibrated, filtered, carried from the wrist outwards. A function
- * of the samples alone. [frame] after create; no allocation then. */
+ * and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a gap, carried
+ * from the wrist outwards. A function of the samples (and of re-zeros by hand) alone. [frame] after
+ * create; no allocation then. */
 #ifndef MAROTTE_STAGE_HANDS_H
 #define MAROTTE_STAGE_HANDS_H
 #include "hand/filter.h"
@@ -8,20 +9,44 @@
 
 typedef struct hands hands;
 
-/* [main] length_mm: of both, > 0. */
-CHECKED mrt_result hands_create(hands **out, double length_mm, error *err);
+typedef struct hands_settings {
+    double length_mm[2];   /* left, right; 0: HAND_LENGTH_MM */
+    uint32_t rezero_pedal; /* 1..MRT_MAX_PEDALS: a press re-zeroes the hands that are there, and
+                              mappings never see that pedal; 0: none */
+} hands_settings;
+
+/* [main] */
+CHECKED mrt_result hands_create(hands **out, const hands_settings *settings, error *err);
 void hands_destroy(hands *self); /* NULL is fine */
 
-/* Which channel feeds what. Made once per input; calibration: counts or rad, by the unit. */
+/* Which channel feeds what. Made once per input. */
 typedef struct channel_route {
     uint32_t count;
     uint32_t semantic[MRT_MAX_CHANNELS], hand[MRT_MAX_CHANNELS];
+    bool in_counts[2];               /* left, right: these need a calibration */
+    bool has_distal[2][4];           /* of the fingers index .. little */
     hand_calibration calibration[2]; /* left, right */
 } channel_route;
+/* For counts the shipped defaults, for rad none: by the unit. */
 void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count);
+/* Takes a user's calibration instead of the defaults; NULL: leaves it. Rad stays as it is. */
+void channel_route_calibrate(channel_route *route, uint32_t side,
+                             const hand_calibration *calibration);
 
 /* Changes what the sample speaks of in `frame`: hands, pedals. frame->time_ns is the sample's. */
 void hands_read(hands *self, const channel_route *route, const mrt_sample *sample,
                 mrt_frame *frame);
+
+/* From the next sample on, eased over 250 ms, the pose that the hand holds now is its neutral pose.
+ * Always measured from the tables, so that a second one replaces the first. Refused, MRT_HOLD with
+ * the reason in `why`, while the hand moves: when over the last half second some channel's standard
+ * deviation is more than a degree, or when its samples do not reach up to time_ns. */
+CHECKED mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why);
+
+typedef struct rezero_counts {
+    uint32_t done, refused; /* by pedal and by hands_rezero */
+    error refusal;          /* the last one's reason; "" none */
+} rezero_counts;
+const rezero_counts *hands_rezeros(const hands *self);
 
 #endif

@@ -10,7 +10,6 @@
 /* The guard: no control vector leads further from the face than this many times its size. */
 static const double reach_in_faces = 10.0;
 static const double dt_max_s = 0.1;
-static const double hand_length_default_mm = 190.0;
 
 struct performer {
     instance *mapping;
@@ -106,13 +105,15 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     performer *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the performer");
-    double length =
-        settings->hand_length_mm > 0 ? settings->hand_length_mm : hand_length_default_mm;
+    hands_settings of_hands = {.rezero_pedal = settings->rezero_pedal};
+    for (int side = 0; side < 2; ++side)
+        of_hands.length_mm[side] = settings->hand_length_mm > 0 ? settings->hand_length_mm
+                                                                : settings->side_length_mm[side];
     self->counts.min_determinant = 1.0;
     measure_face(self, file, &settings->solver);
     mrt_result result = create_surface(self, file, err);
     if (result >= 0)
-        result = hands_create(&self->hands, length, err);
+        result = hands_create(&self->hands, &of_hands, err);
     if (result < 0)
         goto fail;
     describe_face(self);
@@ -402,6 +403,16 @@ void performer_sample(performer *self, const channel_route *route, const mrt_sam
     run_mapping(self);
     move_shape(self);
     self->frame.near = is_near(self);
+}
+
+mrt_result performer_rezero(performer *self, uint32_t side, error *why)
+{
+    return hands_rezero(self->hands, side, self->frame.time_ns, why);
+}
+
+const rezero_counts *performer_rezeros(const performer *self)
+{
+    return hands_rezeros(self->hands);
 }
 
 void performer_draw(performer *self)

@@ -15,7 +15,9 @@ typedef struct performer performer;
 typedef struct performer_settings {
     csrbf_settings solver; /* radius: used when a pull names none; 0: the rig's, or a quarter of the
                               height */
-    double hand_length_mm; /* 0: 190 */
+    double hand_length_mm;    /* of both hands; 0: the next */
+    double side_length_mm[2]; /* left, right; 0: HAND_LENGTH_MM */
+    uint32_t rezero_pedal;    /* hands.h; 0: none */
 } performer_settings;
 
 /* [main] The face file and the mapping must outlive it; the mapping is activated and reset. */
@@ -25,6 +27,9 @@ void performer_destroy(performer *self); /* deactivates the mapping; NULL is fin
 
 /* Steps 3 to 6, and 7 while unanchored. A sample older than the last one counts as simultaneous. */
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample);
+/* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
+CHECKED mrt_result performer_rezero(performer *self, uint32_t side, error *why);
+const rezero_counts *performer_rezeros(const performer *self);
 /* Step 7 for drawing: the shape shown and its normals. */
 void performer_draw(performer *self);
 

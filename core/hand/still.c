@@ -1,0 +1,129 @@
+#include "hand/still.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SAMPLES_LEAST = 4 };
+static const int64_t GAP_NS = 250000000;
+
+void still_init(still_window *window, int64_t span_ns, uint32_t channels)
+{
+    memset(window, 0, sizeof *window);
+    window->span_ns = span_ns;
+    window->channels = channels;
+}
+
+void still_reset(still_window *window)
+{
+    window->count = 0;
+}
+
+static uint32_t slot(const still_window *window, uint32_t index)
+{
+    return (window->first + index) % STILL_SAMPLES;
+}
+
+static int64_t newest_ns(const still_window *window)
+{
+    return window->time_ns[slot(window, window->count - 1)];
+}
+
+static void drop_oldest(still_window *window)
+{
+    window->first = slot(window, 1);
+    window->count -= 1;
+}
+
+void still_add(still_window *window, const float *value, int64_t time_ns)
+{
+    if (window->count > 0) {
+        int64_t last_ns = newest_ns(window);
+        if (time_ns < last_ns || (uint64_t)time_ns - (uint64_t)last_ns > (uint64_t)GAP_NS)
+            still_reset(window);
+        else if (time_ns - last_ns <= window->span_ns / STILL_SAMPLES)
+            return;
+    }
+    if (window->count == STILL_SAMPLES)
+        drop_oldest(window);
+    window->count += 1;
+    uint32_t at = slot(window, window->count - 1);
+    window->time_ns[at] = time_ns;
+    memcpy(window->value[at], value, sizeof window->value[at]);
+    while (time_ns - window->time_ns[window->first] > window->span_ns)
+        drop_oldest(window);
+}
+
+static bool counts(const still_window *window, int channel)
+{
+    return (window->channels >> channel & 1u) != 0;
+}
+
+static double mean_of(const still_window *window, int channel)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < window->count; ++i)
+        sum += (double)window->value[slot(window, i)][channel];
+    return window->count > 0 ? sum / window->count : 0.0;
+}
+
+static double deviation_of(const still_window *window, int channel)
+{
+    double mean = mean_of(window, channel), sum = 0;
+    for (uint32_t i = 0; i < window->count; ++i) {
+        double from_mean = (double)window->value[slot(window, i)][channel] - mean;
+        sum += from_mean * from_mean;
+    }
+    return window->count > 0 ? sqrt(sum / window->count) : 0.0;
+}
+
+/* Samples are at whole periods: the oldest kept may be one period younger than the span. */
+static bool reaches_over_span(const still_window *window)
+{
+    if (window->count < SAMPLES_LEAST)
+        return false;
+    int64_t reach_ns = newest_ns(window) - window->time_ns[window->first];
+    return reach_ns + reach_ns / (window->count - 1) >= window->span_ns;
+}
+
+still_state still_measure(const still_window *window)
+{
+    still_state out = {.is_full = reaches_over_span(window), .worst_channel = -1};
+    for (int channel = 0; channel < MRT_ANGLES; ++channel) {
+        if (!counts(window, channel))
+            continue;
+        double deviation = deviation_of(window, channel);
+        if (out.worst_channel >= 0 && !(deviation > out.worst))
+            continue;
+        out.worst = deviation;
+        out.worst_channel = channel;
+    }
+    return out;
+}
+
+void still_mean(const still_window *window, float *out)
+{
+    for (int channel = 0; channel < MRT_ANGLES; ++channel)
+        out[channel] = counts(window, channel) ? (float)mean_of(window, channel) : 0.0f;
+}
+
+static float median_of(const still_window *window, int channel)
+{
+    float sorted[STILL_SAMPLES] = {0};
+    for (uint32_t i = 0; i < window->count; ++i) {
+        float value = window->value[slot(window, i)][channel];
+        uint32_t at = i;
+        for (; at > 0 && sorted[at - 1] > value; --at)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = value;
+    }
+    uint32_t half = window->count / 2;
+    if (window->count % 2 == 1)
+        return sorted[half];
+    return window->count > 0 ? 0.5f * (sorted[half - 1] + sorted[half]) : 0.0f;
+}
+
+void still_median(const still_window *window, float *out)
+{
+    for (int channel = 0; channel < MRT_ANGLES; ++channel)
+        out[channel] = counts(window, channel) ? median_of(window, channel) : 0.0f;
+}
