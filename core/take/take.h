@@ -101,7 +101,7 @@ typedef struct take_layer {
     bool is_additive; /* false: where it shows a clip it takes what it owns from the layers below;
                          true: it adds to them */
     double gain;
-    int64_t offset_ns;  /* later (> 0) or earlier */
+    int64_t offset_ns;  /* its clips are shown so much later (> 0) or earlier */
     uint32_t own_count; /* contacts, bones and degrees of freedom that it owns, with '*' at the end
                            ("mouth.*", "jaw.open"); 0: all. */
     char (*own)[TAKE_NAME];
@@ -134,11 +134,13 @@ typedef struct take {
     uint32_t rating;        /* 0..5 stars */
     double fps;             /* of its frames and time code; 0: not said */
     int64_t timecode_frame; /* of timeline 0, counted from 00:00:00:00 */
+    bool is_drop_frame;     /* how its time code is written: see timecode.h */
     char origin[96];        /* "recorded", "kept from the journal", "take 3 through anchored" */
     uint32_t layer_count, marker_count;
     take_layer *layer; /* bottom first */
     take_marker *marker;
     take_audio audio;
+    uint32_t id_count; /* the last id given to a layer or clip: ids are not used again */
 } take;
 
 void take_finish(take *t); /* frees what it owns; accepts zeroed */
@@ -149,5 +151,17 @@ void take_performance_finish(take_performance *p);
 /* The source time shown at at_ns, and back. */
 int64_t take_warp_to_source(const take_clip *clip, int64_t at_ns);
 int64_t take_warp_to_timeline(const take_clip *clip, int64_t source_ns);
+
+/* Which clips of a layer speak at an instant, how loudly, and from which instant of their source.
+ * Where two clips overlap, their weights are linear and sum to 1; where a clip ends alone, it fades
+ * by its fades, to the rest pose or to what earlier layers show there (own.h). Spans are half open:
+ * a clip speaks from its start until before its end. Weights are without the gains of clip and
+ * layer. A muted clip counts as absent; whether the layer is muted is own.h's. */
+typedef struct take_voice {
+    const take_clip *clip; /* of the layer */
+    int64_t source_ns;
+    double weight; /* 0..1 */
+} take_voice;
+uint32_t take_at(take_voice out[2], const take_layer *layer, int64_t at_ns); /* 0, 1 or 2 */
 
 #endif
