@@ -148,7 +148,8 @@ CHECKED mrt_result take_copy(take *out, const take *t, error *err);
 void take_track_finish(take_track *t);
 void take_performance_finish(take_performance *p);
 
-/* The source time shown at at_ns, and back. */
+/* The source time shown at at_ns, rounded down; and the first instant at which that source time has
+ * been reached: so a sample at s is shown from take_warp_to_timeline(s) on, exactly. */
 int64_t take_warp_to_source(const take_clip *clip, int64_t at_ns);
 int64_t take_warp_to_timeline(const take_clip *clip, int64_t source_ns);
 
