@@ -1,51 +1,40 @@
 #include "stage/input.h"
 #include "base/clock.h"
-#include "base/ring.h"
+#include "stage/input_inside.h"
 #include "stage/plugins.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { RING_SAMPLES = 1024, NAME_LENGTH = 96 };
-
-/* How long a read may block before the thread looks whether it is to stop. */
-static const int64_t read_span_ns = 100 * NS_PER_MS;
-
-struct input {
-    instance plugin;
-    const mrt_input *functions;
-    const mrt_channel *channels;
-    uint32_t channel_count;
-    char name[NAME_LENGTH];
-    bool open, has_thread;
-    pthread_t thread;
-    ring *samples;
-    bool has_pending; /* virtual clock: read ahead by one */
-    mrt_sample pending;
-    _Atomic int32_t state;
-    _Atomic bool stopping;
-    _Atomic uint32_t refused;
-};
+static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 
 static void name_input(input *self, const char *address)
 {
     const char *dot = strrchr(self->plugin.type->id, '.');
     const char *slash = strrchr(address, '/');
-    snprintf(self->name, sizeof self->name, "%s%s%s", dot ? dot + 1 : self->plugin.type->id,
+    snprintf(self->name, sizeof self->name, "%.31s%s%.63s", dot ? dot + 1 : self->plugin.type->id,
              address[0] ? " " : "", slash ? slash + 1 : address);
 }
 
-static mrt_result check_channels(const input *self, error *err)
+/* "" found some device: the name says which. */
+static void name_found(input *self)
 {
-    if (!self->channels || self->channel_count == 0 || self->channel_count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_FORMAT, "%s: reports %u channels, 1 to %d are possible",
-                         self->name, self->channel_count, MRT_MAX_CHANNELS);
-    for (uint32_t i = 0; i < self->channel_count; ++i)
-        if (!self->channels[i].name || !self->channels[i].unit ||
-            self->channels[i].hand > MRT_NO_HAND)
-            return error_set(err, MRT_ERR_FORMAT, "%s: channel %u is not described", self->name, i);
+    const mrt_devices *devices = plugin_interface(self->plugin.type, MRT_DEVICES);
+    mrt_device found = {.address = ""};
+    if (self->address[0] || !devices || !devices->current ||
+        !devices->current(self->plugin.self, &found))
+        return;
+    found.address[sizeof found.address - 1] = '\0';
+    name_input(self, found.address);
+}
+
+static mrt_result allocate(input *self, error *err)
+{
+    self->samples = ring_create(sizeof(input_record), INPUT_RING);
+    self->incidents = ring_create(sizeof(input_incident), INPUT_INCIDENTS);
+    if (!self->samples || !self->incidents)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for input %s", self->name);
     return MRT_OK;
 }
 
@@ -54,37 +43,30 @@ mrt_result input_create(input **out, const mrt_plugin_type *type, const char *ad
 {
     *out = NULL;
     input *self = calloc(1, sizeof *self);
-    if (!self)
+    char *own_address = strdup(address);
+    if (!self || !own_address) {
+        free(self);
+        free(own_address);
         return error_set(err, MRT_ERR_MEMORY, "no memory for input %s", type->id);
+    }
+    self->address = own_address;
     self->functions = plugin_interface(type, MRT_INPUT);
+    self->patience_first_ns = patience_first_ns;
+    self->patience_later_ns = patience_later_ns;
+    health_board_init(&self->board);
     mrt_result result = instance_create(&self->plugin, type, clock, log, err);
     if (result < 0)
         goto fail;
+    self->plugin.can_restart = true;
     name_input(self, address);
     result = instance_set_list(&self->plugin, params, err);
+    if (result >= 0)
+        result = allocate(self, err);
+    if (result >= 0)
+        result = input_run_open(self, err);
     if (result < 0)
         goto fail;
-    instance_latch(&self->plugin);
-    error why = {""};
-    self->plugin.failure = &why;
-    result = self->functions->open(self->plugin.self, address, self->plugin.params);
-    self->plugin.failure = NULL;
-    if (result < 0) {
-        error_set(err, result, "%s", why.text[0] ? why.text : "the input could not be opened");
-        if (!why.text[0])
-            error_prefix(err, self->name);
-        goto fail;
-    }
-    self->open = true;
-    self->channels = self->functions->channels(self->plugin.self, &self->channel_count);
-    result = check_channels(self, err);
-    if (result < 0)
-        goto fail;
-    self->samples = ring_create(sizeof(mrt_sample), RING_SAMPLES);
-    if (!self->samples) {
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for input %s", self->name);
-        goto fail;
-    }
+    name_found(self);
     *out = self;
     return MRT_OK;
 fail:
@@ -101,6 +83,8 @@ void input_destroy(input *self)
         self->functions->close(self->plugin.self);
     instance_destroy(&self->plugin);
     ring_destroy(self->samples);
+    ring_destroy(self->incidents);
+    free(self->address);
     free(self);
 }
 
@@ -109,56 +93,34 @@ const char *input_name(const input *self)
     return self->name;
 }
 
+const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32_t *out_count)
+{
+    const channel_table *table = &self->table[version % INPUT_VERSIONS];
+    *out_count = table->count;
+    return table->channel;
+}
+
 const mrt_channel *input_channels(const input *self, uint32_t *out_count)
 {
-    *out_count = self->channel_count;
-    return self->channels;
+    return input_channels_of(self, atomic_load(&self->version), out_count);
 }
 
-static bool is_good(const input *self, const mrt_sample *sample)
+void input_set_wake(input *self, wake *signal)
 {
-    if (sample->count != self->channel_count)
-        return false;
-    for (uint32_t i = 0; i < sample->count; ++i)
-        if (!isfinite(sample->value[i]))
-            return false;
-    return true;
+    self->signal = signal;
 }
 
-/* One read. True: a good sample. The state says why not. */
-static bool read_sample(input *self, int64_t deadline_ns, mrt_sample *out)
+void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns)
 {
-    memset(out, 0, sizeof *out);
-    instance_latch(&self->plugin);
-    mrt_result result =
-        self->functions->read(self->plugin.self, self->plugin.params, deadline_ns, out);
-    if (result == MRT_OK) {
-        if (is_good(self, out))
-            return true;
-        atomic_fetch_add(&self->refused, 1);
-    } else if (result == MRT_END) {
-        atomic_store(&self->state, INPUT_ENDED);
-    } else if (result < 0) {
-        atomic_store(&self->state, INPUT_FAILED);
-    }
-    return false;
-}
-
-static void *input_thread(void *data)
-{
-    input *self = data;
-    mrt_sample sample;
-    while (!atomic_load(&self->stopping) && atomic_load(&self->state) == INPUT_RUNNING)
-        if (read_sample(self, clock_now_ns() + read_span_ns, &sample))
-            (void)ring_push(self->samples, &sample); /* a full ring counts its drops */
-    return NULL;
+    self->patience_first_ns = first_ns;
+    self->patience_later_ns = later_ns;
 }
 
 mrt_result input_start(input *self, error *err)
 {
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)
         return MRT_OK;
-    if (pthread_create(&self->thread, NULL, input_thread, self) != 0)
+    if (pthread_create(&self->thread, NULL, input_run, self) != 0)
         return error_set(err, MRT_ERR_MEMORY, "%s: its thread could not be started", self->name);
     self->has_thread = true;
     return MRT_OK;
@@ -176,21 +138,38 @@ void input_stop(input *self)
 
 bool input_peek(input *self, mrt_sample *out_sample)
 {
-    if (self->plugin.clock == CLOCK_REAL)
-        return ring_peek(self->samples, out_sample);
-    while (!self->has_pending && atomic_load(&self->state) == INPUT_RUNNING)
-        self->has_pending = read_sample(self, INT64_MAX, &self->pending);
-    if (self->has_pending)
-        *out_sample = self->pending;
-    return self->has_pending;
+    input_record record;
+    if (self->plugin.clock == CLOCK_REAL) {
+        if (!ring_peek(self->samples, &record))
+            return false;
+    } else {
+        if (!self->has_pending)
+            self->has_pending = input_run_virtual(self, &self->pending);
+        if (!self->has_pending)
+            return false;
+        record = self->pending;
+    }
+    *out_sample = record.sample;
+    self->peeked_version = record.version;
+    return true;
 }
 
 void input_take(input *self)
 {
-    mrt_sample dropped;
+    input_record dropped;
     if (self->plugin.clock == CLOCK_REAL)
         (void)ring_pop(self->samples, &dropped);
     self->has_pending = false;
+}
+
+uint32_t input_version(const input *self)
+{
+    return self->peeked_version;
+}
+
+bool input_take_incident(input *self, input_incident *out)
+{
+    return ring_pop(self->incidents, out);
 }
 
 input_state input_state_of(const input *self)
@@ -200,10 +179,35 @@ input_state input_state_of(const input *self)
 
 uint32_t input_dropped(const input *self)
 {
-    return ring_drop_count(self->samples);
+    return atomic_load(&self->dropped);
 }
 
 uint32_t input_refused(const input *self)
 {
     return atomic_load(&self->refused);
+}
+
+void input_health(const input *self, health_report *out)
+{
+    if (self->plugin.clock == CLOCK_VIRTUAL) {
+        *out = (health_report){.state = atomic_load(&self->state)};
+        return;
+    }
+    health_look(&self->board, out);
+    health_age(out, clock_now_ns());
+}
+
+const char *input_state_name(input_state state)
+{
+    switch (state) {
+    case INPUT_RUNNING:
+        return "running";
+    case INPUT_ENDED:
+        return "over";
+    case INPUT_FAILED:
+        return "failed";
+    case INPUT_LOST:
+        return "away";
+    }
+    return "unknown";
 }

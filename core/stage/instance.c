@@ -12,12 +12,18 @@
 
 enum { KEY_LENGTH = 128 };
 
+static bool is_listening(const instance *self)
+{
+    return atomic_load(&self->listener) == (uintptr_t)pthread_self();
+}
+
 static void host_log(const mrt_host *host, int32_t level, const char *text)
 {
     instance *self = host->data;
-    if (self->failure && level == MRT_LOG_ERROR)
-        error_set(self->failure, MRT_ERR_IO, "%s", text);
-    else
+    bool listens = is_listening(self); /* a plugin may log from threads of its own */
+    if (listens && self->heard && level == MRT_LOG_ERROR)
+        (void)error_set(self->heard, MRT_ERR_IO, "%s", text);
+    else if (!listens || !self->hush || !said_before(self->hush, text))
         log_push(self->log, level, self->type->id, text);
 }
 
@@ -27,9 +33,8 @@ static int64_t host_now_ns(const mrt_host *host)
     return self->clock == CLOCK_VIRTUAL ? self->virtual_ns : clock_now_ns();
 }
 
-static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
+int64_t instance_wait_until_ns(instance *self, int64_t time_ns)
 {
-    instance *self = host->data;
     if (self->clock == CLOCK_VIRTUAL) {
         if (time_ns > self->virtual_ns)
             self->virtual_ns = time_ns;
@@ -45,10 +50,18 @@ static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
     return clock_now_ns();
 }
 
+static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
+{
+    return instance_wait_until_ns(host->data, time_ns);
+}
+
 static void host_request_restart(const mrt_host *host)
 {
-    const instance *self = host->data;
-    log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
+    instance *self = host->data;
+    if (self->can_restart)
+        atomic_store(&self->restart_asked, true);
+    else
+        log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
 }
 
 static const void *host_service(const mrt_host *host, const char *id)
@@ -88,9 +101,9 @@ mrt_result instance_create(instance *out, const mrt_plugin_type *type, instance_
     if (result < 0)
         goto fail;
     error why = {""};
-    out->failure = &why;
+    instance_listen(out, &why, NULL);
     out->self = type->create(&out->host);
-    out->failure = NULL;
+    instance_listen_end(out);
     if (!out->self) {
         result = error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s could not be created%s%s", type->id,
                            why.text[0] ? ": " : "", why.text);
@@ -227,6 +240,33 @@ void instance_latch(instance *self)
         else
             self->params[i] = atomic_load_explicit(&self->wanted[i], memory_order_relaxed);
     }
+}
+
+void instance_listen(instance *self, error *out_heard, said *hush)
+{
+    self->heard = out_heard;
+    self->hush = hush;
+    atomic_store(&self->listener, (uintptr_t)pthread_self());
+}
+
+void instance_listen_end(instance *self)
+{
+    atomic_store(&self->listener, 0);
+    self->heard = NULL;
+    self->hush = NULL;
+}
+
+bool instance_take_restart(instance *self)
+{
+    return atomic_exchange(&self->restart_asked, false);
+}
+
+bool instance_is_stopping(instance *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    bool stopping = self->stopping;
+    pthread_mutex_unlock(&self->mutex);
+    return stopping;
 }
 
 void instance_stop_waiting(instance *self)

@@ -4,6 +4,7 @@
 #ifndef MAROTTE_STAGE_INSTANCE_H
 #define MAROTTE_STAGE_INSTANCE_H
 #include "base/log.h"
+#include "stage/said.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -21,10 +22,14 @@ typedef struct instance {
     log_queue *log; /* the caller's */
     instance_clock clock;
     int64_t virtual_ns;
-    _Atomic double *wanted; /* parameter values as set by [any] */
-    double *params;         /* as the plugin sees them: latched by the thread that calls it */
-    error *failure;         /* the last error that the plugin logged from create or open; or NULL */
-    pthread_mutex_t mutex;  /* guards stopping, for the wait */
+    _Atomic double *wanted;     /* parameter values as set by [any] */
+    double *params;             /* as the plugin sees them: latched by the thread that calls it */
+    _Atomic uintptr_t listener; /* the thread that listens to what the plugin logs; 0: none */
+    error *heard;               /* the listener's: the last error; or NULL */
+    said *hush;                 /* the listener's: what it need not hear again; or NULL */
+    bool can_restart;           /* whether anybody asks instance_take_restart */
+    _Atomic bool restart_asked;
+    pthread_mutex_t mutex; /* guards stopping, for the wait */
     pthread_cond_t wake;
     bool stopping;
 } instance;
@@ -49,7 +54,22 @@ void instance_trigger(instance *self, uint32_t index);
  * of process, triggers fall back to 0. */
 void instance_latch(instance *self);
 
-/* [any] Ends every wait of the plugin at once. */
+/* [the thread that calls the plugin] Around calls into the plugin: the last error that it logs from
+ * this thread goes to out_heard instead of the log, and of its other lines those that `hush`
+ * remembers are dropped (NULL: none). Both must live until instance_listen_end. */
+void instance_listen(instance *self, error *out_heard, said *hush);
+void instance_listen_end(instance *self);
+
+/* [the thread that calls the plugin] Whether it asked to be closed and opened since the last call.
+ */
+bool instance_take_restart(instance *self);
+
+/* [any] Ends every wait of the plugin at once, and every later one: a wait that returns early says
+ * that the host is stopping. */
 void instance_stop_waiting(instance *self);
+/* [any] */
+bool instance_is_stopping(instance *self);
+/* [the thread that calls the plugin] As the plugin's own wait_until_ns. */
+int64_t instance_wait_until_ns(instance *self, int64_t time_ns);
 
 #endif

@@ -122,9 +122,9 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     self->good = self->pull;
     self->functions = plugin_interface(mapping->type, MRT_MAPPING);
     error why = {""};
-    mapping->failure = &why;
+    instance_listen(mapping, &why, NULL);
     result = self->functions->activate(mapping->self, &self->about);
-    mapping->failure = NULL;
+    instance_listen_end(mapping);
     if (result < 0) {
         error_set(err, result, "mapping %s cannot be used on this face%s%s", mapping->type->id,
                   why.text[0] ? ": " : "", why.text);

@@ -3,8 +3,9 @@
 
 #include <math.h>
 
-/* In real time, how long to sleep when no sample is there and no frame is due. */
-static const int64_t idle_span_ns = 1 * NS_PER_MS;
+/* In real time, how long to sleep when nothing comes and no frame is due: how late `stop` is seen.
+ */
+static const int64_t idle_span_ns = 50 * NS_PER_MS;
 
 /* A longer silence in a record is damage, not a pause: it would be hours of frames. */
 static const int64_t gap_max_ns = 3600 * NS_PER_S;
@@ -17,7 +18,10 @@ typedef struct playing {
     const player_events *events;
     player_report *report;
     channel_route route[PLAYER_INPUTS_MAX];
+    uint32_t route_version[PLAYER_INPUTS_MAX];
+    wake signal; /* of the inputs' threads */
     bool started;
+    int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
     int64_t start_ns, last_ns;
     int64_t work_ns; /* since the last drawn frame */
 } playing;
@@ -48,7 +52,7 @@ static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
 }
 
 /* The input with the earliest sample, or -1. */
-static int earliest(const playing *self, mrt_sample *out)
+static int earliest(const playing *self, mrt_sample *out, uint32_t *out_version)
 {
     int found = -1;
     for (uint32_t i = 0; i < self->input_count; ++i) {
@@ -57,6 +61,7 @@ static int earliest(const playing *self, mrt_sample *out)
             continue;
         if (found < 0 || sample.time_ns < out->time_ns) {
             *out = sample;
+            *out_version = input_version(self->inputs[i]);
             found = (int)i;
         }
     }
@@ -65,9 +70,11 @@ static int earliest(const playing *self, mrt_sample *out)
 
 static bool are_over(const playing *self)
 {
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        if (input_state_of(self->inputs[i]) == INPUT_RUNNING)
+    for (uint32_t i = 0; i < self->input_count; ++i) {
+        input_state state = input_state_of(self->inputs[i]);
+        if (state == INPUT_RUNNING || state == INPUT_LOST)
             return false;
+    }
     return true;
 }
 
@@ -79,7 +86,18 @@ static bool is_stopped(const playing *self)
 static bool is_past_end(const playing *self, int64_t time_ns)
 {
     double seconds = self->settings->seconds;
-    return seconds > 0 && self->started && (double)(time_ns - self->start_ns) >= seconds * 1e9;
+    if (!self->started && self->settings->clock == CLOCK_VIRTUAL)
+        return false;
+    int64_t from_ns = self->started ? self->start_ns : self->begin_ns;
+    return seconds > 0 && (double)(time_ns - from_ns) >= seconds * 1e9;
+}
+
+static void route_input(playing *self, uint32_t i, uint32_t version)
+{
+    uint32_t count;
+    const mrt_channel *channels = input_channels_of(self->inputs[i], version, &count);
+    channel_route_init(&self->route[i], channels, count);
+    self->route_version[i] = version;
 }
 
 static mrt_result play_sample(playing *self, int from, const mrt_sample *sample, error *err)
@@ -88,7 +106,8 @@ static mrt_result play_sample(playing *self, int from, const mrt_sample *sample,
         self->started = true;
         self->start_ns = sample->time_ns;
     }
-    if (sample->time_ns - self->last_ns > gap_max_ns && self->report->sample_count > 0)
+    if (self->settings->clock == CLOCK_VIRTUAL && self->report->sample_count > 0 &&
+        sample->time_ns - self->last_ns > gap_max_ns)
         return error_set(
             err, MRT_ERR_FORMAT,
             "%s: a gap of %.0f s after sample %ju: set start or end, or split the record",
@@ -106,15 +125,36 @@ static mrt_result play_sample(playing *self, int from, const mrt_sample *sample,
     return MRT_OK;
 }
 
-/* Real time, nothing to play: draws what is due and sleeps a little. */
-static mrt_result idle(playing *self, error *err)
+/* Real time, nothing to play since `seen`: draws what is due, or sleeps until there is something.
+ */
+static mrt_result idle(playing *self, uint32_t seen, error *err)
 {
     int64_t now = clock_now_ns();
-    mrt_result result = MRT_OK;
-    if (self->started)
-        result = draw_before(self, now, err);
-    clock_sleep_until_ns(now + idle_span_ns);
-    return result;
+    int64_t until = now + idle_span_ns;
+    if (self->started) {
+        int64_t due = frame_time_ns(self, self->report->frame_count);
+        if (due < now)
+            return draw_before(self, now, err);
+        if (due < until)
+            until = due + 1;
+    }
+    wake_wait_until_ns(&self->signal, seen, until);
+    return MRT_OK;
+}
+
+static void tell_incidents(playing *self)
+{
+    input_incident incident;
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        while (input_take_incident(self->inputs[i], &incident)) {
+            int64_t from_ns = self->started ? self->start_ns : self->begin_ns;
+            self->report->went_count += incident.kind == INPUT_WENT;
+            self->report->came_count += incident.kind == INPUT_CAME;
+            self->report->away_s += (double)incident.away_ns / 1e9;
+            if (self->events->incident)
+                self->events->incident(self->events->data, self->inputs[i], &incident,
+                                       (double)(incident.time_ns - from_ns) / 1e9);
+        }
 }
 
 static mrt_result play(playing *self, error *err)
@@ -122,18 +162,23 @@ static mrt_result play(playing *self, error *err)
     mrt_result result = MRT_OK;
     while (result >= 0 && !is_stopped(self)) {
         mrt_sample sample;
+        uint32_t seen = wake_seen(&self->signal);
         bool over = are_over(self); /* asked first: what came before the end is still in a ring */
-        int from = earliest(self, &sample);
+        uint32_t version = 0;
+        int from = earliest(self, &sample, &version);
+        tell_incidents(self);
         if (from >= 0) {
             if (is_past_end(self, sample.time_ns))
                 break;
+            if (version != self->route_version[from])
+                route_input(self, (uint32_t)from, version);
             input_take(self->inputs[from]);
             result = play_sample(self, from, &sample, err);
         } else if (over || self->settings->clock == CLOCK_VIRTUAL ||
                    is_past_end(self, clock_now_ns())) {
             break;
         } else {
-            result = idle(self, err);
+            result = idle(self, seen, err);
         }
     }
     /* The last samples are shown too. */
@@ -160,16 +205,18 @@ mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
                     .events = events,
                     .report = out_report};
     mrt_result result = MRT_OK;
+    wake_init(&self.signal);
+    self.begin_ns = settings->clock == CLOCK_REAL ? clock_now_ns() : 0;
     for (uint32_t i = 0; i < input_count && result >= 0; ++i) {
-        uint32_t count;
-        const mrt_channel *channels = input_channels(inputs[i], &count);
-        channel_route_init(&self.route[i], channels, count);
+        route_input(&self, i, 0);
+        input_set_wake(inputs[i], &self.signal);
         result = input_start(inputs[i], err);
     }
     if (result >= 0)
         result = play(&self, err);
     for (uint32_t i = 0; i < input_count; ++i) {
         input_stop(inputs[i]);
+        input_set_wake(inputs[i], NULL);
         out_report->dropped += input_dropped(inputs[i]);
         out_report->refused += input_refused(inputs[i]);
         out_report->input_failed |= input_state_of(inputs[i]) == INPUT_FAILED;

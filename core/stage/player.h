@@ -9,7 +9,8 @@
 
 typedef struct player_settings {
     double fps;           /* of drawn frames, > 0 */
-    double seconds;       /* stop after so much of the performance; 0: when the inputs are over */
+    double seconds;       /* stop after so much of the performance; 0: when the inputs are over; a
+                             device that is away is not over */
     instance_clock clock; /* the one that the inputs were created with */
     _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
 } player_settings;
@@ -19,6 +20,8 @@ typedef struct player_events {
      * what steps 3 to 7 took since the last drawn frame. < 0 ends the performance with that result.
      */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
+    /* A device went away or came back, time_s from the start of the performance. May be NULL. */
+    void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
     void *data;
 } player_events;
 
@@ -28,6 +31,8 @@ typedef struct player_report {
     uint32_t dropped, refused;
     double duration_s; /* from the first to the last sample */
     bool input_failed;
+    uint32_t went_count, came_count; /* of devices */
+    double away_s;                   /* sum over those that came back */
 } player_report;
 
 enum { PLAYER_INPUTS_MAX = 8 };
