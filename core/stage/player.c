@@ -97,6 +97,8 @@ static void route_input(playing *self, uint32_t i, uint32_t version)
     uint32_t count;
     const mrt_channel *channels = input_channels_of(self->inputs[i], version, &count);
     channel_route_init(&self->route[i], channels, count);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
+        channel_route_calibrate(&self->route[i], side, self->settings->calibration[side]);
     self->route_version[i] = version;
 }
 

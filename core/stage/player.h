@@ -13,6 +13,7 @@ typedef struct player_settings {
                              device that is away is not over */
     instance_clock clock; /* the one that the inputs were created with */
     _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
+    const hand_calibration *calibration[2]; /* left, right, for gloves in counts; NULL: shipped */
 } player_settings;
 
 typedef struct player_events {
