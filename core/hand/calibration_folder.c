@@ -1,0 +1,172 @@
+#include "hand/calibration_folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { FILES_CAP = 4096 }; /* beyond that it is no folder of calibrations */
+
+static char *joined(const char *a, const char *b, const char *c)
+{
+    size_t size = strlen(a) + strlen(b) + strlen(c) + 1;
+    char *out = malloc(size);
+    if (out)
+        (void)snprintf(out, size, "%s%s%s", a, b, c);
+    return out;
+}
+
+char *calibration_folder_path(void)
+{
+    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
+    if (config && config[0] == '/')
+        return joined(config, "/marotte/calibrations", "");
+    if (home && home[0] == '/')
+        return joined(home, "/.config/marotte/calibrations", "");
+    return NULL;
+}
+
+/* Every folder of an absolute path, from the top. */
+static mrt_result make_folders(const char *path, error *err)
+{
+    char *partial = strdup(path);
+    if (!partial)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = MRT_OK;
+    for (size_t i = 1; result >= 0; ++i) {
+        char at = partial[i];
+        if (at != '/' && at != '\0')
+            continue;
+        partial[i] = '\0';
+        if (mkdir(partial, 0755) != 0 && errno != EEXIST)
+            result = error_set(err, MRT_ERR_IO, "%s: the folder could not be made: %s", partial,
+                               strerror(errno));
+        partial[i] = at;
+        if (at == '\0')
+            break;
+    }
+    free(partial);
+    return result;
+}
+
+static bool is_file_name(const char *name)
+{
+    size_t length = strlen(name);
+    if (length == 0 || length >= CALIBRATION_NAME || name[0] == '.')
+        return false;
+    for (const char *at = name; *at; ++at)
+        if (*at == '/' || (unsigned char)*at < 0x20 || *at == 0x7f)
+            return false;
+    return true;
+}
+
+mrt_result calibration_folder_place(char **out_path, const char *name, error *err)
+{
+    *out_path = NULL;
+    if (!is_file_name(name))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the name of a calibration is 1 to %d letters, without '/' and not "
+                         "beginning with '.'",
+                         CALIBRATION_NAME - 1);
+    char *folder = calibration_folder_path();
+    if (!folder)
+        return error_set(err, MRT_ERR_IO,
+                         "neither XDG_CONFIG_HOME nor HOME says where calibrations are kept");
+    mrt_result result = make_folders(folder, err);
+    char *base = joined(folder, "/", name);
+    *out_path = base ? joined(base, ".json", "") : NULL;
+    if (result >= 0 && !*out_path)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory");
+    if (result < 0) {
+        free(*out_path);
+        *out_path = NULL;
+    }
+    free(base);
+    free(folder);
+    return result;
+}
+
+static bool is_json(const char *name)
+{
+    size_t length = strlen(name);
+    return length > 5 && name[0] != '.' && strcmp(name + length - 5, ".json") == 0;
+}
+
+/* Later by date; of the same date by name, so that the order of the folder does not matter. */
+static bool is_newer(const calibration_file *a, const char *a_path, const calibration_file *b,
+                     const char *b_path)
+{
+    int order = strcmp(a->date, b->date);
+    return order != 0 ? order > 0 : strcmp(a_path, b_path) > 0;
+}
+
+typedef struct found {
+    calibration_file *file; /* the newest so far; finished when replaced */
+    char *path;             /* NULL: none yet */
+} found;
+
+/* Takes `path`. */
+static mrt_result consider(found *best, char *path, uint32_t side, error *out_note, error *err)
+{
+    calibration_file *file = malloc(sizeof *file);
+    if (!file) {
+        free(path);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    }
+    error why = {""};
+    if (calibration_file_read(file, path, &why) < 0) {
+        if (!out_note->text[0])
+            *out_note = why;
+        free(path);
+    } else if (file->side == side &&
+               (!best->path || is_newer(file, path, best->file, best->path))) {
+        if (best->path)
+            calibration_file_finish(best->file);
+        free(best->path);
+        *best->file = *file;
+        best->path = path;
+    } else {
+        calibration_file_finish(file);
+        free(path);
+    }
+    free(file);
+    return MRT_OK;
+}
+
+mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uint32_t side,
+                                     error *out_note, error *err)
+{
+    *out_path = NULL;
+    out_note->text[0] = '\0';
+    calibration_file_init(out, side);
+    char *folder = calibration_folder_path();
+    DIR *directory = folder ? opendir(folder) : NULL;
+    if (!directory) {
+        free(folder);
+        return MRT_END;
+    }
+    found best = {.file = out};
+    mrt_result result = MRT_OK;
+    for (uint32_t seen = 0; result >= 0 && seen < FILES_CAP; ++seen) {
+        const struct dirent *entry = readdir(directory);
+        if (!entry)
+            break;
+        if (!is_json(entry->d_name))
+            continue;
+        char *path = joined(folder, "/", entry->d_name);
+        result = path ? consider(&best, path, side, out_note, err)
+                      : error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    }
+    closedir(directory);
+    free(folder);
+    if (result < 0) {
+        if (best.path)
+            calibration_file_finish(out);
+        free(best.path);
+        return result;
+    }
+    *out_path = best.path;
+    return best.path ? MRT_OK : MRT_END;
+}

@@ -1,0 +1,20 @@
+/* hand/calibration_folder.h - where calibrations are kept: a folder of the user's configuration,
+ * one file a person and hand. [main] */
+#ifndef MAROTTE_HAND_CALIBRATION_FOLDER_H
+#define MAROTTE_HAND_CALIBRATION_FOLDER_H
+#include "hand/calibration_file.h"
+
+/* $XDG_CONFIG_HOME/marotte/calibrations, or ~/.config/marotte/calibrations: no final '/'. To be
+ * freed; NULL: no memory, or neither variable is set to an absolute path. */
+char *calibration_folder_path(void);
+/* FOLDER/NAME.json. The name: 1 to 63 bytes, none of them '/' or a control character, not first a
+ * '.'. Makes the folder when it is not there. `out_path` is to be freed. */
+CHECKED mrt_result calibration_folder_place(char **out_path, const char *name, error *err);
+
+/* The newest calibration of that side, by its date, then by its name. MRT_OK: there is one, to be
+ * finished; `out_path` is to be freed. MRT_END: there is none. Files that cannot be read are left
+ * out, the first of them is named in `out_note` ("": all could be read). */
+CHECKED mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uint32_t side,
+                                             error *out_note, error *err);
+
+#endif

@@ -1,0 +1,78 @@
+/* hand/guide.h - the guided calibration of one glove: a state machine fed with raw samples and
+ * their time, step by step through ten poses. Each is taken when the hand has moved into it and
+ * holds still, or when the person says so; what cannot be that pose is refused with a reason.
+ * Leaves out the device, the clock and the screen. A function of its samples and calls alone.
+ * [main] */
+#ifndef MAROTTE_HAND_GUIDE_H
+#define MAROTTE_HAND_GUIDE_H
+#include "hand/calibration_file.h"
+
+typedef enum guide_step {
+    GUIDE_RELAXED = 0, /* ready to talk: the neutral pose */
+    GUIDE_FLAT,        /* every angle is 0 */
+    GUIDE_FIST,
+    GUIDE_THUMB_ACROSS,
+    GUIDE_SPREAD,
+    GUIDE_THUMB_ALONE, /* bent alone, the others straight: cross-talk */
+    GUIDE_INDEX_ALONE,
+    GUIDE_MIDDLE_ALONE,
+    GUIDE_RING_ALONE,
+    GUIDE_LITTLE_ALONE,
+    GUIDE_STEPS /* all are done */
+} guide_step;
+extern const char *const guide_step_name[GUIDE_STEPS];  /* "flat hand" */
+extern const char *const guide_step_words[GUIDE_STEPS]; /* what the person is to do: a sentence */
+
+typedef struct guide_settings {
+    uint32_t side;
+    uint32_t sensors;    /* bit i: the glove has sensor i */
+    double still_s;      /* hold still for so long */
+    double lead_s;       /* no pose is taken sooner after its step began */
+    double timeout_s;    /* GUIDE_TIMED_OUT after so long in a step; 0: never */
+    double still_counts; /* greatest standard deviation of a sensor that is still */
+    double moved_counts; /* a sensor that is so far from the last pose has left it */
+} guide_settings;
+/* 0.7 s still within 1.5 counts, 1 s lead, no time-out, 10 counts; 8-bit counts. */
+guide_settings guide_settings_usual(uint32_t side, uint32_t sensors);
+
+typedef enum guide_news {
+    GUIDE_NOTHING = 0,
+    GUIDE_TAKEN,     /* the pose is taken; guide_reason: what is odd about it, or "" */
+    GUIDE_REFUSED,   /* guide_reason says why; the step goes on once the hand has moved */
+    GUIDE_TIMED_OUT, /* guide_reason says what was missing; the step goes on */
+    GUIDE_SKIPPED
+} guide_news;
+
+/* What the guide waits for. */
+typedef enum guide_wait {
+    GUIDE_WAITS_FOR_SAMPLES = 0,
+    GUIDE_WAITS_FOR_MOVEMENT, /* the hand is still in the last pose, or in the one refused */
+    GUIDE_WAITS_FOR_STILLNESS,
+    GUIDE_WAITS_FOR_NOTHING
+} guide_wait;
+
+typedef struct guide guide;
+guide *guide_create(const guide_settings *settings); /* NULL: no memory */
+void guide_destroy(guide *self);                     /* NULL is fine */
+
+/* raw: MRT_ANGLES; those that the glove lacks do not matter. */
+guide_news guide_sample(guide *self, const float *raw, int64_t time_ns);
+/* Takes the pose as it is now, still or not. */
+guide_news guide_next(guide *self);
+/* Goes on without the pose: GUIDE_REFUSED for the flat hand, without which nothing can be said. */
+guide_news guide_skip(guide *self);
+/* Back to the step before, whose pose is forgotten; in the first one, it begins again. */
+void guide_repeat(guide *self);
+
+guide_step guide_current(const guide *self);
+guide_wait guide_waiting(const guide *self);
+const char *guide_reason(const guide *self);        /* until the next call */
+bool guide_has(const guide *self, guide_step step); /* its pose is taken */
+/* MRT_ANGLES: least and greatest raw value seen; 0, 0 before any sample. */
+void guide_range(const guide *self, float *out_low, float *out_high);
+
+/* The calibration, without name and date. Possible in every step once the flat hand is taken: what
+ * has not been measured is shipped. */
+CHECKED mrt_result guide_result(const guide *self, calibration_file *out, error *err);
+
+#endif
