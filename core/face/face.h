@@ -90,6 +90,18 @@ void face_leak(face *f, double rate_per_s, double dt_s);
  * shown. */
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius);
 
+/* ---- kept ---- */
+
+/* All that frames to come depend on, as bytes (at most `capacity` are written; bytes may be NULL).
+ * Returns the size that it takes: some KB, and 12 bytes a vertex for a base that is not the rest
+ * shape. After face_load of them, on a face of the same rig and mesh, the same calls give the same
+ * bits. Columns are found anew. */
+size_t face_save(const face *f, void *bytes, size_t capacity);
+/* On error (bytes of another face, or damaged) the face is reset. */
+CHECKED mrt_result face_load(face *f, const void *bytes, size_t size, error *err);
+
+uint32_t face_control_count(const face *f); /* engaged; 0: none */
+
 /* ---- what happened ---- */
 
 typedef struct face_columns { /* of the engagement; valid until the next engage */

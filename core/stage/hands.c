@@ -1,9 +1,7 @@
-#include "stage/hands.h"
+#include "stage/hands_state.h"
 
 #include "base/angle.h"
-#include "hand/ease.h"
 #include "hand/sensor.h"
-#include "hand/still.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,30 +11,19 @@ static const int64_t REZERO_SPAN_NS = 500000000;
 static const double REZERO_DEVIATION_DEG = 1.0;
 static const double DEGREES_PER_RADIAN = 180.0 / ANGLE_PI;
 
-typedef struct one_hand {
-    hand_skeleton *skeleton;
-    hand_filter filter;
-    float raw[MRT_ANGLES];
-    float wrist_raw[EASE_WRIST];
-    bool has_wrist;
-    still_window window; /* filtered angles, as the tables say: before the offset */
-    float neutral_rad[MRT_ANGLES];
-    ease_offset offset;
-    ease_angles eased;
-    ease_wrist eased_wrist;
-    float angle_rad[MRT_ANGLES]; /* as shown */
-} one_hand;
-
-struct hands {
-    one_hand hand[2];      /* left, right */
-    uint32_t rezero_pedal; /* 0: none */
-    bool is_rezero_down, is_rezero_pressed;
-    rezero_counts counts;
-};
-
 static double to_double(float v)
 {
     return (double)v;
+}
+
+/* As it is before its first sample. */
+static void forget(one_hand *hand)
+{
+    *hand = (one_hand){.skeleton = hand->skeleton};
+    hand_filter_init(&hand->filter);
+    still_init(&hand->window, REZERO_SPAN_NS, (1u << MRT_ANGLES) - 1);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        hand->raw[i] = NAN; /* until a channel says otherwise: the sensor's middle value */
 }
 
 static mrt_result init_hand(one_hand *hand, uint32_t side, double length_mm, error *err)
@@ -44,11 +31,15 @@ static mrt_result init_hand(one_hand *hand, uint32_t side, double length_mm, err
     hand->skeleton = hand_skeleton_create(side, length_mm > 0 ? length_mm : HAND_LENGTH_MM);
     if (!hand->skeleton)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
-    hand_filter_init(&hand->filter);
-    still_init(&hand->window, REZERO_SPAN_NS, (1u << MRT_ANGLES) - 1);
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        hand->raw[i] = NAN; /* until a channel says otherwise: the sensor's middle value */
+    forget(hand);
     return MRT_OK;
+}
+
+void hands_reset(hands *self)
+{
+    for (int side = 0; side < 2; ++side)
+        forget(&self->hand[side]);
+    self->is_rezero_down = self->is_rezero_pressed = false;
 }
 
 mrt_result hands_create(hands **out, const hands_settings *settings, error *err)
@@ -213,8 +204,9 @@ static void follow_rezero_pedal(hands *self, int64_t time_ns)
         return;
     self->is_rezero_pressed = false;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
-        if (self->hand[side].eased.clock.has_shown)
-            (void)hands_rezero(self, side, time_ns, NULL);
+        if (self->hand[side].eased.clock.has_shown &&
+            hands_rezero(self, side, time_ns, NULL) != MRT_OK)
+            continue; /* counted there */
 }
 
 /* ---- samples ---- */

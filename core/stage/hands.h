@@ -18,6 +18,7 @@ typedef struct hands_settings {
 /* [main] */
 CHECKED mrt_result hands_create(hands **out, const hands_settings *settings, error *err);
 void hands_destroy(hands *self); /* NULL is fine */
+void hands_reset(hands *self);   /* as after create */
 
 /* Which channel feeds what. Made once per input. */
 typedef struct channel_route {
@@ -48,5 +49,11 @@ typedef struct rezero_counts {
     error refusal;          /* the last one's reason; "" none */
 } rezero_counts;
 const rezero_counts *hands_rezeros(const hands *self);
+
+/* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
+ * the size that it takes. */
+size_t hands_save(const hands *self, void *bytes, size_t capacity);
+/* False: not such bytes; the hands are then reset. */
+bool hands_load(hands *self, const void *bytes, size_t size);
 
 #endif

@@ -1,21 +1,18 @@
-/* stage/performer.h - the frame: steps 3 to 7 of the design, for one face and one mapping. A sample
- * goes in; hands are calibrated, filtered and posed; the mapping pulls; the guard keeps nonsense
- * out; the shape moves. Steps 3 to 6 run once per sample, in time order; step 7 runs per sample
- * while unanchored and once per drawn frame while anchored: a performance is a function of its
- * samples alone. [frame] after create; no allocation then. */
+/* stage/performer.h - one mapping on one face: a layer (steps 3 to 5) whose pull is all that the
+ * composer (steps 6 and 7) hears. Steps 3 to 6 run once per sample, in time order; step 7 runs per
+ * sample while unanchored and once per drawn frame while anchored: a performance is a function of
+ * its samples alone. [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
-#include "face/face.h"
-#include "stage/face_file.h"
-#include "stage/hands.h"
-#include "stage/instance.h"
+#include "stage/composer.h"
+#include "stage/layer.h"
 
 typedef struct performer performer;
 
 typedef struct performer_settings {
     csrbf_settings solver; /* radius: used when a pull names none; 0: the rig's, or a quarter of the
                               height */
-    double hand_length_mm;    /* of both hands; 0: the next */
+    double hand_length_mm; /* of both hands; 0: the next */
     double side_length_mm[2]; /* left, right; 0: HAND_LENGTH_MM */
     uint32_t rezero_pedal;    /* hands.h; 0: none */
 } performer_settings;
@@ -33,6 +30,15 @@ const rezero_counts *performer_rezeros(const performer *self);
 /* Step 7 for drawing: the shape shown and its normals. */
 void performer_draw(performer *self);
 
+composer *performer_composer(performer *self);
+layer *performer_layer(performer *self);
+
+/* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
+ * the size that it takes. 0: the mapping cannot say. */
+size_t performer_save(performer *self, void *bytes, size_t capacity);
+/* [main] On error it is as after create. */
+CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
+
 /* The face; its shape is that of performer_draw, in the engine's order. */
 face *performer_face(performer *self);
 const float *performer_normal(const performer *self, uint32_t axis); /* engine's order */
@@ -43,16 +49,11 @@ const mrt_pull *performer_pull(const performer *self);
 /* True while the frames are anchored: face_columns_now tells them exactly. */
 bool performer_is_anchored(const performer *self);
 
-typedef struct performer_counts {
-    uint64_t samples;
-    uint64_t bad_pulls;     /* the guard held the last good pull */
-    uint64_t held_pulls;    /* the engine could not use a pull: the shape was held */
-    uint64_t limited_steps; /* unanchored: the tips were faster than the substeps allow */
-    uint64_t folded_steps;  /* unanchored: steps with a determinant <= 0 */
-    uint64_t substeps;
-    uint64_t engagements, commits;
-    double min_determinant; /* unanchored: the smallest seen, 1 before any */
-    error first_problem;    /* what the guard or the engine said first; "" none */
+typedef struct performer_counts { /* of both: layer.h and composer.h say what each is */
+    uint64_t samples, bad_pulls;
+    uint64_t held_pulls, limited_steps, folded_steps, substeps, engagements, commits;
+    double min_determinant;
+    error first_problem;
 } performer_counts;
 const performer_counts *performer_counted(const performer *self);
 

@@ -210,6 +210,11 @@ face_columns face_columns_now(const face *f)
                           .is_exact = f->is_exact};
 }
 
+uint32_t face_control_count(const face *f)
+{
+    return f->control_count;
+}
+
 const face_meter *face_metered(const face *f)
 {
     return &f->meter;

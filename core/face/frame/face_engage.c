@@ -88,6 +88,23 @@ static void respond(face *f)
     }
 }
 
+static void count_dropped(face *f)
+{
+    f->meter.dropped_count = 0;
+    for (uint32_t k = 0; k < f->control_count; ++k)
+        f->meter.dropped_count += f->grip[k].is_dropped;
+}
+
+mrt_result face_hold(face *f, error *err)
+{
+    mrt_result result = factor_fields(f, &f->settings, f->grip, err);
+    if (result < 0)
+        return result;
+    respond(f);
+    count_dropped(f);
+    return MRT_OK;
+}
+
 static void swap_grips(face *f)
 {
     face_grip *old = f->grip;
@@ -124,8 +141,6 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     face_pose_columns(f);
     memset(f->weight, 0, (size_t)3 * f->columns.count * sizeof *f->weight);
     face_pose_weights(f, f->weight, f->pose);
-    f->meter.dropped_count = 0;
-    for (uint32_t k = 0; k < count; ++k)
-        f->meter.dropped_count += f->grip[k].is_dropped;
+    count_dropped(f);
     return MRT_OK;
 }

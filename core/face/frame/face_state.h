@@ -94,6 +94,11 @@ void face_pose_weights(const face *f, double *weight, const rigid *pose);
 /* Puts the dofs and poses of a frame in force. */
 void face_take_pose(face *f, const float *dof, const rigid *pose);
 
+/* ---- face_engage.c ---- */
+
+/* Factors the fields at the assigned grips and finds their columns over the base. */
+CHECKED mrt_result face_hold(face *f, error *err);
+
 /* ---- face_frame.c ---- */
 
 /* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */

@@ -1,0 +1,55 @@
+#include "base/bytes.h"
+
+#include <math.h>
+#include <string.h>
+
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "stored state is little-endian"
+#endif
+
+void bytes_put(bytes_out *out, const void *value, size_t size)
+{
+    if (out->data && size > 0 && out->size <= out->capacity && size <= out->capacity - out->size)
+        memcpy(out->data + out->size, value, size);
+    out->size += size;
+}
+
+void bytes_put_u32(bytes_out *out, uint32_t value)
+{
+    bytes_put(out, &value, sizeof value);
+}
+
+void bytes_put_f64(bytes_out *out, double value)
+{
+    bytes_put(out, &value, sizeof value);
+}
+
+void bytes_take(bytes_in *in, void *out, size_t size)
+{
+    if (size == 0)
+        return;
+    if (in->failed || size > (size_t)(in->end - in->at)) {
+        in->failed = true;
+        memset(out, 0, size);
+        return;
+    }
+    memcpy(out, in->at, size);
+    in->at += size;
+}
+
+uint32_t bytes_take_u32(bytes_in *in)
+{
+    uint32_t value;
+    bytes_take(in, &value, sizeof value);
+    return value;
+}
+
+double bytes_take_f64(bytes_in *in)
+{
+    double value;
+    bytes_take(in, &value, sizeof value);
+    if (isfinite(value))
+        return value;
+    in->failed = true;
+    return 0.0;
+}

@@ -1,0 +1,192 @@
+/* The state of a face as bytes: what frames to come depend on. Columns are found again. */
+#include "base/bytes.h"
+#include "face/frame/face_state.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STORE_VERSION = 1 };
+static const char store_mark[4] = {'F', 'A', 'C', 'E'};
+
+enum { ORIGIN_BASE = 0, ORIGIN_FREE = 1 };
+
+/* ---- shapes: only what differs from the rest shape ---- */
+
+static bool are_equal(const points *a, const points *b)
+{
+    size_t size = (size_t)a->padded_count * sizeof(float);
+    return memcmp(a->x, b->x, size) == 0 && memcmp(a->y, b->y, size) == 0 &&
+           memcmp(a->z, b->z, size) == 0;
+}
+
+static void put_shape(bytes_out *out, const points *p, const points *rest)
+{
+    bool is_moved = !are_equal(p, rest);
+    bytes_put_u32(out, is_moved);
+    if (!is_moved)
+        return;
+    const float *const stream[3] = {p->x, p->y, p->z};
+    for (int axis = 0; axis < 3; ++axis)
+        bytes_put(out, stream[axis], (size_t)p->padded_count * sizeof(float));
+}
+
+static void take_shape(bytes_in *in, points *out, const points *rest)
+{
+    if (bytes_take_u32(in) == 0) {
+        points_copy(out, rest);
+        return;
+    }
+    float *const stream[3] = {out->x, out->y, out->z};
+    for (int axis = 0; axis < 3; ++axis)
+        bytes_take(in, stream[axis], (size_t)out->padded_count * sizeof(float));
+    in->failed |= !points_are_usable(out);
+    points_update_bounds(out);
+}
+
+/* ---- what holds the face ---- */
+
+static void put_grip(bytes_out *out, const face *f, const face_grip *grip)
+{
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        bytes_put_f64(out, grip->share[b]);
+        bytes_put_u32(out, grip->belongs[b]);
+    }
+    const double values[] = {grip->mobility, grip->riding, grip->start.x, grip->start.y,
+                             grip->start.z};
+    bytes_put(out, values, sizeof values);
+    bytes_put_u32(out, grip->contact);
+    bytes_put_u32(out, grip->is_dropped);
+}
+
+static void take_grip(bytes_in *in, const face *f, face_grip *out)
+{
+    memset(out, 0, sizeof *out);
+    uint32_t bones_held = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        out->share[b] = bytes_take_f64(in);
+        out->belongs[b] = bytes_take_u32(in) != 0;
+        bones_held += out->belongs[b];
+    }
+    out->mobility = bytes_take_f64(in);
+    out->riding = bytes_take_f64(in);
+    out->start.x = bytes_take_f64(in);
+    out->start.y = bytes_take_f64(in);
+    out->start.z = bytes_take_f64(in);
+    out->contact = bytes_take_u32(in);
+    out->is_dropped = bytes_take_u32(in) != 0;
+    in->failed |= bones_held > FACE_BONES_PER_CONTROL || out->contact > f->contact_count ||
+                  !(out->mobility > 0.0) || vec3_length(out->start) > (double)POINTS_REACH;
+}
+
+static void put_settings(bytes_out *out, const csrbf_settings *s)
+{
+    bytes_put_u32(out, (uint32_t)s->kernel);
+    bytes_put_u32(out, (uint32_t)s->polynomial);
+    bytes_put_f64(out, s->radius);
+    bytes_put_f64(out, s->ridge);
+}
+
+static void take_settings(bytes_in *in, csrbf_settings *out)
+{
+    out->kernel = (csrbf_kernel)bytes_take_u32(in);
+    out->polynomial = (csrbf_polynomial)bytes_take_u32(in);
+    out->radius = bytes_take_f64(in);
+    out->ridge = bytes_take_f64(in);
+    in->failed |= out->kernel > CSRBF_WENDLAND_C6 || out->polynomial > CSRBF_WINDOWED;
+}
+
+size_t face_save(const face *f, void *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put(&out, store_mark, sizeof store_mark);
+    bytes_put_u32(&out, STORE_VERSION);
+    bytes_put_u32(&out, f->rest.count);
+    bytes_put_u32(&out, f->bone_count);
+    bytes_put_u32(&out, f->contact_count);
+    bytes_put_u32(&out, f->bones.dof_count);
+    for (uint32_t i = 0; i < f->bones.dof_count; ++i)
+        bytes_put_f64(&out, (double)f->dof[i]);
+    bytes_put_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
+    put_shape(&out, &f->base, &f->rest);
+    if (f->origin == &f->free)
+        put_shape(&out, &f->free, &f->rest);
+    bytes_put_u32(&out, f->control_count);
+    if (f->control_count == 0)
+        return out.size;
+    put_settings(&out, &f->settings);
+    for (uint32_t k = 0; k < f->control_count; ++k)
+        put_grip(&out, f, &f->grip[k]);
+    bytes_put_u32(&out, f->control_column_count);
+    bytes_put(&out, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
+    return out.size;
+}
+
+/* ---- back ---- */
+
+static bool is_of_this_face(bytes_in *in, const face *f)
+{
+    char mark[sizeof store_mark];
+    bytes_take(in, mark, sizeof mark);
+    bool fits = memcmp(mark, store_mark, sizeof mark) == 0;
+    fits &= bytes_take_u32(in) == STORE_VERSION;
+    fits &= bytes_take_u32(in) == f->rest.count;
+    fits &= bytes_take_u32(in) == f->bone_count;
+    fits &= bytes_take_u32(in) == f->contact_count;
+    fits &= bytes_take_u32(in) == f->bones.dof_count;
+    return fits && !in->failed;
+}
+
+/* The controls take hold as they did; false: they cannot. */
+static bool take_controls(bytes_in *in, face *f)
+{
+    csrbf_settings settings = {0};
+    uint32_t count = bytes_take_u32(in);
+    if (count == 0 && !in->failed)
+        return true;
+    if (in->failed || count > f->control_capacity || f->origin == &f->free)
+        return false;
+    take_settings(in, &settings);
+    for (uint32_t k = 0; k < count; ++k)
+        take_grip(in, f, &f->grip[k]);
+    if (in->failed)
+        return false;
+    f->settings = settings;
+    f->control_count = count;
+    face_assign(f, f->grip, count);
+    if (face_hold(f, NULL) < 0 || bytes_take_u32(in) != f->control_column_count)
+        return false;
+    bytes_take(in, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
+    for (size_t i = 0; i < (size_t)3 * f->control_column_count; ++i)
+        in->failed |= !isfinite(f->weight[i]);
+    return !in->failed;
+}
+
+mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    float dof[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    if (!is_of_this_face(&in, f))
+        return error_set(err, MRT_ERR_FORMAT, "the stored state is not of this face");
+    for (uint32_t i = 0; i < f->bones.dof_count; ++i)
+        dof[i] = (float)bytes_take_f64(&in);
+    bool is_free = bytes_take_u32(&in) == ORIGIN_FREE;
+    face_reset(f);
+    take_shape(&in, &f->base, &f->rest);
+    if (is_free)
+        take_shape(&in, &f->free, &f->rest);
+    if (in.failed)
+        goto damaged;
+    f->origin = is_free ? &f->free : &f->base;
+    bones_pose(pose, &f->bones, dof);
+    face_take_pose(f, dof, pose);
+    if (!take_controls(&in, f) || in.at != in.end)
+        goto damaged;
+    face_pose_columns(f);
+    face_pose_weights(f, f->weight, f->pose);
+    face_show(f);
+    return MRT_OK;
+damaged:
+    face_reset(f);
+    return error_set(err, MRT_ERR_FORMAT, "the stored state of the face is damaged");
+}

@@ -1,0 +1,373 @@
+#include "stage/composer_state.h"
+#include "mesh/normals.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The guard: no control vector leads further from the face than this many times its size. */
+static const double reach_in_faces = 10.0;
+
+static double to_double(float v)
+{
+    return (double)v;
+}
+
+/* ---- made and unmade ---- */
+
+static mrt_result create_surface(composer *self, const face_file *file, error *err)
+{
+    const mesh *m = &file->mesh;
+    mrt_result result =
+        face_create(&self->face, file->rig, m, &file->topology, MRT_MAX_VECTORS, err);
+    if (result < 0)
+        return result;
+    const points_order *order = face_order(self->face);
+    self->triangle_count = m->triangle_count;
+    self->triangle = malloc((size_t)m->triangle_count * 3 * sizeof *self->triangle + 1);
+    self->normal = calloc((size_t)face_rest(self->face)->padded_count * 3, sizeof *self->normal);
+    if (!self->triangle || !self->normal)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the surface");
+    for (size_t i = 0; i < (size_t)m->triangle_count * 3; ++i)
+        self->triangle[i] = order->slot_of_file[m->triangle[i]];
+    return MRT_OK;
+}
+
+/* How large the face is, and the radius of a pull that names none. */
+static void measure_face(composer *self, const face_file *file, const csrbf_settings *solver)
+{
+    float low[3], high[3];
+    mesh_bounds(&file->mesh, low, high);
+    self->about.low = (mrt_vec3){low[0], low[1], low[2]};
+    self->about.high = (mrt_vec3){high[0], high[1], high[2]};
+    double size = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
+    self->centre = (vec3){0.5 * (to_double(low[0]) + to_double(high[0])),
+                          0.5 * (to_double(low[1]) + to_double(high[1])),
+                          0.5 * (to_double(low[2]) + to_double(high[2]))};
+    self->reach_mm = reach_in_faces * fmax(size, 1.0);
+    self->solver = *solver;
+    if (!(self->solver.radius > 0) && file->rig)
+        self->solver = file->rig->solver;
+    if (!(self->solver.radius > 0)) {
+        double height = to_double(high[1]) - to_double(low[1]);
+        self->solver.radius = 0.25 * (height > 0 ? height : fmax(size, 1.0));
+    }
+}
+
+/* What mappings may pull and drive. */
+static void describe_face(composer *self)
+{
+    const bones *b = face_bones(self->face);
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        self->dof[i] = (mrt_dof){b->dof[i].name, b->dof[i].unit, b->dof[i].min, b->dof[i].max};
+    self->about.contacts = face_contacts(self->face, &self->about.contact_count);
+    self->about.dofs = self->dof;
+    self->about.dof_count = b->dof_count;
+}
+
+mrt_result composer_create(composer **out, const face_file *file, const csrbf_settings *solver,
+                           error *err)
+{
+    *out = NULL;
+    composer *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+    self->counts.min_determinant = 1.0;
+    measure_face(self, file, solver);
+    mrt_result result = create_surface(self, file, err);
+    if (result < 0) {
+        composer_destroy(self);
+        return result;
+    }
+    describe_face(self);
+    composer_draw(self);
+    *out = self;
+    return MRT_OK;
+}
+
+void composer_destroy(composer *self)
+{
+    if (!self)
+        return;
+    face_destroy(self->face);
+    free(self->triangle);
+    free(self->normal);
+    free(self);
+}
+
+void composer_reset(composer *self)
+{
+    face_reset(self->face);
+    memset(self->voice, 0, sizeof self->voice);
+    self->order_count = self->joined_count = self->control_count = 0;
+    self->engaged = self->stale = false;
+}
+
+/* ---- shared by both ways to move ---- */
+
+void composer_note_problem(composer *self, const char *text)
+{
+    if (!self->counts.first_problem.text[0])
+        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
+}
+
+void composer_show(composer *self)
+{
+    if (self->stale)
+        face_show(self->face);
+    self->stale = false;
+}
+
+csrbf_settings composer_settings(const composer *self, float radius_mm)
+{
+    csrbf_settings settings = self->solver;
+    if (radius_mm > 0.0f)
+        settings.radius = to_double(radius_mm);
+    return settings;
+}
+
+/* ---- unanchored ---- */
+
+static void copy_ends(double *out, const mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        mrt_vec3 p = pull->vector[i].end;
+        out[3 * i] = to_double(p.x);
+        out[3 * i + 1] = to_double(p.y);
+        out[3 * i + 2] = to_double(p.z);
+    }
+}
+
+/* Where this step's drag begins: at the tips as they really are when the mapping goes on from its
+ * last ends, else where the mapping says. */
+static void drag_from(const voice *v, double *out_from)
+{
+    const mrt_pull *pull = v->part.pull;
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        mrt_vec3 p = pull->vector[i].start;
+        out_from[3 * i] = to_double(p.x);
+        out_from[3 * i + 1] = to_double(p.y);
+        out_from[3 * i + 2] = to_double(p.z);
+    }
+    if (v->is_dragging && v->tip_count == pull->count)
+        memcpy(out_from, v->tip, (size_t)pull->count * 3 * sizeof *out_from);
+}
+
+/* A weight below 1 goes only a part of the way. */
+static void shorten(const voice *v, const double *from, double *to)
+{
+    double share = v->part.weight * v->part.gain;
+    for (size_t i = 0; fabs(share - 1.0) > 0.0 && i < (size_t)v->part.pull->count * 3; ++i)
+        to[i] = from[i] + share * (to[i] - from[i]);
+}
+
+static bool drives_bones(const composer *self, const mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < self->about.dof_count; ++i)
+        if (!isnan(pull->dof[i]))
+            return true;
+    return false;
+}
+
+static void drag_along_way(composer *self, voice *v, const csrbf_settings *settings, double *to)
+{
+    const mrt_pull *pull = v->part.pull;
+    error err = {""};
+    shape_step step = {.min_determinant = 1.0};
+    double from[MRT_MAX_VECTORS * 3];
+    float dof[MRT_MAX_DOFS];
+    drag_from(v, from);
+    shorten(v, from, to);
+    composer_blend_dofs(self, dof);
+    mrt_result result =
+        face_drag(self->face, settings, from, to, pull->count, dof, v->tip, &step, &err);
+    v->tip_count = pull->count;
+    v->is_dragging = result >= 0 && step.limited;
+    self->counts.held_pulls += result < 0;
+    if (result < 0)
+        composer_note_problem(self, err.text);
+    self->counts.limited_steps += step.limited;
+    self->counts.folded_steps += step.substeps > 0 && !(step.min_determinant > 0.0);
+    self->counts.substeps += step.substeps;
+    self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
+}
+
+static bool is_nobody(const voice *v)
+{
+    (void)v;
+    return false;
+}
+
+/* The shape itself is kneaded: what anchored voices add to it is taken off for that long. */
+static void bare_shape(composer *self)
+{
+    composer_show(self);
+    if (composer_is_anybody_joined(self) && self->is_mixed)
+        composer_let_go_but(self, is_nobody);
+    self->engaged = false;
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_joined = false;
+}
+
+static void knead(composer *self, voice *v, double dt_s)
+{
+    const mrt_pull *pull = v->part.pull;
+    bare_shape(self);
+    csrbf_settings settings = composer_settings(self, pull->radius_mm);
+    double to[MRT_MAX_VECTORS * 3];
+    copy_ends(to, pull);
+    bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
+    /* The first sample near the shape only says where the tips are. */
+    bool may_move = near && v->was_near && pull->count > 0;
+    if (pull->count == 0)
+        may_move = drives_bones(self, pull);
+    v->was_near = near;
+    if (may_move)
+        drag_along_way(self, v, &settings, to);
+    else
+        v->is_dragging = false;
+    if (pull->leak_per_s > 0.0f)
+        face_leak(self->face, to_double(pull->leak_per_s), dt_s);
+}
+
+/* ---- the step ---- */
+
+static void hear(composer *self, const composer_part *part, uint32_t count)
+{
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_present = false;
+    self->order_count = 0;
+    for (uint32_t i = 0; i < count && self->order_count < COMPOSER_PARTS_MAX; ++i) {
+        if (part[i].slot >= COMPOSER_PARTS_MAX)
+            continue;
+        voice *v = &self->voice[part[i].slot];
+        v->is_present = true;
+        v->part = part[i];
+        self->order[self->order_count++] = part[i].slot;
+    }
+}
+
+/* What the voices say now; true: something of it is new. */
+static bool listen(composer *self)
+{
+    bool is_new = false;
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
+        voice *v = &self->voice[slot];
+        is_new |= v->is_present != v->was_present;
+        if (!v->is_present) {
+            if (!v->is_joined)
+                v->has_said = false;
+            continue;
+        }
+        const mrt_pull *pull = v->part.pull;
+        is_new |= pull->mode == MRT_ANCHORED || fabs(v->weight - v->part.weight) > 0.0;
+        if (pull->mode == MRT_ANCHORED)
+            v->said = *pull;
+        v->has_said = pull->mode == MRT_ANCHORED || (pull->mode == MRT_IDLE && v->has_said);
+        if (pull->mode != MRT_UNANCHORED)
+            v->was_near = false;
+        if (pull->mode == MRT_ANCHORED)
+            v->is_dragging = false;
+    }
+    return is_new;
+}
+
+static void leave(composer *self)
+{
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
+        voice *v = &self->voice[slot];
+        v->was_present = v->is_present;
+        if (v->is_present) {
+            v->commit = v->part.pull->commit;
+            v->weight = v->part.weight;
+        } else {
+            v->has_said = v->was_near = v->is_dragging = false;
+        }
+        v->part.pull = NULL;
+        v->part.owns = NULL;
+    }
+}
+
+static bool is_kneading(const voice *v)
+{
+    return v->part.pull->mode == MRT_UNANCHORED;
+}
+
+void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)
+{
+    hear(self, part, count);
+    composer_commit(self);
+    bool is_new = listen(self);
+    bool is_kneaded = false, is_held = false;
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        const voice *v = &self->voice[self->order[i]];
+        is_kneaded |= is_kneading(v);
+        is_held |= v->has_said;
+    }
+    self->is_mixed = is_kneaded && is_held;
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        if (is_kneading(&self->voice[self->order[i]]))
+            knead(self, &self->voice[self->order[i]], dt_s);
+    if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
+        composer_join(self);
+    leave(self);
+}
+
+bool composer_is_near(const composer *self, const mrt_pull *pull)
+{
+    double end[MRT_MAX_VECTORS * 3];
+    if (!pull->gate || pull->count == 0)
+        return false;
+    copy_ends(end, pull);
+    return face_is_near(self->face, end, pull->count,
+                        composer_settings(self, pull->radius_mm).radius);
+}
+
+void composer_draw(composer *self)
+{
+    composer_show(self);
+    const points *p = face_shown(self->face);
+    size_t stride = p->padded_count;
+    normals_smooth(self->normal, self->normal + stride, self->normal + 2 * stride, p->x, p->y, p->z,
+                   p->count, self->triangle, self->triangle_count);
+}
+
+/* ---- what others see ---- */
+
+const mrt_face *composer_about(const composer *self)
+{
+    return &self->about;
+}
+
+double composer_reach_mm(const composer *self, vec3 *out_centre)
+{
+    *out_centre = self->centre;
+    return self->reach_mm;
+}
+
+face *composer_face(composer *self)
+{
+    return self->face;
+}
+
+csrbf_settings composer_solver(const composer *self)
+{
+    return self->solver;
+}
+
+const float *composer_normal(const composer *self, uint32_t axis)
+{
+    return self->normal + (size_t)axis * face_shown(self->face)->padded_count;
+}
+
+bool composer_is_anchored(const composer *self)
+{
+    return self->engaged;
+}
+
+const composer_counts *composer_counted(const composer *self)
+{
+    return &self->counts;
+}

@@ -1,0 +1,51 @@
+/* stage/layer.h - steps 3 to 5 of the frame for one mapping: samples become hands, hands become a
+ * pull, the guard keeps nonsense out. What the pull does to the face is composer.h's. A function of
+ * its samples and of when its parameters change. [frame] after create; no allocation then. */
+#ifndef MAROTTE_STAGE_LAYER_H
+#define MAROTTE_STAGE_LAYER_H
+#include "stage/hands.h"
+#include "stage/instance.h"
+
+typedef struct layer layer;
+
+typedef struct layer_settings {
+    hands_settings hands;
+    double reach_mm; /* the guard: no vector leads further from `centre` */
+    vec3 centre;
+} layer_settings;
+
+/* [main] The mapping and `about` must outlive it; the mapping is activated and reset. */
+CHECKED mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
+                                const layer_settings *settings, error *err);
+void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
+
+/* A sample older than the last one counts as simultaneous. `near`: of mrt_frame, what the last pull
+ * asked for. */
+void layer_sample(layer *self, const channel_route *route, const mrt_sample *sample, bool near);
+/* What the mapping pulls, after the guard; what it was at first: idle. */
+const mrt_pull *layer_pull(const layer *self);
+/* The hands, pedals and time of the last sample. */
+const mrt_frame *layer_frame(const layer *self);
+instance *layer_mapping(layer *self);
+hands *layer_hands(layer *self);
+
+/* Called from within layer_sample when a parameter has another value than in the sample before. */
+typedef void layer_on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value);
+void layer_watch_params(layer *self, layer_on_param *on_param, void *data);
+
+/* ---- kept ---- */
+
+/* All that pulls to come depend on, parameters included, as bytes (at most `capacity` are written;
+ * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_STATE). */
+size_t layer_save(layer *self, void *bytes, size_t capacity);
+/* [main] On error the layer is as after create. */
+CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
+
+typedef struct layer_counts {
+    uint64_t samples;
+    uint64_t bad_pulls;  /* the guard held the last good pull */
+    error first_problem; /* what the guard said first; "" none */
+} layer_counts;
+const layer_counts *layer_counted(const layer *self);
+
+#endif
