@@ -1,0 +1,156 @@
+#include "system.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILE_PATH = 400, FOLDER_CAP = 4096 };
+static const char devices_folder[] = "/sys/bus/usb/devices";
+
+/* ---- small files ---- */
+
+static size_t read_file(const char *path, void *out, size_t capacity)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0)
+        return 0;
+    size_t used = 0;
+    while (used < capacity) {
+        ssize_t got = read(file, (char *)out + used, capacity - used);
+        if (got <= 0)
+            break;
+        used += (size_t)got;
+    }
+    close(file);
+    return used;
+}
+
+/* One line, 0-ended; control characters, which a device may well have in its name, are blanks. */
+static void read_line(const char *path, char *out, size_t capacity)
+{
+    size_t used = read_file(path, out, capacity - 1);
+    out[used] = '\0';
+    out[strcspn(out, "\n")] = '\0';
+    for (char *c = out; *c; ++c)
+        if ((unsigned char)*c < ' ' || *c == 0x7f)
+            *c = ' ';
+    for (size_t end = strlen(out); end > 0 && out[end - 1] == ' '; --end)
+        out[end - 1] = '\0';
+}
+
+void system_product(char out[SYSTEM_NAME], const char *path)
+{
+    char file[FILE_PATH];
+    snprintf(file, sizeof file, "%s/%s/product", devices_folder, path);
+    read_line(file, out, SYSTEM_NAME);
+}
+
+/* The folder of an interface in the configuration that is active: ".../1-2:1.0". */
+static void interface_folder(char out[FILE_PATH], const char *path, uint8_t interface_number)
+{
+    char file[FILE_PATH], configuration[8];
+    snprintf(file, sizeof file, "%s/%s/bConfigurationValue", devices_folder, path);
+    read_line(file, configuration, sizeof configuration);
+    snprintf(out, FILE_PATH, "%s/%s:%s.%u", devices_folder, path, configuration, interface_number);
+}
+
+/* ---- drivers ---- */
+
+/* The HID driver's folder below the interface's is "0003:VENDOR:PRODUCT.NUMBER". */
+size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity)
+{
+    char folder[FILE_PATH], file[FILE_PATH + 300];
+    interface_folder(folder, path, interface_number);
+    DIR *listing = opendir(folder);
+    size_t size = 0;
+    if (!listing)
+        return 0;
+    const struct dirent *entry;
+    for (int i = 0; size == 0 && i < FOLDER_CAP && (entry = readdir(listing)) != NULL; ++i) {
+        if (strncmp(entry->d_name, "0003:", 5) != 0)
+            continue;
+        snprintf(file, sizeof file, "%s/%s/report_descriptor", folder, entry->d_name);
+        size = read_file(file, out, capacity);
+    }
+    closedir(listing);
+    return size;
+}
+
+bool system_is_claimed(const char *path, uint8_t interface_number)
+{
+    char folder[FILE_PATH], file[FILE_PATH + 16], driver[256];
+    interface_folder(folder, path, interface_number);
+    snprintf(file, sizeof file, "%s/driver", folder);
+    ssize_t length = readlink(file, driver, sizeof driver - 1);
+    if (length <= 0)
+        return false;
+    driver[length] = '\0';
+    const char *slash = strrchr(driver, '/');
+    return strcmp(slash ? slash + 1 : driver, "usbfs") == 0;
+}
+
+/* ---- the node ---- */
+
+void system_node(char out[SYSTEM_NODE], const usb_seen *device)
+{
+    snprintf(out, SYSTEM_NODE, "/dev/bus/usb/%03u/%03u", device->bus, device->number);
+}
+
+bool system_may_open(const usb_seen *device)
+{
+    char node[SYSTEM_NODE];
+    system_node(node, device);
+    return access(node, R_OK | W_OK) == 0;
+}
+
+static bool has_open(const char *process, const struct stat *node)
+{
+    char folder[FILE_PATH], file[FILE_PATH + 300];
+    struct stat status;
+    snprintf(folder, sizeof folder, "/proc/%.20s/fd", process);
+    DIR *listing = opendir(folder);
+    bool has = false;
+    if (!listing)
+        return false;
+    const struct dirent *entry;
+    for (int i = 0; !has && i < FOLDER_CAP && (entry = readdir(listing)) != NULL; ++i) {
+        snprintf(file, sizeof file, "%s/%s", folder, entry->d_name);
+        has = entry->d_name[0] != '.' && stat(file, &status) == 0 &&
+              status.st_dev == node->st_dev && status.st_ino == node->st_ino;
+    }
+    closedir(listing);
+    return has;
+}
+
+static void name_process(char out[SYSTEM_HOLDER], const char *process)
+{
+    char file[FILE_PATH], name[32];
+    snprintf(file, sizeof file, "/proc/%.20s/comm", process);
+    read_line(file, name, sizeof name);
+    snprintf(out, SYSTEM_HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
+}
+
+bool system_holder(char out[SYSTEM_HOLDER], const usb_seen *device)
+{
+    char node[SYSTEM_NODE];
+    struct stat status;
+    system_node(node, device);
+    out[0] = '\0';
+    DIR *listing = stat(node, &status) == 0 ? opendir("/proc") : NULL;
+    if (!listing)
+        return false;
+    const struct dirent *entry;
+    bool found = false;
+    for (int i = 0; !found && i < FOLDER_CAP && (entry = readdir(listing)) != NULL; ++i) {
+        if (entry->d_name[0] < '1' || entry->d_name[0] > '9' || !has_open(entry->d_name, &status))
+            continue;
+        name_process(out, entry->d_name);
+        found = true;
+    }
+    closedir(listing);
+    return found;
+}
