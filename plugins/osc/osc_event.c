@@ -1,0 +1,259 @@
+#include "osc_event.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Two turns, in either direction: more is no joint, but degrees taken for radians. */
+static const double angle_max_rad = 2 * 3.14159265358979323846;
+static const double distance_max_mm = 100000;
+
+static osc_fault refuse(osc_event *out, osc_fault fault, const char *expected)
+{
+    out->kind = OSC_EVENT_NONE;
+    out->expected = expected;
+    return fault;
+}
+
+/* Numbers of any type from argument `from` on. */
+static bool read_numbers(osc_event *out, const osc_message *message, uint32_t from, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        double number;
+        if (!osc_message_number(message, from + i, &number))
+            return false;
+        out->value[i] = (float)number;
+    }
+    out->count = count;
+    return true;
+}
+
+static bool are_within(const float *value, uint32_t count, double max)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (!(fabs((double)value[i]) <= max))
+            return false;
+    return true;
+}
+
+/* A quaternion that says a direction: not finite or of a length far from 1 is none. */
+static bool is_quaternion(const float *xyzw)
+{
+    double squared = 0;
+    for (int i = 0; i < 4; ++i)
+        squared += (double)xyzw[i] * (double)xyzw[i];
+    return squared > 0.25 && squared < 4;
+}
+
+/* ---- hands and pedals ---- */
+
+static osc_fault read_angles(osc_event *out, const osc_message *message)
+{
+    if (message->count != MRT_ANGLES || !read_numbers(out, message, 0, MRT_ANGLES))
+        return refuse(out, OSC_FAULT_TYPES,
+                      "expected 22 numbers: rad, in the order of the sensors");
+    if (!are_within(out->value, out->count, angle_max_rad))
+        return refuse(out, OSC_FAULT_VALUE, "expected angles in rad, finite and within +-6.28");
+    out->kind = OSC_EVENT_ANGLES;
+    out->first = 0;
+    return OSC_FAULT_NONE;
+}
+
+static osc_fault read_joint(osc_event *out, const osc_message *message)
+{
+    int32_t first;
+    if (message->count < 2 || message->count > 1 + MRT_ANGLES ||
+        !osc_message_int32(message, 0, &first) ||
+        !read_numbers(out, message, 1, message->count - 1))
+        return refuse(out, OSC_FAULT_TYPES,
+                      "expected the whole number of a sensor (0 to 21), then angles in rad");
+    if (first < 0 || first >= MRT_ANGLES || (uint32_t)first + out->count > MRT_ANGLES)
+        return refuse(out, OSC_FAULT_VALUE, "expected sensors 0 to 21");
+    if (!are_within(out->value, out->count, angle_max_rad))
+        return refuse(out, OSC_FAULT_VALUE, "expected angles in rad, finite and within +-6.28");
+    out->kind = OSC_EVENT_ANGLES;
+    out->first = (uint32_t)first;
+    return OSC_FAULT_NONE;
+}
+
+static osc_fault read_wrist(osc_event *out, const osc_message *message)
+{
+    if (message->count != 7 || !read_numbers(out, message, 0, 7))
+        return refuse(out, OSC_FAULT_TYPES, "expected 7 numbers: x y z in mm, qx qy qz qw");
+    if (!are_within(out->value, 3, distance_max_mm) || !is_quaternion(out->value + 3))
+        return refuse(out, OSC_FAULT_VALUE,
+                      "expected x y z in mm within 100 m, and a quaternion of length 1");
+    out->kind = OSC_EVENT_WRIST;
+    return OSC_FAULT_NONE;
+}
+
+static osc_fault read_pedal(osc_event *out, const osc_message *message)
+{
+    int32_t number;
+    if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
+        !read_numbers(out, message, 1, 1))
+        return refuse(out, OSC_FAULT_TYPES,
+                      "expected the whole number of a pedal (1 to 4), then 0 (up) to 1 (down)");
+    if (number < 1 || number > MRT_MAX_PEDALS || !(out->value[0] >= 0 && out->value[0] <= 1))
+        return refuse(out, OSC_FAULT_VALUE, "expected pedal 1 to 4, and 0 (up) to 1 (down)");
+    out->kind = OSC_EVENT_PEDAL;
+    out->first = (uint32_t)number - 1;
+    return OSC_FAULT_NONE;
+}
+
+static osc_fault read_hand(osc_event *out, const osc_message *message, const char *rest)
+{
+    if (strncmp(rest, "left/", 5) == 0)
+        out->side = MRT_LEFT;
+    else if (strncmp(rest, "right/", 6) == 0)
+        out->side = MRT_RIGHT;
+    else
+        return refuse(out, OSC_FAULT_ADDRESS, "expected left or right after /marotte/hand/");
+    const char *part = strchr(rest, '/') + 1;
+    if (strcmp(part, "angles") == 0)
+        return read_angles(out, message);
+    if (strcmp(part, "joint") == 0)
+        return read_joint(out, message);
+    if (strcmp(part, "wrist") == 0)
+        return read_wrist(out, message);
+    return refuse(out, OSC_FAULT_ADDRESS, "expected angles, joint or wrist of a hand");
+}
+
+/* ---- VMC ---- */
+
+static osc_fault read_bone(osc_event *out, const osc_message *message)
+{
+    const char *name = osc_message_text(message, 0);
+    if (!name || message->count != 8 || !read_numbers(out, message, 1, 7))
+        return refuse(out, OSC_FAULT_TYPES,
+                      "expected the bone's name and 7 numbers: position, quaternion x y z w");
+    if (!osc_vmc_bone_find(&out->bone, name))
+        return OSC_FAULT_NONE; /* the rest of the body */
+    memmove(out->value, out->value + 3, 4 * sizeof *out->value);
+    if (!is_quaternion(out->value))
+        return refuse(out, OSC_FAULT_VALUE, "expected a quaternion of length 1");
+    out->kind = OSC_EVENT_BONE;
+    out->side = out->bone.side;
+    out->count = 4;
+    return OSC_FAULT_NONE;
+}
+
+/* ---- from one marotte to another ---- */
+
+static osc_fault read_source(osc_event *out, const osc_message *message)
+{
+    const char *source = osc_message_text(message, 0);
+    if (!source || !osc_message_int32(message, 1, &out->version))
+        return refuse(out, OSC_FAULT_TYPES, "expected a source's name and a version");
+    if (source[0] == '\0' || !osc_table_is_text(source, OSC_SOURCE_LENGTH))
+        return refuse(out, OSC_FAULT_VALUE, "expected a source's name of 1 to 95 letters");
+    strcpy(out->source, source);
+    return OSC_FAULT_NONE;
+}
+
+enum { CHANNEL_ARGUMENTS = 6 };
+
+static bool read_channel(mrt_channel *out, const osc_message *message, uint32_t from)
+{
+    int32_t semantic = 0, hand = 0;
+    *out = (mrt_channel){.name = osc_message_text(message, from),
+                         .unit = osc_message_text(message, from + 1)};
+    bool complete = out->name && out->unit && osc_message_int32(message, from + 2, &semantic) &&
+                    osc_message_int32(message, from + 3, &hand) &&
+                    osc_message_float(message, from + 4, &out->min) &&
+                    osc_message_float(message, from + 5, &out->max);
+    /* A negative number becomes one that is out of range. */
+    out->semantic = (uint32_t)semantic;
+    out->hand = (uint32_t)hand;
+    return complete;
+}
+
+static osc_fault read_channels(osc_event *out, const osc_message *message)
+{
+    osc_fault fault = read_source(out, message);
+    if (fault != OSC_FAULT_NONE)
+        return fault;
+    uint32_t count = (message->count - 2) / CHANNEL_ARGUMENTS;
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    static const char *const expected =
+        "expected name, unit, semantic, hand, min, max for each of 1 to 32 channels";
+    if (count == 0 || count > MRT_MAX_CHANNELS || (message->count - 2) % CHANNEL_ARGUMENTS != 0)
+        return refuse(out, OSC_FAULT_TYPES, expected);
+    for (uint32_t i = 0; i < count; ++i)
+        if (!read_channel(&channel[i], message, 2 + i * CHANNEL_ARGUMENTS))
+            return refuse(out, OSC_FAULT_TYPES, expected);
+    if (!osc_table_set(&out->table, out->source, out->version, channel, count))
+        return refuse(out, OSC_FAULT_VALUE, expected);
+    out->kind = OSC_EVENT_CHANNELS;
+    return OSC_FAULT_NONE;
+}
+
+static bool is_time(int64_t time_ns)
+{
+    return time_ns >= -OSC_TIME_MAX_NS && time_ns <= OSC_TIME_MAX_NS;
+}
+
+static osc_fault read_sample(osc_event *out, const osc_message *message)
+{
+    enum { HEAD = 5 };
+    osc_fault fault = read_source(out, message);
+    if (fault != OSC_FAULT_NONE)
+        return fault;
+    int32_t sequence;
+    if (!osc_message_int32(message, 2, &sequence) ||
+        !osc_message_int64(message, 3, &out->time_ns) ||
+        !osc_message_int64(message, 4, &out->sent_ns) || message->count <= HEAD ||
+        message->count > HEAD + MRT_MAX_CHANNELS)
+        return refuse(out, OSC_FAULT_TYPES,
+                      "expected source, version, sequence, two times, 1 to 32 values");
+    out->count = message->count - HEAD;
+    for (uint32_t i = 0; i < out->count; ++i)
+        if (!osc_message_float(message, HEAD + i, &out->value[i]))
+            return refuse(out, OSC_FAULT_TYPES, "expected values of type f");
+    if (!is_time(out->time_ns) || !is_time(out->sent_ns) || out->sent_ns < out->time_ns ||
+        !are_within(out->value, out->count, (double)FLT_MAX))
+        return refuse(out, OSC_FAULT_VALUE,
+                      "expected finite values, and no sample that is sent before it is measured");
+    out->sequence = (uint32_t)sequence;
+    out->kind = OSC_EVENT_SAMPLE;
+    return OSC_FAULT_NONE;
+}
+
+static osc_fault read_end(osc_event *out, const osc_message *message)
+{
+    osc_fault fault = read_source(out, message);
+    if (fault == OSC_FAULT_NONE)
+        out->kind = OSC_EVENT_END;
+    return fault;
+}
+
+static osc_fault read_ours(osc_event *out, const osc_message *message, const char *rest)
+{
+    if (strcmp(rest, "1/sample") == 0)
+        return read_sample(out, message);
+    if (strcmp(rest, "1/channels") == 0)
+        return read_channels(out, message);
+    if (strcmp(rest, "1/end") == 0)
+        return read_end(out, message);
+    if (strncmp(rest, "hand/", 5) == 0)
+        return read_hand(out, message, rest + 5);
+    if (strcmp(rest, "pedal") == 0)
+        return read_pedal(out, message);
+    return refuse(out, OSC_FAULT_ADDRESS, "no such message in this version of marotte");
+}
+
+osc_fault osc_event_read(osc_event *out, const osc_message *message)
+{
+    out->kind = OSC_EVENT_NONE;
+    out->side = MRT_NO_HAND;
+    out->first = out->count = 0;
+    out->tag_ns = message->tag_ns;
+    out->expected = "";
+    if (strncmp(message->address, "/marotte/", 9) == 0)
+        return read_ours(out, message, message->address + 9);
+    if (strcmp(message->address, "/VMC/Ext/Bone/Pos") == 0)
+        return read_bone(out, message);
+    if (strncmp(message->address, "/VMC/", 5) == 0)
+        return OSC_FAULT_NONE;
+    return refuse(out, OSC_FAULT_ADDRESS, "no message of marotte or VMC: plugins/osc/README.md");
+}

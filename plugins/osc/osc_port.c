@@ -1,0 +1,196 @@
+#include "osc_port.h"
+#include "osc_clock.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct osc_port {
+    osc_port *next;
+    uint32_t user_count;
+    osc_place place;
+    int socket;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed; /* a packet was taken, or nobody receives any more */
+    bool is_receiving;      /* somebody waits at the socket, without the mutex */
+    osc_desk desk;
+    unsigned char packet[OSC_PACKET_MAX]; /* of who receives */
+};
+
+static pthread_mutex_t ports_mutex = PTHREAD_MUTEX_INITIALIZER;
+static osc_port *ports; /* guarded by ports_mutex */
+
+/* ---- opening ---- */
+
+static osc_port *find_port(const osc_place *place)
+{
+    for (osc_port *p = ports; p; p = p->next)
+        if (p->place.port == place->port && strcmp(p->place.host, place->host) == 0)
+            return p;
+    return NULL;
+}
+
+static osc_port *make_port(const osc_place *place, char *out_reason)
+{
+    osc_port *self = calloc(1, sizeof *self);
+    if (!self) {
+        snprintf(out_reason, OSC_REASON, "no memory for port %u", (unsigned)place->port);
+        return NULL;
+    }
+    self->place = *place;
+    self->socket = osc_socket_bind(place, out_reason);
+    if (self->socket < 0) {
+        free(self);
+        return NULL;
+    }
+    osc_desk_start(&self->desk);
+    pthread_mutex_init(&self->mutex, NULL);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&self->changed, &attributes);
+    pthread_condattr_destroy(&attributes);
+    return self;
+}
+
+osc_port *osc_port_open(const osc_place *place, char *out_reason)
+{
+    pthread_mutex_lock(&ports_mutex);
+    osc_port *found = find_port(place);
+    if (!found) {
+        found = make_port(place, out_reason);
+        if (found) {
+            found->next = ports;
+            ports = found;
+        }
+    }
+    if (found)
+        found->user_count += 1;
+    pthread_mutex_unlock(&ports_mutex);
+    return found;
+}
+
+static void take_off_list(const osc_port *port)
+{
+    for (osc_port **at = &ports; *at; at = &(*at)->next)
+        if (*at == port) {
+            *at = port->next;
+            return;
+        }
+}
+
+void osc_port_close(osc_port *port)
+{
+    if (!port)
+        return;
+    pthread_mutex_lock(&ports_mutex);
+    bool is_last = --port->user_count == 0;
+    if (is_last)
+        take_off_list(port);
+    pthread_mutex_unlock(&ports_mutex);
+    if (!is_last)
+        return;
+    osc_socket_close(port->socket);
+    pthread_cond_destroy(&port->changed);
+    pthread_mutex_destroy(&port->mutex);
+    free(port);
+}
+
+void osc_port_lock(osc_port *port)
+{
+    pthread_mutex_lock(&port->mutex);
+}
+
+void osc_port_unlock(osc_port *port)
+{
+    pthread_mutex_unlock(&port->mutex);
+}
+
+void osc_port_join(osc_port *port, osc_listener *listener)
+{
+    osc_port_lock(port);
+    osc_desk_join(&port->desk, listener, osc_clock_ns());
+    osc_port_unlock(port);
+}
+
+void osc_port_leave(osc_port *port, osc_listener *listener)
+{
+    osc_port_lock(port);
+    osc_desk_leave(&port->desk, listener);
+    osc_port_unlock(port);
+}
+
+/* ---- receiving ---- */
+
+/* Waits at the socket without the mutex; takes what comes with it. False: the socket failed. */
+static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
+{
+    osc_peer peer;
+    self->is_receiving = true;
+    osc_port_unlock(self);
+    int64_t size =
+        osc_socket_receive(self->socket, self->packet, sizeof self->packet, &peer, deadline_ns);
+    int64_t now_ns = osc_clock_ns();
+    osc_port_lock(self);
+    self->is_receiving = false;
+    if (size > 0)
+        osc_desk_take(&self->desk, self->packet, (size_t)size, &peer, now_ns, host);
+    pthread_cond_broadcast(&self->changed);
+    return size != OSC_SOCKET_FAILED;
+}
+
+static void wait_for_receiver(osc_port *self, int64_t deadline_ns)
+{
+    struct timespec until = {.tv_sec = (time_t)(deadline_ns / 1000000000),
+                             .tv_nsec = (long)(deadline_ns % 1000000000)};
+    (void)pthread_cond_timedwait(&self->changed, &self->mutex, &until);
+}
+
+bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadline_ns,
+                   const mrt_host *host)
+{
+    bool works = true;
+    osc_port_lock(port);
+    bool had_channels = listener->table.count > 0;
+    bool is_first = true; /* what has come already is taken even when there is no time to wait */
+    while (works && listener->count == 0 && !listener->has_ended && !listener->has_other_channels &&
+           had_channels == (listener->table.count > 0)) {
+        if (!is_first && deadline_ns - osc_clock_ns() < OSC_PORT_WAIT_LEAST_NS)
+            break;
+        if (port->is_receiving)
+            wait_for_receiver(port, deadline_ns);
+        else
+            works = receive(port, deadline_ns, host);
+        is_first = false;
+    }
+    osc_port_unlock(port);
+    return works;
+}
+
+/* ---- what to tell ---- */
+
+void osc_port_name_sources(osc_port *port, char *out, size_t capacity)
+{
+    osc_port_lock(port);
+    osc_desk_name_sources(&port->desk, osc_clock_ns(), out, capacity);
+    osc_port_unlock(port);
+}
+
+void osc_port_summary(osc_port *port, char *out, size_t capacity)
+{
+    osc_port_lock(port);
+    const osc_desk *desk = &port->desk;
+    uint32_t faulty = 0;
+    for (int i = 0; i < OSC_FAULT_KINDS; ++i)
+        faulty += desk->fault_count[i];
+    uint32_t dropped = faulty + desk->late_count + desk->untold_count;
+    out[0] = '\0';
+    if (dropped > 0)
+        snprintf(out, capacity,
+                 "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
+                 "messages",
+                 (unsigned)port->place.port, desk->late_count, desk->untold_count, faulty);
+    osc_port_unlock(port);
+}

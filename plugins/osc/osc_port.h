@@ -1,0 +1,40 @@
+/* plugins/osc/osc_port.h - one UDP port of this computer and those who listen there. Several inputs
+ * of one program may have the same port: a datagram goes to one socket only, so they share it, and
+ * whichever of them waits receives for all. There is no thread: packets are taken while some input
+ * reads. The list of open ports is the one thing in this plugin that is shared between instances.
+ */
+#ifndef MAROTTE_OSC_PORT_H
+#define MAROTTE_OSC_PORT_H
+#include "osc_desk.h"
+#include "osc_place.h"
+#include "osc_socket.h"
+
+typedef struct osc_port osc_port;
+
+/* The socket waits in whole ms: less is not waited for. */
+enum { OSC_PORT_WAIT_LEAST_NS = 1000000 };
+
+/* The port at this place, opened by the first who asks. NULL: out_reason (OSC_REASON) says why. */
+osc_port *osc_port_open(const osc_place *place, char *out_reason);
+/* The last one closes the socket. NULL is fine. */
+void osc_port_close(osc_port *port);
+
+void osc_port_join(osc_port *port, osc_listener *listener);
+void osc_port_leave(osc_port *port, osc_listener *listener);
+
+/* A listener that has joined is read and written between these two. */
+void osc_port_lock(osc_port *port);
+void osc_port_unlock(osc_port *port);
+
+/* Receives until the listener has an item in its queue, or channels of its source when it had none,
+ * or its sender ended; or until the deadline (osc_clock_ns), never past it. False: the socket
+ * failed. `host` is told what is wrong with packets. */
+bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadline_ns,
+                   const mrt_host *host);
+
+/* Who forwards to this port now. */
+void osc_port_name_sources(osc_port *port, char *out, size_t capacity);
+/* "3 late, 1 twice, 12 faulty" since the port is open; "" when there is nothing to tell. */
+void osc_port_summary(osc_port *port, char *out, size_t capacity);
+
+#endif
