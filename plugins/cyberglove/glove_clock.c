@@ -1,0 +1,185 @@
+#include "glove_clock.h"
+
+/* 1/115200 s = 78125/9 ns */
+static const int64_t tick_numerator_ns = 78125, tick_denominator = 9;
+static const int64_t check_ns = 1000000000;
+static const double window_ns = 128e6;
+static const double gap_ns = 1e9;
+static const double period_least_ns = 1e6, period_most_ns = 3e9;
+/* A stamp that leaps so much ahead of all before it is an error of the line, unless it stays so. */
+static const int64_t ahead_ns = 3000000;
+/* Damped well: half of a step in 2 windows, no overshoot to speak of. */
+static const double phase_gain = 0.4, period_gain = 0.05;
+enum { FIRST_RECORDS = 16, ODD_MAX = 3, MISFIT_MAX = 2 };
+
+void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns)
+{
+    *self = (glove_clock){.timing = timing, .pace = {.period_ns = (double)period_ns}};
+    clock_map_reset(&self->map);
+}
+
+void glove_clock_restart(glove_clock *self)
+{
+    int64_t last_ns = self->last_ns;
+    bool distrusts = self->distrusts_stamps;
+    glove_clock_init(self, self->timing, (int64_t)self->pace.period_ns);
+    self->distrusts_stamps = distrusts;
+    self->last_ns = last_ns;
+}
+
+/* ---- by rate ---- */
+
+static double clamp(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static void pace_start(glove_pace *pace, int64_t arrival_ns)
+{
+    *pace = (glove_pace){.period_ns = pace->period_ns,
+                         .next_ns = (double)arrival_ns,
+                         .first_ns = arrival_ns,
+                         .window_start_ns = arrival_ns,
+                         .least_late_ns = gap_ns};
+}
+
+static void pace_turn_window(glove_pace *pace, int64_t arrival_ns)
+{
+    if ((double)(arrival_ns - pace->window_start_ns) < window_ns || pace->window_count < 4)
+        return;
+    double off_ns = pace->early_ns + pace->least_late_ns;
+    pace->next_ns += phase_gain * pace->least_late_ns;
+    pace->period_ns = clamp(pace->period_ns + period_gain * off_ns / (double)pace->window_count,
+                            period_least_ns, period_most_ns);
+    pace->window_start_ns = arrival_ns;
+    pace->window_count = 0;
+    pace->least_late_ns = gap_ns;
+    pace->early_ns = 0;
+}
+
+/* A rate that nobody told is the mean of the first records. */
+static bool pace_learns(glove_pace *pace, int64_t arrival_ns)
+{
+    if (pace->period_ns > 0)
+        return false;
+    if (pace->seen == 1 || pace->first_ns > arrival_ns)
+        pace->first_ns = arrival_ns;
+    if (pace->seen <= FIRST_RECORDS)
+        return true;
+    pace->period_ns = clamp((double)(arrival_ns - pace->first_ns) / FIRST_RECORDS, period_least_ns,
+                            period_most_ns);
+    pace->next_ns = (double)arrival_ns;
+    pace->window_start_ns = arrival_ns;
+    return false;
+}
+
+static int64_t pace_time(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
+{
+    if (pace->seen == 0)
+        pace_start(pace, arrival_ns);
+    pace->seen += pace->seen < UINT32_MAX;
+    if (pace_learns(pace, arrival_ns))
+        return arrival_ns;
+    double due_ns = pace->next_ns + (double)lost * pace->period_ns;
+    double late_ns = (double)arrival_ns - due_ns;
+    if (late_ns > gap_ns || late_ns < -gap_ns) {
+        pace_start(pace, arrival_ns);
+        pace->seen = 1;
+        due_ns = (double)arrival_ns;
+        late_ns = 0;
+    }
+    if (late_ns < 0) {
+        pace->early_ns += late_ns;
+        due_ns = (double)arrival_ns;
+        late_ns = 0;
+    }
+    if (late_ns < pace->least_late_ns)
+        pace->least_late_ns = late_ns;
+    pace->window_count += 1;
+    pace->next_ns = due_ns + pace->period_ns;
+    pace_turn_window(pace, arrival_ns);
+    return (int64_t)due_ns;
+}
+
+/* ---- by stamp ---- */
+
+static int64_t ns_of_ticks(int64_t ticks)
+{
+    return ticks / tick_denominator * tick_numerator_ns +
+           ticks % tick_denominator * tick_numerator_ns / tick_denominator;
+}
+
+/* Every second: whether the glove's clock went as far as the host's, half a second in a second at
+ * worst (arrivals may be late). */
+static void check_stamps(glove_clock *self, int64_t arrival_ns)
+{
+    if (arrival_ns - self->check_ns < check_ns)
+        return;
+    int64_t device_ns = ns_of_ticks(self->device_ticks - self->check_ticks);
+    int64_t host_ns = arrival_ns - self->check_ns;
+    bool fits = device_ns > host_ns / 2 && device_ns < host_ns * 3 / 2;
+    self->misfit_count = fits ? 0 : self->misfit_count + 1;
+    self->distrusts_stamps = self->misfit_count >= MISFIT_MAX;
+    self->check_ticks = self->device_ticks;
+    self->check_ns = arrival_ns;
+}
+
+/* A damaged stamp runs backwards, or it leaps further than the records did and lands where the
+ * glove's clock cannot be yet: alone, that would mislead the map for seconds. */
+static bool is_odd(const glove_clock *self, int32_t step_ticks, uint32_t lost, int64_t arrival_ns)
+{
+    if (step_ticks <= 0)
+        return true;
+    double step_ns = (double)ns_of_ticks(step_ticks);
+    if (self->pace.period_ns <= 0 || step_ns < self->pace.period_ns * ((double)lost + 1.5))
+        return false;
+    int64_t late_ns = arrival_ns - ns_of_ticks(self->device_ticks + step_ticks);
+    return late_ns < self->map.offset_ns - ahead_ns;
+}
+
+static void stamps_start(glove_clock *self, uint32_t ticks, int64_t arrival_ns)
+{
+    self->has_stamp = true;
+    self->last_ticks = ticks;
+    self->device_ticks = ticks;
+    self->check_ticks = ticks;
+    self->check_ns = arrival_ns;
+}
+
+/* by_rate_ns: where a stamp is damaged, or as long as it may be. */
+static int64_t stamp_time(glove_clock *self, const glove_record *record, int64_t by_rate_ns,
+                          int64_t arrival_ns)
+{
+    if (!self->has_stamp)
+        stamps_start(self, record->ticks, arrival_ns);
+    uint32_t step = record->ticks - self->last_ticks;
+    int32_t step_ticks = step > INT32_MAX ? -1 : (int32_t)step;
+    check_stamps(self, arrival_ns);
+    if (self->map.running && is_odd(self, step_ticks, record->lost, arrival_ns) &&
+        self->odd_count < ODD_MAX) {
+        self->odd_count += 1;
+        return by_rate_ns;
+    }
+    if (step_ticks < 0)
+        stamps_start(self, record->ticks, arrival_ns);
+    else
+        self->device_ticks += step_ticks;
+    self->last_ticks = record->ticks;
+    self->odd_count = 0;
+    return clock_map_to_host(&self->map, ns_of_ticks(self->device_ticks), arrival_ns);
+}
+
+int64_t glove_clock_time(glove_clock *self, const glove_record *record, int64_t arrival_ns)
+{
+    int64_t time_ns = arrival_ns;
+    if (self->timing != GLOVE_BY_ARRIVAL)
+        time_ns = pace_time(&self->pace, record->lost, arrival_ns);
+    if (self->timing == GLOVE_BY_STAMP && !self->distrusts_stamps)
+        time_ns = stamp_time(self, record, time_ns, arrival_ns);
+    if (time_ns > arrival_ns)
+        time_ns = arrival_ns;
+    if (time_ns < self->last_ns)
+        time_ns = self->last_ns;
+    self->last_ns = time_ns;
+    return time_ns;
+}

@@ -1,0 +1,42 @@
+/* cyberglove/glove_clock.h - when a record was measured, on the host's clock: by the glove's own
+ * time stamps where it gives them (devices/clock_map.h), else by its steady rate: bunched arrivals
+ * are spread, and the earliest of late show when. Pure functions on one struct; no allocation. */
+#ifndef MAROTTE_CYBERGLOVE_CLOCK_H
+#define MAROTTE_CYBERGLOVE_CLOCK_H
+#include "clock_map.h"
+#include "glove_parse.h"
+
+typedef enum glove_timing {
+    GLOVE_BY_ARRIVAL = 0, /* each record was asked for: it is of when it came */
+    GLOVE_BY_RATE,
+    GLOVE_BY_STAMP
+} glove_timing;
+
+/* Times by a steady rate: a phase-locked loop on the least lateness of each window. */
+typedef struct glove_pace {
+    double period_ns; /* 0: not known yet */
+    double next_ns;   /* when the next record is due */
+    int64_t first_ns, window_start_ns;
+    double least_late_ns, early_ns;
+    uint32_t seen, window_count;
+} glove_pace;
+
+typedef struct glove_clock {
+    glove_timing timing;
+    clock_map map;
+    glove_pace pace;
+    bool has_stamp, distrusts_stamps; /* distrusts: stamps did not go with time, the rate is used */
+    uint32_t last_ticks, odd_count, misfit_count;
+    int64_t device_ticks;          /* unwrapped */
+    int64_t check_ticks, check_ns; /* where the window of that check began */
+    int64_t last_ns;
+} glove_clock;
+
+/* period_ns: what the glove was set to, 0 if that is not known. */
+void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns);
+/* After an interruption: what comes next is not measured against what came before. */
+void glove_clock_restart(glove_clock *self);
+/* Never after the arrival, never before what was returned last. */
+int64_t glove_clock_time(glove_clock *self, const glove_record *record, int64_t arrival_ns);
+
+#endif

@@ -1,0 +1,52 @@
+/* cyberglove/glove_drive.h - a glove that sends: its records one by one, with their times, and what
+ * becomes of silence, garbage and a cable that is pulled. Leaves out finding the glove. [input]
+ * after the start. */
+#ifndef MAROTTE_CYBERGLOVE_DRIVE_H
+#define MAROTTE_CYBERGLOVE_DRIVE_H
+#include "glove_clock.h"
+#include "glove_start.h"
+
+enum { /* said once in the life of an instance, however often it is opened */
+       GLOVE_TOLD_TOO_FAST = 1,
+       GLOVE_TOLD_UNPLUGGED = 2,
+       GLOVE_TOLD_STAMPS = 4,
+       GLOVE_TOLD_LATENCY = 8,
+       GLOVE_TOLD_REFUSED = 16,
+       GLOVE_TOLD_READINESS = 32,
+       GLOVE_TOLD_HAND = 64,
+       GLOVE_TOLD_LINE = 128
+};
+
+typedef struct glove_drive {
+    const mrt_host *host;
+    trace trace; /* the caller opens and closes it */
+    glove_wish wish;
+    glove_unit unit;
+    glove_port port;
+    glove_parse parse;
+    glove_clock clock;
+    uint32_t told;
+    bool has_read, has_restarted, is_lost;
+    bool has_asked;     /* polled: a record is on its way */
+    uint32_t skipped;   /* records not worth giving, since the last one given */
+    uint32_t unplugged; /* of those: the glove was out of its box */
+    int64_t arrival_ns; /* host's clock */
+    int64_t good_ns, restarted_ns, resume_ns, asked_ns; /* glove_port_now_ns */
+    size_t bytes_since_good;
+    uint8_t status, doubtful_status; /* as believed; as seen once */
+} glove_drive;
+
+/* The port is open and glove_start has succeeded. */
+void glove_drive_begin(glove_drive *self);
+/* MRT_OK, MRT_TIMEOUT, or MRT_ERR_IO: said to the host's log, and for ever. out_record->lost counts
+ * all that are missing before it. */
+mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record *out_record,
+                            int64_t *out_time_ns);
+/* Stops the glove and closes the port. */
+void glove_drive_end(glove_drive *self);
+bool glove_drive_switch(const glove_drive *self); /* whether it is on */
+
+__attribute__((format(printf, 4, 5))) void glove_drive_tell(glove_drive *self, uint32_t once,
+                                                            int32_t level, const char *format, ...);
+
+#endif

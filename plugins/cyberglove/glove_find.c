@@ -1,0 +1,171 @@
+#include "glove_find.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+static const char *const tty_folder = "/sys/class/tty";
+static const char *const link_folder = "/dev/serial/by-path";
+static const char *const vendor_of_adapters[] = {"0403", "067b"}; /* FTDI, Prolific */
+
+/* The first line of a small file; "" if there is none. */
+static void read_line(const char *folder, const char *name, char *out, size_t capacity)
+{
+    char path[PATH_CAPACITY + 32];
+    out[0] = '\0';
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0)
+        return;
+    ssize_t got = read(file, out, capacity - 1);
+    close(file);
+    out[got > 0 ? (size_t)got : 0] = '\0';
+    out[strcspn(out, "\r\n")] = '\0';
+    for (char *c = out; *c; ++c)
+        if (!isprint((unsigned char)*c))
+            *c = '?';
+}
+
+/* Cuts `path` after its component that names a USB interface: "1-1.4:1.0". */
+static bool cut_at_interface(char *path, const char **out_name)
+{
+    for (char *slash = strrchr(path, '/'); slash; slash = strrchr(path, '/')) {
+        if (isdigit((unsigned char)slash[1]) && strchr(slash, '-') && strchr(slash, ':')) {
+            *out_name = slash + 1;
+            return true;
+        }
+        *slash = '\0';
+    }
+    return false;
+}
+
+static uint32_t likeliness_of(const char *device, const char *product)
+{
+    char maker[64], vendor[16];
+    read_line(device, "manufacturer", maker, sizeof maker);
+    read_line(device, "idVendor", vendor, sizeof vendor);
+    for (const char *at = product; *at; ++at)
+        if (strncasecmp(at, "glove", 5) == 0)
+            return 2;
+    if (strncasecmp(maker, "CyberGlove", 10) == 0 || strncasecmp(maker, "Immersion", 9) == 0)
+        return 2;
+    for (size_t i = 0; i < sizeof vendor_of_adapters / sizeof *vendor_of_adapters; ++i)
+        if (strcmp(vendor, vendor_of_adapters[i]) == 0)
+            return 1;
+    return 0;
+}
+
+/* Where it is plugged in and what that calls itself, by /sys/class/tty/NAME/device. */
+static void describe(const char *root, const char *name, glove_found *out)
+{
+    char folder[PATH_CAPACITY], real[PATH_CAPACITY], number[16];
+    const char *interface;
+    snprintf(folder, sizeof folder, "%s%s/%s/device", root, tty_folder, name);
+    read_line(folder, "port_number", number, sizeof number);
+    glove_find_real(folder, real, sizeof real);
+    if (!cut_at_interface(real, &interface))
+        return;
+    snprintf(out->place, sizeof out->place, "%.40s%s%.8s", interface, number[0] ? "/" : "", number);
+    char *slash = strrchr(real, '/');
+    *slash = '\0'; /* the device that has the interface */
+    read_line(real, "product", out->product, sizeof out->product);
+    out->likeliness = likeliness_of(real, out->product);
+}
+
+static void find_link(const char *root, glove_found *out)
+{
+    char folder[PATH_CAPACITY], wanted[PATH_CAPACITY], real[PATH_CAPACITY];
+    snprintf(folder, sizeof folder, "%s%s", root, link_folder);
+    glove_find_real(out->path, wanted, sizeof wanted);
+    DIR *links = opendir(folder);
+    if (!links)
+        return;
+    const struct dirent *entry;
+    while ((entry = readdir(links)) != NULL) {
+        char path[sizeof folder + sizeof entry->d_name];
+        snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        glove_find_real(path, real, sizeof real);
+        bool is_better = out->link[0] == '\0' || strcmp(path, out->link) < 0;
+        if (entry->d_name[0] != '.' && strlen(path) < sizeof out->link &&
+            strcmp(real, wanted) == 0 && is_better)
+            snprintf(out->link, sizeof out->link, "%s", path);
+    }
+    closedir(links);
+}
+
+static int by_likeliness(const void *left, const void *right)
+{
+    const glove_found *a = left, *b = right;
+    if (a->likeliness != b->likeliness)
+        return a->likeliness > b->likeliness ? -1 : 1;
+    int order = strcmp(a->place, b->place);
+    return order ? order : strcmp(a->path, b->path);
+}
+
+uint32_t glove_find_ports(const char *root, glove_found *out, uint32_t capacity)
+{
+    char folder[PATH_CAPACITY];
+    snprintf(folder, sizeof folder, "%s%s", root, tty_folder);
+    DIR *names = opendir(folder);
+    if (!names)
+        return 0;
+    uint32_t count = 0;
+    const struct dirent *entry;
+    while (count < capacity && (entry = readdir(names)) != NULL) {
+        const char *name = entry->d_name;
+        if ((strncmp(name, "ttyUSB", 6) != 0 && strncmp(name, "ttyACM", 6) != 0) ||
+            strlen(name) > 32)
+            continue;
+        glove_found *found = &out[count++];
+        *found = (glove_found){.likeliness = 0};
+        snprintf(found->path, sizeof found->path, "%.80s/dev/%.32s", root, name);
+        describe(root, name, found);
+        find_link(root, found);
+    }
+    closedir(names);
+    qsort(out, count, sizeof *out, by_likeliness);
+    return count;
+}
+
+bool glove_find_place(const char *root, const char *place, glove_found *out)
+{
+    glove_found ports[GLOVE_PORTS_MAX];
+    uint32_t count = glove_find_ports(root, ports, GLOVE_PORTS_MAX);
+    for (uint32_t i = 0; i < count; ++i)
+        if (place[0] && strcmp(ports[i].place, place) == 0) {
+            *out = ports[i];
+            return true;
+        }
+    return false;
+}
+
+bool glove_find_path(const char *root, const char *path, glove_found *out)
+{
+    glove_found ports[GLOVE_PORTS_MAX];
+    char wanted[PATH_CAPACITY], real[PATH_CAPACITY];
+    uint32_t count = glove_find_ports(root, ports, GLOVE_PORTS_MAX);
+    glove_find_real(path, wanted, sizeof wanted);
+    for (uint32_t i = 0; i < count; ++i) {
+        glove_find_real(ports[i].path, real, sizeof real);
+        if (strcmp(real, wanted) == 0) {
+            *out = ports[i];
+            return true;
+        }
+    }
+    return false;
+}
+
+void glove_find_real(const char *path, char *out, size_t capacity)
+{
+    char *real = realpath(path, NULL);
+    const char *found = real ? real : path;
+    size_t length = strlen(found) < capacity ? strlen(found) : capacity - 1;
+    memcpy(out, found, length);
+    out[length] = '\0';
+    free(real);
+}

@@ -1,0 +1,359 @@
+#include "glove_start.h"
+#include "glove_talk.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { ASK_TRIES = 4, RATE_MOST_HZ = 1000 };
+static const int64_t whole_ms = 6000, ask_ms = 500, order_ms = 300, pause_ms = 50;
+static const int64_t restart_ms = 2500, first_record_ms = 1000, poll_again_ms = 200;
+static const double ticks_per_s = 115200.0;
+/* Gloves that keep their own rate send at least so often: below, they are asked for each record. */
+static const double slowest_native_hz = 90.0;
+/* Of what the line can carry: the rest is for clocks that differ. */
+static const double line_share = 0.95;
+
+/* ---- what is there ---- */
+
+static mrt_result say_silent(const glove_talk *talk, glove_why *why)
+{
+    const glove_port *port = talk->port;
+    if (port->baud == 0)
+        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but nothing answers", port->name);
+    return glove_why_set(why, MRT_ERR_IO,
+                         "%s: nothing answers at %u baud: is the glove's box switched on, is it "
+                         "set to this speed (old ones to 38400: baud=38400)?",
+                         port->name, port->baud);
+}
+
+static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *bytes, size_t count,
+                               glove_why *why)
+{
+    char hex[50];
+    glove_why_hex(hex, sizeof hex, bytes, count);
+    return glove_why_set(why, MRT_ERR_UNSUPPORTED,
+                         "%s: this is no CyberGlove at %u baud; to \"?G\" it says %s: another "
+                         "device, or a glove set to another speed",
+                         talk->port->name, talk->port->baud, hex);
+}
+
+/* Why the talk ended, if it did. */
+static mrt_result end_of(const glove_talk *talk, glove_why *why)
+{
+    if (talk->is_stopping)
+        return glove_why_set(why, MRT_ERR_IO, "%s: given up, the program stops", talk->port->name);
+    if (talk->is_gone)
+        return glove_why_set(why, MRT_ERR_IO, "%s went away while it was asked: was it unplugged?",
+                             talk->port->name);
+    if (!glove_talk_goes_on(talk))
+        return glove_why_set(why, MRT_ERR_IO,
+                             "%s answers so slowly that it was given up; if it is a CyberGlove, "
+                             "switch it off and on",
+                             talk->port->name);
+    return MRT_OK;
+}
+
+/* Stops whatever it was doing. */
+static void hush(glove_talk *talk)
+{
+    const char stop = GLOVE_CTRL_C;
+    glove_talk_say(talk, &stop, 1);
+    glove_talk_listen(talk, pause_ms);
+    if (!talk->is_gone)
+        glove_port_flush(talk->port);
+    talk->heard_count = 0;
+}
+
+typedef struct first_words {
+    unsigned char bytes[16];
+    size_t count;
+} first_words;
+
+static bool is_ready(glove_talk *talk, int tries, uint32_t *out, first_words *heard)
+{
+    for (int i = 0; i < tries && glove_talk_goes_on(talk); ++i) {
+        unsigned char value = 0;
+        glove_reply reply = glove_talk_ask(talk, 'G', &value, 1, ask_ms);
+        *out = value;
+        if (reply == GLOVE_ANSWERED)
+            return true;
+        if (talk->heard_count > 0 && heard->count == 0) {
+            heard->count = talk->heard_count < 16 ? talk->heard_count : 16;
+            memcpy(heard->bytes, talk->heard, heard->count);
+        }
+    }
+    return false;
+}
+
+static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *out_readiness,
+                             glove_why *why)
+{
+    first_words heard = {.count = 0};
+    bool ready = is_ready(talk, effort == GLOVE_MAY_RESTART ? ASK_TRIES : 2, out_readiness, &heard);
+    if (!ready && effort == GLOVE_MAY_RESTART && glove_talk_goes_on(talk)) {
+        const char restart = GLOVE_CTRL_R;
+        glove_talk_say(talk, &restart, 1);
+        if (glove_talk_listen(talk, restart_ms))
+            ready = is_ready(talk, 1, out_readiness, &heard);
+    }
+    if (ready)
+        return MRT_OK;
+    if (talk->is_gone || talk->is_stopping)
+        return end_of(talk, why);
+    return heard.count > 0 ? say_no_glove(talk, heard.bytes, heard.count, why)
+                           : say_silent(talk, why);
+}
+
+static uint32_t ask_mask(glove_talk *talk, char letter, int64_t limit_ms)
+{
+    unsigned char b[3];
+    if (glove_talk_ask(talk, letter, b, sizeof b, limit_ms) != GLOVE_ANSWERED)
+        return 0;
+    return (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
+}
+
+static uint32_t ask_byte(glove_talk *talk, char letter, int64_t limit_ms)
+{
+    unsigned char value = 0;
+    return glove_talk_ask(talk, letter, &value, 1, limit_ms) == GLOVE_ANSWERED ? value : 0;
+}
+
+static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why)
+{
+    glove_census census = {.sensor_count = ask_byte(talk, 'S', ask_ms)};
+    census.hardware_mask = ask_mask(talk, 'K', ask_ms);
+    census.software_mask = ask_mask(talk, 'M', order_ms);
+    census.sent_count = ask_byte(talk, 'N', order_ms);
+    mrt_result result = end_of(talk, why);
+    if (result < 0)
+        return result;
+    if (!glove_sensors_find(&census, &out->sensors))
+        return glove_why_set(why, MRT_ERR_UNSUPPORTED,
+                             "%s answers like a CyberGlove, but says that it has %u sensors and "
+                             "not which: gloves of 18 and 22 are known",
+                             talk->port->name, census.sensor_count);
+    return MRT_OK;
+}
+
+static void find_hand(glove_talk *talk, const glove_wish *wish, glove_unit *out)
+{
+    unsigned char is_right = 1;
+    out->said_hand = glove_talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
+    out->hand = is_right ? MRT_RIGHT : MRT_LEFT;
+    if (wish->hand == GLOVE_HAND_LEFT)
+        out->hand = MRT_LEFT;
+    else if (wish->hand == GLOVE_HAND_RIGHT)
+        out->hand = MRT_RIGHT;
+}
+
+/* ---- what it is to do ---- */
+
+static void note_refusal(glove_unit *unit, char letter)
+{
+    size_t used = strlen(unit->refused);
+    if (used + 1 < sizeof unit->refused)
+        unit->refused[used] = letter;
+}
+
+/* Orders with a byte, 0 or 1. */
+static bool give_flag(glove_talk *talk, glove_unit *unit, char letter, bool on)
+{
+    const char order[2] = {letter, on ? 1 : 0};
+    glove_reply reply = glove_talk_order(talk, order, sizeof order, letter, order_ms);
+    if (reply == GLOVE_ANSWERED)
+        return true;
+    if (on)
+        note_refusal(unit, letter);
+    return false;
+}
+
+static double rate_for_line(const glove_port *port, const glove_unit *unit, double wish_hz)
+{
+    if (port->baud == 0)
+        return wish_hz;
+    double record_bits = 10.0 * (double)glove_layout_size(&unit->layout);
+    double most_hz = line_share * port->baud / record_bits;
+    return wish_hz > most_hz ? most_hz : wish_hz;
+}
+
+/* Two words; which byte comes first is not known: the order in which it is what was asked. */
+static uint32_t period_ticks(const unsigned char value[4], uint32_t asked)
+{
+    uint32_t high_first =
+        (uint32_t)(value[0] << 8 | value[1]) * (uint32_t)(value[2] << 8 | value[3]);
+    uint32_t low_first =
+        (uint32_t)(value[1] << 8 | value[0]) * (uint32_t)(value[3] << 8 | value[2]);
+    if (low_first == asked || high_first == asked)
+        return asked;
+    uint32_t least = (uint32_t)ticks_per_s / RATE_MOST_HZ;
+    if (low_first >= least && low_first < high_first)
+        return low_first;
+    return high_first >= least ? high_first : 0;
+}
+
+static int64_t ask_period_ns(glove_talk *talk, uint32_t asked_ticks)
+{
+    unsigned char value[4];
+    uint32_t ticks = asked_ticks;
+    if (glove_talk_ask(talk, 'T', value, sizeof value, order_ms) == GLOVE_ANSWERED)
+        ticks = period_ticks(value, asked_ticks);
+    return (int64_t)((double)ticks * 1e9 / ticks_per_s);
+}
+
+static void give_rate(glove_talk *talk, const glove_wish *wish, glove_unit *unit)
+{
+    if (wish->rate_hz <= 0) {
+        unit->period_ns = ask_period_ns(talk, 0);
+        return;
+    }
+    unit->asked_hz = rate_for_line(talk->port, unit, wish->rate_hz);
+    uint32_t ticks = (uint32_t)(ticks_per_s / unit->asked_hz + 0.5);
+    uint32_t factor = ticks > 65535 ? 2 : 1;
+    char order[32];
+    int length = snprintf(order, sizeof order, "t %u %u\r", ticks / factor, factor);
+    if (glove_talk_order(talk, order, (size_t)length, 't', order_ms) == GLOVE_ANSWERED) {
+        unit->period_ns = ask_period_ns(talk, ticks / factor * factor);
+        return;
+    }
+    note_refusal(unit, 'T');
+    hush(talk); /* whatever it made of the digits */
+}
+
+/* Records of bytes: D, U, F, T; what it refuses it does without. */
+static mrt_result set_up(glove_talk *talk, const glove_wish *wish, glove_unit *out, glove_why *why)
+{
+    out->layout.has_time = give_flag(talk, out, 'D', wish->stamps != GLOVE_STAMPS_OFF) &&
+                           wish->stamps != GLOVE_STAMPS_OFF;
+    out->layout.has_status = give_flag(talk, out, 'U', true);
+    if (wish->filter != GLOVE_FILTER_AS_IT_IS)
+        give_flag(talk, out, 'F', wish->filter == GLOVE_FILTER_ON);
+    give_rate(talk, wish, out);
+    if (wish->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && glove_talk_goes_on(talk))
+        return glove_why_set(why, MRT_ERR_UNSUPPORTED,
+                             "%s has no time stamps, as most CyberGlove II and III: leave "
+                             "time_stamps=auto",
+                             talk->port->name);
+    return end_of(talk, why);
+}
+
+static void choose_mode(const glove_wish *wish, glove_unit *unit)
+{
+    bool keeps_its_rate = strchr(unit->refused, 'T') != NULL;
+    unit->is_polled =
+        wish->form == GLOVE_BYTES && (wish->mode == GLOVE_MODE_POLLED ||
+                                      (wish->mode == GLOVE_MODE_AUTO && keeps_its_rate &&
+                                       wish->rate_hz > 0 && wish->rate_hz < slowest_native_hz));
+    unit->layout.head = unit->is_polled ? 'G' : 'S';
+    if (unit->is_polled)
+        unit->period_ns = unit->asked_hz > 0 ? (int64_t)(1e9 / unit->asked_hz) : 0;
+}
+
+bool glove_start_sending(glove_port *port, const glove_unit *unit)
+{
+    if (unit->layout.form == GLOVE_WORDS)
+        return glove_port_write(port, "1S", 2);
+    return glove_port_write(port, &unit->layout.head, 1);
+}
+
+/* ---- its first record ---- */
+
+static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layout)
+{
+    if (layout->sensor_count != unit->layout.sensor_count)
+        glove_sensors_of_count(layout->sensor_count, &unit->sensors);
+    unit->layout = *layout;
+    glove_parse_init(parse, layout);
+}
+
+/* Takes the bytes heard last into the parser; true: there was a record. */
+static bool take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
+{
+    const unsigned char *bytes = talk->heard + talk->heard_count - count;
+    glove_record record;
+    bool found = false;
+    while (count > 0) {
+        size_t part = glove_parse_room(parse) < count ? glove_parse_room(parse) : count;
+        glove_parse_put(parse, bytes, part);
+        bytes += part;
+        count -= part;
+        while (glove_parse_next(parse, &record))
+            found = true;
+    }
+    return found;
+}
+
+static mrt_result say_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
+{
+    char hex[98];
+    const char *name = talk->port->name;
+    glove_why_hex(hex, sizeof hex, talk->heard, talk->heard_count);
+    if (talk->heard_count == 0)
+        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but it sends no records%s", name,
+                             unit->readiness & 2
+                                 ? ": switch it off and on"
+                                 : ": it says that no glove is plugged into its box");
+    return glove_why_set(why, MRT_ERR_FORMAT,
+                         "%s is a CyberGlove, but what it sends are no records of %u sensors: %s: "
+                         "switch it off and on",
+                         name, unit->layout.sensor_count, hex);
+}
+
+static int64_t first_limit_ms(const glove_unit *unit)
+{
+    int64_t three_ms = 3 * unit->period_ns / 1000000;
+    return three_ms > first_record_ms ? three_ms : first_record_ms;
+}
+
+static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *parse,
+                              glove_why *why)
+{
+    glove_parse_init(parse, &unit->layout);
+    talk->heard_count = 0;
+    if (!glove_start_sending(talk->port, unit))
+        talk->is_gone = true;
+    int64_t until_ns = glove_talk_until(talk, first_limit_ms(unit));
+    while (glove_talk_goes_on(talk) && glove_port_now_ns() < until_ns) {
+        int64_t try_ns = unit->is_polled ? glove_talk_until(talk, poll_again_ms) : until_ns;
+        size_t count = glove_talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
+        bool asks_again = unit->is_polled && !talk->is_gone;
+        if (take_heard(talk, count, parse))
+            return MRT_OK;
+        glove_layout other = unit->layout;
+        if (glove_layout_guess(talk->heard, talk->heard_count, &other)) {
+            adopt(unit, parse, &other);
+            if (take_heard(talk, talk->heard_count, parse))
+                return MRT_OK;
+        }
+        if (asks_again && !glove_start_sending(talk->port, unit))
+            talk->is_gone = true;
+    }
+    if (talk->is_gone || talk->is_stopping)
+        return end_of(talk, why);
+    return say_no_record(talk, unit, why);
+}
+
+mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_wish *wish,
+                       glove_effort effort, glove_unit *out, glove_parse *parse, glove_why *why)
+{
+    glove_talk talk;
+    *out = (glove_unit){.layout = {.form = wish->form}};
+    glove_talk_init(&talk, port, host, wish->patience, whole_ms);
+    hush(&talk);
+    mrt_result result = find_glove(&talk, effort, &out->readiness, why);
+    if (result < 0)
+        return result;
+    result = find_sensors(&talk, out, why);
+    if (result < 0)
+        return result;
+    out->layout.sensor_count = out->sensors.count;
+    find_hand(&talk, wish, out);
+    if (wish->form == GLOVE_BYTES)
+        result = set_up(&talk, wish, out, why);
+    else /* lets it send over USB; what it answers is not known */
+        glove_talk_order(&talk, "1eu", 3, '1', order_ms);
+    if (result < 0)
+        return result;
+    choose_mode(wish, out);
+    glove_talk_settle(&talk);
+    return have_record(&talk, out, parse, why);
+}

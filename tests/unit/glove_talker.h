@@ -1,0 +1,232 @@
+/* A CyberGlove for tests: answers on the master side of a pty, from a thread. It does only what the
+ * plugin's tests want; tests/device has the emulator. */
+#ifndef GLOVE_TALKER_H
+#define GLOVE_TALKER_H
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <pty.h>
+
+typedef enum talker_habit {
+    TALKER_GLOVE = 0,
+    TALKER_SILENT,       /* never says anything */
+    TALKER_OTHER_DEVICE, /* answers every byte with "OK\r\n" */
+    TALKER_HANGS_UP_ON_S /* gone when it is asked ?S */
+} talker_habit;
+
+typedef struct talker {
+    int master, slave; /* slave: kept open, so that the pty lives between two clients */
+    char path[64];
+    pthread_t thread;
+    _Atomic bool stopping;
+    talker_habit habit;
+    uint32_t sensors;        /* 18 or 22 */
+    bool is_left, refuses;   /* D, T, N: as a CyberGlove II */
+    bool has_status_unasked; /* adds the status byte although U is refused */
+    int period_ms;
+    _Atomic uint32_t hang_up_after, silent_after; /* records; 0: never */
+    _Atomic unsigned char status;
+    /* its state */
+    bool streams, has_time, has_status;
+    _Atomic uint32_t sent, asked_polled;
+    uint32_t restarts;
+} talker;
+
+static void talker_put(talker *self, const void *bytes, size_t size)
+{
+    ssize_t written = write(self->master, bytes, size);
+    (void)written;
+}
+
+static void talker_refuse(talker *self)
+{
+    talker_put(self, " e?\r\n", 6);
+}
+
+static void talker_record(talker *self, char head)
+{
+    unsigned char record[40] = {(unsigned char)head};
+    size_t size = 1;
+    for (uint32_t i = 0; i < self->sensors; ++i)
+        record[size++] = (unsigned char)(i == 0 ? 1 + self->sent % 250 : 10 + i);
+    if (self->has_time) {
+        struct timespec now;
+        clock_gettime(CLOCK_MONOTONIC, &now);
+        uint32_t ticks =
+            (uint32_t)((uint64_t)now.tv_sec * 115200u + (uint64_t)now.tv_nsec * 9 / 78125);
+        unsigned char *stamp = record + size;
+        stamp[0] = 128;
+        for (uint32_t i = 0; i < 4; ++i) {
+            unsigned char byte = (unsigned char)(ticks >> (8 * i));
+            stamp[1 + i] = byte ? byte : 1;
+            stamp[0] = (unsigned char)(stamp[0] | (byte ? 0u : 1u << i));
+        }
+        size += 5;
+    }
+    if (self->has_status || self->has_status_unasked)
+        record[size++] = self->status;
+    record[size++] = 0;
+    talker_put(self, record, size);
+    self->sent += 1;
+}
+
+/* The answer to "?LETTER" at `command`. */
+static void talker_answer(talker *self, char letter)
+{
+    static const unsigned char mask_22[3] = {0x7f, 0xff, 0x7f}, mask_18[3] = {0x3f, 0xbb, 0x7b};
+    unsigned char reply[8] = {'?', (unsigned char)letter};
+    size_t size = 1;
+    const unsigned char *mask = self->sensors == 22 ? mask_22 : mask_18;
+    switch (letter) {
+    case 'G':
+        reply[2] = 3;
+        break;
+    case 'S':
+        reply[2] = (unsigned char)self->sensors;
+        break;
+    case 'R':
+        reply[2] = self->is_left ? 0 : 1;
+        break;
+    case 'K':
+    case 'M':
+        memcpy(reply + 2, mask, size = 3);
+        break;
+    case 'T':
+        size = 4;
+        if (!self->refuses)
+            memcpy(reply + 2, "\x03\x00\x00\x01", 4); /* 768, 1 */
+        break;
+    default:
+        talker_refuse(self);
+        return;
+    }
+    talker_put(self, reply, size + 3);
+}
+
+/* Returns how many bytes it took; 0: more are needed. */
+static size_t talker_command(talker *self, const char *c, size_t count)
+{
+    switch (c[0]) {
+    case 0x03:
+        self->streams = false;
+        talker_put(self, "\x03", 2);
+        return 1;
+    case 0x12:
+        self->restarts += 1;
+        talker_put(self, "\x12", 2);
+        return 1;
+    case '?':
+        if (count < 2)
+            return 0;
+        if (c[1] == 'S' && self->habit == TALKER_HANGS_UP_ON_S)
+            self->stopping = true;
+        else
+            talker_answer(self, c[1]);
+        return 2;
+    case 'D':
+    case 'U':
+        if (self->refuses && (c[0] == 'D' || self->has_status_unasked)) {
+            talker_refuse(self);
+            return 1;
+        }
+        if (count < 2)
+            return 0;
+        *(c[0] == 'D' ? &self->has_time : &self->has_status) = c[1] == 1;
+        talker_put(self, (char[]){c[0], 0}, 2);
+        return 2;
+    case 't': {
+        const char *end = memchr(c, '\r', count);
+        if (self->refuses) {
+            talker_refuse(self);
+            return 1;
+        }
+        if (!end)
+            return 0;
+        talker_put(self, "t", 2);
+        return (size_t)(end - c) + 1;
+    }
+    case 'S':
+        self->streams = true;
+        return 1;
+    case 'G':
+        self->asked_polled += 1;
+        talker_record(self, 'G');
+        return 1;
+    case '\r':
+    case '\n':
+        return 1;
+    default:
+        talker_refuse(self);
+        return 1;
+    }
+}
+
+static size_t talker_obey(talker *self, char *bytes, size_t count)
+{
+    size_t used = 0;
+    if (self->habit == TALKER_SILENT)
+        return 0;
+    if (self->habit == TALKER_OTHER_DEVICE) {
+        talker_put(self, "OK\r\n", 4);
+        return 0;
+    }
+    while (used < count && !self->stopping) {
+        size_t taken = talker_command(self, bytes + used, count - used);
+        if (taken == 0)
+            break;
+        used += taken;
+    }
+    memmove(bytes, bytes + used, count - used);
+    return count - used;
+}
+
+static void *talker_thread(void *data)
+{
+    talker *self = data;
+    char bytes[256];
+    size_t count = 0;
+    while (!self->stopping) {
+        struct pollfd wanted = {.fd = self->master, .events = POLLIN};
+        int ready = poll(&wanted, 1, self->period_ms);
+        if (ready > 0 && (wanted.revents & POLLIN)) {
+            ssize_t got = read(self->master, bytes + count, sizeof bytes - count);
+            count = got > 0 ? talker_obey(self, bytes, count + (size_t)got) : 0;
+        } else if (ready == 0 && self->streams &&
+                   !(self->silent_after && self->sent >= self->silent_after)) {
+            talker_record(self, 'S');
+        }
+        if (self->hang_up_after && self->sent >= self->hang_up_after)
+            break;
+    }
+    close(self->master);
+    return NULL;
+}
+
+static void talker_start(talker *self)
+{
+    assert_int_equal(openpty(&self->master, &self->slave, self->path, NULL, NULL), 0);
+    struct termios raw;
+    assert_int_equal(tcgetattr(self->slave, &raw), 0);
+    cfmakeraw(&raw);
+    assert_int_equal(tcsetattr(self->slave, TCSANOW, &raw), 0);
+    fcntl(self->master, F_SETFL, O_NONBLOCK);
+    self->period_ms = self->period_ms ? self->period_ms : 3;
+    self->status = 0x81;
+    assert_int_equal(pthread_create(&self->thread, NULL, talker_thread, self), 0);
+}
+
+static void talker_stop(talker *self)
+{
+    self->stopping = true;
+    pthread_join(self->thread, NULL);
+    close(self->slave);
+}
+
+#endif
