@@ -4,6 +4,8 @@
 #include "constraint_cost.h"
 #include "draw/sheet.h"
 #include "facts.h"
+#include "keys.h"
+#include "perform_hands.h"
 #include "perform_options.h"
 #include "progress.h"
 #include "recording.h"
@@ -29,6 +31,7 @@ typedef struct performance {
     instance_clock clock;
     input *inputs[PERFORM_INPUTS_MAX];
     uint32_t input_count;
+    perform_hands hands;
     instance mapping;
     performer *performer;
     recording recording;
@@ -151,7 +154,12 @@ static mrt_result prepare(performance *self, error *err)
     result = open_inputs(self, err);
     if (result >= 0)
         result = open_mapping(self, err);
-    performer_settings settings = {.hand_length_mm = options->hand_length_mm};
+    if (result >= 0)
+        result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
+    performer_settings settings = {
+        .hand_length_mm = options->hand_length_mm,
+        .side_length_mm = {self->hands.length_mm[0], self->hands.length_mm[1]},
+        .rezero_pedal = options->rezero_pedal};
     if (result >= 0)
         result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
     if (result >= 0)
@@ -164,6 +172,7 @@ static void finish(performance *self)
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
     instance_destroy(&self->mapping);
+    perform_hands_finish(&self->hands);
     for (uint32_t i = 0; i < self->input_count; ++i)
         input_destroy(self->inputs[i]);
     face_file_destroy(&self->face);
@@ -188,6 +197,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     performance *self = data;
     char text[64];
     print_log(self->log);
+    perform_hands_keys(self->performer, &stop_asked);
     snprintf(text, sizeof text, "%.1f s", time_s);
     progress_show(&self->progress,
                   self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);
@@ -199,14 +209,20 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 
 static mrt_result perform(performance *self, error *err)
 {
-    player_settings settings = {.fps = self->options->fps,
-                                .seconds = self->options->seconds,
-                                .clock = self->clock,
-                                .stop = &stop_asked};
+    player_settings settings = {
+        .fps = self->options->fps,
+        .seconds = self->options->seconds,
+        .clock = self->clock,
+        .stop = &stop_asked,
+        .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
+                        perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .data = self};
+    if (self->clock == CLOCK_REAL && keys_begin())
+        fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
     mrt_result result = player_run(self->performer, self->inputs, self->input_count, &settings,
                                    &events, &self->report, err);
+    keys_end();
     progress_end(&self->progress);
     print_log(self->log);
     if (result >= 0)
@@ -244,6 +260,7 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "triangles", "triangles", self->face.mesh.triangle_count, 0, "");
     for (uint32_t i = 0; i < self->input_count; ++i)
         facts_list(told, "inputs", "input", input_name(self->inputs[i]));
+    perform_hands_report(&self->hands, self->performer, told);
     facts_text(told, "mapping", "mapping", self->mapping.type->id);
     facts_number(told, "samples", "samples read", (double)report->sample_count, 0, "");
     if (report->dropped + report->refused)
@@ -412,7 +429,13 @@ const command command_perform = {
         "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
         "  --seconds N        stop after so much of the performance\n"
         "  --realtime         play recordings in real time\n"
-        "  --hand-length MM   of the performer, wrist to middle fingertip (190)\n"
+        "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else "
+        "the\n"
+        "                     newest in the user's folder; none: the shipped defaults\n"
+        "  --hand-length MM   of the performer, wrist to middle fingertip (the calibration's, "
+        "190)\n"
+        "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one; live, the\n"
+        "                     key z does so, and q ends\n"
         "  --tolerance MM     greatest vertex error of unanchored frames in glTF\n"
         "                     (0.1 % of the face's height)\n"
         "  --max-targets N    at most so many morph targets for unanchored frames\n"

@@ -17,6 +17,8 @@ enum {
     OPTION_TOLERANCE,
     OPTION_MAX_TARGETS,
     OPTION_HAND_LENGTH,
+    OPTION_CALIBRATION,
+    OPTION_REZERO_PEDAL,
     OPTION_REALTIME,
     OPTION_JSON
 };
@@ -32,6 +34,8 @@ static const struct option option_table[] = {
     {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
     {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
+    {"calibration", required_argument, NULL, OPTION_CALIBRATION},
+    {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
     {"realtime", no_argument, NULL, OPTION_REALTIME},
     {"json", no_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
@@ -50,34 +54,11 @@ static const struct {
     mesh_unit unit;
 } units[] = {{"mm", MESH_UNIT_MM}, {"cm", MESH_UNIT_CM}, {"m", MESH_UNIT_M}};
 
-/* PLUGIN[:ADDRESS][,PARAMS]; a path to a library ("./x.so:...") is a plugin too. */
-static bool split_spec(plugin_spec *out, const char *text)
-{
-    size_t plugin_length = strcspn(text, ":,");
-    const char *rest = text + plugin_length;
-    const char *address = *rest == ':' ? rest + 1 : "";
-    size_t address_length = strcspn(address, ",");
-    const char *params = *rest == ':' ? address + address_length : rest;
-    if (*params == ',')
-        params += 1;
-    out->plugin = strndup(text, plugin_length);
-    out->address = strndup(address, address_length);
-    out->params = strdup(params);
-    return out->plugin && out->address && out->params && plugin_length > 0;
-}
-
-static void finish_spec(plugin_spec *spec)
-{
-    free(spec->plugin);
-    free(spec->address);
-    free(spec->params);
-}
-
 void perform_options_finish(perform_options *options)
 {
     for (uint32_t i = 0; i < options->input_count; ++i)
-        finish_spec(&options->input[i]);
-    finish_spec(&options->map);
+        spec_finish(&options->input[i]);
+    spec_finish(&options->map);
 }
 
 static int read_number(const command *self, const char *option, const char *text, double min,
@@ -118,7 +99,7 @@ static int add_input(perform_options *out, const command *self, const char *text
 {
     if (out->input_count == PERFORM_INPUTS_MAX)
         return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
-    if (!split_spec(&out->input[out->input_count++], text))
+    if (!spec_read(&out->input[out->input_count++], text))
         return command_usage(self, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
     return COMMAND_DONE;
 }
@@ -127,8 +108,17 @@ static int set_map(perform_options *out, const command *self, const char *text)
 {
     if (out->map.plugin)
         return command_usage(self, "one --map is possible");
-    if (!split_spec(&out->map, text) || out->map.address[0])
+    if (!spec_read(&out->map, text) || out->map.address[0])
         return command_usage(self, "--map \"%s\" is not PLUGIN[,key=value]", text);
+    return COMMAND_DONE;
+}
+
+static int add_calibration(perform_options *out, const command *self, const char *path)
+{
+    if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
+        return command_usage(self, "at most %d calibrations are possible, one per hand",
+                             PERFORM_CALIBRATIONS_MAX);
+    out->calibration[out->calibration_count++] = path;
     return COMMAND_DONE;
 }
 
@@ -159,6 +149,12 @@ static int read_option(perform_options *out, const command *self, int option, co
     case OPTION_MAX_TARGETS:
         code = read_number(self, "max-targets", text, 1, 10000, &number);
         out->max_targets = (uint32_t)number;
+        return code;
+    case OPTION_CALIBRATION:
+        return add_calibration(out, self, text);
+    case OPTION_REZERO_PEDAL:
+        code = read_number(self, "rezero-pedal", text, 1, MRT_MAX_PEDALS, &number);
+        out->rezero_pedal = (uint32_t)number;
         return code;
     case OPTION_REALTIME:
         out->is_realtime = true;

@@ -3,8 +3,9 @@
 #define MAROTTE_UI_PERFORM_OPTIONS_H
 #include "command.h"
 #include "io/mesh_file.h"
+#include "spec.h"
 
-enum { PERFORM_INPUTS_MAX = 8, PERFORM_EXPORTS_MAX = 16 };
+enum { PERFORM_INPUTS_MAX = 8, PERFORM_EXPORTS_MAX = 16, PERFORM_CALIBRATIONS_MAX = 2 };
 
 typedef enum export_format {
     EXPORT_NONE = 0,
@@ -20,11 +21,6 @@ typedef struct perform_export {
     export_format format;
 } perform_export;
 
-/* "PLUGIN:ADDRESS,key=value,..." taken apart; the pieces are owned. */
-typedef struct plugin_spec {
-    char *plugin, *address, *params;
-} plugin_spec;
-
 typedef struct perform_options {
     const char *face;
     mesh_unit unit;
@@ -34,6 +30,8 @@ typedef struct perform_options {
     perform_export exports[PERFORM_EXPORTS_MAX];
     uint32_t export_count;
     double fps, seconds, tolerance_mm, hand_length_mm;
+    const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
+    uint32_t calibration_count, rezero_pedal;
     uint32_t max_targets;
     bool is_realtime, is_json;
 } perform_options;
