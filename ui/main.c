@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const command *const commands[] = {&command_perform, &command_calibrate, &command_deform,
-                                          &command_plugin, &command_rig};
+static const command *const commands[] = {&command_perform, &command_calibrate, &command_devices,
+                                          &command_deform,  &command_plugin,    &command_rig};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *stream)

@@ -22,8 +22,7 @@ static void name_found(input *self)
 {
     const mrt_devices *devices = plugin_interface(self->plugin.type, MRT_DEVICES);
     mrt_device found = {.address = ""};
-    if (self->address[0] || !devices || !devices->current ||
-        !devices->current(self->plugin.self, &found))
+    if (self->address[0] || !devices || !devices->current(self->plugin.self, &found))
         return;
     found.address[sizeof found.address - 1] = '\0';
     name_input(self, found.address);
@@ -114,6 +113,11 @@ void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns)
 {
     self->patience_first_ns = first_ns;
     self->patience_later_ns = later_ns;
+}
+
+mrt_result input_set(input *self, const char *key, const char *value, error *err)
+{
+    return instance_set_text(&self->plugin, key, value, err);
 }
 
 mrt_result input_start(input *self, error *err)

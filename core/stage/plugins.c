@@ -53,9 +53,11 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     const mrt_input *input = plugin_interface(type, MRT_INPUT);
     const mrt_mapping *mapping = plugin_interface(type, MRT_MAPPING);
     const mrt_state *state = plugin_interface(type, MRT_STATE);
-    if (!input && !mapping)
-        return error_set(err, MRT_ERR_FORMAT, "%s: answers neither %s nor %s", type->id, MRT_INPUT,
-                         MRT_MAPPING);
+    const mrt_devices *devices = plugin_interface(type, MRT_DEVICES);
+    const mrt_output *output = plugin_interface(type, MRT_OUTPUT);
+    if (!input && !mapping && !output)
+        return error_set(err, MRT_ERR_FORMAT, "%s: answers none of %s, %s, %s", type->id, MRT_INPUT,
+                         MRT_MAPPING, MRT_OUTPUT);
     if (input && (!input->open || !input->channels || !input->read || !input->close))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_INPUT);
     if (mapping &&
@@ -63,6 +65,10 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_MAPPING);
     if (state && (!state->save || !state->load))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_STATE);
+    if (devices && (!devices->list || !devices->current))
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_DEVICES);
+    if (output && (!output->open || !output->write || !output->close))
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_OUTPUT);
     return MRT_OK;
 }
 
@@ -346,7 +352,9 @@ mrt_result plugin_list_find(plugin_list *list, const char *name, const char *int
     }
     char names[256];
     name_all(list, interface_id, names, sizeof names);
-    const char *kind = strcmp(interface_id, MRT_INPUT) == 0 ? "input" : "mapping";
+    const char *kind = strcmp(interface_id, MRT_INPUT) == 0    ? "input"
+                       : strcmp(interface_id, MRT_OUTPUT) == 0 ? "output"
+                                                               : "mapping";
     return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\" (there are: %s)", kind,
                      name, names[0] ? names : "none");
 }
