@@ -1,0 +1,442 @@
+#include "take/show_file.h"
+
+#include "base/file.h"
+#include "take/show_schema.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- what kind of file it is ---- */
+
+typedef struct identity {
+    int64_t application, version, oldest_reader;
+} identity;
+
+static mrt_result read_identity(sqlite *db, const char *path, identity *out, error *err)
+{
+    *out = (identity){0};
+    mrt_result result = sqlite_number(db, "PRAGMA application_id", 0, &out->application, err);
+    if (result >= 0)
+        result = sqlite_number(db, "PRAGMA user_version", 0, &out->version, err);
+    if (result < 0)
+        return result;
+    if (out->application != SHOW_APPLICATION || out->version < 1)
+        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
+                         path);
+    result = sqlite_number(db, "SELECT value FROM meta WHERE key = 'oldest_reader'", INT64_MAX,
+                           &out->oldest_reader, err);
+    if (result >= 0 && out->oldest_reader > SHOW_VERSION)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: was made by a newer marotte (format %lld, this one reads up to %d): "
+                         "update marotte",
+                         path, (long long)out->version, SHOW_VERSION);
+    return result;
+}
+
+static mrt_result check_regular(const char *path, error *err)
+{
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is not a file; a show was expected", path);
+    if (status.st_size == 0)
+        return error_set(err, MRT_ERR_FORMAT, "%s: is empty; a show was expected", path);
+    return MRT_OK;
+}
+
+/* ---- connections ---- */
+
+/* Fails at once where the file cannot be read at all. */
+static mrt_result connect_and_look(sqlite **out, identity *out_identity, const char *path,
+                                   sqlite_mode mode, sqlite_trouble *out_trouble, error *err)
+{
+    *out_trouble = SQLITE_TROUBLE_NONE;
+    mrt_result result = sqlite_open(out, path, mode, err);
+    if (result < 0)
+        return result;
+    result = read_identity(*out, path, out_identity, err);
+    if (result < 0) {
+        *out_trouble = sqlite_trouble_of(*out);
+        sqlite_close(*out);
+        *out = NULL;
+    }
+    return result;
+}
+
+static bool has_log(const char *path)
+{
+    char *log = malloc(strlen(path) + 5);
+    struct stat status;
+    bool has = log && stat(strcat(strcpy(log, path), "-wal"), &status) == 0 && status.st_size > 0;
+    free(log);
+    return has;
+}
+
+static void add_notice(show *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void add_notice(show *self, const char *format, ...)
+{
+    size_t used = strlen(self->notice);
+    if (used > 0 && used + 2 < sizeof self->notice) {
+        memcpy(self->notice + used, "; ", 3);
+        used += 2;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(self->notice + used, sizeof self->notice - used, format, arguments);
+    va_end(arguments);
+}
+
+/* A folder that cannot be written has no place for the files that SQLite keeps beside a show. */
+static mrt_result connect_for_reading(show *self, identity *out, error *err)
+{
+    sqlite_trouble trouble;
+    mrt_result result =
+        connect_and_look(&self->db, out, self->path, SQLITE_MODE_READ, &trouble, err);
+    if (result >= 0 || (trouble != SQLITE_TROUBLE_OPEN && trouble != SQLITE_TROUBLE_READONLY))
+        return result;
+    result = connect_and_look(&self->db, out, self->path, SQLITE_MODE_READ_FROZEN, &trouble, err);
+    if (result >= 0 && has_log(self->path))
+        add_notice(self,
+                   "%s: the last changes are in %s-wal and cannot be read here: copy both files "
+                   "to a folder where you may write",
+                   self->path, self->path);
+    return result;
+}
+
+static mrt_result use_log(sqlite *db, const char *path, error *err)
+{
+    sqlite_statement *statement;
+    mrt_result result = sqlite_prepare(db, &statement, "PRAGMA journal_mode = WAL", err);
+    if (result < 0)
+        return result;
+    result = sqlite_step(statement, err);
+    if (result == MRT_OK && strcmp(sqlite_text(statement, 0), "wal") != 0)
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "%s: this disk does not allow a show to be recorded: use another", path);
+    sqlite_finish(statement);
+    return result < 0 ? result : MRT_OK;
+}
+
+/* Synchronous is FULL here: what somebody says (an edit, a new take) has reached the disk when the
+ * call returns. The writer's own connection need not wait: see writer_sync.h. */
+static mrt_result configure(sqlite *db, error *err)
+{
+    return sqlite_run(db,
+                      "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
+                      "PRAGMA secure_delete = OFF; PRAGMA cell_size_check = ON;"
+                      "PRAGMA wal_autocheckpoint = 1000; PRAGMA cache_size = -8000",
+                      err);
+}
+
+mrt_result show_connect(const show *self, sqlite **out, error *err)
+{
+    mrt_result result = sqlite_open(out, self->path, SQLITE_MODE_WRITE, err);
+    if (result >= 0)
+        result = configure(*out, err);
+    if (result < 0) {
+        sqlite_close(*out);
+        *out = NULL;
+    }
+    return result;
+}
+
+/* ---- small things that the other files use ---- */
+
+mrt_result show_check_writable(const show *self, error *err)
+{
+    if (self->is_writable)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open for reading only%s%s", self->path,
+                     self->notice[0] ? ": " : "", self->notice);
+}
+
+mrt_result show_grow(void **list, size_t count, size_t item_size, error *err)
+{
+    if (count & (count - 1)) /* room for a power of two items is there */
+        return MRT_OK;
+    void *larger = realloc(*list, (count ? 2 * count : 1) * item_size);
+    if (!larger)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a list of %zu", count + 1);
+    *list = larger;
+    return MRT_OK;
+}
+
+mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
+                          void (*read)(void *item, sqlite_statement *row), error *err)
+{
+    mrt_result result;
+    *out = (show_rows){0};
+    while ((result = sqlite_step(rows, err)) == MRT_OK) {
+        result = show_grow(&out->item, out->count, item_size, err);
+        if (result < 0)
+            break;
+        read((char *)out->item + out->count++ * item_size, rows);
+    }
+    sqlite_finish(rows);
+    if (result >= 0)
+        return MRT_OK;
+    free(out->item);
+    *out = (show_rows){0};
+    return result;
+}
+
+static void read_id(void *item, sqlite_statement *row)
+{
+    *(int64_t *)item = sqlite_int(row, 0);
+}
+
+mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count, error *err)
+{
+    sqlite_statement *query;
+    show_rows rows = {0};
+    mrt_result result = sqlite_query(self->db, &query, err, sql, "");
+    if (result >= 0)
+        result = show_read_rows(&rows, query, sizeof **out, read_id, err);
+    *out = rows.item;
+    *out_count = rows.count;
+    return result;
+}
+
+int64_t show_next_id(show *self, show_id of)
+{
+    return ++self->last_id[of];
+}
+
+static mrt_result read_last_ids(show *self, error *err)
+{
+    static const char *const sql[SHOW_ID_COUNT] = {
+        [SHOW_ID_TRACK] = "SELECT MAX(id) FROM track",
+        [SHOW_ID_PERFORMANCE] = "SELECT MAX(id) FROM performance",
+        [SHOW_ID_TAKE] = "SELECT MAX(id) FROM take",
+    };
+    mrt_result result = MRT_OK;
+    for (int i = 0; i < SHOW_ID_COUNT && result >= 0; ++i) {
+        result = sqlite_number(self->db, sql[i], 0, &self->last_id[i], err);
+        if (result >= 0 && (self->last_id[i] < 0 || self->last_id[i] > INT64_MAX / 2))
+            result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: an id of %lld", self->path,
+                               (long long)self->last_id[i]);
+    }
+    return result;
+}
+
+/* ---- opening ---- */
+
+static void remember_file(show *self)
+{
+    struct stat status;
+    if (stat(self->path, &status) == 0) {
+        self->device = status.st_dev;
+        self->inode = status.st_ino;
+    }
+}
+
+static mrt_result show_alloc(show **out, const char *path, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (*out)
+        (*out)->path = strdup(path);
+    if (*out && (*out)->path) {
+        (*out)->lock.fd = -1;
+        return MRT_OK;
+    }
+    free(*out);
+    *out = NULL;
+    return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+}
+
+/* Whether the file may be written; if not, the notice says why. */
+static bool may_write(show *self)
+{
+    char who[256];
+    if (access(self->path, W_OK) != 0) {
+        add_notice(self, "%s: opened for reading only, it cannot be written (%s)", self->path,
+                   strerror(errno));
+        return false;
+    }
+    switch (show_lock_take(&self->lock, self->path, who)) {
+    case SHOW_LOCK_HELD:
+        return true;
+    case SHOW_LOCK_OTHERS:
+        add_notice(self, "%s: opened for reading only, %s writes it", self->path, who);
+        return false;
+    case SHOW_LOCK_REFUSED:
+    default:
+        add_notice(self, "%s: opened for reading only, its folder cannot be written (%s)",
+                   self->path, who);
+        return false;
+    }
+}
+
+static mrt_result open_for_writing(show *self, error *err)
+{
+    identity id;
+    sqlite_trouble trouble;
+    int64_t recovered_count = 0;
+    mrt_result result =
+        connect_and_look(&self->db, &id, self->path, SQLITE_MODE_WRITE, &trouble, err);
+    if (result < 0)
+        return result;
+    if (id.version > SHOW_VERSION) {
+        add_notice(self,
+                   "%s: opened for reading only, it was made by a newer marotte (format %lld, this "
+                   "one writes %d): update marotte to record into it",
+                   self->path, (long long)id.version, SHOW_VERSION);
+        sqlite_close(self->db);
+        self->db = NULL;
+        return MRT_ERR_UNSUPPORTED;
+    }
+    result = use_log(self->db, self->path, err);
+    if (result >= 0)
+        result = configure(self->db, err);
+    if (result >= 0)
+        result = show_schema_migrate(self->db, id.version, err);
+    if (result >= 0)
+        result = show_close_open_ends(self->db, &recovered_count, err);
+    if (result >= 0)
+        result = read_last_ids(self, err);
+    if (result < 0 && sqlite_trouble_of(self->db) == SQLITE_TROUBLE_READONLY) {
+        add_notice(self, "%s: opened for reading only, it cannot be written", self->path);
+        result = MRT_ERR_UNSUPPORTED;
+    }
+    if (result < 0) {
+        sqlite_close(self->db);
+        self->db = NULL;
+        return result;
+    }
+    self->is_writable = true;
+    if (recovered_count > 0)
+        add_notice(self,
+                   "%s: marotte ended while it recorded %lld take(s): they are kept up to their "
+                   "last sample",
+                   self->path, (long long)recovered_count);
+    return MRT_OK;
+}
+
+static mrt_result open_any_way(show *self, show_mode mode, error *err)
+{
+    if (mode == SHOW_WRITE && may_write(self)) {
+        mrt_result result = open_for_writing(self, err);
+        if (result >= 0 || !self->notice[0])
+            return result;
+        show_lock_let_go(&self->lock);
+    }
+    identity id;
+    mrt_result result = connect_for_reading(self, &id, err);
+    if (result >= 0)
+        self->version = id.version;
+    return result;
+}
+
+mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
+{
+    *out = NULL;
+    show *self;
+    mrt_result result = check_regular(path, err);
+    if (result >= 0)
+        result = show_alloc(&self, path, err);
+    if (result < 0)
+        return result;
+    self->version = SHOW_VERSION;
+    remember_file(self);
+    result = open_any_way(self, mode, err);
+    if (result < 0) {
+        show_close(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+static mrt_result make_file(const char *path, error *err)
+{
+    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", path, strerror(errno));
+    close(fd);
+    return MRT_OK;
+}
+
+static mrt_result fill_new(show *self, error *err)
+{
+    char who[256];
+    if (show_lock_take(&self->lock, self->path, who) != SHOW_LOCK_HELD)
+        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", self->path, who);
+    mrt_result result = sqlite_open(&self->db, self->path, SQLITE_MODE_MAKE, err);
+    if (result >= 0)
+        result = show_schema_create(self->db, err);
+    if (result >= 0)
+        result = use_log(self->db, self->path, err);
+    return result < 0 ? result : configure(self->db, err);
+}
+
+mrt_result show_create(show **out, const char *path, error *err)
+{
+    *out = NULL;
+    show *self;
+    mrt_result result = make_file(path, err);
+    if (result < 0)
+        return result;
+    result = show_alloc(&self, path, err);
+    if (result >= 0)
+        result = fill_new(self, err);
+    if (result < 0) {
+        show_close(self);
+        (void)unlink(path);
+        return result;
+    }
+    self->version = SHOW_VERSION;
+    self->is_writable = true;
+    remember_file(self);
+    *out = self;
+    return MRT_OK;
+}
+
+void show_close(show *self)
+{
+    if (!self)
+        return;
+    sqlite_close(self->db);
+    show_lock_let_go(&self->lock);
+    free(self->path);
+    free(self);
+}
+
+/* ---- about the file ---- */
+
+const char *show_path(const show *self)
+{
+    return self->path;
+}
+
+bool show_is_writable(const show *self)
+{
+    return self->is_writable;
+}
+
+const char *show_notice(const show *self)
+{
+    return self->notice;
+}
+
+bool show_is_missing(const show *self)
+{
+    struct stat status;
+    return stat(self->path, &status) != 0 || status.st_dev != self->device ||
+           status.st_ino != self->inode;
+}
+
+mrt_result show_rescue(show *self, const char *out_path, error *err)
+{
+    struct stat status;
+    if (stat(out_path, &status) == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: is there already; name a new file", out_path);
+    return sqlite_change(self->db, err, "VACUUM INTO ?", "t", out_path);
+}

@@ -1,0 +1,84 @@
+/* take/show_file.h - what the files of the show, its writer and its journal share; for this room.
+ */
+#ifndef MAROTTE_TAKE_SHOW_FILE_H
+#define MAROTTE_TAKE_SHOW_FILE_H
+#include "take/show.h"
+#include "take/show_lock.h"
+#include "take/sqlite.h"
+
+#include <sys/types.h>
+
+typedef enum show_id { SHOW_ID_TRACK, SHOW_ID_PERFORMANCE, SHOW_ID_TAKE, SHOW_ID_COUNT } show_id;
+
+struct show {
+    sqlite *db;
+    char *path;
+    int64_t version; /* of its tables */
+    bool is_writable;
+    char notice[1024];
+    show_lock lock;
+    dev_t device; /* and inode: of the file that is open */
+    ino_t inode;
+    int64_t last_id[SHOW_ID_COUNT]; /* given out, so that a row can be named before it is written */
+};
+
+/* Connection of its own to the file, for the writer. */
+CHECKED mrt_result show_connect(const show *self, sqlite **out, error *err);
+int64_t show_next_id(show *self, show_id of);
+/* MRT_ERR_UNSUPPORTED with the reason when the show can only be read. */
+CHECKED mrt_result show_check_writable(const show *self, error *err);
+
+/* A list of what the rows of a query say; finishes the query. On failure there is no list. */
+typedef struct show_rows {
+    void *item; /* owned */
+    size_t count;
+} show_rows;
+CHECKED mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
+                                  void (*read)(void *item, sqlite_statement *row), error *err);
+/* The first column of all rows. */
+CHECKED mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count,
+                                 error *err);
+/* Room for one more item than `count`; items are to be added one by one. */
+CHECKED mrt_result show_grow(void **list, size_t count, size_t item_size, error *err);
+
+/* Rows of a take, in somebody's transaction. `end_ns` NULL of a take or a span: it goes on. */
+typedef struct show_take_row {
+    int64_t id, created_ns, start_ns;
+    const int64_t *end_ns;
+    const char *scene, *shot, *origin;
+    uint32_t number; /* 0: the slate's next one */
+} show_take_row;
+CHECKED mrt_result show_take_insert(sqlite *db, const show_take_row *row, error *err);
+CHECKED mrt_result show_span_insert(sqlite *db, int64_t take, int64_t performance, int64_t from_ns,
+                                    const int64_t *to_ns, bool is_shown, error *err);
+/* Checked; is_shown as each says. */
+CHECKED mrt_result show_spans_insert(sqlite *db, int64_t take, const show_span *spans, size_t count,
+                                     error *err);
+CHECKED mrt_result show_edit_insert(sqlite *db, int64_t take, int32_t n, int64_t utc_ms,
+                                    const char *json, error *err);
+
+/* What is recorded, in the writer's transaction; times are show time. */
+CHECKED mrt_result show_plugin_insert(sqlite *db, const char *identity, error *err);
+CHECKED mrt_result show_track_insert(sqlite *db, int64_t session, const take_track *track,
+                                     error *err);
+CHECKED mrt_result show_performance_insert(sqlite *db, int64_t session,
+                                           const take_performance *performance, int64_t from_ns,
+                                           error *err);
+CHECKED mrt_result show_event_insert(sqlite *db, const take_event *event, error *err);
+/* A checkpoint's bytes as they are stored. */
+typedef struct show_packed {
+    int64_t performance, time_ns;
+    uint32_t version;
+    size_t plain_size, size;
+    uint8_t *bytes; /* owned */
+} show_packed;
+CHECKED mrt_result show_checkpoint_pack(show_packed *out, const void *bytes, size_t size,
+                                        error *err);
+CHECKED mrt_result show_checkpoint_insert(sqlite *db, const show_packed *packed, error *err);
+CHECKED mrt_result show_audio_append(sqlite *db, const char *path, int64_t audio, int64_t time_ns,
+                                     const void *frames, size_t size, error *err);
+
+/* Ends what a killed program left open, at its last sample; *out_take_count takes among it. */
+CHECKED mrt_result show_close_open_ends(sqlite *db, int64_t *out_take_count, error *err);
+
+#endif

@@ -1,0 +1,340 @@
+/* Takes and what they hold on to. */
+#include "take/show_file.h"
+
+#include "take/chunk.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- rows in ---- */
+
+mrt_result show_take_insert(sqlite *db, const show_take_row *row, error *err)
+{
+    return sqlite_change(
+        db, err,
+        "INSERT INTO take(id, created_ns, start_ns, end_ns, scene, shot, origin, number)"
+        "VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, CASE WHEN ?8 > 0 THEN ?8 ELSE"
+        "  (SELECT COALESCE(MAX(number), 0) + 1 FROM take WHERE scene = ?5 AND shot = ?6) END)",
+        "iiiottti", row->id, row->created_ns, row->start_ns, row->end_ns, row->scene, row->shot,
+        row->origin, (int64_t)row->number);
+}
+
+/* What came before from_ns is needed back to where a replay can start. */
+mrt_result show_span_insert(sqlite *db, int64_t take_id, int64_t performance, int64_t from_ns,
+                            const int64_t *to_ns, bool is_shown, error *err)
+{
+    return sqlite_change(
+        db, err,
+        "INSERT INTO span(take, n, performance, from_ns, to_ns, is_shown, need_ns)"
+        "VALUES(?1, (SELECT COALESCE(MAX(n), 0) + 1 FROM span WHERE take = ?1), ?2, ?3, ?4, ?5,"
+        "  MIN(?3, COALESCE("
+        "    (SELECT MAX(time_ns) FROM checkpoint WHERE performance = ?2 AND time_ns <= ?3),"
+        "    (SELECT from_ns FROM performance WHERE id = ?2), ?3)))",
+        "ioioi", take_id, performance ? &performance : NULL, from_ns, to_ns, (int64_t)is_shown);
+}
+
+static mrt_result check_span(const show_span *span, int64_t take_id, error *err)
+{
+    if (span->performance >= 0 && span->to_ns >= span->from_ns)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT, "take %lld: a span from %lld to %lld ns is none",
+                     (long long)take_id, (long long)span->from_ns, (long long)span->to_ns);
+}
+
+mrt_result show_spans_insert(sqlite *db, int64_t take_id, const show_span *spans, size_t count,
+                             error *err)
+{
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < count && result >= 0; ++i) {
+        const show_span *span = &spans[i];
+        result = check_span(span, take_id, err);
+        if (result >= 0)
+            result = show_span_insert(db, take_id, span->performance, span->from_ns, &span->to_ns,
+                                      span->is_shown, err);
+    }
+    return result;
+}
+
+static mrt_result insert_new(show *self, int64_t id, const show_new_take *made, error *err)
+{
+    show_take_row row = {.id = id,
+                         .created_ns = made->created_ns,
+                         .start_ns = made->start_ns,
+                         .end_ns = &made->end_ns,
+                         .scene = made->scene,
+                         .shot = made->shot,
+                         .origin = made->origin,
+                         .number = made->number};
+    mrt_result result = show_take_insert(self->db, &row, err);
+    if (result >= 0)
+        result = show_spans_insert(self->db, id, made->spans, made->span_count, err);
+    for (size_t i = 0; i < made->base_edit_count && result >= 0; ++i) {
+        int32_t n = (int32_t)i + 1 - (int32_t)made->base_edit_count;
+        result = show_edit_insert(self->db, id, n, made->utc_ms, made->base_edits[i], err);
+    }
+    return result;
+}
+
+mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_id, error *err)
+{
+    *out_id = 0;
+    mrt_result result = show_check_writable(self, err);
+    if (result < 0)
+        return result;
+    if (made->end_ns < made->start_ns || made->base_edit_count > INT32_MAX / 2)
+        return error_set(err, MRT_ERR_ARGUMENT, "a take cannot end before it starts");
+    result = sqlite_begin(self->db, err);
+    if (result < 0)
+        return result;
+    int64_t id = show_next_id(self, SHOW_ID_TAKE);
+    result = sqlite_end(self->db, insert_new(self, id, made, err), err);
+    if (result >= 0)
+        *out_id = id;
+    return result;
+}
+
+/* ---- rows out ---- */
+
+/* The last sample of the tracks that a take records. */
+#define LAST_OF_TAKE                                                                               \
+    "(SELECT MAX((SELECT to_ns FROM chunk WHERE chunk.track = p.track"                             \
+    "             ORDER BY from_ns DESC, chunk.id DESC LIMIT 1))"                                  \
+    " FROM span JOIN performance_track p ON p.performance = span.performance"                      \
+    " WHERE span.take = take.id)"
+#define TAKE_COLUMNS                                                                               \
+    "id, created_ns, start_ns, MAX(start_ns, COALESCE(end_ns, " LAST_OF_TAKE ", start_ns)),"       \
+    " end_ns IS NULL, is_recovered, scene, shot, number, origin, edit_head,"                       \
+    " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n > 0),"             \
+    " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n <= 0)"
+
+static void read_take(void *item, sqlite_statement *row)
+{
+    show_take *out = item;
+    *out = (show_take){.id = sqlite_int(row, 0),
+                       .created_ns = sqlite_int(row, 1),
+                       .start_ns = sqlite_int(row, 2),
+                       .end_ns = sqlite_int(row, 3),
+                       .is_recording = sqlite_int(row, 4) != 0,
+                       .is_recovered = sqlite_int(row, 5) != 0,
+                       .number = (uint32_t)sqlite_int(row, 8),
+                       .edit_head = (int32_t)sqlite_int(row, 10),
+                       .edit_count = (int32_t)sqlite_int(row, 11),
+                       .base_edit_count = (int32_t)sqlite_int(row, 12)};
+    snprintf(out->scene, sizeof out->scene, "%s", sqlite_text(row, 6));
+    snprintf(out->shot, sizeof out->shot, "%s", sqlite_text(row, 7));
+    snprintf(out->origin, sizeof out->origin, "%s", sqlite_text(row, 9));
+}
+
+mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err)
+{
+    sqlite_statement *query;
+    show_rows rows = {0};
+    mrt_result result =
+        sqlite_query(self->db, &query, err, "SELECT " TAKE_COLUMNS " FROM take ORDER BY id", "");
+    if (result >= 0)
+        result = show_read_rows(&rows, query, sizeof **out, read_take, err);
+    *out = rows.item;
+    *out_count = rows.count;
+    return result;
+}
+
+mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err)
+{
+    *out = (show_take){0};
+    sqlite_statement *rows;
+    mrt_result result = sqlite_query(self->db, &rows, err,
+                                     "SELECT " TAKE_COLUMNS " FROM take WHERE id = ?", "i", id);
+    if (result < 0)
+        return result;
+    result = sqlite_step(rows, err);
+    if (result == MRT_OK)
+        read_take(out, rows);
+    else if (result == MRT_END)
+        result =
+            error_set(err, MRT_ERR_ARGUMENT, "%s: has no take %lld", self->path, (long long)id);
+    sqlite_finish(rows);
+    return result;
+}
+
+static void read_span(void *item, sqlite_statement *row)
+{
+    *(show_span *)item = (show_span){.performance = sqlite_int(row, 0),
+                                     .from_ns = sqlite_int(row, 1),
+                                     .to_ns = sqlite_int(row, 2),
+                                     .is_shown = sqlite_int(row, 3) != 0};
+}
+
+mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_count, error *err)
+{
+    show_take of;
+    sqlite_statement *query;
+    show_rows rows = {0};
+    mrt_result result = show_take_read(self, id, &of, err);
+    if (result >= 0)
+        result = sqlite_query(self->db, &query, err,
+                              "SELECT performance, from_ns, MAX(from_ns, COALESCE(to_ns, ?2)),"
+                              "  is_shown FROM span WHERE take = ?1 ORDER BY n",
+                              "ii", id, of.end_ns);
+    if (result >= 0)
+        result = show_read_rows(&rows, query, sizeof **out, read_span, err);
+    *out = rows.item;
+    *out_count = rows.count;
+    return result;
+}
+
+/* ---- the take that edits start from ---- */
+
+static mrt_result add_clip(take_layer *layer, const show_span *span, int64_t start_ns, error *err)
+{
+    void *clips = layer->clip;
+    mrt_result result = show_grow(&clips, layer->clip_count, sizeof *layer->clip, err);
+    layer->clip = clips;
+    if (result < 0)
+        return result;
+    take_clip *clip = &layer->clip[layer->clip_count];
+    *clip = (take_clip){.id = 2 + layer->clip_count,
+                        .performance = span->performance,
+                        .from_ns = span->from_ns,
+                        .to_ns = span->to_ns,
+                        .start_ns = span->from_ns - start_ns,
+                        .end_ns = span->to_ns - start_ns,
+                        .warp_count = 1,
+                        .warp = calloc(1, sizeof *clip->warp),
+                        .gain = 1};
+    if (!clip->warp)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a clip");
+    clip->warp[0] = (take_warp_point){.at_ns = clip->start_ns, .source_ns = 0};
+    ++layer->clip_count;
+    return MRT_OK;
+}
+
+static mrt_result fill_layer(take *out, const show_span *spans, size_t count, error *err)
+{
+    out->layer = calloc(1, sizeof *out->layer);
+    if (!out->layer)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
+    out->layer_count = 1;
+    take_layer *layer = out->layer;
+    layer->id = 1;
+    layer->gain = 1;
+    snprintf(layer->name, sizeof layer->name, "performance");
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < count && result >= 0; ++i)
+        if (spans[i].is_shown && spans[i].performance && spans[i].to_ns > spans[i].from_ns)
+            result = add_clip(layer, &spans[i], out->start_ns, err);
+    out->id_count = 1 + layer->clip_count;
+    return result;
+}
+
+mrt_result show_take_base(show *self, int64_t id, take *out, error *err)
+{
+    *out = (take){0};
+    show_take row;
+    show_span *spans;
+    size_t span_count;
+    mrt_result result = show_take_read(self, id, &row, err);
+    if (result >= 0)
+        result = show_take_spans(self, id, &spans, &span_count, err);
+    if (result < 0)
+        return result;
+    *out = (take){.id = id,
+                  .created_ns = row.created_ns,
+                  .start_ns = row.start_ns,
+                  .duration_ns = row.end_ns - row.start_ns,
+                  .is_recording = row.is_recording,
+                  .number = row.number};
+    memcpy(out->scene, row.scene, sizeof out->scene);
+    memcpy(out->shot, row.shot, sizeof out->shot);
+    memcpy(out->origin, row.origin, sizeof out->origin);
+    if (row.is_recovered)
+        snprintf(out->origin, sizeof out->origin, "%.80s, recovered", row.origin);
+    size_t shown = 0;
+    for (size_t i = 0; i < span_count; ++i)
+        shown += spans[i].is_shown;
+    if (shown > 0)
+        result = fill_layer(out, spans, span_count, err);
+    free(spans);
+    if (result < 0)
+        take_finish(out);
+    return result;
+}
+
+/* ---- after a program that was killed ---- */
+
+static mrt_result count_chunks_of(sqlite *db, int64_t track, error *err)
+{
+    sqlite_statement *last;
+    mrt_result result = sqlite_query(db, &last, err,
+                                     "SELECT bytes FROM chunk WHERE track = ? "
+                                     "ORDER BY from_ns DESC, id DESC LIMIT 1",
+                                     "i", track);
+    if (result < 0)
+        return result;
+    int64_t count = 0;
+    result = sqlite_step(last, err);
+    if (result == MRT_OK) {
+        chunk_head head;
+        size_t size;
+        const uint8_t *bytes = sqlite_blob(last, 0, &size);
+        count = chunk_read_head(&head, bytes, size, NULL) < 0 ? -1 : (int64_t)head.ordinal + 1;
+    }
+    sqlite_finish(last);
+    if (result < 0 || count < 0) /* a damaged last chunk: how many there were is not known */
+        return result < 0 ? result : MRT_OK;
+    return sqlite_change(db, err, "UPDATE track SET chunk_count = ? WHERE id = ?", "ii", count,
+                         track);
+}
+
+static mrt_result count_chunks(sqlite *db, error *err)
+{
+    sqlite_statement *tracks;
+    mrt_result result =
+        sqlite_query(db, &tracks, err, "SELECT id FROM track WHERE chunk_count IS NULL", "");
+    if (result < 0)
+        return result;
+    while ((result = sqlite_step(tracks, err)) == MRT_OK) {
+        result = count_chunks_of(db, sqlite_int(tracks, 0), err);
+        if (result < 0)
+            break;
+    }
+    sqlite_finish(tracks);
+    return result < 0 ? result : MRT_OK;
+}
+
+static mrt_result close_all(sqlite *db, int64_t *out_take_count, error *err)
+{
+    mrt_result result =
+        sqlite_change(db, err,
+                      "UPDATE take SET is_recovered = 1, end_ns = MAX(start_ns,"
+                      "  COALESCE(" LAST_OF_TAKE ", start_ns)) WHERE end_ns IS NULL",
+                      "");
+    *out_take_count = result < 0 ? 0 : sqlite_changes(db);
+    if (result >= 0)
+        result = sqlite_run(
+            db,
+            "UPDATE span SET to_ns = MAX(from_ns, (SELECT end_ns FROM take WHERE id = span.take))"
+            "  WHERE to_ns IS NULL;"
+            "UPDATE performance SET to_ns = MAX(from_ns, COALESCE("
+            "  (SELECT MAX((SELECT to_ns FROM chunk WHERE chunk.track = p.track"
+            "               ORDER BY from_ns DESC, chunk.id DESC LIMIT 1))"
+            "   FROM performance_track p WHERE p.performance = performance.id), from_ns))"
+            "  WHERE to_ns IS NULL",
+            err);
+    return result < 0 ? result : count_chunks(db, err);
+}
+
+mrt_result show_close_open_ends(sqlite *db, int64_t *out_take_count, error *err)
+{
+    int64_t is_open;
+    *out_take_count = 0;
+    mrt_result result = sqlite_number(db,
+                                      "SELECT EXISTS(SELECT 1 FROM take WHERE end_ns IS NULL)"
+                                      "OR EXISTS(SELECT 1 FROM performance WHERE to_ns IS NULL)"
+                                      "OR EXISTS(SELECT 1 FROM track WHERE chunk_count IS NULL)",
+                                      0, &is_open, err);
+    if (result < 0 || !is_open)
+        return result;
+    result = sqlite_begin(db, err);
+    return result < 0 ? result : sqlite_end(db, close_all(db, out_take_count, err), err);
+}

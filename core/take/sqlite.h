@@ -1,0 +1,81 @@
+/* take/sqlite.h - the only files that see SQLite: opening, statements, errors as ours. Leaves out
+ * what is in the tables (show_schema.h). A connection belongs to one thread at a time. */
+#ifndef MAROTTE_TAKE_SQLITE_H
+#define MAROTTE_TAKE_SQLITE_H
+#include "base/error.h"
+
+typedef struct sqlite sqlite;
+typedef struct sqlite_statement sqlite_statement;
+
+typedef enum sqlite_mode {
+    SQLITE_MODE_READ = 0,
+    SQLITE_MODE_READ_FROZEN, /* the file alone, as it is: no lock, no side files; it must not change
+                              */
+    SQLITE_MODE_WRITE,       /* it must exist */
+    SQLITE_MODE_MAKE         /* it must not exist */
+} sqlite_mode;
+
+/* What kind of failure the last call on this connection was. */
+typedef enum sqlite_trouble {
+    SQLITE_TROUBLE_NONE = 0,
+    SQLITE_TROUBLE_FULL,     /* no space, or the disk refuses to write: it may work again later */
+    SQLITE_TROUBLE_BUSY,     /* somebody else writes */
+    SQLITE_TROUBLE_READONLY, /* this file or folder cannot be written */
+    SQLITE_TROUBLE_OPEN,     /* it or a file beside it cannot be opened */
+    SQLITE_TROUBLE_DAMAGED,  /* not a database, or damaged */
+    SQLITE_TROUBLE_OTHER
+} sqlite_trouble;
+
+/* The connection waits up to 5 s for others that write. Nothing in the file runs: triggers and
+ * views are off. Failures name the path. */
+CHECKED mrt_result sqlite_open(sqlite **out, const char *path, sqlite_mode mode, error *err);
+void sqlite_close(sqlite *self); /* its statements first; NULL is fine */
+sqlite_trouble sqlite_trouble_of(const sqlite *self);
+
+/* Statements separated by ';', without results. */
+CHECKED mrt_result sqlite_run(sqlite *self, const char *sql, error *err);
+/* The first column of the first row of a query without parameters; `fallback` when there is no row
+ * or it is NULL. */
+CHECKED mrt_result sqlite_number(sqlite *self, const char *sql, int64_t fallback, int64_t *out,
+                                 error *err);
+/* A transaction: begin, what the caller does, end; `result` < 0 rolls it back and is returned. */
+CHECKED mrt_result sqlite_begin(sqlite *self, error *err);
+CHECKED mrt_result sqlite_end(sqlite *self, mrt_result result, error *err);
+
+CHECKED mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql,
+                                  error *err);
+void sqlite_finish(sqlite_statement *statement); /* NULL is fine */
+
+/* Resets the statement and sets its parameters in order, one letter each:
+ *   i int64_t, o const int64_t * (NULL: NULL), d double, t const char * (NULL: NULL), b const void
+ * * and size_t Texts and blobs must live until the last step. A failure is reported by the next
+ * step. */
+void sqlite_bind(sqlite_statement *statement, const char *format, ...);
+
+/* MRT_OK: there is a row; MRT_END: there is none left; < 0: failed. */
+CHECKED mrt_result sqlite_step(sqlite_statement *statement, error *err);
+/* For statements without rows. */
+CHECKED mrt_result sqlite_execute(sqlite_statement *statement, error *err);
+void sqlite_reset(sqlite_statement *statement); /* lets go of the row: others may go on */
+
+/* The above in one: prepare, bind, execute, finish. */
+CHECKED mrt_result sqlite_change(sqlite *self, error *err, const char *sql, const char *format,
+                                 ...);
+/* Prepared and bound, to be stepped and finished. */
+CHECKED mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err, const char *sql,
+                                const char *format, ...);
+
+/* Of the row; columns from 0; pointers until the next step or reset. */
+int64_t sqlite_int(sqlite_statement *statement, int column);
+double sqlite_double(sqlite_statement *statement, int column);
+const char *sqlite_text(sqlite_statement *statement, int column); /* "" when NULL or no memory */
+const uint8_t *sqlite_blob(sqlite_statement *statement, int column, size_t *out_size);
+bool sqlite_is_null(sqlite_statement *statement, int column);
+int64_t sqlite_changes(const sqlite *self); /* rows that the last execute changed */
+int64_t sqlite_last_id(const sqlite *self); /* of the last row that this connection inserted */
+
+/* Moves what the write-ahead log holds into the file, as far as nobody reads it; waits for nobody.
+ */
+CHECKED mrt_result sqlite_checkpoint(sqlite *self, error *err);
+
+#endif
