@@ -155,8 +155,6 @@ void usb_destroy(usb *self)
 /* Lets libusb work until something is to be looked at or the time is over. False: it cannot. */
 static bool pump(usb *self, int64_t span_ns)
 {
-    if (span_ns < 0)
-        span_ns = 0;
     struct timeval span = {.tv_sec = (time_t)(span_ns / 1000000000),
                            .tv_usec = (suseconds_t)(span_ns % 1000000000 / 1000)};
     int result = libusb_handle_events_timeout_completed(self->context, &span, &self->woken);
@@ -445,11 +443,12 @@ usb_event usb_wait(usb *self, int64_t deadline_ns, usb_report *out)
             return USB_REPORTED;
         if (self->is_lost || !self->handle)
             return USB_LOST;
-        int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
+        int64_t now_ns = self->host->now_ns(self->host);
+        int64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
         self->woken = 0;
         if (!pump(self, left_ns))
             self->is_lost = true;
-        if (left_ns <= 0 && self->queue_count == 0 && !self->is_lost)
+        if (left_ns == 0 && self->queue_count == 0 && !self->is_lost)
             return USB_NOTHING;
     }
 }
