@@ -5,6 +5,7 @@
 #include "draw/sheet.h"
 #include "facts.h"
 #include "keys.h"
+#include "news.h"
 #include "perform_hands.h"
 #include "perform_options.h"
 #include "progress.h"
@@ -53,16 +54,6 @@ static void catch_signals(void)
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-}
-
-/* News of the plugins, to stderr. */
-static void print_log(log_queue *log)
-{
-    static const char *const levels[] = {"debug", "note", "warning", "error"};
-    log_record record;
-    while (log && log_pop(log, &record))
-        if (record.level > MRT_LOG_DEBUG && record.level <= MRT_LOG_ERROR)
-            fprintf(stderr, "%s: %s: %s\n", levels[record.level], record.source, record.text);
 }
 
 static void print_note(const char *note)
@@ -177,7 +168,7 @@ static void finish(performance *self)
         input_destroy(self->inputs[i]);
     face_file_destroy(&self->face);
     plugin_list_destroy(&self->plugins);
-    print_log(self->log);
+    news_print(self->log);
     log_queue_destroy(self->log);
 }
 
@@ -196,7 +187,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     (void)index;
     performance *self = data;
     char text[64];
-    print_log(self->log);
+    news_print(self->log);
     perform_hands_keys(self->performer, &stop_asked);
     snprintf(text, sizeof text, "%.1f s", time_s);
     progress_show(&self->progress,
@@ -205,6 +196,19 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     if (result < 0)
         return result;
     return recording_add(&self->recording, self->performer, work_ns, err);
+}
+
+static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
+{
+    performance *self = data;
+    progress_end(&self->progress);
+    news_print(self->log);
+    if (what->kind == INPUT_WENT)
+        fprintf(stderr, "note: %s went away at %.1f s%s%s%s; the pose is held\n", input_name(from),
+                time_s, what->text[0] ? " (" : "", what->text, what->text[0] ? ")" : "");
+    else
+        fprintf(stderr, "note: %s came back after %.1f s\n", input_name(from),
+                (double)what->away_ns / 1e9);
 }
 
 static mrt_result perform(performance *self, error *err)
@@ -216,7 +220,7 @@ static mrt_result perform(performance *self, error *err)
         .stop = &stop_asked,
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
-    player_events events = {.frame = on_frame, .data = self};
+    player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
@@ -224,7 +228,7 @@ static mrt_result perform(performance *self, error *err)
                                    &events, &self->report, err);
     keys_end();
     progress_end(&self->progress);
-    print_log(self->log);
+    news_print(self->log);
     if (result >= 0)
         result = check_pulls(self, err);
     if (result >= 0 && self->report.sample_count == 0)
@@ -251,6 +255,19 @@ static void report_folds(const performance *self, facts *told)
                      counts->first_problem.text);
 }
 
+static void report_devices(const performance *self, facts *told)
+{
+    const player_report *report = &self->report;
+    if (report->went_count == 0)
+        return;
+    facts_number(told, "went_away", "went away", report->went_count, 0, "times");
+    facts_number(told, "came_back", "came back", report->came_count, 0, "times");
+    facts_number(told, "away_s", "away", report->away_s, 2, "s, those that came back");
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        if (input_state_of(self->inputs[i]) == INPUT_LOST)
+            facts_list(told, "still_away", "still away", input_name(self->inputs[i]));
+}
+
 static void report_performance(performance *self, facts *told)
 {
     const performer_counts *counts = performer_counted(self->performer);
@@ -266,6 +283,7 @@ static void report_performance(performance *self, facts *told)
     if (report->dropped + report->refused)
         facts_number(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
                      "");
+    report_devices(self, told);
     facts_number(told, "duration_s", "duration", report->duration_s, 2, "s");
     facts_number(told, "frames", "frames", report->frame_count, 0, "");
     facts_number(told, "fps", "frame rate", self->options->fps, 2, "per second");
@@ -429,13 +447,11 @@ const command command_perform = {
         "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
         "  --seconds N        stop after so much of the performance\n"
         "  --realtime         play recordings in real time\n"
-        "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else "
-        "the\n"
-        "                     newest in the user's folder; none: the shipped defaults\n"
-        "  --hand-length MM   of the performer, wrist to middle fingertip (the calibration's, "
-        "190)\n"
-        "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one; live, the\n"
-        "                     key z does so, and q ends\n"
+        "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else\n"
+        "                     the newest in the user's folder; none: the shipped defaults\n"
+        "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
+        "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
+        "                     live, the key z does so, and q ends\n"
         "  --tolerance MM     greatest vertex error of unanchored frames in glTF\n"
         "                     (0.1 % of the face's height)\n"
         "  --max-targets N    at most so many morph targets for unanchored frames\n"
