@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* 7 digits: a float reads as it was meant, 0.6 and not 0.600000024. */
-enum { TEXT_FLAGS = JSON_INDENT(2) | JSON_REAL_PRECISION(7) };
+enum { TEXT_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(7) };
 
 /* jansson's setters fail on NULL, so one check at the end finds all failures of memory. */
 typedef struct json_writer {
@@ -105,6 +105,45 @@ static void set_file(json_writer *writer, json_t *root, const calibration_file *
     }
 }
 
+/* One member a line, the sensors one by one: a person finds what she looks for. */
+static bool print_members(FILE *stream, json_t *object, const char *indent)
+{
+    bool failed = false;
+    const char *joint = "";
+    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
+        json_t *key = json_string(json_object_iter_key(at)), *value = json_object_iter_value(at);
+        bool is_split = indent[2] == '\0' && strcmp(json_object_iter_key(at), "sensors") == 0;
+        failed |= fprintf(stream, "%s%s", joint, indent) < 0;
+        failed |= json_dumpf(key, stream, TEXT_FLAGS) != 0 || fputs(": ", stream) < 0;
+        json_decref(key);
+        if (is_split) {
+            failed |= fputs("{\n", stream) < 0 || print_members(stream, value, "    ");
+            failed |= fputs("\n  }", stream) < 0;
+        } else {
+            failed |= json_dumpf(value, stream, TEXT_FLAGS) != 0;
+        }
+        joint = ",\n";
+    }
+    return failed;
+}
+
+static char *text_of(json_t *root)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        return NULL;
+    bool failed = fputs("{\n", stream) < 0 || print_members(stream, root, "  ");
+    failed |= fputs("\n}\n", stream) < 0;
+    failed |= fclose(stream) != 0;
+    if (failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
 char *calibration_file_text(const calibration_file *file)
 {
     json_writer writer = {false};
@@ -112,7 +151,7 @@ char *calibration_file_text(const calibration_file *file)
     if (!root)
         return NULL;
     set_file(&writer, root, file);
-    char *text = writer.failed ? NULL : json_dumps(root, TEXT_FLAGS);
+    char *text = writer.failed ? NULL : text_of(root);
     json_decref(root);
     return text;
 }
@@ -126,7 +165,6 @@ mrt_result calibration_file_write(const calibration_file *file, const char *path
     mrt_result result = file_writer_open(&writer, path, err);
     if (result >= 0) {
         (void)fputs(text, writer.stream);
-        (void)fputc('\n', writer.stream);
         result = file_writer_commit(&writer, err);
     }
     free(text);
