@@ -8,9 +8,10 @@ static const double gap_ns = 1e9;
 static const double period_least_ns = 1e6, period_most_ns = 3e9;
 /* A stamp that leaps so much ahead of all before it is an error of the line, unless it stays so. */
 static const int64_t ahead_ns = 3000000;
-/* Damped well: half of a step in 2 windows, no overshoot to speak of. */
-static const double phase_gain = 0.4, period_gain = 0.05;
 enum { FIRST_RECORDS = 16, ODD_MAX = 3, MISFIT_MAX = 2 };
+/* Windows that the loop remembers: at first all, in the end this many. It begins as if it had seen
+ * some where the rate was told. */
+enum { MEMORY_START = 1, MEMORY_TOLD = 4, MEMORY_MOST = 8 };
 
 void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns)
 {
@@ -37,6 +38,7 @@ static double clamp(double value, double low, double high)
 static void pace_start(glove_pace *pace, int64_t arrival_ns)
 {
     *pace = (glove_pace){.period_ns = pace->period_ns,
+                         .memory = pace->period_ns > 0 ? MEMORY_TOLD : MEMORY_START,
                          .next_ns = (double)arrival_ns,
                          .first_ns = arrival_ns,
                          .window_start_ns = arrival_ns,
@@ -47,10 +49,15 @@ static void pace_turn_window(glove_pace *pace, int64_t arrival_ns)
 {
     if ((double)(arrival_ns - pace->window_start_ns) < window_ns || pace->window_count < 4)
         return;
+    /* The gains with which the loop is a straight line fitted to that many windows. */
+    double k = pace->memory;
+    double phase_gain = 2 * (2 * k + 1) / ((k + 1) * (k + 2));
+    double period_gain = 6 / ((k + 1) * (k + 2));
     double off_ns = pace->early_ns + pace->least_late_ns;
     pace->next_ns += phase_gain * pace->least_late_ns;
     pace->period_ns = clamp(pace->period_ns + period_gain * off_ns / (double)pace->window_count,
                             period_least_ns, period_most_ns);
+    pace->memory += pace->memory < MEMORY_MOST;
     pace->window_start_ns = arrival_ns;
     pace->window_count = 0;
     pace->least_late_ns = gap_ns;

@@ -18,7 +18,7 @@ typedef struct glove_pace {
     double next_ns;   /* when the next record is due */
     int64_t first_ns, window_start_ns;
     double least_late_ns, early_ns;
-    uint32_t seen, window_count;
+    uint32_t seen, window_count, memory;
 } glove_pace;
 
 typedef struct glove_clock {

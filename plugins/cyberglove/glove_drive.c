@@ -98,21 +98,21 @@ static void say_complaints(glove_drive *self, const glove_record *record)
                          self->port.name);
 }
 
-/* False: a record that is only counted. */
+/* False: a record that is only counted. One complaint is a loose contact and its record is given;
+ * after several in a row there is no hand in what is measured. */
 static bool accept(glove_drive *self, glove_record *record, int64_t *out_time_ns)
 {
     believe_status(self, record->status);
     say_complaints(self, record);
     self->has_asked = false;
-    if (record->is_unplugged) {
+    self->unplugged = record->is_unplugged ? self->unplugged + 1 : 0;
+    if (self->unplugged > 1) {
         self->skipped += record->lost + 1;
-        self->unplugged += 1;
         return false;
     }
     record->lost += self->skipped;
     *out_time_ns = glove_clock_time(&self->clock, record, self->arrival_ns);
     self->skipped = 0;
-    self->unplugged = 0;
     self->bytes_since_good = 0;
     self->has_restarted = false;
     self->good_ns = glove_port_now_ns();
@@ -186,7 +186,7 @@ static mrt_result lose(glove_drive *self, const char *reason)
 
 static const char *reason_of_silence(const glove_drive *self)
 {
-    if (self->unplugged > 0)
+    if (self->unplugged > 1)
         return "the glove is not plugged into its box";
     if (self->bytes_since_good == 0)
         return "the glove has fallen silent: is it switched off, or out of reach?";

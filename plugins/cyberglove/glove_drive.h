@@ -29,7 +29,7 @@ typedef struct glove_drive {
     bool has_read, has_restarted, is_lost;
     bool has_asked;     /* polled: a record is on its way */
     uint32_t skipped;   /* records not worth giving, since the last one given */
-    uint32_t unplugged; /* of those: the glove was out of its box */
+    uint32_t unplugged; /* records in a row that say: not plugged into the box */
     int64_t arrival_ns; /* host's clock */
     int64_t good_ns, restarted_ns, resume_ns, asked_ns; /* glove_port_now_ns */
     size_t bytes_since_good;

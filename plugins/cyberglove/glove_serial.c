@@ -46,7 +46,8 @@ static mrt_result say_busy(const char *path, const char *holder, glove_why *why)
                          holder[0] ? holder : "another program");
 }
 
-static mrt_result explain(const char *path, int failure, glove_why *why)
+/* own: our descriptor of it, or -1. */
+static mrt_result explain(const char *path, int failure, int own, glove_why *why)
 {
     char advice[384], holder[96];
     switch (failure) {
@@ -55,7 +56,7 @@ static mrt_result explain(const char *path, int failure, glove_why *why)
         glove_find_advice(path, advice, sizeof advice);
         return glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
     case EBUSY:
-        glove_find_holder(path, holder, sizeof holder);
+        glove_find_other_holder(path, own, holder, sizeof holder);
         return say_busy(path, holder, why);
     case ENOENT:
     case ENODEV:
@@ -73,9 +74,9 @@ static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
     bool pseudo = is_pseudo(path);
     int is_taken = 0;
     if (ioctl(self->file, TIOCGEXCL, &is_taken) == 0 && is_taken)
-        return explain(path, EBUSY, why);
+        return explain(path, EBUSY, self->file, why);
     if (flock(self->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return explain(path, EBUSY, why);
+        return explain(path, EBUSY, self->file, why);
     if (pseudo)
         return MRT_OK;
     if (glove_find_other_holder(path, self->file, holder, sizeof holder))
@@ -87,7 +88,7 @@ static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
 static mrt_result set_line(glove_port *self, const char *path, speed_t code, glove_why *why)
 {
     if (tcgetattr(self->file, &self->before) != 0)
-        return explain(path, errno, why);
+        return explain(path, errno, self->file, why);
     self->has_before = true;
     struct termios line = self->before;
     cfmakeraw(&line);
@@ -99,7 +100,7 @@ static mrt_result set_line(glove_port *self, const char *path, speed_t code, glo
     cfsetispeed(&line, code);
     cfsetospeed(&line, code);
     if (tcsetattr(self->file, TCSANOW, &line) != 0)
-        return explain(path, errno, why);
+        return explain(path, errno, self->file, why);
     return MRT_OK;
 }
 
@@ -163,7 +164,7 @@ mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t b
         return glove_why_set(why, MRT_ERR_ARGUMENT, "%u baud is no speed of a CyberGlove", baud);
     self->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (self->file < 0)
-        return explain(path, errno, why);
+        return explain(path, errno, self->file, why);
     mrt_result result = take(self, path, code, why);
     if (result < 0) {
         glove_port_close(self);

@@ -127,6 +127,12 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
     mrt_result result = end_of(talk, why);
     if (result < 0)
         return result;
+    bool has_any = census.sensor_count > 0 || census.hardware_mask > 0;
+    if (!has_any)
+        return glove_why_set(why, MRT_ERR_IO,
+                             "%s answered one question like a CyberGlove, and none after it: "
+                             "switch it off and on",
+                             talk->port->name);
     if (!glove_sensors_find(&census, &out->sensors))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
                              "%s answers like a CyberGlove, but says that it has %u sensors and "
