@@ -292,7 +292,7 @@ static void leave(composer *self)
 
 static bool is_kneading(const voice *v)
 {
-    return v->part.pull->mode == MRT_UNANCHORED;
+    return v->part.pull->mode == MRT_UNANCHORED && v->part.is_fresh;
 }
 
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)

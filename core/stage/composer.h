@@ -32,6 +32,7 @@ typedef struct composer_part {
     uint32_t slot;  /* who speaks, 0..COMPOSER_PARTS_MAX - 1, while it lasts */
     uint32_t layer; /* parts come ordered by layer, bottom first */
     bool is_additive;
+    bool is_fresh; /* the pull is of this step: kneads; false: it was heard before */
     double weight; /* 0..1 */
     double gain;
     const mrt_pull *pull;

@@ -13,7 +13,7 @@ enum { STORE_VERSION = 1 };
 struct layer {
     instance *mapping;
     const mrt_mapping *functions;
-    const mrt_state *state; /* NULL: it has none */
+    const mrt_resume *resume; /* NULL: it has none */
     const mrt_face *about;
     layer_settings settings;
     hands *hands;
@@ -32,7 +32,7 @@ static double to_double(float v)
     return (double)v;
 }
 
-static void forget(layer *self)
+void layer_reset(layer *self)
 {
     self->frame = (mrt_frame){0};
     self->pull = (mrt_pull){0};
@@ -65,7 +65,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
     self->functions = plugin_interface(mapping->type, MRT_MAPPING);
-    self->state = plugin_interface(mapping->type, MRT_STATE);
+    self->resume = plugin_interface(mapping->type, MRT_RESUME);
     self->about = about;
     self->settings = *settings;
     mrt_result result = MRT_OK;
@@ -82,7 +82,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
         self->mapping = NULL; /* nothing to deactivate */
         goto fail;
     }
-    forget(self);
+    layer_reset(self);
     instance_latch(mapping);
     memcpy(self->last_params, mapping->params,
            mapping->type->param_count * sizeof *self->last_params);
@@ -240,7 +240,7 @@ static size_t save_hands(void *of, void *bytes, size_t capacity)
 static size_t save_mapping(void *of, void *bytes, size_t capacity)
 {
     layer *self = of;
-    return self->state->save(self->mapping->self, bytes, capacity);
+    return self->resume->save(self->mapping->self, bytes, capacity);
 }
 
 static void put_pull(bytes_out *out, const mrt_pull *pull)
@@ -277,7 +277,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
-    if (!self->state)
+    if (!self->resume)
         return 0;
     bytes_put_u32(&out, STORE_VERSION);
     bytes_put_u32(&out, type->param_count);
@@ -355,8 +355,8 @@ static void take_frame(bytes_in *in, mrt_frame *frame)
 
 static mrt_result load(layer *self, bytes_in *in, error *err)
 {
-    if (!self->state)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s keeps no state",
+    if (!self->resume)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     in->failed |= bytes_take_u32(in) != STORE_VERSION;
     take_params(in, self);
@@ -372,7 +372,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (in->failed || in->at != in->end)
         return error_set(err, MRT_ERR_FORMAT, "the stored state of mapping %s is damaged",
                          self->mapping->type->id);
-    if (self->state->load(self->mapping->self, bytes, size) < 0)
+    if (self->resume->load(self->mapping->self, bytes, size) < 0)
         return error_set(err, MRT_ERR_FORMAT, "mapping %s refuses its stored state",
                          self->mapping->type->id);
     return MRT_OK;
@@ -381,9 +381,9 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
 mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    forget(self);
+    layer_reset(self);
     mrt_result result = load(self, &in, err);
     if (result < 0)
-        forget(self);
+        layer_reset(self);
     return result;
 }

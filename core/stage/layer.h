@@ -19,6 +19,8 @@ CHECKED mrt_result layer_create(layer **out, instance *mapping, const mrt_face *
                                 const layer_settings *settings, error *err);
 void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
 
+void layer_reset(layer *self); /* as after create; parameters stay */
+
 /* A sample older than the last one counts as simultaneous. `near`: of mrt_frame, what the last pull
  * asked for. */
 void layer_sample(layer *self, const channel_route *route, const mrt_sample *sample, bool near);
@@ -36,7 +38,7 @@ void layer_watch_params(layer *self, layer_on_param *on_param, void *data);
 /* ---- kept ---- */
 
 /* All that pulls to come depend on, parameters included, as bytes (at most `capacity` are written;
- * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_STATE). */
+ * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_RESUME). */
 size_t layer_save(layer *self, void *bytes, size_t capacity);
 /* [main] On error the layer is as after create. */
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);

@@ -61,12 +61,18 @@ void performer_destroy(performer *self)
     free(self);
 }
 
+void performer_move(layer *of, composer *shown)
+{
+    const composer_part all = {
+        .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = layer_pull(of)};
+    composer_move(shown, &all, 1, layer_frame(of)->dt_s);
+}
+
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
 {
     bool near = composer_is_near(self->composer, layer_pull(self->layer));
     layer_sample(self->layer, route, sample, near);
-    const composer_part all = {.weight = 1.0, .gain = 1.0, .pull = layer_pull(self->layer)};
-    composer_move(self->composer, &all, 1, layer_frame(self->layer)->dt_s);
+    performer_move(self->layer, self->composer);
     count(self);
 }
 
@@ -137,18 +143,24 @@ size_t performer_save(performer *self, void *bytes, size_t capacity)
     return out.size + layer_size + face_size;
 }
 
-mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err)
+mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
+                               error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     size_t layer_size = bytes_take_u32(&in);
-    composer_reset(self->composer);
+    composer_reset(shown);
     if (in.failed || layer_size > (size_t)(in.end - in.at))
         return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
-    mrt_result result = layer_load(self->layer, in.at, layer_size, err);
+    mrt_result result = layer_load(of, in.at, layer_size, err);
     if (result >= 0)
-        result = composer_load(self->composer, in.at + layer_size,
-                               (size_t)(in.end - in.at) - layer_size, err);
+        result =
+            composer_load(shown, in.at + layer_size, (size_t)(in.end - in.at) - layer_size, err);
     return result;
+}
+
+mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err)
+{
+    return performer_load_into(self->layer, self->composer, bytes, size, err);
 }
 
 const performer_counts *performer_counted(const performer *self)

@@ -36,8 +36,14 @@ layer *performer_layer(performer *self);
 /* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
  * the size that it takes. 0: the mapping cannot say. */
 size_t performer_save(performer *self, void *bytes, size_t capacity);
-/* [main] On error it is as after create. */
+/* [main] On error it is as after create. Parameters stay as they were then. */
 CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
+
+/* The same for a layer and a composer that are used apart: the layer's pull is all that the
+ * composer hears. */
+void performer_move(layer *of, composer *shown);
+CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
+                                       error *err);
 
 /* The face; its shape is that of performer_draw, in the engine's order. */
 face *performer_face(performer *self);

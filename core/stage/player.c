@@ -102,28 +102,48 @@ static void route_input(playing *self, uint32_t i, uint32_t version)
     self->route_version[i] = version;
 }
 
-static mrt_result play_sample(playing *self, int from, const mrt_sample *sample, error *err)
+/* Samples are performed in an order of their own, which is kept as their times: each is later than
+ * the one before, if by a nanosecond. What is recorded can so be performed again in that order. */
+static mrt_sample in_order(const playing *self, const mrt_sample *sample)
+{
+    mrt_sample out = *sample;
+    if (self->report->sample_count > 0 && out.time_ns <= self->last_ns)
+        out.time_ns = self->last_ns + 1;
+    return out;
+}
+
+static void perform(playing *self, uint32_t from, const mrt_sample *sample)
+{
+    const player_events *events = self->events;
+    int64_t before = clock_now_ns();
+    if (events->sample)
+        events->sample(events->data, from, sample);
+    performer_sample(self->performer, &self->route[from], sample);
+    if (events->performed)
+        events->performed(events->data, from, sample);
+    self->work_ns += clock_now_ns() - before;
+}
+
+static mrt_result play_sample(playing *self, int from, const mrt_sample *came, error *err)
 {
     if (!self->started) {
         self->started = true;
-        self->start_ns = sample->time_ns;
+        self->start_ns = came->time_ns;
     }
     if (self->settings->clock == CLOCK_VIRTUAL && self->report->sample_count > 0 &&
-        sample->time_ns - self->last_ns > gap_max_ns)
+        came->time_ns - self->last_ns > gap_max_ns)
         return error_set(
             err, MRT_ERR_FORMAT,
             "%s: a gap of %.0f s after sample %ju: set start or end, or split the record",
-            input_name(self->inputs[from]), (double)(sample->time_ns - self->last_ns) / 1e9,
+            input_name(self->inputs[from]), (double)(came->time_ns - self->last_ns) / 1e9,
             (uintmax_t)self->report->sample_count);
-    mrt_result result = draw_before(self, sample->time_ns, err);
+    mrt_sample sample = in_order(self, came);
+    mrt_result result = draw_before(self, sample.time_ns, err);
     if (result < 0)
         return result;
-    int64_t before = clock_now_ns();
-    performer_sample(self->performer, &self->route[from], sample);
-    self->work_ns += clock_now_ns() - before;
+    perform(self, (uint32_t)from, &sample);
     self->report->sample_count += 1;
-    if (sample->time_ns > self->last_ns || self->report->sample_count == 1)
-        self->last_ns = sample->time_ns;
+    self->last_ns = sample.time_ns;
     return MRT_OK;
 }
 

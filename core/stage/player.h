@@ -21,6 +21,10 @@ typedef struct player_events {
      * what steps 3 to 7 took since the last drawn frame. < 0 ends the performance with that result.
      */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
+    /* [frame] Before and after a sample of an input is performed; its time is later than the last
+     * one's, if by a nanosecond. May be NULL. */
+    void (*sample)(void *data, uint32_t input, const mrt_sample *sample);
+    void (*performed)(void *data, uint32_t input, const mrt_sample *sample);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
     void *data;

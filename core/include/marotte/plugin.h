@@ -244,6 +244,17 @@ typedef struct mrt_state {
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [main] all or none */
 } mrt_state;
 
+/* ---- resume: all that process() depends on but its parameters, so that a take can be taken up at
+ * any instant without performing it from its start ---- */
+#define MRT_RESUME "marotte.resume/1"
+typedef struct mrt_resume {
+    /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
+    size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
+    /* [frame] All or none. Afterwards, on the same face, the same frames give the same pulls, bit
+     * for bit, as they did after save. Bytes from elsewhere are refused. */
+    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
+} mrt_resume;
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,54 @@
+/* stage/sequencer.h - plays a take: at each instant of its timeline the clips of its layers say
+ * which performances are shown, and at which of their own instants; their samples are performed in
+ * the order of the timeline, and the pulls become one face. A function of the take and of what was
+ * recorded: the same at every speed and frame rate, whether played, scrubbed or exported. Leaves
+ * out the clock (transport.h) and where frames go. Its memory grows with what is shown at a time,
+ * not with the take's length, but for checkpoints, which are thinned to a bound. [main], or any one
+ * thread that may read the show. */
+#ifndef MAROTTE_STAGE_SEQUENCER_H
+#define MAROTTE_STAGE_SEQUENCER_H
+#include "stage/source.h"
+
+typedef struct sequencer sequencer;
+
+typedef struct sequencer_settings {
+    show *show;
+    plugin_list *plugins;
+    log_queue *log;
+    const face_file *face;
+    csrbf_settings solver;   /* radius 0: the rig's */
+    size_t checkpoint_bytes; /* bound of what is kept to scrub; 0: 256 MiB */
+} sequencer_settings;
+
+/* The settings' things must outlive it; the take is copied. */
+CHECKED mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
+                                    const take *t, error *err);
+void sequencer_destroy(sequencer *self); /* NULL is fine */
+/* After an edit: goes on at the same instant. */
+CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err);
+
+/* Brings the face to an instant, as if the take had been played from its start: every sample whose
+ * time is not after it has been performed. */
+CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
+/* Plays on to a later instant; an earlier one is a seek. */
+CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err);
+/* To the next sample of any clip shown, or (MRT_END) none is left before the take's end. */
+CHECKED mrt_result sequencer_step(sequencer *self, error *err);
+int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first instant */
+uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */
+
+/* The face shown: composer_draw it. */
+composer *sequencer_composer(sequencer *self);
+const take *sequencer_take(const sequencer *self);
+/* What is not as it was when it was recorded, lines ended by \n; "" nothing. */
+const char *sequencer_note(const sequencer *self);
+
+/* ---- live: somebody performs over what is played ---- */
+
+/* A layer that is performed now lies above all others. owns: as composer_part; NULL: everything.
+ * NULL for `live`: nobody performs. It must outlive that. */
+void sequencer_set_live(sequencer *self, layer *live, const uint8_t *owns, bool is_additive);
+/* Its newest sample was performed at an instant that has been played to. */
+void sequencer_live_sample(sequencer *self, const channel_route *route, const mrt_sample *sample);
+
+#endif
