@@ -182,6 +182,7 @@ static void a_port_that_another_program_holds(void **state)
     assert_int_equal(waitpid(pid, &status, 0), pid);
     assert_int_equal(status, 0);
     check_refusal(&self);
+    assert_null(strstr(self.err.text, "marotte itself"));
     session_end(&self.session);
 }
 

@@ -13,7 +13,7 @@
 
 extern char **environ;
 
-enum { OPTIONS_MAX = 64, READY_MS = 5000, EXIT_STATUS_FAILED = 1 };
+enum { OPTIONS_MAX = 64, READY_MS = 5000, EXIT_NO_TERMINAL = 77 };
 
 static mrt_result make_folder(glove_child *child, error *err)
 {
@@ -114,7 +114,7 @@ mrt_result glove_child_start(glove_child *out, const char *program, const char *
         close(out->to);
         close(out->from);
         if (waitpid(out->pid, &status, 0) > 0 && WIFEXITED(status) &&
-            WEXITSTATUS(status) == EXIT_STATUS_FAILED)
+            WEXITSTATUS(status) == EXIT_NO_TERMINAL)
             result = MRT_ERR_UNSUPPORTED;
         out->pid = 0;
     }

@@ -149,7 +149,8 @@ static void turn_switch(emulator *self, int64_t time_ns)
 
 static unsigned marks_of(emulator *self, bool is_late)
 {
-    bool is_out = is_nth(self->record_number, self->settings->unplugged_every);
+    uint32_t every = self->settings->unplugged_every, run = self->settings->unplugged_run;
+    bool is_out = every > 0 && self->record_number % every + run >= every;
     bool is_fast = is_late || is_nth(self->record_number, self->settings->fast_every);
     self->box.is_unplugged = is_out;
     return (is_fast ? GLOVE_MARK_FAST : 0u) | (is_out ? GLOVE_MARK_UNPLUGGED : 0u);
@@ -469,6 +470,7 @@ glove_settings glove_settings_default(void)
         .uptime_s = 3.0,
         .restart_ns = 1750 * NS_PER_MS,
         .spoil_kinds = ~0u,
+        .unplugged_run = 1,
         .return_ns = -1,
     };
 }

@@ -43,9 +43,10 @@ typedef struct glove_settings {
     int64_t switch_ns;          /* the wrist switch is turned every so often; 0: never */
     bool is_streaming;          /* at the start: a program that crashed has left it so */
 
-    uint32_t spoil_every;                 /* of so many streamed records one is spoiled; 0: none */
-    unsigned spoil_kinds;                 /* bit 1 << GLOVE_SPOIL_*; in turn */
-    uint32_t fast_every, unplugged_every; /* of so many one is marked "es", "eg"; 0: none */
+    uint32_t spoil_every; /* of so many streamed records one is spoiled; 0: none */
+    unsigned spoil_kinds; /* bit 1 << GLOVE_SPOIL_*; in turn */
+    uint32_t fast_every;  /* of so many one is marked "es"; 0: none */
+    uint32_t unplugged_every, unplugged_run; /* of so many so many are marked "eg" */
 
     /* What happens in each life, counted from its start; 0: never. */
     uint32_t mute_from_command, die_at_command; /* before it is answered */

@@ -32,7 +32,7 @@ static mrt_result open_terminal(glove_line *line, error *err)
 {
     line->master = posix_openpt(O_RDWR | O_NOCTTY);
     if (line->master < 0 || grantpt(line->master) != 0 || unlockpt(line->master) != 0)
-        return error_set(err, MRT_ERR_IO, "no pseudo terminal: %s", strerror(errno));
+        return error_set(err, MRT_ERR_UNSUPPORTED, "no pseudo terminal: %s", strerror(errno));
     const char *name = ptsname(line->master);
     if (!name)
         return error_set(err, MRT_ERR_IO, "the pseudo terminal has no name: %s", strerror(errno));

@@ -1,5 +1,6 @@
 /* glove_emulator [--option [value]]... - the emulated CyberGlove as a program; --help lists what it
- * can be told. Prints the terminal's path, or the link to it, when it is ready. */
+ * can be told. Prints the terminal's path, or the link to it, when it is ready. Exits 77 when the
+ * system has no pseudo terminal. */
 #include "glove_emulator.h"
 
 #include "base/clock.h"
@@ -68,7 +69,8 @@ static const option options[] = {
      "how, in turn: a byte becomes 0; head or end is another; a byte is lost, or comes twice"},
     {"fast-every", OPTION_COUNT, AT(fast_every), NULL, "of so many records one is marked es"},
     {"unplugged-every", OPTION_COUNT, AT(unplugged_every), NULL,
-     "of so many records one is marked eg, and its status says so"},
+     "of so many records some are marked eg, and their status says so"},
+    {"unplugged-run", OPTION_COUNT, AT(unplugged_run), NULL, "so many in a row, instead of 1"},
     {"mute-from-command", OPTION_COUNT, AT(mute_from_command), NULL,
      "answers no more from the n-th command of a life on"},
     {"die-at-command", OPTION_COUNT, AT(die_at_command), NULL, "instead of answering the n-th"},
@@ -201,6 +203,16 @@ static mrt_result read_options(int argc, char **argv, glove_settings *out, error
     return MRT_OK;
 }
 
+enum { EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_NO_TERMINAL = 77 };
+
+static int exit_status(mrt_result result)
+{
+    return result >= 0                     ? 0
+           : result == MRT_ERR_ARGUMENT    ? EXIT_USAGE
+           : result == MRT_ERR_UNSUPPORTED ? EXIT_NO_TERMINAL
+                                           : EXIT_FAILED;
+}
+
 static const char *link_path;
 
 static void print_path(const char *path)
@@ -223,5 +235,5 @@ int main(int argc, char **argv)
         result = glove_emulator_run(&settings, print_path, &err);
     if (result < 0)
         fprintf(stderr, "glove_emulator: %s\n", err.text);
-    return result == MRT_ERR_ARGUMENT ? 2 : result < 0;
+    return exit_status(result);
 }

@@ -40,7 +40,7 @@ static mrt_result take_log(glove_motion *out, const log_data *log, const char *p
     for (uint32_t i = 0; i < log->channel_count; ++i)
         if (strcmp(log->channel[i].unit, "rad") != 0 &&
             log->channel[i].semantic - MRT_CH_ANGLE < MRT_ANGLES)
-            return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %s is in %s, a motion wants rad", path,
+            return error_set(err, MRT_ERR_FORMAT, "%s: %s is in %s, a motion wants rad", path,
                              log->channel[i].name, log->channel[i].unit);
     out->time_ns = calloc(log->record_count, sizeof *out->time_ns);
     out->angle_rad = calloc(log->record_count, GLOVE_SENSORS * sizeof *out->angle_rad);
@@ -63,12 +63,12 @@ mrt_result glove_motion_open(glove_motion *out, const char *what, error *err)
     log_file file;
     mrt_result result = log_file_read(&file, what, reason);
     if (result < 0)
-        return error_set(err, result, "%s: %s", what, reason);
+        return error_set(err, MRT_ERR_IO, "%s: %s", what, reason);
     log_data log;
     result = log_parse(&log, file.data, file.size, MRT_RIGHT, reason);
     free(file.data);
     if (result < 0)
-        error_set(err, result, "%s: %s", what, reason);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: %s", what, reason);
     else
         result = take_log(out, &log, what, err);
     log_data_finish(&log);

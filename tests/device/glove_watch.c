@@ -81,7 +81,7 @@ static mrt_result find(glove_stage *stage, const char *build, const char *name,
     return result < 0 ? result : plugin_list_find(&stage->plugins, name, interface_id, out, err);
 }
 
-mrt_result glove_stage_create(glove_stage *out, const char *build, const char *rig,
+mrt_result glove_stage_create(glove_stage *out, const char *build, const char *rig_path,
                               const char *address, const glove_watch *watch, error *err)
 {
     const mrt_plugin_type *glove, *map;
@@ -96,7 +96,7 @@ mrt_result glove_stage_create(glove_stage *out, const char *build, const char *r
     if (result >= 0)
         result = find(out, build, "one_hand", MRT_MAPPING, &map, err);
     if (result >= 0)
-        result = face_file_read(&out->face, rig, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+        result = face_file_read(&out->face, rig_path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
     if (result < 0)
         goto fail;
     stand_before_input(glove);

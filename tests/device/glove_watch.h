@@ -25,8 +25,8 @@ typedef struct glove_stage {
     double reader_cpu_s, reader_time_s; /* of the thread that reads, until its last sample */
 } glove_stage;
 
-/* build: the build folder; rig: its file; address: of the glove. `out` must not move. */
-CHECKED mrt_result glove_stage_create(glove_stage *out, const char *build, const char *rig,
+/* build: the build folder; rig_path: of the face; address: of the glove. `out` must not move. */
+CHECKED mrt_result glove_stage_create(glove_stage *out, const char *build, const char *rig_path,
                                       const char *address, const glove_watch *watch, error *err);
 void glove_stage_destroy(glove_stage *stage); /* accepts a zeroed one */
 
