@@ -34,6 +34,7 @@ struct pedal_unit {
     UMockdevIoctlBase *handler;
     int fifo; /* full: libusb, which waits until it can write, sleeps */
     bool is_plugged, is_dead;
+    char driver_folder[32]; /* of the kernel's HID driver, "" without */
     int death_error, fail_error;
     pedal_death death;
     pedal_state state;
@@ -460,7 +461,7 @@ static size_t write_descriptors(const pedal_model *model, uint8_t *out)
     return size;
 }
 
-static void put_interface(text *out, const pedal_unit *unit)
+static void put_interface(text *out, pedal_unit *unit)
 {
     const pedal_model *model = &unit->model;
     put(out, "P: %s/%s:1.0\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\n", unit->system_path,
@@ -468,8 +469,10 @@ static void put_interface(text *out, const pedal_unit *unit)
     put(out, "L: driver=../../../../bus/usb/drivers/%s\n\n", model->is_held ? "usbfs" : "usbhid");
     if (model->is_held || model->is_unread || model->report_descriptor_bytes == 0)
         return;
-    put(out, "P: %s/%s:1.0/0003:%04X:%04X.0001\nE: SUBSYSTEM=hid\nH: report_descriptor=",
-        unit->system_path, unit->path, model->vendor, model->product);
+    snprintf(unit->driver_folder, sizeof unit->driver_folder, "0003:%04X:%04X.%04X", model->vendor,
+             model->product, unit->owner->unit_count + 1);
+    put(out, "P: %s/%s:1.0/%s\nE: SUBSYSTEM=hid\nH: report_descriptor=", unit->system_path,
+        unit->path, unit->driver_folder);
     put_hex(out, model->report_descriptor, model->report_descriptor_bytes);
     put(out, "\n\n");
 }
@@ -493,10 +496,14 @@ static void attach(pedal_unit *unit)
     unit->handler = umockdev_ioctl_base_new();
     g_signal_connect(unit->handler, "handle-ioctl", G_CALLBACK(on_ioctl), unit);
     g_signal_connect(unit->handler, "client-vanished", G_CALLBACK(on_client_vanished), unit);
-    if (umockdev_testbed_attach_ioctl(unit->owner->testbed, unit->node, unit->handler, &error))
-        return;
-    fprintf(stderr, "%s\n", error->message);
-    abort();
+    if (!umockdev_testbed_attach_ioctl(unit->owner->testbed, unit->node, unit->handler, &error)) {
+        fprintf(stderr, "%s\n", error->message);
+        abort();
+    }
+    /* umockdev goes there before it knows whether the node may be opened */
+    char socket[PATH];
+    snprintf(socket, sizeof socket, "%s/ioctl%s", unit->owner->root, unit->node);
+    chmod(socket, 0777);
 }
 
 pedal_unit *pedal_double_plug(pedal_double *self, const char *path, uint32_t number,
@@ -536,13 +543,25 @@ void pedal_unit_die(pedal_unit *unit, int error)
     pthread_mutex_unlock(&unit->owner->mutex);
 }
 
+/* Children first: umockdev leaves links of theirs behind otherwise. */
+static void remove_folders(const pedal_unit *unit)
+{
+    char device[96], interface[160], driver[224];
+    UMockdevTestbed *testbed = unit->owner->testbed;
+    snprintf(device, sizeof device, "/sys%s", unit->system_path);
+    snprintf(interface, sizeof interface, "%s/%s:1.0", device, unit->path);
+    snprintf(driver, sizeof driver, "%s/%s", interface, unit->driver_folder);
+    umockdev_testbed_uevent(testbed, device, "remove");
+    if (unit->driver_folder[0])
+        umockdev_testbed_remove_device(testbed, driver);
+    umockdev_testbed_remove_device(testbed, interface);
+    umockdev_testbed_remove_device(testbed, device);
+}
+
 void pedal_unit_unplug(pedal_unit *unit, int error)
 {
-    char system[96];
     pedal_unit_die(unit, error);
-    snprintf(system, sizeof system, "/sys%s", unit->system_path);
-    umockdev_testbed_uevent(unit->owner->testbed, system, "remove");
-    umockdev_testbed_remove_device(unit->owner->testbed, system);
+    remove_folders(unit);
     unlink(unit->node_file);
     pthread_mutex_lock(&unit->owner->mutex);
     close(unit->fifo);
@@ -607,6 +626,7 @@ pedal_double *pedal_double_create(void)
     pthread_mutex_init(&self->mutex, NULL);
     self->testbed = umockdev_testbed_new();
     self->root = umockdev_testbed_get_root_dir(self->testbed);
+    chmod(self->root, 0755); /* for users other than the one who runs the test */
     pedal_double_plug_hub(self, "1", 1);
     return self;
 }
