@@ -198,6 +198,9 @@ static void *talker_thread(void *data)
         if (ready > 0 && (wanted.revents & POLLIN)) {
             ssize_t got = read(self->master, bytes + count, sizeof bytes - count);
             count = got > 0 ? talker_obey(self, bytes, count + (size_t)got) : 0;
+        } else if (ready > 0) { /* nobody has the other end: poll would return at once */
+            const struct timespec period = {.tv_nsec = 1000000L * self->period_ms};
+            nanosleep(&period, NULL);
         } else if (ready == 0 && self->streams &&
                    !(self->silent_after && self->sent >= self->silent_after)) {
             talker_record(self, 'S');
@@ -226,7 +229,8 @@ static void talker_stop(talker *self)
 {
     self->stopping = true;
     pthread_join(self->thread, NULL);
-    close(self->slave);
+    if (self->slave >= 0)
+        close(self->slave);
 }
 
 #endif
