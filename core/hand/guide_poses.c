@@ -15,8 +15,7 @@ const char *const guide_step_name[GUIDE_STEPS] = {
 
 const char *const guide_step_words[GUIDE_STEPS] = {
     "Hold your hand relaxed, as you will when the face is at rest.",
-    "Lay your hand flat on the table: fingers straight and together, thumb beside the index "
-    "finger, wrist straight.",
+    "Lay your hand flat on the table: wrist, fingers and thumb straight and together.",
     "Make a tight fist, the thumb outside.",
     "Open the hand; lay the bent thumb across the palm, its tip at the root of the little finger.",
     "Lay your hand flat again and spread fingers and thumb as far as they go.",

@@ -99,6 +99,9 @@ static void missing_distal_joints_follow_the_middle_ones(void **state)
         calibration.has_distal[finger] = false;
         hand_calibrate(&calibration, raw, out);
         assert_float_equal(out[distal[finger]], 0.465f, TOLERANCE_RAD);
+        raw[middle[finger]] = -3.0f;
+        hand_calibrate(&calibration, raw, out);
+        assert_float_equal(out[distal[finger]], 0.0f, TOLERANCE_RAD);
         raw[middle[finger]] = 0.3f; /* 0.0288 - 0.051 is below 0 */
         hand_calibrate(&calibration, raw, out);
         assert_float_equal(out[distal[finger]], 0.0f, TOLERANCE_RAD);

@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# A glove is calibrated from a log in counts, the calibration is used, shown, imported and rewritten;
+# whatever is wrong is one clear line, and an old calibration is only replaced by a complete one.
+source "$(dirname "$0")/lib.sh"
+export XDG_CONFIG_HOME=$scratch/config
+glove=$scratch/glove.csv
+user=$scratch/user.json
+log() { awk -f "$SOURCE_DIR/tests/e2e/calibrate_glove.awk" "$@"; }
+calibrate() { "$MAROTTE" calibrate "$@"; }
+json() { sed -nE "s/^ *\"$1\": ([-0-9.]+|\"[^\"]*\"),?$/\1/p" "$2" | tr -d '"'; }
+log >"$glove"
+
+# The whole way: no terminal, so it goes on by stillness alone.
+calibrate --input "log:$glove" --out "$user" --name anna --hand-length 182 </dev/null \
+    >"$scratch/said.txt" || fail "calibrate"
+for step in "relaxed hand" "flat hand" fist "thumb across" "fingers spread" "little alone"; do
+    grep -q "^  taken: $step\$" "$scratch/said.txt" || fail "\"$step\" was not taken"
+done
+grep -qP '\x1b' "$scratch/said.txt" && fail "control sequences though stdout is no terminal"
+calibrate --show "$user" --json >"$scratch/shown.json" || fail "calibrate --show"
+[ "$(json hand "$scratch/shown.json")" = right ] || fail "it is a right hand"
+[ "$(json sensor_count "$scratch/shown.json")" = 18 ] || fail "the glove has 18 sensors"
+[ "$(json sensors_measured "$scratch/shown.json")" = 15 ] || fail "15 sensors are measured"
+[ "$(json sensors_zeroed "$scratch/shown.json")" = 3 ] || fail "arch and wrist have a zero"
+[ "$(json hand_length_mm "$scratch/shown.json")" = 182.0 ] || fail "the hand is 182 mm long"
+grep -q '"middle.mpj .*moves index.mpj 0.20 ring.mpj 0.50' "$scratch/shown.json" || fail "cross-talk"
+# The glove has a count a degree at the index knuckle: 45 degrees above 90 are 135 counts.
+grep -q '"index.mpj": {"source": "measured", "points": .*\[90.0, 0.0\]' "$user" || fail "zero"
+
+# To the same file: what marotte does not know stays, the name too.
+sed -i 's/^{$/{ "shoe_size": 38,/' "$user"
+calibrate --input "log:$glove" --out "$user" --json </dev/null >"$scratch/again.json" \
+    2>"$scratch/again.txt" || fail "calibrate again"
+grep -q '"shoe_size": 38' "$user" || fail "an unknown key is lost"
+grep -q 'note: .*shoe_size' "$scratch/again.txt" || fail "an unknown key is not reported"
+[ "$(json name "$scratch/again.json")" = anna ] || fail "the name is lost"
+[ "$(head -c 1 "$scratch/again.json")" = "{" ] || fail "--json prints more than JSON"
+
+# An incomplete one, or one that is none, leaves the old file as it is.
+cp "$user" "$scratch/before.json"
+log -v poses=6 >"$scratch/short.csv"
+refused 1 "is over in step 7 of 10, index alone" "$MAROTTE" calibrate \
+    --input "log:$scratch/short.csv" --out "$user"
+cmp "$user" "$scratch/before.json" || fail "an incomplete calibration replaced the old one"
+echo '{"other": 1}' >"$scratch/other.json"
+refused 1 "not overwritten, since it is no calibration" "$MAROTTE" calibrate \
+    --input "log:$glove" --out "$scratch/other.json"
+grep -q other "$scratch/other.json" || fail "another file was overwritten"
+# One dead sensor is said, and keeps the shipped gain.
+log -v broken=ring.mpj >"$scratch/broken.csv"
+calibrate --input "log:$scratch/broken.csv" --out "$scratch/broken.json" </dev/null \
+    >"$scratch/broken.txt" || fail "a glove with a dead sensor"
+grep -q 'taken: fist; 1 of 8 sensors hardly moved.*ring.mpj by 0 ' "$scratch/broken.txt" ||
+    fail "the dead sensor is not named"
+grep -q 'ring.mpj *zeroed' "$scratch/broken.txt" || fail "the dead sensor is not zeroed"
+
+# What cannot be calibrated.
+refused 1 "gives angles in rad: it is calibrated already" "$MAROTTE" calibrate \
+    --input "log:$demo" --out "$scratch/out/a.json"
+refused 1 "is of a right hand, not of a left one" "$MAROTTE" calibrate \
+    --input "log:$glove" --hand left --out "$scratch/out/a.json"
+refused 1 "none.csv" "$MAROTTE" calibrate --input "log:$scratch/none.csv" \
+    --out "$scratch/out/a.json"
+refused 2 "--out FILE is missing" "$MAROTTE" calibrate --input "log:$glove"
+refused 2 "one of --input" "$MAROTTE" calibrate --out "$scratch/out/a.json"
+refused 2 "not left or right" "$MAROTTE" calibrate --input log --hand up --out x
+refused 1 "1 to 63 letters" "$MAROTTE" calibrate --input "log:$glove" --name a/b
+refused 1 "\$.marotte_calibration: expected 1" "$MAROTTE" calibrate --show "$scratch/other.json"
+
+# Use: the shipped defaults with a hint, then the newest of the folder, then one by name.
+log -v tail=1 >"$scratch/use.csv"
+perform() {
+    "$MAROTTE" perform --face "$moai" --input "log:$scratch/use.csv" --map anchored \
+        --export "$scratch/$1.csv" "${@:2}" >"$scratch/$1.txt" 2>"$scratch/$1.err" ||
+        fail "perform $1: $(cat "$scratch/$1.err")"
+}
+perform shipped
+grep -q "note: right hand not calibrated: shipped defaults; marotte calibrate" \
+    "$scratch/shipped.err" || fail "no hint for an uncalibrated hand"
+calibrate --input "log:$glove" --name bea </dev/null >/dev/null || fail "into the folder"
+[ -s "$XDG_CONFIG_HOME/marotte/calibrations/bea.json" ] || fail "not in the user's folder"
+perform newest
+grep -q "note: right hand: .*/bea.json (bea, 20" "$scratch/newest.err" || fail "newest is not said"
+grep -q "^calibration .*bea.json" "$scratch/newest.txt" || fail "newest is no fact"
+cmp -s "$scratch/shipped.csv" "$scratch/newest.csv" && fail "a calibration changes nothing"
+perform named --calibration "$XDG_CONFIG_HOME/marotte/calibrations/bea.json"
+cmp "$scratch/named.csv" "$scratch/newest.csv" || fail "the same calibration by name differs"
+perform none --calibration none
+cmp "$scratch/none.csv" "$scratch/shipped.csv" || fail "--calibration none is not the defaults"
+refused 1 "one calibration per hand" "$MAROTTE" perform --face "$moai" --input "log:$glove" \
+    --map anchored --calibration "$user" --calibration "$scratch/before.json"
+refused 1 "other.json: \$.marotte_calibration" "$MAROTTE" perform --face "$moai" \
+    --input "log:$glove" --map anchored --calibration "$scratch/other.json"
+# A log in rad has no use for one.
+"$MAROTTE" perform --face "$moai" --input "log:$demo,end=1" --map anchored 2>"$scratch/rad.err" \
+    >/dev/null || fail "perform in rad"
+[ -s "$scratch/rad.err" ] && fail "a log in rad speaks of calibrations: $(cat "$scratch/rad.err")"
+
+# A pedal in the log re-zeroes, the same in every replay; while the hand moves it is refused.
+awk -F, -v OFS=, 'NR == 1 { print $0, "pedal.1"; next } NR == 2 { print $0, "1"; next }
+    { print $0, ($1 >= 1.5 && $1 < 1.7) || ($1 >= 2.3 && $1 < 2.4) ? 1 : 0 }' \
+    "$scratch/use.csv" >"$scratch/pedal.csv"
+for run in 1 2; do
+    "$MAROTTE" perform --face "$moai" --input "log:$scratch/pedal.csv" --map anchored \
+        --rezero-pedal 1 --export "$scratch/pedal$run.csv" >"$scratch/pedal.txt" 2>/dev/null ||
+        fail "perform with a pedal"
+done
+cmp "$scratch/pedal1.csv" "$scratch/pedal2.csv" || fail "a re-zero replays differently"
+[ "$(fact re-zeros "$scratch/pedal.txt")" = 1 ] || fail "the pedal re-zeroes once"
+grep -q "^  refused *1 the right hand is not still: its" "$scratch/pedal.txt" ||
+    fail "a re-zero of a moving hand is not refused: $(grep -A1 re-zeros "$scratch/pedal.txt")"
+
+# VirtualHand.
+{ echo 'VHv1.6'; echo 'GLOVE CALIBRATION follows:'; for k in 0 1 2 3 4 5; do echo "FINGER $k:"
+    for j in 0 1 2 3; do echo "  $j 90 0.012 0"; done; done; } >"$scratch/user.cal"
+calibrate --from-virtualhand "$scratch/user.cal" --hand right --out "$scratch/vh.json" \
+    >"$scratch/vh.txt" || fail "--from-virtualhand"
+grep -q "  imported *22" "$scratch/vh.txt" || fail "22 sensors are not imported"
+perform imported --calibration "$scratch/vh.json"
+refused 1 "say --hand left or --hand right" "$MAROTTE" calibrate \
+    --from-virtualhand "$scratch/user.cal" --out "$scratch/out/a.json"
+echo "Device 1 2 3" >"$scratch/dcu.cal"
+refused 1 "Device Configuration Utility" "$MAROTTE" calibrate --from-virtualhand "$scratch/dcu.cal" \
+    --hand left --out "$scratch/out/a.json"
+
+# At a terminal: bars in place, and it does not wait for a person when a log plays.
+if command -v script >/dev/null; then
+    TERM=xterm timeout 60 script -qec "'$MAROTTE' calibrate --input 'log:$glove' \
+        --out '$scratch/tty.json'" /dev/null </dev/null >"$scratch/tty.txt" || fail "at a terminal"
+    grep -q 'index.mpj   \[' "$scratch/tty.txt" || fail "no bars at a terminal"
+    [ -s "$scratch/tty.json" ] || fail "no calibration from a terminal"
+fi
+"$MAROTTE" calibrate --help | grep -q -- --from-virtualhand || fail "calibrate --help"
+finish
