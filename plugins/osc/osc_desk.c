@@ -67,6 +67,8 @@ static bool is_alive(const osc_source *source, int64_t now_ns)
 
 static bool is_listened_to(const osc_desk *self, const osc_source *source)
 {
+    if (source->name[0] == '\0')
+        return false; /* a free place */
     for (const osc_listener *l = self->listeners; l; l = l->next)
         if (l->is_forwarded && strcmp(l->bound, source->name) == 0)
             return true;

@@ -64,9 +64,9 @@ static const char *advice_for_send(int error)
 
 static void send_packet(osc_output *self, size_t size)
 {
-    if (size > 0 && osc_socket_send(self->socket, self->packet, size))
+    int error = size > 0 ? osc_socket_send(self->socket, self->packet, size) : ENOMEM;
+    if (error == 0)
         return;
-    int error = size > 0 ? errno : ENOMEM;
     self->failed_count += 1;
     if (self->has_said_failure)
         return;

@@ -185,9 +185,8 @@ void osc_port_summary(osc_port *port, char *out, size_t capacity)
     uint32_t faulty = 0;
     for (int i = 0; i < OSC_FAULT_KINDS; ++i)
         faulty += desk->fault_count[i];
-    uint32_t dropped = faulty + desk->late_count + desk->untold_count;
     out[0] = '\0';
-    if (dropped > 0)
+    if (faulty + desk->late_count > 0) /* before channels are told: that is usual */
         snprintf(out, capacity,
                  "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
                  "messages",

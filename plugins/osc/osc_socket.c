@@ -152,9 +152,13 @@ int64_t osc_socket_receive(int socket, void *out, size_t capacity, osc_peer *out
     }
 }
 
-bool osc_socket_send(int socket, const void *bytes, size_t size)
+int osc_socket_send(int socket, const void *bytes, size_t size)
 {
-    /* The error of an earlier datagram is reported first, and this one is not sent: once more. */
-    return send(socket, bytes, size, MSG_NOSIGNAL) >= 0 ||
-           (errno == ECONNREFUSED && send(socket, bytes, size, MSG_NOSIGNAL) >= 0);
+    if (send(socket, bytes, size, MSG_NOSIGNAL) >= 0)
+        return 0;
+    int error = errno;
+    /* What is reported is an earlier datagram's error, and this one has not been sent yet. */
+    if (error == ECONNREFUSED)
+        (void)!send(socket, bytes, size, MSG_NOSIGNAL);
+    return error;
 }

@@ -18,7 +18,8 @@ enum { OSC_SOCKET_NOTHING = 0, OSC_SOCKET_FAILED = -1 };
 /* One datagram's size, from 1 on; OSC_SOCKET_NOTHING: none before deadline_ns (osc_clock_ns). */
 int64_t osc_socket_receive(int socket, void *out, size_t capacity, osc_peer *out_peer,
                            int64_t deadline_ns);
-/* Sends without waiting. False: errno says why. */
-bool osc_socket_send(int socket, const void *bytes, size_t size);
+/* Sends without waiting. 0 or an errno; ECONNREFUSED: it was sent, but at an earlier datagram's end
+ * nobody listened. */
+int osc_socket_send(int socket, const void *bytes, size_t size);
 
 #endif

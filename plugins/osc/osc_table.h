@@ -13,7 +13,8 @@ typedef struct osc_table {
     char source[OSC_SOURCE_LENGTH];
     int32_t version; /* another one: other channels, or sequence numbers that start again */
     uint32_t count;
-    mrt_channel channel[MRT_MAX_CHANNELS]; /* name and unit point into this struct */
+    mrt_channel channel[MRT_MAX_CHANNELS]; /* name and unit point into this struct:
+                                              osc_table_copy, not = */
     char name[MRT_MAX_CHANNELS][OSC_NAME_LENGTH], unit[MRT_MAX_CHANNELS][OSC_UNIT_LENGTH];
 } osc_table;
 
