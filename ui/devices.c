@@ -136,7 +136,7 @@ static mrt_result list_devices(const devices_options *options, const plugin_list
                                log_queue *log, error *err)
 {
     devices_found found;
-    mrt_result result = devices_look(&found, plugins, log, err);
+    mrt_result result = devices_look(&found, plugins, log, NULL, err);
     if (result < 0)
         return result;
     if (options->is_json)
@@ -193,11 +193,11 @@ const command command_devices = {
             "\n"
             "  --watch          opens those that are ready and shows how they do: rate, jitter,\n"
             "                   lateness, samples lost, drift of the clock, sensors at the end of\n"
-            "                   their range. What goes away is waited for\n"
+            "                   their range. What goes away or is plugged in later is waited for\n"
             "  --input SPEC     PLUGIN[:ADDRESS][,key=value]...: this one instead; up to 8 times\n"
             "  --seconds N      ends after so long (else with Ctrl-C)\n"
             "  --forward H:P    watches, and passes every sample on to the marotte that listens\n"
-            "                   there: marotte perform --input osc:PORT ...\n"
+            "                   there with --input osc:0.0.0.0:PORT/SOURCE\n"
             "  --learn SPEC     asks for the switches of an unknown pedal and remembers them\n"
             "  --json           for machines; with --watch one line a second\n",
     .run = run,

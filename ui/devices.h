@@ -28,9 +28,10 @@ typedef struct devices_found {
     uint32_t count, beyond; /* beyond: there was no room for so many */
 } devices_found;
 
-/* Asks every input plugin that knows of devices. */
+/* Asks every input plugin that knows of devices. hush: what was said when it was asked before, and
+ * is not said again; NULL: nothing. */
 CHECKED mrt_result devices_look(devices_found *out, const plugin_list *plugins, log_queue *log,
-                                error *err);
+                                said *hush, error *err);
 void devices_print(const devices_found *found, const plugin_list *plugins);
 void devices_print_json(const devices_found *found, const plugin_list *plugins);
 /* "cyberglove" of "org.marotte.cyberglove": what --input wants. */

@@ -57,7 +57,7 @@ static void keep(devices_found *out, const mrt_plugin_type *type, const mrt_devi
 }
 
 static mrt_result look_with(devices_found *out, const mrt_plugin_type *type, log_queue *log,
-                            error *err)
+                            said *hush, error *err)
 {
     instance plugin;
     mrt_result result = instance_create(&plugin, type, CLOCK_REAL, log, err);
@@ -65,7 +65,9 @@ static mrt_result look_with(devices_found *out, const mrt_plugin_type *type, log
         return result;
     mrt_device *list = calloc(DEVICES_FOUND_MAX, sizeof *list);
     if (list) {
+        instance_listen(&plugin, NULL, hush);
         uint32_t count = knows_devices(type)->list(plugin.self, list, DEVICES_FOUND_MAX);
+        instance_listen_end(&plugin);
         for (uint32_t i = 0; i < count && i < DEVICES_FOUND_MAX; ++i)
             keep(out, type, &list[i]);
         if (count > DEVICES_FOUND_MAX)
@@ -79,17 +81,18 @@ static mrt_result look_with(devices_found *out, const mrt_plugin_type *type, log
 }
 
 /* A plugin that cannot be used hides no device of another. */
-mrt_result devices_look(devices_found *out, const plugin_list *plugins, log_queue *log, error *err)
+mrt_result devices_look(devices_found *out, const plugin_list *plugins, log_queue *log, said *hush,
+                        error *err)
 {
     *out = (devices_found){.count = 0};
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         if (!knows_devices(type))
             continue;
-        mrt_result result = look_with(out, type, log, err);
+        mrt_result result = look_with(out, type, log, hush, err);
         if (result == MRT_ERR_MEMORY)
             return result;
-        if (result < 0)
+        if (result < 0 && !(hush && said_before(hush, err->text)))
             log_push(log, MRT_LOG_WARNING, type->id, err->text);
     }
     return MRT_OK;

@@ -21,6 +21,9 @@ static const float saturated_least = 0.02f;
 
 static const double silent_least_s = 1.0;
 
+/* How often to look for what has been plugged in since. */
+static const int64_t look_span_ns = 2 * NS_PER_S;
+
 typedef struct forwarding {
     instance plugin;
     const mrt_output *functions;
@@ -30,12 +33,15 @@ typedef struct forwarding {
 
 typedef struct watch {
     const devices_options *options;
+    plugin_list *plugins;
     log_queue *log;
     wake *signal;
     input *inputs[DEVICES_INPUTS_MAX];
+    mrt_device opened[DEVICES_INPUTS_MAX]; /* by finding it: where it is */
     uint32_t input_count;
     forwarding forward;
-    int64_t start_ns, shown_ns;
+    int64_t start_ns, shown_ns, looked_ns;
+    said said; /* while looking for devices */
     bool is_terminal;
     uint32_t lines; /* shown last, to be written over */
 } watch;
@@ -45,60 +51,80 @@ typedef struct watch {
 static mrt_result open_input(watch *self, const mrt_plugin_type *type, const char *address,
                              const char *params, error *err)
 {
-    input **in = &self->inputs[self->input_count];
-    mrt_result result = input_create(in, type, address, params, CLOCK_REAL, self->log, err);
+    input *in;
+    mrt_result result = input_create(&in, type, address, params, CLOCK_REAL, self->log, err);
     if (result < 0)
         return result;
-    self->input_count += 1;
-    input_set_wake(*in, self->signal);
-    return MRT_OK;
+    self->inputs[self->input_count++] = in;
+    input_set_wake(in, self->signal);
+    return input_start(in, err);
 }
 
-static mrt_result open_named(watch *self, plugin_list *plugins, error *err)
+static mrt_result open_named(watch *self, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
         const plugin_spec *spec = &self->options->input[i];
         const mrt_plugin_type *type;
-        result = plugin_list_find(plugins, spec->plugin, MRT_INPUT, &type, err);
+        result = plugin_list_find(self->plugins, spec->plugin, MRT_INPUT, &type, err);
         if (result >= 0)
             result = open_input(self, type, spec->address, spec->params, err);
     }
     return result;
 }
 
-/* One that cannot be opened after all is told and left out. */
-static mrt_result open_ready(watch *self, const plugin_list *plugins, error *err)
+static bool is_open(const watch *self, const mrt_device *device)
 {
-    devices_found found;
-    mrt_result result = devices_look(&found, plugins, self->log, err);
-    if (result < 0)
-        return result;
-    uint32_t others = 0;
-    for (uint32_t i = 0; i < found.count && self->input_count < DEVICES_INPUTS_MAX; ++i) {
-        const device_found *one = &found.one[i];
-        others += one->device.state != MRT_DEVICE_READY;
-        if (one->device.state == MRT_DEVICE_READY &&
-            open_input(self, one->type, one->device.address, "", err) < 0)
-            log_push(self->log, MRT_LOG_WARNING, one->type->id, err->text);
-    }
-    if (self->input_count > 0)
-        return MRT_OK;
-    if (others)
-        return error_set(err, MRT_ERR_IO,
-                         "no device is ready: \"marotte devices\" says what to do about %u, or "
-                         "name one with --input",
-                         others);
-    return error_set(err, MRT_ERR_IO, "no device was found: plug one in, or name one with --input");
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        if (strcmp(self->opened[i].address, device->address) == 0)
+            return true;
+    return false;
 }
 
-static mrt_result open_forward(watch *self, plugin_list *plugins, error *err)
+static bool looks_for_devices(const watch *self)
+{
+    return self->options->input_count == 0;
+}
+
+/* Opens what is ready and not open yet. One that cannot be opened after all is told and left out.
+ */
+static mrt_result open_ready(watch *self, error *err)
+{
+    devices_found found;
+    mrt_result result = devices_look(&found, self->plugins, self->log, &self->said, err);
+    for (uint32_t i = 0; result >= 0 && i < found.count; ++i) {
+        const device_found *one = &found.one[i];
+        if (one->device.state != MRT_DEVICE_READY || is_open(self, &one->device) ||
+            self->input_count == DEVICES_INPUTS_MAX)
+            continue;
+        self->opened[self->input_count] = one->device;
+        error why = {""};
+        if (open_input(self, one->type, one->device.address, "", &why) < 0 &&
+            !said_before(&self->said, why.text))
+            log_push(self->log, MRT_LOG_WARNING, one->type->id, why.text);
+    }
+    self->looked_ns = clock_now_ns();
+    return result;
+}
+
+static mrt_result open_inputs(watch *self, error *err)
+{
+    if (!looks_for_devices(self))
+        return open_named(self, err);
+    mrt_result result = open_ready(self, err);
+    if (result >= 0 && self->input_count == 0)
+        fprintf(stderr, "note: no device is ready: waiting for one (marotte devices says what to "
+                        "do)\n");
+    return result;
+}
+
+static mrt_result open_forward(watch *self, error *err)
 {
     const mrt_plugin_type *type;
     forwarding *forward = &self->forward;
     if (!self->options->forward)
         return MRT_OK;
-    mrt_result result = plugin_list_find(plugins, "osc", MRT_OUTPUT, &type, err);
+    mrt_result result = plugin_list_find(self->plugins, "osc", MRT_OUTPUT, &type, err);
     if (result >= 0)
         result = instance_create(&forward->plugin, type, CLOCK_REAL, self->log, err);
     if (result < 0)
@@ -115,14 +141,6 @@ static mrt_result open_forward(watch *self, plugin_list *plugins, error *err)
         return error_set(err, result, "%s",
                          why.text[0] ? why.text : "the output could not be opened");
     return MRT_OK;
-}
-
-static mrt_result start_inputs(watch *self, error *err)
-{
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < self->input_count && result >= 0; ++i)
-        result = input_start(self->inputs[i], err);
-    return result;
 }
 
 static void finish(watch *self)
@@ -348,41 +366,52 @@ static int64_t end_ns_of(const watch *self)
     return seconds > 0 ? self->start_ns + (int64_t)(seconds * 1e9) : INT64_MAX;
 }
 
-static void follow(watch *self, const _Atomic bool *stop)
+static mrt_result look_again(watch *self, error *err)
+{
+    if (!looks_for_devices(self) || clock_now_ns() < self->looked_ns + look_span_ns)
+        return MRT_OK;
+    return open_ready(self, err);
+}
+
+static mrt_result follow(watch *self, const _Atomic bool *stop, error *err)
 {
     bool is_in_place = self->is_terminal && !self->options->is_json;
     int64_t span_ns = is_in_place ? terminal_span_ns : line_span_ns;
     int64_t end_ns = end_ns_of(self);
     for (;;) {
         uint32_t seen = wake_seen(self->signal);
-        bool goes_on = take_all(self) && !atomic_load(stop);
+        mrt_result result = look_again(self, err);
+        if (result < 0)
+            return result;
+        bool goes_on = (take_all(self) || looks_for_devices(self)) && !atomic_load(stop);
         int64_t now_ns = clock_now_ns();
         tell_news(self);
         goes_on &= now_ns < end_ns;
-        int64_t next_ns = self->shown_ns + span_ns;
-        if (now_ns >= next_ns || !goes_on || (is_in_place && self->lines == 0))
+        if (now_ns >= self->shown_ns + span_ns || !goes_on || (is_in_place && self->lines == 0))
             show(self, now_ns);
         if (!goes_on)
             break;
-        next_ns = self->shown_ns + span_ns;
+        int64_t next_ns = self->shown_ns + span_ns;
         wake_wait_until_ns(self->signal, seen, next_ns < end_ns ? next_ns : end_ns);
     }
+    if (self->input_count == 0)
+        return error_set(err, MRT_ERR_IO,
+                         "no device was ready: see marotte devices, or name one "
+                         "with --input");
+    return MRT_OK;
 }
 
 mrt_result devices_watch(const devices_options *options, plugin_list *plugins, log_queue *log,
                          wake *signal, const _Atomic bool *stop, error *err)
 {
-    watch self = {.options = options, .log = log, .signal = signal};
-    mrt_result result = open_forward(&self, plugins, err);
-    if (result >= 0)
-        result = options->input_count > 0 ? open_named(&self, plugins, err)
-                                          : open_ready(&self, plugins, err);
+    watch self = {.options = options, .plugins = plugins, .log = log, .signal = signal};
     self.is_terminal = isatty(STDOUT_FILENO) == 1;
     self.start_ns = self.shown_ns = clock_now_ns();
+    mrt_result result = open_forward(&self, err);
     if (result >= 0)
-        result = start_inputs(&self, err);
+        result = open_inputs(&self, err);
     if (result >= 0)
-        follow(&self, stop);
+        result = follow(&self, stop, err);
     finish(&self);
     return result;
 }

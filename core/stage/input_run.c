@@ -146,7 +146,8 @@ static void close_plugin(input *self)
     self->has_last = false;
 }
 
-/* Opens the plugin and copies what its channels are; on failure it is closed and err says why. */
+/* Opens the plugin and copies what its channels are. On failure it is closed, and err has what the
+ * plugin said of it: "" nothing. */
 static mrt_result open_plugin(input *self, said *hush, channel_table *out, error *err)
 {
     error why = {""};
@@ -158,11 +159,7 @@ static mrt_result open_plugin(input *self, said *hush, channel_table *out, error
     instance_listen_end(&self->plugin);
     self->opened_ns = clock_now_ns();
     if (result < 0) {
-        (void)error_set(err, result, "%s",
-                        why.text[0] ? why.text : "the input could not be opened");
-        if (!why.text[0])
-            error_prefix(err, self->name);
-        return result;
+        return error_set(err, result, "%s", why.text);
     }
     pass_on(self, &why, MRT_LOG_ERROR);
     self->open = true;
@@ -200,6 +197,8 @@ mrt_result input_run_open(input *self, error *err)
 {
     channel_table table;
     mrt_result result = open_plugin(self, NULL, &table, err);
+    if (result < 0 && !err->text[0])
+        return error_set(err, result, "%s: the input could not be opened", self->name);
     if (result < 0)
         return result;
     bool is_first = self->version_count == 0;
@@ -293,6 +292,8 @@ static void try_later(input *self)
 
 static void say_once(input *self, const error *why)
 {
+    if (!why->text[0])
+        return;
     if (!said_before(&self->outage.said, why->text))
         pass_on(self, why, MRT_LOG_WARNING);
     health_state(&self->meter, INPUT_LOST, why->text, clock_now_ns());

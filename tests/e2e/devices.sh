@@ -16,7 +16,7 @@ said "sudo usermod" "$scratch/list.txt"
 "$MAROTTE" devices --json >"$scratch/list.json" || fail "devices --json"
 said '"input": "flaky:port:1-2"' "$scratch/list.json"
 said '"state": "denied"' "$scratch/list.json"
-MAROTTE_FLAKY=none "$MAROTTE" devices >"$scratch/none.txt" || fail "devices without any"
+MAROTTE_FLAKY=$scratch/no "$MAROTTE" devices >"$scratch/none.txt" || fail "devices without any"
 grep -q "A device that goes away" "$scratch/none.txt" ||
     grep -q "ready\|denied\|busy\|unsure" "$scratch/none.txt" || fail "nobody says what was looked for"
 grep -q '^  log ' "$scratch/none.txt" && fail "the log has no devices"
@@ -54,6 +54,16 @@ kill -INT $watcher
 wait $watcher || fail "Ctrl-C: exit $?"
 [ $((($(date +%s%N) - before) / 1000000)) -lt 500 ] || fail "Ctrl-C took over half a second"
 
+# What is plugged in later is found.
+MAROTTE_FLAKY=$scratch/later "$MAROTTE" devices --watch --seconds 4 >"$scratch/later.txt" \
+    2>"$scratch/news.txt" &
+watcher=$!
+sleep 0.5
+touch "$scratch/later"
+wait $watcher || fail "waiting for a device: exit $?"
+said "note: no device is ready: waiting for one" "$scratch/news.txt"
+said "flaky port:1-2               running" "$scratch/later.txt"
+
 # Learning a switch.
 "$MAROTTE" devices --learn flaky:pedal >"$scratch/learn.txt" || fail "devices --learn"
 said "press switch 1" "$scratch/learn.txt"
@@ -77,6 +87,9 @@ refused 2 'there is no option' "$MAROTTE" devices --wach
 refused 2 '--input wants --watch' "$MAROTTE" devices --input flaky:a
 refused 2 'goes alone' "$MAROTTE" devices --learn flaky --watch
 refused 2 'is not a number' "$MAROTTE" devices --watch --seconds soon
+MAROTTE_FLAKY=$scratch/no "$MAROTTE" devices --watch --seconds 0.1 >/dev/null 2>"$scratch/news.txt" &&
+    fail "nothing was there to be watched"
+said "no device was ready" "$scratch/news.txt"
 refused 1 'no such device: plug it in' "$MAROTTE" devices --watch --input flaky:a,fail=1
 refused 1 'there is no input plugin "waldo"' "$MAROTTE" devices --watch --input waldo
 refused 1 'has no parameter "learn"' "$MAROTTE" devices --learn "log:$demo"

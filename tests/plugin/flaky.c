@@ -184,12 +184,12 @@ static const mrt_device plugged_in[] = {
 };
 enum { PLUGGED_IN = sizeof plugged_in / sizeof plugged_in[0] };
 
-/* MAROTTE_FLAKY=none: nothing is plugged in. */
+/* MAROTTE_FLAKY=PATH: plugged in while there is such a file. */
 static uint32_t flaky_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     (void)self;
     const char *wish = getenv("MAROTTE_FLAKY");
-    if (wish && strcmp(wish, "none") == 0)
+    if (wish && access(wish, F_OK) != 0)
         return 0;
     for (uint32_t i = 0; i < PLUGGED_IN && i < capacity; ++i)
         out[i] = plugged_in[i];
