@@ -77,6 +77,15 @@ static void describe(const char *root, const char *name, glove_found *out)
     out->likeliness = likeliness_of(real, out->product);
 }
 
+/* Of several links the first in the order of names; one too long for an address is none. */
+static void take_better_link(const char *path, glove_found *out)
+{
+    size_t length = strlen(path);
+    if (length >= sizeof out->link || (out->link[0] && strcmp(path, out->link) > 0))
+        return;
+    memcpy(out->link, path, length + 1);
+}
+
 static void find_link(const char *root, glove_found *out)
 {
     char folder[PATH_CAPACITY], wanted[PATH_CAPACITY], real[PATH_CAPACITY];
@@ -90,10 +99,8 @@ static void find_link(const char *root, glove_found *out)
         char path[sizeof folder + sizeof entry->d_name];
         snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
         glove_find_real(path, real, sizeof real);
-        bool is_better = out->link[0] == '\0' || strcmp(path, out->link) < 0;
-        if (entry->d_name[0] != '.' && strlen(path) < sizeof out->link &&
-            strcmp(real, wanted) == 0 && is_better)
-            snprintf(out->link, sizeof out->link, "%s", path);
+        if (entry->d_name[0] != '.' && strcmp(real, wanted) == 0)
+            take_better_link(path, out);
     }
     closedir(links);
 }

@@ -24,7 +24,8 @@ static bool has_open(const char *process, const char *real, int own)
     bool found = false;
     const struct dirent *entry;
     while (!found && (entry = readdir(files)) != NULL) {
-        if (!isdigit((unsigned char)entry->d_name[0]) || (own >= 0 && atoi(entry->d_name) == own))
+        if (!isdigit((unsigned char)entry->d_name[0]) ||
+            (own >= 0 && strtol(entry->d_name, NULL, 10) == own))
             continue;
         ssize_t length = readlinkat(dirfd(files), entry->d_name, target, sizeof target - 1);
         if (length <= 0)

@@ -1,5 +1,6 @@
 #include "glove_parse.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum {
@@ -20,6 +21,7 @@ typedef enum finding { NOTHING, NEED_MORE, FOUND } finding;
 
 size_t glove_layout_size(const glove_layout *layout)
 {
+    assert(layout->sensor_count <= GLOVE_SENSORS_MAX);
     if (layout->form == GLOVE_WORDS)
         return WORDS_HEAD + 2 * (size_t)layout->sensor_count + WORDS_TAIL;
     return 1 + (size_t)layout->sensor_count + (layout->has_time ? TIME_BYTES : 0) +
@@ -78,7 +80,7 @@ static void drop_garbage(glove_parse *self, size_t size)
 static uint32_t take_lost(glove_parse *self, size_t harmless)
 {
     size_t size = glove_layout_size(&self->layout);
-    size_t lost = (self->garbage + size / 2) / size;
+    size_t lost = size > 0 ? (self->garbage + size / 2) / size : 0;
     if (lost == 0 && self->garbage > harmless)
         lost = 1;
     if (!self->has_record)
