@@ -19,8 +19,8 @@ bool edit_is_warp(const take_warp_point *warp, uint32_t count, int64_t limit_ns)
         if (i == 0)
             continue;
         int64_t at_ns = p->at_ns - p[-1].at_ns, source_ns = p->source_ns - p[-1].source_ns;
-        if (at_ns <= 0 || source_ns <= 0 || source_ns / SPEED_MAX > at_ns ||
-            at_ns / SPEED_MAX > source_ns)
+        if (at_ns <= 0 || source_ns <= 0 || source_ns > at_ns * SPEED_MAX ||
+            at_ns > source_ns * SPEED_MAX)
             return false;
     }
     return count >= 1 && count <= EDIT_WARP_MAX;

@@ -179,7 +179,7 @@ static void describe_layer(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(out, EDIT_TEXT, "%.66s owns %.80s", name.text, patterns(e).text);
         break;
     default:
-        (void)snprintf(out, EDIT_TEXT, "remove layer %s", name.text);
+        (void)snprintf(out, EDIT_TEXT, "remove %s", name.text);
         break;
     }
 }
