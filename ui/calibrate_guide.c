@@ -167,6 +167,8 @@ static mrt_result follow_keys(guiding *self, error *err)
         guide_step step = guide_current(self->guide);
         if (key == '\n' && step == GUIDE_STEPS) {
             self->is_saved = true;
+        } else if (key == '\n' && self->screen.is_away) {
+            calibrate_screen_news(&self->screen, "not taken: the glove is away");
         } else if (key == '\n') {
             result = follow_news(self, guide_next(self->guide), step, err);
         } else if (key == 's') {
@@ -185,6 +187,10 @@ static mrt_result follow_keys(guiding *self, error *err)
 
 static mrt_result follow_sample(guiding *self, const mrt_sample *sample, error *err)
 {
+    if (input_version(self->input) != 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: has other sensors than at the beginning: begin again",
+                         input_name(self->input));
     for (int i = 0; i < MRT_ANGLES; ++i)
         if (self->channel_of[i] >= 0 && (uint32_t)self->channel_of[i] < sample->count)
             self->raw[i] = sample->value[self->channel_of[i]];
@@ -276,8 +282,7 @@ static mrt_result guide_person(guiding *self, error *err)
     while (result >= 0 && !is_done(self)) {
         result = follow_keys(self, err);
         if (result >= 0 && (self->is_quit || stop_asked))
-            result = error_set(err, MRT_ERR_ARGUMENT, "given up in step %d of %d; nothing is kept",
-                               (int)guide_current(self->guide) + 1, GUIDE_STEPS);
+            result = error_set(err, MRT_ERR_ARGUMENT, "given up; nothing is written");
         if (result >= 0 && !is_done(self))
             result = follow_glove(self, err);
     }
