@@ -87,11 +87,17 @@ static double within(double value, double low, double high)
     return value < high ? value : high;
 }
 
+/* A glove's period has two words: nothing slower than once a second. */
+static double rate_of(double hz)
+{
+    return hz > 0 ? within(hz, 1.0, 400.0) : 0.0;
+}
+
 static glove_wish wish_of(const double *params)
 {
     return (glove_wish){
         .baud = bauds[choice(params, PARAM_BAUD, (int)(sizeof bauds / sizeof *bauds) - 1)],
-        .rate_hz = within(params[PARAM_RATE], 0.0, 400.0),
+        .rate_hz = rate_of(params[PARAM_RATE]),
         .mode = choice(params, PARAM_MODE, GLOVE_MODE_POLLED),
         .form = choice(params, PARAM_STREAM, 1) ? GLOVE_WORDS : GLOVE_BYTES,
         .stamps = choice(params, PARAM_STAMPS, GLOVE_STAMPS_OFF),
@@ -324,8 +330,9 @@ static const char *const filter_label[] = {"as it is", "off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_BAUD] = {1, MRT_PARAM_STEPPED, "baud", "Line", "",
                     "The line's speed: old boxes are often set to 38400", 0, 5, 0, baud_label},
-    [PARAM_RATE] = {2, 0, "rate", "Glove", "Hz", "How often the glove measures; 0 is its own rate",
-                    0, 400, 150, NULL},
+    [PARAM_RATE] = {2, 0, "rate", "Glove", "Hz",
+                    "How often the glove measures, 1 and more; 0 is its own rate", 0, 400, 150,
+                    NULL},
     [PARAM_MODE] = {3, MRT_PARAM_STEPPED, "mode", "Glove", "",
                     "Whether it streams or is asked for each record", 0, 2, 0, mode_label},
     [PARAM_STREAM] = {4, MRT_PARAM_STEPPED, "stream", "Glove", "",

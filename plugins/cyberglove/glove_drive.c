@@ -264,13 +264,11 @@ static mrt_result ask(glove_drive *self, int64_t now_ns)
 
 /* ---- reading ---- */
 
-/* The deadline in the time of the port; a host's clock that stands still must not make a spin. */
+/* The deadline in the time of the port. */
 static int64_t port_deadline_ns(const glove_drive *self, int64_t deadline_ns)
 {
     int64_t now_ns = self->host->now_ns(self->host);
     int64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
-    if (deadline_ns > 0 && now_ns < 0)
-        left_ns = 0;
     return glove_port_now_ns() + (left_ns < 60 * NS_PER_S ? left_ns : 60 * NS_PER_S);
 }
 

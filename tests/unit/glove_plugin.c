@@ -280,6 +280,45 @@ static void the_switch_is_the_pedal_that_was_chosen_and_goes_up_when_the_glove_g
     assert_int_equal(read_within(b, 50 * MS, &sample), MRT_ERR_IO);
 }
 
+static void words_are_counts_with_fractions(void **state)
+{
+    bench *b = *state;
+    b->params[STREAM] = 1;
+    assert_opens(b);
+    uint32_t count;
+    const mrt_channel *channel = b->input->channels(b->plugin, &count);
+    assert_int_equal(count, 22);
+    mrt_sample sample;
+    assert_reads(b, &sample);
+    for (uint32_t i = 0; i < count; ++i) {
+        assert_float_equal(sample.value[i], (float)(1001 + i) / 16.0f, 1e-6f);
+        assert_true(channel[i].min <= sample.value[i] && sample.value[i] <= channel[i].max);
+    }
+}
+
+static void a_wireless_glove_is_read_over_tcp_and_its_loss_is_noticed(void **state)
+{
+    bench *b = *state;
+    char address[96];
+    b->talker.hang_up_after = 40;
+    talker_start_tcp(&b->talker);
+    b->has_talker = true;
+    snprintf(address, sizeof address, "tcp:%s", b->talker.path);
+    if (b->input->open(b->plugin, address, b->params) != MRT_OK)
+        fail_msg("%s", b->last_error);
+    mrt_device device;
+    assert_true(b->devices->current(b->plugin, &device));
+    assert_string_equal(device.address, address);
+    mrt_sample sample;
+    mrt_result result = MRT_OK;
+    int read_count = 0;
+    for (; result >= 0; ++read_count)
+        result = read_within(b, 50 * MS, &sample);
+    assert_int_equal(result, MRT_ERR_IO);
+    assert_true(read_count > 20);
+    assert_error_says(b, "unplugged");
+}
+
 /* ---- what is no glove, or no longer one ---- */
 
 static void a_device_that_is_no_glove_is_named_by_what_it_says(void **state)
@@ -465,6 +504,8 @@ int main(void)
         TEST(a_status_byte_that_nobody_asked_for_is_understood),
         TEST(a_slow_rate_that_is_refused_is_polled),
         TEST(the_switch_is_the_pedal_that_was_chosen_and_goes_up_when_the_glove_goes),
+        TEST(words_are_counts_with_fractions),
+        TEST(a_wireless_glove_is_read_over_tcp_and_its_loss_is_noticed),
         TEST(a_device_that_is_no_glove_is_named_by_what_it_says),
         TEST(a_silent_device_is_given_up_in_time),
         TEST(a_glove_that_goes_while_it_is_asked_is_said_to_have_gone),

@@ -2,6 +2,7 @@
  * plugin's tests want; tests/device has the emulator. */
 #ifndef GLOVE_TALKER_H
 #define GLOVE_TALKER_H
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -34,7 +36,8 @@ typedef struct talker {
     _Atomic uint32_t hang_up_after, silent_after; /* records; 0: never */
     _Atomic unsigned char status;
     /* its state */
-    bool streams, has_time, has_status;
+    bool streams, streams_words, has_time, has_status;
+    int listener; /* over TCP, else -1 */
     _Atomic uint32_t sent, asked_polled;
     uint32_t restarts;
 } talker;
@@ -74,6 +77,21 @@ static void talker_record(talker *self, char head)
         record[size++] = self->status;
     record[size++] = 0;
     talker_put(self, record, size);
+    self->sent += 1;
+}
+
+/* Of the stream of words: 1001, 1002 ... */
+static void talker_words(talker *self)
+{
+    unsigned char frame[14 + 2 * 22 + 3];
+    memcpy(frame, "10:59:07:29:3S", 14);
+    size_t size = 14;
+    for (uint32_t i = 0; i < self->sensors; ++i) {
+        frame[size++] = (unsigned char)((1001 + i) >> 8);
+        frame[size++] = (unsigned char)(1001 + i);
+    }
+    memcpy(frame + size, "\r\n", 3);
+    talker_put(self, frame, size + 3);
     self->sent += 1;
 }
 
@@ -155,6 +173,11 @@ static size_t talker_command(talker *self, const char *c, size_t count)
     case 'S':
         self->streams = true;
         return 1;
+    case '1':
+        if (count < 2)
+            return 0;
+        self->streams = self->streams_words = c[1] == 'S';
+        return c[1] == 'S' ? 2 : count < 3 ? 0 : 3; /* "1S", "1eu" */
     case 'G':
         self->asked_polled += 1;
         talker_record(self, 'G');
@@ -190,6 +213,8 @@ static size_t talker_obey(talker *self, char *bytes, size_t count)
 static void *talker_thread(void *data)
 {
     talker *self = data;
+    if (self->listener >= 0)
+        self->master = accept(self->listener, NULL, NULL);
     char bytes[256];
     size_t count = 0;
     while (!self->stopping) {
@@ -203,7 +228,7 @@ static void *talker_thread(void *data)
             nanosleep(&period, NULL);
         } else if (ready == 0 && self->streams &&
                    !(self->silent_after && self->sent >= self->silent_after)) {
-            talker_record(self, 'S');
+            self->streams_words ? talker_words(self) : talker_record(self, 'S');
         }
         if (self->hang_up_after && self->sent >= self->hang_up_after)
             break;
@@ -214,6 +239,7 @@ static void *talker_thread(void *data)
 
 static void talker_start(talker *self)
 {
+    self->listener = -1;
     assert_int_equal(openpty(&self->master, &self->slave, self->path, NULL, NULL), 0);
     struct termios raw;
     assert_int_equal(tcgetattr(self->slave, &raw), 0);
@@ -225,12 +251,33 @@ static void talker_start(talker *self)
     assert_int_equal(pthread_create(&self->thread, NULL, talker_thread, self), 0);
 }
 
+/* At 127.0.0.1, for one client; path becomes "127.0.0.1:PORT". */
+__attribute__((unused)) static void talker_start_tcp(talker *self)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t size = sizeof at;
+    self->slave = -1;
+    self->listener = socket(AF_INET, SOCK_STREAM, 0);
+    assert_true(self->listener >= 0);
+    assert_int_equal(bind(self->listener, (const struct sockaddr *)&at, sizeof at), 0);
+    assert_int_equal(listen(self->listener, 1), 0);
+    assert_int_equal(getsockname(self->listener, (struct sockaddr *)&at, &size), 0);
+    snprintf(self->path, sizeof self->path, "127.0.0.1:%d", (int)ntohs(at.sin_port));
+    self->period_ms = 3;
+    self->status = 0x81;
+    assert_int_equal(pthread_create(&self->thread, NULL, talker_thread, self), 0);
+}
+
 static void talker_stop(talker *self)
 {
     self->stopping = true;
+    if (self->listener >= 0)
+        shutdown(self->listener, SHUT_RDWR);
     pthread_join(self->thread, NULL);
     if (self->slave >= 0)
         close(self->slave);
+    if (self->listener >= 0)
+        close(self->listener);
 }
 
 #endif
