@@ -30,7 +30,7 @@ static bool is_foot_axis(const descriptor_field *field)
             field->usage == SIMULATION_CLUTCH);
 }
 
-static bool is_axis(const descriptor_field *field)
+bool describe_is_axis(const descriptor_field *field)
 {
     if (field->is_array || field->is_relative || field->width < 4)
         return false;
@@ -91,7 +91,8 @@ static void add_axes(layout *out, const descriptor *from, bool has_foot_axes)
     uint32_t passed = 0;
     for (uint32_t i = 0; i < from->field_count; ++i) {
         const descriptor_field *field = &from->field[i];
-        if (has_foot_axes ? is_foot_axis(field) : is_axis(field) && passed++ >= out->axis_skip)
+        if (has_foot_axes ? is_foot_axis(field)
+                          : describe_is_axis(field) && passed++ >= out->axis_skip)
             add_switch(out, field);
     }
 }
@@ -140,5 +141,5 @@ bool describe_may_be_pedal(const descriptor *from)
         if (is_of_mouse || field->page == PAGE_KEYBOARD)
             return false;
     }
-    return has_any(from, is_button) || has_any(from, is_axis);
+    return has_any(from, is_button) || has_any(from, describe_is_axis);
 }

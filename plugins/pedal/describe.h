@@ -14,6 +14,9 @@ bool describe_switches(layout *out, const descriptor *from);
  */
 bool describe_keys(layout *out, const descriptor *from);
 
+/* A number that a foot moves smoothly, rather than switches. */
+bool describe_is_axis(const descriptor_field *field);
+
 /* True: a joystick or something with buttons, but neither keyboard nor mouse. */
 bool describe_may_be_pedal(const descriptor *from);
 

@@ -29,10 +29,24 @@ static void watch(learn *self, const descriptor_field *place)
         self->field[self->field_count++].place = *place;
 }
 
-static void watch_bits(learn *self)
+static void watch_bits(learn *self, uint8_t report_id, uint32_t first, uint32_t count)
 {
-    for (uint32_t bit = 0; bit < LEARN_REPORT * 8; ++bit)
-        watch(self, &(descriptor_field){.bit = (uint16_t)bit, .width = 1, .count = 1, .high = 1});
+    for (uint32_t bit = first; bit < first + count; ++bit)
+        watch(self,
+              &(descriptor_field){
+                  .report_id = report_id, .bit = (uint16_t)bit, .width = 1, .count = 1, .high = 1});
+}
+
+/* Axes as they are; of all else every bit may be a switch, whatever number they make together. */
+static void watch_fields(learn *self, const descriptor *fields)
+{
+    for (uint32_t i = 0; i < fields->field_count; ++i) {
+        const descriptor_field *field = &fields->field[i];
+        if (describe_is_axis(field))
+            watch(self, field);
+        else if (!field->is_array && !field->is_relative)
+            watch_bits(self, field->report_id, field->bit, field->width);
+    }
 }
 
 void learn_start(learn *self, const layout *of, const descriptor *fields, int64_t now_ns)
@@ -46,11 +60,9 @@ void learn_start(learn *self, const layout *of, const descriptor *fields, int64_
     memcpy(self->found.name, of->name, sizeof self->found.name);
     if (fields && fields->field_count > 0) {
         (void)describe_keys(&self->found, fields); /* found.key_count says whether it has any */
-        for (uint32_t i = 0; i < fields->field_count; ++i)
-            if (!fields->field[i].is_array && !fields->field[i].is_relative)
-                watch(self, &fields->field[i]);
+        watch_fields(self, fields);
     } else {
-        watch_bits(self);
+        watch_bits(self, 0, 0, LEARN_REPORT * 8);
     }
     enter(self, LEARN_REST, now_ns + rest_ns);
 }
