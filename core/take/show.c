@@ -132,7 +132,8 @@ static mrt_result configure(sqlite *db, error *err)
     return sqlite_run(db,
                       "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
                       "PRAGMA secure_delete = OFF; PRAGMA cell_size_check = ON;"
-                      "PRAGMA wal_autocheckpoint = 1000; PRAGMA cache_size = -8000",
+                      "PRAGMA wal_autocheckpoint = 4000; PRAGMA journal_size_limit = 1048576;"
+                      "PRAGMA cache_size = -8000",
                       err);
 }
 
