@@ -188,7 +188,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     performance *self = data;
     char text[64];
     news_print(self->log);
-    perform_hands_keys(self->performer, &stop_asked);
+    perform_hands_keys(self->performer, &stop_asked, &self->progress);
     snprintf(text, sizeof text, "%.1f s", time_s);
     progress_show(&self->progress,
                   self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);

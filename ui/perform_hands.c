@@ -168,9 +168,10 @@ static void rezero(performer *p)
     }
 }
 
-void perform_hands_keys(performer *p, _Atomic bool *stop)
+void perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown)
 {
     for (char key = keys_next(); key; key = keys_next()) {
+        progress_end(shown);
         if (key == 'z')
             rezero(p);
         else if (key == 'q')

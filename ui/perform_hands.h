@@ -5,6 +5,7 @@
 #include "facts.h"
 #include "hand/calibration_file.h"
 #include "perform_options.h"
+#include "progress.h"
 #include "stage/player.h"
 
 typedef struct perform_hands {
@@ -26,6 +27,6 @@ const hand_calibration *perform_hands_calibration(const perform_hands *self, uin
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told);
 
 /* Takes the keys that were pressed: z re-zeroes the hands, q sets *stop. Says what it did. */
-void perform_hands_keys(performer *p, _Atomic bool *stop);
+void perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
 
 #endif
