@@ -88,7 +88,7 @@ static osc_source *place_of_source(osc_desk *self, const char *name)
     if (!found)
         return NULL;
     memset(found, 0, sizeof *found);
-    strcpy(found->name, name);
+    snprintf(found->name, sizeof found->name, "%s", name);
     return found;
 }
 

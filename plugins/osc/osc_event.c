@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Two turns, in either direction: more is no joint, but degrees taken for radians. */
@@ -147,7 +148,7 @@ static osc_fault read_source(osc_event *out, const osc_message *message)
         return refuse(out, OSC_FAULT_TYPES, "expected a source's name and a version");
     if (source[0] == '\0' || !osc_table_is_text(source, OSC_SOURCE_LENGTH))
         return refuse(out, OSC_FAULT_VALUE, "expected a source's name of 1 to 95 letters");
-    strcpy(out->source, source);
+    snprintf(out->source, sizeof out->source, "%s", source);
     return OSC_FAULT_NONE;
 }
 

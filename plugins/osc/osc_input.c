@@ -92,7 +92,7 @@ static mrt_result start_listening(osc_input *self, const osc_place *place, const
     stop_listening(self);
     self->is_lost = false;
     self->place = *place;
-    self->port = osc_port_open(place, reason);
+    self->port = osc_port_open(place, self->host, reason);
     if (!self->port) {
         say(self, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
@@ -332,7 +332,7 @@ static mrt_result lose(osc_input *self, const char *why)
 {
     char bound[OSC_SOURCE_LENGTH];
     osc_port_leave(self->port, &self->listener);
-    strcpy(bound, self->listener.bound);
+    snprintf(bound, sizeof bound, "%s", self->listener.bound);
     osc_listener_rearm(&self->listener);
     osc_port_join(self->port, &self->listener);
     say(self, MRT_LOG_WARNING, "port %u%s%s: %s", (unsigned)self->place.port, bound[0] ? ": " : "",

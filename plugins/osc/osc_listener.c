@@ -214,7 +214,7 @@ void osc_listener_take_table(osc_listener *self, const osc_source *source)
         osc_table_copy(&self->table, &source->table);
     self->has_other_channels =
         !osc_table_has(&self->table, source->table.channel, source->table.count);
-    strcpy(self->bound, source->name);
+    snprintf(self->bound, sizeof self->bound, "%s", source->name);
     hear(self, source->heard_ns);
 }
 

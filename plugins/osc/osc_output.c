@@ -2,6 +2,7 @@
 #include "osc_clock.h"
 #include "osc_socket.h"
 #include "osc_table.h"
+#include "trace.h"
 
 #include <errno.h>
 #include <math.h>
@@ -25,6 +26,7 @@ struct osc_output {
     const mrt_host *host;
     bool is_open;
     int socket;
+    trace trace;
     osc_place place;
     int64_t host_offset_ns; /* host clock less ours */
     pthread_t thread;
@@ -64,6 +66,7 @@ static const char *advice_for_send(int error)
 
 static void send_packet(osc_output *self, size_t size)
 {
+    trace_sent(&self->trace, osc_clock_ns(), self->packet, size);
     int error = size > 0 ? osc_socket_send(self->socket, self->packet, size) : ENOMEM;
     if (error == 0)
         return;
@@ -161,8 +164,10 @@ mrt_result osc_output_open(osc_output *self, const char *address)
     self->failed_count = 0;
     self->has_said_failure = self->has_said_source = false;
     self->host_offset_ns = osc_clock_host_offset_ns(self->host);
+    trace_open(&self->trace, self->host, "osc");
     mrt_result result = start_thread(self);
     if (result < 0) {
+        trace_close(&self->trace);
         osc_socket_close(self->socket);
         return result;
     }
@@ -194,6 +199,7 @@ void osc_output_close(osc_output *self)
             self->place.host, (unsigned)self->place.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
+    trace_close(&self->trace);
     osc_socket_close(self->socket);
 }
 

@@ -30,7 +30,7 @@ static bool parse_host(char *out, const char *text, size_t length)
     memcpy(out, text, length);
     out[length] = '\0';
     if (strcmp(out, "localhost") == 0)
-        strcpy(out, "127.0.0.1");
+        snprintf(out, OSC_HOST_LENGTH, "127.0.0.1");
     return osc_table_is_text(out, OSC_HOST_LENGTH);
 }
 
@@ -55,7 +55,7 @@ bool osc_place_parse(osc_place *out, const char *address)
         out->has_source = true;
         if (!osc_table_is_text(end + 1, OSC_SOURCE_LENGTH))
             return false;
-        strcpy(out->source, end + 1);
+        snprintf(out->source, sizeof out->source, "%s", end + 1);
     }
     if (end == address)
         return true;

@@ -1,5 +1,6 @@
 #include "osc_port.h"
 #include "osc_clock.h"
+#include "trace.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -16,6 +17,7 @@ struct osc_port {
     pthread_cond_t changed; /* a packet was taken, or nobody receives any more */
     bool is_receiving;      /* somebody waits at the socket, without the mutex */
     osc_desk desk;
+    trace trace;
     unsigned char packet[OSC_PACKET_MAX]; /* of who receives */
 };
 
@@ -32,7 +34,7 @@ static osc_port *find_port(const osc_place *place)
     return NULL;
 }
 
-static osc_port *make_port(const osc_place *place, char *out_reason)
+static osc_port *make_port(const osc_place *place, const mrt_host *host, char *out_reason)
 {
     osc_port *self = calloc(1, sizeof *self);
     if (!self) {
@@ -46,6 +48,7 @@ static osc_port *make_port(const osc_place *place, char *out_reason)
         return NULL;
     }
     osc_desk_start(&self->desk);
+    trace_open(&self->trace, host, "osc");
     pthread_mutex_init(&self->mutex, NULL);
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
@@ -55,12 +58,12 @@ static osc_port *make_port(const osc_place *place, char *out_reason)
     return self;
 }
 
-osc_port *osc_port_open(const osc_place *place, char *out_reason)
+osc_port *osc_port_open(const osc_place *place, const mrt_host *host, char *out_reason)
 {
     pthread_mutex_lock(&ports_mutex);
     osc_port *found = find_port(place);
     if (!found) {
-        found = make_port(place, out_reason);
+        found = make_port(place, host, out_reason);
         if (found) {
             found->next = ports;
             ports = found;
@@ -93,6 +96,7 @@ void osc_port_close(osc_port *port)
     if (!is_last)
         return;
     osc_socket_close(port->socket);
+    trace_close(&port->trace);
     pthread_cond_destroy(&port->changed);
     pthread_mutex_destroy(&port->mutex);
     free(port);
@@ -135,8 +139,10 @@ static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
     int64_t now_ns = osc_clock_ns();
     osc_port_lock(self);
     self->is_receiving = false;
-    if (size > 0)
+    if (size > 0) {
+        trace_received(&self->trace, now_ns, self->packet, (size_t)size);
         osc_desk_take(&self->desk, self->packet, (size_t)size, &peer, now_ns, host);
+    }
     pthread_cond_broadcast(&self->changed);
     return size != OSC_SOCKET_FAILED;
 }

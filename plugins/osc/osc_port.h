@@ -14,8 +14,9 @@ typedef struct osc_port osc_port;
 /* The socket waits in whole ms: less is not waited for. */
 enum { OSC_PORT_WAIT_LEAST_NS = 1000000 };
 
-/* The port at this place, opened by the first who asks. NULL: out_reason (OSC_REASON) says why. */
-osc_port *osc_port_open(const osc_place *place, char *out_reason);
+/* The port at this place, opened by the first who asks. NULL: out_reason (OSC_REASON) says why.
+ * With MAROTTE_TRACE (trace.h) what comes in is written down; `host` is told if that cannot be. */
+osc_port *osc_port_open(const osc_place *place, const mrt_host *host, char *out_reason);
 /* The last one closes the socket. NULL is fine. */
 void osc_port_close(osc_port *port);
 
@@ -34,7 +35,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
 
 /* Who forwards to this port now. */
 void osc_port_name_sources(osc_port *port, char *out, size_t capacity);
-/* "3 late, 1 twice, 12 faulty" since the port is open; "" when there is nothing to tell. */
+/* What was dropped since the port is open, for the log; "" when nothing worth a word was. */
 void osc_port_summary(osc_port *port, char *out, size_t capacity);
 
 #endif

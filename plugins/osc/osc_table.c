@@ -2,6 +2,7 @@
 #include "osc_wire.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 bool osc_table_is_text(const char *text, size_t capacity)
@@ -40,13 +41,13 @@ bool osc_table_set(osc_table *out, const char *source, int32_t version, const mr
         if (!is_channel(&channels[i]))
             return false;
     memset(out, 0, sizeof *out);
-    strcpy(out->source, source);
+    snprintf(out->source, sizeof out->source, "%s", source);
     out->version = version;
     out->count = count;
     for (uint32_t i = 0; i < count; ++i) {
         out->channel[i] = channels[i];
-        strcpy(out->name[i], channels[i].name);
-        strcpy(out->unit[i], channels[i].unit);
+        snprintf(out->name[i], OSC_NAME_LENGTH, "%s", channels[i].name);
+        snprintf(out->unit[i], OSC_UNIT_LENGTH, "%s", channels[i].unit);
     }
     point_to_own_texts(out);
     return true;
