@@ -55,8 +55,8 @@ struct input {
 /* [main] before the thread starts, then the reading thread: opens the plugin and takes its channels
  * over as the newest version. */
 CHECKED mrt_result input_run_open(input *self, error *err);
-/* The thread. */
-void *input_run(void *self);
+/* The thread; data: the input. */
+void *input_run(void *data);
 /* [frame] Virtual clock: reads until there is a sample or the input is over; false: it is over. */
 bool input_run_virtual(input *self, input_record *out);
 
