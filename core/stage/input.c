@@ -99,6 +99,11 @@ const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32
     return table->channel;
 }
 
+const mrt_plugin_type *input_type(const input *self)
+{
+    return self->plugin.type;
+}
+
 const mrt_channel *input_channels(const input *self, uint32_t *out_count)
 {
     return input_channels_of(self, atomic_load(&self->version), out_count);

@@ -26,7 +26,8 @@ struct source {
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
-    take_event *event; /* of the whole performance, by time */
+    double length_mm[2]; /* of the hands, by their calibrations; 0: not said */
+    take_event *event;   /* of the whole performance, by time */
     size_t event_count, next_event;
     int64_t now_ns;
     bool is_same_plugin; /* stored states are of this very library */
@@ -94,7 +95,7 @@ static void set_first_params(source *self)
 
 /* ---- tracks ---- */
 
-static mrt_result calibrate(track *t, const take_track *as, error *err)
+static mrt_result calibrate(source *self, track *t, const take_track *as, error *err)
 {
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         calibration_file file;
@@ -107,6 +108,7 @@ static mrt_result calibrate(track *t, const take_track *as, error *err)
         if (result < 0)
             return result;
         calibration_file_use(&file, &used);
+        self->length_mm[side] = file.hand_length_mm;
         calibration_file_finish(&file);
         channel_route_calibrate(&t->route, side, &used);
     }
@@ -125,7 +127,7 @@ static mrt_result open_track(source *self, track *t, error *err)
         channel[i] = (mrt_channel){c->name, c->unit, c->semantic, c->hand, c->min, c->max};
     }
     channel_route_init(&t->route, channel, info.track.channel_count);
-    result = calibrate(t, &info.track, err);
+    result = calibrate(self, t, &info.track, err);
     show_track_finish(&info);
     if (result < 0)
         return result;
@@ -188,14 +190,17 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     if (result < 0)
         goto fail;
     set_first_params(self);
-    layer_settings settings = {.hands.rezero_pedal = self->info.performance.rezero_pedal};
+    result = open_tracks(self, err);
+    if (result < 0)
+        goto fail;
+    const take_performance *p = &self->info.performance;
+    layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal};
     for (int side = 0; side < 2; ++side)
-        settings.hands.length_mm[side] = self->info.performance.hand_length_mm;
+        settings.hands.length_mm[side] =
+            p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
     settings.reach_mm = composer_reach_mm(world->scratch, &settings.centre);
     result =
         layer_create(&self->layer, &self->mapping, composer_about(world->scratch), &settings, err);
-    if (result >= 0)
-        result = open_tracks(self, err);
     if (result >= 0)
         result = read_events(self, err);
     if (result < 0)

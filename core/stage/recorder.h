@@ -1,0 +1,60 @@
+/* stage/recorder.h - a performance into a show while it happens: its inputs as tracks, its mapping
+ * and parameters as a performance, its samples before anything looks at them, and now and then a
+ * state from which it can be taken up again. Leaves out how bytes reach the disk (take/writer.h)
+ * and who drives it (player.h: its callbacks are the functions marked [frame]). [main] unless
+ * marked; [frame] is the one thread that performs. */
+#ifndef MAROTTE_STAGE_RECORDER_H
+#define MAROTTE_STAGE_RECORDER_H
+#include "stage/input.h"
+#include "stage/performer.h"
+#include "stage/plugins.h"
+#include "take/writer.h"
+
+typedef struct recorder recorder;
+
+typedef struct recorder_settings {
+    show *show; /* writable; outlives it */
+    const plugin_list *plugins;
+    log_queue *log;
+    instance_clock
+        clock;          /* of the inputs; virtual: it waits for the writer, never loses a sample */
+    int64_t journal_ns; /* 0: 30 min */
+    /* what is performed */
+    input *const *inputs;
+    const char *const *input_text; /* as they were opened: "log:demo.csv,end=8" */
+    uint32_t input_count;
+    const char *calibration[2]; /* left, right: JSON; NULL: none */
+    performer *performer;       /* with its mapping, parameters set */
+    const char *face_path;
+    const face_file *face;
+    double unit_mm;        /* of a mesh alone; 0: guessed */
+    double hand_length_mm; /* of both hands; 0: as their calibrations say */
+    uint32_t rezero_pedal;
+} recorder_settings;
+
+/* Starts a session: from here on everything is recorded, as far back as the journal goes. */
+CHECKED mrt_result recorder_start(recorder **out, const recorder_settings *settings, error *err);
+/* Writes what is left. < 0: what could not be written; it is freed all the same. */
+CHECKED mrt_result recorder_stop(recorder *self, error *err);
+
+/* A take from the next sample on. */
+void recorder_take_next(recorder *self, const writer_slate *slate);
+/* Ends the take behind the last sample. */
+CHECKED mrt_result recorder_take_end(recorder *self, error *err);
+/* Of what was performed in the last `seconds`. */
+CHECKED mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *slate,
+                                 int64_t *out_take, error *err);
+int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
+/* The first thing that went wrong since the start, in one line; "" nothing did. */
+const char *recorder_problem(const recorder *self);
+writer *recorder_writer(recorder *self); /* for marks, sound and its status */
+
+/* [frame] Before a sample of an input is performed, and after. */
+void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample);
+void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample);
+/* [frame] Before the next sample: a re-zero was asked for and granted. */
+void recorder_rezero(recorder *self, uint32_t side);
+/* [frame] A device went or came. */
+void recorder_incident(recorder *self, uint32_t from, const input_incident *what);
+
+#endif
