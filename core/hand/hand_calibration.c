@@ -71,8 +71,8 @@ static double middle_raw(const hand_table *table)
     return count == 0 ? 0.0 : 0.5 * ((double)table->raw[0] + (double)table->raw[count - 1]);
 }
 
-/* As VirtualHand does for gloves of 18 sensors (hardware.md 2.2); 90 degrees give 30. A middle joint
- * bent backwards, on the parabola's other branch, bends no end joint. */
+/* As VirtualHand does for gloves of 18 sensors (hardware.md 2.2); 90 degrees give 30. A middle
+ * joint bent backwards, on the parabola's other branch, bends no end joint. */
 float hand_distal_from_middle(float middle_rad)
 {
     double middle = fmax((double)middle_rad, 0.0);
