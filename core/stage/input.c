@@ -99,7 +99,7 @@ const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32
     return table->channel;
 }
 
-const mrt_plugin_type *input_type(const input *self)
+const mrt_plugin_type *input_plugin(const input *self)
 {
     return self->plugin.type;
 }

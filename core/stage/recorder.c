@@ -145,7 +145,7 @@ static mrt_result add_track(recorder *self, uint32_t i, uint32_t version, error 
     describe_channels(&track, channel, count);
     track.input = copy_text(s->input_text[i]);
     track.device = copy_text(input_name(s->inputs[i]));
-    track.plugin = describe_plugin(s->plugins, input_type(s->inputs[i]));
+    track.plugin = describe_plugin(s->plugins, input_plugin(s->inputs[i]));
     mrt_result result = MRT_OK;
     if (!track.input || !track.device || !track.plugin)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
