@@ -10,8 +10,10 @@ bool decode_number(const uint8_t *bytes, size_t size, uint32_t bit, uint32_t wid
     if (width < 1 || width > 32 || (uint64_t)bit + width > (uint64_t)size * 8)
         return false;
     uint64_t number = 0;
-    for (uint32_t i = 0; i < width; ++i)
-        number |= (uint64_t)(bytes[(bit + i) / 8] >> ((bit + i) % 8) & 1u) << i;
+    for (uint32_t i = 0; i < width; ++i) {
+        uint64_t byte = bytes[(bit + i) / 8];
+        number |= (byte >> ((bit + i) % 8) & 1u) << i;
+    }
     *out = (int64_t)number;
     if (is_signed && (number >> (width - 1) & 1u))
         *out -= (int64_t)1 << width;
