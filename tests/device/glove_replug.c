@@ -18,14 +18,13 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { REPLUGS = 100, WARM_UP = 5, PATIENCE_S = 5, SAMPLES_PER_LIFE = 10 };
+enum { REPLUGS = 100, WARM_UP = 5, RESIDENT_MAX_KB = 4096, PATIENCE_S = 5, SAMPLES_PER_LIFE = 10 };
 
 #define PUPPET SOURCE_DIR "/rigs/puppet/puppet.rig.json"
 
 /* The sweep moves a sensor by at most 0.63 counts a millisecond, 4.2 a record, and a count is at
  * most 0.02 rad. A way of up to 3 rad is eased over 250 ms, at most 1.5 times as fast as evenly. */
 static const double STEP_MAX_RAD = 4.2 * 0.02 + 3.0 * 1.5 * 6.7 / 250.0 + 0.02;
-static const long RESIDENT_MAX_KB = 4096;       /* that 95 replugs may add */
 static const int64_t away_ns = 260 * NS_PER_MS; /* a shorter gap is none to ease over */
 
 typedef struct seen {
@@ -92,7 +91,7 @@ static void *perform(void *data)
 {
     performance *self = data;
     player_settings settings = {.fps = 60, .clock = CLOCK_REAL, .stop = &self->stop};
-    player_events events = {see_frame, see_incident, &self->seen};
+    player_events events = {.frame = see_frame, .incident = see_incident, .data = &self->seen};
     self->result = player_run(self->stage.performer, &self->stage.input, 1, &settings, &events,
                               &self->report, &self->err);
     return NULL;
@@ -201,6 +200,7 @@ static void a_glove_comes_back_100_times(void **state)
     assert_int_equal(p.report.refused, 0);
     assert_int_equal(performer_counted(p.stage.performer)->bad_pulls, 0);
     assert_int_equal(files_after, files);
+/* What 95 replugs may add. */
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* they keep what was freed */
     assert_true(resident_after - resident < RESIDENT_MAX_KB);
 #endif

@@ -93,7 +93,7 @@ static int by_size(const void *a, const void *b)
 glove_spread glove_spread_of(double *value, size_t count)
 {
     if (count == 0)
-        return (glove_spread){NAN, NAN, NAN, NAN, NAN, NAN};
+        return (glove_spread){0};
     qsort(value, count, sizeof *value, by_size);
     double sum = 0, squares = 0;
     for (size_t i = 0; i < count; ++i)

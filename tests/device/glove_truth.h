@@ -24,7 +24,7 @@ void glove_truth_finish(glove_truth *truth); /* accepts zeroed */
 /* NULL: it was not sent. */
 const glove_truth_row *glove_truth_find(const glove_truth *truth, uint32_t number);
 
-/* Of `count` values, which are sorted: mean, standard deviation, quantiles. */
+/* Of `count` values, which are sorted: mean, standard deviation, quantiles; zeros for none. */
 typedef struct glove_spread {
     double mean, deviation, median, p99, least, greatest;
 } glove_spread;
