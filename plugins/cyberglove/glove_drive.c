@@ -8,6 +8,7 @@
 
 static const int64_t NS_PER_MS = 1000000, NS_PER_S = 1000000000;
 static const int64_t quiet_ms = 1000, stop_pause_ms = 50, poll_again_ms = 250;
+static const int64_t silence_ms = 25, silence_limit_ms = 100; /* a USB adapter may wait for 16 ms */
 /* Records that waited for us to begin are old: at most so many bytes of them are thrown away. */
 static const size_t stale_limit = 65536;
 /* A started record is waited for without looking for most of the time that its bytes take. */
@@ -52,13 +53,26 @@ void glove_drive_begin(glove_drive *self)
     self->good_ns = glove_port_now_ns();
 }
 
+/* The port's old settings may echo: what is still coming would go back to the glove as orders. */
+static void let_fall_silent(glove_drive *self)
+{
+    unsigned char ignored[256];
+    int64_t now_ns = glove_port_now_ns();
+    int64_t limit_ns = now_ns + silence_limit_ms * NS_PER_MS;
+    while (now_ns < limit_ns && glove_port_read(&self->port, ignored, sizeof ignored,
+                                                now_ns + silence_ms * NS_PER_MS) > 0)
+        now_ns = glove_port_now_ns();
+}
+
 void glove_drive_end(glove_drive *self)
 {
     const char stop = GLOVE_CTRL_C;
     if (self->port.file < 0)
         return;
-    if (glove_port_write(&self->port, &stop, 1))
+    if (glove_port_write(&self->port, &stop, 1)) {
         glove_port_drain(&self->port);
+        let_fall_silent(self);
+    }
     glove_port_close(&self->port);
 }
 

@@ -148,7 +148,9 @@ void glove_port_close(glove_port *self)
         return;
     if (self->baud > 0) {
         /* Bytes that nobody takes would hold up close() for half a minute. */
-        tcflush(self->file, TCIOFLUSH);
+        int waiting = 0;
+        bool is_stuck = ioctl(self->file, TIOCOUTQ, &waiting) == 0 && waiting > 0;
+        tcflush(self->file, is_stuck ? TCIOFLUSH : TCIFLUSH);
         if (self->has_before)
             tcsetattr(self->file, TCSANOW, &self->before);
         if (self->is_exclusive)

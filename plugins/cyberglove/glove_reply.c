@@ -51,25 +51,15 @@ glove_reply glove_reply_value(const unsigned char *bytes, size_t count, char let
     return GLOVE_SILENT;
 }
 
-static glove_reply find_word(const unsigned char *bytes, size_t count, unsigned char word,
-                             unsigned char other)
+glove_reply glove_reply_done(const unsigned char *bytes, size_t count, char letter)
 {
+    const unsigned char small = (unsigned char)(letter | 0x20), large = small & 0xDFu;
     for (size_t i = 0; i < count; ++i) {
         if (is_refusal(bytes, count, i))
             return GLOVE_REFUSED;
-        if ((bytes[i] == word || bytes[i] == other) && may_start(bytes, i) &&
+        if ((bytes[i] == small || bytes[i] == large) && may_start(bytes, i) &&
             ends_soon(bytes + i + 1, count - i - 1))
             return GLOVE_ANSWERED;
     }
     return GLOVE_SILENT;
-}
-
-glove_reply glove_reply_done(const unsigned char *bytes, size_t count, char letter)
-{
-    return find_word(bytes, count, (unsigned char)(letter | 0x20), (unsigned char)(letter & ~0x20));
-}
-
-glove_reply glove_reply_control(const unsigned char *bytes, size_t count, char control)
-{
-    return find_word(bytes, count, (unsigned char)control, (unsigned char)control);
 }

@@ -15,7 +15,5 @@ glove_reply glove_reply_value(const unsigned char *bytes, size_t count, char let
                               unsigned char *out_value, size_t value_size);
 /* The answer to an order: its letter, large or small, perhaps with text, and NUL. */
 glove_reply glove_reply_done(const unsigned char *bytes, size_t count, char letter);
-/* The answer to a control character: itself, perhaps with CR LF, and NUL. */
-glove_reply glove_reply_control(const unsigned char *bytes, size_t count, char control);
 
 #endif

@@ -74,7 +74,6 @@ static void answer_all(const uint8_t *bytes, size_t size)
     (void)glove_reply_value(bytes, size, 'G', value, 1);
     (void)glove_reply_value(bytes, size, 'T', value, 4);
     (void)glove_reply_done(bytes, size, 't');
-    (void)glove_reply_control(bytes, size, 0x12);
     glove_layout guess = {.head = 'S', .sensor_count = 22};
     if (glove_layout_guess(bytes, size, &guess))
         assert(guess.sensor_count == 18 || guess.sensor_count == 22);

@@ -404,6 +404,34 @@ static void a_silence_that_ends_when_it_is_asked_again_goes_on(void **state)
     assert_int_equal(b->log_count[MRT_LOG_ERROR], 0);
 }
 
+static void a_glove_that_is_stuck_is_restarted(void **state)
+{
+    bench *b = *state;
+    b->talker.habit = TALKER_STUCK;
+    assert_opens(b);
+    assert_int_equal(b->talker.restarts, 1);
+    mrt_sample sample;
+    assert_reads(b, &sample);
+}
+
+static void a_glove_out_of_its_box_is_lost_and_said(void **state)
+{
+    bench *b = *state;
+    assert_opens(b);
+    mrt_sample sample;
+    assert_reads(b, &sample);
+    b->talker.is_out_of_box = true;
+    mrt_result result = MRT_OK;
+    int read_count = 0;
+    for (int i = 0; i < 100 && result >= 0; ++i) {
+        result = read_within(b, 20 * MS, &sample);
+        read_count += result == MRT_OK;
+    }
+    assert_int_equal(result, MRT_ERR_IO);
+    assert_error_says(b, "not plugged into its box");
+    assert_true(read_count < 20); /* of before, and one of doubt */
+}
+
 /* ---- ports ---- */
 
 static void what_is_no_serial_port_is_refused(void **state)
@@ -468,6 +496,27 @@ static void it_can_be_opened_again_and_again(void **state)
     assert_int_equal(read_within(b, 0, &sample), MRT_END);
 }
 
+static void closing_stops_the_glove_and_gives_the_port_back_as_it_was(void **state)
+{
+    bench *b = *state;
+    talker_start(&b->talker);
+    b->has_talker = true;
+    struct termios before, after;
+    assert_int_equal(tcgetattr(b->talker.slave, &before), 0);
+    before.c_lflag |= ECHO;
+    assert_int_equal(tcsetattr(b->talker.slave, TCSANOW, &before), 0);
+    assert_opens(b);
+    assert_int_equal(tcgetattr(b->talker.slave, &after), 0);
+    assert_false(after.c_lflag & ECHO);
+    b->input->close(b->plugin);
+    assert_int_equal(tcgetattr(b->talker.slave, &after), 0);
+    assert_true(after.c_lflag & ECHO);
+    int64_t limit_ns = now_ns() + 500 * MS;
+    while (b->talker.streams && now_ns() < limit_ns)
+        host_wait_until_ns(&b->host, now_ns() + MS);
+    assert_false(b->talker.streams);
+}
+
 static void the_device_that_is_open_is_named(void **state)
 {
     bench *b = *state;
@@ -512,11 +561,14 @@ int main(void)
         TEST(a_cable_that_is_pulled_is_an_error_once_and_never_a_spin),
         TEST(a_glove_that_falls_silent_is_asked_again_and_then_lost),
         TEST(a_silence_that_ends_when_it_is_asked_again_goes_on),
+        TEST(a_glove_that_is_stuck_is_restarted),
+        TEST(a_glove_out_of_its_box_is_lost_and_said),
         TEST(what_is_no_serial_port_is_refused),
         TEST(tcp_addresses_are_checked),
         TEST(a_port_that_another_program_has_locked_is_busy),
         TEST(a_host_that_stops_is_obeyed_while_opening),
         TEST(it_can_be_opened_again_and_again),
+        TEST(closing_stops_the_glove_and_gives_the_port_back_as_it_was),
         TEST(the_device_that_is_open_is_named),
         TEST(a_changed_parameter_asks_for_a_restart_once),
 #undef TEST

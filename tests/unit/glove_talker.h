@@ -18,9 +18,10 @@
 
 typedef enum talker_habit {
     TALKER_GLOVE = 0,
-    TALKER_SILENT,       /* never says anything */
-    TALKER_OTHER_DEVICE, /* answers every byte with "OK\r\n" */
-    TALKER_HANGS_UP_ON_S /* gone when it is asked ?S */
+    TALKER_SILENT,        /* never says anything */
+    TALKER_OTHER_DEVICE,  /* answers every byte with "OK\r\n" */
+    TALKER_HANGS_UP_ON_S, /* gone when it is asked ?S */
+    TALKER_STUCK          /* says nothing until it is restarted by Ctrl-R */
 } talker_habit;
 
 typedef struct talker {
@@ -35,8 +36,10 @@ typedef struct talker {
     int period_ms;
     _Atomic uint32_t hang_up_after, silent_after; /* records; 0: never */
     _Atomic unsigned char status;
+    _Atomic bool is_out_of_box; /* records say so */
     /* its state */
-    bool streams, streams_words, has_time, has_status;
+    _Atomic bool streams;
+    bool streams_words, has_time, has_status;
     int listener; /* over TCP, else -1 */
     _Atomic uint32_t sent, asked_polled;
     uint32_t restarts;
@@ -75,6 +78,10 @@ static void talker_record(talker *self, char head)
     }
     if (self->has_status || self->has_status_unasked)
         record[size++] = self->status;
+    if (self->is_out_of_box) {
+        record[size++] = 'e';
+        record[size++] = 'g';
+    }
     record[size++] = 0;
     talker_put(self, record, size);
     self->sent += 1;
@@ -194,7 +201,9 @@ static size_t talker_command(talker *self, const char *c, size_t count)
 static size_t talker_obey(talker *self, char *bytes, size_t count)
 {
     size_t used = 0;
-    if (self->habit == TALKER_SILENT)
+    if (self->habit == TALKER_STUCK && memchr(bytes, 0x12, count))
+        self->habit = TALKER_GLOVE;
+    if (self->habit == TALKER_SILENT || self->habit == TALKER_STUCK)
         return 0;
     if (self->habit == TALKER_OTHER_DEVICE) {
         talker_put(self, "OK\r\n", 4);
