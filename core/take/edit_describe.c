@@ -8,8 +8,8 @@
 /* To the ms: people do not read further. */
 static edit_words seconds(int64_t time_ns)
 {
-    int64_t ms = (time_ns < 0 ? time_ns - 500000 : time_ns + 500000) / 1000000;
-    return edit_seconds(ms * 1000000);
+    int64_t ms = time_ns / 1000000, rest_ns = time_ns % 1000000;
+    return edit_seconds((ms + rest_ns / 500000) * 1000000);
 }
 
 static edit_words span(int64_t from_ns, int64_t until_ns)
@@ -262,7 +262,9 @@ static void describe_range(char out[EDIT_TEXT], const edit *e, const take *t)
     edit_words name = {""};
     if (e->layer_count == 1)
         name = layer_name(t, e->layers[0]);
-    edit_words range = span(e->in_ns, e->out_ns);
+    edit_words range = {""};
+    if (e->kind != EDIT_RANGE_INSERT)
+        range = span(e->in_ns, e->out_ns);
     if (e->kind == EDIT_RANGE_KEEP)
         (void)snprintf(out, EDIT_TEXT, "trim the take to %s", range.text);
     else if (e->kind == EDIT_RANGE_CUT)

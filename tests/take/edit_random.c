@@ -231,6 +231,9 @@ static void one_sequence(uint64_t seed, tally *counts)
     help_list_base(&list, "{'op':'layer.add','name':'face'}");
     help_list_base(&list, "{'op':'clip.add','layer':1,'performance':1}");
     help_list_base(&list, "{'op':'take.fps','fps':29.97}");
+    help_list_base(&list, "{'op':'marker.add','at_ns':2000m,'text':'two'}");
+    help_list_base(&list, "{'op':'marker.add','at_ns':5000m,'text':'five'}");
+    help_list_base(&list, "{'op':'audio.attach','audio':1,'offset_ns':20000m}");
     take bare = {.id = 1, .start_ns = 1000 * help_s, .duration_ns = 10 * help_s}, start;
     history_store store = help_store(&list);
     history *h, *anew;
