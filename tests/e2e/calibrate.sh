@@ -2,7 +2,6 @@
 # A glove is calibrated from a log in counts, the calibration is used, shown, imported and rewritten;
 # whatever is wrong is one clear line, and an old calibration is only replaced by a complete one.
 source "$(dirname "$0")/lib.sh"
-export XDG_CONFIG_HOME=$scratch/config
 glove=$scratch/glove.csv
 user=$scratch/user.json
 log() { awk -f "$SOURCE_DIR/tests/e2e/calibrate_glove.awk" "$@"; }

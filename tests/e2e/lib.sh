@@ -3,6 +3,7 @@
 set -u
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+export XDG_CONFIG_HOME=$scratch/config # no calibrations of whoever runs the tests
 shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
 moai=$SOURCE_DIR/rigs/moai/moai.glb
 puppet=$SOURCE_DIR/rigs/puppet/puppet.rig.json
