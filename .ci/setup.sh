@@ -8,7 +8,7 @@ setup_build_packages=(
     libusb-1.0-0-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev portaudio19-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri
 )
-setup_test_packages=(libcmocka-dev libumockdev-dev umockdev clang-format-14 nodejs npm)
+setup_test_packages=(libcmocka-dev libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)
