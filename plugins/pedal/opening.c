@@ -315,6 +315,7 @@ mrt_result opening_open(mrt_plugin *self, const char *text, const double *params
     bind_to_socket(self);
     memcpy(self->opened_with, params, sizeof self->opened_with);
     self->is_open = true;
+    self->has_lesson_due = params[PARAM_LEARN] > 0.5;
     say_opened(self);
     return MRT_OK;
 }

@@ -162,7 +162,9 @@ static void follow_params(mrt_plugin *self, const double *params)
         self->has_asked_to_restart = true;
         self->host->request_restart(self->host);
     }
-    if (params[PARAM_LEARN] > 0.5 && !self->is_lost)
+    bool has_lesson_due = params[PARAM_LEARN] > 0.5 || self->has_lesson_due;
+    self->has_lesson_due = false;
+    if (has_lesson_due && !self->is_lost)
         begin_learning(self);
 }
 

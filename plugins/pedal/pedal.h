@@ -34,7 +34,7 @@ struct mrt_plugin {
     usb_seen device;             /* that is open, or was last */
     char name[LAYOUT_NAME];
 
-    bool is_open;
+    bool is_open, has_lesson_due; /* the button was pressed in the call of open */
     double opened_with[PARAM_COUNT];
     layout layout;
     uint32_t analogue; /* bit n: switch n */

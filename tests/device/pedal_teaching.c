@@ -144,6 +144,19 @@ static void a_held_switch_is_up_while_switches_are_taught(void **state)
     bench_destroy(&bench);
 }
 
+static void a_lesson_can_be_asked_for_with_the_address(void **state)
+{
+    pedal_bench bench;
+    pedal_double_plug(*state, "1-2", 2, &VEC);
+    bench_create(&bench);
+    bench.params[BENCH_LEARN] = 1;
+    assert_int_equal(bench_open(&bench, "usb:1-2"), MRT_OK);
+    bench.params[BENCH_LEARN] = 0;
+    bench_expect(&bench, 0, 0, 0);
+    assert_true(bench_has_said(&bench, "learn: take your feet off"));
+    bench_destroy(&bench);
+}
+
 int main(int argc, char **argv)
 {
     (void)argc;
@@ -155,6 +168,7 @@ int main(int argc, char **argv)
         TEST(an_unknown_device_is_taught_and_then_known),
         TEST(a_keyboard_pedal_with_other_keys_is_taught),
         TEST(a_device_that_goes_while_it_is_taught_ends_it),
+        TEST(a_lesson_can_be_asked_for_with_the_address),
         TEST(a_held_switch_is_up_while_switches_are_taught),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
