@@ -439,5 +439,8 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     struct stat status;
     if (stat(out_path, &status) == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: is there already; name a new file", out_path);
-    return sqlite_change(self->db, err, "VACUUM INTO ?", "t", out_path);
+    mrt_result result = sqlite_copy(self->db, out_path, err);
+    if (result < 0)
+        (void)unlink(out_path);
+    return result;
 }

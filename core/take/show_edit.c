@@ -5,8 +5,7 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Of the row's place and its text: an edit that moved or changed is noticed. */
-static int64_t edit_crc(int64_t take_id, int32_t n, const char *json)
+int64_t show_edit_crc(int64_t take_id, int32_t n, const char *json)
 {
     uint8_t place[12];
     for (int i = 0; i < 8; ++i)
@@ -23,7 +22,8 @@ mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_
     return sqlite_change(db, err,
                          "INSERT INTO edit(take, branch, n, utc_ms, crc, json)"
                          "VALUES(?, 0, ?, ?, ?, ?)",
-                         "iiiit", take_id, (int64_t)n, utc_ms, edit_crc(take_id, n, json), json);
+                         "iiiit", take_id, (int64_t)n, utc_ms, show_edit_crc(take_id, n, json),
+                         json);
 }
 
 /* ---- reading ---- */
@@ -43,7 +43,7 @@ static mrt_result add_edit(show_edits *out, sqlite_statement *row, int64_t take_
     if (!edit->json)
         return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
     ++out->count;
-    if (edit_crc(take_id, edit->n, edit->json) != sqlite_int(row, 2))
+    if (show_edit_crc(take_id, edit->n, edit->json) != sqlite_int(row, 2))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: edit %d of take %lld is damaged: its CRC-32 differs", path, edit->n,
                          (long long)take_id);

@@ -35,6 +35,8 @@ typedef struct show_rows {
 } show_rows;
 CHECKED mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
                                   void (*read)(void *item, sqlite_statement *row), error *err);
+/* What is stored of an edit beside its text: an edit that moved or changed is noticed. */
+int64_t show_edit_crc(int64_t take, int32_t n, const char *json);
 /* The first column of all rows. */
 CHECKED mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count,
                                  error *err);

@@ -378,6 +378,35 @@ mrt_result sqlite_number(sqlite *self, const char *sql, int64_t fallback, int64_
     return result < 0 ? result : MRT_OK;
 }
 
+void sqlite_bind_row(sqlite_statement *to, sqlite_statement *from)
+{
+    int column_count = sqlite3_column_count(from->handle);
+    int parameter_count = sqlite3_bind_parameter_count(to->handle);
+    sqlite_reset(to);
+    (void)sqlite3_clear_bindings(to->handle);
+    to->bind_code = SQLITE_OK;
+    for (int i = 0; i < column_count && i < parameter_count && to->bind_code == SQLITE_OK; ++i)
+        to->bind_code =
+            sqlite3_bind_value(to->handle, i + 1, sqlite3_column_value(from->handle, i));
+}
+
+mrt_result sqlite_copy(sqlite *self, const char *out_path, error *err)
+{
+    sqlite *out;
+    mrt_result result = sqlite_open(&out, out_path, SQLITE_MODE_MAKE, err);
+    if (result < 0)
+        return result;
+    sqlite3_backup *copy = sqlite3_backup_init(out->handle, "main", self->handle, "main");
+    if (copy) {
+        (void)sqlite3_backup_step(copy, -1);
+        result = result_of(out, sqlite3_backup_finish(copy), err);
+    } else {
+        result = failed(out, sqlite3_extended_errcode(out->handle), err);
+    }
+    sqlite_close(out);
+    return result;
+}
+
 mrt_result sqlite_checkpoint(sqlite *self, error *err)
 {
     int code = sqlite3_wal_checkpoint_v2(self->handle, NULL, SQLITE_CHECKPOINT_PASSIVE, NULL, NULL);

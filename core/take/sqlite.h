@@ -74,6 +74,12 @@ bool sqlite_is_null(sqlite_statement *statement, int column);
 int64_t sqlite_changes(const sqlite *self); /* rows that the last execute changed */
 int64_t sqlite_last_id(const sqlite *self); /* of the last row that this connection inserted */
 
+/* Binds the columns of the row that `from` stands on to the parameters of `to`, one to one; those
+ * that the row has not are NULL. They are read by the next step of `to`. */
+void sqlite_bind_row(sqlite_statement *to, sqlite_statement *from);
+/* A copy of what is committed, page by page, while others write. The file must not exist. */
+CHECKED mrt_result sqlite_copy(sqlite *self, const char *out_path, error *err);
+
 /* Moves what the write-ahead log holds into the file, as far as nobody reads it; waits for nobody.
  */
 CHECKED mrt_result sqlite_checkpoint(sqlite *self, error *err);

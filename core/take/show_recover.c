@@ -1,0 +1,362 @@
+/* Out of a damaged show into a new one: row by row, and only what proves to be whole. */
+#include "take/show_file.h"
+
+#include "base/file.h"
+#include "take/chunk.h"
+#include "take/show_schema.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+enum { PROBES_MAX = 4000000, PAGE_BYTES_MAX = 65536, EDITS_LOST_BRANCH = 1 << 20 };
+
+/* ---- which rows are whole ---- */
+
+typedef struct recovery {
+    sqlite *from, *to;
+    int64_t rows_left; /* more would be a file that leads in circles */
+    show_recovery *out;
+    mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
+} recovery;
+
+static bool is_whole_chunk(recovery *self, sqlite_statement *row)
+{
+    chunk_head head;
+    size_t size;
+    const uint8_t *bytes = sqlite_blob(row, 4, &size);
+    return chunk_decode(self->sample, &head, bytes, size, NULL) >= 0 &&
+           head.track == sqlite_int(row, 1) && head.from_ns == sqlite_int(row, 2) &&
+           self->sample[head.sample_count - 1].time_ns == sqlite_int(row, 3);
+}
+
+static bool is_whole_edit(recovery *self, sqlite_statement *row)
+{
+    (void)self;
+    return show_edit_crc(sqlite_int(row, 0), (int32_t)sqlite_int(row, 2), sqlite_text(row, 5)) ==
+           sqlite_int(row, 4);
+}
+
+static bool has_crc(sqlite_statement *row, int crc_column, int bytes_column)
+{
+    size_t size;
+    const uint8_t *bytes = sqlite_blob(row, bytes_column, &size);
+    return bytes && (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, crc_column);
+}
+
+static bool is_whole_checkpoint(recovery *self, sqlite_statement *row)
+{
+    (void)self;
+    return has_crc(row, 5, 6);
+}
+
+static bool is_whole_audio(recovery *self, sqlite_statement *row)
+{
+    (void)self;
+    return has_crc(row, 5, 6);
+}
+
+typedef struct table {
+    const char *name;
+    const char *key; /* by which its rows are in order */
+    bool has_id;     /* the key is a number: rows behind damage can be asked for one by one */
+    int column_count;
+    bool (*is_whole)(recovery *self, sqlite_statement *row); /* NULL: nothing to tell it by */
+} table;
+
+static const table tables[] = {
+    {"meta", "key", false, 2, NULL},
+    {"session", "id", true, 7, NULL},
+    {"rig", "id", true, 6, NULL},
+    {"plugin", "id", true, 2, NULL},
+    {"calibration", "hash", false, 2, NULL},
+    {"track", "id", true, 8, NULL},
+    {"channel", "track, n", false, 8, NULL},
+    {"performance", "id", true, 8, NULL},
+    {"performance_track", "performance, n", false, 3, NULL},
+    {"performance_param", "performance, n", false, 4, NULL},
+    {"take", "id", true, 10, NULL},
+    {"span", "take, n", false, 7, NULL},
+    {"edit", "take, branch, n", false, 6, is_whole_edit},
+    {"event", "id", true, 8, NULL},
+    {"chunk", "id", true, 5, is_whole_chunk},
+    {"checkpoint", "id", true, 7, is_whole_checkpoint},
+    {"audio", "id", true, 6, NULL},
+    {"audio_chunk", "id", true, 7, is_whole_audio},
+};
+
+/* ---- copying ---- */
+
+/* A row that the new show refuses is damaged too: two of one key, NULL where there is none. */
+static mrt_result copy_row(recovery *self, const table *of, sqlite_statement *row,
+                           sqlite_statement *insert, error *err)
+{
+    if (of->is_whole && !of->is_whole(self, row)) {
+        ++self->out->damaged_count;
+        return MRT_OK;
+    }
+    sqlite_bind_row(insert, row);
+    mrt_result result = sqlite_execute(insert, err);
+    if (result == MRT_ERR_ARGUMENT) {
+        ++self->out->damaged_count;
+        return MRT_OK;
+    }
+    if (result >= 0)
+        self->out->row_count += sqlite_changes(self->to);
+    return result;
+}
+
+/* Rows in this order until there is none, or none can be read: *out_last_id is where. A failure is
+ * one of the new show. */
+static mrt_result copy_run(recovery *self, const table *of, const char *order,
+                           sqlite_statement *insert, int64_t *out_last_id, bool *out_is_whole,
+                           error *err)
+{
+    char sql[160];
+    const char *comma = strchr(of->key, ',');
+    if (comma && order[0])
+        (void)snprintf(sql, sizeof sql, "SELECT * FROM %s ORDER BY %.*s DESC%s DESC", of->name,
+                       (int)(comma - of->key), of->key, comma);
+    else
+        (void)snprintf(sql, sizeof sql, "SELECT * FROM %s ORDER BY %s%s", of->name, of->key, order);
+    sqlite_statement *rows;
+    *out_is_whole = false;
+    if (sqlite_prepare(self->from, &rows, sql, NULL) < 0)
+        return MRT_OK;
+    mrt_result result = MRT_OK, step;
+    while ((step = sqlite_step(rows, NULL)) == MRT_OK && result >= 0 && self->rows_left-- > 0) {
+        *out_last_id = of->has_id ? sqlite_int(rows, 0) : 0;
+        result = copy_row(self, of, rows, insert, err);
+    }
+    *out_is_whole = step == MRT_END;
+    sqlite_finish(rows);
+    return result;
+}
+
+static mrt_result probe(recovery *self, const table *of, int64_t from_id, int64_t to_id,
+                        sqlite_statement *insert, error *err)
+{
+    char sql[96];
+    sqlite_statement *row;
+    (void)snprintf(sql, sizeof sql, "SELECT * FROM %s WHERE id = ?", of->name);
+    if (to_id - from_id > PROBES_MAX || sqlite_prepare(self->from, &row, sql, NULL) < 0)
+        return MRT_OK;
+    mrt_result result = MRT_OK;
+    for (int64_t id = from_id; id < to_id && result >= 0; ++id) {
+        sqlite_bind(row, "i", id);
+        if (sqlite_step(row, NULL) == MRT_OK)
+            result = copy_row(self, of, row, insert, err);
+    }
+    sqlite_finish(row);
+    return result;
+}
+
+/* From the front until damage, from the back until damage, and between them one by one. */
+static mrt_result copy_table(recovery *self, const table *of, error *err)
+{
+    char sql[160] = "";
+    sqlite_statement *insert;
+    int length = snprintf(sql, sizeof sql, "INSERT OR IGNORE INTO %s VALUES(?", of->name);
+    for (int i = 1; i < of->column_count; ++i)
+        length += snprintf(sql + length, sizeof sql - (size_t)length, ", ?");
+    (void)snprintf(sql + length, sizeof sql - (size_t)length, ")");
+    mrt_result result = sqlite_prepare(self->to, &insert, sql, err);
+    if (result < 0)
+        return result;
+    bool is_whole;
+    int64_t first_id = 0, last_id = 0;
+    result = copy_run(self, of, "", insert, &first_id, &is_whole, err);
+    if (result >= 0 && !is_whole) {
+        result = copy_run(self, of, " DESC", insert, &last_id, &is_whole, err);
+        if (result >= 0 && of->has_id && last_id > first_id)
+            result = probe(self, of, first_id + 1, last_id, insert, err);
+    }
+    sqlite_finish(insert);
+    return result;
+}
+
+/* What the rows refer to and is gone gets a stand-in; edits behind a missing one are set aside. */
+static mrt_result mend(sqlite *db, error *err)
+{
+    char sql[2048];
+    (void)snprintf(
+        sql, sizeof sql,
+        "INSERT OR IGNORE INTO session SELECT session, 0, 0, NULL, 'lost', '', 0 FROM track"
+        "  UNION SELECT session, 0, 0, NULL, 'lost', '', 0 FROM performance;"
+        "INSERT OR IGNORE INTO plugin SELECT plugin, 'lost ' || plugin FROM track"
+        "  UNION SELECT plugin, 'lost ' || plugin FROM performance;"
+        "INSERT OR IGNORE INTO rig SELECT rig, 'lost', '', '', rig, NULL FROM performance;"
+        "UPDATE track SET left_calibration = NULL WHERE left_calibration NOT IN"
+        "  (SELECT hash FROM calibration);"
+        "UPDATE track SET right_calibration = NULL WHERE right_calibration NOT IN"
+        "  (SELECT hash FROM calibration);"
+        "UPDATE edit SET branch = %d WHERE branch = 0 AND n > 0 AND n <>"
+        "  (SELECT COUNT(*) FROM edit e WHERE e.take = edit.take AND e.branch = 0"
+        "     AND e.n BETWEEN 1 AND edit.n);"
+        "UPDATE take SET edit_head = MAX(0, MIN(edit_head, (SELECT COALESCE(MAX(n), 0) FROM edit"
+        "  WHERE edit.take = take.id AND branch = 0)));"
+        "DELETE FROM performance_track WHERE track NOT IN (SELECT id FROM track)"
+        "  OR performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM channel WHERE track NOT IN (SELECT id FROM track)",
+        EDITS_LOST_BRANCH);
+    return sqlite_run(db, sql, err);
+}
+
+static mrt_result copy_all(recovery *self, error *err)
+{
+    /* Parents may be missing until mend() has seen to them. */
+    mrt_result result = sqlite_run(self->to, "PRAGMA foreign_keys = OFF", err);
+    if (result >= 0)
+        result = sqlite_begin(self->to, err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0] && result >= 0; ++i)
+        result = copy_table(self, &tables[i], err);
+    if (result >= 0)
+        result = mend(self->to, err);
+    return sqlite_end(self->to, result, err);
+}
+
+/* ---- a damaged table of contents ---- */
+
+static mrt_result copy_file(const char *path, FILE *out, error *err)
+{
+    char piece[65536];
+    FILE *in = fopen(path, "rb");
+    if (!in)
+        return error_set(err, MRT_ERR_IO, "%s: cannot be read", path);
+    size_t got;
+    bool good = true;
+    while (good && (got = fread(piece, 1, sizeof piece, in)) > 0)
+        good = fwrite(piece, 1, got, out) == got;
+    good = good && !ferror(in);
+    (void)fclose(in);
+    return good ? MRT_OK : error_set(err, MRT_ERR_IO, "%s: cannot be copied", path);
+}
+
+static void put_big_endian(uint8_t *at, uint64_t value)
+{
+    for (int i = 0; i < 4; ++i)
+        at[i] = (uint8_t)(value >> (24 - 8 * i));
+}
+
+/* Every show is made by the same steps, so its table of contents is where that of a new one is:
+ * page 1, and the pages that are the root of no table. Page 2 maps pages to their parents; reading
+ * does without. */
+static mrt_result lend_contents(FILE *out, const file_bytes *fresh, sqlite *fresh_db, error *err)
+{
+    size_t page_bytes = (size_t)fresh->data[16] << 8 | fresh->data[17];
+    sqlite_statement *is_root;
+    mrt_result result =
+        sqlite_prepare(fresh_db, &is_root, "SELECT 1 FROM sqlite_schema WHERE rootpage = ?", err);
+    if (result < 0)
+        return result;
+    bool good = fseek(out, 0, SEEK_END) == 0;
+    long size = ftell(out);
+    put_big_endian(fresh->data + 28, good && size > 0 ? (size_t)size / page_bytes : 0);
+    put_big_endian(fresh->data + 32, 0); /* no free pages */
+    put_big_endian(fresh->data + 36, 0);
+    memcpy(fresh->data + 92, fresh->data + 24, 4); /* the size is valid for this version */
+    for (size_t page = 1; good && page <= fresh->size / page_bytes; ++page) {
+        sqlite_bind(is_root, "i", (int64_t)page);
+        if (page == 2 || sqlite_step(is_root, NULL) == MRT_OK)
+            continue;
+        good = fseek(out, (long)((page - 1) * page_bytes), SEEK_SET) == 0 &&
+               fwrite(fresh->data + (page - 1) * page_bytes, 1, page_bytes, out) == page_bytes;
+    }
+    sqlite_finish(is_root);
+    return good ? MRT_OK : error_set(err, MRT_ERR_IO, "a copy cannot be written");
+}
+
+/* Opens a copy of the damaged file, at copy_path, with the contents of a new show. */
+static mrt_result open_with_lent_contents(sqlite **out, const char *path, const char *copy_path,
+                                          show *fresh, error *err)
+{
+    file_bytes pages = {0};
+    FILE *copy = fopen(copy_path, "wb+");
+    if (!copy)
+        return error_set(err, MRT_ERR_IO, "%s: cannot be written", copy_path);
+    mrt_result result = copy_file(path, copy, err);
+    if (result >= 0) /* what is in its log, into the file */
+        result = sqlite_checkpoint(fresh->db, err);
+    if (result >= 0)
+        result = file_read(&pages, fresh->path, 1 << 24, err);
+    if (result >= 0 && pages.size < 1024)
+        result = error_set(err, MRT_ERR_FORMAT, "%s: is too short", fresh->path);
+    if (result >= 0)
+        result = lend_contents(copy, &pages, fresh->db, err);
+    file_bytes_finish(&pages);
+    if (fclose(copy) != 0 && result >= 0)
+        result = error_set(err, MRT_ERR_IO, "%s: cannot be written", copy_path);
+    return result < 0 ? result : sqlite_open(out, copy_path, SQLITE_MODE_READ_FROZEN, err);
+}
+
+/* ---- the whole ---- */
+
+static bool has_contents(sqlite *db)
+{
+    int64_t application, count;
+    return sqlite_number(db, "PRAGMA application_id", 0, &application, NULL) >= 0 &&
+           application == SHOW_APPLICATION &&
+           sqlite_number(db,
+                         "SELECT COUNT(*) FROM sqlite_schema WHERE name IN ('chunk', 'track',"
+                         "'take', 'performance', 'span', 'edit', 'meta')",
+                         0, &count, NULL) >= 0 &&
+           count == 7 && sqlite_number(db, "SELECT id FROM chunk LIMIT 1", 0, &count, NULL) >= 0;
+}
+
+static mrt_result open_damaged(sqlite **out, const char *path, const char *copy_path, show *fresh,
+                               error *err)
+{
+    static const sqlite_mode modes[] = {SQLITE_MODE_READ, SQLITE_MODE_READ_FROZEN};
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; ++i) {
+        if (sqlite_open(out, path, modes[i], NULL) >= 0 && has_contents(*out))
+            return MRT_OK;
+        sqlite_close(*out);
+        *out = NULL;
+    }
+    return open_with_lent_contents(out, path, copy_path, fresh, err);
+}
+
+static mrt_result recover_into(show *fresh, const char *path, const char *copy_path,
+                               int64_t file_bytes_count, show_recovery *out, error *err)
+{
+    recovery self = {.to = fresh->db, .rows_left = file_bytes_count, .out = out};
+    self.sample = malloc(CHUNK_SAMPLES_MAX * sizeof *self.sample);
+    if (!self.sample)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
+    mrt_result result = open_damaged(&self.from, path, copy_path, fresh, err);
+    if (result >= 0)
+        result = copy_all(&self, err);
+    if (result >= 0 && out->row_count == 0)
+        result = error_set(err, MRT_ERR_FORMAT, "%s: nothing of a show can be read", path);
+    sqlite_close(self.from);
+    free(self.sample);
+    return result;
+}
+
+mrt_result show_recover(show_recovery *out, const char *path, const char *out_path, error *err)
+{
+    *out = (show_recovery){0};
+    struct stat status;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is not a file; a damaged show was expected", path);
+    char *copy_path = malloc(strlen(out_path) + sizeof ".damaged.tmp");
+    if (!copy_path)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
+    strcat(strcpy(copy_path, out_path), ".damaged.tmp");
+    show *fresh;
+    mrt_result result = show_create(&fresh, out_path, err);
+    if (result >= 0) {
+        result = recover_into(fresh, path, copy_path, status.st_size, out, err);
+        show_close(fresh);
+        if (result < 0)
+            (void)unlink(out_path);
+        (void)unlink(copy_path);
+    }
+    free(copy_path);
+    return result;
+}

@@ -1,0 +1,489 @@
+/* core/take/show.h: which files open, how, and what is said where they do not. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "take/show_scene.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+
+static int set_up(void **state)
+{
+    scene *s = calloc(1, sizeof *s);
+    scene_make(s);
+    *state = s;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    scene_remove(*state);
+    free(*state);
+    return 0;
+}
+
+static void run_sql(const char *path, const char *sql)
+{
+    sqlite3 *db;
+    char *message = NULL;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK)
+        fail_msg("%s", message);
+    sqlite3_close(db);
+}
+
+static void write_file(const char *path, const void *bytes, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A closed show with samples 0..n-1 of one track and a take of them; the track's id. */
+static int64_t record_some(const char *path, int64_t n)
+{
+    error err = {""};
+    show *s;
+    scene_recording r;
+    int64_t take_id;
+    writer_options options = scene_options();
+    scene_must(show_create(&s, path, &err), &err);
+    scene_record(&r, s, &options);
+    scene_must(writer_take_begin(r.writer, 0, &(writer_slate){.scene = "1"}, &take_id, &err), &err);
+    scene_give(&r, 0, n);
+    scene_stop(&r);
+    show_close(s);
+    return r.track;
+}
+
+static bool is_there(const char *path, const char *suffix)
+{
+    char full[2 * SCENE_PATH];
+    struct stat status;
+    snprintf(full, sizeof full, "%s%s", path, suffix);
+    return stat(full, &status) == 0;
+}
+
+static void a_closed_show_is_one_file(void **state)
+{
+    scene *s = *state;
+    record_some(s->path, 100);
+    assert_true(is_there(s->path, ""));
+    assert_false(is_there(s->path, "-wal"));
+    assert_false(is_there(s->path, "-shm"));
+    assert_false(is_there(s->path, "-lock"));
+}
+
+static void a_show_is_not_made_over_a_file(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    write_file(s->path, "precious", 8);
+    assert_int_equal(show_create(&got, s->path, &err), MRT_ERR_IO);
+    assert_null(got);
+    char text[9] = "";
+    FILE *file = fopen(s->path, "rb");
+    assert_int_equal(fread(text, 1, 8, file), 8);
+    fclose(file);
+    assert_string_equal(text, "precious");
+}
+
+static void what_is_no_show_is_refused_by_name(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    show_mode modes[] = {SHOW_READ, SHOW_WRITE};
+    char text[3000];
+    memset(text, 'x', sizeof text);
+    for (int i = 0; i < 2; ++i) {
+        unlink(s->path);
+        assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_IO);
+        assert_non_null(strstr(err.text, s->path));
+        write_file(s->path, "", 0);
+        assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_FORMAT);
+        assert_non_null(strstr(err.text, "empty"));
+        write_file(s->path, text, sizeof text);
+        assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_FORMAT);
+        assert_non_null(strstr(err.text, s->path));
+        unlink(s->path);
+        run_sql(s->path, "CREATE TABLE other(a)");
+        assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_FORMAT);
+        assert_non_null(strstr(err.text, "not a show"));
+        assert_int_equal(show_open(&got, s->folder, modes[i], &err), MRT_ERR_IO);
+        assert_false(is_there(s->path, "-lock"));
+    }
+}
+
+static void names_with_special_letters_work(void **state)
+{
+    scene *s = *state;
+    char path[SCENE_PATH + 64];
+    error err = {""};
+    show *got;
+    snprintf(path, sizeof path, "%s/a %%20?mode=ro#1 'b' \xc3\xa9.marotte", s->folder);
+    int64_t track = record_some(path, 50);
+    assert_true(is_there(path, ""));
+    scene_must(show_open(&got, path, SHOW_WRITE, &err), &err);
+    assert_true(show_is_writable(got));
+    scene_expect(got, track, 0, 50);
+    show_close(got);
+}
+
+/* ---- two programs ---- */
+
+static void the_second_one_reads_and_says_who_writes(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *first, *second;
+    writer_options options = scene_options();
+    scene_recording r;
+    scene_must(show_create(&first, s->path, &err), &err);
+    scene_record(&r, first, &options);
+    scene_give(&r, 0, 100);
+    scene_flush(&r);
+    scene_must(show_open(&second, s->path, SHOW_WRITE, &err), &err);
+    assert_false(show_is_writable(second));
+    char process[32], alias[SCENE_PATH];
+    snprintf(process, sizeof process, "process %ld on ", (long)getpid());
+    assert_non_null(strstr(show_notice(second), process));
+    scene_expect(second, r.track, 0, 100);
+    scene_give(&r, 100, 200);
+    scene_flush(&r);
+    scene_expect(second, r.track, 0, 200); /* it sees what is committed since */
+    int64_t id;
+    assert_int_equal(show_take_create(second, &(show_new_take){0}, &id, &err), MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, process));
+    writer *none;
+    assert_int_equal(writer_start(&none, second, &options, &err), MRT_ERR_UNSUPPORTED);
+    show_close(second);
+
+    snprintf(alias, sizeof alias, "%s/alias.marotte", s->folder);
+    assert_int_equal(symlink(s->path, alias), 0);
+    scene_must(show_open(&second, alias, SHOW_WRITE, &err), &err);
+    assert_false(show_is_writable(second));
+    show_close(second);
+    scene_stop(&r);
+    show_close(first);
+    scene_must(show_open(&second, s->path, SHOW_WRITE, &err), &err);
+    assert_true(show_is_writable(second));
+    assert_string_equal(show_notice(second), "");
+    show_close(second);
+}
+
+/* In a child: what goes wrong there is its exit status. */
+static int status_of_child(pid_t child)
+{
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+static void a_killed_program_leaves_no_lock_and_its_take(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    int ready[2];
+    assert_int_equal(pipe(ready), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        show *got;
+        scene_recording r;
+        int64_t take_id;
+        writer_options options = scene_options();
+        if (show_create(&got, s->path, &err) < 0)
+            _exit(1);
+        scene_record(&r, got, &options);
+        (void)!writer_take_begin(r.writer, 500, &(writer_slate){.scene = "9"}, &take_id, &err);
+        scene_give(&r, 0, 500);
+        scene_flush(&r);
+        (void)!write(ready[1], "x", 1);
+        pause();
+        _exit(2);
+    }
+    char byte;
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    show *other;
+    scene_must(show_open(&other, s->path, SHOW_WRITE, &err), &err);
+    assert_false(show_is_writable(other));
+    show_close(other);
+    kill(child, SIGKILL);
+    assert_int_equal(status_of_child(child), 128);
+    assert_true(is_there(s->path, "-lock"));
+    scene_must(show_open(&other, s->path, SHOW_WRITE, &err), &err);
+    assert_true(show_is_writable(other));
+    assert_non_null(strstr(show_notice(other), "recorded 1 take"));
+    scene_expect(other, 1, 0, 500);
+    show_take *takes;
+    size_t count;
+    scene_must(show_takes(other, &takes, &count, &err), &err);
+    assert_int_equal(count, 1);
+    assert_true(takes[0].is_recovered && !takes[0].is_recording);
+    assert_string_equal(takes[0].scene, "9");
+    assert_int_equal(takes[0].start_ns, scene_utc_ns + 500);
+    assert_int_equal(takes[0].end_ns, scene_shown(1, 499).time_ns);
+    take base;
+    scene_must(show_take_base(other, takes[0].id, &base, &err), &err);
+    assert_string_equal(base.origin, "recorded, recovered");
+    assert_int_equal(base.layer[0].clip[0].to_ns, takes[0].end_ns);
+    take_finish(&base);
+    free(takes);
+    show_close(other);
+    scene_must(show_open(&other, s->path, SHOW_WRITE, &err), &err);
+    assert_string_equal(show_notice(other), ""); /* said once */
+    show_close(other);
+    close(ready[0]);
+    close(ready[1]);
+}
+
+/* ---- where one may not write: root may everywhere, so a child becomes somebody else ---- */
+
+enum { NOBODY = 65534 };
+
+typedef int (*task)(const scene *s, int64_t track);
+
+static int as_nobody(const scene *s, int64_t track, task run)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        if (geteuid() == 0 && (setgid(NOBODY) != 0 || setuid(NOBODY) != 0))
+            _exit(77);
+        _exit(run(s, track));
+    }
+    return status_of_child(child);
+}
+
+static int reads_all(show *got, int64_t track, int64_t count)
+{
+    error err;
+    show_reader *reader;
+    mrt_sample sample;
+    int64_t n = 0;
+    mrt_result result;
+    if (show_reader_open(&reader, got, track, INT64_MIN, INT64_MAX, &err) < 0)
+        return 10;
+    while ((result = show_reader_next(reader, &sample, &err)) == MRT_OK) {
+        mrt_sample expected = scene_shown(track, n++);
+        if (!scene_is_same(&sample, &expected))
+            return 11;
+    }
+    show_reader_close(reader);
+    return result == MRT_END && n == count ? 0 : 12;
+}
+
+static int opens_for_reading_and_says_so(const scene *s, int64_t track)
+{
+    error err = {""};
+    show *got;
+    if (show_open(&got, s->path, SHOW_WRITE, &err) < 0) {
+        fprintf(stderr, "%s\n", err.text);
+        return 2;
+    }
+    if (show_is_writable(got) || !strstr(show_notice(got), "for reading only"))
+        return 3;
+    int status = reads_all(got, track, 100);
+    show_close(got);
+    return status;
+}
+
+static void a_folder_that_cannot_be_written_opens_for_reading(void **state)
+{
+    scene *s = *state;
+    int64_t track = record_some(s->path, 100);
+    assert_int_equal(chmod(s->path, 0666), 0);
+    assert_int_equal(chmod(s->folder, 0555), 0);
+    int status = as_nobody(s, track, opens_for_reading_and_says_so);
+    assert_int_equal(chmod(s->folder, 0755), 0);
+    assert_int_equal(status, 0);
+}
+
+static void a_file_that_cannot_be_written_opens_for_reading(void **state)
+{
+    scene *s = *state;
+    int64_t track = record_some(s->path, 100);
+    assert_int_equal(chmod(s->path, 0444), 0);
+    assert_int_equal(chmod(s->folder, 0777), 0);
+    assert_int_equal(as_nobody(s, track, opens_for_reading_and_says_so), 0);
+}
+
+static int says_what_is_missing(const scene *s, int64_t track)
+{
+    (void)track;
+    error err = {""};
+    show *got;
+    if (show_open(&got, s->path, SHOW_READ, &err) < 0)
+        return 2;
+    int status = strstr(show_notice(got), "-wal and cannot be read here") ? 0 : 3;
+    show_close(got);
+    return status;
+}
+
+/* A killed recording on a medium that cannot be written: the log beside it is not read in silence.
+ */
+static void a_log_that_cannot_be_read_is_said(void **state)
+{
+    scene *s = *state;
+    record_some(s->path, 100);
+    char log[SCENE_PATH + 8];
+    snprintf(log, sizeof log, "%s-wal", s->path);
+    write_file(log, "x", 1);
+    assert_int_equal(chmod(log, 0), 0);
+    assert_int_equal(chmod(s->folder, 0555), 0);
+    int status = as_nobody(s, 1, says_what_is_missing);
+    assert_int_equal(chmod(s->folder, 0755), 0);
+    assert_int_equal(status, 0);
+}
+
+/* ---- versions ---- */
+
+static void an_older_show_becomes_todays(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    int64_t track = record_some(s->path, 400);
+    run_sql(s->path, "ALTER TABLE track DROP COLUMN chunk_count; PRAGMA user_version = 1");
+    scene_must(show_open(&got, s->path, SHOW_READ, &err), &err);
+    scene_expect(got, track, 0, 400); /* read as it is */
+    show_close(got);
+    scene_must(show_open(&got, s->path, SHOW_WRITE, &err), &err);
+    assert_true(show_is_writable(got));
+    scene_expect(got, track, 0, 400);
+    writer_options options = scene_options();
+    scene_recording r;
+    scene_record(&r, got, &options);
+    scene_give(&r, 0, 10);
+    scene_stop(&r);
+    show_close(got);
+    sqlite3 *db;
+    sqlite3_stmt *row;
+    assert_int_equal(sqlite3_open(s->path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db, "SELECT MIN(chunk_count), MAX(chunk_count) FROM track",
+                                        -1, &row, NULL),
+                     SQLITE_OK);
+    assert_int_equal(sqlite3_step(row), SQLITE_ROW);
+    assert_int_equal(sqlite3_column_int(row, 0), 1);
+    assert_int_equal(sqlite3_column_int(row, 1), 3); /* 400 samples are 2.7 s */
+    sqlite3_finalize(row);
+    sqlite3_close(db);
+}
+
+static void a_newer_show_opens_for_reading_if_it_can_be_read(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    int64_t track = record_some(s->path, 100);
+    run_sql(s->path, "ALTER TABLE take ADD COLUMN mood TEXT; PRAGMA user_version = 99");
+    scene_must(show_open(&got, s->path, SHOW_WRITE, &err), &err);
+    assert_false(show_is_writable(got));
+    assert_non_null(strstr(show_notice(got), "newer marotte (format 99"));
+    scene_expect(got, track, 0, 100);
+    show_close(got);
+    assert_false(is_there(s->path, "-lock"));
+    run_sql(s->path, "UPDATE meta SET value = 98 WHERE key = 'oldest_reader'");
+    show_mode modes[] = {SHOW_READ, SHOW_WRITE};
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_UNSUPPORTED);
+        assert_non_null(strstr(err.text, "update marotte"));
+    }
+}
+
+/* ---- the file goes away ---- */
+
+static void recording_goes_on_into_a_deleted_file_and_can_be_rescued(void **state)
+{
+    scene *s = *state;
+    char copy[SCENE_PATH];
+    error err = {""};
+    show *got, *rescued;
+    writer_options options = scene_options();
+    scene_recording r;
+    snprintf(copy, sizeof copy, "%s/copy.marotte", s->folder);
+    scene_must(show_create(&got, s->path, &err), &err);
+    scene_record(&r, got, &options);
+    scene_give(&r, 0, 100);
+    scene_flush(&r);
+    assert_false(show_is_missing(got));
+    assert_int_equal(unlink(s->path), 0);
+    assert_true(show_is_missing(got));
+    scene_give(&r, 100, 200);
+    scene_flush(&r);
+    assert_int_equal(writer_status_of(r.writer).state, WRITER_OK);
+    scene_must(show_rescue(got, copy, &err), &err);
+    assert_int_equal(show_rescue(got, copy, &err), MRT_ERR_ARGUMENT);
+    scene_give(&r, 200, 300);
+    scene_flush(&r);
+    scene_expect(got, r.track, 0, 300);
+    scene_stop(&r);
+    show_close(got);
+    scene_must(show_open(&rescued, copy, SHOW_WRITE, &err), &err);
+    scene_expect(rescued, r.track, 0, 200);
+    show_close(rescued);
+}
+
+static void a_replaced_file_is_noticed(void **state)
+{
+    scene *s = *state;
+    char other[SCENE_PATH];
+    error err = {""};
+    show *got;
+    snprintf(other, sizeof other, "%s/other.marotte", s->folder);
+    scene_must(show_create(&got, s->path, &err), &err);
+    write_file(other, "x", 1);
+    assert_int_equal(rename(other, s->path), 0);
+    assert_true(show_is_missing(got));
+    show_close(got);
+}
+
+/* ---- what a hostile file may not do ---- */
+
+static void nothing_in_a_file_runs(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    int64_t track = record_some(s->path, 10);
+    run_sql(s->path, "CREATE TRIGGER evil AFTER INSERT ON track BEGIN DELETE FROM chunk; END");
+    scene_must(show_open(&got, s->path, SHOW_WRITE, &err), &err);
+    writer_options options = scene_options();
+    scene_recording r;
+    scene_record(&r, got, &options);
+    scene_give(&r, 0, 10);
+    scene_stop(&r);
+    scene_expect(got, track, 0, 10);
+    show_close(got);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(a_closed_show_is_one_file),
+        TEST(a_show_is_not_made_over_a_file),
+        TEST(what_is_no_show_is_refused_by_name),
+        TEST(names_with_special_letters_work),
+        TEST(the_second_one_reads_and_says_who_writes),
+        TEST(a_killed_program_leaves_no_lock_and_its_take),
+        TEST(a_folder_that_cannot_be_written_opens_for_reading),
+        TEST(a_file_that_cannot_be_written_opens_for_reading),
+        TEST(a_log_that_cannot_be_read_is_said),
+        TEST(an_older_show_becomes_todays),
+        TEST(a_newer_show_opens_for_reading_if_it_can_be_read),
+        TEST(recording_goes_on_into_a_deleted_file_and_can_be_rescued),
+        TEST(a_replaced_file_is_noticed),
+        TEST(nothing_in_a_file_runs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
