@@ -42,3 +42,29 @@ mrt_result edit_apply(take *t, const edit *e, error *err)
     *t = changed;
     return MRT_OK;
 }
+
+/* ---- what it refers to ---- */
+
+static const take_clip *find_clip(const take *t, uint32_t id)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            if (t->layer[i].clip[k].id == id)
+                return &t->layer[i].clip[k];
+    return NULL;
+}
+
+bool edit_refers(edit_reference *out, const edit *e, const take *before)
+{
+    *out = (edit_reference){.performance = e->performance};
+    if (e->kind == EDIT_CLIP_PERFORM) {
+        const take_clip *clip = find_clip(before, e->clip);
+        out->from_ns = clip ? clip->from_ns : 0;
+        out->to_ns = clip ? clip->to_ns : 0;
+        return clip != NULL;
+    }
+    edit full = edit_with_defaults(e, before);
+    out->from_ns = full.from_ns;
+    out->to_ns = full.to_ns;
+    return e->kind == EDIT_CLIP_ADD || e->kind == EDIT_PUNCH || e->kind == EDIT_COMP;
+}

@@ -120,6 +120,14 @@ CHECKED mrt_result edit_apply(take *t, const edit *e, error *err);
  */
 CHECKED mrt_result edit_apply_onto(take *t, const edit *e, error *err);
 
+/* Which recording the edit shows that the take may not have shown before, so that it can be kept;
+ * false: none. `before`: the take as it was before the edit. */
+typedef struct edit_reference {
+    int64_t performance;
+    int64_t from_ns, to_ns; /* show time */
+} edit_reference;
+bool edit_refers(edit_reference *out, const edit *e, const take *before);
+
 /* What holds for every take: ids are unique; sizes are within the limits above; numbers are finite
  * and within the ranges of their edits; clips are in order, and no three of a layer overlap at an
  * instant; they end after their start, show instants from 0 to to_ns - from_ns only, and their

@@ -108,8 +108,7 @@ static mrt_result check_shown(const take_layer *layer, const take_clip *clip, er
                      there.text);
 }
 
-/* What was left out of an edit, by what is there. */
-static edit with_defaults(const edit *e, const take *t)
+edit edit_with_defaults(const edit *e, const take *t)
 {
     edit full = *e;
     if (full.from_ns == EDIT_UNSAID)
@@ -124,7 +123,7 @@ static edit with_defaults(const edit *e, const take *t)
 mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const edit *e,
                          int64_t start_ns, int64_t end_ns, error *err)
 {
-    const edit full = with_defaults(e, t);
+    const edit full = edit_with_defaults(e, t);
     *out = (take_clip){0};
     if (e->warp_count && e->source_ns != EDIT_UNSAID)
         return error_set(

@@ -90,6 +90,9 @@ int64_t edit_latest_ns(const take_clip *clip);
 CHECKED mrt_result edit_reserve(void **array, size_t element, uint32_t count, uint32_t cap,
                                 const char *what, error *err);
 
+/* e with its material in full: what was left out is as in the take. */
+edit edit_with_defaults(const edit *e, const take *t);
+
 /* ---- clips in a layer (edit_lay.c); times in the layer's own, without its offset ---- */
 
 /* What e says, as a clip from start_ns until end_ns, or, where these are EDIT_UNSAID, where it

@@ -224,7 +224,9 @@ static mrt_result append(history *self, const edit *e, error *err)
     mrt_result result = edit_write(&text, e, err);
     if (result < 0)
         return result;
-    result = self->store.append(self->store.self, text, err);
+    edit_reference shows;
+    bool refers = edit_refers(&shows, e, &self->now);
+    result = self->store.append(self->store.self, text, refers ? &shows : NULL, err);
     free(text);
     return result;
 }

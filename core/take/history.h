@@ -21,8 +21,10 @@ typedef struct history_store {
     /* Edit n, first..last, as JSON: out_text (out_size bytes) lives until the next call. */
     CHECKED mrt_result (*read)(void *self, int64_t n, const char **out_text, size_t *out_size,
                                error *err);
-    /* All or none: the edit becomes head + 1, and head = last = that. */
-    CHECKED mrt_result (*append)(void *self, const char *text, error *err);
+    /* All or none: the edit becomes head + 1, and head = last = that. `shows`: the recording that
+     * it refers to; NULL: none. */
+    CHECKED mrt_result (*append)(void *self, const char *text, const edit_reference *shows,
+                                 error *err);
     CHECKED mrt_result (*set_head)(void *self, int64_t head, error *err);
 } history_store;
 

@@ -146,7 +146,8 @@ enum { HELP_EDITS = 256 };
 typedef struct help_list {
     char *base[8], *text[HELP_EDITS];
     int64_t base_count, head, last;
-    bool is_full; /* the next change fails */
+    bool is_full;         /* the next change fails */
+    edit_reference shows; /* of the last edit */
 } help_list;
 
 static inline mrt_result help_list_extent(void *self, history_extent *out, error *err)
@@ -177,9 +178,11 @@ static inline char *help_copy(const char *text)
     return copy;
 }
 
-static inline mrt_result help_list_append(void *self, const char *text, error *err)
+static inline mrt_result help_list_append(void *self, const char *text, const edit_reference *shows,
+                                          error *err)
 {
     help_list *list = self;
+    list->shows = shows ? *shows : (edit_reference){0};
     if (list->is_full || list->head >= HELP_EDITS)
         return error_set(err, MRT_ERR_IO, "the disk is full");
     while (list->last > list->head)

@@ -170,9 +170,11 @@ static void an_edit_of_a_newer_version_is_named_and_the_take_before_it_shown(voi
     history *h;
     take t;
     int64_t reached;
-    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":1}", &err), MRT_OK);
-    assert_int_equal(help_list_append(&list, "{\"op\":\"clip.warble\"}", &err), MRT_OK);
-    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":2}", &err), MRT_OK);
+    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":1}", NULL, &err),
+                     MRT_OK);
+    assert_int_equal(help_list_append(&list, "{\"op\":\"clip.warble\"}", NULL, &err), MRT_OK);
+    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":2}", NULL, &err),
+                     MRT_OK);
     assert_int_equal(history_open(&h, &bare, &store, &err), MRT_ERR_UNSUPPORTED);
     assert_null(h);
     assert_int_equal(history_fold(&t, &bare, &store, 3, &reached, &err), MRT_ERR_UNSUPPORTED);
@@ -198,19 +200,42 @@ static void an_edit_that_does_not_apply_leaves_the_take_before_it(void **state)
     error err = {""};
     take t, before;
     int64_t reached;
-    assert_int_equal(
-        help_list_append(&list, "{\"op\":\"clip.split\",\"clip\":2,\"at_ns\":3000000000}", &err),
-        MRT_OK);
+    assert_int_equal(help_list_append(&list,
+                                      "{\"op\":\"clip.split\",\"clip\":2,\"at_ns\":3000000000}",
+                                      NULL, &err),
+                     MRT_OK);
     assert_int_equal(history_fold(&before, &bare, &store, 1, NULL, &err), MRT_OK);
-    assert_int_equal(
-        help_list_append(&list, "{\"op\":\"clip.move\",\"clip\":3,\"start_ns\":-1000000000}", &err),
-        MRT_OK);
+    assert_int_equal(help_list_append(&list,
+                                      "{\"op\":\"clip.move\",\"clip\":3,\"start_ns\":-1000000000}",
+                                      NULL, &err),
+                     MRT_OK);
     assert_int_equal(history_fold(&t, &bare, &store, 2, &reached, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "edit 2: "));
     assert_int_equal(reached, 1);
     assert_true(help_same(&t, &before));
     take_finish(&before);
     take_finish(&t);
+    help_list_finish(&list);
+}
+
+static void an_edit_says_which_recording_it_shows(void **state)
+{
+    (void)state;
+    help_list list = base_list();
+    history *h = open_history(&list);
+    make_edit(h, "{'op':'clip.trim','clip':2,'end_ns':9000m}");
+    assert_true(list.shows.performance == 0);
+    make_edit(h, "{'op':'clip.perform','clip':2,'performance':8}");
+    assert_true(list.shows.performance == 8 && list.shows.from_ns == 1000 * help_s &&
+                list.shows.to_ns == 1010 * help_s);
+    make_edit(h, "{'op':'punch','layer':1,'performance':9,'from_ns':5,'to_ns':5000m,'in_ns':0,"
+                 "'out_ns':1000m,'fade_ns':0}");
+    assert_true(list.shows.performance == 9 && list.shows.from_ns == 5 &&
+                list.shows.to_ns == 5 * help_s);
+    make_edit(h, "{'op':'layer.add','name':'x'}");
+    make_edit(h, "{'op':'clip.add','layer':4,'performance':10}");
+    assert_true(list.shows.performance == 10 && list.shows.to_ns == 1010 * help_s);
+    history_close(h);
     help_list_finish(&list);
 }
 
@@ -222,7 +247,8 @@ static void a_fold_stops_where_it_is_told(void **state)
     error err;
     take t;
     int64_t reached;
-    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":1}", &err), MRT_OK);
+    assert_int_equal(help_list_append(&list, "{\"op\":\"take.rate\",\"rating\":1}", NULL, &err),
+                     MRT_OK);
     assert_int_equal(history_fold(&t, &bare, &store, -2, &reached, &err), MRT_OK);
     assert_true(reached == -2 && t.layer_count == 0);
     take_finish(&t);
@@ -328,6 +354,7 @@ int main(void)
         cmocka_unit_test(what_fails_changes_nothing),
         cmocka_unit_test(an_edit_of_a_newer_version_is_named_and_the_take_before_it_shown),
         cmocka_unit_test(an_edit_that_does_not_apply_leaves_the_take_before_it),
+        cmocka_unit_test(an_edit_says_which_recording_it_shows),
         cmocka_unit_test(a_fold_stops_where_it_is_told),
         cmocka_unit_test(a_list_that_makes_no_sense_is_refused),
         cmocka_unit_test(edits_are_said_in_words),
