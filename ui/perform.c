@@ -1,13 +1,12 @@
 /* marotte perform: a performance without a window. */
-#include "base/file.h"
 #include "command.h"
 #include "constraint_cost.h"
-#include "draw/sheet.h"
 #include "facts.h"
 #include "keys.h"
 #include "news.h"
 #include "perform_hands.h"
 #include "perform_options.h"
+#include "perform_record.h"
 #include "progress.h"
 #include "recording.h"
 #include "stage/player.h"
@@ -36,6 +35,7 @@ typedef struct performance {
     instance mapping;
     performer *performer;
     recording recording;
+    perform_record record;
     player_report report;
     progress progress;
 } performance;
@@ -63,26 +63,6 @@ static void print_note(const char *note)
         fprintf(stderr, "note: %.*s\n", (int)length, line);
         line += length + (line[length] == '\n');
     }
-}
-
-/* An export that cannot be written is better known before an hour of performing. */
-static mrt_result check_export(const char *path, error *err)
-{
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return error_set(err, MRT_ERR_IO, "%s: is a %s, cannot write a file there", path,
-                         S_ISDIR(status.st_mode) ? "directory" : "device or pipe");
-    char *directory = file_directory(path);
-    if (!directory)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    const char *folder = directory[0] ? directory : ".";
-    mrt_result result = MRT_OK;
-    if (stat(folder, &status) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: the folder %s: %s", path, folder, strerror(errno));
-    else if (!S_ISDIR(status.st_mode) || access(folder, W_OK) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: cannot write into %s", path, folder);
-    free(directory);
-    return result;
 }
 
 static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_types, error *err)
@@ -128,15 +108,13 @@ static mrt_result open_mapping(performance *self, error *err)
 static mrt_result prepare(performance *self, error *err)
 {
     const perform_options *options = self->options;
-    for (uint32_t i = 0; i < options->export_count; ++i) {
-        mrt_result result = check_export(options->exports[i].path, err);
-        if (result < 0)
-            return result;
-    }
+    mrt_result result = exports_check(options->exports, options->export_count, err);
+    if (result < 0)
+        return result;
     self->log = log_queue_create();
     if (!self->log)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
-    mrt_result result = plugin_list_load(&self->plugins, err);
+    result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
         result = face_file_read(&self->face, options->face, options->unit, FACE_FILE_USABLE, err);
     if (result < 0)
@@ -155,11 +133,20 @@ static mrt_result prepare(performance *self, error *err)
         result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
     if (result >= 0)
         result = recording_create(&self->recording, &self->face.mesh, options->fps, NULL, err);
-    return result;
+    const perform_record_of of = {.plugins = &self->plugins,
+                                  .log = self->log,
+                                  .clock = self->clock,
+                                  .inputs = self->inputs,
+                                  .input_count = self->input_count,
+                                  .hands = &self->hands,
+                                  .performer = self->performer,
+                                  .face = &self->face};
+    return result < 0 ? result : perform_record_start(&self->record, options, &of, err);
 }
 
 static void finish(performance *self)
 {
+    perform_record_finish(&self->record);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
     instance_destroy(&self->mapping);
@@ -188,19 +175,38 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     performance *self = data;
     char text[64];
     news_print(self->log);
-    perform_hands_keys(self->performer, &stop_asked, &self->progress);
+    perform_record_watch(&self->record);
+    uint32_t rezeroed = perform_hands_keys(self->performer, &stop_asked, &self->progress);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && self->record.recorder; ++side)
+        if (rezeroed & (1u << side))
+            recorder_rezero(self->record.recorder, side);
     snprintf(text, sizeof text, "%.1f s", time_s);
     progress_show(&self->progress,
                   self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);
     mrt_result result = check_pulls(self, err);
     if (result < 0)
         return result;
-    return recording_add(&self->recording, self->performer, work_ns, err);
+    return recording_add(&self->recording, performer_composer(self->performer), work_ns, err);
+}
+
+static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+{
+    const performance *self = data;
+    recorder_sample(self->record.recorder, from, sample);
+}
+
+static void on_performed(void *data, uint32_t from, const mrt_sample *sample)
+{
+    const performance *self = data;
+    recorder_performed(self->record.recorder, from, sample);
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
 {
     performance *self = data;
+    for (uint32_t i = 0; self->record.recorder && i < self->input_count; ++i)
+        if (self->inputs[i] == from)
+            recorder_incident(self->record.recorder, i, what);
     progress_end(&self->progress);
     news_print(self->log);
     if (what->kind == INPUT_WENT)
@@ -221,6 +227,10 @@ static mrt_result perform(performance *self, error *err)
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
+    if (self->record.recorder) {
+        events.sample = on_sample;
+        events.performed = on_performed;
+    }
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
@@ -321,74 +331,23 @@ static mrt_result report_constraints(performance *self, facts *told, error *err)
     return MRT_OK;
 }
 
-static void on_export(void *data, double done)
+/* What the picture is called. */
+static void name_performance(const performance *self, char *out, size_t capacity)
 {
-    progress_show(data, done, "");
-}
-
-static mrt_result write_glb(const performance *self, const char *path, const export_progress *steps,
-                            facts *told, error *err)
-{
-    gltf_options options = {.tolerance_mm = self->options->tolerance_mm,
-                            .max_targets = self->options->max_targets};
-    gltf_report report;
-    mrt_result result = gltf_write(path, self->recording.clip, &options, steps, &report, err);
-    if (result < 0)
-        return result;
-    facts_number(told, "gltf_targets", "morph targets", report.target_count, 0, "");
-    facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0, "");
-    facts_number(told, "gltf_max_error_mm", "greatest error", report.max_error_mm, 4, "mm");
-    facts_number(told, "gltf_tolerance_mm", "tolerance", report.tolerance_mm, 4, "mm");
-    return MRT_OK;
-}
-
-static mrt_result write_sheet(const performance *self, const char *path, error *err)
-{
-    char title[256];
     const char *dot = strrchr(self->mapping.type->id, '.');
-    snprintf(title, sizeof title, "%s, %s", input_name(self->inputs[0]),
+    snprintf(out, capacity, "%s, %s", input_name(self->inputs[0]),
              dot ? dot + 1 : self->mapping.type->id);
-    return sheet_write(path, self->recording.clip, title, err);
-}
-
-static mrt_result write_export(performance *self, const perform_export *export, facts *told,
-                               error *err)
-{
-    export_progress steps = {on_export, &self->progress};
-    const clip *frames = self->recording.clip;
-    switch (export->format) {
-    case EXPORT_GLB:
-        return write_glb(self, export->path, &steps, told, err);
-    case EXPORT_PC2:
-        return pc2_write(export->path, frames, &steps, err);
-    case EXPORT_MDD:
-        return mdd_write(export->path, frames, &steps, err);
-    case EXPORT_CSV:
-        return csv_write(export->path, frames, &steps, err);
-    case EXPORT_PNG:
-        return write_sheet(self, export->path, err);
-    case EXPORT_NONE:
-        break;
-    }
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: unknown format", export->path);
 }
 
 static mrt_result write_exports(performance *self, facts *told, error *err)
 {
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < self->options->export_count && result >= 0; ++i) {
-        const perform_export *export = &self->options->exports[i];
-        progress_start(&self->progress, "writing");
-        result = write_export(self, export, told, err);
-        progress_end(&self->progress);
-        if (result >= 0)
-            facts_list(told, "files", "wrote", export->path);
-    }
-    struct rusage usage;
-    if (result >= 0 && getrusage(RUSAGE_SELF, &usage) == 0)
-        facts_number(told, "peak_memory_mib", "peak memory", (double)usage.ru_maxrss / 1024.0, 1,
-                     "MiB");
-    return result;
+    char title[256];
+    name_performance(self, title, sizeof title);
+    exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
+                                 .max_targets = self->options->max_targets,
+                                 .title = title};
+    return exports_write(self->options->exports, self->options->export_count, self->recording.clip,
+                         &settings, &self->progress, told, err);
 }
 
 static int run(int argc, char **argv)
@@ -404,6 +363,8 @@ static int run(int argc, char **argv)
     mrt_result result = told ? prepare(&self, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = perform(&self, &err);
+    if (result >= 0)
+        result = perform_record_end(&self.record, told, &err);
     if (result >= 0) {
         report_performance(&self, told);
         result = report_constraints(&self, told, &err);
@@ -429,6 +390,7 @@ const command command_perform = {
     .help =
         "marotte perform --face MESH --input PLUGIN[:ADDRESS][,key=value]... --map "
         "PLUGIN[,key=value]...\n"
+        "                [--record SHOW.marotte [--scene NAME] [--shot NAME]]\n"
         "                [--export FILE]... [--fps N] [--seconds N] [--realtime] [--json]\n"
         "\n"
         "Hands come in, a face comes out: as fast as possible from recordings, in real time from\n"
@@ -440,6 +402,8 @@ const command command_perform = {
         "                     log:plugins/log/demo_hand.csv,speed=2\n"
         "  --map SPEC         a mapping plugin and its parameters\n"
         "                     anchored,radius=30,gain=0.8\n"
+        "  --record SHOW      keeps the hands as a take of this show, which is made if it is not\n"
+        "                     there (marotte take); --scene and --shot: of its slate\n"
         "  --export FILE      .glb   glTF: base mesh, morph targets, animation\n"
         "                     .pc2 .mdd   vertex caches, mm\n"
         "                     .csv   the control vectors as text, mm\n"

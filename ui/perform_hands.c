@@ -154,27 +154,33 @@ void perform_hands_report(const perform_hands *self, const performer *p, facts *
     facts_number(told, "rezeros_refused", "  refused", rezeros->refused, 0, rezeros->refusal.text);
 }
 
-static void rezero(performer *p)
+static uint32_t rezero(performer *p)
 {
+    uint32_t done = 0;
     const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         if (!hand[side].present)
             continue;
         error why = {""};
-        if (performer_rezero(p, side, &why) == MRT_OK)
+        if (performer_rezero(p, side, &why) == MRT_OK) {
+            done |= 1u << side;
             fprintf(stderr, "note: the %s hand's pose is its neutral pose now\n", side_name[side]);
-        else
+        } else {
             fprintf(stderr, "note: not re-zeroed: %s\n", why.text);
+        }
     }
+    return done;
 }
 
-void perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown)
+uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown)
 {
+    uint32_t done = 0;
     for (char key = keys_next(); key; key = keys_next()) {
         progress_end(shown);
         if (key == 'z')
-            rezero(p);
+            done |= rezero(p);
         else if (key == 'q')
             atomic_store(stop, true);
     }
+    return done;
 }

@@ -26,7 +26,8 @@ const hand_calibration *perform_hands_calibration(const perform_hands *self, uin
 
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told);
 
-/* Takes the keys that were pressed: z re-zeroes the hands, q sets *stop. Says what it did. */
-void perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
+/* Takes the keys that were pressed: z re-zeroes the hands, q sets *stop. Returns which hands were
+ * re-zeroed: bits by side. Says what it did. */
+uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
 
 #endif

@@ -1,6 +1,7 @@
 #include "perform_options.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "take/take.h"
 
 #include <getopt.h>
 #include <stdlib.h>
@@ -19,6 +20,9 @@ enum {
     OPTION_HAND_LENGTH,
     OPTION_CALIBRATION,
     OPTION_REZERO_PEDAL,
+    OPTION_RECORD,
+    OPTION_SCENE,
+    OPTION_SHOT,
     OPTION_REALTIME,
     OPTION_JSON
 };
@@ -36,17 +40,12 @@ static const struct option option_table[] = {
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
     {"calibration", required_argument, NULL, OPTION_CALIBRATION},
     {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
+    {"record", required_argument, NULL, OPTION_RECORD},
+    {"scene", required_argument, NULL, OPTION_SCENE},
+    {"shot", required_argument, NULL, OPTION_SHOT},
     {"realtime", no_argument, NULL, OPTION_REALTIME},
     {"json", no_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
-};
-
-static const struct {
-    const char *extension;
-    export_format format;
-} formats[] = {
-    {"glb", EXPORT_GLB}, {"pc2", EXPORT_PC2}, {"mdd", EXPORT_MDD},
-    {"csv", EXPORT_CSV}, {"png", EXPORT_PNG},
 };
 
 static const struct {
@@ -69,19 +68,23 @@ static int read_number(const command *self, const char *option, const char *text
     return command_usage(self, "--%s \"%s\" is not a number from %g to %g", option, text, min, max);
 }
 
+static int read_name(const command *self, const char *option, const char *text, const char **out)
+{
+    *out = text;
+    if (strlen(text) < TAKE_NAME)
+        return COMMAND_DONE;
+    return command_usage(self, "--%s: at most %d letters are possible", option, TAKE_NAME - 1);
+}
+
 static int add_export(perform_options *out, const command *self, const char *path)
 {
-    if (out->export_count == PERFORM_EXPORTS_MAX)
-        return command_usage(self, "at most %d exports are possible", PERFORM_EXPORTS_MAX);
-    file_extension extension = file_extension_of(path);
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i) {
-        if (strcmp(extension.text, formats[i].extension) != 0)
-            continue;
-        out->exports[out->export_count++] = (perform_export){path, formats[i].format};
-        return COMMAND_DONE;
-    }
-    return command_usage(self, "--export %s: the name must end in .glb, .pc2, .mdd, .csv or .png",
-                         path);
+    if (out->export_count == EXPORTS_MAX)
+        return command_usage(self, "at most %d exports are possible", EXPORTS_MAX);
+    exports_file file = {path, exports_format_of(path)};
+    if (file.format == EXPORTS_NONE)
+        return command_usage(self, "--export %s: the name must end in %s", path, exports_names);
+    out->exports[out->export_count++] = file;
+    return COMMAND_DONE;
 }
 
 static int read_unit(perform_options *out, const command *self, const char *text)
@@ -156,6 +159,13 @@ static int read_option(perform_options *out, const command *self, int option, co
         code = read_number(self, "rezero-pedal", text, 1, MRT_MAX_PEDALS, &number);
         out->rezero_pedal = (uint32_t)number;
         return code;
+    case OPTION_RECORD:
+        out->record = text;
+        return COMMAND_DONE;
+    case OPTION_SCENE:
+        return read_name(self, "scene", text, &out->scene);
+    case OPTION_SHOT:
+        return read_name(self, "shot", text, &out->shot);
     case OPTION_REALTIME:
         out->is_realtime = true;
         return COMMAND_DONE;
@@ -169,7 +179,7 @@ static int read_option(perform_options *out, const command *self, int option, co
 
 int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
 {
-    *out = (perform_options){.fps = 30.0};
+    *out = (perform_options){.fps = 30.0, .scene = "", .shot = ""};
     int code = COMMAND_DONE;
     opterr = 0;
     optind = 1;

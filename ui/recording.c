@@ -157,10 +157,10 @@ static void measure_motion(recording *self, const face *f)
     self->furthest_mm = fmax(self->furthest_mm, sqrt((double)furthest));
 }
 
-mrt_result recording_add(recording *self, performer *p, int64_t work_ns, error *err)
+mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err)
 {
-    const face *f = performer_face(p);
-    bool is_anchored = performer_is_anchored(p);
+    const face *f = composer_face(from);
+    bool is_anchored = composer_is_anchored(from);
     mrt_result result = keep_work(self, work_ns, err);
     if (result < 0)
         return result;
@@ -175,7 +175,7 @@ mrt_result recording_add(recording *self, performer *p, int64_t work_ns, error *
     else
         result = add_free(self, f, err);
     if (result >= 0)
-        result = add_controls(self, performer_pull(p), err);
+        result = add_controls(self, composer_pull(from), err);
     return result;
 }
 

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
 #include "io/clip.h"
-#include "stage/performer.h"
+#include "stage/composer.h"
 
 typedef struct recording {
     clip *clip;
@@ -32,8 +32,8 @@ CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps,
                                     const char *clip_directory, error *err);
 void recording_destroy(recording *self);
 
-/* Takes the performer's shape as the next frame. */
-CHECKED mrt_result recording_add(recording *self, performer *p, int64_t work_ns, error *err);
+/* Takes the face shown as the next frame. */
+CHECKED mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err);
 
 /* Frame times, ms; 0 without frames. Sorts what recording_add kept. */
 double recording_median_ms(recording *self);

@@ -274,6 +274,35 @@ static bool listen(composer *self)
     return is_new;
 }
 
+static void add_pulled(mrt_pull *out, const voice *v)
+{
+    const mrt_pull *pull = v->part.pull;
+    float share = (float)(v->part.weight * v->part.gain);
+    for (uint32_t i = 0; i < pull->count && out->count < MRT_MAX_VECTORS; ++i) {
+        mrt_vector *to = &out->vector[out->count++];
+        *to = pull->vector[i];
+        to->end.x = to->start.x + share * (to->end.x - to->start.x);
+        to->end.y = to->start.y + share * (to->end.y - to->start.y);
+        to->end.z = to->start.z + share * (to->end.z - to->start.z);
+    }
+}
+
+static void note_pulled(composer *self)
+{
+    const voice *first = &self->voice[self->order[0]];
+    bool is_one = self->order_count == 1 && !(fabs(first->part.weight - 1.0) > 0.0) &&
+                  !(fabs(first->part.gain - 1.0) > 0.0);
+    if (is_one) {
+        self->pulled = *first->part.pull;
+        return;
+    }
+    self->pulled.count = 0;
+    self->pulled.mode = self->engaged ? MRT_ANCHORED : MRT_UNANCHORED;
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        add_pulled(&self->pulled, &self->voice[self->order[i]]);
+    composer_blend_dofs(self, self->pulled.dof);
+}
+
 static void leave(composer *self)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
@@ -312,6 +341,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
             knead(self, &self->voice[self->order[i]], dt_s);
     if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
         composer_join(self);
+    note_pulled(self);
     leave(self);
 }
 
@@ -350,6 +380,11 @@ double composer_reach_mm(const composer *self, vec3 *out_centre)
 face *composer_face(composer *self)
 {
     return self->face;
+}
+
+const mrt_pull *composer_pull(const composer *self)
+{
+    return &self->pulled;
 }
 
 csrbf_settings composer_solver(const composer *self)

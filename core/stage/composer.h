@@ -54,7 +54,9 @@ void composer_reset(composer *self);
 /* The face; its shape is that of composer_draw, in the engine's order. */
 face *composer_face(composer *self);
 const float *composer_normal(const composer *self, uint32_t axis); /* engine's order */
-csrbf_settings composer_solver(const composer *self);              /* radius > 0 */
+/* What all pulled in the last step, weighed, not blended; as for exports. */
+const mrt_pull *composer_pull(const composer *self);
+csrbf_settings composer_solver(const composer *self); /* radius > 0 */
 /* True while the frames are anchored: face_columns_now tells them exactly. */
 bool composer_is_anchored(const composer *self);
 

@@ -55,6 +55,7 @@ struct composer {
     joined_control control[MRT_MAX_VECTORS];
     uint32_t control_count;
     float engaged_radius_mm;
+    mrt_pull pulled; /* of the last step */
     composer_counts counts;
 };
 
