@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Steps back that need no folding from the start. */
+enum { KEPT = 32 };
+
 typedef struct words {
     char text[EDIT_TEXT];
 } words;
@@ -12,6 +15,9 @@ struct history {
     history_store store;
     history_extent extent;
     take bare, now;
+    take kept[KEPT]; /* after edit n at n % KEPT, where kept_is_set */
+    int64_t kept_n[KEPT];
+    bool kept_is_set[KEPT];
     words *said; /* of edit n at n - 1 */
     size_t said_room;
 };
@@ -117,6 +123,67 @@ mrt_result history_fold(take *out, const take *bare, const history_store *store,
     return result;
 }
 
+/* ---- takes on the way, for undo ---- */
+
+/* Takes t over. */
+static void keep(history *self, int64_t n, take t)
+{
+    size_t slot = (size_t)(n % KEPT);
+    take_finish(&self->kept[slot]);
+    self->kept[slot] = t;
+    self->kept_n[slot] = n;
+    self->kept_is_set[slot] = true;
+}
+
+static void drop_after(history *self, int64_t n)
+{
+    for (size_t slot = 0; slot < KEPT; ++slot) {
+        if (self->kept_n[slot] <= n)
+            continue;
+        take_finish(&self->kept[slot]);
+        self->kept_is_set[slot] = false;
+    }
+}
+
+static const take *kept_at(const history *self, int64_t n)
+{
+    size_t slot = (size_t)(n % KEPT);
+    if (n == self->extent.head)
+        return &self->now;
+    return self->kept_is_set[slot] && self->kept_n[slot] == n ? &self->kept[slot] : NULL;
+}
+
+/* Edits from..until onto t, whose last ones are kept: people undo step by step. */
+static mrt_result advance(history *self, take *t, int64_t from, int64_t until, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (int64_t n = from; result >= 0 && n <= until; ++n) {
+        take copy;
+        int64_t reached;
+        if (n > 1 && n > until - KEPT && take_copy(&copy, t, NULL) >= 0)
+            keep(self, n - 1, copy);
+        result = apply_edits(t, &self->store, n, n, &reached, NULL, err);
+    }
+    return result;
+}
+
+/* From the nearest take that is there, or from the start. */
+static mrt_result reach(take *out, history *self, int64_t head, error *err)
+{
+    int64_t reached, start = head > KEPT ? head - KEPT : 0;
+    const take *near = NULL;
+    *out = (take){0};
+    if (head >= self->extent.head)
+        start = self->extent.head;
+    for (int64_t n = head; !near && n >= start; --n)
+        if ((near = kept_at(self, n)))
+            start = n;
+    mrt_result result =
+        near ? take_copy(out, near, err)
+             : fold(out, &self->bare, &self->store, self->extent.first, start, &reached, NULL, err);
+    return result < 0 ? result : advance(self, out, start + 1, head, err);
+}
+
 /* ---- an open history ---- */
 
 static mrt_result make_room(history *self, int64_t count, error *err)
@@ -192,6 +259,8 @@ void history_close(history *self)
         return;
     take_finish(&self->bare);
     take_finish(&self->now);
+    for (size_t slot = 0; slot < KEPT; ++slot)
+        take_finish(&self->kept[slot]);
     free(self->said);
     free(self);
 }
@@ -247,23 +316,11 @@ mrt_result history_do(history *self, const edit *e, error *err)
         return result;
     }
     edit_describe(self->said[self->extent.head].text, e, &self->now);
-    self->extent.last = ++self->extent.head;
-    take_finish(&self->now);
+    drop_after(self, self->extent.head);
+    keep(self, self->extent.head, self->now);
     self->now = changed;
+    self->extent.last = ++self->extent.head;
     return MRT_OK;
-}
-
-/* Forwards from where it is, backwards from the start. */
-static mrt_result reach(take *out, const history *self, int64_t head, error *err)
-{
-    int64_t reached;
-    *out = (take){0};
-    if (head < self->extent.head)
-        return fold(out, &self->bare, &self->store, self->extent.first, head, &reached, NULL, err);
-    mrt_result result = take_copy(out, &self->now, err);
-    if (result >= 0)
-        result = apply_edits(out, &self->store, self->extent.head + 1, head, &reached, NULL, err);
-    return result;
 }
 
 mrt_result history_go(history *self, int64_t head, error *err)
@@ -279,9 +336,9 @@ mrt_result history_go(history *self, int64_t head, error *err)
         take_finish(&then);
         return result;
     }
-    self->extent.head = head;
-    take_finish(&self->now);
+    keep(self, self->extent.head, self->now);
     self->now = then;
+    self->extent.head = head;
     return MRT_OK;
 }
 

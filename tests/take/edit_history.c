@@ -95,6 +95,42 @@ static void undo_and_redo_move_the_head(void **state)
     help_list_finish(&list);
 }
 
+/* More than are kept at hand: some steps are folded from the start. */
+static void every_step_of_a_long_undo_is_the_fold_up_to_there(void **state)
+{
+    (void)state;
+    enum { STEPS = 100 };
+    help_list list = base_list();
+    history_store store = help_store(&list);
+    history *h = open_history(&list);
+    for (int i = 0; i < STEPS; ++i) {
+        char brief[96];
+        (void)snprintf(brief, sizeof brief, "{'op':'clip.split','clip':%d,'at_ns':%dm}",
+                       i < 1 ? 2 : i + 2, (i + 1) * 90);
+        make_edit(h, brief);
+    }
+    for (int walk = 0; walk < 3; ++walk)
+        for (int i = 0; i < STEPS; ++i) {
+            int64_t head = walk == 1 ? i + 1 : walk == 2 ? (i * 37) % STEPS : STEPS - 1 - i;
+            take folded;
+            error err;
+            if (history_go(h, head, &err) < 0 ||
+                history_fold(&folded, &bare, &store, head, NULL, &err) < 0)
+                fail_msg("%s", err.text);
+            assert_true(help_same(history_take(h), &folded));
+            assert_int_equal(history_take(h)->layer->clip_count, head + 1);
+            take_finish(&folded);
+        }
+    make_edit(h, "{'op':'take.rate','rating':1}");
+    int64_t head = history_head(h);
+    assert_int_equal(history_undo(h, NULL), MRT_OK);
+    assert_int_equal(history_redo(h, NULL), MRT_OK);
+    assert_int_equal(history_take(h)->rating, 1);
+    assert_true(history_head(h) == head && history_last(h) == head);
+    history_close(h);
+    help_list_finish(&list);
+}
+
 static void undo_survives_closing(void **state)
 {
     (void)state;
@@ -349,6 +385,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(base_edits_make_the_take_and_cannot_be_undone),
         cmocka_unit_test(undo_and_redo_move_the_head),
+        cmocka_unit_test(every_step_of_a_long_undo_is_the_fold_up_to_there),
         cmocka_unit_test(undo_survives_closing),
         cmocka_unit_test(an_edit_after_undo_abandons_the_later_ones),
         cmocka_unit_test(what_fails_changes_nothing),
