@@ -311,7 +311,8 @@ mrt_result descriptor_parse(descriptor *out, const uint8_t *bytes, size_t size,
                             char reason[DESCRIPTOR_REASON])
 {
     memset(out, 0, sizeof *out);
-    parser self = {.out = out, .reason = reason};
+    parser self = {.out = out};
+    self.reason = reason;
     mrt_result result = parse(&self, bytes, size);
     if (result < 0)
         memset(out, 0, sizeof *out);

@@ -234,7 +234,8 @@ mrt_result layout_text_parse(layout *out, const char *bytes, size_t size,
                              char reason[LAYOUT_TEXT_REASON])
 {
     layout read = {.source = LAYOUT_OF_LEARNING};
-    reader self = {.out = &read, .reason = reason};
+    reader self = {.out = &read};
+    self.reason = reason;
     mrt_result result = MRT_OK;
     const char *end = bytes + size;
     *out = (layout){0};
@@ -281,7 +282,8 @@ static void put_switch(writer *self, const layout_switch *s)
 
 size_t layout_text_print(char out[LAYOUT_TEXT_BYTES], const layout *from)
 {
-    writer self = {.out = out};
+    writer self = {.used = 0};
+    self.out = out;
     put(&self, "marotte pedal layout 1\ndevice %04x:%04x %s\n", from->vendor, from->product,
         from->name);
     if (from->interface_number == LAYOUT_ANY)

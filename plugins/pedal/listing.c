@@ -64,7 +64,7 @@ static void describe_device(const mrt_plugin *self, const usb_seen *device, cons
     if (out->name[0] == '\0')
         snprintf(out->name, sizeof out->name, "%s", known->name[0] ? known->name : "USB device");
     judge(self, device, known, out);
-    if (complaint[0] && out->state == MRT_DEVICE_READY)
+    if (complaint[0] && (out->state == MRT_DEVICE_READY || out->state == MRT_DEVICE_UNSURE))
         snprintf(out->advice, sizeof out->advice, "%.*s", (int)sizeof out->advice - 1, complaint);
 }
 
@@ -78,7 +78,7 @@ uint32_t listing_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
     for (uint32_t i = 0; i < seen_count && i < USB_SEEN; ++i) {
         char complaint[LAYOUT_FILE_REASON];
         layout known = opening_known_layout(&seen[i], complaint);
-        if (known.source == LAYOUT_OF_NOTHING && !may_be_pedal(&seen[i]))
+        if (known.source == LAYOUT_OF_NOTHING && !complaint[0] && !may_be_pedal(&seen[i]))
             continue;
         if (count < capacity)
             describe_device(self, &seen[i], &known, complaint, &out[count]);

@@ -250,8 +250,12 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
         char complaint[LAYOUT_FILE_REASON];
         layout known = opening_known_layout(&seen[i], complaint);
         if (!address_matches(wanted, &self->binding, seen[i].path, seen[i].vendor, seen[i].product,
-                             known.source != LAYOUT_OF_NOTHING))
+                             known.source != LAYOUT_OF_NOTHING)) {
+            /* what was taught, and cannot be read any more, may be what is looked for */
+            if (complaint[0] && wanted->kind == ADDRESS_ANY && !was_found)
+                snprintf(out->text, sizeof out->text, "%.*s", PEDAL_TEXT - 1, complaint);
             continue;
+        }
         attempt one = {0};
         open_device(self, &seen[i], &known, params, &one);
         if (one.result == MRT_OK || !was_found)

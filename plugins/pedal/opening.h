@@ -11,7 +11,7 @@ layout opening_known_layout(const usb_seen *device, char *complaint);
 /* The endpoint at which a layout is to be read; NULL: there is none. */
 const usb_endpoint *opening_endpoint(const layout *known, const usb_seen *device);
 
-mrt_result opening_open(mrt_plugin *self, const char *address, const double *params);
+mrt_result opening_open(mrt_plugin *self, const char *text, const double *params);
 void opening_close(mrt_plugin *self);
 
 #endif

@@ -367,16 +367,6 @@ usb_failure usb_open(usb *self, const usb_seen *device, const usb_endpoint *endp
     return failure_of(self, result);
 }
 
-bool usb_is_open(const usb *self)
-{
-    return self->handle != NULL;
-}
-
-uint32_t usb_flying(const usb *self)
-{
-    return self->is_flying ? 1 : 0;
-}
-
 /* Freeing a transfer that is still libusb's would end the program, so one whose callback never
  * comes is left to leak. */
 static void stop_listening(usb *self)

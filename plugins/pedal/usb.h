@@ -58,7 +58,6 @@ bool usb_came_lately(const usb *self, const char *path);
 usb_failure usb_open(usb *self, const usb_seen *device, const usb_endpoint *endpoint);
 /* Stops listening and gives the interface back to the kernel's driver; accepts a closed one. */
 void usb_close(usb *self);
-bool usb_is_open(const usb *self);
 /* In libusb's words, of the last failure. */
 const char *usb_failure_text(const usb *self);
 
@@ -68,8 +67,5 @@ size_t usb_read_descriptor(usb *self, uint8_t *out, size_t capacity);
 
 /* The next report, in order of arrival. USB_LOST only after the last of them. */
 usb_event usb_wait(usb *self, int64_t deadline_ns, usb_report *out);
-
-/* Transfers that have been submitted and have not come back: 0 when closed. */
-uint32_t usb_flying(const usb *self);
 
 #endif

@@ -18,8 +18,11 @@ enum { UNITS = 512, REPORTS = 64, REPORT_BYTES = 64, STANZA = 16384, PATH = 320 
 enum { CONFIGURATION_BYTES = 34, CONTROL_SETUP_BYTES = 8, HID_REPORT_DESCRIPTOR = 0x22 };
 
 typedef struct urb_slot {
-    UMockdevIoctlData *data; /* NULL: none */
+    UMockdevIoctlData *data; /* NULL: none; umockdev's thread alone looks inside */
     bool is_done, is_discarded;
+    int status;           /* done: how it ended */
+    const uint8_t *bytes; /* done: what came; of the report or of the model */
+    size_t size;
 } urb_slot;
 
 typedef struct pending_report {
@@ -41,6 +44,7 @@ struct pedal_unit {
     urb_slot interrupt, control;
     pending_report report[REPORTS];
     uint32_t report_first, report_count;
+    pending_report reported; /* of the transfer that is done */
 };
 
 struct pedal_double {
@@ -51,17 +55,23 @@ struct pedal_double {
     uint32_t unit_count;
 };
 
+/* Adds to the options of a sanitizer, if the program was built with one. */
+static void add_option(const char *variable, const char *option)
+{
+    const char *options = getenv(variable);
+    char joined[512];
+    snprintf(joined, sizeof joined, "%s%s%s", options ? options : "", options ? ":" : "", option);
+    setenv(variable, joined, 1);
+}
+
 int pedal_double_enter(char **arguments)
 {
-    static const char sanitizer[] = "verify_asan_link_order=0";
     const char *preloaded = getenv("LD_PRELOAD");
     if (preloaded && strstr(preloaded, "libumockdev-preload"))
         return 0;
-    const char *options = getenv("ASAN_OPTIONS");
-    char joined[512];
-    snprintf(joined, sizeof joined, "%s%s%s", options ? options : "", options ? ":" : "",
-             sanitizer);
-    setenv("ASAN_OPTIONS", joined, 1);
+    add_option("ASAN_OPTIONS", "verify_asan_link_order=0");
+    /* of umockdev, GLib and libudev TSan knows neither locks nor atomics */
+    add_option("TSAN_OPTIONS", "ignore_noninstrumented_modules=1");
     size_t count = 0;
     while (arguments[count])
         ++count;
@@ -103,17 +113,22 @@ static struct usbdevfs_urb *urb_of(const urb_slot *slot)
 
 static void finish_urb(urb_slot *slot, int status, const uint8_t *bytes, size_t size)
 {
+    slot->status = status;
+    slot->bytes = bytes;
+    slot->size = size;
+    slot->is_done = true;
+}
+
+static void write_result(const urb_slot *slot)
+{
     struct usbdevfs_urb *urb = urb_of(slot);
     size_t offset = urb->type == USBDEVFS_URB_TYPE_CONTROL ? CONTROL_SETUP_BYTES : 0;
     size_t room = (size_t)urb->buffer_length - offset;
-    bool is_over = size > room;
-    if (is_over)
-        size = room;
+    size_t size = slot->size < room ? slot->size : room;
     if (size > 0)
-        memcpy((uint8_t *)urb->buffer + offset, bytes, size);
+        memcpy((uint8_t *)urb->buffer + offset, slot->bytes, size);
     urb->actual_length = (int)size;
-    urb->status = is_over && offset == 0 ? -EOVERFLOW : status;
-    slot->is_done = true;
+    urb->status = size < slot->size && offset == 0 ? -EOVERFLOW : slot->status;
 }
 
 /* Ends the transfer in flight if there is a reason to. */
@@ -129,8 +144,8 @@ static void work(pedal_unit *unit)
             finish_urb(slot, -unit->fail_error, NULL, 0);
             unit->fail_error = 0;
         } else if (unit->report_count > 0) {
-            const pending_report *report = &unit->report[unit->report_first];
-            finish_urb(slot, 0, report->bytes, report->size);
+            unit->reported = unit->report[unit->report_first];
+            finish_urb(slot, 0, unit->reported.bytes, unit->reported.size);
             unit->report_first = (unit->report_first + 1) % REPORTS;
             unit->report_count -= 1;
         }
@@ -194,6 +209,7 @@ static bool reap_slot(pedal_unit *unit, urb_slot *slot, UMockdevIoctlData *argum
     if (!slot->data || !slot->is_done)
         return false;
     UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), NULL);
+    write_result(slot);
     umockdev_ioctl_data_set_ptr(pointer, 0, slot->data);
     umockdev_ioctl_data_unref(pointer);
     umockdev_ioctl_data_unref(slot->data);

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Four bytes of the maker's own: nothing says what they are. */
@@ -93,6 +94,31 @@ static void an_unknown_device_is_taught_and_then_known(void **state)
     bench_destroy(&bench);
 }
 
+static void a_stored_lesson_that_was_damaged_is_named(void **state)
+{
+    pedal_bench bench;
+    mrt_device device;
+    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &UNKNOWN);
+    bench_create(&bench);
+    assert_int_equal(bench_open(&bench, "usb:1-2"), MRT_OK);
+    teach_two(&bench, unit);
+    bench_close(&bench);
+    FILE *file =
+        fopen(BUILD_DIR "/tests/device/pedal_config.tmp/marotte/pedals/1234_0001.layout", "ab");
+    assert_non_null(file);
+    fputs("and so on\n", file);
+    fclose(file);
+    assert_int_equal(bench.devices->list(bench.plugin, &device, 1), 1);
+    assert_int_equal(device.state, MRT_DEVICE_UNSURE);
+    assert_non_null(strstr(device.advice, "1234_0001.layout: line 7"));
+    bench_destroy(&bench);
+    bench_create(&bench);
+    assert_int_equal(bench_open(&bench, ""), MRT_ERR_IO);
+    assert_true(bench_has_said(&bench, "1234_0001.layout: line 7"));
+    assert_int_equal(bench_open(&bench, "usb:1-2"), MRT_OK); /* to be taught again */
+    bench_destroy(&bench);
+}
+
 static void a_keyboard_pedal_with_other_keys_is_taught(void **state)
 {
     pedal_bench bench;
@@ -166,6 +192,7 @@ int main(int argc, char **argv)
 #define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
     const struct CMUnitTest tests[] = {
         TEST(an_unknown_device_is_taught_and_then_known),
+        TEST(a_stored_lesson_that_was_damaged_is_named),
         TEST(a_keyboard_pedal_with_other_keys_is_taught),
         TEST(a_device_that_goes_while_it_is_taught_ends_it),
         TEST(a_lesson_can_be_asked_for_with_the_address),
