@@ -1,6 +1,7 @@
 /* The paper's anchored mapping: the fingertips take hold of the face where they are at engage, and
  * from then on each pulls its place by as much as it has moved since. */
 #include "clutch.h"
+#include "memory.h"
 #include "placement.h"
 
 #include <math.h>
@@ -181,6 +182,37 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
+/* ---- resume ---- */
+
+enum { MEMORY_VERSION = 1 };
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.anchored",
+                         .version = MEMORY_VERSION,
+                         .parts = {
+                             CLUTCH_MEMORY(self->clutch),
+                             PLACEMENT_MEMORY(self->placement),
+                             MEMORY_WHOLES(self->phase, SPRINGING),
+                             MEMORY_WHOLES(self->count, PLACEMENT_POINTS_MAX),
+                             MEMORY_FLOATS(self->reference),
+                             MEMORY_FLOATS(self->let_go),
+                             MEMORY_DOUBLES(self->spring_s),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
 static const char *const off_on[] = {"Off", "On", NULL};
 
 /* clang-format off */
@@ -203,7 +235,9 @@ static const mrt_param params[PARAM_COUNT] = {
 /* clang-format on */
 
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping}, {NULL, NULL}};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type anchored = {
     MRT_ABI,
     PARAM_COUNT,

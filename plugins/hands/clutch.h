@@ -46,6 +46,9 @@ typedef struct clutch {
     bool was_down[MRT_MAX_PEDALS];
 } clutch;
 
+/* For a list of memory.h. */
+#define CLUTCH_MEMORY(clutch) MEMORY_BOOLS((clutch).has_started), MEMORY_BOOLS((clutch).was_down)
+
 typedef struct clutch_events {
     bool engage, release, commit; /* asked for in this frame */
 } clutch_events;

@@ -61,6 +61,10 @@ typedef struct placement {
     mrt_vec3 home[2]; /* hand frame: what lies at the place asked for */
 } placement;
 
+/* For a list of memory.h: what activate does not derive. */
+#define PLACEMENT_MEMORY(placement)                                                                \
+    MEMORY_BOOLS((placement).is_laid), MEMORY_FLOATS((placement).home)
+
 void placement_activate(placement *self, const mrt_face *face);
 void placement_reset(placement *self); /* the next frame lays the hands anew */
 

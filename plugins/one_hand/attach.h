@@ -18,6 +18,14 @@ typedef struct attach {
     double time_s, duration_s;
 } attach;
 
+/* For a list of memory.h. */
+#define ATTACH_MEMORY(attach)                                                                      \
+    MEMORY_DOUBLES((attach).shown), MEMORY_DOUBLES((attach).offset),                               \
+        MEMORY_DOUBLES((attach).held), MEMORY_DOUBLES((attach).rest),                              \
+        MEMORY_WHOLES((attach).held_by, HELD_BY_LAYER | HELD_BY_PEDAL | HELD_BY_ABSENCE),          \
+        MEMORY_BOOLS((attach).has_changed), MEMORY_DOUBLES((attach).time_s),                       \
+        MEMORY_DOUBLES((attach).duration_s)
+
 void attach_reset(attach *self);
 /* From the next step on something else is followed: ease to it. */
 void attach_change(attach *self, double duration_s);

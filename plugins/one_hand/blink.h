@@ -18,6 +18,14 @@ typedef struct blink {
     double stroke_from_deg;
 } blink;
 
+/* For a list of memory.h. */
+#define BLINK_MEMORY(blink)                                                                        \
+    MEMORY_WHOLES((blink).phase, BLINK_OPENING), MEMORY_DOUBLES((blink).time_s),                   \
+        MEMORY_DOUBLES((blink).from), MEMORY_DOUBLES((blink).closure),                             \
+        MEMORY_DOUBLES((blink).droop), MEMORY_BOOLS((blink).has_bend),                             \
+        MEMORY_BOOLS((blink).is_spent), MEMORY_DOUBLES((blink).bend_deg),                          \
+        MEMORY_DOUBLES((blink).speed_deg_s), MEMORY_DOUBLES((blink).stroke_from_deg)
+
 void blink_reset(blink *self);
 /* The hand is another one or was away: what it did before says nothing of its speed. */
 void blink_forget_hand(blink *self);

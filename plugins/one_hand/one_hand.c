@@ -6,6 +6,7 @@
 #include "curve.h"
 #include "fitting.h"
 #include "maps.h"
+#include "memory.h"
 #include "pedals.h"
 #include "stored.h"
 
@@ -319,10 +320,57 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
+/* ---- resume ---- */
+
+enum { MEMORY_VERSION = 1, NEUTRAL_SAMPLES_MOST = 1000000 };
+
+#define NEUTRAL_MEMORY(neutral) MEMORY_BOOLS((neutral).is_known), MEMORY_DOUBLES((neutral).pose)
+#define ANCHOR_MEMORY(anchor)                                                                      \
+    MEMORY_BOOLS((anchor).is_known), MEMORY_WHOLES((anchor).side, MRT_NO_HAND),                    \
+        MEMORY_DOUBLES((anchor).neutral), MEMORY_DOUBLES((anchor).offset)
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.one_hand",
+                         .version = MEMORY_VERSION,
+                         .parts = {
+                             NEUTRAL_MEMORY(self->stored[0]),
+                             NEUTRAL_MEMORY(self->stored[1]),
+                             MEMORY_BOOLS(self->is_stored_new),
+                             MEMORY_BOOLS(self->has_performed),
+                             MEMORY_BOOLS(self->has_told_no_neutral),
+                             MEMORY_BOOLS(self->wanted_stored),
+                             MEMORY_WHOLES(self->side, MRT_NO_HAND),
+                             NEUTRAL_MEMORY(self->neutral[0]),
+                             NEUTRAL_MEMORY(self->neutral[1]),
+                             MEMORY_WHOLES(self->sample_count, NEUTRAL_SAMPLES_MOST),
+                             ANCHOR_MEMORY(self->before),
+                             PEDALS_MEMORY(self->pedals),
+                             BLINK_MEMORY(self->blink),
+                             ATTACH_MEMORY(self->attach),
+                             MEMORY_WHOLES(self->mode, MODE_COUNT - 1),
+                             MEMORY_WHOLES(self->layer, LAYER_COUNT - 1),
+                             MEMORY_WHOLES(self->layer_shift, LAYER_COUNT - 1),
+                         }};
+}
+
+static size_t remember(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result recall(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
 static const mrt_state state = {save, load};
+static const mrt_resume resume = {remember, recall};
 static const mrt_interface interfaces[] = {
-    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {NULL, NULL}};
+    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type one_hand = {
     MRT_ABI,
     SET_COUNT,

@@ -21,6 +21,15 @@ typedef struct pedals {
     bool has_intensity;
 } pedals;
 
+/* For a list of memory.h. */
+#define PEDAL_MEMORY(pedal) MEMORY_BOOLS((pedal).is_down), MEMORY_DOUBLES((pedal).since_press_s)
+#define PEDALS_MEMORY(pedals)                                                                      \
+    PEDAL_MEMORY((pedals).pedal[PEDAL_ANCHOR]), PEDAL_MEMORY((pedals).pedal[PEDAL_HOLD]),          \
+        PEDAL_MEMORY((pedals).pedal[PEDAL_LAYER]), MEMORY_BOOLS((pedals).is_latched),              \
+        MEMORY_BOOLS((pedals).is_hold_spent), MEMORY_BOOLS((pedals).is_layer_spent),               \
+        MEMORY_BOOLS((pedals).can_revert), MEMORY_DOUBLES((pedals).intensity),                     \
+        MEMORY_BOOLS((pedals).has_intensity)
+
 typedef struct pedals_events {
     bool anchor, revert, to_neutral; /* in this frame; at most one */
     bool lock_layer;                 /* in this frame */

@@ -1,6 +1,7 @@
 /* The paper's unanchored mapping: wherever the fingertips are near the face they take it along,
  * each sample from where they were to where they are. What they do stays, as in clay. */
 #include "clutch.h"
+#include "memory.h"
 #include "placement.h"
 
 #include <math.h>
@@ -98,6 +99,35 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
+/* ---- resume ---- */
+
+enum { MEMORY_VERSION = 1 };
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.unanchored",
+                         .version = MEMORY_VERSION,
+                         .parts = {
+                             CLUTCH_MEMORY(self->clutch),
+                             PLACEMENT_MEMORY(self->placement),
+                             MEMORY_BOOLS(self->is_touching),
+                             MEMORY_WHOLES(self->count, PLACEMENT_POINTS_MAX),
+                             MEMORY_FLOATS(self->hand),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
 static const char *const off_on[] = {"Off", "On", NULL};
 
 /* clang-format off */
@@ -116,7 +146,9 @@ static const mrt_param params[PARAM_COUNT] = {
 /* clang-format on */
 
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping}, {NULL, NULL}};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type unanchored = {
     MRT_ABI,
     PARAM_COUNT,
