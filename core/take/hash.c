@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <nettle/sha2.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -60,4 +61,30 @@ mrt_result hash_file(char out[TAKE_HASH], const char *path, error *err)
     mrt_result result = hash_stream(out, fd, path, err);
     close(fd);
     return result;
+}
+
+struct hash_sum {
+    struct sha256_ctx state;
+};
+
+hash_sum *hash_begin(void)
+{
+    hash_sum *sum = malloc(sizeof *sum);
+    if (sum)
+        sha256_init(&sum->state);
+    return sum;
+}
+
+void hash_add(hash_sum *sum, const void *bytes, size_t size)
+{
+    sha256_update(&sum->state, size, bytes);
+}
+
+void hash_end(char out[TAKE_HASH], hash_sum *sum)
+{
+    out[0] = '\0';
+    if (!sum)
+        return;
+    write_hex(out, &sum->state);
+    free(sum);
 }

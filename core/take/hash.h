@@ -10,4 +10,10 @@ void hash_bytes(char out[TAKE_HASH], const void *bytes, size_t size);
 /* Of a regular file of any size. */
 CHECKED mrt_result hash_file(char out[TAKE_HASH], const char *path, error *err);
 
+/* Of bytes that come in pieces. */
+typedef struct hash_sum hash_sum;
+hash_sum *hash_begin(void); /* NULL: no memory */
+void hash_add(hash_sum *sum, const void *bytes, size_t size);
+void hash_end(char out[TAKE_HASH], hash_sum *sum); /* and frees it; NULL: "" */
+
 #endif

@@ -124,6 +124,9 @@ typedef struct show_performance {
 } show_performance;
 CHECKED mrt_result show_performance_read(show *self, int64_t id, show_performance *out, error *err);
 void show_performance_finish(show_performance *performance);
+/* The tracks of another performance, performed anew: p->again.of; the span is that one's. Fills in
+ * the id. */
+CHECKED mrt_result show_performance_create(show *self, take_performance *p, error *err);
 CHECKED mrt_result show_performance_ids(show *self, int64_t **out, size_t *out_count, error *err);
 
 /* Events of [from_ns, to_ns] in the order of their time. */

@@ -115,6 +115,85 @@ static mrt_result read_params(sqlite *db, take_performance *p, error *err)
     return result < 0 ? result : MRT_OK;
 }
 
+/* ---- performed anew ---- */
+
+static mrt_result insert_again(sqlite *db, const take_performance *p, error *err)
+{
+    const take_again *again = &p->again;
+    return sqlite_change(
+        db, err,
+        "INSERT INTO again(performance, of, ignores_params, left_calibration, right_calibration,"
+        "  min_cutoff_hz, beta) VALUES(?, ?, ?, ?, ?, ?, ?)",
+        "iiittdd", p->id, again->of, (int64_t)again->ignores_params, again->calibration[0],
+        again->calibration[1], again->min_cutoff_hz, again->has_beta ? again->beta : -1.0);
+}
+
+static mrt_result insert_anew(show *self, const take_performance *p, error *err)
+{
+    int64_t session, from_ns;
+    char sql[96];
+    show_performance then;
+    mrt_result result = show_performance_read(self, p->again.of, &then, err);
+    if (result < 0)
+        return result;
+    from_ns = then.from_ns;
+    int64_t to_ns = then.to_ns;
+    show_performance_finish(&then);
+    snprintf(sql, sizeof sql, "SELECT session FROM performance WHERE id = %lld",
+             (long long)p->again.of);
+    result = sqlite_number(self->db, sql, 0, &session, err);
+    if (result >= 0)
+        result = show_performance_insert(self->db, session, p, from_ns, err);
+    if (result >= 0)
+        result = sqlite_change(self->db, err, "UPDATE performance SET to_ns = ? WHERE id = ?", "ii",
+                               to_ns, p->id);
+    return result < 0 ? result : insert_again(self->db, p, err);
+}
+
+mrt_result show_performance_create(show *self, take_performance *p, error *err)
+{
+    mrt_result result = show_check_writable(self, err);
+    if (result >= 0)
+        result = sqlite_begin(self->db, err);
+    if (result < 0)
+        return result;
+    p->id = show_next_id(self, SHOW_ID_PERFORMANCE);
+    return sqlite_end(self->db, insert_anew(self, p, err), err);
+}
+
+static bool read_again_row(take_again *out, sqlite_statement *row)
+{
+    out->of = sqlite_int(row, 0);
+    out->ignores_params = sqlite_int(row, 1) != 0;
+    for (int side = 0; side < 2; ++side)
+        if (!sqlite_is_null(row, 2 + side)) {
+            out->calibration[side] = strdup(sqlite_text(row, 2 + side));
+            if (!out->calibration[side])
+                return false;
+        }
+    out->min_cutoff_hz = sqlite_double(row, 4);
+    out->beta = sqlite_double(row, 5);
+    out->has_beta = out->beta >= 0.0;
+    return true;
+}
+
+static mrt_result read_again(sqlite *db, take_performance *p, error *err)
+{
+    sqlite_statement *rows;
+    mrt_result result =
+        sqlite_query(db, &rows, err,
+                     "SELECT of, ignores_params, left_calibration, right_calibration,"
+                     "  min_cutoff_hz, beta FROM again WHERE performance = ?",
+                     "i", p->id);
+    if (result < 0)
+        return result;
+    result = sqlite_step(rows, err);
+    if (result == MRT_OK && !read_again_row(&p->again, rows))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for performance %lld", (long long)p->id);
+    sqlite_finish(rows);
+    return result < 0 ? result : MRT_OK;
+}
+
 mrt_result show_performance_read(show *self, int64_t id, show_performance *out, error *err)
 {
     *out = (show_performance){.performance.id = id};
@@ -133,6 +212,8 @@ mrt_result show_performance_read(show *self, int64_t id, show_performance *out, 
         result = read_tracks(self->db, &out->performance, err);
     if (result >= 0)
         result = read_params(self->db, &out->performance, err);
+    if (result >= 0)
+        result = read_again(self->db, &out->performance, err);
     if (result < 0)
         show_performance_finish(out);
     return result;

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "take/chunk.h"
+#include "take/show_salvage.h"
 #include "take/show_schema.h"
 
 #include <stdio.h>
@@ -12,7 +13,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-enum { PROBES_MAX = 4000000, PAGE_BYTES_MAX = 65536, EDITS_LOST_BRANCH = 1 << 20 };
+enum { PROBES_MAX = 4000000, EDITS_LOST_BRANCH = 1 << 20 };
 
 /* ---- which rows are whole ---- */
 
@@ -21,6 +22,8 @@ typedef struct recovery {
     int64_t rows_left; /* more would be a file that leads in circles */
     show_recovery *out;
     mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
+    bool has_lost;      /* a table could not be read to its end */
+    error *err;
 } recovery;
 
 static bool is_whole_chunk(recovery *self, sqlite_statement *row)
@@ -78,6 +81,7 @@ static const table tables[] = {
     {"performance", "id", true, 8, NULL},
     {"performance_track", "performance, n", false, 3, NULL},
     {"performance_param", "performance, n", false, 4, NULL},
+    {"again", "performance", true, 7, NULL},
     {"take", "id", true, 10, NULL},
     {"span", "take, n", false, 7, NULL},
     {"edit", "take, branch, n", false, 6, is_whole_edit},
@@ -171,6 +175,7 @@ static mrt_result copy_table(recovery *self, const table *of, error *err)
     result = copy_run(self, of, "", insert, &first_id, &is_whole, err);
     if (result >= 0 && !is_whole) {
         result = copy_run(self, of, " DESC", insert, &last_id, &is_whole, err);
+        self->has_lost |= !is_whole;
         if (result >= 0 && of->has_id && last_id > first_id)
             result = probe(self, of, first_id + 1, last_id, insert, err);
     }
@@ -178,12 +183,72 @@ static mrt_result copy_table(recovery *self, const table *of, error *err)
     return result;
 }
 
+/* ---- rows that no table leads to any more ---- */
+
+static bool is_blob_of_crc(const show_salvage_row *row)
+{
+    return row->column_count == 7 && row->column[6].is_blob &&
+           (int64_t)crc32_z(0, row->column[6].bytes, row->column[6].size) == row->column[5].number;
+}
+
+static bool is_packed(const show_salvage_row *row)
+{
+    const uint8_t *bytes = row->column[6].bytes;
+    return row->column[6].size > 2 && bytes[0] == 0x78 && (bytes[0] * 256 + bytes[1]) % 31 == 0;
+}
+
+/* A chunk that grew may be there twice: the longer one counts. */
+static mrt_result salvage_chunk(recovery *self, const show_salvage_row *row)
+{
+    chunk_head head;
+    const show_salvage_value *bytes = &row->column[4];
+    if (row->column_count != 5 || !bytes->is_blob ||
+        chunk_decode(self->sample, &head, bytes->bytes, bytes->size, NULL) < 0)
+        return MRT_OK;
+    int64_t to_ns = self->sample[head.sample_count - 1].time_ns;
+    mrt_result result = sqlite_change(
+        self->to, self->err,
+        "INSERT INTO chunk(id, track, from_ns, to_ns, bytes) VALUES(?1, ?2, ?3, ?4, ?5)"
+        " ON CONFLICT(id) DO UPDATE SET to_ns = ?4, bytes = ?5"
+        "  WHERE track = ?2 AND from_ns = ?3 AND to_ns < ?4",
+        "iiiib", row->id, head.track, head.from_ns, to_ns, (const void *)bytes->bytes, bytes->size);
+    self->out->row_count += result >= 0 ? sqlite_changes(self->to) : 0;
+    return result == MRT_ERR_ARGUMENT ? MRT_OK : result;
+}
+
+/* Checkpoints are packed, audio is not. */
+static mrt_result salvage_blob(recovery *self, const show_salvage_row *row)
+{
+    const show_salvage_value *column = row->column;
+    if (!is_blob_of_crc(row))
+        return MRT_OK;
+    mrt_result result = sqlite_change(
+        self->to, self->err,
+        is_packed(row) ? "INSERT OR IGNORE INTO checkpoint VALUES(?, ?, ?, ?, ?, ?, ?)"
+                       : "INSERT OR IGNORE INTO audio_chunk VALUES(?, ?, ?, ?, ?, ?,"
+                         "  ?)",
+        "iiiiiib", row->id, column[1].number, column[2].number, column[3].number, column[4].number,
+        column[5].number, (const void *)column[6].bytes, column[6].size);
+    self->out->row_count += result >= 0 ? sqlite_changes(self->to) : 0;
+    return result == MRT_ERR_ARGUMENT ? MRT_OK : result;
+}
+
+static mrt_result salvage_row(void *data, const show_salvage_row *row)
+{
+    recovery *self = data;
+    mrt_result result = salvage_chunk(self, row);
+    return result < 0 ? result : salvage_blob(self, row);
+}
+
 /* What the rows refer to and is gone gets a stand-in; edits behind a missing one are set aside. */
 static mrt_result mend(sqlite *db, error *err)
 {
-    char sql[2048];
+    char sql[3000];
     (void)snprintf(
         sql, sizeof sql,
+        "INSERT OR IGNORE INTO track(id, session, plugin, input, device)"
+        "  SELECT track, 1, 1, 'lost', '' FROM chunk"
+        "  UNION SELECT track, 1, 1, 'lost', '' FROM performance_track;"
         "INSERT OR IGNORE INTO session SELECT session, 0, 0, NULL, 'lost', '', 0 FROM track"
         "  UNION SELECT session, 0, 0, NULL, 'lost', '', 0 FROM performance;"
         "INSERT OR IGNORE INTO plugin SELECT plugin, 'lost ' || plugin FROM track"
@@ -198,14 +263,24 @@ static mrt_result mend(sqlite *db, error *err)
         "     AND e.n BETWEEN 1 AND edit.n);"
         "UPDATE take SET edit_head = MAX(0, MIN(edit_head, (SELECT COALESCE(MAX(n), 0) FROM edit"
         "  WHERE edit.take = take.id AND branch = 0)));"
-        "DELETE FROM performance_track WHERE track NOT IN (SELECT id FROM track)"
+        "INSERT OR IGNORE INTO take(id, created_ns, start_ns, end_ns, is_recovered, scene, shot,"
+        "  number, origin, edit_head) SELECT take, MIN(from_ns), MIN(from_ns),"
+        "  MAX(COALESCE(to_ns, from_ns)), 1, '', '', take, 'lost', (SELECT COALESCE(MAX(n), 0)"
+        "    FROM edit WHERE edit.take = span.take AND branch = 0)"
+        "  FROM span WHERE is_shown GROUP BY take;"
+        "DELETE FROM performance_track WHERE performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM performance_param WHERE performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM again WHERE performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM span WHERE take NOT IN (SELECT id FROM take)"
         "  OR performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM edit WHERE take NOT IN (SELECT id FROM take);"
+        "DELETE FROM checkpoint WHERE performance NOT IN (SELECT id FROM performance);"
         "DELETE FROM channel WHERE track NOT IN (SELECT id FROM track)",
         EDITS_LOST_BRANCH);
     return sqlite_run(db, sql, err);
 }
 
-static mrt_result copy_all(recovery *self, error *err)
+static mrt_result copy_all(recovery *self, const char *path, error *err)
 {
     /* Parents may be missing until mend() has seen to them. */
     mrt_result result = sqlite_run(self->to, "PRAGMA foreign_keys = OFF", err);
@@ -215,6 +290,8 @@ static mrt_result copy_all(recovery *self, error *err)
         return result;
     for (size_t i = 0; i < sizeof tables / sizeof tables[0] && result >= 0; ++i)
         result = copy_table(self, &tables[i], err);
+    if (result >= 0 && self->has_lost)
+        result = show_salvage(path, salvage_row, self, err);
     if (result >= 0)
         result = mend(self->to, err);
     return sqlite_end(self->to, result, err);
@@ -324,13 +401,13 @@ static mrt_result open_damaged(sqlite **out, const char *path, const char *copy_
 static mrt_result recover_into(show *fresh, const char *path, const char *copy_path,
                                int64_t file_bytes_count, show_recovery *out, error *err)
 {
-    recovery self = {.to = fresh->db, .rows_left = file_bytes_count, .out = out};
+    recovery self = {.to = fresh->db, .rows_left = file_bytes_count, .out = out, .err = err};
     self.sample = malloc(CHUNK_SAMPLES_MAX * sizeof *self.sample);
     if (!self.sample)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
     mrt_result result = open_damaged(&self.from, path, copy_path, fresh, err);
     if (result >= 0)
-        result = copy_all(&self, err);
+        result = copy_all(&self, path, err);
     if (result >= 0 && out->row_count == 0)
         result = error_set(err, MRT_ERR_FORMAT, "%s: nothing of a show can be read", path);
     sqlite_close(self.from);

@@ -60,6 +60,8 @@ mrt_result writer_job_copy_performance(writer_job *job, const take_performance *
     bool good = own_text(&copy->mapping);
     good &= own_text(&copy->rig);
     good &= own_text(&copy->rig_json);
+    good &= own_text(&copy->again.calibration[0]);
+    good &= own_text(&copy->again.calibration[1]);
     job->id = performance->id;
     return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record a performance");
 }
