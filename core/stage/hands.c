@@ -29,16 +29,27 @@ static void forget(one_hand *hand)
 static mrt_result init_hand(one_hand *hand, uint32_t side, double length_mm, error *err)
 {
     hand->skeleton = hand_skeleton_create(side, length_mm > 0 ? length_mm : HAND_LENGTH_MM);
-    if (!hand->skeleton)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
-    forget(hand);
-    return MRT_OK;
+    return hand->skeleton ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
+}
+
+static void tune(one_hand *hand, const hands_settings *settings)
+{
+    filter_settings *const group[3] = {&hand->filter.jaw, &hand->filter.finger,
+                                       &hand->filter.wrist};
+    for (int i = 0; i < 3; ++i) {
+        if (settings->min_cutoff_hz > 0.0)
+            group[i]->min_cutoff_hz = (float)settings->min_cutoff_hz;
+        if (settings->has_beta)
+            group[i]->beta = (float)settings->beta;
+    }
 }
 
 void hands_reset(hands *self)
 {
-    for (int side = 0; side < 2; ++side)
+    for (int side = 0; side < 2; ++side) {
         forget(&self->hand[side]);
+        tune(&self->hand[side], &self->settings);
+    }
     self->is_rezero_down = self->is_rezero_pressed = false;
 }
 
@@ -51,6 +62,7 @@ mrt_result hands_create(hands **out, const hands_settings *settings, error *err)
     hands *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the hands");
+    self->settings = *settings;
     self->rezero_pedal = settings->rezero_pedal;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         mrt_result result = init_hand(&self->hand[side], side, settings->length_mm[side], err);
@@ -59,6 +71,7 @@ mrt_result hands_create(hands **out, const hands_settings *settings, error *err)
             return result;
         }
     }
+    hands_reset(self);
     *out = self;
     return MRT_OK;
 }

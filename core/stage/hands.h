@@ -10,7 +10,10 @@
 typedef struct hands hands;
 
 typedef struct hands_settings {
-    double length_mm[2];   /* left, right; 0: HAND_LENGTH_MM */
+    double length_mm[2];  /* left, right; 0: HAND_LENGTH_MM */
+    double min_cutoff_hz; /* of the filter of all angles; 0: the usual ones */
+    bool has_beta;
+    double beta;           /* Hz per deg/s */
     uint32_t rezero_pedal; /* 1..MRT_MAX_PEDALS: a press re-zeroes the hands that are there, and
                               mappings never see that pedal; 0: none */
 } hands_settings;
@@ -55,5 +58,7 @@ const rezero_counts *hands_rezeros(const hands *self);
 size_t hands_save(const hands *self, void *bytes, size_t capacity);
 /* False: not such bytes; the hands are then reset. */
 bool hands_load(hands *self, const void *bytes, size_t size);
+/* As if all samples so far had been so much later. */
+void hands_shift_time(hands *self, int64_t by_ns);
 
 #endif

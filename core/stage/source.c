@@ -100,7 +100,8 @@ static mrt_result calibrate(source *self, track *t, const take_track *as, error 
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         calibration_file file;
         hand_calibration used;
-        const char *text = as->calibration[side];
+        const char *anew = self->info.performance.again.calibration[side];
+        const char *text = anew ? anew : as->calibration[side];
         if (!text)
             continue;
         mrt_result result =
@@ -164,7 +165,10 @@ static mrt_result read_events(source *self, error *err)
     size_t kept = 0;
     for (size_t i = 0; i < self->event_count; ++i) {
         const take_event *e = &self->event[i];
-        if ((e->kind == TAKE_EVENT_PARAM || e->kind == TAKE_EVENT_REZERO) && is_of_track(self, e))
+        bool is_heard =
+            e->kind == TAKE_EVENT_REZERO ||
+            (e->kind == TAKE_EVENT_PARAM && !self->info.performance.again.ignores_params);
+        if (is_heard && is_of_track(self, e))
             self->event[kept++] = *e;
     }
     self->event_count = kept;
@@ -194,7 +198,10 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     if (result < 0)
         goto fail;
     const take_performance *p = &self->info.performance;
-    layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal};
+    layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
+                               .hands.min_cutoff_hz = p->again.min_cutoff_hz,
+                               .hands.has_beta = p->again.has_beta,
+                               .hands.beta = p->again.beta};
     for (int side = 0; side < 2; ++side)
         settings.hands.length_mm[side] =
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];

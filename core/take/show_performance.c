@@ -213,7 +213,7 @@ mrt_result show_performance_read(show *self, int64_t id, show_performance *out, 
     if (result >= 0)
         result = read_params(self->db, &out->performance, err);
     if (result >= 0)
-        result = read_again(self->db, &out->performance, err);
+        result = self->version < 2 ? MRT_OK : read_again(self->db, &out->performance, err);
     if (result < 0)
         show_performance_finish(out);
     return result;

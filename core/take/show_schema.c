@@ -40,10 +40,6 @@ static const char *const step[SHOW_VERSION] = {
     "CREATE TABLE performance_param("
     "  performance INTEGER NOT NULL REFERENCES performance, n INTEGER NOT NULL,"
     "  param INTEGER NOT NULL, value REAL NOT NULL, PRIMARY KEY(performance, n)) WITHOUT ROWID;"
-    "CREATE TABLE again("
-    "  performance INTEGER PRIMARY KEY REFERENCES performance, of INTEGER NOT NULL,"
-    "  ignores_params INTEGER NOT NULL, left_calibration TEXT, right_calibration TEXT,"
-    "  min_cutoff_hz REAL NOT NULL, beta REAL NOT NULL);"
     "CREATE TABLE event("
     "  id INTEGER PRIMARY KEY, time_ns INTEGER NOT NULL, kind INTEGER NOT NULL,"
     "  track INTEGER NOT NULL, param INTEGER NOT NULL, hand INTEGER NOT NULL, value REAL NOT NULL,"
@@ -79,8 +75,13 @@ static const char *const step[SHOW_VERSION] = {
     "  crc INTEGER NOT NULL, bytes BLOB NOT NULL);"
     "CREATE UNIQUE INDEX audio_chunk_frame ON audio_chunk(audio, first_frame);",
 
-    /* How many chunks a finished track has: what is lost at its end is noticed too. */
-    "ALTER TABLE track ADD COLUMN chunk_count INTEGER;",
+    /* How many chunks a finished track has: what is lost at its end is noticed too. How tracks are
+     * performed anew. */
+    "ALTER TABLE track ADD COLUMN chunk_count INTEGER;"
+    "CREATE TABLE IF NOT EXISTS again("
+    "  performance INTEGER PRIMARY KEY REFERENCES performance, of INTEGER NOT NULL,"
+    "  ignores_params INTEGER NOT NULL, left_calibration TEXT, right_calibration TEXT,"
+    "  min_cutoff_hz REAL NOT NULL, beta REAL NOT NULL);",
 };
 
 static mrt_result run_steps(sqlite *db, int64_t version, error *err)

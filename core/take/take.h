@@ -58,6 +58,15 @@ typedef struct take_param {
     double value;
 } take_param;
 
+typedef struct take_again { /* how tracks are performed anew, in place of what was said live */
+    int64_t of;             /* the performance whose tracks they are; 0: this one was live */
+    bool ignores_params;    /* the parameter changes of then were another mapping's */
+    char *calibration[2];   /* left, right: JSON; NULL: as the tracks say */
+    double min_cutoff_hz;   /* of the filter of all angles; 0: the usual ones */
+    bool has_beta;
+    double beta; /* Hz per deg/s */
+} take_again;
+
 typedef struct take_performance {
     int64_t id;
     char *mapping;             /* type id, version and SHA-256 of the library, blanks between */
@@ -71,6 +80,7 @@ typedef struct take_performance {
     uint32_t track_count, param_count;
     int64_t track[TAKE_TRACKS_MAX];    /* in the order of the inputs */
     take_param param[TAKE_PARAMS_MAX]; /* as it started */
+    take_again again;
 } take_performance;
 
 /* ---- what a take shows: the result of its edits, see edit.h ---- */
