@@ -327,8 +327,8 @@ static bool is_kneading(const voice *v)
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)
 {
     hear(self, part, count);
-    composer_commit(self);
-    bool is_new = listen(self);
+    bool is_new = composer_commit(self);
+    is_new |= listen(self);
     bool is_kneaded = false, is_held = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];

@@ -333,7 +333,14 @@ static bool has_committed(const voice *v)
     return v->is_present && v->was_present && v->part.pull->commit != v->commit;
 }
 
-void composer_commit(composer *self)
+/* What it pulled is in the base now; it begins anew with its next anchored pull. */
+static void forget_said(voice *v)
+{
+    if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
+        v->has_said = false;
+}
+
+bool composer_commit(composer *self)
 {
     bool is_wanted = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
@@ -342,12 +349,16 @@ void composer_commit(composer *self)
         is_wanted |= now;
     }
     if (!is_wanted)
-        return;
+        return false;
     settle(self, has_committed);
     face_commit(self->face);
+    face_show(self->face); /* of what is kept alone, as after composer_load */
     self->engaged = false;
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        forget_said(&self->voice[self->order[i]]);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
+    return true;
 }
 
 void composer_join(composer *self)

@@ -68,8 +68,8 @@ csrbf_settings composer_settings(const composer *self, float radius_mm);
 void composer_join(composer *self);
 /* The face as if the voices pulled nothing but what `keep` has added; bones as they are. */
 void composer_let_go_but(composer *self, bool (*keep)(const voice *v));
-/* Bakes what a voice that has committed has added. */
-void composer_commit(composer *self);
+/* Bakes what a voice that has committed has added; true: one has, and the others join anew. */
+bool composer_commit(composer *self);
 bool composer_is_anybody_joined(const composer *self);
 /* The degrees of freedom as all voices together want them. */
 void composer_blend_dofs(const composer *self, float *out);

@@ -2,7 +2,16 @@
 #include "base/bytes.h"
 #include "stage/hands_state.h"
 
+#include <math.h>
+
 enum { STORE_VERSION = 1 };
+
+static void take_finite(bytes_in *in, float *out, size_t count)
+{
+    bytes_take(in, out, count * sizeof *out);
+    for (size_t i = 0; i < count; ++i)
+        in->failed |= !isfinite(out[i]);
+}
 
 /* ---- filter and window ---- */
 
@@ -20,8 +29,8 @@ static void put_filter(bytes_out *out, const hand_filter *filter)
 static void take_filter(bytes_in *in, hand_filter *filter)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
-        bytes_take(in, &filter->state[i].value, sizeof filter->state[i].value);
-        bytes_take(in, &filter->state[i].derivative, sizeof filter->state[i].derivative);
+        take_finite(in, &filter->state[i].value, 1);
+        take_finite(in, &filter->state[i].derivative, 1);
         filter->state[i].running = bytes_take_u32(in) != 0;
     }
     bytes_take(in, &filter->last_ns, sizeof filter->last_ns);
@@ -48,8 +57,11 @@ static void take_window(bytes_in *in, still_window *window)
         window->count = 0;
     }
     for (uint32_t row = 0; row < window->count; ++row) {
-        bytes_take(in, &window->time_ns[row], sizeof window->time_ns[row]);
-        bytes_take(in, window->value[row], sizeof window->value[row]);
+        int64_t *time_ns = &window->time_ns[row];
+        bytes_take(in, time_ns, sizeof *time_ns);
+        take_finite(in, window->value[row], MRT_ANGLES);
+        uint64_t since_ns = (uint64_t)*time_ns - (uint64_t)window->time_ns[0];
+        in->failed |= since_ns > (uint64_t)window->span_ns || (row > 0 && *time_ns <= time_ns[-1]);
     }
 }
 
@@ -95,20 +107,20 @@ static void take_hand(bytes_in *in, one_hand *hand)
 {
     take_filter(in, &hand->filter);
     bytes_take(in, hand->raw, sizeof hand->raw);
-    bytes_take(in, hand->wrist_raw, sizeof hand->wrist_raw);
+    take_finite(in, hand->wrist_raw, EASE_WRIST);
     hand->has_wrist = bytes_take_u32(in) != 0;
     take_window(in, &hand->window);
-    bytes_take(in, hand->neutral_rad, sizeof hand->neutral_rad);
+    take_finite(in, hand->neutral_rad, MRT_ANGLES);
     bytes_take(in, &hand->offset.start_ns, sizeof hand->offset.start_ns);
-    bytes_take(in, hand->offset.from_rad, sizeof hand->offset.from_rad);
-    bytes_take(in, hand->offset.to_rad, sizeof hand->offset.to_rad);
+    take_finite(in, hand->offset.from_rad, MRT_ANGLES);
+    take_finite(in, hand->offset.to_rad, MRT_ANGLES);
     take_clock(in, &hand->eased.clock);
-    bytes_take(in, hand->eased.last, sizeof hand->eased.last);
-    bytes_take(in, hand->eased.from, sizeof hand->eased.from);
+    take_finite(in, hand->eased.last, MRT_ANGLES);
+    take_finite(in, hand->eased.from, MRT_ANGLES);
     take_clock(in, &hand->eased_wrist.clock);
-    bytes_take(in, hand->eased_wrist.last, sizeof hand->eased_wrist.last);
-    bytes_take(in, hand->eased_wrist.from, sizeof hand->eased_wrist.from);
-    bytes_take(in, hand->angle_rad, sizeof hand->angle_rad);
+    take_finite(in, hand->eased_wrist.last, EASE_WRIST);
+    take_finite(in, hand->eased_wrist.from, EASE_WRIST);
+    take_finite(in, hand->angle_rad, MRT_ANGLES);
 }
 
 size_t hands_save(const hands *self, void *bytes, size_t capacity)
@@ -133,4 +145,30 @@ bool hands_load(hands *self, const void *bytes, size_t size)
         return true;
     hands_reset(self);
     return false;
+}
+
+/* ---- another clock ---- */
+
+static void shift(int64_t *time_ns, int64_t by_ns)
+{
+    *time_ns = (int64_t)((uint64_t)*time_ns + (uint64_t)by_ns);
+}
+
+static void shift_clock(ease_clock *clock, int64_t by_ns)
+{
+    shift(&clock->last_ns, by_ns);
+    shift(&clock->start_ns, by_ns);
+}
+
+void hands_shift_time(hands *self, int64_t by_ns)
+{
+    for (int side = 0; side < 2; ++side) {
+        one_hand *hand = &self->hand[side];
+        shift(&hand->filter.last_ns, by_ns);
+        for (int row = 0; row < STILL_SAMPLES; ++row)
+            shift(&hand->window.time_ns[row], by_ns);
+        shift(&hand->offset.start_ns, by_ns);
+        shift_clock(&hand->eased.clock, by_ns);
+        shift_clock(&hand->eased_wrist.clock, by_ns);
+    }
 }

@@ -178,7 +178,8 @@ void layer_sample(layer *self, const channel_route *route, const mrt_sample *sam
     int64_t time_ns = sample->time_ns;
     if (self->has_time && time_ns < self->frame.time_ns)
         time_ns = self->frame.time_ns;
-    double dt_s = self->has_time ? (double)(time_ns - self->frame.time_ns) / (double)NS_PER_S : 0.0;
+    uint64_t since_ns = (uint64_t)time_ns - (uint64_t)self->frame.time_ns; /* records may lie */
+    double dt_s = self->has_time ? (double)since_ns / (double)NS_PER_S : 0.0;
     self->frame.dt_s = fmin(dt_s, dt_max_s);
     self->frame.time_ns = time_ns;
     self->frame.near = near;
@@ -243,22 +244,35 @@ static size_t save_mapping(void *of, void *bytes, size_t capacity)
     return self->resume->save(self->mapping->self, bytes, capacity);
 }
 
+/* Those behind the ones in use too, up to the last that is not all zero: the mapping sees them. */
+static uint32_t vectors_to_keep(const mrt_pull *pull)
+{
+    static const mrt_vector nothing = {{0, 0, 0}, {0, 0, 0}, 0};
+    uint32_t count = MRT_MAX_VECTORS;
+    while (count > pull->count && memcmp(&pull->vector[count - 1], &nothing, sizeof nothing) == 0)
+        count -= 1;
+    return count;
+}
+
 static void put_pull(bytes_out *out, const mrt_pull *pull)
 {
+    uint32_t count = vectors_to_keep(pull);
     bytes_put(out, pull, offsetof(mrt_pull, vector));
-    bytes_put(out, pull->vector, pull->count * sizeof *pull->vector);
+    bytes_put_u32(out, count);
+    bytes_put(out, pull->vector, count * sizeof *pull->vector);
     bytes_put(out, pull->dof, sizeof pull->dof);
 }
 
 static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
 {
     bytes_take(in, out, offsetof(mrt_pull, vector));
-    if (out->count > MRT_MAX_VECTORS)
+    uint32_t count = bytes_take_u32(in);
+    if (count > MRT_MAX_VECTORS || count < out->count)
         in->failed = true;
     else
-        bytes_take(in, out->vector, out->count * sizeof *out->vector);
+        bytes_take(in, out->vector, count * sizeof *out->vector);
     bytes_take(in, out->dof, sizeof out->dof);
-    in->failed |= in->failed || pull_fault(self, out) != NULL;
+    in->failed = in->failed || pull_fault(self, out) != NULL;
 }
 
 static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
@@ -277,7 +291,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
-    if (!self->resume)
+    if (!self->resume || save_mapping(self, NULL, 0) == 0)
         return 0;
     bytes_put_u32(&out, STORE_VERSION);
     bytes_put_u32(&out, type->param_count);
@@ -315,8 +329,8 @@ static void take_params(bytes_in *in, layer *self)
             return;
         self->last_params[i] = value;
         self->mapping->params[i] = value;
-        if (!(type->params[i].flags & MRT_PARAM_TRIGGER))
-            atomic_store(&self->mapping->wanted[i], value);
+        bool is_button = type->params[i].flags & MRT_PARAM_TRIGGER; /* it was let go since */
+        atomic_store(&self->mapping->wanted[i], is_button ? type->params[i].initial : value);
     }
 }
 
@@ -386,4 +400,17 @@ mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err)
     if (result < 0)
         layer_reset(self);
     return result;
+}
+
+static void shift(int64_t *time_ns, int64_t by_ns)
+{
+    *time_ns = (int64_t)((uint64_t)*time_ns + (uint64_t)by_ns);
+}
+
+void layer_shift_time(layer *self, int64_t by_ns)
+{
+    hands_shift_time(self->hands, by_ns);
+    shift(&self->frame.time_ns, by_ns);
+    for (int side = 0; side < 2; ++side)
+        shift(&self->frame.hand[side].time_ns, by_ns);
 }

@@ -38,10 +38,13 @@ void layer_watch_params(layer *self, layer_on_param *on_param, void *data);
 /* ---- kept ---- */
 
 /* All that pulls to come depend on, parameters included, as bytes (at most `capacity` are written;
- * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_RESUME). */
+ * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_RESUME, or its
+ * save gives 0). */
 size_t layer_save(layer *self, void *bytes, size_t capacity);
 /* [main] On error the layer is as after create. */
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
+/* As if all samples so far had been so much later: for a state that was kept by another clock. */
+void layer_shift_time(layer *self, int64_t by_ns);
 
 typedef struct layer_counts {
     uint64_t samples;

@@ -301,7 +301,8 @@ static void keep_state(recorder *self, int64_t time_ns)
     size_t capacity = checkpoint_capacity(&self->settings);
     if (!buffer)
         return; /* the disk does not keep up: the next one then */
-    size_t size = performer_save(self->settings.performer, buffer, capacity);
+    int64_t offset_ns = writer_show_ns(self->writer, 0);
+    size_t size = source_keep(self->settings.performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
     writer_checkpoint(self->writer, self->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);

@@ -407,6 +407,7 @@ mrt_result sequencer_restart(sequencer *self, error *err)
     sequencer_close_plays(self);
     composer_reset(self->composer);
     self->now_ns = SEQUENCER_BEFORE;
+    self->is_touched = false;
     return turn(self, 0, &is_changed, err);
 }
 
@@ -453,7 +454,7 @@ void sequencer_live_sample(sequencer *self, const channel_route *route, const mr
         return;
     layer_sample(self->live, route, sample,
                  composer_is_near(self->composer, layer_pull(self->live)));
-    self->is_live_fresh = true;
+    self->is_live_fresh = self->is_touched = true;
     move(self, self->now_ns, NULL, layer_frame(self->live)->dt_s);
     self->is_live_fresh = false;
 }

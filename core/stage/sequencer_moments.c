@@ -122,6 +122,7 @@ static mrt_result take_up(sequencer *self, const moment *m, error *err)
     if (result >= 0)
         result = composer_load(self->composer, in.at, (size_t)(in.end - in.at), err);
     self->now_ns = m->at_ns;
+    self->is_touched = false;
     return result;
 }
 
@@ -180,7 +181,7 @@ static mrt_result insert(sequencer *self, size_t at, size_t size, error *err)
 
 mrt_result sequencer_keep_checkpoint(sequencer *self, error *err)
 {
-    if (self->is_unkeepable || self->live)
+    if (self->is_unkeepable || self->is_touched)
         return MRT_OK;
     if (self->moment_span_ns == 0)
         self->moment_span_ns = span_min_ns;
@@ -230,6 +231,7 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     self->now_ns =
         take_warp_to_timeline(clip, source_now_ns(self->play[0].source) - clip->from_ns) +
         offset_ns;
+    self->is_touched = false;
     return MRT_OK;
 }
 
@@ -238,7 +240,7 @@ mrt_result sequencer_go_near(sequencer *self, int64_t at_ns, error *err)
     size_t count = count_until(self, at_ns);
     const moment *best = count > 0 ? &self->moment[count - 1] : NULL;
     int64_t from_ns = best ? best->at_ns : 0;
-    bool may_go_on = self->now_ns <= at_ns;
+    bool may_go_on = self->now_ns <= at_ns && !self->is_touched;
     if (may_go_on && (self->now_ns >= from_ns || at_ns - self->now_ns < span_min_ns))
         from_ns = self->now_ns;
     else
@@ -259,5 +261,8 @@ mrt_result sequencer_go_near(sequencer *self, int64_t at_ns, error *err)
     }
     if (may_go_on)
         return MRT_OK;
-    return best ? take_up(self, best, err) : sequencer_restart(self, err);
+    error ignored = {""};
+    if (best && take_up(self, best, &ignored) >= 0)
+        return MRT_OK;
+    return sequencer_restart(self, err);
 }

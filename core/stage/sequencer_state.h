@@ -42,6 +42,7 @@ struct sequencer {
     layer *live;
     const uint8_t *live_owns;
     bool is_live_additive, is_live_fresh;
+    bool is_touched; /* by somebody live: the face is not the take's alone */
 
     moment *moment; /* by at_ns */
     size_t moment_count, moment_capacity, moment_bytes;

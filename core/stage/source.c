@@ -340,21 +340,37 @@ static mrt_result rewind_all(source *self, error *err)
     return position(self, err);
 }
 
+/* Takes up what source_keep has written. */
+static mrt_result take_up(source *self, const show_checkpoint *kept, composer *into, error *err)
+{
+    bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
+    int64_t show_offset_ns;
+    bytes_take(&in, &show_offset_ns, sizeof show_offset_ns);
+    if (in.failed)
+        return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
+    mrt_result result =
+        performer_load_into(self->layer, into, in.at, (size_t)(in.end - in.at), err);
+    if (result >= 0)
+        layer_shift_time(self->layer, show_offset_ns);
+    return result;
+}
+
 mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
                          error *err)
 {
     show_checkpoint kept;
-    if (!self->is_same_plugin)
+    error ignored = {""};
+    if (!self->is_same_plugin || time_ns == INT64_MIN)
         return MRT_HOLD;
     mrt_result result = show_checkpoint_before(self->world.show, self->info.performance.id,
                                                time_ns - 1, &kept, err);
+    if (result == MRT_ERR_FORMAT)
+        return MRT_HOLD; /* damaged: the samples themselves tell it too */
     if (result < 0)
         return result;
-    error ignored = {""};
     bool is_wanted =
         kept.bytes && kept.version == SOURCE_CHECKPOINT_VERSION && kept.time_ns >= least_ns;
-    bool is_usable =
-        is_wanted && performer_load_into(self->layer, into, kept.bytes, kept.size, &ignored) >= 0;
+    bool is_usable = is_wanted && take_up(self, &kept, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
     show_checkpoint_finish(&kept);
     if (!is_wanted)
@@ -382,6 +398,18 @@ mrt_result source_seek(source *self, int64_t time_ns, error *err)
 }
 
 /* ---- kept ---- */
+
+size_t source_keep(performer *of, int64_t show_offset_ns, void *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    size_t size = performer_save(of, NULL, 0);
+    if (size == 0)
+        return 0;
+    bytes_put(&out, &show_offset_ns, sizeof show_offset_ns);
+    if (out.data && size <= out.capacity && out.size <= out.capacity - size)
+        performer_save(of, out.data + out.size, size);
+    return out.size + size;
+}
 
 size_t source_save(source *self, void *bytes, size_t capacity)
 {

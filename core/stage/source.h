@@ -4,8 +4,7 @@
  * [main], or any one thread that may read the show; not for two threads at once. */
 #ifndef MAROTTE_STAGE_SOURCE_H
 #define MAROTTE_STAGE_SOURCE_H
-#include "stage/composer.h"
-#include "stage/layer.h"
+#include "stage/performer.h"
 #include "stage/plugins.h"
 #include "take/show.h"
 
@@ -18,7 +17,10 @@ typedef struct source_world {
 } source_world;
 
 /* How stored states are told from those of another way to keep them (show_checkpoint.version). */
-enum { SOURCE_CHECKPOINT_VERSION = 1 };
+enum { SOURCE_CHECKPOINT_VERSION = 2 };
+/* [frame] The state of a performance that is recorded, for source_recall; as performer_save.
+ * show_offset_ns: what its clock lacks to show time. */
+size_t source_keep(performer *of, int64_t show_offset_ns, void *bytes, size_t capacity);
 
 typedef struct source source;
 
