@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "take/show_schema.h"
+#include "take/writer_leftover.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -299,6 +300,8 @@ static mrt_result open_for_writing(show *self, error *err)
         result = configure(self->db, err);
     if (result >= 0)
         result = show_schema_migrate(self->db, id.version, err);
+    if (result >= 0)
+        result = writer_leftover_commit(self, err);
     if (result >= 0)
         result = show_close_open_ends(self->db, &recovered_count, err);
     if (result >= 0)

@@ -306,7 +306,7 @@ static mrt_result unpack(show_checkpoint *out, sqlite_statement *row, error *err
     size_t packed_size;
     const uint8_t *packed = sqlite_blob(row, 4, &packed_size);
     int64_t size = sqlite_int(row, 2);
-    if (size < 0 || size > CHECKPOINT_BYTES_MAX || !packed ||
+    if (size < 0 || size > CHECKPOINT_BYTES_MAX ||
         (int64_t)crc32_z(0, packed, packed_size) != sqlite_int(row, 3))
         return error_set(err, MRT_ERR_FORMAT, "a checkpoint is damaged: its CRC-32 differs");
     out->time_ns = sqlite_int(row, 0);

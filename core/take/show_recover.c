@@ -47,7 +47,7 @@ static bool has_crc(sqlite_statement *row, int crc_column, int bytes_column)
 {
     size_t size;
     const uint8_t *bytes = sqlite_blob(row, bytes_column, &size);
-    return bytes && (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, crc_column);
+    return (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, crc_column);
 }
 
 static bool is_whole_checkpoint(recovery *self, sqlite_statement *row)

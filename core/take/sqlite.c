@@ -344,9 +344,10 @@ const char *sqlite_text(sqlite_statement *statement, int column)
 
 const uint8_t *sqlite_blob(sqlite_statement *statement, int column, size_t *out_size)
 {
+    static const uint8_t nothing[1] = {0};
     const uint8_t *bytes = sqlite3_column_blob(statement->handle, column);
     *out_size = bytes ? (size_t)sqlite3_column_bytes(statement->handle, column) : 0;
-    return bytes;
+    return bytes ? bytes : nothing;
 }
 
 bool sqlite_is_null(sqlite_statement *statement, int column)

@@ -69,6 +69,7 @@ CHECKED mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err
 int64_t sqlite_int(sqlite_statement *statement, int column);
 double sqlite_double(sqlite_statement *statement, int column);
 const char *sqlite_text(sqlite_statement *statement, int column); /* "" when NULL or no memory */
+/* Never NULL; of size 0 when the column is. */
 const uint8_t *sqlite_blob(sqlite_statement *statement, int column, size_t *out_size);
 bool sqlite_is_null(sqlite_statement *statement, int column);
 int64_t sqlite_changes(const sqlite *self); /* rows that the last execute changed */

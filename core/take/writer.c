@@ -29,14 +29,14 @@ void writer_sample(writer *self, int64_t track, const mrt_sample *sample)
 {
     writer_record r = {.kind = WRITER_RECORD_SAMPLE, .id = track, .of.sample = *sample};
     atomic_fetch_add_explicit(&self->given_samples, 1, memory_order_relaxed);
-    if (!ring_push(self->ring, &r))
+    if (!spool_push(self->ring, &r))
         atomic_fetch_add_explicit(&self->ring_lost_samples, 1, memory_order_relaxed);
 }
 
 void writer_event(writer *self, const take_event *event)
 {
     writer_record r = {.kind = WRITER_RECORD_EVENT, .of.event = *event};
-    (void)ring_push(self->ring, &r);
+    (void)spool_push(self->ring, &r);
 }
 
 void *writer_checkpoint_buffer(writer *self)
@@ -63,7 +63,7 @@ void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint3
     r.of.checkpoint.version = version;
     r.of.checkpoint.buffer = index;
     r.of.checkpoint.size = size;
-    if (size > self->checkpoint_bytes || !ring_push(self->ring, &r))
+    if (size > self->checkpoint_bytes || !spool_push(self->ring, &r))
         atomic_store_explicit(&self->is_taken[index], false, memory_order_release);
 }
 
@@ -129,7 +129,9 @@ static mrt_result begin_session(show *s, const writer_options *options, int64_t 
 
 static mrt_result allocate(writer *self, const writer_options *options, error *err)
 {
-    bool good = (self->ring = ring_create(sizeof(writer_record), RING_RECORDS)) != NULL;
+    struct stat of = {.st_dev = self->of->device, .st_ino = self->of->inode};
+    self->ring = spool_create(&of, sizeof(writer_record), RING_RECORDS, self->to_show_ns);
+    bool good = self->ring != NULL;
     self->checkpoint_bytes = options->checkpoint_bytes;
     for (int i = 0; i < WRITER_CHECKPOINTS && good && options->checkpoint_bytes > 0; ++i) {
         self->checkpoint[i] = malloc(options->checkpoint_bytes);
@@ -162,7 +164,7 @@ static void destroy(writer *self)
     writer_jobs_destroy(&self->asked);
     for (int i = 0; i < WRITER_CHECKPOINTS; ++i)
         free(self->checkpoint[i]);
-    ring_destroy(self->ring);
+    spool_destroy(self->ring);
     pthread_cond_destroy(&self->wake);
     pthread_cond_destroy(&self->done);
     pthread_mutex_destroy(&self->lock);

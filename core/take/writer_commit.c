@@ -86,6 +86,7 @@ static void settle(writer *self)
         track->lost_count = 0;
     }
     self->ring_lost_untold = 0;
+    spool_settle(self->ring);
 }
 
 /* A job that can never be done (a track that is none, frames of no size) must not keep the others.

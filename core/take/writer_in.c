@@ -205,7 +205,7 @@ void writer_in(writer *self)
 {
     uint32_t count;
     do {
-        for (count = 0; count < WRITER_STAGED && ring_pop(self->ring, &self->staged[count]);
+        for (count = 0; count < WRITER_STAGED && spool_pop(self->ring, &self->staged[count]);
              ++count)
             ;
         pthread_mutex_lock(&self->lock);

@@ -3,8 +3,8 @@
  */
 #ifndef MAROTTE_TAKE_WRITER_STATE_H
 #define MAROTTE_TAKE_WRITER_STATE_H
-#include "base/ring.h"
 #include "take/journal.h"
+#include "take/spool.h"
 #include "take/writer_job.h"
 #include "take/writer_sync.h"
 #include "take/writer_track.h"
@@ -45,7 +45,7 @@ struct writer {
     writer_sync *sync;
 
     /* [frame] to the thread */
-    ring *ring;
+    spool *ring;
     uint8_t *checkpoint[WRITER_CHECKPOINTS];
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
     _Atomic uint32_t ring_lost_samples, given_samples;

@@ -1,0 +1,202 @@
+#include "take/spool.h"
+
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 256 };
+static const uint64_t magic = 0x31304c4f4f50534d; /* "MSPOOL01" */
+
+typedef struct head { /* of the file; the records follow at RECORDS_AT */
+    uint64_t magic;
+    uint64_t device, inode; /* of the show */
+    int64_t context;
+    uint32_t record_size, record_count;
+    _Atomic uint32_t written, taken, settled;
+} head;
+
+struct spool {
+    head *head;
+    uint8_t *records;
+    size_t record_size, map_size; /* map_size 0: plain memory */
+    uint32_t mask;
+    uint32_t next; /* what pop gives next, of one that was found */
+    bool is_found;
+    char path[PATH_BYTES];
+    _Atomic uint32_t loss_count;
+};
+
+static void path_of(char out[PATH_BYTES], const struct stat *of)
+{
+    (void)snprintf(out, PATH_BYTES, "/dev/shm/marotte-%ju-%jx-%ju.spool", (uintmax_t)geteuid(),
+                   (uintmax_t)of->st_dev, (uintmax_t)of->st_ino);
+}
+
+/* Its pages are there before it is used: none is waited for, and none is missing. */
+static void *map_new_file(const char *path, size_t size)
+{
+    (void)unlink(path);
+    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (fd < 0)
+        return NULL;
+    void *map = MAP_FAILED;
+    if (posix_fallocate(fd, 0, (off_t)size) == 0)
+        map = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    close(fd);
+    if (map == MAP_FAILED) {
+        (void)unlink(path);
+        return NULL;
+    }
+    memset(map, 0, size);
+    return map;
+}
+
+static void use_map(spool *self, void *map, size_t record_size, uint32_t record_count)
+{
+    self->head = map;
+    self->records = (uint8_t *)map + RECORDS_AT;
+    self->record_size = record_size;
+    self->mask = record_count - 1;
+}
+
+spool *spool_create(const struct stat *of, size_t record_size, uint32_t record_count,
+                    int64_t context)
+{
+    spool *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    size_t size = RECORDS_AT + record_size * record_count;
+    path_of(self->path, of);
+    void *map = map_new_file(self->path, size);
+    self->map_size = map ? size : 0;
+    if (!map)
+        map = calloc(1, size);
+    if (!map) {
+        free(self);
+        return NULL;
+    }
+    use_map(self, map, record_size, record_count);
+    self->head->device = (uint64_t)of->st_dev;
+    self->head->inode = (uint64_t)of->st_ino;
+    self->head->context = context;
+    self->head->record_size = (uint32_t)record_size;
+    self->head->record_count = record_count;
+    self->head->magic = magic;
+    return self;
+}
+
+void spool_abandon(spool *self)
+{
+    if (!self)
+        return;
+    if (self->map_size > 0)
+        (void)munmap(self->head, self->map_size);
+    else
+        free(self->head);
+    free(self);
+}
+
+void spool_destroy(spool *self)
+{
+    if (!self)
+        return;
+    if (self->map_size > 0)
+        (void)unlink(self->path);
+    spool_abandon(self);
+}
+
+bool spool_push(spool *self, const void *record)
+{
+    uint32_t written = atomic_load_explicit(&self->head->written, memory_order_relaxed);
+    uint32_t taken = atomic_load_explicit(&self->head->taken, memory_order_acquire);
+    if (written - taken > self->mask) {
+        atomic_fetch_add_explicit(&self->loss_count, 1, memory_order_relaxed);
+        return false;
+    }
+    memcpy(self->records + (written & self->mask) * self->record_size, record, self->record_size);
+    atomic_store_explicit(&self->head->written, written + 1, memory_order_release);
+    return true;
+}
+
+bool spool_pop(spool *self, void *out_record)
+{
+    uint32_t at = self->is_found ? self->next
+                                 : atomic_load_explicit(&self->head->taken, memory_order_relaxed);
+    if (at == atomic_load_explicit(&self->head->written, memory_order_acquire))
+        return false;
+    memcpy(out_record, self->records + (at & self->mask) * self->record_size, self->record_size);
+    if (self->is_found)
+        self->next = at + 1;
+    else
+        atomic_store_explicit(&self->head->taken, at + 1, memory_order_release);
+    return true;
+}
+
+void spool_settle(spool *self)
+{
+    atomic_store_explicit(&self->head->settled,
+                          atomic_load_explicit(&self->head->taken, memory_order_relaxed),
+                          memory_order_release);
+}
+
+uint32_t spool_loss_count(const spool *self)
+{
+    return atomic_load_explicit(&self->loss_count, memory_order_relaxed);
+}
+
+/* ---- what was left ---- */
+
+static void *map_old_file(const char *path, size_t *out_size)
+{
+    struct stat status;
+    void *map = MAP_FAILED;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0)
+        return NULL;
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() &&
+        (status.st_mode & 077) == 0 && status.st_size > RECORDS_AT) {
+        *out_size = (size_t)status.st_size;
+        map = mmap(NULL, *out_size, PROT_READ, MAP_PRIVATE, fd, 0);
+    }
+    close(fd);
+    return map == MAP_FAILED ? NULL : map;
+}
+
+static bool is_of(const head *h, size_t size, const struct stat *of, size_t record_size)
+{
+    return h->magic == magic && h->device == (uint64_t)of->st_dev &&
+           h->inode == (uint64_t)of->st_ino && h->record_size == record_size &&
+           h->record_count > 0 && h->record_count <= RECORDS_MAX &&
+           (h->record_count & (h->record_count - 1)) == 0 &&
+           size == RECORDS_AT + record_size * h->record_count;
+}
+
+spool *spool_find(const struct stat *of, size_t record_size, int64_t *out_context)
+{
+    spool *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    path_of(self->path, of);
+    void *map = map_old_file(self->path, &self->map_size);
+    if (!map) {
+        free(self);
+        return NULL;
+    }
+    self->head = map;
+    if (!is_of(map, self->map_size, of, record_size)) {
+        spool_destroy(self);
+        return NULL;
+    }
+    use_map(self, map, record_size, self->head->record_count);
+    *out_context = self->head->context;
+    self->is_found = true;
+    /* The producer may have gone round since the last settling. */
+    uint32_t written = atomic_load(&self->head->written);
+    uint32_t count = written - atomic_load(&self->head->settled);
+    self->next = written - (count <= self->mask ? count : self->mask + 1);
+    return self;
+}
