@@ -21,7 +21,8 @@ struct layer {
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */
     bool has_time;
-    double *last_params; /* of the sample before */
+    double *last_params;   /* of the sample before */
+    double *stored_params; /* while a state is loaded */
     layer_on_param *on_param;
     void *on_param_data;
     layer_counts counts;
@@ -70,7 +71,9 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     self->settings = *settings;
     mrt_result result = MRT_OK;
     self->last_params = calloc((size_t)mapping->type->param_count + 1, sizeof *self->last_params);
-    if (!self->last_params)
+    self->stored_params =
+        calloc((size_t)mapping->type->param_count + 1, sizeof *self->stored_params);
+    if (!self->last_params || !self->stored_params)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
     if (result >= 0)
         result = hands_create(&self->hands, &settings->hands, err);
@@ -101,6 +104,7 @@ void layer_destroy(layer *self)
         self->functions->deactivate(self->mapping->self);
     hands_destroy(self->hands);
     free(self->last_params);
+    free(self->stored_params);
     free(self);
 }
 
@@ -325,11 +329,18 @@ static void take_params(bytes_in *in, layer *self)
         in->failed |= bytes_take_u32(in) != type->params[i].id;
         double value = bytes_take_f64(in);
         in->failed |= !(value >= type->params[i].min && value <= type->params[i].max);
-        if (in->failed)
-            return;
+        self->stored_params[i] = value;
+    }
+}
+
+static void use_stored_params(layer *self)
+{
+    const mrt_plugin_type *type = self->mapping->type;
+    for (uint32_t i = 0; i < type->param_count; ++i) {
+        double value = self->stored_params[i];
+        bool is_button = type->params[i].flags & MRT_PARAM_TRIGGER; /* it was let go since */
         self->last_params[i] = value;
         self->mapping->params[i] = value;
-        bool is_button = type->params[i].flags & MRT_PARAM_TRIGGER; /* it was let go since */
         atomic_store(&self->mapping->wanted[i], is_button ? type->params[i].initial : value);
     }
 }
@@ -389,6 +400,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (self->resume->load(self->mapping->self, bytes, size) < 0)
         return error_set(err, MRT_ERR_FORMAT, "mapping %s refuses its stored state",
                          self->mapping->type->id);
+    use_stored_params(self);
     return MRT_OK;
 }
 

@@ -149,12 +149,16 @@ mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, si
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     size_t layer_size = bytes_take_u32(&in);
     composer_reset(shown);
-    if (in.failed || layer_size > (size_t)(in.end - in.at))
+    if (in.failed || layer_size > (size_t)(in.end - in.at)) {
+        layer_reset(of);
         return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
+    }
     mrt_result result = layer_load(of, in.at, layer_size, err);
     if (result >= 0)
         result =
             composer_load(shown, in.at + layer_size, (size_t)(in.end - in.at) - layer_size, err);
+    if (result < 0)
+        layer_reset(of);
     return result;
 }
 
