@@ -388,7 +388,7 @@ const command command_perform = {
     .name = "perform",
     .summary = "performs a face without a window, from recordings or devices",
     .help =
-        "marotte perform --face MESH --input PLUGIN[:ADDRESS][,key=value]... --map "
+        "marotte perform --face FACE --input PLUGIN[:ADDRESS][,key=value]... --map "
         "PLUGIN[,key=value]...\n"
         "                [--record SHOW.marotte [--scene NAME] [--shot NAME]]\n"
         "                [--export FILE]... [--fps N] [--seconds N] [--realtime] [--json]\n"
@@ -396,7 +396,9 @@ const command command_perform = {
         "Hands come in, a face comes out: as fast as possible from recordings, in real time from\n"
         "devices.\n"
         "\n"
-        "  --face MESH        .glb .gltf .obj .ply .off, others through OpenMesh\n"
+        "  --face FACE        NAME.rig.json; .glb .gltf .obj .ply .off, others through OpenMesh; "
+        "or\n"
+        "                     the name of a rig that comes with marotte: puppet, moai\n"
         "  --unit mm|cm|m     of the mesh's coordinates (glTF: m; else guessed from its size)\n"
         "  --input SPEC       an input plugin, what it opens, its parameters; up to 8 times\n"
         "                     log:plugins/log/demo_hand.csv,speed=2\n"

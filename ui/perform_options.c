@@ -1,6 +1,7 @@
 #include "perform_options.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "place.h"
 #include "take/take.h"
 
 #include <getopt.h>
@@ -58,6 +59,7 @@ void perform_options_finish(perform_options *options)
     for (uint32_t i = 0; i < options->input_count; ++i)
         spec_finish(&options->input[i]);
     spec_finish(&options->map);
+    free(options->face);
 }
 
 static int read_number(const command *self, const char *option, const char *text, double min,
@@ -116,6 +118,17 @@ static int set_map(perform_options *out, const command *self, const char *text)
     return COMMAND_DONE;
 }
 
+static int set_face(perform_options *out, const command *self, const char *text)
+{
+    if (out->face)
+        return command_usage(self, "one --face is possible");
+    out->face = place_face(text);
+    if (out->face)
+        return COMMAND_DONE;
+    const error no_memory = {"no memory"};
+    return command_failed(self, &no_memory);
+}
+
 static int add_calibration(perform_options *out, const command *self, const char *path)
 {
     if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
@@ -131,8 +144,7 @@ static int read_option(perform_options *out, const command *self, int option, co
     int code;
     switch (option) {
     case OPTION_FACE:
-        out->face = text;
-        return COMMAND_DONE;
+        return set_face(out, self, text);
     case OPTION_UNIT:
         return read_unit(out, self, text);
     case OPTION_INPUT:

@@ -9,7 +9,7 @@
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 
 typedef struct perform_options {
-    const char *face;
+    char *face; /* a path; owned */
     mesh_unit unit;
     plugin_spec input[PERFORM_INPUTS_MAX];
     uint32_t input_count;

@@ -252,16 +252,21 @@ static void add_user_folder(plugin_list *list)
         add_folder(list, folder);
 }
 
-static void add_program_folder(plugin_list *list)
+/* `from_program`: as seen from the running program's folder, so that it all may be moved. */
+static void add_program_folder(plugin_list *list, const char *from_program)
 {
     char folder[PATH_LENGTH];
-    ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - sizeof "plugins");
+    size_t name_length = strlen(from_program);
+    ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - name_length - 1);
     if (length <= 0)
         return;
     while (length > 0 && folder[length - 1] != '/')
         length -= 1;
-    memcpy(folder + length, "plugins", sizeof "plugins");
-    add_folder(list, folder);
+    memcpy(folder + length, from_program, name_length + 1);
+    char *real = realpath(folder, NULL);
+    if (real)
+        add_folder(list, real);
+    free(real);
 }
 
 mrt_result plugin_list_load(plugin_list *out, error *err)
@@ -270,8 +275,8 @@ mrt_result plugin_list_load(plugin_list *out, error *err)
     *out = (plugin_list){0};
     add_path_list(out, getenv("MAROTTE_PLUGIN_PATH"));
     add_user_folder(out);
-    add_folder(out, MAROTTE_PLUGIN_FOLDER);
-    add_program_folder(out);
+    add_program_folder(out, MAROTTE_PLUGINS_FROM_PROGRAM);
+    add_program_folder(out, "plugins");
     return MRT_OK;
 }
 

@@ -22,7 +22,8 @@ typedef struct plugin_list {
 } plugin_list;
 
 /* Looks into $MAROTTE_PLUGIN_PATH (folders with ':' between), the user's data folder, the installed
- * folder, and the folder `plugins` beside the running program. Missing folders are no error. */
+ * folder (found from the running program: an installation may be moved), and the folder `plugins`
+ * beside the program. Missing folders are no error. */
 CHECKED mrt_result plugin_list_load(plugin_list *out, error *err);
 /* Adds one library. A refused one is an error that says why. */
 CHECKED mrt_result plugin_list_add(plugin_list *list, const char *path, error *err);

@@ -1,0 +1,16 @@
+/* template_files.h - what `marotte plugin new` writes: the files of this folder, part of the
+ * program since its build. In each, "template_name" stands for the plugin's name. */
+#ifndef MAROTTE_TEMPLATE_FILES_H
+#define MAROTTE_TEMPLATE_FILES_H
+#include <stddef.h>
+
+typedef struct template_file {
+    const char *name; /* where it goes, within the plugin's folder */
+    const char *bytes;
+    size_t size;
+} template_file;
+
+enum { TEMPLATE_FILES = 4 };
+extern const template_file template_mapping[TEMPLATE_FILES], template_input[TEMPLATE_FILES];
+
+#endif

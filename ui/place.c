@@ -1,0 +1,59 @@
+#include "place.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* From the folder of the program: installed, and in the build folder. */
+static const char *const prefixes[] = {MAROTTE_PREFIX_FROM_PROGRAM, "."};
+static const char *const rigs[] = {MAROTTE_DATA_FROM_PROGRAM "/rigs", "share/marotte/rigs"};
+enum { PLACES = 2 };
+
+bool place_program(char out[PLACE_LENGTH])
+{
+    ssize_t length = readlink("/proc/self/exe", out, PLACE_LENGTH - 1);
+    out[length > 0 ? length : 0] = '\0';
+    return length > 0 && length < PLACE_LENGTH - 1;
+}
+
+/* The first of the places, as seen from the program's folder, in which there is such a file. */
+static bool find(char out[PLACE_LENGTH], const char *const place[PLACES], const char *file)
+{
+    char program[PLACE_LENGTH];
+    if (!place_program(program))
+        return false;
+    int folder_length = (int)(strrchr(program, '/') - program);
+    for (int i = 0; i < PLACES; ++i) {
+        int length =
+            snprintf(out, PLACE_LENGTH, "%.*s/%s/%s", folder_length, program, place[i], file);
+        if (length > 0 && length < PLACE_LENGTH && access(out, R_OK) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool place_prefix(char out[PLACE_LENGTH])
+{
+    static const char header[] = "include/marotte/plugin.h";
+    if (!find(out, prefixes, header))
+        return false;
+    out[strlen(out) - sizeof header] = '\0';
+    char *real = realpath(out, NULL);
+    bool fits = real && strlen(real) < PLACE_LENGTH;
+    if (fits)
+        memcpy(out, real, strlen(real) + 1);
+    free(real);
+    return fits;
+}
+
+char *place_face(const char *given)
+{
+    char file[PLACE_LENGTH], found[PLACE_LENGTH];
+    int length = snprintf(file, sizeof file, "%s/%s.rig.json", given, given);
+    bool is_name = given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
+    if (is_name && access(given, F_OK) != 0 && length > 0 && length < PLACE_LENGTH &&
+        find(found, rigs, file))
+        return realpath(found, NULL);
+    return strdup(given);
+}

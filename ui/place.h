@@ -1,0 +1,20 @@
+/* ui/place.h - where the program's own files are: relative to the program, so that what was
+ * installed may be moved. The build folder looks like an installation. [main] */
+#ifndef MAROTTE_UI_PLACE_H
+#define MAROTTE_UI_PLACE_H
+#include <stdbool.h>
+
+enum { PLACE_LENGTH = 4096 };
+
+/* The running program. False: nobody knows. */
+bool place_program(char out[PLACE_LENGTH]);
+/* What a plugin's build has to be told: the folder that include/marotte/plugin.h and the package
+ * files are in, without links. False: the header is not installed. */
+bool place_prefix(char out[PLACE_LENGTH]);
+
+/* What --face means: a file, or the name of a rig that comes with marotte ("puppet"). A file of
+ * that name wins, and what is neither is given back as it is. A copy for the caller to free; NULL:
+ * no memory. */
+char *place_face(const char *given);
+
+#endif
