@@ -95,6 +95,7 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
         .input_text = texts,
         .input_count = of->input_count,
         .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
+        .layer = performer_layer(of->performer),
         .performer = of->performer,
         .face_path = options->face,
         .face = of->face,

@@ -20,7 +20,7 @@ typedef struct one_hand {
 } one_hand;
 
 struct hands {
-    one_hand hand[2];      /* left, right */
+    one_hand hand[2]; /* left, right */
     hands_settings settings;
     uint32_t rezero_pedal; /* 0: none */
     bool is_rezero_down, is_rezero_pressed;

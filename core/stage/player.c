@@ -11,7 +11,8 @@ static const int64_t idle_span_ns = 50 * NS_PER_MS;
 static const int64_t gap_max_ns = 3600 * NS_PER_S;
 
 typedef struct playing {
-    performer *performer;
+    const player_stage *stage;
+    bool is_over; /* the stage says so */
     input *const *inputs;
     uint32_t input_count;
     const player_settings *settings;
@@ -34,7 +35,11 @@ static int64_t frame_time_ns(const playing *self, uint32_t index)
 static mrt_result draw_frame(playing *self, error *err)
 {
     int64_t before = clock_now_ns();
-    performer_draw(self->performer);
+    int64_t time_ns = frame_time_ns(self, self->report->frame_count);
+    mrt_result result = self->stage->draw(self->stage->self, time_ns, err);
+    if (result < 0)
+        return result;
+    self->is_over |= result == MRT_END;
     int64_t work_ns = self->work_ns + clock_now_ns() - before;
     self->work_ns = 0;
     uint32_t index = self->report->frame_count++;
@@ -46,7 +51,8 @@ static mrt_result draw_frame(playing *self, error *err)
 static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
 {
     mrt_result result = MRT_OK;
-    while (result >= 0 && frame_time_ns(self, self->report->frame_count) < time_ns)
+    while (result >= 0 && !self->is_over &&
+           frame_time_ns(self, self->report->frame_count) < time_ns)
         result = draw_frame(self, err);
     return result;
 }
@@ -112,16 +118,17 @@ static mrt_sample in_order(const playing *self, const mrt_sample *sample)
     return out;
 }
 
-static void perform(playing *self, uint32_t from, const mrt_sample *sample)
+static mrt_result perform(playing *self, uint32_t from, const mrt_sample *sample, error *err)
 {
     const player_events *events = self->events;
     int64_t before = clock_now_ns();
     if (events->sample)
         events->sample(events->data, from, sample);
-    performer_sample(self->performer, &self->route[from], sample);
-    if (events->performed)
+    mrt_result result = self->stage->sample(self->stage->self, &self->route[from], sample, err);
+    if (result >= 0 && events->performed)
         events->performed(events->data, from, sample);
     self->work_ns += clock_now_ns() - before;
+    return result;
 }
 
 static mrt_result play_sample(playing *self, int from, const mrt_sample *came, error *err)
@@ -139,9 +146,11 @@ static mrt_result play_sample(playing *self, int from, const mrt_sample *came, e
             (uintmax_t)self->report->sample_count);
     mrt_sample sample = in_order(self, came);
     mrt_result result = draw_before(self, sample.time_ns, err);
+    if (result < 0 || self->is_over)
+        return result;
+    result = perform(self, (uint32_t)from, &sample, err);
     if (result < 0)
         return result;
-    perform(self, (uint32_t)from, &sample);
     self->report->sample_count += 1;
     self->last_ns = sample.time_ns;
     return MRT_OK;
@@ -182,7 +191,7 @@ static void tell_incidents(playing *self)
 static mrt_result play(playing *self, error *err)
 {
     mrt_result result = MRT_OK;
-    while (result >= 0 && !is_stopped(self)) {
+    while (result >= 0 && !is_stopped(self) && !self->is_over) {
         mrt_sample sample;
         uint32_t seen = wake_seen(&self->signal);
         bool over = are_over(self); /* asked first: what came before the end is still in a ring */
@@ -209,9 +218,38 @@ static mrt_result play(playing *self, error *err)
     return result;
 }
 
+static mrt_result sample_performer(void *self, const channel_route *route, const mrt_sample *sample,
+                                   error *err)
+{
+    (void)err;
+    performer_sample(self, route, sample);
+    return MRT_OK;
+}
+
+static mrt_result draw_performer(void *self, int64_t time_ns, error *err)
+{
+    (void)time_ns;
+    (void)err;
+    performer_draw(self);
+    return MRT_OK;
+}
+
+player_stage player_stage_of(performer *p)
+{
+    return (player_stage){p, sample_performer, draw_performer};
+}
+
 mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
                       const player_settings *settings, const player_events *events,
                       player_report *out_report, error *err)
+{
+    const player_stage stage = player_stage_of(p);
+    return player_run_stage(&stage, inputs, input_count, settings, events, out_report, err);
+}
+
+mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uint32_t input_count,
+                            const player_settings *settings, const player_events *events,
+                            player_report *out_report, error *err)
 {
     *out_report = (player_report){0};
     if (input_count == 0 || input_count > PLAYER_INPUTS_MAX)
@@ -220,7 +258,7 @@ mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
     if (!(settings->fps > 0) || !(settings->fps <= 1000))
         return error_set(err, MRT_ERR_ARGUMENT, "%g frames a second, 0 to 1000 are possible",
                          settings->fps);
-    playing self = {.performer = p,
+    playing self = {.stage = stage,
                     .inputs = inputs,
                     .input_count = input_count,
                     .settings = settings,

@@ -42,6 +42,23 @@ typedef struct player_report {
 
 enum { PLAYER_INPUTS_MAX = 8 };
 
+/* Who performs what the inputs give. Times are the inputs' clock. [frame] */
+typedef struct player_stage {
+    void *self;
+    /* One sample, routed. */
+    CHECKED mrt_result (*sample)(void *self, const channel_route *route, const mrt_sample *sample,
+                                 error *err);
+    /* The face as it is to be seen at time_ns. MRT_END: the performance is over. */
+    CHECKED mrt_result (*draw)(void *self, int64_t time_ns, error *err);
+} player_stage;
+/* One mapping on one face. */
+player_stage player_stage_of(performer *p);
+
+CHECKED mrt_result player_run_stage(const player_stage *stage, input *const *inputs,
+                                    uint32_t input_count, const player_settings *settings,
+                                    const player_events *events, player_report *out_report,
+                                    error *err);
+/* The same for player_stage_of(p). */
 CHECKED mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
                               const player_settings *settings, const player_events *events,
                               player_report *out_report, error *err);

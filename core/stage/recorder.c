@@ -107,7 +107,7 @@ static void read_params(take_performance *out, instance *mapping)
 static mrt_result describe_performance(recorder *self, error *err)
 {
     take_performance *p = &self->performance;
-    instance *mapping = layer_mapping(performer_layer(self->settings.performer));
+    instance *mapping = layer_mapping(self->settings.layer);
     mrt_result result = describe_face(self, p, err);
     if (result < 0)
         return result;
@@ -168,6 +168,8 @@ static mrt_result add_track(recorder *self, uint32_t i, uint32_t version, error 
 
 static size_t checkpoint_capacity(const recorder_settings *s)
 {
+    if (!s->performer)
+        return 0;
     const points *rest = face_rest(performer_face(s->performer));
     return state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
@@ -221,7 +223,7 @@ mrt_result recorder_start(recorder **out, const recorder_settings *settings, err
             return result;
         return result;
     }
-    layer_watch_params(performer_layer(settings->performer), on_param, self);
+    layer_watch_params(settings->layer, on_param, self);
     *out = self;
     return MRT_OK;
 }
@@ -231,7 +233,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     mrt_result result = MRT_OK;
     if (!self)
         return MRT_OK;
-    layer_watch_params(performer_layer(self->settings.performer), NULL, NULL);
+    layer_watch_params(self->settings.layer, NULL, NULL);
     if (self->is_take_open)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
@@ -278,6 +280,11 @@ mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *sla
     return result;
 }
 
+int64_t recorder_performance(const recorder *self)
+{
+    return self->has_begun ? self->performance.id : 0;
+}
+
 int64_t recorder_take(const recorder *self)
 {
     return self->take;
@@ -297,6 +304,8 @@ writer *recorder_writer(recorder *self)
 
 static void keep_state(recorder *self, int64_t time_ns)
 {
+    if (!self->settings.performer)
+        return;
     void *buffer = writer_checkpoint_buffer(self->writer);
     size_t capacity = checkpoint_capacity(&self->settings);
     if (!buffer)
@@ -334,7 +343,7 @@ static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, er
         if (result >= 0)
             result = add_track(self, i, version, err);
         memcpy(self->performance.track, self->track, sizeof self->performance.track);
-        read_params(&self->performance, layer_mapping(performer_layer(self->settings.performer)));
+        read_params(&self->performance, layer_mapping(self->settings.layer));
     }
     return result < 0 ? result : begin_performance(self, time_ns, err);
 }
@@ -384,6 +393,8 @@ void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
 void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample)
 {
     (void)from;
+    if (!self->settings.performer)
+        return;
     int64_t span_ns =
         performer_is_anchored(self->settings.performer) ? anchored_span_ns : unanchored_span_ns;
     if (self->has_begun && sample->time_ns - self->checkpoint_ns >= span_ns)

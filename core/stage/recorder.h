@@ -24,7 +24,9 @@ typedef struct recorder_settings {
     const char *const *input_text; /* as they were opened: "log:demo.csv,end=8" */
     uint32_t input_count;
     const char *calibration[2]; /* left, right: JSON; NULL: none */
-    performer *performer;       /* with its mapping, parameters set */
+    layer *layer;               /* who performs, its parameters set */
+    performer *performer;       /* that layer and a face that it alone moves: states are kept, from
+                                   which it can be taken up; NULL: others move the face too */
     const char *face_path;
     const face_file *face;
     double unit_mm;        /* of a mesh alone; 0: guessed */
@@ -45,6 +47,7 @@ CHECKED mrt_result recorder_take_end(recorder *self, error *err);
 CHECKED mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *slate,
                                  int64_t *out_take, error *err);
 int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
+int64_t recorder_performance(const recorder *self); /* that goes on; 0: before the first sample */
 /* The first thing that went wrong since the start, in one line; "" nothing did. */
 const char *recorder_problem(const recorder *self);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */

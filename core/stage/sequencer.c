@@ -52,15 +52,14 @@ static int64_t next_turn_ns(const sequencer *self)
 
 /* ---- what a layer may move ---- */
 
-static void mark_owned(const sequencer *self, const take_layer *l, uint8_t *out)
+void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out)
 {
-    const mrt_face *about = composer_about(self->composer);
-    bool owns_all = l->own_count == 0;
+    const mrt_face *about = composer_about(shown);
     for (uint32_t i = 0; i < about->contact_count; ++i)
         out[i] = own_layer_owns(l, about->contacts[i].name);
     for (uint32_t i = 0; i < about->dof_count; ++i)
         out[about->contact_count + i] = own_layer_owns(l, about->dofs[i].name);
-    out[about->contact_count + about->dof_count] = owns_all; /* free points */
+    out[about->contact_count + about->dof_count] = l->own_count == 0; /* free points */
 }
 
 static mrt_result list_owned(sequencer *self, error *err)
@@ -73,7 +72,7 @@ static mrt_result list_owned(sequencer *self, error *err)
     if (!self->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
-        mark_owned(self, &self->take.layer[i], self->owned + i * row);
+        sequencer_mark_owned(self->composer, &self->take.layer[i], self->owned + i * row);
     return MRT_OK;
 }
 
@@ -315,15 +314,15 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
                 .owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL};
         }
     }
-    if (self->live && count < COMPOSER_PARTS_MAX)
+    if (self->live.layer && count < COMPOSER_PARTS_MAX)
         out[count++] = (composer_part){.slot = SEQUENCER_LIVE_SLOT,
                                        .layer = self->take.layer_count,
-                                       .is_additive = self->is_live_additive,
-                                       .is_fresh = fresh == NULL && self->is_live_fresh,
-                                       .weight = 1.0,
+                                       .is_additive = self->live.is_additive,
+                                       .is_fresh = self->is_live_fresh,
+                                       .weight = self->live_weight,
                                        .gain = 1.0,
-                                       .pull = layer_pull(self->live),
-                                       .owns = self->live_owns};
+                                       .pull = layer_pull(self->live.layer),
+                                       .owns = self->live.owns};
     return count;
 }
 
@@ -441,21 +440,25 @@ mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
 
 /* ---- live ---- */
 
-void sequencer_set_live(sequencer *self, layer *live, const uint8_t *owns, bool is_additive)
+void sequencer_set_live(sequencer *self, const sequencer_live *live)
 {
-    self->live = live;
-    self->live_owns = owns;
-    self->is_live_additive = is_additive;
+    self->live = *live;
+    self->live_weight = 1.0;
+}
+
+void sequencer_weigh_live(sequencer *self, double weight)
+{
+    self->live_weight = weight;
 }
 
 void sequencer_live_sample(sequencer *self, const channel_route *route, const mrt_sample *sample)
 {
-    if (!self->live)
+    layer *live = self->live.layer;
+    if (!live)
         return;
-    layer_sample(self->live, route, sample,
-                 composer_is_near(self->composer, layer_pull(self->live)));
-    self->is_live_fresh = self->is_touched = true;
-    move(self, self->now_ns, NULL, layer_frame(self->live)->dt_s);
+    layer_sample(live, route, sample, composer_is_near(self->composer, layer_pull(live)));
+    self->is_live_fresh = true;
+    move(self, self->now_ns, NULL, layer_frame(live)->dt_s);
     self->is_live_fresh = false;
 }
 

@@ -45,10 +45,19 @@ const char *sequencer_note(const sequencer *self);
 
 /* ---- live: somebody performs over what is played ---- */
 
-/* A layer that is performed now lies above all others. owns: as composer_part; NULL: everything.
- * NULL for `live`: nobody performs. It must outlive that. */
-void sequencer_set_live(sequencer *self, layer *live, const uint8_t *owns, bool is_additive);
+/* A layer that is performed now lies above all others. It must outlive that. */
+typedef struct sequencer_live {
+    layer *layer;        /* NULL: nobody performs */
+    const uint8_t *owns; /* as composer_part; NULL: everything */
+    bool is_additive;
+} sequencer_live;
+void sequencer_set_live(sequencer *self, const sequencer_live *live);
+/* How much of it is seen: 0..1, from the next sample or clip on. */
+void sequencer_weigh_live(sequencer *self, double weight);
 /* Its newest sample was performed at an instant that has been played to. */
 void sequencer_live_sample(sequencer *self, const channel_route *route, const mrt_sample *sample);
+/* What a layer of these patterns owns: as composer_part, for composer_about's face. `out` has
+ * contact_count + dof_count + 1 places. */
+void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out);
 
 #endif

@@ -39,9 +39,9 @@ struct sequencer {
     uint64_t sample_count;
     char note[1024];
 
-    layer *live;
-    const uint8_t *live_owns;
-    bool is_live_additive, is_live_fresh;
+    sequencer_live live;
+    double live_weight;
+    bool is_live_fresh;
     bool is_touched; /* by somebody live: the face is not the take's alone */
 
     moment *moment; /* by at_ns */
