@@ -250,7 +250,7 @@ static double weight_now(const overdub *self)
     if (s->fade_ns > 0 && self->at_ns < s->in_ns + s->fade_ns)
         weight = (double)(self->at_ns - s->in_ns) / (double)s->fade_ns;
     if (s->fade_ns > 0 && s->out_ns > 0 && self->at_ns > s->out_ns - s->fade_ns)
-        weight *= (double)(s->out_ns - self->at_ns) / (double)s->fade_ns;
+        weight *= 1.0 - (double)(self->at_ns - (s->out_ns - s->fade_ns)) / (double)s->fade_ns;
     return weight < 0.0 ? 0.0 : weight;
 }
 
@@ -336,6 +336,7 @@ static void frame_clip(const overdub *self, const pass *p, edit *e, take_warp_po
         warp[1] = (take_warp_point){end_ns, source_ns + length_ns};
         e->warp = warp;
         e->warp_count = 2;
+        e->source_ns = EDIT_UNSAID;
     }
 }
 

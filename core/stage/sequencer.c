@@ -314,7 +314,7 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
                 .owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL};
         }
     }
-    if (self->live.layer && count < COMPOSER_PARTS_MAX)
+    if (self->live.layer && self->live_weight > 0.0 && count < COMPOSER_PARTS_MAX)
         out[count++] = (composer_part){.slot = SEQUENCER_LIVE_SLOT,
                                        .layer = self->take.layer_count,
                                        .is_additive = self->live.is_additive,
