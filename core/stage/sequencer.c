@@ -457,7 +457,7 @@ void sequencer_live_sample(sequencer *self, const channel_route *route, const mr
     if (!live)
         return;
     layer_sample(live, route, sample, composer_is_near(self->composer, layer_pull(live)));
-    self->is_live_fresh = true;
+    self->is_live_fresh = self->is_touched = true;
     move(self, self->now_ns, NULL, layer_frame(live)->dt_s);
     self->is_live_fresh = false;
 }
