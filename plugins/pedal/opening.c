@@ -163,7 +163,7 @@ static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
                  usb_failure_text(self->usb));
     }
     out->result = failure == USB_NO_MEMORY ? MRT_ERR_MEMORY : MRT_ERR_IO;
-    out->may_pass = failure != USB_BROKEN && usb_came_lately(self->usb, self->device.path);
+    out->may_pass = failure != USB_BROKEN && usb_came_lately(self->usb, &self->device);
     snprintf(out->text, sizeof out->text, "%.40s at usb:%s: %s", self->name, self->device.path,
              advice);
 }

@@ -6,24 +6,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { QUEUE = 16, ARRIVALS = 8, PACKET_UNKNOWN = 64, DESCRIPTOR_TIMEOUT_MS = 500 };
+enum { QUEUE = 16, PACKET_UNKNOWN = 64, DESCRIPTOR_TIMEOUT_MS = 500 };
 enum { HID_REPORT_DESCRIPTOR = 0x22 };
 
 static const int64_t lately_ns = 1500000000;
 static const int64_t close_patience_ns = 2000000000;
 
-typedef struct arrival {
+/* A device of the last look; another number in the same socket is another device. */
+typedef struct guest {
     char path[ADDRESS_PATH];
-    int64_t time_ns;
-} arrival;
+    uint8_t number;
+    int64_t since_ns; /* INT64_MIN: it was there before us */
+} guest;
 
 struct usb {
     const mrt_host *host;
     libusb_context *context;
     libusb_hotplug_callback_handle hotplug;
     bool has_hotplug;
-    arrival arrivals[ARRIVALS];
-    uint32_t arrival_next;
+    guest guests[USB_SEEN];
+    uint32_t guest_count;
+    bool has_looked;
     int last_error;
 
     libusb_device_handle *handle; /* NULL: closed */
@@ -83,39 +86,18 @@ static bool path_of(libusb_device *device, char out[ADDRESS_PATH])
     return true;
 }
 
-static void note_arrival(usb *self, libusb_device *device)
-{
-    arrival *slot = &self->arrivals[self->arrival_next];
-    if (!path_of(device, slot->path))
-        return;
-    slot->time_ns = self->host->now_ns(self->host);
-    self->arrival_next = (self->arrival_next + 1) % ARRIVALS;
-}
-
-/* Departures are told late, perhaps when the same socket is open again: only the very device
- * counts.
- */
-static int LIBUSB_CALL on_hotplug(libusb_context *context, libusb_device *device,
-                                  libusb_hotplug_event event, void *data)
+/* Departures are told late, perhaps when the same socket is open again: the very device counts. */
+static int LIBUSB_CALL on_departure(libusb_context *context, libusb_device *device,
+                                    libusb_hotplug_event event, void *data)
 {
     (void)context;
+    (void)event;
     usb *self = data;
-    if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED) {
-        note_arrival(self, device);
-    } else if (self->handle && device == libusb_get_device(self->handle)) {
+    if (self->handle && device == libusb_get_device(self->handle)) {
         self->is_lost = true;
         self->woken = 1;
     }
     return 0;
-}
-
-bool usb_came_lately(const usb *self, const char *path)
-{
-    int64_t since_ns = self->host->now_ns(self->host) - lately_ns;
-    for (uint32_t i = 0; i < ARRIVALS; ++i)
-        if (self->arrivals[i].time_ns > since_ns && strcmp(self->arrivals[i].path, path) == 0)
-            return true;
-    return false;
 }
 
 /* ---- the library ---- */
@@ -126,18 +108,16 @@ usb *usb_create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    for (uint32_t i = 0; i < ARRIVALS; ++i)
-        self->arrivals[i].time_ns = INT64_MIN;
     if (libusb_init(&self->context) != LIBUSB_SUCCESS) {
         free(self);
         return NULL;
     }
     self->has_hotplug =
         libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG) &&
-        libusb_hotplug_register_callback(
-            self->context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT,
-            LIBUSB_HOTPLUG_NO_FLAGS, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
-            LIBUSB_HOTPLUG_MATCH_ANY, on_hotplug, self, &self->hotplug) == LIBUSB_SUCCESS;
+        libusb_hotplug_register_callback(self->context, LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT,
+                                         LIBUSB_HOTPLUG_NO_FLAGS, LIBUSB_HOTPLUG_MATCH_ANY,
+                                         LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
+                                         on_departure, self, &self->hotplug) == LIBUSB_SUCCESS;
     return self;
 }
 
@@ -235,11 +215,45 @@ static void insert(usb_seen *out, uint32_t capacity, uint32_t count, const usb_s
         out[at] = *seen;
 }
 
+static const guest *find_guest(const guest *guests, uint32_t count, const char *path,
+                               uint8_t number)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (guests[i].number == number && strcmp(guests[i].path, path) == 0)
+            return &guests[i];
+    return NULL;
+}
+
+static void remember_guests(usb *self, const usb_seen *seen, uint32_t count)
+{
+    guest now[USB_SEEN];
+    int64_t now_ns = self->host->now_ns(self->host);
+    uint32_t kept = count < USB_SEEN ? count : USB_SEEN;
+    for (uint32_t i = 0; i < kept; ++i) {
+        const guest *known =
+            find_guest(self->guests, self->guest_count, seen[i].path, seen[i].number);
+        now[i] =
+            (guest){.number = seen[i].number, .since_ns = self->has_looked ? now_ns : INT64_MIN};
+        if (known)
+            now[i].since_ns = known->since_ns;
+        memcpy(now[i].path, seen[i].path, sizeof now[i].path);
+    }
+    memcpy(self->guests, now, kept * sizeof *now);
+    self->guest_count = kept;
+    self->has_looked = true;
+}
+
+bool usb_came_lately(const usb *self, const usb_seen *device)
+{
+    const guest *known = find_guest(self->guests, self->guest_count, device->path, device->number);
+    return known && known->since_ns > self->host->now_ns(self->host) - lately_ns;
+}
+
 uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity)
 {
     libusb_device **list = NULL;
     uint32_t count = 0;
-    (void)pump(self, 0); /* arrivals and departures that wait */
+    (void)pump(self, 0); /* departures that wait to be told */
     ssize_t listed = libusb_get_device_list(self->context, &list);
     for (ssize_t i = 0; i < listed; ++i) {
         usb_seen seen;
@@ -248,6 +262,7 @@ uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity)
     }
     if (listed >= 0)
         libusb_free_device_list(list, 1);
+    remember_guests(self, out, count < capacity ? count : capacity);
     return count;
 }
 

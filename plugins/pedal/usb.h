@@ -51,8 +51,8 @@ void usb_destroy(usb *self); /* closes; NULL is fine */
 /* Writes up to `capacity` devices in the order of their sockets, hubs left out; returns how many
  * there are. Asks no device anything. */
 uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity);
-/* Something was plugged into this socket within the last second and a half: rights may follow. */
-bool usb_came_lately(const usb *self, const char *path);
+/* It was not there at the looks of more than a second and a half ago: rights may follow. */
+bool usb_came_lately(const usb *self, const usb_seen *device);
 
 /* Takes the interface from the kernel's driver, claims it and begins to listen. */
 usb_failure usb_open(usb *self, const usb_seen *device, const usb_endpoint *endpoint);

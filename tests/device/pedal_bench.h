@@ -21,6 +21,7 @@ typedef struct pedal_bench {
     int32_t level[BENCH_TEXTS];
     uint32_t text_count, restart_count;
     bool is_stopping; /* waits end at once */
+    mrt_sample last;
 } pedal_bench;
 
 void bench_create(pedal_bench *out);
@@ -32,18 +33,22 @@ mrt_result bench_open(pedal_bench *self, const char *address);
 void bench_reopen(pedal_bench *self, const char *address);
 void bench_close(pedal_bench *self);
 mrt_result bench_read(pedal_bench *self, int64_t span_ns, mrt_sample *out);
-/* The next sample within a second: its values must be these (of as many channels). */
+/* A sample within a second has these values (of as many channels); before it there is at most what
+ * was known. */
 void bench_expect(pedal_bench *self, float first, float second, float third);
-/* No sample within 30 ms. */
+/* No sample within 30 ms, but for a repeated state. */
 void bench_expect_silence(pedal_bench *self);
 /* A line of the log says this; since bench_forget. */
 bool bench_has_said(const pedal_bench *self, const char *part);
 void bench_forget(pedal_bench *self);
 
 uint32_t bench_open_files(void);
+/* What is open has come down to this, perhaps after a while: umockdev closes when it finds time. */
+bool bench_has_open_files(uint32_t count);
 int64_t bench_cpu_ns(void); /* that this thread has used */
 
 /* Every test's own: a machine without pedals, and a folder for the user's configuration. */
+const char *bench_config(void); /* the folder */
 int bench_set_up(void **state); /* *state: pedal_double */
 int bench_tear_down(void **state);
 

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <umockdev.h>
 #include <unistd.h>
 
@@ -36,7 +37,8 @@ struct pedal_unit {
     char path[32], system_path[64], node[32], node_file[PATH];
     UMockdevIoctlBase *handler;
     int fifo; /* full: libusb, which waits until it can write, sleeps */
-    bool is_plugged, is_dead;
+    bool is_plugged, is_dead, is_detached;
+    int client_count;       /* that have the node open */
     char driver_folder[32]; /* of the kernel's HID driver, "" without */
     int death_error, fail_error;
     pedal_death death;
@@ -89,19 +91,20 @@ int pedal_double_enter(char **arguments)
 
 /* ---- when libusb wakes ---- */
 
-/* A pipe is writable while it has a free page, and not when it is full. */
-static void let_sleep(pedal_unit *unit)
+/* A pipe is writable while it has a free page, and not when it is full. The system is asked itself:
+ * umockdev stands before the C library's functions, and when another thread closes a node it may
+ * take our file for that one. */
+static void let_sleep(const pedal_unit *unit)
 {
     static const char page[4096];
-    while (write(unit->fifo, page, sizeof page) > 0)
+    while (syscall(SYS_write, unit->fifo, page, sizeof page) > 0)
         ;
 }
 
-static void wake(pedal_unit *unit)
+static void wake(const pedal_unit *unit)
 {
     char page[4096];
-    ssize_t got = read(unit->fifo, page, sizeof page);
-    (void)got;
+    (void)syscall(SYS_read, unit->fifo, page, sizeof page);
 }
 
 /* ---- transfers ---- */
@@ -373,18 +376,6 @@ static gboolean on_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client
     return TRUE;
 }
 
-/* A program that closed the node or ended has let go of everything. */
-static void on_client_vanished(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
-                               gpointer data)
-{
-    (void)handler;
-    (void)client;
-    pedal_unit *unit = data;
-    pthread_mutex_lock(&unit->owner->mutex);
-    unit->state.is_claimed = false;
-    pthread_mutex_unlock(&unit->owner->mutex);
-}
-
 /* ---- sockets ---- */
 
 typedef struct text {
@@ -500,7 +491,8 @@ static void make_fifo(pedal_unit *unit)
     if (mkfifo(unit->node_file, 0666) != 0)
         abort();
     chmod(unit->node_file, 0666);
-    unit->fifo = open(unit->node_file, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    unit->fifo =
+        (int)syscall(SYS_openat, AT_FDCWD, unit->node_file, O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (unit->fifo < 0)
         abort();
     let_sleep(unit);
@@ -511,7 +503,6 @@ static void attach(pedal_unit *unit)
     GError *error = NULL;
     unit->handler = umockdev_ioctl_base_new();
     g_signal_connect(unit->handler, "handle-ioctl", G_CALLBACK(on_ioctl), unit);
-    g_signal_connect(unit->handler, "client-vanished", G_CALLBACK(on_client_vanished), unit);
     if (!umockdev_testbed_attach_ioctl(unit->owner->testbed, unit->node, unit->handler, &error)) {
         fprintf(stderr, "%s\n", error->message);
         abort();
@@ -580,7 +571,7 @@ void pedal_unit_unplug(pedal_unit *unit, int error)
     remove_folders(unit);
     unlink(unit->node_file);
     pthread_mutex_lock(&unit->owner->mutex);
-    close(unit->fifo);
+    (void)syscall(SYS_close, unit->fifo);
     unit->fifo = -1;
     pthread_mutex_unlock(&unit->owner->mutex);
     umockdev_testbed_detach_ioctl(unit->owner->testbed, unit->node, NULL);

@@ -146,11 +146,10 @@ static void analogue_pedals_are_read_by_their_descriptor(void **state)
 /* What went over the wire is written down on request. */
 static void a_trace_holds_every_report(void **state)
 {
-    const char *path = BUILD_DIR "/tests/device/pedal_trace.tmp";
-    char text[4096] = "";
+    char path[600], text[4096] = "";
     pedal_bench bench;
     pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    remove(path);
+    snprintf(path, sizeof path, "%s.trace.tmp", bench_config());
     setenv("MAROTTE_TRACE", path, 1);
     bench_create(&bench);
     assert_int_equal(bench_open(&bench, ""), MRT_OK);

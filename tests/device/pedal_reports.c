@@ -86,25 +86,36 @@ static void reports_of_no_bytes_and_of_other_kinds_say_nothing(void **state)
     bench_destroy(&bench);
 }
 
-static void chatter_is_one_edge_that_is_not_late(void **state)
+/* However long the double takes to deliver them: edges are a window apart, and the last is right.
+ */
+static void edges_are_a_window_apart(void **state)
 {
     pedal_bench bench;
     mrt_sample sample;
+    int64_t last_edge_ns = 0;
+    float shown = 0;
     pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
     bench_create(&bench);
     bench.params[BENCH_DEBOUNCE] = 15;
     assert_int_equal(bench_open(&bench, ""), MRT_OK);
     bench_expect(&bench, 0, 0, 0);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 10; ++i) {
         REPORT(unit, 1, 0);
         REPORT(unit, 0, 0);
     }
-    bench_expect(&bench, 1, 0, 0);
-    int64_t pressed_ns = bench_now_ns();
-    assert_int_equal(bench_read(&bench, 200 * BENCH_MS, &sample), MRT_OK);
-    assert_float_equal(sample.value[0], 0, 0);
-    assert_true(sample.time_ns - pressed_ns < 16 * BENCH_MS);
-    bench_expect_silence(&bench);
+    REPORT(unit, 1, 0);
+    uint32_t edges = 0;
+    while (bench_read(&bench, 200 * BENCH_MS, &sample) == MRT_OK) {
+        if (sample.value[0] == shown)
+            continue;
+        assert_true(edges == 0 || sample.time_ns - last_edge_ns >= 15 * BENCH_MS);
+        shown = sample.value[0];
+        last_edge_ns = sample.time_ns;
+        edges += 1;
+    }
+    assert_float_equal(shown, 1, 0);
+    printf("21 reports of chatter made %u edge(s)\n", edges);
+    assert_in_range(edges, 1, 9);
     bench_destroy(&bench);
 }
 
@@ -217,7 +228,7 @@ int main(int argc, char **argv)
         TEST(combinations_are_told_apart),
         TEST(a_keyboard_pedal_speaks_in_keys),
         TEST(reports_of_no_bytes_and_of_other_kinds_say_nothing),
-        TEST(chatter_is_one_edge_that_is_not_late),
+        TEST(edges_are_a_window_apart),
         TEST(samples_have_the_time_of_their_reports),
         TEST(a_state_that_lasts_is_repeated_each_second),
         TEST(a_second_pedal_begins_where_the_first_ends),

@@ -103,8 +103,9 @@ static void a_stored_lesson_that_was_damaged_is_named(void **state)
     assert_int_equal(bench_open(&bench, "usb:1-2"), MRT_OK);
     teach_two(&bench, unit);
     bench_close(&bench);
-    FILE *file =
-        fopen(BUILD_DIR "/tests/device/pedal_config.tmp/marotte/pedals/1234_0001.layout", "ab");
+    char path[600];
+    snprintf(path, sizeof path, "%s/marotte/pedals/1234_0001.layout", bench_config());
+    FILE *file = fopen(path, "ab");
     assert_non_null(file);
     fputs("and so on\n", file);
     fclose(file);
