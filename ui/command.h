@@ -10,12 +10,12 @@ enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
 typedef struct command {
     const char *name;                  /* "deform" */
     const char *summary;               /* for the list of commands: one line */
-    const char *help;                  /* the whole --help text, ended by \n */
+    const char *help;                  /* the whole --help text, ended by \n; NULL: run says it */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
 
 extern const command command_calibrate, command_deform, command_devices, command_perform,
-    command_plugin, command_rig;
+    command_plugin, command_rig, command_take;
 
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,

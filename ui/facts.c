@@ -57,16 +57,43 @@ void facts_text(facts *self, const char *key, const char *label, const char *val
         printf("%-18s %s\n", label, value);
 }
 
-void facts_list(facts *self, const char *key, const char *label, const char *value)
+static json_t *list_of(facts *self, const char *key)
 {
-    if (!self->object) {
-        printf("%-18s %s\n", label, value);
-        return;
-    }
     json_t *list = json_object_get(self->object, key);
     if (!list) {
         list = json_array();
         json_object_set_new(self->object, key, list);
     }
-    json_array_append_new(list, json_string_nocheck(value));
+    return list;
+}
+
+void facts_list(facts *self, const char *key, const char *label, const char *value)
+{
+    if (self->object)
+        json_array_append_new(list_of(self, key), json_string_nocheck(value));
+    else
+        printf("%-18s %s\n", label, value);
+}
+
+static json_t *value_of(const facts_cell *cell)
+{
+    if (cell->text)
+        return json_string_nocheck(cell->text);
+    if (cell->decimals < 0)
+        return json_boolean(cell->number > 0.0);
+    return cell->decimals == 0 ? json_integer((json_int_t)llround(cell->number))
+                               : json_real(cell->number);
+}
+
+void facts_row(facts *self, const char *key, const char *label, const char *line,
+               const facts_cell *cells, int count)
+{
+    if (!self->object) {
+        printf("%-18s %s\n", label, line);
+        return;
+    }
+    json_t *row = json_object();
+    for (int i = 0; i < count; ++i)
+        json_object_set_new(row, cells[i].key, value_of(&cells[i]));
+    json_array_append_new(list_of(self, key), row);
 }

@@ -19,4 +19,14 @@ void facts_text(facts *self, const char *key, const char *label, const char *val
 /* Adds to a list of texts: "label  value" for each. */
 void facts_list(facts *self, const char *key, const char *label, const char *value);
 
+/* One thing of a list of things: "label  line" for a person, an object for a machine. */
+typedef struct facts_cell {
+    const char *key;
+    const char *text; /* NULL: the number */
+    double number;
+    int decimals; /* 0: whole; < 0: true or false */
+} facts_cell;
+void facts_row(facts *self, const char *key, const char *label, const char *line,
+               const facts_cell *cells, int count);
+
 #endif

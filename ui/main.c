@@ -6,7 +6,8 @@
 #include <string.h>
 
 static const command *const commands[] = {&command_perform, &command_calibrate, &command_devices,
-                                          &command_deform,  &command_plugin,    &command_rig};
+                                          &command_deform,  &command_plugin,    &command_rig,
+                                          &command_take};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *stream)
@@ -58,7 +59,7 @@ int main(int argc, char **argv)
     for (int i = 0; i < COMMAND_COUNT; ++i) {
         if (strcmp(name, commands[i]->name) != 0)
             continue;
-        if (asks_for_help(argc - 1, argv + 1)) {
+        if (commands[i]->help && asks_for_help(argc - 1, argv + 1)) {
             fputs(commands[i]->help, stdout);
             return flushed(COMMAND_DONE);
         }

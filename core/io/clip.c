@@ -20,6 +20,7 @@ typedef struct clip_frame {
 struct clip {
     const mesh *mesh;
     double fps;
+    clip_start start;
     char *directory; /* "": the system's */
     clip_segment *segment;
     uint32_t segment_count, segment_capacity;
@@ -350,6 +351,16 @@ const mesh *clip_mesh(const clip *c)
 double clip_fps(const clip *c)
 {
     return c->fps;
+}
+
+void clip_set_start(clip *c, const clip_start *start)
+{
+    c->start = *start;
+}
+
+const clip_start *clip_start_of(const clip *c)
+{
+    return &c->start;
 }
 
 uint32_t clip_frame_count(const clip *c)

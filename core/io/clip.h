@@ -17,6 +17,12 @@ typedef struct clip_segment { /* an anchored engagement */
 
 typedef struct clip clip;
 
+typedef struct clip_start { /* when the first frame is, for the exporters; all zero: not said */
+    char timecode[32];      /* "01:00:00:00" */
+    int64_t frame;          /* counted from 00:00:00:00 */
+    uint32_t rate_num, rate_den; /* frames a second, exactly */
+} clip_start;
+
 /* `m` must outlive the clip. `directory`: where the temporary file may be (NULL or "": the
  * system's). */
 clip *clip_create(const mesh *m, double fps, const char *directory, error *err);
@@ -36,6 +42,8 @@ CHECKED mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t 
 
 const mesh *clip_mesh(const clip *c);
 double clip_fps(const clip *c);
+void clip_set_start(clip *c, const clip_start *start);
+const clip_start *clip_start_of(const clip *c);
 uint32_t clip_frame_count(const clip *c);
 uint32_t clip_segment_count(const clip *c);
 const clip_segment *clip_segment_at(const clip *c, uint32_t segment);

@@ -37,13 +37,15 @@ typedef struct gltf_report {
  * key shows its own shape, and between two keys the shape goes straight from one to the other.
  * Normals follow to first order. A clip without motion is a plain mesh; the mesh's own targets are
  * left out. Parts are primitives on the same vertices, in the file's order, with their name in
- * extras.name. Errors name the frame or file. */
+ * extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of says. Errors name
+ * the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */
 CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
 
-/* Vertex caches, mm, +y up, every frame; a clip without frames is refused. */
+/* Vertex caches, mm, +y up, every frame; a clip without frames is refused. PC2 begins at the frame
+ * that clip_start_of says; MDD's times count from its first frame. */
 CHECKED mrt_result pc2_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progress *progress,
@@ -51,7 +53,7 @@ CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progr
 /* The controls as text, one row per frame and control, mm:
  * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
  * (mode: anchored or free; frame from 0; segment and control from 1, as in the glTF names; a free
- * frame has no segment). */
+ * frame has no segment). A line "# first frame ..." is above where clip_start_of says. */
 CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progress *progress,
                              error *err);
 

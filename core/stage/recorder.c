@@ -1,10 +1,8 @@
 #include "stage/recorder.h"
 #include "base/clock.h"
-#include "base/file.h"
+#include "stage/identity.h"
 #include "stage/source.h"
-#include "take/hash.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +13,7 @@
 static const int64_t anchored_span_ns = 5 * NS_PER_S;
 static const int64_t unanchored_span_ns = 2 * NS_PER_S;
 /* Faster than life: so many samples are handed over before it waits for the writer. */
-enum { SAMPLES_AHEAD = 256, RIG_BYTES_MAX = 16 << 20, INPUTS_MAX = TAKE_TRACKS_MAX };
+enum { SAMPLES_AHEAD = 256, INPUTS_MAX = TAKE_TRACKS_MAX };
 /* Room for a state beside its shapes. */
 static const size_t state_bytes = (size_t)256 << 10;
 
@@ -56,69 +54,22 @@ static char *copy_text(const char *text)
     return out;
 }
 
-/* "id version sha256": see take.h. NULL: no memory. */
-static char *describe_plugin(const plugin_list *plugins, const mrt_plugin_type *type)
-{
-    char hash[TAKE_HASH] = "-";
-    error ignored = {""};
-    for (uint32_t i = 0; i < plugins->entry_count; ++i)
-        if (plugins->entry[i].type == type && hash_file(hash, plugins->entry[i].path, &ignored) < 0)
-            snprintf(hash, sizeof hash, "-");
-    size_t size = strlen(type->id) + strlen(type->version) + sizeof hash + 3;
-    char *out = malloc(size);
-    if (out)
-        snprintf(out, size, "%s %s %s", type->id, type->version, hash);
-    return out;
-}
-
-static mrt_result describe_face(recorder *self, take_performance *out, error *err)
-{
-    const face_file *file = self->settings.face;
-    char absolute[PATH_MAX];
-    const char *path = realpath(self->settings.face_path, absolute);
-    out->rig = copy_text(path ? path : self->settings.face_path);
-    if (!out->rig)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to record");
-    out->unit_mm = self->settings.unit_mm;
-    mrt_result result =
-        hash_file(out->mesh_hash, file->rig ? file->rig->mesh_path : self->settings.face_path, err);
-    if (result < 0 || !file->rig)
-        return result;
-    file_bytes text;
-    result = file_read(&text, self->settings.face_path, RIG_BYTES_MAX, err);
-    if (result < 0)
-        return result;
-    hash_bytes(out->rig_hash, text.data, text.size);
-    out->rig_json = copy_text((const char *)text.data);
-    file_bytes_finish(&text);
-    return out->rig_json ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record");
-}
-
-static void read_params(take_performance *out, instance *mapping)
-{
-    const mrt_plugin_type *type = mapping->type;
-    out->param_count = 0;
-    for (uint32_t i = 0; i < type->param_count && i < TAKE_PARAMS_MAX; ++i)
-        if (!(type->params[i].flags & MRT_PARAM_TRIGGER))
-            out->param[out->param_count++] =
-                (take_param){type->params[i].id, atomic_load(&mapping->wanted[i])};
-}
-
 static mrt_result describe_performance(recorder *self, error *err)
 {
     take_performance *p = &self->performance;
     instance *mapping = layer_mapping(self->settings.layer);
-    mrt_result result = describe_face(self, p, err);
+    mrt_result result = identity_of_face(p, self->settings.face, self->settings.face_path,
+                                         self->settings.unit_mm, err);
     if (result < 0)
         return result;
-    p->mapping = describe_plugin(self->settings.plugins, mapping->type);
+    p->mapping = identity_of_plugin(self->settings.plugins, mapping->type);
     if (!p->mapping)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record");
     p->hand_length_mm = self->settings.hand_length_mm;
     p->rezero_pedal = self->settings.rezero_pedal;
     p->track_count = self->settings.input_count;
     memcpy(p->track, self->track, sizeof p->track);
-    read_params(p, mapping);
+    identity_of_params(p, mapping);
     return MRT_OK;
 }
 
@@ -145,7 +96,7 @@ static mrt_result add_track(recorder *self, uint32_t i, uint32_t version, error 
     describe_channels(&track, channel, count);
     track.input = copy_text(s->input_text[i]);
     track.device = copy_text(input_name(s->inputs[i]));
-    track.plugin = describe_plugin(s->plugins, input_plugin(s->inputs[i]));
+    track.plugin = identity_of_plugin(s->plugins, input_plugin(s->inputs[i]));
     mrt_result result = MRT_OK;
     if (!track.input || !track.device || !track.plugin)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
@@ -343,7 +294,7 @@ static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, er
         if (result >= 0)
             result = add_track(self, i, version, err);
         memcpy(self->performance.track, self->track, sizeof self->performance.track);
-        read_params(&self->performance, layer_mapping(self->settings.layer));
+        identity_of_params(&self->performance, layer_mapping(self->settings.layer));
     }
     return result < 0 ? result : begin_performance(self, time_ns, err);
 }

@@ -24,9 +24,14 @@ static bool put_frame(FILE *stream, const clip *c, uint32_t frame)
 
 static bool put_all(FILE *stream, const clip *c, const export_progress *progress)
 {
-    bool good = fputs("frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,"
-                      "end_z\n",
-                      stream) >= 0;
+    const clip_start *start = clip_start_of(c);
+    bool good = true;
+    if (start->rate_num > 0)
+        good = fprintf(stream, "# first frame %s (%lld), %u/%u frames a second\n", start->timecode,
+                       (long long)start->frame, start->rate_num, start->rate_den) > 0;
+    good = good && fputs("frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,"
+                         "end_z\n",
+                         stream) >= 0;
     for (uint32_t frame = 0; good && frame < clip_frame_count(c); ++frame) {
         good = put_frame(stream, c, frame);
         export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));

@@ -173,6 +173,20 @@ tinygltf::Value animation_extras(const performance &p)
     return tinygltf::Value(std::move(extras));
 }
 
+/* When the first frame is. */
+void add_start(gltf_output &out, const clip_start &start)
+{
+    if (start.rate_num == 0)
+        return;
+    tinygltf::Value::Object extras;
+    extras["timecode"] = tinygltf::Value(std::string(start.timecode));
+    extras["firstFrame"] = tinygltf::Value(static_cast<double>(start.frame));
+    extras["rate"] = tinygltf::Value(
+        tinygltf::Value::Array{tinygltf::Value(static_cast<double>(start.rate_num)),
+                               tinygltf::Value(static_cast<double>(start.rate_den))});
+    out.model.asset.extras = tinygltf::Value(std::move(extras));
+}
+
 /* A key per frame: each shows exactly its own shape, also where segments change. */
 void add_animation(gltf_output &out, const performance &p, size_t target_count, const char *name)
 {
@@ -227,6 +241,7 @@ void write_clip(gltf_output &out, const char *path, performance &p, const gltf_o
     add_component_targets(out, s, p, options, progress);
     p.report.target_count = static_cast<uint32_t>(s.target.size());
     gltf_surface_scene(out, s);
+    add_start(out, *clip_start_of(p.source));
     if (!s.target.empty())
         add_animation(out, p, s.target.size(), options.name);
     step(progress, 0.9);

@@ -11,7 +11,7 @@ mrt_result pc2_write(const char *path, const clip *c, const export_progress *pro
     uint8_t numbers[20], *out = numbers;
     out = export_pack_u32(out, 1, EXPORT_LITTLE_ENDIAN);
     out = export_pack_u32(out, clip_mesh(c)->vertex_count, EXPORT_LITTLE_ENDIAN);
-    out = export_pack_float(out, 0.0f, EXPORT_LITTLE_ENDIAN);
+    out = export_pack_float(out, (float)clip_start_of(c)->frame, EXPORT_LITTLE_ENDIAN);
     out = export_pack_float(out, 1.0f, EXPORT_LITTLE_ENDIAN);
     (void)export_pack_u32(out, clip_frame_count(c), EXPORT_LITTLE_ENDIAN);
     file_writer writer;

@@ -1,0 +1,149 @@
+/* take.h - what the subcommands of `marotte take` share: the table of them, their command line, the
+ * show and take that they work on, and times as a person writes them. One file per subject
+ * (take_*.c). [main] */
+#ifndef MAROTTE_UI_TAKE_H
+#define MAROTTE_UI_TAKE_H
+#include "command.h"
+#include "exports.h"
+#include "take/history.h"
+#include "take/show.h"
+#include "take/timecode.h"
+
+/* Every option of every subcommand; take_options.c has their names. */
+typedef enum take_option {
+    TAKE_JSON = 0,
+    TAKE_IN,
+    TAKE_OUT, /* a time, or of `log` and `recover` a file */
+    TAKE_AT,
+    TAKE_CLIP,
+    TAKE_LAYER,
+    TAKE_TO,
+    TAKE_SPEED,
+    TAKE_POINTS,
+    TAKE_OFF,
+    TAKE_FADE,
+    TAKE_FADE_IN,
+    TAKE_FADE_OUT,
+    TAKE_GAIN,
+    TAKE_OFFSET,
+    TAKE_LENGTH,
+    TAKE_RIPPLE,
+    TAKE_OWN,
+    TAKE_PLACE,
+    TAKE_REGION,
+    TAKE_FROM,
+    TAKE_SOURCE,
+    TAKE_SCENE,
+    TAKE_SHOT,
+    TAKE_NUMBER,
+    TAKE_START,
+    TAKE_FPS,
+    TAKE_LAST,
+    TAKE_FACE,
+    TAKE_MAP,
+    TAKE_CALIBRATION,
+    TAKE_HAND_LENGTH,
+    TAKE_FILTER,
+    TAKE_EXPORT,
+    TAKE_WAV,
+    TAKE_TOLERANCE,
+    TAKE_MAX_TARGETS,
+    TAKE_CSV,
+    TAKE_TRACK,
+    TAKE_HASH_OPTION,
+    TAKE_STEPS,
+    TAKE_OPTION_COUNT
+} take_option;
+#define TAKE_BIT(option) (UINT64_C(1) << (option))
+
+enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2 };
+
+struct take_verb;
+typedef struct take_call { /* one run of a subcommand */
+    const struct take_verb *verb;
+    const char *word[TAKE_WORDS_MAX]; /* as the verb has them: SHOW, TAKE ... */
+    uint32_t word_count;
+    const char *text[TAKE_OPTION_COUNT]; /* NULL: not given; "" for those without a value */
+    exports_file exports[EXPORTS_MAX];
+    uint32_t export_count;
+    const char *wav; /* --export NAME.wav; NULL */
+    const char *calibration[TAKE_CALIBRATIONS_MAX];
+    uint32_t calibration_count;
+    show *show;
+    facts *told;
+    progress shown;
+    bool is_usage; /* what failed is how it was called */
+    bool is_told;  /* its facts count, although it failed */
+} take_call;
+
+typedef enum take_use { /* of the show */
+                        TAKE_READS = 0,
+                        TAKE_WRITES,
+                        TAKE_OPENS_ITSELF
+} take_use;
+
+typedef struct take_verb {
+    const char *name;  /* "trim", "layer add" */
+    const char *words; /* "SHOW TAKE": how many there must be; "[..]" may be left out */
+    const char *options_text, *summary;
+    uint64_t options; /* bits; --json goes without saying */
+    take_use use;
+    CHECKED mrt_result (*run)(take_call *call, error *err);
+} take_verb;
+
+typedef struct take_verbs {
+    const char *title;
+    const take_verb *verb;
+    uint32_t count;
+} take_verbs;
+extern const take_verbs take_edit_verbs, take_layer_verbs, take_file_verbs, take_play_verbs,
+    take_audio_verbs;
+
+/* ---- take_options.c ---- */
+
+/* argv[0]: the subcommand's name. COMMAND_DONE, or COMMAND_USAGE after saying why. */
+int take_options_read(take_call *out, const take_verb *verb, int argc, char **argv);
+const char *take_option_name(take_option option); /* "in" */
+
+/* ---- take_words.c: what was asked for, as numbers ---- */
+
+/* Wrong usage: exit code 2. */
+__attribute__((format(printf, 3, 4))) mrt_result take_misused(take_call *call, error *err,
+                                                              const char *format, ...);
+CHECKED mrt_result take_need(take_call *call, take_option option, error *err);
+/* Left as it is when it was not given. */
+CHECKED mrt_result take_number(take_call *call, take_option option, double least, double most,
+                               double *out, error *err);
+CHECKED mrt_result take_number_of(take_call *call, const char *what, const char *text, double least,
+                                  double most, double *out, error *err);
+/* Seconds ("2.1") or, with a ':', time code at --fps or the take's rate. */
+CHECKED mrt_result take_time(take_call *call, take_option option, const take *t, int64_t *out,
+                             error *err);
+CHECKED mrt_result take_time_of(take_call *call, const char *what, const char *text, const take *t,
+                                int64_t *out, error *err);
+/* Of --fps, else the take's, else 30. */
+CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err);
+/* The take's time code at that rate, of a frame counted from its start. */
+int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
+
+/* ---- take_find.c: the show and what is in it ---- */
+
+CHECKED mrt_result take_open_show(take_call *call, error *err);
+/* "3", "last", "scene/shot/2". */
+CHECKED mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *err);
+/* The take as its edits make it. An edit that cannot be applied is told as a warning; what can be
+ * shown is given. */
+CHECKED mrt_result take_read(take_call *call, const char *text, take *out, error *err);
+/* By --clip; else the only one. Within at_ns only, unless that is EDIT_UNSAID. */
+CHECKED mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_t *out,
+                                  error *err);
+/* By --layer, an id or a name; else the only one. */
+CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err);
+
+typedef struct take_name {
+    char text[2 * TAKE_NAME + 32];
+} take_name;
+take_name take_slate_text(const char *scene, const char *shot, uint32_t number); /* "1/a/2" */
+int64_t take_utc_ms(void);
+
+#endif

@@ -1,0 +1,202 @@
+#include "take_stage.h"
+
+#include "base/file.h"
+#include "news.h"
+#include "take/edit_store.h"
+#include "take/hash.h"
+#include "take/own.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { RIG_BYTES_MAX = 16 << 20 };
+
+static void print_lines(const char *text)
+{
+    for (const char *line = text; line && *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stderr, "note: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+/* ---- the face that it was performed on ---- */
+
+static mrt_result hash_rig(char out[TAKE_HASH], const char *path, error *err)
+{
+    file_bytes text;
+    mrt_result result = file_read(&text, path, RIG_BYTES_MAX, err);
+    if (result < 0)
+        return result;
+    hash_bytes(out, text.data, text.size);
+    file_bytes_finish(&text);
+    return MRT_OK;
+}
+
+/* What of the performance's hashes does not fit the file. */
+static mrt_result compare(const char *path, const take_performance *p, const rig *r,
+                          error *out_change, error *err)
+{
+    char now[TAKE_HASH] = "";
+    mrt_result result = MRT_OK;
+    const char *mesh_path = r ? r->mesh_path : path;
+    out_change->text[0] = '\0';
+    if (r)
+        result = hash_rig(now, path, err);
+    if (result >= 0 && strcmp(now, p->rig_hash) != 0)
+        (void)error_set(out_change, MRT_OK, "%s", path);
+    if (result >= 0)
+        result = hash_file(now, mesh_path, err);
+    if (result >= 0 && !out_change->text[0] && strcmp(now, p->mesh_hash) != 0)
+        (void)error_set(out_change, MRT_OK, "%s", mesh_path);
+    return result;
+}
+
+static int64_t first_performance(const take *t)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (own_layer_is_heard(t, i) && t->layer[i].clip_count > 0)
+            return t->layer[i].clip[0].performance;
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (t->layer[i].clip_count > 0)
+            return t->layer[i].clip[0].performance;
+    return 0;
+}
+
+static mesh_unit unit_of(double unit_mm)
+{
+    return unit_mm > 999.0 ? MESH_UNIT_M
+           : unit_mm > 9.0 ? MESH_UNIT_CM
+           : unit_mm > 0.0 ? MESH_UNIT_MM
+                           : MESH_UNIT_AUTO;
+}
+
+mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
+                          const char *other, error *err)
+{
+    show_performance of;
+    int64_t performance = first_performance(t);
+    if (performance == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it shows no performance",
+                         (long long)t->id);
+    mrt_result result = show_performance_read(call->show, performance, &of, err);
+    if (result < 0)
+        return result;
+    const char *path = other ? other : of.performance.rig;
+    error change = {""};
+    if (!other && access(path, F_OK) != 0)
+        result = error_set(err, MRT_ERR_IO,
+                           "the face that take %lld was performed on is not there any more: %s; "
+                           "--face FILE says where it is now, or which one to take",
+                           (long long)t->id, path);
+    if (result >= 0)
+        result = face_file_read(out, path, unit_of(of.performance.unit_mm), FACE_FILE_USABLE, err);
+    if (result >= 0)
+        result = compare(path, &of.performance, out->rig, &change, err);
+    *out_path = result >= 0 ? strdup(path) : NULL;
+    if (result >= 0 && !*out_path)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0 && change.text[0])
+        fprintf(stderr, "note: %s is not what take %lld was recorded on: it is used as it is now\n",
+                change.text, (long long)t->id);
+    show_performance_finish(&of);
+    return result;
+}
+
+/* ---- opened and closed ---- */
+
+mrt_result take_stage_open(take_stage *out, take_call *call, const char *text, const char *other,
+                           error *err)
+{
+    *out = (take_stage){.log = log_queue_create()};
+    if (!out->log)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
+    mrt_result result = plugin_list_load(&out->plugins, err);
+    if (result >= 0)
+        result = take_read(call, text, &out->take, err);
+    if (result >= 0)
+        result = take_face_read(&out->face, &out->face_path, call, &out->take, other, err);
+    if (result < 0)
+        return result;
+    print_lines(out->face.note);
+    const sequencer_settings settings = {
+        .show = call->show, .plugins = &out->plugins, .log = out->log, .face = &out->face};
+    return sequencer_create(&out->sequencer, &settings, &out->take, err);
+}
+
+void take_stage_finish(take_stage *self)
+{
+    sequencer_destroy(self->sequencer);
+    face_file_destroy(&self->face);
+    free(self->face_path);
+    take_finish(&self->take);
+    plugin_list_destroy(&self->plugins);
+    if (self->log)
+        news_print(self->log);
+    log_queue_destroy(self->log);
+    *self = (take_stage){0};
+}
+
+void take_stage_tell(take_stage *self)
+{
+    news_print(self->log);
+    print_lines(sequencer_note(self->sequencer));
+}
+
+/* ---- frames ---- */
+
+static int64_t first_frame_from(timecode_rate rate, int64_t time_ns)
+{
+    int64_t frame = timecode_frame(rate, time_ns);
+    return timecode_time_ns(rate, frame) < time_ns ? frame + 1 : frame;
+}
+
+mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err)
+{
+    int64_t in_ns = 0, out_ns = t->duration_ns;
+    mrt_result result = take_rate(call, t, &out->rate, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_IN, t, &in_ns, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_OUT, t, &out_ns, err);
+    if (result < 0)
+        return result;
+    if (t->duration_ns <= 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it lasts 0 s",
+                         (long long)t->id);
+    if (in_ns < 0 || in_ns >= out_ns || out_ns > t->duration_ns)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%.9g .. %.9g s is no range of take %lld, which lasts %.9g s",
+                         (double)in_ns / 1e9, (double)out_ns / 1e9, (long long)t->id,
+                         (double)t->duration_ns / 1e9);
+    out->first = first_frame_from(out->rate, in_ns);
+    out->count = first_frame_from(out->rate, out_ns) - out->first;
+    if (out->count > 0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT, "no frame of %.6g fps begins within %.9g .. %.9g s",
+                     timecode_fps(out->rate), (double)in_ns / 1e9, (double)out_ns / 1e9);
+}
+
+mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
+                           mrt_result (*each)(void *data, take_stage *from, error *err), void *data,
+                           error *err)
+{
+    char text[32];
+    mrt_result result = MRT_OK;
+    progress_start(&call->shown, "performing");
+    for (int64_t i = 0; i < frames->count && result >= 0; ++i) {
+        int64_t at_ns = timecode_time_ns(frames->rate, frames->first + i);
+        result = sequencer_play_to(self->sequencer, at_ns, err);
+        if (result < 0)
+            break;
+        composer_draw(sequencer_composer(self->sequencer));
+        result = each(data, self, err);
+        (void)snprintf(text, sizeof text, "%.1f s", (double)at_ns / 1e9);
+        progress_show(&call->shown, (double)(i + 1) / (double)frames->count, text);
+    }
+    progress_end(&call->shown);
+    take_stage_tell(self);
+    return result;
+}
