@@ -97,14 +97,14 @@ static const float scene_talk[MRT_ANGLES] = {
     1.45f, 0.15f, 0.20f, 0.34f,  0.62f, 0.52f, 0.25f, 0.68f,  0.60f, 0.3f,   -0.04f,
     0.72f, 0.64f, 0.3f,  -0.05f, 0.70f, 0.60f, 0.3f,  -0.04f, 0.12f, -0.08f, 0.0f};
 
-static inline uint32_t scene_channels(mrt_channel *out, uint32_t input)
+static inline uint32_t scene_channels(mrt_channel *out, uint32_t from)
 {
-    uint32_t side = input == 0 ? MRT_RIGHT : MRT_LEFT, count = 0;
-    for (uint32_t i = 0; i < (input == 0 ? MRT_ANGLES : 21u); ++i)
+    uint32_t side = from == 0 ? MRT_RIGHT : MRT_LEFT, count = 0;
+    for (uint32_t i = 0; i < (from == 0 ? MRT_ANGLES : 21u); ++i)
         out[count++] = (mrt_channel){"angle", "rad", MRT_CH_ANGLE + i, side, -3, 3};
-    for (uint32_t i = 0; i < 7 && input == 1; ++i)
+    for (uint32_t i = 0; i < 7 && from == 1; ++i)
         out[count++] = (mrt_channel){"wrist", "1", MRT_CH_WRIST + i, side, -500, 500};
-    for (uint32_t i = 0; i < MRT_MAX_PEDALS && input == 1; ++i)
+    for (uint32_t i = 0; i < MRT_MAX_PEDALS && from == 1; ++i)
         out[count++] = (mrt_channel){"pedal", "1", MRT_CH_PEDAL + i, MRT_NO_HAND, 0, 1};
     return count;
 }
@@ -123,22 +123,22 @@ static inline float scene_angle(uint32_t n, uint32_t sensor, float phase)
     return scene_talk[sensor] + 0.5f * (scene_wave(at, 34 + 2 * sensor) - 0.4f);
 }
 
-/* Sample n of the performance; of which input: *out_input. After sample 200 the right hand is away
+/* Sample n of the performance; of which input: *out_from. After sample 200 the right hand is away
  * for 0.6 s, which is a gap; pedals go down and up one after the other. */
-static inline mrt_sample scene_sample(uint32_t n, uint32_t *out_input)
+static inline mrt_sample scene_sample(uint32_t n, uint32_t *out_from)
 {
     mrt_sample out = {.sequence = n};
-    uint32_t input = n % 3 == 2 && n > 40 ? 1 : 0, k = 0;
+    uint32_t from = n % 3 == 2 && n > 40 ? 1 : 0, k = 0;
     out.time_ns = (int64_t)n * 7 * NS_PER_MS + (n > 200 ? 600 * NS_PER_MS : 0) + n % 5;
-    for (uint32_t i = 0; i < (input == 0 ? MRT_ANGLES : 21u); ++i)
-        out.value[k++] = scene_angle(n, i, input == 0 ? 0.0f : 11.0f);
+    for (uint32_t i = 0; i < (from == 0 ? MRT_ANGLES : 21u); ++i)
+        out.value[k++] = scene_angle(n, i, from == 0 ? 0.0f : 11.0f);
     const float wrist[7] = {4.0f * scene_wave(n, 60), 2, 3.0f * scene_wave(n, 40), 0.1f, 0, 0, 1};
-    for (uint32_t i = 0; i < 7 && input == 1; ++i)
+    for (uint32_t i = 0; i < 7 && from == 1; ++i)
         out.value[k++] = wrist[i];
-    for (uint32_t i = 0; i < MRT_MAX_PEDALS && input == 1; ++i)
+    for (uint32_t i = 0; i < MRT_MAX_PEDALS && from == 1; ++i)
         out.value[k++] = n / 12 % (MRT_MAX_PEDALS + 2) == i ? 1.0f : 0.0f;
     out.count = k;
-    *out_input = input;
+    *out_from = from;
     return out;
 }
 
@@ -232,10 +232,10 @@ static inline uint32_t scene_act_on(performer *p, const scene_play *play, uint32
 
 static inline void scene_step(scene_stand *s, const scene_play *play, uint32_t n)
 {
-    uint32_t input;
-    mrt_sample sample = scene_sample(n, &input);
+    uint32_t from;
+    mrt_sample sample = scene_sample(n, &from);
     (void)scene_act_on(s->performer, play, n);
-    performer_sample(s->performer, &s->route[input], &sample);
+    performer_sample(s->performer, &s->route[from], &sample);
 }
 
 #endif
