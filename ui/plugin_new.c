@@ -2,6 +2,7 @@
 #include "plugin.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "place.h"
 #include "template_files.h"
 
@@ -44,12 +45,14 @@ static bool is_word_of_the_language(const char *name)
 static int check_name(const char *name)
 {
     size_t length = strlen(name);
+    char shown[80]; /* one line, whatever it holds */
+    text_copy(shown, sizeof shown, text_view_of(name, length));
     bool begins_well = name[0] >= 'a' && name[0] <= 'z';
     if (!begins_well || strspn(name, name_letters) != length || length > NAME_MAX_LETTERS)
         return command_usage(&command_plugin,
-                             "new: \"%.80s\" cannot be a plugin's name: lower-case letters, digits "
+                             "new: \"%s\" cannot be a plugin's name: lower-case letters, digits "
                              "and _, a letter first, at most %d (as in slow_jaw)",
-                             name, NAME_MAX_LETTERS);
+                             shown, NAME_MAX_LETTERS);
     if (is_word_of_the_language(name))
         return command_usage(&command_plugin,
                              "new: \"%s\" is a word of C or C++: choose another name", name);

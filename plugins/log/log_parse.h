@@ -1,5 +1,5 @@
 /* log_parse.h - a recorded performance out of the bytes of a file: records in time order, one value
- * per channel. Two formats: the log table of plugins/README.md (log_table.c) and the recordings of
+ * per channel. Two formats (README.md): the log table (log_table.c) and the recordings of
  * GraspDB14 (log_recording.c). Damaged lines are skipped and counted; what cannot be a log is
  * refused. Reads no file and keeps no time. Pure but for malloc; [main]. */
 #ifndef MAROTTE_LOG_PARSE_H

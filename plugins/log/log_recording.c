@@ -1,5 +1,5 @@
 /* The recordings of GraspDB14: 30 words a line, "year month day hour minute second switch a1..a23".
- * Signs and zeros are turned into ours; plugins/README.md gives the table and its reasons. */
+ * Signs and zeros are turned into ours; plugins/log/README.md gives the table and its reasons. */
 #include "log_format.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* The log table: a header row that names the columns, a row of units if need be, then records.
- * plugins/README.md describes it. */
+ * plugins/log/README.md describes it. */
 #include "log_format.h"
 
 #include <string.h>

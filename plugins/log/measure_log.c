@@ -1,7 +1,7 @@
 /* measure_log LOG... - what a glove's recordings are like: per sensor the range from the 1st to the
  * 99th percentile, the quantisation step, the noise at rest and how far a value goes when it
  * changes; per log the rate and the share of records that repeat the one before. The table of
- * plugins/README.md, and the demo's noise, come from here. */
+ * plugins/log/README.md, and the demo's noise, come from here. */
 #include "log_file.h"
 #include "log_parse.h"
 

@@ -40,10 +40,9 @@ static mrt_result open_hand(mrt_plugin *self, const char *address, const double 
         self->host->log(self->host, MRT_LOG_ERROR, "has no address: write --input template_name");
         return MRT_ERR_ARGUMENT; /* explained above, as every error is */
     }
+    uint32_t hand = params[HAND] < 0.5 ? (uint32_t)MRT_LEFT : (uint32_t)MRT_RIGHT;
     for (uint32_t i = 0; i < CHANNELS; ++i) {
-        mrt_channel channel = {
-            name[i], "rad", MRT_CH_ANGLE + sensor[i], params[HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT,
-            0.0f,    1.6f};
+        mrt_channel channel = {name[i], "rad", MRT_CH_ANGLE + sensor[i], hand, 0.0f, 1.6f};
         self->channel[i] = channel;
     }
     self->sequence = 0;

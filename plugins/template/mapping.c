@@ -54,8 +54,10 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const mrt_face *face = self->face;
     const mrt_hand *hand = &frame->hand[frame->hand[MRT_RIGHT].present ? MRT_RIGHT : MRT_LEFT];
     if (!hand->present)
-        return MRT_HOLD;              /* the face stays as it is */
-    const float *angle = hand->angle; /* the knuckles of four fingers; 1.5 rad each is a fist */
+        return MRT_HOLD; /* the face stays as it is */
+
+    /* The knuckles of four fingers; 1.5 rad each is a fist. */
+    const float *angle = hand->angle;
     float bend = (angle[4] + angle[7] + angle[11] + angle[15]) / 6.0f;
     if (frame->dt_s > 0.0) /* follows slowly, so nothing jumps when a hand appears */
         self->bend +=

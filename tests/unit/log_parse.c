@@ -282,7 +282,7 @@ static void recording_gives_22_angles_in_sensor_order(void **state)
     log_data_finish(d);
 }
 
-/* a1 = 0.01, a2 = 0.02 .. a23 = 0.23, by the table of plugins/README.md. */
+/* a1 = 0.01, a2 = 0.02 .. a23 = 0.23, by the table of plugins/log/README.md. */
 static void recording_has_our_signs_and_zeros(void **state)
 {
     (void)state;

@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# What `cmake --install` makes can be moved, and is enough: outside the sources, with nothing but the
+# installation, the template builds in three standards and performs a face.
+source "$(dirname "$0")/lib.sh"
+cmake --install "$BUILD_DIR" --prefix "$scratch/first" >"$scratch/log" 2>&1 || {
+    fail "cmake --install"
+    cat "$scratch/log"
+    finish
+}
+prefix="$scratch/moved to"
+mv "$scratch/first" "$prefix" && mkdir "$scratch/work" && cd "$scratch/work" || exit 1
+
+# An environment that knows of nothing else.
+packages=$(dirname "$(find "$prefix" -name marotte.pc)")
+alone=(env -i "PATH=$prefix/bin:/usr/bin:/bin" "HOME=$scratch" "TMPDIR=${TMPDIR:-/tmp}"
+    "ASAN_OPTIONS=${ASAN_OPTIONS:-}" "LSAN_OPTIONS=${LSAN_OPTIONS:-}" "PKG_CONFIG_PATH=$packages")
+
+# ---- what is there ----
+for file in bin/marotte bin/marotte-meshload include/marotte/plugin.h \
+    share/marotte/rigs/puppet/puppet.rig.json share/marotte/rigs/moai/moai.glb; do
+    [ -s "$prefix/$file" ] || fail "$file is not installed"
+done
+cmp "$SOURCE_DIR/core/include/marotte/plugin.h" "$prefix/include/marotte/plugin.h" || fail "another header"
+grep -rIlF -e "$SOURCE_DIR" -e "$scratch/first" "$prefix" && fail "these name a folder of the build"
+"${alone[@]}" marotte plugin list --params >"$scratch/list" || fail "plugin list"
+for plugin in log anchored unanchored one_hand cyberglove pedal osc; do
+    grep -q "^    from $prefix/lib.*/marotte/plugins/$plugin.so$" "$scratch/list" || fail "$plugin is not found"
+done
+grep -c '^    from ' "$scratch/list" | grep -qx 7 || fail "plugins from elsewhere: $(grep '^    from' "$scratch/list")"
+! grep '^not used' "$scratch/list" || fail "plugins are refused"
+
+# ---- a rig by name, unless there is such a file; what there is not is said ----
+"${alone[@]}" marotte perform --face moai --input "log:$prefix/share/marotte/demo_hand.csv,end=1" --map one_hand \
+    >"$scratch/facts" 2>/dev/null || fail "--face moai"
+grep -qx "face  *$prefix/share/marotte/rigs/moai/moai.rig.json" "$scratch/facts" || fail "another moai"
+refused 1 "nobody" "${alone[@]}" marotte perform --face nobody --input log:x.csv --map one_hand
+echo nonsense >puppet
+refused 1 "puppet" "${alone[@]}" marotte perform --face puppet --input log:x.csv --map one_hand
+rm puppet
+
+# ---- the package: CMake in two standards, pkg-config, C++ ----
+"${alone[@]}" marotte plugin new wave --mapping >"$scratch/said" || fail "plugin new"
+grep -q "DCMAKE_PREFIX_PATH='$prefix'" "$scratch/said" || fail "the prefix is not said: $(cat "$scratch/said")"
+cd wave || exit 1
+for standard in 11 17; do
+    "${alone[@]}" cmake -B build$standard -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_STANDARD=$standard \
+        -DCMAKE_C_FLAGS="-Werror" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$scratch/log" 2>&1 &&
+        "${alone[@]}" cmake --build build$standard >>"$scratch/log" 2>&1 || {
+        fail "C$standard"
+        cat "$scratch/log"
+    }
+    grep -q "std=c$standard" build$standard/compile_commands.json || fail "not C$standard"
+    grep -qF -e "$SOURCE_DIR" -e "$BUILD_DIR" build$standard/compile_commands.json && fail "C$standard uses the sources"
+done
+"${alone[@]}" cmake -B build_include -DMAROTTE_INCLUDE="$prefix/include" >"$scratch/log" 2>&1 &&
+    "${alone[@]}" cmake --build build_include >>"$scratch/log" 2>&1 || fail "MAROTTE_INCLUDE"
+eval "flags=($("${alone[@]}" pkg-config --cflags marotte))"
+mkdir -p buildcpp && "${alone[@]}" c++ -x c++ -std=c++17 "${strict[@]::4}" -O2 -shared -fPIC -fvisibility=hidden \
+    "${flags[@]}" wave.c -o buildcpp/wave.so || fail "C++17 by pkg-config"
+eval "plugins=$("${alone[@]}" pkg-config --variable=plugindir marotte)" # it quotes blanks
+[ -s "$plugins/log.so" ] || fail "no plugins in plugindir, $plugins"
+"${alone[@]}" cmake -B nowhere >"$scratch/log" 2>&1 # without the prefix: found through PATH, or said
+echo 'cmake_minimum_required(VERSION 3.16)
+project(newer LANGUAGES NONE)
+find_package(marotte 99 REQUIRED)' >"$scratch/CMakeLists.txt"
+"${alone[@]}" cmake -S "$scratch" -B "$scratch/newer" -DCMAKE_PREFIX_PATH="$prefix" >"$scratch/log" 2>&1 &&
+    fail "version 99 was found"
+
+# ---- each performs: vertices move, in the same way ----
+for build in build11 build17 build_include buildcpp; do
+    symbols=$(nm -D --defined-only $build/wave.so | awk '{ print $3 }')
+    [ "$symbols" = marotte_plugins ] || fail "$build: exports $symbols"
+    "${alone[@]}" marotte perform --face puppet --input log:take.csv --map $build/wave.so --export $build.pc2 \
+        >"$scratch/facts" || fail "$build does not perform"
+    moved 5 "$scratch/facts"
+    cmp build11.pc2 $build.pc2 || fail "$build: other bits than C11"
+    has=$("${alone[@]}" marotte plugin --help | grep -c '^marotte plugin check')
+    if [ "$has" -eq 0 ]; then
+        echo "SKIPPED: plugin check $build/wave.so: this marotte cannot check"
+    else
+        "${alone[@]}" marotte plugin check $build/wave.so >"$scratch/log" 2>&1 || {
+            fail "$build: plugin check"
+            cat "$scratch/log"
+        }
+    fi
+done
+# Frames differ in the file itself, not only in what the program says of them.
+frame_bytes=$(($(od -An -t u4 -j 16 -N 4 build11.pc2) * 12))
+head -c $((32 + frame_bytes)) build11.pc2 | tail -c $frame_bytes >rest
+head -c $((32 + 76 * frame_bytes)) build11.pc2 | tail -c $frame_bytes >fist
+cmp -s rest fist && fail "the fist's frame is the rest frame"
+finish

@@ -1,0 +1,33 @@
+# What the scripts about plugins share, beside tests/e2e/lib.sh. Sourced.
+# shellcheck shell=bash
+source "$SOURCE_DIR/tests/e2e/lib.sh"
+export XDG_DATA_HOME=$scratch/data # no plugins of whoever runs the tests
+unset MAROTTE_PLUGIN_PATH
+strict=(-Wall -Wextra -Wpedantic -Werror -fsyntax-only)
+
+# compiles FILE FLAGS...: without a warning, as C11, C17 and C++17, with each compiler that is here.
+compiles() {
+    local file=$1 standard compiler
+    shift
+    for compiler in cc clang; do
+        command -v $compiler >/dev/null || continue
+        for standard in c11 c17; do
+            $compiler -std=$standard "${strict[@]}" -Wstrict-prototypes "$@" "$file" ||
+                fail "$compiler -std=$standard $file"
+        done
+    done
+    for compiler in c++ clang++; do
+        command -v $compiler >/dev/null || continue
+        $compiler -x c++ -std=c++17 "${strict[@]}" "$@" "$file" || fail "$compiler -std=c++17 $file"
+    done
+}
+
+# The marotte that is on the path has a validator.
+has_check() { marotte plugin --help | grep -q '^marotte plugin check'; }
+
+# moved AT_LEAST_MM FILE: perform's facts in FILE say that vertices moved so far.
+moved() {
+    local mm
+    mm=$(fact "range of motion" "$2")
+    awk -v a="${mm:-0}" -v b="$1" 'BEGIN { exit !(a >= b) }' || fail "moved ${mm:-nothing} mm, not $1: $2"
+}

@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# `marotte plugin new`: what it writes compiles and performs as written, by the very commands that it
+# prints; what it cannot do it refuses, and leaves nothing behind.
+source "$(dirname "$0")/lib.sh"
+mkdir "$scratch/some where" && cd "$scratch/some where" || exit 1
+
+# ---- both kinds, as a person would ----
+for kind in mapping input; do
+    "$MAROTTE" plugin new my_$kind --$kind >"$scratch/said" || fail "plugin new --$kind"
+    found=$(cd my_$kind && echo *)
+    [ "$found" = "CMakeLists.txt README.md my_$kind.c take.csv" ] || fail "$kind: wrote $found"
+    grep -rn template_name my_$kind && fail "$kind: the placeholder is left"
+    compiles my_$kind/my_$kind.c -I "$SOURCE_DIR/core/include"
+
+    mapfile -t next < <(grep '^  ' "$scratch/said")
+    [ ${#next[@]} -eq 3 ] || fail "$kind: ${#next[@]} commands instead of 3"
+    "$MAROTTE" plugin --help | grep -q '^marotte plugin check' || {
+        echo "SKIPPED: ${next[1]}: this marotte cannot check"
+        next[1]=
+    }
+    printf '%s\n' "set -e" "${next[@]}" >"$scratch/next.sh"
+    bash "$scratch/next.sh" >"$scratch/facts" 2>&1 || {
+        fail "$kind: what it says to do next does not work"
+        cat "$scratch/next.sh" "$scratch/facts"
+    }
+    moved 5 "$scratch/facts"
+    [ -s my_$kind/face.png ] || fail "$kind: no picture"
+done
+
+# ---- the mapping moves a face with a rig, one without, and nothing where there is no hand ----
+wave=my_mapping/build/my_mapping.so
+for face in "$puppet" "$moai"; do
+    "$MAROTTE" perform --face "$face" --input log:my_mapping/take.csv --map $wave \
+        --export "$scratch/moved.csv" >"$scratch/facts" || fail "$face"
+    moved 5 "$scratch/facts"
+    [ "$(fact folds "$scratch/facts")" = 0 ] || fail "$face folds"
+done
+"$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $wave,push=0 >"$scratch/less"
+"$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $wave,push=6 >"$scratch/more"
+awk -v a="$(fact "range of motion" "$scratch/less")" -v b="$(fact "range of motion" "$scratch/more")" \
+    'BEGIN { exit !(a + 5 < b) }' || fail "push=0 and push=6 move the same"
+
+# ---- the input gives what its take holds, to the bit, however fast it runs ----
+"$MAROTTE" perform --face puppet --input my_input/build/my_input.so,seconds=1.99 --map one_hand \
+    --export "$scratch/now.csv" >/dev/null 2>&1 || fail "the input"
+"$MAROTTE" perform --face puppet --input log:my_input/take.csv --map one_hand \
+    --export "$scratch/then.csv" >/dev/null 2>&1 || fail "the input's take"
+cmp "$scratch/now.csv" "$scratch/then.csv" || fail "plugins/template/input.csv is not what input.c gives"
+"$MAROTTE" perform --face puppet --input my_input/build/my_input.so,seconds=0.2,hand=left \
+    --map anchored --realtime --json >"$scratch/live" 2>&1 || fail "the input in real time"
+grep -q '"samples": 21' "$scratch/live" || fail "0.2 s at 100 Hz: $(grep samples "$scratch/live")"
+refused 1 "has no address" "$MAROTTE" perform --face puppet --input my_input/build/my_input.so:x --map one_hand
+
+# ---- names that a build system or a shell could trip over ----
+for name in test all plugin a x0123456789012345678901_; do
+    "$MAROTTE" plugin new $name --mapping --dir "$scratch" >"$scratch/said" || fail "$name"
+done
+(cd "$scratch/test" && eval "$(sed -n 's/.*&& \(cmake -B .*\)/\1/p' "$scratch/said")") >/dev/null ||
+    fail "a plugin called test does not build"
+[ -s "$scratch/test/build/test.so" ] || fail "no test.so"
+
+# ---- refusals ----
+echo mine >my_mapping/my_mapping.c
+before=$(ls -A)
+refused 1 "my_mapping is there already" "$MAROTTE" plugin new my_mapping --mapping
+[ "$(cat my_mapping/my_mapping.c)" = mine ] || fail "an existing folder was changed"
+touch a_file && refused 1 "a_file is there already" "$MAROTTE" plugin new a_file --input && rm a_file
+refused 1 "there is no folder ./absent" "$MAROTTE" plugin new fresh --mapping --dir ./absent
+refused 2 "--mapping (hands in, a face out) or --input" "$MAROTTE" plugin new fresh
+refused 2 "not both" "$MAROTTE" plugin new fresh --mapping --input
+refused 2 "what is it to be called" "$MAROTTE" plugin new --mapping
+refused 2 "--dir needs a folder" "$MAROTTE" plugin new fresh --mapping --dir
+refused 2 "\"other\" is not expected here" "$MAROTTE" plugin new fresh other --mapping
+refused 2 "\"--fast\" is not expected here" "$MAROTTE" plugin new fresh --mapping --fast
+for name in "" Wave wave-2 2wave _wave "wa ve" ../wave wave/x . "wäve" "$(printf 'wa\nve')" \
+    a1234567890123456789012345; do
+    refused 2 "cannot be a plugin's name" "$MAROTTE" plugin new "$name" --mapping
+done
+for name in int switch class restrict co_await; do
+    [ $name = co_await ] && continue # a word of C++20 alone
+    refused 2 "is a word of C or C++" "$MAROTTE" plugin new $name --mapping
+done
+long=$(printf 'd%.0s' $(seq 4090))
+refused 1 "there is no folder" "$MAROTTE" plugin new fresh --mapping --dir "$long"
+
+# A disk that is full: nothing half is left behind.
+(ulimit -f 1 && "$MAROTTE" plugin new fresh --mapping) >"$scratch/stdout" 2>"$scratch/stderr" &&
+    fail "wrote more than the disk holds"
+[ "$(wc -l <"$scratch/stderr")" -eq 1 ] || fail "a full disk: $(cat "$scratch/stderr")"
+if [ "$(id -u)" -ne 0 ]; then
+    mkdir "$scratch/closed" && chmod 555 "$scratch/closed"
+    refused 1 "cannot be made" "$MAROTTE" plugin new fresh --mapping --dir "$scratch/closed"
+fi
+[ "$(ls -A)" = "$before" ] || fail "left behind: $(ls -A)"
+finish
