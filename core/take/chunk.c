@@ -240,8 +240,8 @@ static bool get_plain(mrt_sample *out, const chunk_head *head, const uint8_t *pl
 static mrt_result deflate_plain(uint8_t *out, size_t capacity, size_t *out_size,
                                 const uint8_t *plain, size_t size, error *err)
 {
-    z_stream stream = {
-        .next_in = plain, .avail_in = (uInt)size, .next_out = out, .avail_out = (uInt)capacity};
+    z_stream stream = {.next_in = plain, .avail_in = (uInt)size, .avail_out = (uInt)capacity};
+    stream.next_out = out;
     if (deflateInit2(&stream, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return error_set(err, MRT_ERR_MEMORY, "no memory to compress samples");
     int status = deflate(&stream, Z_FINISH);
@@ -254,8 +254,8 @@ static mrt_result deflate_plain(uint8_t *out, size_t capacity, size_t *out_size,
 
 static bool inflate_plain(uint8_t *out, size_t size, const uint8_t *bytes, size_t bytes_size)
 {
-    z_stream stream = {
-        .next_in = bytes, .avail_in = (uInt)bytes_size, .next_out = out, .avail_out = (uInt)size};
+    z_stream stream = {.next_in = bytes, .avail_in = (uInt)bytes_size, .avail_out = (uInt)size};
+    stream.next_out = out;
     if (inflateInit2(&stream, -15) != Z_OK)
         return false;
     int status = inflate(&stream, Z_FINISH);

@@ -73,9 +73,9 @@ static mrt_result connect_and_look(sqlite **out, identity *out_identity, const c
 
 static bool has_log(const char *path)
 {
-    char *log = malloc(strlen(path) + 5);
+    char *log = show_beside(path, "-wal");
     struct stat status;
-    bool has = log && stat(strcat(strcpy(log, path), "-wal"), &status) == 0 && status.st_size > 0;
+    bool has = log && stat(log, &status) == 0 && status.st_size > 0;
     free(log);
     return has;
 }
@@ -151,6 +151,17 @@ mrt_result show_connect(const show *self, sqlite **out, error *err)
 }
 
 /* ---- small things that the other files use ---- */
+
+char *show_beside(const char *path, const char *suffix)
+{
+    size_t path_length = strlen(path), suffix_size = strlen(suffix) + 1;
+    char *out = malloc(path_length + suffix_size);
+    if (!out)
+        return NULL;
+    memcpy(out, path, path_length);
+    memcpy(out + path_length, suffix, suffix_size);
+    return out;
+}
 
 mrt_result show_check_writable(const show *self, error *err)
 {

@@ -32,6 +32,9 @@ const char *show_notice(const show *self); /* "", or one line for the person in 
 bool show_is_missing(const show *self);
 /* A whole copy of what is committed, as a new file, while recording goes on. */
 CHECKED mrt_result show_rescue(show *self, const char *out_path, error *err);
+/* Reads everything, and says the first thing that is not whole. Takes as long as reading the file.
+ */
+CHECKED mrt_result show_check(show *self, error *err);
 /* Copies all that can be read of a damaged show into a new file, row by row. The damaged one is not
  * touched. */
 typedef struct show_recovery {

@@ -21,15 +21,13 @@ static uint32_t sample_bytes(const char *format)
     return 0;
 }
 
-static uint32_t frame_bytes(const show_audio *audio)
+/* *out_frame_bytes is not 0 when it is sound. */
+static mrt_result check(const show_audio *audio, uint32_t *out_frame_bytes, mrt_result code,
+                        error *err)
 {
-    return sample_bytes(audio->format) * audio->channel_count;
-}
-
-static mrt_result check(const show_audio *audio, mrt_result code, error *err)
-{
-    if (audio->rate_hz == 0 || audio->rate_hz > RATE_MAX || audio->channel_count == 0 ||
-        audio->channel_count > CHANNELS_MAX || sample_bytes(audio->format) == 0)
+    *out_frame_bytes = sample_bytes(audio->format) * (audio->channel_count % (CHANNELS_MAX + 1));
+    if (audio->rate_hz == 0 || audio->rate_hz > RATE_MAX || audio->channel_count > CHANNELS_MAX ||
+        *out_frame_bytes == 0)
         return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' cannot be kept",
                          audio->name, audio->rate_hz, audio->channel_count, audio->format);
     return MRT_OK;
@@ -37,10 +35,11 @@ static mrt_result check(const show_audio *audio, mrt_result code, error *err)
 
 mrt_result show_audio_create(show *self, const show_audio *audio, int64_t *out_id, error *err)
 {
+    uint32_t frame_size;
     *out_id = 0;
     mrt_result result = show_check_writable(self, err);
     if (result >= 0)
-        result = check(audio, MRT_ERR_ARGUMENT, err);
+        result = check(audio, &frame_size, MRT_ERR_ARGUMENT, err);
     if (result >= 0)
         result = sqlite_change(self->db, err,
                                "INSERT INTO audio(name, start_ns, rate_hz, channel_count, format)"
@@ -52,9 +51,11 @@ mrt_result show_audio_create(show *self, const show_audio *audio, int64_t *out_i
     return result;
 }
 
-static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio *out, error *err)
+static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio *out,
+                            uint32_t *out_frame_bytes, error *err)
 {
     *out = (show_audio){0};
+    *out_frame_bytes = 1;
     sqlite_statement *row;
     mrt_result result =
         sqlite_query(db, &row, err,
@@ -74,7 +75,7 @@ static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio
         out->channel_count = (uint32_t)sqlite_int(row, 4);
         snprintf(out->format, sizeof out->format, "%s", sqlite_text(row, 5));
         out->frame_count = sqlite_int(row, 6);
-        result = check(out, MRT_ERR_FORMAT, err);
+        result = check(out, out_frame_bytes, MRT_ERR_FORMAT, err);
     } else if (result == MRT_END) {
         result = error_set(err, MRT_ERR_ARGUMENT, "%s: has no audio %lld", path, (long long)id);
     }
@@ -84,17 +85,18 @@ static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio
 
 mrt_result show_audio_info(show *self, int64_t id, show_audio *out, error *err)
 {
-    return read_info(self->db, self->path, id, out, err);
+    uint32_t frame_size;
+    return read_info(self->db, self->path, id, out, &frame_size, err);
 }
 
 mrt_result show_audio_append(sqlite *db, const char *path, int64_t id, int64_t time_ns,
                              const void *frames, size_t size, error *err)
 {
     show_audio audio;
-    mrt_result result = read_info(db, path, id, &audio, err);
+    uint32_t frame_size;
+    mrt_result result = read_info(db, path, id, &audio, &frame_size, err);
     if (result < 0)
         return result;
-    uint32_t frame_size = frame_bytes(&audio);
     if (size == 0 || size > PIECE_BYTES_MAX || size % frame_size != 0)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "audio %lld: a piece of %zu bytes, 1 to %d in frames of %u are possible",
@@ -148,11 +150,11 @@ mrt_result show_audio_read(show *self, int64_t id, int64_t first_frame, void *ou
 {
     *out_size = 0;
     show_audio audio;
+    uint32_t frame_size;
     sqlite_statement *rows;
-    mrt_result result = show_audio_info(self, id, &audio, err);
+    mrt_result result = read_info(self->db, self->path, id, &audio, &frame_size, err);
     if (result < 0)
         return result;
-    uint32_t frame_size = frame_bytes(&audio);
     int64_t frame = first_frame < 0 ? 0 : first_frame;
     result = sqlite_query(self->db, &rows, err,
                           "SELECT first_frame, frame_count, crc, bytes FROM audio_chunk "
@@ -174,6 +176,22 @@ mrt_result show_audio_read(show *self, int64_t id, int64_t first_frame, void *ou
     }
     sqlite_finish(rows);
     return result < 0 ? result : MRT_OK;
+}
+
+mrt_result show_audio_check(show *self, int64_t id, error *err)
+{
+    enum { PIECE_BYTES = 65536 };
+    show_audio audio;
+    uint8_t *piece = malloc(PIECE_BYTES);
+    if (!piece)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to check it", self->path);
+    uint32_t frame_size;
+    mrt_result result = read_info(self->db, self->path, id, &audio, &frame_size, err);
+    size_t size = 1;
+    for (int64_t frame = 0; result >= 0 && size > 0; frame += (int64_t)(size / frame_size))
+        result = show_audio_read(self, id, frame, piece, PIECE_BYTES, &size, err);
+    free(piece);
+    return result;
 }
 
 static void read_anchor(void *item, sqlite_statement *row)

@@ -25,6 +25,8 @@ struct show {
 /* Connection of its own to the file, for the writer. */
 CHECKED mrt_result show_connect(const show *self, sqlite **out, error *err);
 int64_t show_next_id(show *self, show_id of);
+/* The path with the suffix, to be freed; NULL: no memory. */
+char *show_beside(const char *path, const char *suffix);
 /* MRT_ERR_UNSUPPORTED with the reason when the show can only be read. */
 CHECKED mrt_result show_check_writable(const show *self, error *err);
 
@@ -79,6 +81,8 @@ CHECKED mrt_result show_checkpoint_pack(show_packed *out, const void *bytes, siz
 CHECKED mrt_result show_checkpoint_insert(sqlite *db, const show_packed *packed, error *err);
 CHECKED mrt_result show_audio_append(sqlite *db, const char *path, int64_t audio, int64_t time_ns,
                                      const void *frames, size_t size, error *err);
+
+CHECKED mrt_result show_audio_check(show *self, int64_t audio, error *err);
 
 /* Ends what a killed program left open, at its last sample; *out_take_count takes among it. */
 CHECKED mrt_result show_close_open_ends(sqlite *db, int64_t *out_take_count, error *err);

@@ -1,4 +1,4 @@
-#include "take/show_lock.h"
+#include "take/show_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -65,8 +65,7 @@ static show_lock_state try_once(show_lock *out, char who[WHO])
 static void sign(int fd)
 {
     char text[WHO];
-    describe_self(text, sizeof text - 1);
-    strcat(text, "\n");
+    describe_self(text, sizeof text);
     if (ftruncate(fd, 0) != 0 || pwrite(fd, text, strlen(text), 0) < 0)
         return; /* the lock holds all the same; only its name is missing */
 }
@@ -74,14 +73,10 @@ static void sign(int fd)
 /* Beside the file itself, whatever names lead to it. */
 static char *lock_path(const char *show_path)
 {
-    static const char suffix[] = "-lock";
     char *real = realpath(show_path, NULL);
-    char *path = real ? realloc(real, strlen(real) + sizeof suffix) : NULL;
-    if (!path) {
-        free(real);
-        return NULL;
-    }
-    return strcat(path, suffix);
+    char *path = real ? show_beside(real, "-lock") : NULL;
+    free(real);
+    return path;
 }
 
 show_lock_state show_lock_take(show_lock *out, const char *show_path, char who[WHO])

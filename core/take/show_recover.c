@@ -421,10 +421,9 @@ mrt_result show_recover(show_recovery *out, const char *path, const char *out_pa
     struct stat status;
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return error_set(err, MRT_ERR_IO, "%s: is not a file; a damaged show was expected", path);
-    char *copy_path = malloc(strlen(out_path) + sizeof ".damaged.tmp");
+    char *copy_path = show_beside(out_path, ".damaged.tmp");
     if (!copy_path)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
-    strcat(strcpy(copy_path, out_path), ".damaged.tmp");
     show *fresh;
     mrt_result result = show_create(&fresh, out_path, err);
     if (result >= 0) {

@@ -78,7 +78,8 @@ static bool read_payload(pages *in, const uint8_t *at, const uint8_t *end, size_
     uint8_t page[PAGE_BYTES];
     size_t got = local_size(size);
     size_t chained = got < size ? 4 : 0;
-    if (size > PAYLOAD_MAX || (size_t)(end - at) < got + chained || !reserve_payload(in, size))
+    if (size == 0 || size > PAYLOAD_MAX || (size_t)(end - at) < got + chained ||
+        !reserve_payload(in, size))
         return false;
     memcpy(in->payload, at, got);
     uint32_t next = chained ? big_endian(at + got, 4) : 0;

@@ -117,7 +117,7 @@ static char *uri_of(const char *path, bool frozen)
         else
             *at++ = *c;
     }
-    strcpy(at, frozen ? "?immutable=1" : "");
+    (void)sprintf(at, "%s", frozen ? "?immutable=1" : "");
     return uri;
 }
 

@@ -101,14 +101,11 @@ mrt_result writer_sync_start(writer_sync **out, const show *s, error *err)
     self->log_fd = -1;
     init_wait(self);
     mrt_result result = show_connect(s, &self->db, err);
-    self->log_path = malloc(strlen(show_path(s)) + sizeof "-wal");
+    self->log_path = show_beside(show_path(s), "-wal");
     if (result >= 0 && !self->log_path)
         result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
-    if (result >= 0) {
-        strcat(strcpy(self->log_path, show_path(s)), "-wal");
-        if (pthread_create(&self->thread, NULL, run, self) != 0)
-            result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", show_path(s));
-    }
+    if (result >= 0 && pthread_create(&self->thread, NULL, run, self) != 0)
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", show_path(s));
     if (result < 0) {
         destroy(self);
         return result;

@@ -180,6 +180,15 @@ static void read_the_rest(const whole *w, show *s, outcome *out)
         assert_int_equal(sound[i], (uint8_t)scene_random(i % 9000));
 }
 
+/* A check finds whatever reading finds. */
+static void check_finds_it_too(show *s, const outcome *read)
+{
+    error err = {""};
+    mrt_result result = show_check(s, &err);
+    if (read->messages > 0)
+        assert_true(result < 0 && strlen(err.text) > 0);
+}
+
 static outcome read_copy(const whole *w, show_mode mode)
 {
     error err = {""};
@@ -191,6 +200,7 @@ static outcome read_copy(const whole *w, show_mode mode)
         return out;
     read_samples(w, s, &out);
     read_the_rest(w, s, &out);
+    check_finds_it_too(s, &out);
     show_close(s);
     return out;
 }
@@ -214,6 +224,11 @@ static void an_undamaged_show_reads_without_a_word(void **state)
     outcome out = read_copy(w, SHOW_READ);
     assert_int_equal(out.messages, 0);
     assert_int_equal(out.right, SAMPLES);
+    error err = {""};
+    show *s;
+    scene_must(show_open(&s, w->copy, SHOW_READ, &err), &err);
+    scene_must(show_check(s, &err), &err);
+    show_close(s);
     assert_true(w->file.size / PAGE_BYTES > 60);
 }
 
