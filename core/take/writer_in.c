@@ -104,7 +104,8 @@ static void take_sample(writer *self, int64_t id, const mrt_sample *sample)
 
 static void take_event_in(writer *self, const take_event *event)
 {
-    writer_job *job = has_memory(self) ? writer_job_create(WRITER_JOB_EVENT) : NULL;
+    bool is_fit = has_memory(self) && writer_track_is_time(event->time_ns);
+    writer_job *job = is_fit ? writer_job_create(WRITER_JOB_EVENT) : NULL;
     if (!job)
         return;
     job->of.event = *event;
@@ -115,7 +116,8 @@ static void take_event_in(writer *self, const take_event *event)
 static void take_checkpoint(writer *self, const writer_record *r)
 {
     uint32_t index = r->of.checkpoint.buffer;
-    bool may_hold = atomic_load(&self->held_bytes) < self->memory_bytes / 2;
+    bool may_hold = atomic_load(&self->held_bytes) < self->memory_bytes / 2 &&
+                    writer_track_is_time(r->of.checkpoint.time_ns);
     writer_job *job = may_hold ? writer_job_create(WRITER_JOB_CHECKPOINT) : NULL;
     if (job && show_checkpoint_pack(&job->of.checkpoint, self->checkpoint[index],
                                     r->of.checkpoint.size, NULL) < 0) {

@@ -146,7 +146,8 @@ static mrt_result take_all(leftover *self, spool *left, error *err)
     while (result >= 0 && spool_pop(left, &record)) {
         if (record.kind == WRITER_RECORD_SAMPLE)
             result = take_sample(self, record.id, &record.of.sample, err);
-        else if (record.kind == WRITER_RECORD_EVENT)
+        else if (record.kind == WRITER_RECORD_EVENT &&
+                 writer_track_is_time(record.of.event.time_ns))
             result = take_event_once(self, &record.of.event, err);
     }
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)

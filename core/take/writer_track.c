@@ -24,9 +24,15 @@ void writer_track_finish(writer_track *track)
     *track = (writer_track){0};
 }
 
+bool writer_track_is_time(int64_t time_ns)
+{
+    const int64_t limit_ns = (int64_t)1 << 61;
+    return time_ns > -limit_ns && time_ns < limit_ns;
+}
+
 bool writer_track_accepts(const writer_track *track, const mrt_sample *sample)
 {
-    if (sample->count != track->channel_count ||
+    if (sample->count != track->channel_count || !writer_track_is_time(sample->time_ns) ||
         (track->has_last && sample->time_ns < track->last_ns))
         return false;
     for (uint32_t i = 0; i < sample->count; ++i)

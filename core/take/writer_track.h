@@ -22,6 +22,8 @@ CHECKED mrt_result writer_track_init(writer_track *out, int64_t id, uint32_t cha
                                      error *err);
 void writer_track_finish(writer_track *track);
 
+/* Times that the show can keep: 73 years, either way of the host's 0. */
+bool writer_track_is_time(int64_t time_ns);
 /* Whether the sample is one of this track's: shape, order and numbers. */
 bool writer_track_accepts(const writer_track *track, const mrt_sample *sample);
 /* The chunk is as long as chunks get: seal it before the next sample. */

@@ -349,19 +349,23 @@ static void what_is_no_sample_of_a_track_is_counted_as_lost(void **state)
     scene_give(&r, 0, 10);
     mrt_sample early = scene_sample(r.track, 3), narrow = scene_sample(r.track, 11);
     mrt_sample infinite = narrow;
+    mrt_sample never = narrow;
+    never.time_ns = INT64_MAX;
     narrow.count = 21;
     infinite.value[2] = 1.0f / 0.0f;
     writer_sample(r.writer, r.track, &early);
     writer_sample(r.writer, r.track, &narrow);
     writer_sample(r.writer, r.track, &infinite);
+    writer_sample(r.writer, r.track, &never);
     writer_sample(r.writer, 99, &early);
+    writer_event(r.writer, &(take_event){.time_ns = INT64_MIN, .kind = TAKE_EVENT_MARK});
     scene_give(&r, 10, 20);
     scene_flush(&r);
-    assert_int_equal(writer_status_of(r.writer).lost_count, 4);
+    assert_int_equal(writer_status_of(r.writer).lost_count, 5);
     assert_int_equal(writer_status_of(r.writer).backlog, 0);
     char message[300];
     writer_message(r.writer, message, sizeof message);
-    assert_non_null(strstr(message, "4 samples were lost"));
+    assert_non_null(strstr(message, "5 samples were lost"));
     scene_expect(s, r.track, 0, 20);
     take_event *events;
     size_t count;
@@ -371,7 +375,7 @@ static void what_is_no_sample_of_a_track_is_counted_as_lost(void **state)
     for (size_t i = 0; i < count; ++i)
         if (events[i].kind == TAKE_EVENT_LOST && events[i].track == r.track)
             told += events[i].value;
-    assert_true(told == 3);
+    assert_true(told == 4);
     free(events);
     scene_stop(&r);
     show_close(s);
