@@ -7,10 +7,6 @@
 #include <cmocka.h>
 
 #include "take/show_scene.h"
-#include "take/writer_state.h"
-
-#include <signal.h>
-#include <sys/wait.h>
 
 static int set_up(void **state)
 {
@@ -458,72 +454,6 @@ static void reading_seeks_and_stays_within_its_span(void **state)
     show_close(s);
 }
 
-/* A program that was killed between being given samples and committing them, and a stranger's
- * spool. */
-static void what_a_killed_writer_was_given_is_found(void **state)
-{
-    scene *at = *state;
-    pid_t child = fork();
-    if (child == 0) {
-        error err;
-        show *s;
-        scene_recording r;
-        writer_options options = scene_options();
-        if (show_create(&s, at->path, &err) < 0)
-            _exit(1);
-        scene_record(&r, s, &options);
-        scene_give(&r, 0, 1000);
-        scene_flush(&r);
-        scene_give(&r, 1000, 21000); /* more than a commit takes, less than the ring holds */
-        raise(SIGKILL);
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFSIGNALED(status));
-    if (access("/dev/shm", W_OK) != 0)
-        skip();
-    show *s = open_show(at, SHOW_WRITE);
-    scene_expect(s, 1, 0, 21000);
-    show_take *takes;
-    size_t count;
-    error err = {""};
-    scene_must(show_takes(s, &takes, &count, &err), &err);
-    free(takes);
-    show_performance performance;
-    scene_must(show_performance_read(s, 1, &performance, &err), &err);
-    assert_int_equal(performance.to_ns, scene_shown(1, 20999).time_ns);
-    show_performance_finish(&performance);
-    show_close(s);
-    s = open_show(at, SHOW_WRITE);
-    scene_expect(s, 1, 0, 21000); /* once */
-    show_close(s);
-}
-
-static void a_spool_of_another_session_is_left_out(void **state)
-{
-    scene *at = *state;
-    show *s = create(at);
-    writer_options options = scene_options();
-    scene_recording r;
-    scene_record(&r, s, &options);
-    scene_give(&r, 0, 10);
-    scene_stop(&r);
-    show_close(s);
-    struct stat of;
-    int64_t context;
-    assert_int_equal(stat(at->path, &of), 0);
-    spool *stranger = spool_create(&of, sizeof(writer_record), 8, 12345);
-    assert_non_null(stranger);
-    writer_record record = {
-        .kind = WRITER_RECORD_SAMPLE, .id = 1, .of.sample = scene_sample(1, 50)};
-    assert_true(spool_push(stranger, &record));
-    spool_abandon(stranger);
-    s = open_show(at, SHOW_WRITE);
-    scene_expect(s, 1, 0, 10);
-    show_close(s);
-    assert_null(spool_find(&of, sizeof(writer_record), &context));
-}
-
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -542,8 +472,6 @@ int main(void)
         TEST(a_request_that_cannot_be_done_keeps_nobody),
         TEST(tracks_end_and_others_begin),
         TEST(reading_seeks_and_stays_within_its_span),
-        TEST(what_a_killed_writer_was_given_is_found),
-        TEST(a_spool_of_another_session_is_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
