@@ -123,7 +123,8 @@ CHECKED mrt_result take_time_of(take_call *call, const char *what, const char *t
                                 int64_t *out, error *err);
 /* Of --fps, else the take's, else 30. */
 CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err);
-/* The take's time code at that rate, of a frame counted from its start. */
+/* The time code of a frame counted from the take's start; at another rate than the take's, the
+ * label of the start is kept: the same hours, minutes and seconds. */
 int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
 
 /* ---- take_find.c: the show and what is in it ---- */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORST_COUNT = 5 };
+enum { WORST_COUNT = 5, FRAMES_MAX = 2000000 };
 static const int64_t worst_apart_ns = 500000000;
 
 typedef struct comparison {
@@ -71,7 +71,13 @@ static mrt_result choose_frames(comparison *self, take_call *call, error *err)
         fprintf(stderr,
                 "note: the takes last %.6g and %.6g s: the time that both have is compared\n",
                 (double)self->a.take.duration_ns / 1e9, (double)self->b.take.duration_ns / 1e9);
-    return take_frames_of(&self->frames, call, &shorter, err);
+    mrt_result result = take_frames_of(&self->frames, call, &shorter, err);
+    if (result >= 0 && self->frames.count > FRAMES_MAX)
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "%lld frames are too many to compare at once, %d are possible: a lower "
+                           "--fps, or --in and --out",
+                           (long long)self->frames.count, FRAMES_MAX);
+    return result;
 }
 
 static mrt_result each(void *data, take_stage *from, error *err)

@@ -211,6 +211,8 @@ static mrt_result ask_slate(take_call *call, const take *t, take_change *out, er
     edit *e = take_change_add(out, EDIT_TAKE_SLATE);
     double number = (double)t->number;
     const char *scene = call->text[TAKE_SCENE], *shot = call->text[TAKE_SHOT];
+    if (!scene && !shot && !call->text[TAKE_NUMBER])
+        return take_misused(call, err, "--scene, --shot or --number is missing");
     mrt_result result = put_text(call, e->scene, sizeof e->scene, scene ? scene : t->scene, err);
     if (result >= 0)
         result = put_text(call, e->shot, sizeof e->shot, shot ? shot : t->shot, err);

@@ -62,16 +62,41 @@ mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *
     return take_misused(call, err, "--fps: %s", why);
 }
 
+/* Frames in a second of labels. */
+static int64_t nominal(timecode_rate rate)
+{
+    return ((int64_t)rate.num + rate.den - 1) / rate.den;
+}
+
+/* The same hours, minutes and seconds, and as much of the second, at another rate. */
+static int64_t relabel(timecode_rate from, timecode_rate to, int64_t frame)
+{
+    char text[TIMECODE_TEXT + 32];
+    long long hours, minutes, seconds, frames;
+    int64_t out;
+    error ignored = {""};
+    timecode_write(text, from, frame);
+    if (sscanf(text, "%lld:%lld:%lld%*[:;]%lld", &hours, &minutes, &seconds, &frames) != 4)
+        return frame;
+    frames = frames * nominal(to) / nominal(from);
+    for (; frames < nominal(to); ++frames) { /* drop-frame leaves labels out */
+        (void)snprintf(text, sizeof text, "%02lld:%02lld:%02lld%c%02lld", hours, minutes, seconds,
+                       to.is_drop ? ';' : ':', frames);
+        if (timecode_parse(&out, to, text, &ignored) >= 0)
+            return out;
+    }
+    return frame;
+}
+
 int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame)
 {
     timecode_rate own = rate;
     error ignored = {""};
-    if (t->fps > 0.0 && timecode_rate_of(&own, t->fps, &ignored) < 0)
-        own = rate;
-    if (own.num == rate.num && own.den == rate.den)
+    if (t->timecode_frame == 0 || !(t->fps > 0.0) || timecode_rate_of(&own, t->fps, &ignored) < 0)
         return t->timecode_frame + frame;
-    int64_t start_ns = timecode_time_ns(own, t->timecode_frame);
-    return timecode_nearest_frame(rate, start_ns) + frame;
+    own.is_drop = t->is_drop_frame && timecode_can_drop(own);
+    bool is_same = own.num == rate.num && own.den == rate.den && own.is_drop == rate.is_drop;
+    return (is_same ? t->timecode_frame : relabel(own, rate, t->timecode_frame)) + frame;
 }
 
 /* ---- times ---- */

@@ -31,6 +31,7 @@ struct source {
     size_t event_count, next_event;
     int64_t now_ns;
     bool is_same_plugin; /* stored states are of this very library */
+    error damage;        /* what of it was told last */
     char note[NOTE];
 };
 
@@ -254,8 +255,20 @@ int64_t source_now_ns(const source *self)
 
 /* ---- sample by sample ---- */
 
-/* The track with the earliest sample, or -1. Damaged chunks are passed over: what can be read is
- * performed. */
+/* Damaged chunks are passed over, and told once: what can be read is performed. */
+static mrt_result read_sample(source *self, track *t, error *err)
+{
+    mrt_result result;
+    while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
+        if (strcmp(self->damage.text, err->text) == 0)
+            continue;
+        self->damage = *err;
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    }
+    return result;
+}
+
+/* The track with the earliest sample, or -1. */
 static mrt_result earliest(source *self, int *out_track, error *err)
 {
     *out_track = -1;
@@ -263,9 +276,7 @@ static mrt_result earliest(source *self, int *out_track, error *err)
         track *t = &self->track[i];
         mrt_result result = MRT_OK;
         if (!t->has_pending)
-            result = show_reader_next(t->reader, &t->pending, err);
-        if (result == MRT_ERR_FORMAT)
-            result = show_reader_next(t->reader, &t->pending, err);
+            result = read_sample(self, t, err);
         if (result < 0)
             return result;
         t->has_pending = t->has_pending || result == MRT_OK;
