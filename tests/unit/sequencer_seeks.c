@@ -1,0 +1,281 @@
+/* A take is brought to any instant as if it had been played from its start, bit for bit: from
+ * instants that were kept while it was played, from states that were kept while it was recorded,
+ * from neither, from damaged ones. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "unit/sequencer_scene.h"
+
+#include <sqlite3.h>
+
+enum { SEEKS = 50 };
+
+/* SplitMix64. */
+static uint64_t random_of(uint64_t n)
+{
+    n += 0x9e3779b97f4a7c15u;
+    n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9u;
+    n = (n ^ (n >> 27)) * 0x94d049bb133111ebu;
+    return n ^ (n >> 31);
+}
+
+static void check_seeks(film *f, sequencer *s, uint64_t seed, const char *how)
+{
+    int64_t end_ns = f->at_ns[f->count - 1];
+    for (uint64_t i = 0; i < SEEKS; ++i) {
+        uint64_t random = random_of(seed * 1000 + i);
+        int64_t at_ns = (int64_t)(random % (uint64_t)end_ns);
+        if (i % 5 == 4) /* exactly at a sample, and just before it */
+            at_ns = f->at_ns[random % f->count] - (int64_t)(random >> 40 & 1);
+        if (at_ns < 0)
+            at_ns = 0;
+        if (film_seek(s, at_ns) != f->hash[film_sample_at(f, at_ns)])
+            fail_msg("%s on the %s, %s: seek %d, to %lld ns, gives another face", f->play->mapping,
+                     f->play->face, how, (int)i, (long long)at_ns);
+        if (i % 7 == 3) { /* and it goes on from there */
+            at_ns = at_ns + 300 * help_ms < end_ns ? at_ns + 300 * help_ms : end_ns;
+            assert_true(film_play_to(s, at_ns) == f->hash[film_sample_at(f, at_ns)]);
+        }
+    }
+}
+
+static void change_show(const film *f, const char *sql)
+{
+    sqlite3 *db;
+    char *message = NULL;
+    assert_int_equal(sqlite3_open(f->path, &db), SQLITE_OK);
+    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK)
+        fail_msg("%s", message);
+    assert_true(sqlite3_changes(db) > 0);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+/* The library's type without the interface by which it is taken up. */
+static mrt_interface plain_interfaces[2];
+static mrt_plugin_type plain_type;
+
+static void forget_resume(film *f)
+{
+    for (uint32_t i = 0; i < f->plugins.entry_count; ++i) {
+        plugin_entry *entry = &f->plugins.entry[i];
+        if (!strstr(entry->type->id, f->play->mapping) ||
+            strlen(strrchr(entry->type->id, '.') + 1) != strlen(f->play->mapping))
+            continue;
+        plain_type = *entry->type;
+        plain_interfaces[0] =
+            (mrt_interface){MRT_MAPPING, plugin_interface(entry->type, MRT_MAPPING)};
+        plain_type.interfaces = plain_interfaces;
+        entry->type = &plain_type;
+    }
+    assert_non_null(plain_type.id);
+}
+
+static sequencer *project(film *f, size_t checkpoint_bytes)
+{
+    take t = {0};
+    film_take(f, &t);
+    sequencer *s = film_project(f, &t, checkpoint_bytes);
+    take_finish(&t);
+    return s;
+}
+
+typedef struct way { /* to find an instant */
+    const char *name;
+    size_t checkpoint_bytes; /* 1: one instant is kept at most; 200000: they are thinned out */
+    uint64_t seed;
+} way;
+
+/* How many samples had to be performed for it. */
+static uint64_t seek_in(film *f, const way *w)
+{
+    sequencer *s = project(f, w->checkpoint_bytes);
+    check_seeks(f, s, w->seed, w->name);
+    uint64_t count = sequencer_sample_count(s);
+    sequencer_destroy(s);
+    return count;
+}
+
+static void seek_in_all_ways(const scene_play *play, film_inputs which)
+{
+    film *f = film_shoot(play, which, "start=2,end=14", 12.0);
+    uint64_t by_both = seek_in(f, &(way){"both kinds of states", 0, 1});
+    uint64_t by_show = seek_in(f, &(way){"states of the show", 1, 1});
+    change_show(f, "DELETE FROM checkpoint");
+    uint64_t by_memory = seek_in(f, &(way){"states in memory", 0, 1});
+    (void)seek_in(f, &(way){"few states in memory", 200000, 2});
+    forget_resume(f);
+    uint64_t by_none = seek_in(f, &(way){"no states", 0, 1});
+    assert_true(by_both * 2 < by_none && by_show * 4 < by_none * 3 && by_memory * 2 < by_none);
+    film_burn(f);
+}
+
+static void anchored_is_the_same_from_wherever_it_is_sought(void **state)
+{
+    (void)state;
+    seek_in_all_ways(&(scene_play){.mapping = "anchored",
+                                   .face = "plane",
+                                   .params = "gate=on,on_release=spring_back,release_time=1.5",
+                                   .act = {{.at = 190, .set = "gain=0.9"},
+                                           {.at = 350, .press = "Commit"},
+                                           {.at = 490, .press = "Release"},
+                                           {.at = 720, .press = "Engage"}}},
+                     FILM_DEMO);
+}
+
+static void unanchored_is_the_same_from_wherever_it_is_sought(void **state)
+{
+    (void)state;
+    seek_in_all_ways(&(scene_play){.mapping = "unanchored",
+                                   .face = "plane",
+                                   .params = "gate=on,gain=0.5",
+                                   .act = {{.at = 190, .set = "leak=30"},
+                                           {.at = 350, .press = "Commit"},
+                                           {.at = 490, .press = "Release"},
+                                           {.at = 520, .press = "Engage"}}},
+                     FILM_DEMO);
+}
+
+static void one_hand_is_the_same_from_wherever_it_is_sought(void **state)
+{
+    (void)state;
+    seek_in_all_ways(&(scene_play){.mapping = "one_hand",
+                                   .face = "moai",
+                                   .params = "samples=150",
+                                   .act = {{.at = 250, .press = "Anchor"},
+                                           {.at = 490, .press = "Blink"},
+                                           {.at = 700, .set = "intensity=120"}}},
+                     FILM_DEMO);
+}
+
+static void two_inputs_are_the_same_from_wherever_they_are_sought(void **state)
+{
+    (void)state;
+    seek_in_all_ways(&(scene_play){.mapping = "anchored",
+                                   .face = "plane",
+                                   .params = "gate=off,commit_pedal=1,engage_pedal=2"},
+                     FILM_BOTH);
+}
+
+/* What is kept may be damaged in the file, or by a version that keeps otherwise: it costs time. */
+static void damaged_states_are_left_aside(void **state)
+{
+    (void)state;
+    static const char *const damages[] = {"UPDATE checkpoint SET crc = crc + 1",
+                                          "UPDATE checkpoint SET version = version + 1",
+                                          "UPDATE checkpoint SET bytes = substr(bytes, 1, 10)",
+                                          "UPDATE checkpoint SET performance = performance + 7"};
+    const scene_play play = {
+        .mapping = "unanchored", .face = "plane", .params = "gate=off,gain=0.5"};
+    for (int i = 0; i < 4; ++i) {
+        film *f = film_shoot(&play, FILM_DEMO, "start=3,end=9", 1.0);
+        change_show(f, damages[i]);
+        sequencer *s = project(f, 0);
+        check_seeks(f, s, 20, damages[i]);
+        sequencer_destroy(s);
+        film_burn(f);
+    }
+}
+
+/* A take kept afterwards starts in the middle of a performance; its pre-roll was kept too. */
+static void a_take_of_the_last_seconds_shows_what_was_shown(void **state)
+{
+    (void)state;
+    static const char *const mappings[] = {"anchored", "unanchored", "one_hand"};
+    for (int i = 0; i < 3; ++i) {
+        const scene_play play = {.mapping = mappings[i],
+                                 .face = i == 2 ? "moai" : "plane",
+                                 .params = i == 2 ? "" : "gate=off,gain=0.5"};
+        film *f = film_shoot(&play, FILM_DEMO, "start=2,end=12", 1.0);
+        error err = {""};
+        take t = {0}, whole = {0};
+        int64_t id;
+        film_take(f, &whole);
+        int64_t from_ns = 6123456789;
+        const show_span span = {f->performance, whole.start_ns + from_ns,
+                                whole.start_ns + whole.duration_ns - 1, true};
+        const show_new_take made = {.created_ns = 1,
+                                    .start_ns = span.from_ns,
+                                    .end_ns = span.to_ns + 1,
+                                    .scene = "1",
+                                    .shot = "b",
+                                    .origin = "kept",
+                                    .spans = &span,
+                                    .span_count = 1};
+        scene_must(show_take_create(f->show, &made, &id, &err), &err);
+        scene_must(show_take_base(f->show, id, &t, &err), &err);
+        sequencer *s = film_project(f, &t, 0);
+        for (uint64_t k = 0; k < SEEKS; ++k) {
+            int64_t at_ns = (int64_t)(random_of(k) % (uint64_t)(t.duration_ns));
+            if (film_seek(s, at_ns) != f->hash[film_sample_at(f, at_ns + from_ns)])
+                fail_msg("%s: the face at %lld ns differs", mappings[i], (long long)at_ns);
+        }
+        sequencer_destroy(s);
+        take_finish(&t);
+        take_finish(&whole);
+        film_burn(f);
+    }
+}
+
+/* With several clips, layers, fades and smoothing there are only the instants that were kept while
+ * it was played. */
+static void edited_takes_are_the_same_from_wherever_they_are_sought(void **state)
+{
+    (void)state;
+    static const char *const mappings[] = {"anchored", "unanchored"};
+    for (int i = 0; i < 2; ++i) {
+        const scene_play play = {
+            .mapping = mappings[i], .face = "plane", .params = "gate=off,gain=0.4"};
+        film *f = film_shoot(&play, FILM_DEMO, "start=2,end=14", 1.0);
+        char add[256];
+        error err = {""};
+        take t = {0};
+        film_take(f, &t);
+        help_do(&t, "{'op':'clip.split','clip':2,'at_ns':5000m}");
+        help_do(&t, "{'op':'clip.speed','clip':3,'speed':1.5}");
+        help_do(&t, "{'op':'clip.fade','clip':2,'fade_in_ns':700m,'fade_out_ns':300m}");
+        help_do(&t, "{'op':'layer.add','name':'over'}");
+        snprintf(add, sizeof add,
+                 "{'op':'clip.add','layer':4,'performance':%lld,'from_ns':%lld,'to_ns':%lld,"
+                 "'source_ns':3000m,'start_ns':2000m,'end_ns':8000m}",
+                 (long long)f->performance, (long long)t.layer[0].clip[0].from_ns,
+                 (long long)t.layer[0].clip[0].to_ns);
+        help_do(&t, add);
+        help_do(&t, "{'op':'layer.additive','layer':4,'additive':true}");
+        help_do(&t, "{'op':'clip.smooth','clip':5,'smooth_s':0.1}");
+        sequencer *straight = film_project(f, &t, 0), *sought = film_project(f, &t, 0);
+        uint64_t hash[100];
+        int64_t at_ns[100];
+        for (int k = 0; k < 100; ++k) {
+            at_ns[k] = (int64_t)k * 110000000;
+            hash[k] = film_play_to(straight, at_ns[k]);
+        }
+        scene_must(sequencer_seek(sought, at_ns[99], &err), &err); /* keeps instants */
+        for (uint64_t k = 0; k < SEEKS; ++k) {
+            int n = (int)(random_of(k) % 100);
+            if (film_seek(sought, at_ns[n]) != hash[n])
+                fail_msg("%s: the face at %lld ns differs", mappings[i], (long long)at_ns[n]);
+        }
+        sequencer_destroy(straight);
+        sequencer_destroy(sought);
+        take_finish(&t);
+        film_burn(f);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(anchored_is_the_same_from_wherever_it_is_sought),
+        cmocka_unit_test(unanchored_is_the_same_from_wherever_it_is_sought),
+        cmocka_unit_test(one_hand_is_the_same_from_wherever_it_is_sought),
+        cmocka_unit_test(two_inputs_are_the_same_from_wherever_they_are_sought),
+        cmocka_unit_test(damaged_states_are_left_aside),
+        cmocka_unit_test(a_take_of_the_last_seconds_shows_what_was_shown),
+        cmocka_unit_test(edited_takes_are_the_same_from_wherever_they_are_sought),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
