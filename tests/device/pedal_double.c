@@ -36,7 +36,7 @@ struct pedal_unit {
     pedal_model model;
     char path[32], system_path[64], node[32], node_file[PATH];
     UMockdevIoctlBase *handler;
-    int fifo; /* full: libusb, which waits until it can write, sleeps */
+    int fifo; /* full: libusb, which waits until it can write, sleeps; -1: not there */
     bool is_plugged, is_dead, is_detached;
     int client_count;       /* that have the node open */
     char driver_folder[32]; /* of the kernel's HID driver, "" without */
@@ -491,11 +491,13 @@ static void make_fifo(pedal_unit *unit)
     if (mkfifo(unit->node_file, 0666) != 0)
         abort();
     chmod(unit->node_file, 0666);
-    unit->fifo =
-        (int)syscall(SYS_openat, AT_FDCWD, unit->node_file, O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    if (unit->fifo < 0)
+    int fifo = (int)syscall(SYS_openat, AT_FDCWD, unit->node_file, O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    if (fifo < 0)
         abort();
-    let_sleep(unit);
+    pthread_mutex_lock(&unit->owner->mutex);
+    unit->fifo = fifo;
+    work(unit);
+    pthread_mutex_unlock(&unit->owner->mutex);
 }
 
 static void attach(pedal_unit *unit)
@@ -522,7 +524,7 @@ pedal_unit *pedal_double_plug(pedal_double *self, const char *path, uint32_t num
     if (!unit || self->unit_count == UNITS)
         abort();
     uint32_t bus = (uint32_t)strtoul(path, NULL, 10);
-    *unit = (pedal_unit){.owner = self, .model = *model, .is_plugged = true};
+    *unit = (pedal_unit){.owner = self, .model = *model, .fifo = -1, .is_plugged = true};
     unit->state.has_kernel_driver = !model->is_held;
     snprintf(unit->path, sizeof unit->path, "%s", path);
     system_path_of(unit->system_path, path);
