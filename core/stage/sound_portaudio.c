@@ -1,0 +1,343 @@
+#include "stage/sound_portaudio.h"
+#include "base/clock.h"
+
+#include <ctype.h>
+#include <dlfcn.h>
+#include <portaudio.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Latencies that are longer are not to be believed. */
+static const double latency_max_s = 2.0;
+/* What is played follows a clock, so that a short way is not worth any risk of running dry. */
+static const double latency_least_s = 0.03;
+
+typedef struct host { /* PortAudio, which there is one of */
+    pthread_mutex_t lock;
+    uint32_t stream_count; /* while there are any, what is plugged in later cannot be found */
+} host;
+
+typedef struct stream {
+    PaStream *pa;
+    sound_direction direction;
+    sound_callback *callback;
+    void *data;
+    int64_t latency_ns; /* as it was opened */
+} stream;
+
+/* ---- silence ---- */
+
+static void say_nothing(const char *text)
+{
+    (void)text;
+}
+
+static void alsa_say_nothing(const char *file, int line, const char *function, int code,
+                             const char *format, ...)
+{
+    (void)file;
+    (void)line;
+    (void)function;
+    (void)code;
+    (void)format;
+}
+
+/* By name, since whether PortAudio has ALSA or JACK at all is its own affair. */
+static void hush(void)
+{
+    int (*set_alsa)(void (*)(const char *, int, const char *, int, const char *, ...));
+    void (*set_jack)(void (*)(const char *));
+    void *alsa = dlsym(RTLD_DEFAULT, "snd_lib_error_set_handler");
+    void *jack[2] = {dlsym(RTLD_DEFAULT, "jack_set_error_function"),
+                     dlsym(RTLD_DEFAULT, "jack_set_info_function")};
+    memcpy(&set_alsa, &alsa, sizeof set_alsa);
+    if (alsa)
+        (void)set_alsa(alsa_say_nothing);
+    for (int i = 0; i < 2; ++i) {
+        memcpy(&set_jack, &jack[i], sizeof set_jack);
+        if (jack[i])
+            set_jack(say_nothing);
+    }
+}
+
+/* ---- blocks [device] ---- */
+
+static double seconds_of(clockid_t clock)
+{
+    struct timespec now;
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+/* How long ago `time_s` was, on whichever of the host's clocks it is; 0: on none. */
+static double age_of(double time_s)
+{
+    double monotonic_s = seconds_of(CLOCK_MONOTONIC) - time_s;
+    double real_s = seconds_of(CLOCK_REALTIME) - time_s;
+    if (monotonic_s >= 0.0 && monotonic_s < 0.5)
+        return monotonic_s;
+    return real_s >= 0.0 && real_s < 0.5 ? real_s : 0.0;
+}
+
+/* From when the callback was called to when its first frame is heard (+), or was said (-). */
+static double way_of(const stream *self, const PaStreamCallbackTimeInfo *info)
+{
+    bool is_out = self->direction == SOUND_OUT;
+    double far_s = is_out ? info->outputBufferDacTime : info->inputBufferAdcTime;
+    double way_s = far_s - info->currentTime, length_s = is_out ? way_s : -way_s;
+    if (info->currentTime > 0.0 && length_s > 0.0 && length_s < latency_max_s)
+        return way_s - age_of(info->currentTime);
+    return (is_out ? 1.0 : -1.0) * (double)self->latency_ns * 1e-9;
+}
+
+static int pass_block(const void *in, void *out, unsigned long frame_count,
+                      const PaStreamCallbackTimeInfo *info, PaStreamCallbackFlags flags, void *data)
+{
+    const stream *self = data;
+    bool is_out = self->direction == SOUND_OUT;
+    sound_block block = {.out = is_out ? out : NULL,
+                         .in = is_out ? NULL : in,
+                         .frame_count = (uint32_t)frame_count,
+                         .time_ns = clock_now_ns()};
+    if (is_out ? !out : !in)
+        return paContinue;
+    if (info)
+        block.time_ns += (int64_t)(way_of(self, info) * 1e9);
+    block.is_broken =
+        (flags & (is_out ? paOutputUnderflow : paInputOverflow | paInputUnderflow)) != 0;
+    self->callback(self->data, &block);
+    return paContinue;
+}
+
+/* ---- opening ---- */
+
+static const char *kind_of(sound_direction direction)
+{
+    return direction == SOUND_OUT ? "loudspeaker" : "microphone";
+}
+
+static int channels_of(const PaDeviceInfo *info, sound_direction direction)
+{
+    return direction == SOUND_OUT ? info->maxOutputChannels : info->maxInputChannels;
+}
+
+static bool has_part(const char *name, const char *part)
+{
+    size_t length = strlen(part);
+    for (; *name; ++name) {
+        size_t i = 0;
+        while (i < length && tolower((unsigned char)name[i]) == tolower((unsigned char)part[i]) &&
+               name[i])
+            ++i;
+        if (i == length)
+            return true;
+    }
+    return false;
+}
+
+static PaDeviceIndex named_device(sound_direction direction, const char *name)
+{
+    PaDeviceIndex count = Pa_GetDeviceCount();
+    for (PaDeviceIndex i = 0; i < count; ++i) {
+        const PaDeviceInfo *info = Pa_GetDeviceInfo(i);
+        if (info && info->name && channels_of(info, direction) > 0 && has_part(info->name, name))
+            return i;
+    }
+    return paNoDevice;
+}
+
+static mrt_result find_device(PaDeviceIndex *out, sound_direction direction, const char *name,
+                              error *err)
+{
+    if (name[0])
+        *out = named_device(direction, name);
+    else if (direction == SOUND_OUT)
+        *out = Pa_GetDefaultOutputDevice();
+    else
+        *out = Pa_GetDefaultInputDevice();
+    if (*out != paNoDevice && Pa_GetDeviceInfo(*out))
+        return MRT_OK;
+    if (name[0])
+        return error_set(err, MRT_ERR_IO, "sound: no %s is called '%s': choose another one",
+                         kind_of(direction), name);
+    return error_set(err, MRT_ERR_IO,
+                     "sound: no %s was found: plug one in, or see that the system's sound runs and "
+                     "that you are in the group 'audio'",
+                     kind_of(direction));
+}
+
+static mrt_result explain(PaError code, sound_direction direction, const char *name, double rate_hz,
+                          error *err)
+{
+    const PaHostErrorInfo *info =
+        code == paUnanticipatedHostError ? Pa_GetLastHostErrorInfo() : NULL;
+    const char *why =
+        info && info->errorText && info->errorText[0] ? info->errorText : Pa_GetErrorText(code);
+    switch (code) {
+    case paInvalidSampleRate:
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "sound: %s '%.80s' does not run at %.0f Hz, and sound is not resampled: "
+                         "choose another one",
+                         kind_of(direction), name, rate_hz);
+    case paDeviceUnavailable:
+        return error_set(err, MRT_ERR_IO,
+                         "sound: %s '%.80s' is busy or gone: close what else uses it",
+                         kind_of(direction), name);
+    default:
+        return error_set(err, MRT_ERR_IO, "sound: %s '%.80s' cannot be opened: %.120s",
+                         kind_of(direction), name, why);
+    }
+}
+
+static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_wish *wish,
+                              sound_stream *out, error *err)
+{
+    const PaDeviceInfo *info = Pa_GetDeviceInfo(device);
+    bool is_out = self->direction == SOUND_OUT;
+    int channels = wish->channel_count ? (int)wish->channel_count : 2;
+    int most = channels_of(info, self->direction);
+    double latency_s = is_out ? info->defaultLowOutputLatency : info->defaultHighInputLatency;
+    double rate_hz = wish->rate_hz ? (double)wish->rate_hz : info->defaultSampleRate;
+    PaStreamParameters parameters = {.device = device,
+                                     .channelCount = channels < most ? channels : most,
+                                     .sampleFormat = paFloat32,
+                                     .suggestedLatency =
+                                         latency_s > latency_least_s ? latency_s : latency_least_s};
+    PaError code =
+        Pa_OpenStream(&self->pa, is_out ? NULL : &parameters, is_out ? &parameters : NULL, rate_hz,
+                      paFramesPerBufferUnspecified, paClipOff, pass_block, self);
+    if (code != paNoError)
+        return explain(code, self->direction, info->name, rate_hz, err);
+    const PaStreamInfo *opened = Pa_GetStreamInfo(self->pa);
+    if (opened) {
+        self->latency_ns = (int64_t)((is_out ? opened->outputLatency : opened->inputLatency) * 1e9);
+        /* A rate that is a little off is a matter of the device's clock, another one is not. */
+        if (opened->sampleRate < rate_hz * 0.99 || opened->sampleRate > rate_hz * 1.01) {
+            (void)Pa_CloseStream(self->pa);
+            return explain(paInvalidSampleRate, self->direction, info->name, rate_hz, err);
+        }
+    }
+    *out = (sound_stream){.handle = self,
+                          .rate_hz = (uint32_t)(rate_hz + 0.5),
+                          .channel_count = (uint32_t)parameters.channelCount,
+                          .latency_ns = self->latency_ns};
+    snprintf(out->name, sizeof out->name, "%.95s", info->name ? info->name : "");
+    return MRT_OK;
+}
+
+/* Devices are looked for anew whenever nothing is open. */
+static mrt_result wake_up(host *self, error *err)
+{
+    if (self->stream_count > 0)
+        return MRT_OK;
+    hush();
+    PaError code = Pa_Initialize();
+    if (code == paNoError)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO, "sound: the system's sound does not start: %.120s",
+                     Pa_GetErrorText(code));
+}
+
+static void fall_asleep(const host *self)
+{
+    if (self->stream_count == 0)
+        (void)Pa_Terminate();
+}
+
+static mrt_result open_locked(host *self, stream *of, const sound_wish *wish, sound_stream *out,
+                              error *err)
+{
+    PaDeviceIndex device;
+    mrt_result result = wake_up(self, err);
+    if (result < 0)
+        return result;
+    result = find_device(&device, of->direction, wish->name, err);
+    if (result >= 0)
+        result = open_device(of, device, wish, out, err);
+    if (result < 0)
+        fall_asleep(self);
+    else
+        self->stream_count += 1;
+    return result;
+}
+
+/* ---- the backend ---- */
+
+static mrt_result open_stream(void *data, sound_direction direction, const sound_wish *wish,
+                              sound_callback *callback, void *user, sound_stream *out, error *err)
+{
+    host *self = data;
+    stream *of = calloc(1, sizeof *of);
+    if (!of)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
+    *of = (stream){.direction = direction, .callback = callback, .data = user};
+    pthread_mutex_lock(&self->lock);
+    mrt_result result = open_locked(self, of, wish, out, err);
+    pthread_mutex_unlock(&self->lock);
+    if (result < 0)
+        free(of);
+    return result;
+}
+
+static mrt_result start_stream(void *data, void *handle, error *err)
+{
+    host *self = data;
+    stream *of = handle;
+    pthread_mutex_lock(&self->lock);
+    PaError code = Pa_StartStream(of->pa);
+    mrt_result result =
+        code == paNoError ? MRT_OK : explain(code, of->direction, "chosen", 0.0, err);
+    pthread_mutex_unlock(&self->lock);
+    return result;
+}
+
+static bool is_alive(void *data, void *handle)
+{
+    host *self = data;
+    const stream *of = handle;
+    pthread_mutex_lock(&self->lock);
+    bool is = Pa_IsStreamActive(of->pa) == 1;
+    pthread_mutex_unlock(&self->lock);
+    return is;
+}
+
+static void close_stream(void *data, void *handle)
+{
+    host *self = data;
+    stream *of = handle;
+    pthread_mutex_lock(&self->lock);
+    (void)Pa_AbortStream(of->pa);
+    (void)Pa_CloseStream(of->pa);
+    self->stream_count -= 1;
+    fall_asleep(self);
+    pthread_mutex_unlock(&self->lock);
+    free(of);
+}
+
+mrt_result sound_portaudio_create(sound_backend *out, error *err)
+{
+    *out = (sound_backend){0};
+    host *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
+    pthread_mutex_init(&self->lock, NULL);
+    *out = (sound_backend){.self = self,
+                           .open = open_stream,
+                           .start = start_stream,
+                           .is_alive = is_alive,
+                           .close = close_stream};
+    return MRT_OK;
+}
+
+void sound_portaudio_destroy(sound_backend *backend)
+{
+    if (!backend || !backend->self)
+        return;
+    host *self = backend->self;
+    pthread_mutex_destroy(&self->lock);
+    free(self);
+    *backend = (sound_backend){0};
+}

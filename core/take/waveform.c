@@ -1,0 +1,289 @@
+#include "take/waveform.h"
+#include "take/sound_pcm.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Level 0 has pairs of 2^finest_bits frames, each further one of twice as many; when it would have
+ * too many it is let go. */
+enum {
+    FINEST_BITS = 8,
+    LEVELS = 21,
+    PAIRS_MAX = 1 << 20,
+    READ_FRAMES = 4096,
+    SKIPPED_FRAMES = 256
+};
+
+typedef struct level {
+    waveform_pair *pair;
+    size_t count, room;
+} level;
+
+struct waveform {
+    show_audio audio;
+    sound_pcm format;
+    uint32_t bits; /* of level 0 */
+    level levels[LEVELS];
+    int64_t known;
+    unsigned char *bytes;
+    float *samples;
+};
+
+/* ---- pairs ---- */
+
+static void widen(waveform_pair *pair, const waveform_pair *by)
+{
+    if (by->least < pair->least)
+        pair->least = by->least;
+    if (by->greatest > pair->greatest)
+        pair->greatest = by->greatest;
+}
+
+static waveform_pair pair_of(const float *samples, size_t count)
+{
+    waveform_pair pair = {samples[0], samples[0]};
+    for (size_t i = 1; i < count; ++i)
+        widen(&pair, &(waveform_pair){samples[i], samples[i]});
+    return pair;
+}
+
+static void put(level *of, size_t at, const waveform_pair *pair)
+{
+    if (at < of->count) {
+        widen(&of->pair[at], pair);
+    } else {
+        of->pair[at] = *pair;
+        of->count = at + 1;
+    }
+}
+
+static mrt_result make_room(level *of, size_t count, error *err)
+{
+    if (count <= of->room)
+        return MRT_OK;
+    size_t room = of->room ? 2 * of->room : 64;
+    while (room < count)
+        room *= 2;
+    waveform_pair *larger = realloc(of->pair, room * sizeof *larger);
+    if (!larger)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the outline of a sound");
+    of->pair = larger;
+    of->room = room;
+    return MRT_OK;
+}
+
+static void let_go_of_finest(waveform *self)
+{
+    free(self->levels[0].pair);
+    memmove(self->levels, self->levels + 1, (LEVELS - 1) * sizeof *self->levels);
+    self->levels[LEVELS - 1] = (level){0};
+    self->bits += 1;
+}
+
+/* The coarsest level of what the one below it has. */
+static void build_top(waveform *self)
+{
+    const level *below = &self->levels[LEVELS - 2];
+    for (size_t i = 0; i < below->count; ++i)
+        put(&self->levels[LEVELS - 1], i / 2, &below->pair[i]);
+}
+
+static mrt_result fit(waveform *self, int64_t frames, error *err)
+{
+    while ((frames >> self->bits) >= PAIRS_MAX) {
+        let_go_of_finest(self);
+        mrt_result result = make_room(&self->levels[LEVELS - 1], 2, err);
+        if (result < 0)
+            return result;
+        build_top(self);
+    }
+    for (uint32_t l = 0; l < LEVELS; ++l) {
+        size_t count = (size_t)((frames - 1) >> (self->bits + l)) + 1;
+        mrt_result result = make_room(&self->levels[l], count, err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+/* ---- growing ---- */
+
+/* Each level takes up what is new, so that the last pairs are right at any moment. */
+static void add(waveform *self, const float *samples, size_t frames)
+{
+    size_t channels = self->audio.channel_count;
+    int64_t step = (int64_t)1 << self->bits;
+    for (size_t at = 0; at < frames;) {
+        int64_t frame = self->known + (int64_t)at;
+        size_t count = (size_t)(step - frame % step);
+        count = count < frames - at ? count : frames - at;
+        waveform_pair pair = pair_of(samples + at * channels, count * channels);
+        for (uint32_t l = 0; l < LEVELS; ++l)
+            put(&self->levels[l], (size_t)(frame >> (self->bits + l)), &pair);
+        at += count;
+    }
+    self->known += (int64_t)frames;
+}
+
+static mrt_result read_frames(waveform *self, show *s, int64_t first, size_t count,
+                              size_t *out_count, error *err)
+{
+    size_t frame_size = self->audio.channel_count * sound_pcm_bytes(self->format), size = 0;
+    mrt_result result =
+        show_audio_read(s, self->audio.id, first, self->bytes, count * frame_size, &size, err);
+    *out_count = size / frame_size;
+    sound_pcm_unpack(self->samples, self->bytes, *out_count * self->audio.channel_count,
+                     self->format);
+    return result;
+}
+
+static mrt_result step_once(waveform *self, show *s, size_t count, error *err)
+{
+    size_t got;
+    mrt_result read = read_frames(self, s, self->known, count, &got, err);
+    if (read < 0 && got == 0) {
+        got = count < SKIPPED_FRAMES ? count : SKIPPED_FRAMES;
+        memset(self->samples, 0, got * self->audio.channel_count * sizeof *self->samples);
+    } else if (read < 0) {
+        read = MRT_OK; /* of what follows: the next time */
+    }
+    if (got == 0)
+        return MRT_END;
+    error why;
+    mrt_result result = fit(self, self->known + (int64_t)got, &why);
+    if (result < 0)
+        return error_set(err, result, "%s", why.text);
+    add(self, self->samples, got);
+    return read;
+}
+
+mrt_result waveform_step(waveform *self, show *s, int64_t frames_max, error *err)
+{
+    show_audio audio;
+    mrt_result result = show_audio_info(s, self->audio.id, &audio, err);
+    if (result < 0)
+        return result;
+    self->audio.frame_count = audio.frame_count;
+    for (int64_t done = 0; done < frames_max && result == MRT_OK; done += READ_FRAMES) {
+        int64_t left = audio.frame_count - self->known;
+        left = left < frames_max - done ? left : frames_max - done;
+        if (self->known >= audio.frame_count)
+            return MRT_END;
+        result = step_once(self, s, left < READ_FRAMES ? (size_t)left : READ_FRAMES, err);
+    }
+    if (result == MRT_OK && self->known >= audio.frame_count)
+        return MRT_END;
+    return result;
+}
+
+int64_t waveform_known_frames(const waveform *self)
+{
+    return self->known;
+}
+
+/* ---- looking ---- */
+
+static uint32_t bits_for(int64_t from, int64_t to, size_t pairs_max)
+{
+    uint32_t bits = 0;
+    while (((to - 1) >> bits) - (from >> bits) + 1 > (int64_t)pairs_max)
+        bits += 1;
+    return bits;
+}
+
+/* Finest level's bits <= bits <= coarsest one's, which has one pair of everything. */
+static void read_kept(const waveform *self, uint32_t bits, int64_t to, waveform_view *out)
+{
+    size_t first = (size_t)(out->first_frame >> bits), end = (size_t)((to - 1) >> bits) + 1;
+    out->count = end - first;
+    memcpy(out->pair, self->levels[bits - self->bits].pair + first, out->count * sizeof *out->pair);
+}
+
+static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to, waveform_view *out,
+                             error *err)
+{
+    size_t channels = self->audio.channel_count;
+    /* To the end of the last pair, as far as it is known. */
+    int64_t end = (((to - 1) >> bits) + 1) << bits;
+    end = end < self->known ? end : self->known;
+    for (int64_t at = out->first_frame; at < end;) {
+        size_t got;
+        size_t wanted = end - at < READ_FRAMES ? (size_t)(end - at) : READ_FRAMES;
+        mrt_result result = read_frames(self, s, at, wanted, &got, err);
+        if (result < 0)
+            return result;
+        if (got == 0)
+            return error_set(err, MRT_ERR_FORMAT, "audio %lld: has no frame %lld any more",
+                             (long long)self->audio.id, (long long)at);
+        for (size_t i = 0; i < got; ++i) {
+            waveform_pair pair = pair_of(self->samples + i * channels, channels);
+            size_t into = (size_t)((at + (int64_t)i - out->first_frame) >> bits);
+            if (into == out->count)
+                out->pair[out->count++] = pair;
+            else
+                widen(&out->pair[into], &pair);
+        }
+        at += (int64_t)got;
+    }
+    return MRT_OK;
+}
+
+mrt_result waveform_read(waveform *self, show *s, int64_t from, int64_t to, size_t pairs_max,
+                         waveform_view *out, error *err)
+{
+    out->count = 0;
+    out->first_frame = 0;
+    out->frames_per_pair = 1;
+    if (pairs_max < 1 || pairs_max > WAVEFORM_PAIRS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "an outline of %zu pairs: 1 to %d are possible",
+                         pairs_max, WAVEFORM_PAIRS_MAX);
+    from = from > 0 ? from : 0;
+    to = to < self->known ? to : self->known;
+    if (from >= to)
+        return MRT_OK;
+    uint32_t bits = bits_for(from, to, pairs_max);
+    out->frames_per_pair = (int64_t)1 << bits;
+    out->first_frame = from >> bits << bits;
+    if (bits < self->bits)
+        return read_sound(self, s, bits, to, out, err);
+    read_kept(self, bits, to, out);
+    return MRT_OK;
+}
+
+/* ---- life ---- */
+
+mrt_result waveform_create(waveform **out, show *s, int64_t audio, error *err)
+{
+    *out = NULL;
+    waveform *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the outline of a sound");
+    mrt_result result = show_audio_info(s, audio, &self->audio, err);
+    if (result < 0)
+        goto fail;
+    self->bits = FINEST_BITS;
+    self->format = sound_pcm_of(self->audio.format);
+    size_t samples = (size_t)READ_FRAMES * self->audio.channel_count;
+    self->bytes = malloc(samples * sound_pcm_bytes(self->format));
+    self->samples = malloc(samples * sizeof *self->samples);
+    if (!self->bytes || !self->samples) {
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the outline of a sound");
+        goto fail;
+    }
+    *out = self;
+    return MRT_OK;
+fail:
+    waveform_destroy(self);
+    return result;
+}
+
+void waveform_destroy(waveform *self)
+{
+    if (!self)
+        return;
+    for (uint32_t l = 0; l < LEVELS; ++l)
+        free(self->levels[l].pair);
+    free(self->bytes);
+    free(self->samples);
+    free(self);
+}
