@@ -46,13 +46,13 @@ for block in "$scratch"/blocks/*; do
 done
 [ $c_count -ge 8 ] || fail "only $c_count pieces of code were found"
 [ $sh_count -ge 6 ] || fail "only $sh_count lists of commands were found"
-echo "$c_count pieces of code, $sh_count lists of commands, $(ls "$scratch"/blocks/*.template.c | wc -l) pieces of the template"
+echo "$c_count pieces of code, $sh_count lists of commands"
 
 # ---- links lead somewhere ----
 while read -r target; do
     case $target in
     http*) ;;
-    '#'*) tr 'A-Z' 'a-z' <"$SOURCE_DIR/plugins/README.md" | sed -n 's/^##* //p' | tr -d ',' | tr ' ' '-' |
+    '#'*) tr '[:upper:]' '[:lower:]' <"$SOURCE_DIR/plugins/README.md" | sed -n 's/^##* //p' | tr -d ',' | tr ' ' '-' |
         grep -qx -- "${target#?}" || fail "no heading $target" ;;
     *) [ -e "$SOURCE_DIR/plugins/${target%%#*}" ] || fail "no file $target" ;;
     esac

@@ -44,22 +44,22 @@ grep -q "DCMAKE_PREFIX_PATH='$prefix'" "$scratch/said" || fail "the prefix is no
 cd wave || exit 1
 for standard in 11 17; do
     "${alone[@]}" cmake -B build$standard -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_STANDARD=$standard \
-        -DCMAKE_C_FLAGS="-Werror" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$scratch/log" 2>&1 &&
-        "${alone[@]}" cmake --build build$standard >>"$scratch/log" 2>&1 || {
+        -DCMAKE_C_FLAGS="-Werror" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >"$scratch/log" 2>&1
+    "${alone[@]}" cmake --build build$standard >>"$scratch/log" 2>&1 || {
         fail "C$standard"
         cat "$scratch/log"
     }
     grep -q "std=c$standard" build$standard/compile_commands.json || fail "not C$standard"
     grep -qF -e "$SOURCE_DIR" -e "$BUILD_DIR" build$standard/compile_commands.json && fail "C$standard uses the sources"
 done
-"${alone[@]}" cmake -B build_include -DMAROTTE_INCLUDE="$prefix/include" >"$scratch/log" 2>&1 &&
-    "${alone[@]}" cmake --build build_include >>"$scratch/log" 2>&1 || fail "MAROTTE_INCLUDE"
+"${alone[@]}" cmake -B build_include -DMAROTTE_INCLUDE="$prefix/include" >"$scratch/log" 2>&1
+"${alone[@]}" cmake --build build_include >>"$scratch/log" 2>&1 || fail "MAROTTE_INCLUDE"
 eval "flags=($("${alone[@]}" pkg-config --cflags marotte))"
-mkdir -p buildcpp && "${alone[@]}" c++ -x c++ -std=c++17 "${strict[@]::4}" -O2 -shared -fPIC -fvisibility=hidden \
+mkdir buildcpp
+"${alone[@]}" c++ -x c++ -std=c++17 "${strict[@]::4}" -O2 -shared -fPIC -fvisibility=hidden \
     "${flags[@]}" wave.c -o buildcpp/wave.so || fail "C++17 by pkg-config"
 eval "plugins=$("${alone[@]}" pkg-config --variable=plugindir marotte)" # it quotes blanks
 [ -s "$plugins/log.so" ] || fail "no plugins in plugindir, $plugins"
-"${alone[@]}" cmake -B nowhere >"$scratch/log" 2>&1 # without the prefix: found through PATH, or said
 echo 'cmake_minimum_required(VERSION 3.16)
 project(newer LANGUAGES NONE)
 find_package(marotte 99 REQUIRED)' >"$scratch/CMakeLists.txt"
@@ -89,4 +89,22 @@ frame_bytes=$(($(od -An -t u4 -j 16 -N 4 build11.pc2) * 12))
 head -c $((32 + frame_bytes)) build11.pc2 | tail -c $frame_bytes >rest
 head -c $((32 + 76 * frame_bytes)) build11.pc2 | tail -c $frame_bytes >fist
 cmp -s rest fist && fail "the fist's frame is the rest frame"
+
+# ---- what the READMEs of both kinds say, command by command ----
+cd "$scratch/work" || exit 1
+ln -s "$prefix" "$scratch/plain" # a shell takes $(pkg-config ...) apart at blanks
+alone+=("PKG_CONFIG_PATH=${packages/"$prefix"/"$scratch/plain"}")
+for kind in mapping input; do
+    "${alone[@]}" marotte plugin new tried_$kind --$kind >/dev/null || fail "plugin new --$kind"
+    mkdir "$scratch/$kind"
+    awk -v OUT="$scratch/$kind" -f "$SOURCE_DIR/tests/plugin/guide.awk" tried_$kind/README.md
+    { echo "set -e"; cat "$scratch/$kind"/*.sh; } >"$scratch/$kind.sh"
+    "${alone[@]}" marotte plugin --help | grep -q '^marotte plugin check' || sed -i '/plugin check/d' "$scratch/$kind.sh"
+    command -v gdb >/dev/null || sed -i '/^gdb/,/[^\\]$/d' "$scratch/$kind.sh"
+    (cd tried_$kind && "${alone[@]}" bash "$scratch/$kind.sh") >"$scratch/log" 2>&1 || {
+        fail "the README of the $kind"
+        cat "$scratch/$kind.sh" "$scratch/log"
+    }
+    [ "$(wc -l <"$scratch/$kind.sh")" -gt 8 ] || fail "the README of the $kind has few commands"
+done
 finish

@@ -30,7 +30,7 @@ static const void *interface_of(const char *id)
 static int load_library(void **state)
 {
     (void)state;
-    void *library = dlopen(BUILD_DIR "/tests/plugin/template_mapping.so", RTLD_NOW);
+    void *library = dlopen(BUILD_DIR "/tests/plugin/mapping_template.so", RTLD_NOW);
     const mrt_plugin_type *const *types = library ? dlsym(library, "marotte_plugins") : NULL;
     type = types ? types[0] : NULL;
     if (!type)
