@@ -1,7 +1,10 @@
 /* marotte take: work on takes. Finds the subcommand, opens its show, says what came of it. */
 #include "take.h"
 
+#include "place.h"
+
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const take_verbs *const groups[] = {&take_file_verbs, &take_edit_verbs, &take_layer_verbs,
@@ -85,11 +88,16 @@ static mrt_result work(take_call *call, error *err)
 static int run_call(take_call *call)
 {
     error err = {""};
+    const char *named = call->text[TAKE_FACE];
+    char *found = named ? place_face(named) : NULL;
+    if (found)
+        call->text[TAKE_FACE] = found;
     call->told = facts_create(call->text[TAKE_JSON] != NULL);
     mrt_result result =
         call->told ? work(call, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
     progress_end(&call->shown);
     show_close(call->show);
+    free(found);
     if (result >= 0 || call->is_told)
         facts_finish(call->told);
     else
@@ -119,6 +127,9 @@ static int run(int argc, char **argv)
     }
     if (argc < 2)
         return command_usage(&command_take, "say what to do: list, show, trim, export ...");
+    if (!verb && (strcmp(argv[1], "layer") == 0 || strcmp(argv[1], "audio") == 0))
+        return command_usage(&command_take, "there is no \"take %s %s\"", argv[1],
+                             argc > 2 ? argv[2] : "");
     if (!verb)
         return command_usage(&command_take, "there is no \"take %s\"", argv[1]);
     int code = take_options_read(&call, verb, argc - used, argv + used);

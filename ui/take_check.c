@@ -173,6 +173,9 @@ mrt_result take_check_run(take_call *call, error *err)
         result = check_sounds(&self, err);
     if (result < 0)
         return result;
+    error whole = {""};
+    if (self.problem_count == 0 && show_check(call->show, &whole) < 0)
+        note(&self, &whole);
     facts_number(call->told, "problem_count", "damaged places", self.problem_count, 0, "");
     if (self.problem_count == 0)
         return MRT_OK;

@@ -49,7 +49,9 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
 {
     recording kept;
     clip_start start;
-    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : "take"};
+    const take_name slate =
+        take_slate_text(stage->take.scene, stage->take.shot, stage->take.number);
+    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : slate.text};
     double targets = 0.0;
     mrt_result result = take_number(call, TAKE_TOLERANCE, 1e-6, 1e3, &settings.tolerance_mm, err);
     if (result >= 0)

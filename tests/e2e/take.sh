@@ -27,6 +27,14 @@ number() { # a number of JSON: key
     sed -nE "s/^ *\"$1\": ([-0-9.e+]+),?$/\1/p" "$scratch/said" | head -n 1
 }
 
+# Every subcommand says what it is.
+"$MAROTTE" take --help | sed -nE 's/^  ((layer |audio )?[a-z]+) SHOW.*/\1/p' >"$scratch/verbs"
+[ "$(wc -l <"$scratch/verbs")" -gt 40 ] || fail "the list of subcommands is short"
+while read -r verb; do
+    # shellcheck disable=SC2086
+    "$MAROTTE" take $verb --help | grep -q "^marotte take $verb SHOW" || fail "take $verb --help"
+done <"$scratch/verbs"
+
 # Recorded, and what is there.
 record "$show" "$puppet" one_hand --scene 1 --shot a
 says 'takes              1' list "$show"
@@ -95,6 +103,12 @@ take export "$show" 1 --export "$scratch/o.glb" --export "$scratch/o.pc2" --expo
 [ "$(fact frames "$scratch/said")" = 25 ] || fail "not 25 frames of 25 fps in a second"
 grep -q 'first frame        01:00:00:13' "$scratch/said" || fail "first frame: $(cat "$scratch/said")"
 grep -aq '"timecode":"01:00:00:13"' "$scratch/o.glb" || fail "no time code in the glTF"
+
+[ "$(od -An -tf4 -j 20 -N 4 "$scratch/o.pc2" | tr -d ' ')" = 90013 ] || fail "PC2 does not begin at its frame"
+if command -v node >/dev/null; then
+    node "$SOURCE_DIR/tests/e2e/validate.mjs" "$scratch/o.glb" >"$scratch/said" 2>&1
+    [ $? -ne 1 ] || fail "the glTF validator has objections: $(cat "$scratch/said")"
+fi
 
 # A track as a log performs the same vertices.
 for map in one_hand unanchored; do
@@ -169,8 +183,10 @@ for _ in $(seq 100); do
 done
 says 'being recorded' list "$scratch/busy.marotte"
 bad 1 "$scratch/busy.marotte" rate "$scratch/busy.marotte" 1 3
-kill -KILL "$writer"
-wait "$writer" 2>/dev/null
+{
+    kill -KILL "$writer"
+    wait "$writer"
+} 2>/dev/null
 take rate "$scratch/busy.marotte" 1 3 >/dev/null
 says 'recovered' show "$scratch/busy.marotte" 1
 
