@@ -23,22 +23,6 @@ static char *spec_text(const plugin_spec *spec)
     return out;
 }
 
-static mrt_result read_calibration(char **out, const char *path, error *err)
-{
-    calibration_file *file = malloc(sizeof *file);
-    if (!file)
-        return no_memory(err);
-    mrt_result result = calibration_file_read(file, path, err);
-    if (result >= 0) {
-        *out = calibration_file_text(file);
-        calibration_file_finish(file);
-        if (!*out)
-            result = no_memory(err);
-    }
-    free(file);
-    return result;
-}
-
 static mrt_result open_show(perform_record *out, const char *path, error *err)
 {
     bool is_there = access(path, F_OK) == 0;
@@ -60,7 +44,7 @@ static mrt_result describe(perform_record *out, const perform_options *options,
     for (int side = 0; side < 2; ++side) {
         if (!of->hands->path[side])
             continue;
-        mrt_result result = read_calibration(&out->calibration[side], of->hands->path[side], err);
+        mrt_result result = perform_hands_text(&out->calibration[side], of->hands->path[side], err);
         if (result < 0)
             return result;
     }

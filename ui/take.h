@@ -52,11 +52,18 @@ typedef enum take_option {
     TAKE_TRACK,
     TAKE_HASH_OPTION,
     TAKE_STEPS,
+    TAKE_INPUT,
+    TAKE_PREROLL,
+    TAKE_COUNT_IN,
+    TAKE_PASSES,
+    TAKE_NAME_OPTION,
+    TAKE_REALTIME,
+    TAKE_REZERO_PEDAL,
     TAKE_OPTION_COUNT
 } take_option;
 #define TAKE_BIT(option) (UINT64_C(1) << (option))
 
-enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2 };
+enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8 };
 
 struct take_verb;
 typedef struct take_call { /* one run of a subcommand */
@@ -69,6 +76,8 @@ typedef struct take_call { /* one run of a subcommand */
     const char *wav; /* --export NAME.wav; NULL */
     const char *calibration[TAKE_CALIBRATIONS_MAX];
     uint32_t calibration_count;
+    const char *input[TAKE_INPUTS_MAX];
+    uint32_t input_count;
     show *show;
     facts *told;
     progress shown;

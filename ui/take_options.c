@@ -53,6 +53,13 @@ static const struct {
     [TAKE_TRACK] = {"track", true},
     [TAKE_HASH_OPTION] = {"hash", false},
     [TAKE_STEPS] = {"steps", true},
+    [TAKE_INPUT] = {"input", true},
+    [TAKE_PREROLL] = {"preroll", true},
+    [TAKE_COUNT_IN] = {"count-in", true},
+    [TAKE_PASSES] = {"passes", true},
+    [TAKE_NAME_OPTION] = {"name", true},
+    [TAKE_REALTIME] = {"realtime", false},
+    [TAKE_REZERO_PEDAL] = {"rezero-pedal", true},
 };
 
 const char *take_option_name(take_option option)
@@ -90,12 +97,22 @@ static int add_calibration(take_call *out, const char *path)
     return COMMAND_DONE;
 }
 
+static int add_input(take_call *out, const char *spec)
+{
+    if (out->input_count == TAKE_INPUTS_MAX)
+        return misused(out->verb, "is one input too many", spec);
+    out->input[out->input_count++] = spec;
+    return COMMAND_DONE;
+}
+
 static int take_one(take_call *out, take_option option, const char *value)
 {
     if (option == TAKE_EXPORT)
         return add_export(out, value);
     if (option == TAKE_CALIBRATION)
         return add_calibration(out, value);
+    if (option == TAKE_INPUT)
+        return add_input(out, value);
     if (out->text[option] && value)
         return misused(out->verb, "was given twice", options[option].name);
     out->text[option] = value ? value : "";

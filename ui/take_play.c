@@ -2,6 +2,26 @@
 #include "take_play.h"
 
 static const take_verb play_verbs[] = {
+    {"record", "SHOW TAKE",
+     "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
+     "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
+     "  --name NAME    of the layer\n"
+     "  --layer L      not a new layer: in place of what that one shows (punch-in)\n"
+     "  --in T, --out T   where it is recorded (from 0, until the performance ends)\n"
+     "  --fade S       cross-fade at both ends, seconds (0.25)\n"
+     "  --count-in S   the take stands still for so long first\n"
+     "  --preroll S    it plays so long before --in\n"
+     "  --passes N     --in to --out again and again: a layer each, of which the last is heard\n"
+     "  --speed N      of the take, 0.1 to 4 (1)\n"
+     "  --calibration FILE, --rezero-pedal N, --realtime, --face FILE   as in marotte perform\n"
+     "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",
+     "performs over it: another layer, or a punch-in",
+     TAKE_BIT(TAKE_INPUT) | TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_NAME_OPTION) |
+         TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FADE) |
+         TAKE_BIT(TAKE_COUNT_IN) | TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) |
+         TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) |
+         TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
+     TAKE_WRITES, take_record_run},
     {"export", "SHOW TAKE",
      "  --export FILE  .glb .pc2 .mdd .csv .png, or .wav: its sound; may be given many times\n"
      "  --wav          the sound too, beside the first file\n"
@@ -45,5 +65,5 @@ static const take_verb play_verbs[] = {
      "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
      take_log_run},
 };
-const take_verbs take_play_verbs = {"Perform anew, compare, export", play_verbs,
+const take_verbs take_play_verbs = {"Perform over, perform anew, compare, export", play_verbs,
                                     sizeof play_verbs / sizeof play_verbs[0]};

@@ -7,6 +7,7 @@
 CHECKED mrt_result take_check_run(take_call *call, error *err);
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
+CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);
 CHECKED mrt_result take_show_run(take_call *call, error *err);

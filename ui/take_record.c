@@ -1,0 +1,318 @@
+/* marotte take record: somebody performs over a take that plays. */
+#include "keys.h"
+#include "news.h"
+#include "perform_hands.h"
+#include "spec.h"
+#include "stage/overdub.h"
+#include "take_change.h"
+#include "take_play.h"
+#include "take_stage.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct performing { /* made in this order, destroyed in reverse */
+    take_call *call;
+    log_queue *log;
+    plugin_list plugins;
+    take take;
+    face_file face;
+    char *face_path;
+    instance_clock clock;
+    plugin_spec spec[PERFORM_INPUTS_MAX];
+    uint32_t spec_count;
+    input *inputs[PERFORM_INPUTS_MAX];
+    uint32_t input_count;
+    perform_hands hands;
+    char *calibration[2];
+    instance mapping;
+    edit own; /* what the new layer moves */
+    overdub *overdub;
+    player_report report;
+} performing;
+
+static _Atomic bool stop_asked;
+
+static void ask_stop(int number)
+{
+    (void)number;
+    atomic_store(&stop_asked, true);
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* ---- who performs ---- */
+
+static mrt_result open_inputs(performing *self, error *err)
+{
+    take_call *call = self->call;
+    const mrt_plugin_type *types[PERFORM_INPUTS_MAX];
+    self->clock = call->text[TAKE_REALTIME] ? CLOCK_REAL : CLOCK_VIRTUAL;
+    for (uint32_t i = 0; i < call->input_count; ++i) {
+        if (!spec_read(&self->spec[self->spec_count++], call->input[i]))
+            return take_misused(call, err, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
+                                call->input[i]);
+        mrt_result result =
+            plugin_list_find(&self->plugins, self->spec[i].plugin, MRT_INPUT, &types[i], err);
+        if (result < 0)
+            return result;
+        const mrt_input *functions = plugin_interface(types[i], MRT_INPUT);
+        if (!(functions->flags & MRT_INPUT_RECORDED))
+            self->clock = CLOCK_REAL;
+    }
+    for (uint32_t i = 0; i < call->input_count; ++i) {
+        mrt_result result = input_create(&self->inputs[i], types[i], self->spec[i].address,
+                                         self->spec[i].params, self->clock, self->log, err);
+        if (result < 0)
+            return result;
+        self->input_count += 1;
+    }
+    return MRT_OK;
+}
+
+static mrt_result open_mapping(performing *self, error *err)
+{
+    take_call *call = self->call;
+    plugin_spec spec = {0};
+    const mrt_plugin_type *type = NULL;
+    mrt_result result = MRT_OK;
+    if (!spec_read(&spec, call->text[TAKE_MAP]) || spec.address[0])
+        result =
+            take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]", call->text[TAKE_MAP]);
+    if (result >= 0)
+        result = plugin_list_find(&self->plugins, spec.plugin, MRT_MAPPING, &type, err);
+    if (result >= 0)
+        result = instance_create(&self->mapping, type, self->clock, self->log, err);
+    if (result >= 0)
+        result = instance_set_list(&self->mapping, spec.params, err);
+    spec_finish(&spec);
+    return result;
+}
+
+static mrt_result choose_hands(performing *self, error *err)
+{
+    perform_options options = {.calibration_count = self->call->calibration_count};
+    for (uint32_t i = 0; i < options.calibration_count; ++i)
+        options.calibration[i] = self->call->calibration[i];
+    mrt_result result =
+        perform_hands_choose(&self->hands, &options, self->inputs, self->input_count, err);
+    for (int side = 0; side < 2 && result >= 0; ++side)
+        if (self->hands.path[side])
+            result = perform_hands_text(&self->calibration[side], self->hands.path[side], err);
+    return result;
+}
+
+/* ---- what is made of it ---- */
+
+static mrt_result read_times(performing *self, overdub_settings *out, error *err)
+{
+    take_call *call = self->call;
+    double fade_s = 0.25, preroll_s = 0.0, count_in_s = 0.0, passes = 1.0;
+    out->speed = 1.0;
+    mrt_result result = take_time(call, TAKE_IN, &self->take, &out->in_ns, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_OUT, &self->take, &out->out_ns, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_FADE, 0.0, 60.0, &fade_s, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_PREROLL, 0.0, 600.0, &preroll_s, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_COUNT_IN, 0.0, 600.0, &count_in_s, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_PASSES, 1.0, 99.0, &passes, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_SPEED, TRANSPORT_SPEED_MIN, TRANSPORT_SPEED_MAX,
+                             &out->speed, err);
+    bool is_ranged = call->text[TAKE_IN] || call->text[TAKE_OUT];
+    out->fade_ns = is_ranged ? (int64_t)(fade_s * 1e9) : 0;
+    out->preroll_ns = (int64_t)(preroll_s * 1e9);
+    out->count_in_ns = (int64_t)(count_in_s * 1e9);
+    out->passes = (uint32_t)passes;
+    return result;
+}
+
+static mrt_result read_place(performing *self, overdub_settings *out, error *err)
+{
+    take_call *call = self->call;
+    double pedal = 0.0;
+    edit_init(&self->own, EDIT_LAYER_OWN);
+    mrt_result result = take_number(call, TAKE_REZERO_PEDAL, 1.0, MRT_MAX_PEDALS, &pedal, err);
+    out->rezero_pedal = (uint32_t)pedal;
+    if (result >= 0 && call->text[TAKE_LAYER])
+        result = take_find_layer(call, &self->take, &out->into_layer, err);
+    if (result >= 0 && call->text[TAKE_OWN])
+        result = take_read_own(call, call->text[TAKE_OWN], &self->own, err);
+    if (result >= 0 && call->text[TAKE_LAYER] && call->text[TAKE_OWN])
+        result = take_misused(call, err, "--layer has what it moves already: no --own");
+    out->own = self->own.own;
+    out->own_count = self->own.own_count;
+    snprintf(out->name, sizeof out->name, "%s",
+             call->text[TAKE_NAME_OPTION] ? call->text[TAKE_NAME_OPTION] : "");
+    return result;
+}
+
+static mrt_result prepare(performing *self, error *err)
+{
+    take_call *call = self->call;
+    overdub_settings settings = {.show = call->show};
+    if (call->input_count == 0)
+        return take_misused(call, err, "--input is missing");
+    mrt_result result = take_need(call, TAKE_MAP, err);
+    if (result < 0)
+        return result;
+    self->log = log_queue_create();
+    if (!self->log)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
+    result = plugin_list_load(&self->plugins, err);
+    if (result >= 0)
+        result = take_read(call, call->word[1], &self->take, err);
+    if (result >= 0)
+        result = read_times(self, &settings, err);
+    if (result >= 0)
+        result = read_place(self, &settings, err);
+    if (result >= 0)
+        result = take_face_read(&self->face, &self->face_path, call, &self->take,
+                                call->text[TAKE_FACE], err);
+    if (result >= 0)
+        result = open_inputs(self, err);
+    if (result >= 0)
+        result = open_mapping(self, err);
+    if (result >= 0)
+        result = choose_hands(self, err);
+    if (result < 0)
+        return result;
+    settings.take = self->take.id;
+    settings.plugins = &self->plugins;
+    settings.log = self->log;
+    settings.face = &self->face;
+    settings.face_path = self->face_path;
+    settings.clock = self->clock;
+    settings.inputs = self->inputs;
+    settings.input_text = call->input;
+    settings.input_count = self->input_count;
+    for (int side = 0; side < 2; ++side) {
+        settings.calibration[side] = self->calibration[side];
+        settings.side_length_mm[side] = self->hands.length_mm[side];
+    }
+    settings.mapping = &self->mapping;
+    return overdub_create(&self->overdub, &settings, err);
+}
+
+static void finish(performing *self)
+{
+    overdub_destroy(self->overdub);
+    edit_finish(&self->own);
+    instance_destroy(&self->mapping);
+    free(self->calibration[0]);
+    free(self->calibration[1]);
+    perform_hands_finish(&self->hands);
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        input_destroy(self->inputs[i]);
+    for (uint32_t i = 0; i < self->spec_count; ++i)
+        spec_finish(&self->spec[i]);
+    face_file_destroy(&self->face);
+    free(self->face_path);
+    take_finish(&self->take);
+    plugin_list_destroy(&self->plugins);
+    if (self->log)
+        news_print(self->log);
+    log_queue_destroy(self->log);
+}
+
+/* ---- while it goes on ---- */
+
+static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
+{
+    performing *self = data;
+    char text[64];
+    (void)index, (void)time_s, (void)work_ns, (void)err;
+    news_print(self->log);
+    for (char key = keys_next(); key; key = keys_next())
+        if (key == 'q')
+            atomic_store(&stop_asked, true);
+    snprintf(text, sizeof text, "%s %.1f s",
+             overdub_is_recording(self->overdub) ? "recording" : "ready",
+             (double)overdub_at_ns(self->overdub) / 1e9);
+    progress_show(&self->call->shown, -1.0, text);
+    return MRT_OK;
+}
+
+static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+{
+    const performing *self = data;
+    recorder_sample(overdub_recorder(self->overdub), from, sample);
+}
+
+static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
+{
+    performing *self = data;
+    progress_end(&self->call->shown);
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        if (self->inputs[i] == from)
+            recorder_incident(overdub_recorder(self->overdub), i, what);
+    if (what->kind == INPUT_WENT)
+        fprintf(stderr, "note: %s went away at %.1f s; the pose is held\n", input_name(from),
+                time_s);
+    else
+        fprintf(stderr, "note: %s came back after %.1f s\n", input_name(from),
+                (double)what->away_ns / 1e9);
+}
+
+static mrt_result perform(performing *self, error *err)
+{
+    player_settings playing = {.fps = 30.0,
+                               .clock = self->clock,
+                               .stop = &stop_asked,
+                               .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
+                                               perform_hands_calibration(&self->hands, MRT_RIGHT)}};
+    player_events events = {
+        .frame = on_frame, .sample = on_sample, .incident = on_incident, .data = self};
+    player_stage stage = overdub_stage(self->overdub);
+    catch_signals();
+    if (self->clock == CLOCK_REAL && keys_begin())
+        fprintf(stderr, "note: keys: q ends\n");
+    progress_start(&self->call->shown, "performing");
+    mrt_result result = player_run_stage(&stage, self->inputs, self->input_count, &playing, &events,
+                                         &self->report, err);
+    keys_end();
+    progress_end(&self->call->shown);
+    news_print(self->log);
+    return result;
+}
+
+static void tell(performing *self, const overdub_result *made)
+{
+    facts *told = self->call->told;
+    char text[64];
+    facts_number(told, "samples", "samples performed", (double)self->report.sample_count, 0, "");
+    snprintf(text, sizeof text, "%u", made->last_layer);
+    facts_text(told, "layer", "layer", text);
+    facts_number(told, "layers", "passes kept", made->layer_count, 0, "");
+    facts_number(told, "in_s", "from", (double)made->from_ns / 1e9, 3, "s");
+    facts_number(told, "out_s", "to", (double)made->to_ns / 1e9, 3, "s");
+    snprintf(text, sizeof text, "%lld", (long long)made->raw_take);
+    facts_text(told, "raw_take", "by itself", text);
+}
+
+mrt_result take_record_run(take_call *call, error *err)
+{
+    performing self = {.call = call};
+    overdub_result made;
+    mrt_result result = prepare(&self, err);
+    if (result >= 0)
+        result = perform(&self, err);
+    if (result >= 0)
+        result = overdub_finish(self.overdub, &made, err);
+    if (result >= 0)
+        tell(&self, &made);
+    finish(&self);
+    return result;
+}
