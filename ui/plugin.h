@@ -5,5 +5,6 @@
 
 int plugin_list_run(int argc, char **argv);
 int plugin_new_run(int argc, char **argv);
+int plugin_check_run(int argc, char **argv);
 
 #endif

@@ -3,7 +3,7 @@
 # nothing else of marotte.
 set -u
 cd "$SOURCE_DIR" || exit 1
-declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [take]=3 [stage]=4)
+declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [take]=3 [check]=3 [stage]=4)
 checked=0
 failed=0
 complain() { echo "$1"; failed=1; }

@@ -1,0 +1,349 @@
+#include "check/check.h"
+#include "base/clock.h"
+#include "check/cases.h"
+#include "check/process.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { JOBS_MAX = 16, CASES_MAX = 32, SUM_TEXT = 32, SUM_PADDING = 3001 };
+static const uint64_t seed_step = 1000003; /* between two children of the same kind */
+
+/* What is examined, for whom, how often (with a seed of its own each time). */
+typedef struct case_plan {
+    const char *name;
+    uint32_t concerns, times;
+} case_plan;
+
+/* The long ones first: they are in parallel. */
+static const case_plan plans[] = {
+    {CASE_INPUT, CONCERNS_INPUT, 1},      {CASE_STOP, CONCERNS_INPUT, 1},
+    {CASE_WALK, CONCERNS_MAPPING, 1},     {CASE_RESTLESS, CONCERNS_MAPPING, 3},
+    {CASE_ENGAGE, CONCERNS_MAPPING, 1},   {CASE_REPLAY, CONCERNS_MAPPING, 1},
+    {CASE_FACES, CONCERNS_MAPPING, 1},    {CASE_RESUME, CONCERNS_RESUME, 1},
+    {CASE_HANDS, CONCERNS_MAPPING, 1},    {CASE_STATE, CONCERNS_STATE, 1},
+    {CASE_DEADLINE, CONCERNS_MAPPING, 1}, {CASE_GROWTH, CONCERNS_MAPPING, 1},
+    {CASE_LIFE, CONCERNS_TYPE, 1},        {CASE_DESTROY_NULL, CONCERNS_TYPE, 1},
+    {CASE_ABSENT, CONCERNS_INPUT, 1},     {CASE_RECORDED, CONCERNS_RECORDED, 1},
+    {CASE_DEVICES, CONCERNS_DEVICES, 1},  {CASE_OUTPUT, CONCERNS_OUTPUT, 1},
+    {CASE_SUM, CONCERNS_MAPPING, 2}};
+enum { PLANS = sizeof plans / sizeof *plans };
+
+typedef struct job {
+    const char *name;
+    check_subject *subject;
+    uint32_t type, turn;
+    bool has_failed;    /* told a failure */
+    char sum[SUM_TEXT]; /* CASE_SUM */
+} job;
+
+typedef struct examiner {
+    const char *path;
+    const check_settings *settings;
+    char program[PATH_MAX];
+    check_report *report;
+    uint32_t done, count; /* of all jobs, for the progress */
+} examiner;
+
+/* ---- findings ---- */
+
+static check_subject *type_subject(const check_report *report, uint32_t type)
+{
+    return &report->library[1 + type];
+}
+
+/* Failed beats ok beats skipped; of each the first text stays. */
+static void note(check_subject *subject, check_rule rule, check_verdict verdict, const char *text)
+{
+    check_finding *finding = &subject->finding[rule];
+    if (verdict <= finding->verdict)
+        return;
+    finding->verdict = verdict;
+    (void)snprintf(finding->text, sizeof finding->text, "%s", text);
+}
+
+static bool has_failed(const check_subject *subject)
+{
+    for (int i = 0; i < RULE_COUNT; ++i)
+        if (subject->finding[i].verdict == CHECK_FAILED)
+            return true;
+    return false;
+}
+
+static void take_type(examiner *self, const char *text)
+{
+    unsigned index, concerns;
+    char id[CHECK_ID];
+    if (sscanf(text, "%u %u %127[^\n]", &index, &concerns, id) != 3 || index >= CHECK_TYPES_MAX)
+        return;
+    check_subject *subject = type_subject(self->report, index);
+    memcpy(subject->id, id, sizeof id);
+    subject->concerns = concerns;
+    if (index >= self->report->type_count)
+        self->report->type_count = index + 1;
+}
+
+typedef struct listener {
+    examiner *examiner;
+    job *job;
+} listener;
+
+static void on_line(void *data, char kind, const char *name, const char *text)
+{
+    listener *self = data;
+    job *from = self->job;
+    check_rule rule;
+    if (kind == WIRE_FACT && strcmp(name, WIRE_TYPE) == 0)
+        take_type(self->examiner, text);
+    if (kind == WIRE_FACT && strcmp(name, WIRE_SUM) == 0)
+        (void)snprintf(from->sum, sizeof from->sum, "%.31s", text);
+    if (kind == WIRE_FACT || !check_rule_find(name, &rule))
+        return;
+    check_verdict verdict = kind == WIRE_FAILED ? CHECK_FAILED
+                            : kind == WIRE_OK   ? CHECK_OK
+                                                : CHECK_SKIPPED;
+    bool is_of_library = check_rule_concerns(rule) == CONCERNS_LIBRARY;
+    from->has_failed |= verdict == CHECK_FAILED;
+    note(is_of_library ? self->examiner->report->library : from->subject, rule, verdict, text);
+}
+
+/* A child that said nothing of its end. */
+static void judge_end(const check_process *process, job *of)
+{
+    char text[CHECK_TEXT];
+    if (process->has_ended || of->has_failed)
+        return;
+    bool is_library = of->subject->concerns == CONCERNS_LIBRARY;
+    if (process->was_late) {
+        (void)snprintf(text, sizeof text, "the case \"%s\" was ended after %d s", of->name,
+                       CASE_LIMIT_S);
+        note(of->subject, is_library ? RULE_LIBRARY_LOAD : RULE_RUN_HANG, CHECK_FAILED, text);
+        return;
+    }
+    if (WIFSIGNALED(process->status))
+        (void)snprintf(text, sizeof text, "the case \"%s\" was ended by a signal: %s", of->name,
+                       strsignal(WTERMSIG(process->status)));
+    else
+        (void)snprintf(text, sizeof text, "the case \"%s\" ended by itself, with exit code %d",
+                       of->name, WEXITSTATUS(process->status));
+    note(of->subject, is_library ? RULE_LIBRARY_LOAD : RULE_RUN_EXIT, CHECK_FAILED, text);
+}
+
+/* ---- running ---- */
+
+static mrt_result start(const examiner *self, check_process *process, const job *of, error *err)
+{
+    bool is_second_sum = strcmp(of->name, CASE_SUM) == 0 && of->turn > 0;
+    uint64_t seed = self->settings->seed + (is_second_sum ? 0 : of->turn * seed_step);
+    const check_words words = {.program = self->program,
+                               .library = self->path,
+                               .case_name = of->name,
+                               .type = of->type,
+                               .seed = seed & INT64_MAX,
+                               .input_address = self->settings->input_address,
+                               .output_address = self->settings->output_address,
+                               .padding = is_second_sum ? SUM_PADDING : 1};
+    return check_process_start(process, &words, err);
+}
+
+static uint32_t count_jobs_at_once(const examiner *self)
+{
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    uint32_t wanted = self->settings->jobs ? self->settings->jobs
+                      : processors > 0     ? (uint32_t)processors
+                                           : 1;
+    return wanted < JOBS_MAX ? wanted : JOBS_MAX;
+}
+
+static mrt_result run_jobs(examiner *self, job *jobs, uint32_t count, error *err)
+{
+    check_process running[JOBS_MAX] = {{0}};
+    listener listeners[JOBS_MAX];
+    void *data[JOBS_MAX];
+    uint32_t next = 0, at_once = count_jobs_at_once(self);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < at_once; ++i) {
+        listeners[i] = (listener){.examiner = self};
+        data[i] = &listeners[i];
+    }
+    do {
+        for (uint32_t i = 0; i < at_once && result >= 0; ++i) {
+            if (running[i].pid != 0)
+                continue;
+            if (listeners[i].job) {
+                judge_end(&running[i], listeners[i].job);
+                listeners[i].job = NULL;
+                self->done += 1;
+                if (self->settings->on_progress)
+                    self->settings->on_progress(self->settings->data, self->done, self->count);
+            }
+            if (next < count) {
+                listeners[i].job = &jobs[next];
+                result = start(self, &running[i], &jobs[next++], err);
+            }
+        }
+    } while (result >= 0 && check_process_listen(running, at_once, on_line, data));
+    for (uint32_t i = 0; i < at_once; ++i)
+        check_process_finish(&running[i]);
+    return result;
+}
+
+static mrt_result run_one(examiner *self, const char *name, uint32_t type, error *err)
+{
+    bool is_library = strcmp(name, CASE_TABLES) == 0 || strcmp(name, CASE_QUICK) == 0;
+    job one = {.name = name,
+               .subject = is_library ? self->report->library : type_subject(self->report, type),
+               .type = type};
+    return run_jobs(self, &one, 1, err);
+}
+
+/* ---- what is planned ---- */
+
+static uint32_t plan_type(const examiner *self, uint32_t type, job *out, uint32_t capacity)
+{
+    uint32_t count = 0;
+    check_subject *subject = type_subject(self->report, type);
+    for (int i = 0; i < PLANS; ++i)
+        for (uint32_t turn = 0; turn < plans[i].times && count < capacity; ++turn)
+            if (subject->concerns & plans[i].concerns)
+                out[count++] =
+                    (job){.name = plans[i].name, .subject = subject, .type = type, .turn = turn};
+    return count;
+}
+
+static void compare_sums(const job *jobs, uint32_t count, check_subject *subject)
+{
+    const job *sum[2] = {NULL, NULL};
+    char text[CHECK_TEXT];
+    for (uint32_t i = 0; i < count; ++i)
+        if (strcmp(jobs[i].name, CASE_SUM) == 0 && jobs[i].sum[0])
+            sum[jobs[i].turn % 2] = &jobs[i];
+    if (!sum[0] || !sum[1])
+        return;
+    if (strcmp(sum[0]->sum, sum[1]->sum) == 0) {
+        note(subject, RULE_REPLAY_PROCESS, CHECK_OK, "");
+        return;
+    }
+    if (subject->finding[RULE_REPLAY_SAME].verdict == CHECK_FAILED) {
+        note(subject, RULE_REPLAY_PROCESS, CHECK_SKIPPED,
+             "replay.same fails: in one process already");
+        return;
+    }
+    (void)snprintf(text, sizeof text,
+                   "the pulls of the same take sum up to %s and %s: it depends on addresses, on "
+                   "the environment, on time or on chance",
+                   sum[0]->sum, sum[1]->sum);
+    note(subject, RULE_REPLAY_PROCESS, CHECK_FAILED, text);
+}
+
+/* Its tables, then whether it runs at all, then everything. */
+static mrt_result examine_type(examiner *self, uint32_t type, error *err)
+{
+    job jobs[CASES_MAX];
+    check_subject *subject = type_subject(self->report, type);
+    mrt_result result = run_one(self, CASE_TYPE, type, err);
+    if (result < 0 || has_failed(subject))
+        return result;
+    result = run_one(self, CASE_SMOKE, type, err);
+    bool is_dead = subject->finding[RULE_LIFE_CREATE].verdict == CHECK_FAILED ||
+                   subject->finding[RULE_RUN_CRASH].verdict == CHECK_FAILED ||
+                   subject->finding[RULE_RUN_HANG].verdict == CHECK_FAILED ||
+                   subject->finding[RULE_RUN_EXIT].verdict == CHECK_FAILED;
+    if (result < 0 || is_dead)
+        return result;
+    uint32_t count = plan_type(self, type, jobs, CASES_MAX);
+    result = run_jobs(self, jobs, count, err);
+    compare_sums(jobs, count, subject);
+    return result;
+}
+
+/* ---- the report ---- */
+
+static void close_subject(check_report *report, check_subject *subject)
+{
+    const char *cause = NULL;
+    for (int i = 0; i < RULE_COUNT && !cause; ++i)
+        if (subject->finding[i].verdict == CHECK_FAILED)
+            cause = check_rule_id((check_rule)i);
+    for (int i = 0; i < RULE_COUNT; ++i) {
+        check_finding *finding = &subject->finding[i];
+        bool is_concerned = check_rule_concerns((check_rule)i) & subject->concerns;
+        if (finding->verdict == CHECK_NOT_CONCERNED && is_concerned) {
+            finding->verdict = CHECK_SKIPPED;
+            (void)snprintf(finding->text, sizeof finding->text, "not reached%s%s%s",
+                           cause ? ": " : "", cause ? cause : "", cause ? " comes first" : "");
+        }
+        report->failed_count += finding->verdict == CHECK_FAILED;
+        report->ok_count += finding->verdict == CHECK_OK;
+        report->skipped_count += finding->verdict == CHECK_SKIPPED;
+    }
+}
+
+static mrt_result begin(examiner *self, const char *path, const check_settings *settings,
+                        check_report *report, error *err)
+{
+    *report = (check_report){0};
+    *self = (examiner){.path = path, .settings = settings, .report = report};
+    report->library = calloc(CHECK_TYPES_MAX + 1, sizeof *report->library);
+    if (!report->library)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to examine %s", path);
+    report->library->concerns = CONCERNS_LIBRARY;
+    return check_program_find(self->program, err);
+}
+
+static uint32_t count_all(examiner *self)
+{
+    job jobs[CASES_MAX];
+    uint32_t count = 1;
+    for (uint32_t type = 0; type < self->report->type_count; ++type)
+        count += 2 + plan_type(self, type, jobs, CASES_MAX);
+    return count;
+}
+
+mrt_result check_run(check_report *out, const char *path, const check_settings *settings,
+                     error *err)
+{
+    examiner self;
+    int64_t began_ns = clock_now_ns();
+    mrt_result result = begin(&self, path, settings, out, err);
+    if (result >= 0)
+        result = run_one(&self, CASE_TABLES, 0, err);
+    self.count = result < 0 ? 0 : count_all(&self);
+    bool is_library_good = result >= 0 && !has_failed(out->library);
+    for (uint32_t type = 0; type < out->type_count && is_library_good && result >= 0; ++type)
+        result = examine_type(&self, type, err);
+    if (result < 0) {
+        check_report_finish(out);
+        return result;
+    }
+    for (uint32_t i = 0; i <= out->type_count; ++i)
+        close_subject(out, &out->library[i]);
+    out->wall_s = (double)(clock_now_ns() - began_ns) / 1e9;
+    return MRT_OK;
+}
+
+void check_report_finish(check_report *report)
+{
+    free(report->library);
+    *report = (check_report){0};
+}
+
+mrt_result check_quick(const char *path, error *err)
+{
+    static const check_settings settings = {.seed = 1, .jobs = 1};
+    examiner self;
+    check_report report;
+    mrt_result result = begin(&self, path, &settings, &report, err);
+    if (result >= 0)
+        result = run_one(&self, CASE_QUICK, 0, err);
+    for (int i = 0; i < RULE_COUNT && result >= 0; ++i)
+        if (report.library->finding[i].verdict == CHECK_FAILED)
+            result = error_set(err, MRT_ERR_FORMAT, "%s: %s", check_rule_id((check_rule)i),
+                               report.library->finding[i].text);
+    check_report_finish(&report);
+    return result;
+}

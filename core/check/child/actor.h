@@ -1,0 +1,53 @@
+/* check/child/actor.h - a mapping at work, as the stage runs it, under close watch: what it may not
+ * do on the frame thread, what a pull may not hold, what it may not write to. Findings are told. */
+#ifndef MAROTTE_CHECK_CHILD_ACTOR_H
+#define MAROTTE_CHECK_CHILD_ACTOR_H
+#include "check/child/faces.h"
+#include "check/child/host.h"
+
+enum { ACTOR_CANARIES = 64 };
+typedef struct actor {
+    const mrt_plugin_type *type;
+    const mrt_mapping *functions;
+    mrt_plugin *self;
+    host host;
+    const mrt_face *face;
+    double centre[3], reach_mm;
+    double max_jump_mm; /* at a new hold; 0: not judged */
+    mrt_frame frame;
+    struct { /* what lies around the pull must stay */
+        unsigned char before[ACTOR_CANARIES];
+        mrt_pull pull;
+        unsigned char after[ACTOR_CANARIES];
+    } room;
+    mrt_pull good;     /* the last that made sense */
+    mrt_pull anchored; /* the last one in MRT_ANCHORED; count 0: none since reset */
+    bool has_anchored;
+    mrt_result result; /* of the last process() */
+    int64_t cpu_ns;    /* that it took; 0 unless measured */
+    bool is_measured;
+    uint32_t frame_count;
+} actor;
+
+/* Made, activated on the face, reset. False: it is not, and the rule that this breaks was told
+ * (life.create, run.explained; for a refused face: *out_refused). */
+bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, bool *out_refused);
+void actor_close(actor *self);
+
+/* Deactivates, and activates on another face. As actor_open. */
+bool actor_move(actor *self, const mrt_face *face, bool *out_refused);
+
+void actor_reset(actor *self);
+/* process() for self->frame. */
+void actor_step(actor *self);
+
+/* What the face shows of it now: a sum over all that the host looks at. */
+uint64_t actor_sum(const actor *self);
+/* The first difference of two, for people; "": there is none. */
+void actor_difference(const actor *a, const actor *b, char *out, size_t capacity);
+
+/* Before and after a call that is [frame]: what is caught in between is told for `function`. */
+void actor_frame_enter(void);
+void actor_frame_leave(const char *function);
+
+#endif

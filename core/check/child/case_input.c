@@ -1,0 +1,471 @@
+/* Inputs, as far as they can be opened here: what is not there, channels, samples, waiting. */
+#include "check/child/cases.h"
+#include "check/child/host.h"
+#include "check/child/tell.h"
+#include "check/child/trap.h"
+#include "check/child/watch.h"
+
+#include "base/clock.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { SAMPLES_RECORDED = 3000, READS_LIVE = 400, ROUNDS = 30, STOP_READS = 200 };
+static const int64_t live_ns = 1500 * NS_PER_MS, span_ns = 20 * NS_PER_MS;
+static const int64_t late_ns = 250 * NS_PER_MS; /* on a machine that does much else */
+static const int64_t early_ns = 1 * NS_PER_MS;
+enum { LATE_READS = 3, EARLY_READS = 3 };
+
+/* An address at which nothing of any kind is. */
+static const char nowhere[] = "/nowhere/there-is-no-such-device";
+
+typedef struct reader {
+    const examination *e;
+    const mrt_input *functions;
+    mrt_plugin *self;
+    host host;
+    double param[TYPES_PARAMS_MAX];
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    uint32_t channel_count;
+    bool has_last;
+    mrt_sample last;
+    uint32_t late_reads, early_reads, sample_count;
+    int64_t waited_ns, cpu_ns; /* of reads that gave nothing */
+} reader;
+
+static bool make(reader *out, const examination *e, host_clock clock, int64_t start_ns)
+{
+    *out = (reader){.e = e, .functions = types_interface(e->type, MRT_INPUT)};
+    for (uint32_t i = 0; i < e->type->param_count; ++i)
+        out->param[i] = e->type->params[i].initial;
+    host_init(&out->host, clock, start_ns);
+    tell_doing(RULE_COUNT, "create()");
+    watch_next();
+    out->self = e->type->create(&out->host.plugin);
+    return out->self != NULL;
+}
+
+static void finish(reader *self)
+{
+    tell_doing(RULE_COUNT, "destroy()");
+    watch_next();
+    self->e->type->destroy(self->self);
+}
+
+static mrt_result open_at(reader *self, const char *address)
+{
+    tell_doing(RULE_COUNT, "open(\"%s\")", address);
+    uint32_t before = self->host.error_count;
+    watch_next();
+    mrt_result result = self->functions->open(self->self, address, self->param);
+    if (result < 0 && self->host.error_count == before)
+        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, and logged no error", address,
+                    result);
+    return result;
+}
+
+static void close_input(reader *self)
+{
+    tell_doing(RULE_COUNT, "close()");
+    watch_next();
+    self->functions->close(self->self);
+}
+
+static mrt_result open_named(reader *self)
+{
+    return open_at(self, self->e->input_address ? self->e->input_address : "");
+}
+
+/* ---- what is not there ---- */
+
+/* Letters with a blank among them: more than a code. */
+static bool is_sentence(const char *words)
+{
+    return strlen(words) >= 12 && strchr(words, ' ');
+}
+
+void cases_absent(const examination *e)
+{
+    reader input;
+    if (!make(&input, e, HOST_REAL, 0))
+        return;
+    mrt_result result = open_at(&input, nowhere);
+    if (result >= 0) {
+        tell_skipped(RULE_INPUT_ABSENT, "it opens any address, \"%s\" too", nowhere);
+        close_input(&input);
+    } else if (!is_sentence(input.host.said)) {
+        tell_failed(RULE_INPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps", nowhere,
+                    input.host.said);
+    } else {
+        tell_ok(RULE_INPUT_ABSENT, "\"%s\"", input.host.said);
+    }
+    finish(&input);
+}
+
+/* ---- channels ---- */
+
+static bool is_meaning(uint32_t semantic)
+{
+    return semantic == MRT_CH_OTHER ||
+           (semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES) ||
+           (semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + 7) ||
+           (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS);
+}
+
+static bool judge_channel(const mrt_channel *all, uint32_t i)
+{
+    const mrt_channel *c = &all[i];
+    if (!c->name || !c->name[0] || !c->unit) {
+        tell_failed(RULE_INPUT_CHANNELS, "channel %u has no name or no unit", i);
+        return false;
+    }
+    if (!is_meaning(c->semantic) || c->hand > MRT_NO_HAND) {
+        tell_failed(RULE_INPUT_CHANNELS, "channel %u \"%.60s\" has semantic %u, hand %u", i,
+                    c->name, c->semantic, c->hand);
+        return false;
+    }
+    if (!isfinite(c->min) || !isfinite(c->max) || c->min > c->max) {
+        tell_failed(RULE_INPUT_CHANNELS, "channel %u \"%.60s\" goes from %g to %g", i, c->name,
+                    (double)c->min, (double)c->max);
+        return false;
+    }
+    for (uint32_t k = 0; k < i; ++k)
+        if (c->semantic != MRT_CH_OTHER && all[k].semantic == c->semantic &&
+            all[k].hand == c->hand) {
+            tell_failed(RULE_INPUT_CHANNELS, "channels %u and %u \"%.60s\" mean the same", k, i,
+                        c->name);
+            return false;
+        }
+    return true;
+}
+
+static bool take_channels(reader *self)
+{
+    tell_doing(RULE_COUNT, "channels()");
+    watch_next();
+    const mrt_channel *channels = self->functions->channels(self->self, &self->channel_count);
+    if (!channels || self->channel_count == 0 || self->channel_count > MRT_MAX_CHANNELS) {
+        tell_failed(RULE_INPUT_CHANNELS, "channels() says %u%s, 1 to %d are possible",
+                    self->channel_count, channels ? "" : " and NULL", MRT_MAX_CHANNELS);
+        return false;
+    }
+    for (uint32_t i = 0; i < self->channel_count; ++i)
+        if (!judge_channel(channels, i))
+            return false;
+    memcpy(self->channel, channels, self->channel_count * sizeof *channels);
+    return true;
+}
+
+static bool has_same_channels(reader *self, const mrt_channel *as, uint32_t count)
+{
+    uint32_t now_count = 0;
+    const mrt_channel *now = self->functions->channels(self->self, &now_count);
+    if (!now || now_count != count)
+        return false;
+    for (uint32_t i = 0; i < count; ++i)
+        if (now[i].semantic != as[i].semantic || now[i].hand != as[i].hand ||
+            now[i].min < as[i].min || now[i].min > as[i].min || now[i].max < as[i].max ||
+            now[i].max > as[i].max)
+            return false;
+    return true;
+}
+
+/* ---- samples ---- */
+
+static void judge_values(const reader *self, const mrt_sample *sample)
+{
+    if (sample->count != self->channel_count) {
+        tell_failed(RULE_INPUT_COUNT, "sample %u has %u values, channels() said %u",
+                    self->sample_count, sample->count, self->channel_count);
+        return;
+    }
+    for (uint32_t i = 0; i < sample->count; ++i)
+        if (!isfinite(sample->value[i])) {
+            tell_failed(RULE_INPUT_FINITE, "sample %u: value %u is %g", self->sample_count, i,
+                        (double)sample->value[i]);
+            return;
+        }
+}
+
+static void judge_order(const reader *self, const mrt_sample *sample, int64_t now_ns)
+{
+    if (sample->time_ns > now_ns)
+        tell_failed(RULE_INPUT_FUTURE, "sample %u is of %.6f s from now", self->sample_count,
+                    (double)(sample->time_ns - now_ns) / 1e9);
+    if (!self->has_last)
+        return;
+    if (sample->time_ns < self->last.time_ns)
+        tell_failed(RULE_INPUT_ORDER, "sample %u is %.6f s before the last one", self->sample_count,
+                    (double)(self->last.time_ns - sample->time_ns) / 1e9);
+    uint32_t ahead = sample->sequence - self->last.sequence;
+    if (ahead == 0 || ahead > UINT32_MAX / 2)
+        tell_failed(RULE_INPUT_ORDER, "the sequence of sample %u goes from %u to %u",
+                    self->sample_count, self->last.sequence, sample->sequence);
+}
+
+static int64_t process_cpu_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
+}
+
+static void judge_punctual(reader *self, mrt_result result, int64_t deadline_ns, int64_t now_ns)
+{
+    bool is_exact = self->host.clock != HOST_REAL; /* the clock goes only where it is told */
+    int64_t slack_ns = is_exact ? 0 : late_ns;
+    if (self->host.clock != HOST_LATE && now_ns > deadline_ns + slack_ns &&
+        (is_exact || ++self->late_reads >= LATE_READS))
+        tell_failed(RULE_INPUT_DEADLINE, "read() came back %.1f ms after its deadline",
+                    (double)(now_ns - deadline_ns) / 1e6);
+    if (result == MRT_TIMEOUT && now_ns < deadline_ns - (is_exact ? 0 : early_ns) &&
+        (is_exact || ++self->early_reads >= EARLY_READS))
+        tell_failed(RULE_INPUT_TIMEOUT, "read() says MRT_TIMEOUT %.1f ms before its deadline",
+                    (double)(deadline_ns - now_ns) / 1e6);
+}
+
+/* MRT_OK: *out is a sample. */
+static mrt_result read_one(reader *self, int64_t deadline_ns, mrt_sample *out)
+{
+    char words[300];
+    uint32_t errors_before = self->host.error_count;
+    *out = (mrt_sample){.time_ns = INT64_MAX};
+    int64_t cpu_before_ns = process_cpu_ns(), began_ns = host_now_ns(&self->host);
+    watch_next();
+    mrt_result result = self->functions->read(self->self, self->param, deadline_ns, out);
+    int64_t now_ns = host_now_ns(&self->host);
+    if (result == MRT_TIMEOUT) {
+        self->waited_ns += now_ns - began_ns;
+        self->cpu_ns += process_cpu_ns() - cpu_before_ns;
+    }
+    judge_punctual(self, result, deadline_ns, now_ns);
+    if (result > MRT_END)
+        tell_failed(RULE_INPUT_RESULT, "read() returned %d", result);
+    if (result < 0 && self->host.error_count == errors_before)
+        tell_failed(RULE_RUN_EXPLAINED, "read() returned %d, and logged no error", result);
+    else if (result < 0 && result != MRT_ERR_IO)
+        tell_failed(RULE_INPUT_RESULT, "read() returned %d%s", result,
+                    host_words(&self->host, words));
+    if (result != MRT_OK)
+        return result;
+    judge_values(self, out);
+    judge_order(self, out, now_ns);
+    self->last = *out;
+    self->has_last = true;
+    self->sample_count += 1;
+    return result;
+}
+
+static bool is_recorded(const reader *self)
+{
+    return self->functions->flags & MRT_INPUT_RECORDED;
+}
+
+static void read_all(reader *self)
+{
+    mrt_sample sample;
+    int64_t began_ns = clock_now_ns();
+    int count = is_recorded(self) ? SAMPLES_RECORDED : READS_LIVE;
+    tell_doing(RULE_COUNT, "read()");
+    for (int i = 0; i < count; ++i) {
+        int64_t span = is_recorded(self) ? (i % 5 + 1) * 3 * NS_PER_MS : span_ns;
+        mrt_result result = read_one(self, host_now_ns(&self->host) + span, &sample);
+        if (result < 0 || result == MRT_END ||
+            (!is_recorded(self) && clock_now_ns() - began_ns > live_ns))
+            return;
+    }
+}
+
+/* A share of the time that was waited: a wait costs next to nothing, a spin all that it gets. */
+static void judge_spin(const reader *self)
+{
+    if (self->host.clock != HOST_REAL || self->waited_ns < 100 * NS_PER_MS)
+        return;
+    if (self->cpu_ns > self->waited_ns / 10)
+        tell_failed(RULE_INPUT_SPIN, "in %.0f ms of waiting it used %.0f ms of processor time",
+                    (double)self->waited_ns / 1e6, (double)self->cpu_ns / 1e6);
+}
+
+static void skip_all(const reader *self)
+{
+    static const check_rule rules[] = {RULE_INPUT_CHANNELS, RULE_INPUT_COUNT,    RULE_INPUT_FINITE,
+                                       RULE_INPUT_ORDER,    RULE_INPUT_FUTURE,   RULE_INPUT_RESULT,
+                                       RULE_INPUT_SPIN,     RULE_INPUT_DEADLINE, RULE_INPUT_TIMEOUT,
+                                       RULE_INPUT_REOPEN,   RULE_INPUT_GROWTH};
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        tell_skipped(rules[i], "nothing could be opened (%.300s): name one with --input ADDRESS",
+                     self->host.said);
+}
+
+static int open_files(void)
+{
+    int count = 0;
+    DIR *folder = opendir("/proc/self/fd");
+    while (folder && readdir(folder))
+        count += 1;
+    if (folder)
+        (void)closedir(folder);
+    return count;
+}
+
+/* Closed and opened again and again: the same channels, nothing left over. */
+static void judge_reopening(reader *self)
+{
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    uint32_t count = self->channel_count;
+    size_t heap_before = 0;
+    int files_before = 0;
+    memcpy(channel, self->channel, sizeof channel);
+    int rounds = is_recorded(self) ? ROUNDS : 3;
+    for (int i = 0; i < rounds; ++i) {
+        mrt_sample sample;
+        self->has_last = false;
+        close_input(self);
+        if (open_named(self) < 0) {
+            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it says: %s", self->host.said);
+            return;
+        }
+        if (!has_same_channels(self, channel, count))
+            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it has other channels");
+        tell_doing(RULE_COUNT, "read(), opened again");
+        (void)read_one(self, host_now_ns(&self->host) + span_ns, &sample);
+        if (i == 1) {
+            heap_before = trap_heap_bytes();
+            files_before = open_files();
+        }
+    }
+    if (rounds < ROUNDS) {
+        tell_skipped(RULE_INPUT_GROWTH, "a device is not opened and closed so often");
+        return;
+    }
+    long heap = (long)trap_heap_bytes() - (long)heap_before;
+    if (heap >= 64 * (ROUNDS - 2))
+        tell_failed(RULE_INPUT_GROWTH, "each open() and close() leaves %ld bytes",
+                    heap / (ROUNDS - 2));
+    else if (open_files() - files_before >= ROUNDS / 2)
+        tell_failed(RULE_INPUT_GROWTH, "open() and close() leave files open");
+    tell_ok(RULE_INPUT_GROWTH, "%d times", ROUNDS);
+}
+
+void cases_input(const examination *e)
+{
+    static const check_rule rules[] = {RULE_INPUT_COUNT,    RULE_INPUT_FINITE, RULE_INPUT_ORDER,
+                                       RULE_INPUT_FUTURE,   RULE_INPUT_RESULT, RULE_INPUT_SPIN,
+                                       RULE_INPUT_DEADLINE, RULE_INPUT_TIMEOUT};
+    static reader input;
+    const mrt_input *functions = types_interface(e->type, MRT_INPUT);
+    host_clock clock = functions->flags & MRT_INPUT_RECORDED ? HOST_JUMPING : HOST_REAL;
+    if (!make(&input, e, clock, 0))
+        return;
+    if (open_named(&input) < 0) {
+        skip_all(&input);
+        finish(&input);
+        return;
+    }
+    if (take_channels(&input)) {
+        read_all(&input);
+        judge_spin(&input);
+        if (!has_same_channels(&input, input.channel, input.channel_count))
+            tell_failed(RULE_INPUT_CHANNELS, "channels() says something else after reading");
+        tell_ok(RULE_INPUT_CHANNELS, "%u", input.channel_count);
+        for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+            tell_ok(rules[i], "%u samples", input.sample_count);
+        judge_reopening(&input);
+        tell_ok(RULE_INPUT_REOPEN, "%s", "");
+    }
+    close_input(&input);
+    finish(&input);
+}
+
+/* ---- records at any speed ---- */
+
+/* Times count from the first sample. */
+static bool is_same_sample(const mrt_sample *a, int64_t a_start_ns, const mrt_sample *b,
+                           int64_t b_start_ns)
+{
+    return a->time_ns - a_start_ns == b->time_ns - b_start_ns && a->count == b->count &&
+           memcmp(a->value, b->value, a->count * sizeof *a->value) == 0;
+}
+
+static mrt_result read_on(reader *self, mrt_sample *out, char *caught, size_t capacity)
+{
+    mrt_result result = MRT_TIMEOUT;
+    for (int i = 0; i < 100000 && result == MRT_TIMEOUT; ++i) {
+        watch_next();
+        trap_enter(1u << TRAP_SLEEP | 1u << TRAP_CLOCK);
+        result =
+            self->functions->read(self->self, self->param, host_now_ns(&self->host) + span_ns, out);
+        trap_leave();
+        if (trap_caught(TRAP_SLEEP, caught, capacity) || trap_caught(TRAP_CLOCK, caught, capacity))
+            tell_failed(RULE_INPUT_RECORDED, "read() called %s", caught);
+    }
+    return result;
+}
+
+void cases_recorded(const examination *e)
+{
+    static reader exact, late;
+    char caught[320];
+    mrt_sample a = {0}, b = {0};
+    int64_t a_start_ns = 0, b_start_ns = 0;
+    if (!make(&exact, e, HOST_JUMPING, 0) || !make(&late, e, HOST_LATE, 77 * NS_PER_S))
+        return;
+    if (open_named(&exact) < 0 || open_named(&late) < 0) {
+        tell_skipped(RULE_INPUT_RECORDED,
+                     "nothing could be opened (%.300s): name one with --input ADDRESS",
+                     exact.host.said);
+        return;
+    }
+    tell_doing(RULE_COUNT, "read() at two speeds");
+    for (int i = 0; i < SAMPLES_RECORDED; ++i) {
+        mrt_result of_exact = read_on(&exact, &a, caught, sizeof caught);
+        mrt_result of_late = read_on(&late, &b, caught, sizeof caught);
+        a_start_ns = i == 0 ? a.time_ns : a_start_ns;
+        b_start_ns = i == 0 ? b.time_ns : b_start_ns;
+        bool is_same = of_exact == of_late &&
+                       (of_exact != MRT_OK || is_same_sample(&a, a_start_ns, &b, b_start_ns));
+        if (!is_same)
+            tell_failed(RULE_INPUT_RECORDED,
+                        "sample %d is another one when the host's clock runs otherwise", i);
+        if (!is_same || of_exact != MRT_OK)
+            break;
+    }
+    tell_ok(RULE_INPUT_RECORDED, "%s", "");
+    close_input(&exact);
+    close_input(&late);
+    finish(&exact);
+    finish(&late);
+}
+
+/* ---- a host that stops ---- */
+
+void cases_stop(const examination *e)
+{
+    static reader input;
+    mrt_sample sample;
+    if (!make(&input, e, HOST_STOPPING, 0))
+        return;
+    int64_t began_ns = clock_now_ns();
+    bool is_open = open_named(&input) >= 0;
+    tell_doing(RULE_INPUT_STOP, "read() while the host stops");
+    if (is_open) {
+        (void)input.functions->read(input.self, input.param, clock_now_ns() + 50 * NS_PER_MS,
+                                    &sample);
+        close_input(&input);
+    }
+    double took_s = (double)(clock_now_ns() - began_ns) / 1e9;
+    if (input.host.wait_count > STOP_READS)
+        tell_failed(RULE_INPUT_STOP, "it went on waiting %u times", input.host.wait_count);
+    else if (took_s > 5)
+        tell_failed(RULE_INPUT_STOP, "it took %.1f s to give up", took_s);
+    if (!is_open && input.host.wait_count == 0)
+        tell_skipped(RULE_INPUT_STOP,
+                     "nothing could be opened (%.300s): name one with --input ADDRESS",
+                     input.host.said);
+    else
+        tell_ok(RULE_INPUT_STOP, "%s", "");
+    finish(&input);
+}

@@ -1,0 +1,300 @@
+/* What can be seen without running anything. */
+#include "check/child/cases.h"
+#include "check/child/tell.h"
+#include "check/wire.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static bool is_empty(const char *words)
+{
+    return !words || words[0] == '\0';
+}
+
+/* ---- the type ---- */
+
+static void judge_words(const mrt_plugin_type *type)
+{
+    const char *missing = is_empty(type->id)        ? "id"
+                          : is_empty(type->name)    ? "name"
+                          : is_empty(type->version) ? "version"
+                          : is_empty(type->about)   ? "about"
+                                                    : NULL;
+    if (missing)
+        tell_failed(RULE_TYPE_WORDS, "its %s is empty", missing);
+}
+
+/* "org.marotte.one_hand": names with dots between them. */
+static bool is_well_formed(const char *id)
+{
+    int dots = 0;
+    for (const char *c = id; *c; ++c) {
+        bool is_edge = c == id || c[1] == '\0' || c[1] == '.';
+        if (*c == '.' && is_edge)
+            return false;
+        dots += *c == '.';
+        if (*c != '.' && *c != '_' && *c != '-' && !islower((unsigned char)*c) &&
+            !isdigit((unsigned char)*c))
+            return false;
+    }
+    return dots >= 1 && strlen(id) < 96;
+}
+
+static void judge_id(const mrt_plugin_type *type)
+{
+    if (!is_empty(type->id) && !is_well_formed(type->id))
+        tell_failed(RULE_TYPE_ID,
+                    "\"%.100s\": small letters, digits, '_' and '-', with a '.' between names, as "
+                    "in \"org.example.wave\"",
+                    type->id);
+}
+
+/* ---- interfaces ---- */
+
+typedef void any_function(void);
+
+/* Whether one of the functions at the head of the struct is missing. */
+static bool lacks(const void *functions, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        any_function *f;
+        memcpy(&f, (const char *)functions + i * sizeof f, sizeof f);
+        if (!f)
+            return true;
+    }
+    return false;
+}
+
+static bool is_versioned(const char *id)
+{
+    const char *slash = strrchr(id, '/');
+    const char *dot = strchr(id, '.');
+    if (!slash || !dot || dot > slash || dot == id || !slash[1])
+        return false;
+    return strspn(slash + 1, "0123456789") == strlen(slash + 1);
+}
+
+static bool is_known(const char *id, size_t *out_functions)
+{
+    static const struct {
+        const char *id;
+        size_t functions;
+    } known[] = {{MRT_INPUT, 4},   {MRT_DEVICES, 2}, {MRT_OUTPUT, 3},
+                 {MRT_MAPPING, 4}, {MRT_STATE, 2},   {MRT_RESUME, 2}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        *out_functions = known[i].functions;
+        if (strcmp(known[i].id, id) == 0)
+            return true;
+    }
+    return false;
+}
+
+static void judge_interface(const mrt_interface *all, int i)
+{
+    size_t functions;
+    const mrt_interface *interface = &all[i];
+    if (!is_versioned(interface->id))
+        tell_failed(RULE_TYPE_INTERFACES, "\"%.80s\" is not \"domain.name/revision\"",
+                    interface->id);
+    for (int k = 0; k < i; ++k)
+        if (strcmp(all[k].id, interface->id) == 0)
+            tell_failed(RULE_TYPE_INTERFACES, "\"%.80s\" is there twice", interface->id);
+    if (!interface->functions)
+        tell_failed(RULE_TYPE_FUNCTIONS, "%.80s has no functions", interface->id);
+    else if (is_known(interface->id, &functions) && lacks(interface->functions, functions))
+        tell_failed(RULE_TYPE_FUNCTIONS, "one of the %zu functions of %.80s is NULL", functions,
+                    interface->id);
+}
+
+static void judge_interfaces(const mrt_plugin_type *type)
+{
+    int count = 0;
+    while (type->interfaces && count < TYPES_INTERFACES_MAX && type->interfaces[count].id)
+        judge_interface(type->interfaces, count++);
+    if (count == TYPES_INTERFACES_MAX)
+        tell_failed(RULE_TYPE_INTERFACES, "no id is NULL among the first %d: the table has no end",
+                    TYPES_INTERFACES_MAX);
+    if (!types_interface(type, MRT_INPUT) && !types_interface(type, MRT_MAPPING) &&
+        !types_interface(type, MRT_OUTPUT))
+        tell_failed(RULE_TYPE_INTERFACES, "it is none of %s, %s, %s", MRT_INPUT, MRT_MAPPING,
+                    MRT_OUTPUT);
+}
+
+/* ---- parameters ---- */
+
+static const char *name_of(const mrt_param *p)
+{
+    return is_empty(p->name) ? "(without a name)" : p->name;
+}
+
+static void judge_param_words(const mrt_param *p)
+{
+    const char *missing = is_empty(p->name)   ? "name"
+                          : !p->group         ? "group (\"\" is fine)"
+                          : !p->unit          ? "unit (\"\" is fine)"
+                          : is_empty(p->help) ? "help"
+                                              : NULL;
+    if (missing)
+        tell_failed(RULE_PARAM_WORDS, "parameter %u \"%.60s\" lacks its %s", p->id, name_of(p),
+                    missing);
+}
+
+static void judge_range(const mrt_param *p)
+{
+    bool is_good = isfinite(p->min) && isfinite(p->max) && isfinite(p->initial) &&
+                   p->min < p->max && p->min <= p->initial && p->initial <= p->max;
+    if (!is_good)
+        tell_failed(RULE_PARAM_RANGE, "\"%.60s\" goes from %g to %g and begins at %g", name_of(p),
+                    p->min, p->max, p->initial);
+}
+
+static bool is_whole(double value)
+{
+    return floor(value) >= value;
+}
+
+static void judge_flags(const mrt_param *p)
+{
+    const uint32_t known = MRT_PARAM_STEPPED | MRT_PARAM_TRIGGER | MRT_PARAM_HIDDEN;
+    if (p->flags & ~known)
+        tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" has the flags 0x%x, of which 0x%x means nothing",
+                    name_of(p), p->flags, p->flags & ~known);
+    if ((p->flags & MRT_PARAM_STEPPED) &&
+        (!is_whole(p->min) || !is_whole(p->max) || !is_whole(p->initial)))
+        tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" is stepped, and %g, %g, %g are not all whole",
+                    name_of(p), p->min, p->max, p->initial);
+    if ((p->flags & MRT_PARAM_TRIGGER) &&
+        (p->min < 0 || p->min > 0 || p->initial > 0 || p->max < 1 || p->max > 1))
+        tell_failed(RULE_PARAM_FLAGS,
+                    "\"%.60s\" is a trigger: min 0, max 1, initial 0, not %g, %g, %g", name_of(p),
+                    p->min, p->max, p->initial);
+}
+
+static void judge_labels(const mrt_param *p)
+{
+    if (!p->labels)
+        return;
+    if (!(p->flags & MRT_PARAM_STEPPED)) {
+        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has labels, and is not MRT_PARAM_STEPPED",
+                    name_of(p));
+        return;
+    }
+    double wanted = p->max - p->min + 1;
+    double count = 0;
+    while (count <= wanted && p->labels[(size_t)count])
+        count += 1;
+    if (count < wanted || count > wanted) {
+        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has %s labels for its %g values, and then NULL",
+                    name_of(p), count < wanted ? "too few" : "too many", wanted);
+        return;
+    }
+    for (size_t i = 0; (double)i < wanted; ++i)
+        for (size_t k = 0; k <= i; ++k)
+            if (is_empty(p->labels[i]) || (k < i && strcmp(p->labels[k], p->labels[i]) == 0)) {
+                tell_failed(RULE_PARAM_LABELS, "label %zu of \"%.60s\" is empty, or there twice", i,
+                            name_of(p));
+                return;
+            }
+}
+
+static bool is_same_key(const char *a, const char *b)
+{
+    for (; *a && *b; ++a, ++b) {
+        int x = isspace((unsigned char)*a) ? '_' : tolower((unsigned char)*a);
+        int y = isspace((unsigned char)*b) ? '_' : tolower((unsigned char)*b);
+        if (x != y)
+            return false;
+    }
+    return *a == *b;
+}
+
+static void judge_keys(const mrt_plugin_type *type, uint32_t index)
+{
+    const mrt_param *p = &type->params[index];
+    if (is_empty(p->name) || !p->group)
+        return;
+    if (strpbrk(p->name, ",=") || strpbrk(p->group, ",="))
+        tell_failed(RULE_PARAM_KEYS,
+                    "\"%.60s\" in \"%.60s\": \"group.name=value,...\" cannot be "
+                    "written with a ',' or '=' in it",
+                    p->name, p->group);
+    for (uint32_t k = 0; k < index; ++k) {
+        const mrt_param *other = &type->params[k];
+        if (other->id == p->id)
+            tell_failed(RULE_PARAM_IDS, "\"%.60s\" and \"%.60s\" share the id %u", name_of(other),
+                        name_of(p), p->id);
+        if (!is_empty(other->name) && other->group && is_same_key(other->name, p->name) &&
+            is_same_key(other->group, p->group))
+            tell_failed(RULE_PARAM_KEYS,
+                        "\"%.60s\" is there twice in \"%.60s\": the keys differ by "
+                        "more than case and blanks",
+                        p->name, p->group);
+    }
+}
+
+static void judge_params(const mrt_plugin_type *type)
+{
+    static const check_rule rules[] = {RULE_PARAM_WORDS, RULE_PARAM_RANGE, RULE_PARAM_IDS,
+                                       RULE_PARAM_KEYS,  RULE_PARAM_FLAGS, RULE_PARAM_LABELS};
+    for (uint32_t i = 0; i < type->param_count; ++i) {
+        const mrt_param *p = &type->params[i];
+        tell_doing(RULE_PARAM_WORDS, "reading parameter %u of %u", i + 1, type->param_count);
+        judge_param_words(p);
+        judge_range(p);
+        judge_flags(p);
+        if (!tell_has_failed(RULE_PARAM_RANGE) && !tell_has_failed(RULE_PARAM_FLAGS)) {
+            tell_doing(RULE_PARAM_LABELS, "reading the labels of \"%.60s\"", name_of(p));
+            judge_labels(p);
+        }
+        judge_keys(type, i);
+    }
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        tell_ok(rules[i], "%s", "");
+}
+
+/* ---- the library ---- */
+
+static void judge_ids(const types *all)
+{
+    for (uint32_t i = 0; i < all->count; ++i)
+        for (uint32_t k = 0; k < i; ++k)
+            if (all->type[i]->id && all->type[k]->id &&
+                strcmp(all->type[i]->id, all->type[k]->id) == 0)
+                tell_failed(RULE_LIBRARY_IDS, "two types are called \"%.80s\"", all->type[i]->id);
+}
+
+void cases_type(const examination *e)
+{
+    const mrt_plugin_type *type = e->type;
+    static const check_rule rules[] = {RULE_TYPE_WORDS, RULE_TYPE_ID, RULE_TYPE_FUNCTIONS,
+                                       RULE_TYPE_INTERFACES};
+    tell_doing(RULE_TYPE_WORDS, "reading the type's words");
+    judge_words(type);
+    judge_id(type);
+    if (!type->create || !type->destroy)
+        tell_failed(RULE_TYPE_FUNCTIONS, "%s is NULL", type->create ? "destroy" : "create");
+    tell_doing(RULE_TYPE_INTERFACES, "reading the type's interfaces");
+    judge_interfaces(type);
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        tell_ok(rules[i], "%s", "");
+    if (type->param_count > TYPES_PARAMS_MAX || (type->param_count > 0 && !type->params))
+        tell_failed(RULE_PARAM_WORDS, "there are %u parameters in the table, %d at most",
+                    type->param_count, type->params ? TYPES_PARAMS_MAX : 0);
+    else if (type->param_count > 0)
+        judge_params(type);
+}
+
+void cases_tables(const types *all)
+{
+    tell_ok(RULE_LIBRARY_SYMBOL, "%s", "");
+    tell_ok(RULE_LIBRARY_ABI, "%s", "");
+    judge_ids(all);
+    tell_ok(RULE_LIBRARY_IDS, "%s", "");
+    for (uint32_t i = 0; i < all->count; ++i) {
+        const mrt_plugin_type *type = all->type[i];
+        tell_fact(WIRE_TYPE, "%u %u %s", i, types_concerns(type),
+                  is_empty(type->id) ? "(without an id)" : type->id);
+    }
+}

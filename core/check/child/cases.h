@@ -1,0 +1,36 @@
+/* check/child/cases.h - the cases: each is run in a process of its own, judges rules, and tells
+ * what it found. A rule that a case told to be ok was judged and nothing was found. */
+#ifndef MAROTTE_CHECK_CHILD_CASES_H
+#define MAROTTE_CHECK_CHILD_CASES_H
+#include "check/child/types.h"
+
+typedef struct examination {
+    const mrt_plugin_type *type;
+    uint64_t seed;
+    const char *input_address, *output_address; /* NULL: none was named */
+} examination;
+
+void cases_tables(const types *all);   /* of the library: before all others */
+void cases_type(const examination *e); /* its tables: before all that follow */
+void cases_smoke(const examination *e);
+void cases_life(const examination *e);
+void cases_destroy_null(const examination *e);
+void cases_faces(const examination *e);
+void cases_growth(const examination *e);
+void cases_walk(const examination *e);
+void cases_restless(const examination *e);
+void cases_hands(const examination *e);
+void cases_engage(const examination *e);
+void cases_deadline(const examination *e);
+void cases_replay(const examination *e);
+void cases_sum(const examination *e);
+void cases_state(const examination *e);
+void cases_resume(const examination *e);
+void cases_absent(const examination *e);
+void cases_input(const examination *e);
+void cases_recorded(const examination *e);
+void cases_stop(const examination *e);
+void cases_devices(const examination *e);
+void cases_output(const examination *e);
+
+#endif
