@@ -73,6 +73,16 @@ static mesh_unit unit_of(double unit_mm)
                            : MESH_UNIT_AUTO;
 }
 
+/* The unit that was said then is that mesh's, not another one's. */
+static mesh_unit unit_for(const char *path, const take_performance *p, const char *other)
+{
+    char now[TAKE_HASH];
+    error ignored = {""};
+    bool is_same =
+        !other || (hash_file(now, path, &ignored) >= 0 && strcmp(now, p->mesh_hash) == 0);
+    return is_same ? unit_of(p->unit_mm) : MESH_UNIT_AUTO;
+}
+
 mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
                           const char *other, error *err)
 {
@@ -92,7 +102,8 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
                            "--face FILE says where it is now, or which one to take",
                            (long long)t->id, path);
     if (result >= 0)
-        result = face_file_read(out, path, unit_of(of.performance.unit_mm), FACE_FILE_USABLE, err);
+        result = face_file_read(out, path, unit_for(path, &of.performance, other), FACE_FILE_USABLE,
+                                err);
     if (result >= 0)
         result = compare(path, &of.performance, out->rig, &change, err);
     *out_path = result >= 0 ? strdup(path) : NULL;
