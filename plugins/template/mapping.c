@@ -85,26 +85,29 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
 /* ---- resume: what process() remembers, so that a take can be taken up at any instant ---- */
 
-static const char tag[] = "template_name/1"; /* keeps the bytes of others out */
+typedef struct memory {
+    char tag[32];    /* keeps the bytes of others out */
+    float bend, too; /* twice: a bit that was lost makes them differ */
+} memory;
 
 static size_t save(mrt_plugin *self, void *out, size_t capacity) /* [frame] */
 {
-    if (out && capacity >= sizeof tag + sizeof self->bend) {
-        memcpy(out, tag, sizeof tag);
-        memcpy((char *)out + sizeof tag, &self->bend, sizeof self->bend);
-    }
-    return sizeof tag + sizeof self->bend;
+    const memory now = {"template_name/1", self->bend, self->bend};
+    if (out && capacity >= sizeof now)
+        memcpy(out, &now, sizeof now);
+    return sizeof now;
 }
 
 static mrt_result load(mrt_plugin *self, const void *bytes, size_t size) /* [frame] all or none */
 {
-    float bend;
-    if (size != sizeof tag + sizeof bend || memcmp(bytes, tag, sizeof tag) != 0)
+    memory then;
+    if (size != sizeof then)
         return MRT_ERR_FORMAT;
-    memcpy(&bend, (const char *)bytes + sizeof tag, sizeof bend);
-    if (!(bend > -10.0f && bend < 10.0f)) /* false for what is no number, too */
-        return MRT_ERR_FORMAT;
-    self->bend = bend;
+    memcpy(&then, bytes, sizeof then);
+    const memory good = {"template_name/1", then.bend, then.bend};
+    if (memcmp(&then, &good, sizeof good) != 0 || !(then.bend > -10.0f && then.bend < 10.0f))
+        return MRT_ERR_FORMAT; /* the last is also true of what is no number */
+    self->bend = then.bend;
     return MRT_OK;
 }
 

@@ -22,9 +22,6 @@ compiles() {
     done
 }
 
-# The marotte that is on the path has a validator.
-has_check() { marotte plugin --help | grep -q '^marotte plugin check'; }
-
 # moved AT_LEAST_MM FILE: perform's facts in FILE say that vertices moved so far.
 moved() {
     local mm
