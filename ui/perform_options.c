@@ -24,6 +24,7 @@ enum {
     OPTION_RECORD,
     OPTION_SCENE,
     OPTION_SHOT,
+    OPTION_SOUND,
     OPTION_REALTIME,
     OPTION_JSON
 };
@@ -44,6 +45,7 @@ static const struct option option_table[] = {
     {"record", required_argument, NULL, OPTION_RECORD},
     {"scene", required_argument, NULL, OPTION_SCENE},
     {"shot", required_argument, NULL, OPTION_SHOT},
+    {"sound", no_argument, NULL, OPTION_SOUND},
     {"realtime", no_argument, NULL, OPTION_REALTIME},
     {"json", no_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
@@ -178,6 +180,9 @@ static int read_option(perform_options *out, const command *self, int option, co
         return read_name(self, "scene", text, &out->scene);
     case OPTION_SHOT:
         return read_name(self, "shot", text, &out->shot);
+    case OPTION_SOUND:
+        out->has_sound = true;
+        return COMMAND_DONE;
     case OPTION_REALTIME:
         out->is_realtime = true;
         return COMMAND_DONE;
@@ -214,6 +219,8 @@ int perform_options_read(perform_options *out, const command *self, int argc, ch
         code = command_usage(self, "--input is missing");
     if (code == COMMAND_DONE && !out->map.plugin)
         code = command_usage(self, "--map is missing");
+    if (code == COMMAND_DONE && out->has_sound && !out->record)
+        code = command_usage(self, "--sound needs --record SHOW, where it is kept");
     if (code != COMMAND_DONE)
         perform_options_finish(out);
     return code;

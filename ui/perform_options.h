@@ -22,6 +22,7 @@ typedef struct perform_options {
     uint32_t max_targets;
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
+    bool has_sound;           /* of the microphone */
     bool is_realtime, is_json;
 } perform_options;
 

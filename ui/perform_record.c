@@ -92,7 +92,12 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
         return result;
     const writer_slate slate = {options->scene, options->shot, 0};
     recorder_take_next(out->recorder, &slate);
-    return MRT_OK;
+    if (!options->has_sound)
+        return MRT_OK;
+    if (of->clock == CLOCK_VIRTUAL)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "--sound: recordings are played faster than anybody speaks: --realtime");
+    return perform_sound_start(&out->sound, out->show, recorder_writer(out->recorder), err);
 }
 
 void perform_record_watch(perform_record *self)
@@ -100,6 +105,7 @@ void perform_record_watch(perform_record *self)
     char text[512];
     if (!self->recorder)
         return;
+    perform_sound_update(&self->sound);
     writer_status status = writer_status_of(recorder_writer(self->recorder));
     bool is_well = status.state == WRITER_OK && !status.is_missing;
     if (is_well == !self->is_waiting_told)
@@ -115,12 +121,15 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
     char name[32];
     if (!self->recorder)
         return MRT_OK;
+    perform_sound_stop(&self->sound);
     mrt_result result = recorder_take_end(self->recorder, err);
     self->take = recorder_take(self->recorder);
     if (result >= 0 && recorder_problem(self->recorder)[0])
         result = error_set(err, MRT_ERR_IO, "%s", recorder_problem(self->recorder));
     if (result >= 0)
         result = writer_flush(recorder_writer(self->recorder), err);
+    if (result >= 0)
+        result = perform_sound_attach(&self->sound, self->take, told, err);
     writer_status status = writer_status_of(recorder_writer(self->recorder));
     error later = {""};
     mrt_result stopped = recorder_stop(self->recorder, &later);
@@ -143,6 +152,7 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
 void perform_record_finish(perform_record *self)
 {
     error ignored = {""};
+    perform_sound_finish(&self->sound);
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
         fprintf(stderr, "warning: %s\n", ignored.text);
     show_close(self->show);

@@ -3,11 +3,13 @@
 #define MAROTTE_UI_PERFORM_RECORD_H
 #include "facts.h"
 #include "perform_hands.h"
+#include "perform_sound.h"
 #include "stage/recorder.h"
 
 typedef struct perform_record {
     show *show;
     recorder *recorder; /* NULL: nothing is recorded */
+    perform_sound sound;
     char *input_text[PERFORM_INPUTS_MAX];
     char *calibration[2];
     int64_t take;
