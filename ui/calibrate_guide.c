@@ -27,12 +27,12 @@ typedef struct guiding {
     int64_t heard_ns, drawn_ns; /* host clock: of the last sample, of the last drawing */
 } guiding;
 
-static volatile sig_atomic_t stop_asked;
+static _Atomic bool stop_asked;
 
 static void ask_stop(int number)
 {
     (void)number;
-    stop_asked = 1;
+    atomic_store(&stop_asked, true);
 }
 
 static void catch_signals(void)
@@ -114,8 +114,8 @@ static mrt_result open_glove(guiding *self, error *err)
         return result;
     const mrt_input *functions = plugin_interface(type, MRT_INPUT);
     self->clock = functions->flags & MRT_INPUT_RECORDED ? CLOCK_VIRTUAL : CLOCK_REAL;
-    result =
-        input_create(&self->input, type, spec->address, spec->params, self->clock, self->log, err);
+    result = input_create_stoppable(&self->input, type, spec->address, spec->params, self->clock,
+                                    self->log, &stop_asked, err);
     if (result >= 0)
         result = find_sensors(self, err);
     return result;

@@ -73,7 +73,8 @@ mrt_result devices_learn(const devices_options *options, plugin_list *plugins, l
     const plugin_spec *spec = &options->learn;
     mrt_result result = plugin_list_find(plugins, spec->plugin, MRT_INPUT, &type, err);
     if (result >= 0)
-        result = input_create(&in, type, spec->address, spec->params, CLOCK_REAL, log, err);
+        result = input_create_stoppable(&in, type, spec->address, spec->params, CLOCK_REAL, log,
+                                        stop, err);
     if (result >= 0) {
         input_set_wake(in, signal);
         result = input_set(in, "learn", "1", err);

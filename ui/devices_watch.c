@@ -36,6 +36,7 @@ typedef struct watch {
     plugin_list *plugins;
     log_queue *log;
     wake *signal;
+    const _Atomic bool *stop;
     input *inputs[DEVICES_INPUTS_MAX];
     mrt_device opened[DEVICES_INPUTS_MAX]; /* by finding it: where it is */
     uint32_t input_count;
@@ -52,7 +53,8 @@ static mrt_result open_input(watch *self, const mrt_plugin_type *type, const cha
                              const char *params, error *err)
 {
     input *in;
-    mrt_result result = input_create(&in, type, address, params, CLOCK_REAL, self->log, err);
+    mrt_result result =
+        input_create_stoppable(&in, type, address, params, CLOCK_REAL, self->log, self->stop, err);
     if (result < 0)
         return result;
     self->inputs[self->input_count++] = in;
@@ -373,7 +375,7 @@ static mrt_result look_again(watch *self, error *err)
     return open_ready(self, err);
 }
 
-static mrt_result follow(watch *self, const _Atomic bool *stop, error *err)
+static mrt_result follow(watch *self, error *err)
 {
     bool is_in_place = self->is_terminal && !self->options->is_json;
     int64_t span_ns = is_in_place ? terminal_span_ns : line_span_ns;
@@ -383,7 +385,7 @@ static mrt_result follow(watch *self, const _Atomic bool *stop, error *err)
         mrt_result result = look_again(self, err);
         if (result < 0)
             return result;
-        bool goes_on = (take_all(self) || looks_for_devices(self)) && !atomic_load(stop);
+        bool goes_on = (take_all(self) || looks_for_devices(self)) && !atomic_load(self->stop);
         int64_t now_ns = clock_now_ns();
         tell_news(self);
         goes_on &= now_ns < end_ns;
@@ -404,14 +406,15 @@ static mrt_result follow(watch *self, const _Atomic bool *stop, error *err)
 mrt_result devices_watch(const devices_options *options, plugin_list *plugins, log_queue *log,
                          wake *signal, const _Atomic bool *stop, error *err)
 {
-    watch self = {.options = options, .plugins = plugins, .log = log, .signal = signal};
+    watch self = {
+        .options = options, .plugins = plugins, .log = log, .signal = signal, .stop = stop};
     self.is_terminal = isatty(STDOUT_FILENO) == 1;
     self.start_ns = self.shown_ns = clock_now_ns();
     mrt_result result = open_forward(&self, err);
     if (result >= 0)
         result = open_inputs(&self, err);
     if (result >= 0)
-        result = follow(&self, stop, err);
+        result = follow(&self, err);
     finish(&self);
     return result;
 }

@@ -86,8 +86,8 @@ static mrt_result open_inputs(performance *self, error *err)
     mrt_result result = find_inputs(self, types, err);
     for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
         const plugin_spec *spec = &self->options->input[i];
-        result = input_create(&self->inputs[i], types[i], spec->address, spec->params, self->clock,
-                              self->log, err);
+        result = input_create_stoppable(&self->inputs[i], types[i], spec->address, spec->params,
+                                        self->clock, self->log, &stop_asked, err);
         self->input_count += result >= 0;
     }
     return result;
@@ -390,7 +390,7 @@ const command command_perform = {
     .help =
         "marotte perform --face FACE --input PLUGIN[:ADDRESS][,key=value]... --map "
         "PLUGIN[,key=value]...\n"
-        "                [--record SHOW.marotte [--scene NAME] [--shot NAME]]\n"
+        "                [--record SHOW.marotte [--scene NAME] [--shot NAME] [--sound]]\n"
         "                [--export FILE]... [--fps N] [--seconds N] [--realtime] [--json]\n"
         "\n"
         "Hands come in, a face comes out: as fast as possible from recordings, in real time from\n"
@@ -406,6 +406,7 @@ const command command_perform = {
         "                     anchored,radius=30,gain=0.8\n"
         "  --record SHOW      keeps the hands as a take of this show, which is made if it is not\n"
         "                     there (marotte take); --scene and --shot: of its slate\n"
+        "  --sound            records the microphone with it\n"
         "  --export FILE      .glb   glTF: base mesh, morph targets, animation\n"
         "                     .pc2 .mdd   vertex caches, mm\n"
         "                     .csv   the control vectors as text, mm\n"

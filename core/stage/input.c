@@ -37,8 +37,9 @@ static mrt_result allocate(input *self, error *err)
     return MRT_OK;
 }
 
-mrt_result input_create(input **out, const mrt_plugin_type *type, const char *address,
-                        const char *params, instance_clock clock, log_queue *log, error *err)
+mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, const char *address,
+                                  const char *params, instance_clock clock, log_queue *log,
+                                  const _Atomic bool *stop, error *err)
 {
     *out = NULL;
     input *self = calloc(1, sizeof *self);
@@ -61,8 +62,10 @@ mrt_result input_create(input **out, const mrt_plugin_type *type, const char *ad
     result = instance_set_list(&self->plugin, params, err);
     if (result >= 0)
         result = allocate(self, err);
+    self->plugin.stop = stop;
     if (result >= 0)
         result = input_run_open(self, err);
+    self->plugin.stop = NULL;
     if (result < 0)
         goto fail;
     name_found(self);
@@ -71,6 +74,12 @@ mrt_result input_create(input **out, const mrt_plugin_type *type, const char *ad
 fail:
     input_destroy(self);
     return result;
+}
+
+mrt_result input_create(input **out, const mrt_plugin_type *type, const char *address,
+                        const char *params, instance_clock clock, log_queue *log, error *err)
+{
+    return input_create_stoppable(out, type, address, params, clock, log, NULL, err);
 }
 
 void input_destroy(input *self)

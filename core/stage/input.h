@@ -34,6 +34,11 @@ typedef struct input_incident {
 CHECKED mrt_result input_create(input **out, const mrt_plugin_type *type, const char *address,
                                 const char *params, instance_clock clock, log_queue *log,
                                 error *err);
+/* The same; opening is given up soon after *stop is true, as a signal handler may set it. */
+CHECKED mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type,
+                                          const char *address, const char *params,
+                                          instance_clock clock, log_queue *log,
+                                          const _Atomic bool *stop, error *err);
 void input_destroy(input *self); /* stops its thread first; NULL is fine */
 
 const char *input_name(const input *self); /* "log demo_hand.csv"; until destroy */

@@ -33,6 +33,11 @@ static int64_t host_now_ns(const mrt_host *host)
     return self->clock == CLOCK_VIRTUAL ? self->virtual_ns : clock_now_ns();
 }
 
+static bool is_to_stop(const instance *self)
+{
+    return self->stopping || (self->stop && atomic_load(self->stop));
+}
+
 int64_t instance_wait_until_ns(instance *self, int64_t time_ns)
 {
     if (self->clock == CLOCK_VIRTUAL) {
@@ -43,7 +48,7 @@ int64_t instance_wait_until_ns(instance *self, int64_t time_ns)
     struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
                              .tv_nsec = (long)(time_ns % NS_PER_S)};
     pthread_mutex_lock(&self->mutex);
-    while (!self->stopping && clock_now_ns() < time_ns)
+    while (!is_to_stop(self) && clock_now_ns() < time_ns)
         if (pthread_cond_timedwait(&self->wake, &self->mutex, &until) == ETIMEDOUT)
             break;
     pthread_mutex_unlock(&self->mutex);

@@ -32,6 +32,7 @@ typedef struct instance {
     pthread_mutex_t mutex; /* guards stopping, for the wait */
     pthread_cond_t wake;
     bool stopping;
+    const _Atomic bool *stop; /* the caller's, as `stopping` but looked at now and then; or NULL */
 } instance;
 
 /* [main] `log` must outlive it. On failure the plugin's own words are in the error. */

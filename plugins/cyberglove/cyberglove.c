@@ -122,8 +122,10 @@ static void say_limits(glove_drive *drive)
                          "stamps, U switch, T rate, F filter)",
                          name, unit->refused);
     if (unit->readiness != 3)
-        glove_drive_tell(drive, GLOVE_TOLD_READINESS, MRT_LOG_WARNING,
-                         "%.60s: the box says that its glove is %s", name,
+        glove_drive_tell(drive,
+                         unit->readiness & 2 ? GLOVE_TOLD_READINESS
+                                             : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
+                         MRT_LOG_WARNING, "%.60s: the box says that its glove is %s", name,
                          unit->readiness & 2 ? "not ready" : "not plugged in");
     if (!unit->said_hand && wish->hand == GLOVE_HAND_AUTO)
         glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,

@@ -8,10 +8,10 @@ static const double gap_ns = 1e9;
 static const double period_least_ns = 1e6, period_most_ns = 3e9;
 /* A stamp that leaps so much ahead of all before it is an error of the line, unless it stays so. */
 static const int64_t ahead_ns = 3000000;
-enum { FIRST_RECORDS = 16, ODD_MAX = 3, MISFIT_MAX = 2 };
-/* Windows that the loop remembers: at first all, in the end this many. It begins as if it had seen
- * some where the rate was told. */
-enum { MEMORY_START = 1, MEMORY_TOLD = 4, MEMORY_MOST = 8 };
+enum { ODD_MAX = 3, MISFIT_MAX = 2 };
+/* Windows that the loop remembers: it begins as if it had seen some where the rate was told, and
+ * all where it was learnt. */
+enum { MEMORY_TOLD = 4, MEMORY_MOST = 8 };
 
 void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns)
 {
@@ -38,9 +38,8 @@ static double clamp(double value, double low, double high)
 static void pace_start(glove_pace *pace, int64_t arrival_ns)
 {
     *pace = (glove_pace){.period_ns = pace->period_ns,
-                         .memory = pace->period_ns > 0 ? MEMORY_TOLD : MEMORY_START,
+                         .memory = MEMORY_TOLD,
                          .next_ns = (double)arrival_ns,
-                         .first_ns = arrival_ns,
                          .window_start_ns = arrival_ns,
                          .least_late_ns = gap_ns};
 }
@@ -64,20 +63,20 @@ static void pace_turn_window(glove_pace *pace, int64_t arrival_ns)
     pace->early_ns = 0;
 }
 
-/* A rate that nobody told is the mean of the first records. */
-static bool pace_learns(glove_pace *pace, int64_t arrival_ns)
+/* A rate that nobody told: by the line under the first arrivals, and once it is good by the loop.
+ */
+static int64_t pace_learn(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
 {
-    if (pace->period_ns > 0)
-        return false;
-    if (pace->seen == 1 || pace->first_ns > arrival_ns)
-        pace->first_ns = arrival_ns;
-    if (pace->seen <= FIRST_RECORDS)
-        return true;
-    pace->period_ns = clamp((double)(arrival_ns - pace->first_ns) / FIRST_RECORDS, period_least_ns,
-                            period_most_ns);
-    pace->next_ns = (double)arrival_ns;
-    pace->window_start_ns = arrival_ns;
-    return false;
+    double period_ns, due_ns;
+    if (!glove_rate_add(&pace->rate, lost, arrival_ns, &period_ns, &due_ns))
+        return arrival_ns;
+    if (glove_rate_is_known(&pace->rate)) {
+        pace->period_ns = clamp(period_ns, period_least_ns, period_most_ns);
+        pace->next_ns = due_ns + pace->period_ns;
+        pace->window_start_ns = arrival_ns;
+        pace->memory = MEMORY_MOST;
+    }
+    return (int64_t)due_ns;
 }
 
 static int64_t pace_time(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
@@ -85,8 +84,8 @@ static int64_t pace_time(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
     if (pace->seen == 0)
         pace_start(pace, arrival_ns);
     pace->seen += pace->seen < UINT32_MAX;
-    if (pace_learns(pace, arrival_ns))
-        return arrival_ns;
+    if (pace->period_ns <= 0)
+        return pace_learn(pace, lost, arrival_ns);
     double due_ns = pace->next_ns + (double)lost * pace->period_ns;
     double late_ns = (double)arrival_ns - due_ns;
     if (late_ns > gap_ns || late_ns < -gap_ns) {

@@ -5,6 +5,7 @@
 #define MAROTTE_CYBERGLOVE_CLOCK_H
 #include "clock_map.h"
 #include "glove_parse.h"
+#include "glove_rate.h"
 
 typedef enum glove_timing {
     GLOVE_BY_ARRIVAL = 0, /* each record was asked for: it is of when it came */
@@ -16,9 +17,10 @@ typedef enum glove_timing {
 typedef struct glove_pace {
     double period_ns; /* 0: not known yet */
     double next_ns;   /* when the next record is due */
-    int64_t first_ns, window_start_ns;
+    int64_t window_start_ns;
     double least_late_ns, early_ns;
     uint32_t seen, window_count, memory;
+    glove_rate rate; /* while the period is not known */
 } glove_pace;
 
 typedef struct glove_clock {

@@ -225,9 +225,17 @@ static mrt_result restart(glove_drive *self, int64_t now_ns)
     return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port is gone");
 }
 
+/* What makes no sense was records as well. */
+static void count_garbage(glove_drive *self)
+{
+    size_t size = glove_layout_size(&self->unit.layout);
+    self->skipped += (uint32_t)((self->parse.garbage + self->parse.count + size / 2) / size);
+}
+
 static mrt_result resume(glove_drive *self)
 {
     self->resume_ns = 0;
+    count_garbage(self);
     glove_port_flush(&self->port);
     glove_parse_restart(&self->parse);
     glove_clock_restart(&self->clock);

@@ -51,6 +51,13 @@ static void name_process(const char *process, char *out, size_t capacity)
     snprintf(out, capacity, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
+/* What made a pseudo terminal holds both its ends; who uses it is another. */
+static bool may_have_made(const char *process, const char *real)
+{
+    return strncmp(real, "/dev/pts/", 9) == 0 &&
+           (has_open(process, "/dev/ptmx", -1) || has_open(process, "/dev/pts/ptmx", -1));
+}
+
 bool glove_find_other_holder(const char *path, int own, char *out, size_t capacity)
 {
     char real[PATH_CAPACITY], self[24];
@@ -60,14 +67,15 @@ bool glove_find_other_holder(const char *path, int own, char *out, size_t capaci
     DIR *processes = opendir("/proc");
     if (!processes)
         return false;
-    bool found = false;
+    bool found = false, is_sure = false;
     const struct dirent *entry;
-    while (!found && (entry = readdir(processes)) != NULL) {
+    while (!is_sure && (entry = readdir(processes)) != NULL) {
         bool is_self = strcmp(entry->d_name, self) == 0;
         if (!isdigit((unsigned char)entry->d_name[0]) ||
             !has_open(entry->d_name, real, is_self ? own : -1))
             continue;
         found = true;
+        is_sure = !may_have_made(entry->d_name, real);
         if (is_self)
             snprintf(out, capacity, "marotte itself, as another input");
         else

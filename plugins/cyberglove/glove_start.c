@@ -42,6 +42,11 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
 {
     if (talk->is_stopping)
         return glove_why_set(why, MRT_ERR_IO, "%s: given up, the program stops", talk->port->name);
+    if (talk->is_gone && talk->port->baud == 0)
+        return glove_why_set(why, MRT_ERR_IO,
+                             "%s closed the connection while it was asked: is the glove in use by "
+                             "another program?",
+                             talk->port->name);
     if (talk->is_gone)
         return glove_why_set(why, MRT_ERR_IO, "%s went away while it was asked: was it unplugged?",
                              talk->port->name);
@@ -271,19 +276,22 @@ static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layo
     glove_parse_init(parse, layout);
 }
 
-/* Takes the bytes heard last into the parser; true: there was a record. */
-static bool take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
+typedef enum heard_records { HEARD_NONE = 0, HEARD_NO_GLOVE, HEARD_RECORD } heard_records;
+
+/* Takes the bytes heard last into the parser. */
+static heard_records take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
 {
     const unsigned char *bytes = talk->heard + talk->heard_count - count;
     glove_record record;
-    bool found = false;
+    heard_records found = HEARD_NONE;
     while (count > 0) {
         size_t part = glove_parse_room(parse) < count ? glove_parse_room(parse) : count;
         glove_parse_put(parse, bytes, part);
         bytes += part;
         count -= part;
         while (glove_parse_next(parse, &record))
-            found = true;
+            if (found != HEARD_RECORD)
+                found = record.is_unplugged ? HEARD_NO_GLOVE : HEARD_RECORD;
     }
     return found;
 }
@@ -310,6 +318,14 @@ static int64_t first_limit_ms(const glove_unit *unit)
     return three_ms > first_record_ms ? three_ms : first_record_ms;
 }
 
+static mrt_result say_no_hand(const glove_talk *talk, glove_why *why)
+{
+    return glove_why_set(why, MRT_ERR_IO,
+                         "%s: the box answers, but says that the glove is not plugged into it: "
+                         "plug it in",
+                         talk->port->name);
+}
+
 static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *parse,
                               glove_why *why)
 {
@@ -318,24 +334,28 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
     if (!glove_start_sending(talk->port, unit))
         talk->is_gone = true;
     int64_t until_ns = glove_talk_until(talk, first_limit_ms(unit));
+    heard_records found = HEARD_NONE;
     while (glove_talk_goes_on(talk) && glove_port_now_ns() < until_ns) {
         int64_t try_ns = unit->is_polled ? glove_talk_until(talk, poll_again_ms) : until_ns;
         size_t count = glove_talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
         bool asks_again = unit->is_polled && !talk->is_gone;
-        if (take_heard(talk, count, parse))
-            return MRT_OK;
+        heard_records now = take_heard(talk, count, parse);
         glove_layout other = unit->layout;
-        if (glove_layout_guess(talk->heard, talk->heard_count, &other)) {
+        if (now == HEARD_NONE && found == HEARD_NONE &&
+            glove_layout_guess(talk->heard, talk->heard_count, &other)) {
             adopt(unit, parse, &other);
-            if (take_heard(talk, talk->heard_count, parse))
-                return MRT_OK;
+            now = take_heard(talk, talk->heard_count, parse);
         }
+        if (now == HEARD_RECORD)
+            return MRT_OK;
+        if (now == HEARD_NO_GLOVE)
+            found = now;
         if (asks_again && !glove_start_sending(talk->port, unit))
             talk->is_gone = true;
     }
     if (talk->is_gone || talk->is_stopping)
         return end_of(talk, why);
-    return say_no_record(talk, unit, why);
+    return found == HEARD_NO_GLOVE ? say_no_hand(talk, why) : say_no_record(talk, unit, why);
 }
 
 mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_wish *wish,

@@ -98,6 +98,7 @@ static void what_is_no_sound_glove_is_refused(void **state)
         {.option = {"--die-at-command", "6"}},
         {.option = {"--die-at-command", "7"}},
         {.option = {"--baud", "9600", "--minds-baud"}},
+        {.option = {"--unplugged-every", "1", "--unplugged-run", "1"}},
     };
     enum { COUNT = sizeof attempts / sizeof *attempts };
     pthread_t thread[COUNT];
@@ -111,6 +112,22 @@ static void what_is_no_sound_glove_is_refused(void **state)
         check_refusal(&attempts[i]);
         session_end(&attempts[i].session);
     }
+}
+
+/* Ctrl-C, while a port is asked that does not answer. */
+static void opening_is_given_up_when_the_person_says_so(void **state)
+{
+    (void)state;
+    glove_session s;
+    error err = {""};
+    _Atomic bool stop = true;
+    session_begin(&s, OPTIONS("--nature", "mute"));
+    int64_t start_ns = clock_now_ns();
+    assert_true(input_create_stoppable(&s.input, s.type, s.child.address, "", CLOCK_REAL, s.log,
+                                       &stop, &err) < 0);
+    assert_true(seconds_since(start_ns) < STOP_MAX_S);
+    assert_non_null(strstr(err.text, "given up"));
+    session_end(&s);
 }
 
 static void a_port_that_this_user_may_not_open(void **state)
@@ -182,7 +199,9 @@ static void a_port_that_another_program_holds(void **state)
     assert_int_equal(waitpid(pid, &status, 0), pid);
     assert_int_equal(status, 0);
     check_refusal(&self);
-    assert_null(strstr(self.err.text, "marotte itself"));
+    char holder[32];
+    snprintf(holder, sizeof holder, "(process %d)", (int)pid);
+    assert_non_null(strstr(self.err.text, holder)); /* not the emulator, which has it open too */
     session_end(&self.session);
 }
 
@@ -270,6 +289,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_no_sound_glove_is_refused),
+        cmocka_unit_test(opening_is_given_up_when_the_person_says_so),
         cmocka_unit_test(a_port_that_this_user_may_not_open),
         cmocka_unit_test(a_port_that_another_input_holds),
         cmocka_unit_test(a_port_that_another_program_holds),

@@ -90,6 +90,59 @@ static void a_rate_that_nobody_told_is_learnt(void **state)
     }
 }
 
+/* In the first three seconds, but for the first half. */
+static void a_rate_that_nobody_told_is_known_soon(void **state)
+{
+    (void)state;
+    static const double hz[] = {60, 90, 100, 112, 120, 150, 350};
+    for (int i = 0; i < 7; ++i) {
+        glove_clock clock;
+        glove_clock_init(&clock, GLOVE_BY_RATE, 0);
+        const glove_record record = {0};
+        tally errors = {0};
+        for (int k = 0; k < (int)(3 * hz[i]); ++k) {
+            int64_t true_ns = ORIGIN_NS + (int64_t)(k * 1e9 / hz[i]);
+            int64_t time_ns = glove_clock_time(&clock, &record, bunched(true_ns));
+            if (k > (int)(hz[i] / 2))
+                add(&errors, (double)(time_ns - true_ns) / 1e6);
+        }
+        spread s = spread_of(&errors);
+        assert_true(s.sd_ms < 1.3);
+        assert_true(s.least_ms > -1 && s.most_ms < 6);
+    }
+}
+
+static void a_rate_is_learnt_past_losses_pauses_and_clocks_that_turn_back(void **state)
+{
+    (void)state;
+    glove_rate rate = {.count = 0};
+    double period_ns = 0, due_ns = 0;
+    for (int k = 0; k < 300; ++k)
+        if (k % 5 != 4)
+            glove_rate_add(&rate, k > 0 && k % 5 == 0, ORIGIN_NS + k * 10 * MS, &period_ns,
+                           &due_ns);
+    assert_true(fabs(period_ns - 1e7) < 1 && glove_rate_is_known(&rate));
+    assert_false(glove_rate_add(&rate, 0, ORIGIN_NS + 60000 * MS, &period_ns, &due_ns));
+    assert_false(glove_rate_is_known(&rate));
+    for (int k = 1; k < 300; ++k)
+        glove_rate_add(&rate, 0, ORIGIN_NS + 60000 * MS + k * 5 * MS, &period_ns, &due_ns);
+    assert_true(fabs(period_ns - 5e6) < 1);
+    assert_false(glove_rate_add(&rate, 0, ORIGIN_NS, &period_ns, &due_ns));
+}
+
+static void a_rate_has_room_for_any_arrivals(void **state)
+{
+    (void)state;
+    glove_rate rate = {.count = 0};
+    double period_ns = 0, due_ns = 0;
+    for (int64_t k = 0; k < 1000; ++k) { /* ever slower: every arrival is a corner */
+        int64_t arrival_ns = ORIGIN_NS + k * MS + k * k * 500;
+        if (glove_rate_add(&rate, 0, arrival_ns, &period_ns, &due_ns))
+            assert_true(due_ns <= (double)arrival_ns && period_ns > 0);
+        assert_true(rate.corner_count <= GLOVE_RATE_CORNERS);
+    }
+}
+
 static void a_rate_that_was_told_wrong_is_found_out(void **state)
 {
     (void)state;
@@ -228,6 +281,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bunches_are_spread_by_a_rate_that_was_told),
+        cmocka_unit_test(a_rate_that_nobody_told_is_known_soon),
+        cmocka_unit_test(a_rate_is_learnt_past_losses_pauses_and_clocks_that_turn_back),
+        cmocka_unit_test(a_rate_has_room_for_any_arrivals),
         cmocka_unit_test(a_rate_that_nobody_told_is_learnt),
         cmocka_unit_test(a_rate_that_was_told_wrong_is_found_out),
         cmocka_unit_test(lost_records_leave_their_room),

@@ -432,6 +432,43 @@ static void a_glove_out_of_its_box_is_lost_and_said(void **state)
     assert_true(read_count < 20); /* of before, and one of doubt */
 }
 
+static void a_glove_out_of_its_box_is_not_opened(void **state)
+{
+    bench *b = *state;
+    b->talker.is_out_of_box = true;
+    assert_int_equal(open_talker(b), MRT_ERR_IO);
+    assert_error_says(b, "not plugged into it");
+    assert_int_equal(b->log_count[MRT_LOG_WARNING], 0);
+    b->params[MODE] = 2;
+    assert_int_equal(open_talker(b), MRT_ERR_IO);
+    assert_error_says(b, "not plugged into it");
+    b->talker.is_out_of_box = false;
+    mrt_sample sample;
+    assert_opens(b);
+    assert_reads(b, &sample);
+}
+
+/* Sensor 0 counts the records in base 250. */
+static void garbage_that_ends_when_it_is_asked_again_is_counted_as_lost(void **state)
+{
+    bench *b = *state;
+    assert_opens(b);
+    mrt_sample sample, last = {0};
+    for (int i = 0; i < 10; ++i)
+        assert_reads(b, &last);
+    b->talker.babbles = true;
+    mrt_result result = MRT_OK;
+    while (b->talker.babbles && (result = read_within(b, 20 * MS, &sample)) >= 0)
+        if (result == MRT_OK)
+            last = sample;
+    assert_true(result >= 0);
+    assert_reads(b, &sample);
+    int missing = ((int)sample.value[0] - (int)last.value[0] + 250) % 250 - 1;
+    int told = (int)(sample.sequence - last.sequence) - 1;
+    assert_true(missing > 5);
+    assert_true(told >= missing - 3 && told <= missing + 1); /* what was flushed nobody counts */
+}
+
 /* ---- ports ---- */
 
 static void what_is_no_serial_port_is_refused(void **state)
@@ -448,9 +485,14 @@ static void what_is_no_serial_port_is_refused(void **state)
 static void tcp_addresses_are_checked(void **state)
 {
     bench *b = *state;
-    static const char *const bad[] = {
-        "tcp:",     "tcp:1.2.3.4", "tcp:1.2.3.4:", "tcp:glove.local:80", "tcp:1.2.3.4:999999",
-        "tcp:[]:80"};
+    static const char *const bad[] = {"tcp:",
+                                      "tcp:1.2.3.4",
+                                      "tcp:1.2.3.4:",
+                                      "tcp:glove.local:80",
+                                      "tcp:1.2.3.4:999999",
+                                      "tcp:[]:80",
+                                      "tcp:127.0.0.1:0",
+                                      "tcp:127.0.0.1:65536"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_int_equal(b->input->open(b->plugin, bad[i], b->params), MRT_ERR_ARGUMENT);
     assert_int_equal(b->input->open(b->plugin, "tcp:127.0.0.1:1", b->params), MRT_ERR_IO);
@@ -467,6 +509,8 @@ static void a_port_that_another_program_has_locked_is_busy(void **state)
     assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
     assert_int_equal(open_talker(b), MRT_ERR_IO);
     assert_error_says(b, "in use by");
+    assert_error_says(b,
+                      "marotte itself"); /* it also made the terminal: nobody else may be named */
     close(other);
     assert_opens(b);
 }
@@ -563,6 +607,8 @@ int main(void)
         TEST(a_silence_that_ends_when_it_is_asked_again_goes_on),
         TEST(a_glove_that_is_stuck_is_restarted),
         TEST(a_glove_out_of_its_box_is_lost_and_said),
+        TEST(a_glove_out_of_its_box_is_not_opened),
+        TEST(garbage_that_ends_when_it_is_asked_again_is_counted_as_lost),
         TEST(what_is_no_serial_port_is_refused),
         TEST(tcp_addresses_are_checked),
         TEST(a_port_that_another_program_has_locked_is_busy),

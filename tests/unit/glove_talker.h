@@ -37,6 +37,7 @@ typedef struct talker {
     _Atomic uint32_t hang_up_after, silent_after; /* records; 0: never */
     _Atomic unsigned char status;
     _Atomic bool is_out_of_box; /* records say so */
+    _Atomic bool babbles;       /* records make no sense; until it is stopped */
     /* its state */
     _Atomic bool streams;
     bool streams_words, has_time, has_status;
@@ -82,6 +83,8 @@ static void talker_record(talker *self, char head)
         record[size++] = 'e';
         record[size++] = 'g';
     }
+    if (self->babbles)
+        memset(record, 'x', size);
     record[size++] = 0;
     talker_put(self, record, size);
     self->sent += 1;
@@ -141,6 +144,7 @@ static size_t talker_command(talker *self, const char *c, size_t count)
     switch (c[0]) {
     case 0x03:
         self->streams = false;
+        self->babbles = false;
         talker_put(self, "\x03", 2);
         return 1;
     case 0x12:
