@@ -1,9 +1,11 @@
 /* marotte take record: somebody performs over a take that plays. */
+#include "base/clock.h"
 #include "keys.h"
 #include "news.h"
 #include "perform_hands.h"
 #include "spec.h"
 #include "stage/overdub.h"
+#include "stage/sound.h"
 #include "take_change.h"
 #include "take_play.h"
 #include "take_stage.h"
@@ -30,6 +32,7 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     instance mapping;
     edit own; /* what the new layer moves */
     overdub *overdub;
+    sound *sound; /* of the take, heard while it is performed over; NULL: none */
     player_report report;
 } performing;
 
@@ -208,6 +211,7 @@ static mrt_result prepare(performing *self, error *err)
 
 static void finish(performing *self)
 {
+    sound_destroy(self->sound);
     overdub_destroy(self->overdub);
     edit_finish(&self->own);
     instance_destroy(&self->mapping);
@@ -229,12 +233,37 @@ static void finish(performing *self)
 
 /* ---- while it goes on ---- */
 
+/* A sound that cannot be heard stops nothing. */
+static void start_sound(performing *self)
+{
+    error err = {""};
+    const take_audio *audio = &overdub_take(self->overdub)->audio;
+    const sound_settings settings = {.show = self->call->show, .log = self->log};
+    if (self->clock == CLOCK_VIRTUAL || audio->audio == 0)
+        return;
+    if (sound_create(&self->sound, &settings, &err) < 0 || sound_load(self->sound, audio, &err) < 0)
+        fprintf(stderr, "warning: %s; it is performed in silence\n", err.text);
+}
+
+static void move_sound(performing *self)
+{
+    const transport *t = overdub_transport(self->overdub);
+    if (!self->sound)
+        return;
+    sound_update(self->sound);
+    if (!t)
+        return;
+    sound_motion motion = sound_motion_of(t, clock_now_ns());
+    sound_move(self->sound, &motion);
+}
+
 static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
 {
     performing *self = data;
     char text[64];
     (void)index, (void)time_s, (void)work_ns, (void)err;
     news_print(self->log);
+    move_sound(self);
     for (char key = keys_next(); key; key = keys_next())
         if (key == 'q')
             atomic_store(&stop_asked, true);
@@ -277,6 +306,7 @@ static mrt_result perform(performing *self, error *err)
         .frame = on_frame, .sample = on_sample, .incident = on_incident, .data = self};
     player_stage stage = overdub_stage(self->overdub);
     catch_signals();
+    start_sound(self);
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: q ends\n");
     progress_start(&self->call->shown, "performing");

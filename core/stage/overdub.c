@@ -487,6 +487,16 @@ int64_t overdub_at_ns(const overdub *self)
     return self->at_ns;
 }
 
+const transport *overdub_transport(const overdub *self)
+{
+    return self->has_begun && !self->is_over ? &self->transport : NULL;
+}
+
+const take *overdub_take(const overdub *self)
+{
+    return &self->take;
+}
+
 const char *overdub_note(const overdub *self)
 {
     return sequencer_note(self->sequencer);
