@@ -1,4 +1,4 @@
-/* marotte take log: the samples of a track as a log table (plugins/README.md). */
+/* marotte take log: the samples of a track as a log table (plugins/log/README.md). */
 #include "base/file.h"
 #include "hand/sensor.h"
 #include "take_play.h"

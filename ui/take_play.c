@@ -61,7 +61,7 @@ static const take_verb play_verbs[] = {
     {"log", "SHOW TAKE",
      "  --track N      which one (marotte take show); not needed where there is one\n"
      "  --out FILE.csv\n"
-     "The table is that of plugins/README.md: --input log:FILE.csv performs it.\n",
+     "The table is that of plugins/log/README.md: --input log:FILE.csv performs it.\n",
      "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
      take_log_run},
 };
