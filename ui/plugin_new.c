@@ -6,6 +6,7 @@
 #include "place.h"
 #include "template_files.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,6 +186,7 @@ static void remove_all(const wish *w, const char *folder)
 static mrt_result write_all(const wish *w, error *err)
 {
     char folder[PLACE_LENGTH];
+    assert(w->files);
     mrt_result result = make_folder(folder, w, err);
     if (result < 0)
         return result;

@@ -153,6 +153,20 @@ static void a_hand_that_appears_does_not_make_the_face_jump(void **state)
     end(&s);
 }
 
+static void without_easing_it_follows_at_once_and_never_divides_by_nothing(void **state)
+{
+    (void)state;
+    mrt_face face = face_of(2, 2);
+    scene s;
+    begin(&s, &face);
+    s.params[1] = 0.0; /* ease, s */
+    assert_int_equal(step(&s, 0.0, 1.5f), MRT_OK);
+    assert_true(way_of(&s.pull.vector[0]) <= 0.0f); /* false for NaN */
+    assert_int_equal(step(&s, 0.01, 1.5f), MRT_OK);
+    assert_float_equal(way_of(&s.pull.vector[0]), 6.0f, 1e-4f);
+    end(&s);
+}
+
 static void a_face_without_contacts_is_pulled_at_its_front(void **state)
 {
     (void)state;
@@ -288,6 +302,7 @@ int main(void)
         cmocka_unit_test(a_fist_pushes_contacts_along_their_normals),
         cmocka_unit_test(a_flat_hand_leaves_the_face_at_rest),
         cmocka_unit_test(a_hand_that_appears_does_not_make_the_face_jump),
+        cmocka_unit_test(without_easing_it_follows_at_once_and_never_divides_by_nothing),
         cmocka_unit_test(a_face_without_contacts_is_pulled_at_its_front),
         cmocka_unit_test(more_contacts_than_vectors_fill_the_pull_and_no_more),
         cmocka_unit_test(a_left_hand_does_as_well),
