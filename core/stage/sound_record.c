@@ -42,6 +42,9 @@ struct sound_record {
     /* [main] */
     int64_t audio_made;
     bool has_failed; /* to make the row */
+    uint32_t marked_gaps;
+    uint64_t marked_frames;
+    int64_t marked_ns;
     /* the recorder's */
     sound_clock clock;
     int64_t expected; /* frame of the device */
@@ -50,7 +53,7 @@ struct sound_record {
     size_t piece_frames, piece_least, piece_room;
     int64_t piece_first; /* frame of the device */
     /* shared */
-    _Atomic int64_t audio, first_time_ns, frame_count;
+    _Atomic int64_t audio, first_time_ns, frame_count, gap_ns; /* gap: where the last one is */
     _Atomic uint64_t lost_frames;
     _Atomic uint32_t gap_count;
     _Atomic int32_t drift_ppb;
@@ -125,6 +128,14 @@ void sound_record_block(void *data, const sound_block *block)
 
 /* ---- [recorder] ---- */
 
+static void count_gap(sound_record *self, double frames, int64_t time_ns)
+{
+    atomic_store(&self->gap_ns, time_ns);
+    if (frames > 0.0 && frames < 1e15)
+        atomic_fetch_add(&self->lost_frames, (uint64_t)(frames + 0.5));
+    atomic_fetch_add(&self->gap_count, 1);
+}
+
 static void flush_piece(sound_record *self)
 {
     error why = {""};
@@ -135,8 +146,7 @@ static void flush_piece(sound_record *self)
         writer_audio(self->writer, atomic_load(&self->audio), time_ns, self->piece,
                      self->piece_frames * self->stream.channel_count * SAMPLE_BYTES, &why);
     if (result < 0) {
-        atomic_fetch_add(&self->lost_frames, self->piece_frames);
-        atomic_fetch_add(&self->gap_count, 1);
+        count_gap(self, (double)self->piece_frames, time_ns);
         note(self, &why);
     } else {
         atomic_fetch_add(&self->frame_count, (int64_t)self->piece_frames);
@@ -144,21 +154,13 @@ static void flush_piece(sound_record *self)
     self->piece_frames = 0;
 }
 
-static void count_gap(sound_record *self, double frames)
-{
-    atomic_fetch_add(&self->gap_count, 1);
-    if (frames > 0.0 && frames < 1e15)
-        atomic_fetch_add(&self->lost_frames, (uint64_t)(frames + 0.5));
-}
-
 /* The piece that is being filled is of the clock as it was before. */
 static void tell_clock(sound_record *self, const packet *from)
 {
     double late_ns = (double)(from->time_ns - sound_clock_time_ns(&self->clock, from->first));
-    bool is_first = self->clock.count == 0;
-    if (from->is_broken && !is_first) {
+    if (from->is_broken && self->clock.count > 0) {
         flush_piece(self);
-        count_gap(self, late_ns / self->clock.nominal_ns);
+        count_gap(self, late_ns / self->clock.nominal_ns, from->time_ns);
         sound_clock_break(&self->clock, from->first, from->time_ns);
         return;
     }
@@ -169,7 +171,7 @@ static void tell_clock(sound_record *self, const packet *from)
     self->clock = before;
     flush_piece(self);
     self->clock = now;
-    count_gap(self, late_ns / self->clock.nominal_ns);
+    count_gap(self, late_ns / self->clock.nominal_ns, from->time_ns);
 }
 
 static void take_packet(sound_record *self, const packet *from)
@@ -177,7 +179,8 @@ static void take_packet(sound_record *self, const packet *from)
     uint32_t channels = self->stream.channel_count;
     if (self->has_begun && from->first != self->expected) {
         flush_piece(self);
-        count_gap(self, (double)(from->first - self->expected));
+        count_gap(self, (double)(from->first - self->expected),
+                  sound_clock_time_ns(&self->clock, self->expected));
     }
     if (from->time_ns != 0)
         tell_clock(self, from);
@@ -241,7 +244,27 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-void sound_record_update(sound_record *self)
+/* Where something is missing there is a mark, at most one a second. */
+static void mark_gaps(sound_record *self)
+{
+    char text[96];
+    error why = {""};
+    uint32_t count = atomic_load(&self->gap_count);
+    int64_t gap_ns = atomic_load(&self->gap_ns);
+    uint64_t frames = atomic_load(&self->lost_frames);
+    if (count == self->marked_gaps ||
+        (self->marked_gaps > 0 && gap_ns - self->marked_ns < NS_PER_S))
+        return;
+    snprintf(text, sizeof text, "microphone: %.3f s lost",
+             (double)(frames - self->marked_frames) / (double)self->stream.rate_hz);
+    if (writer_mark(self->writer, gap_ns, text, &why) < 0)
+        note(self, &why);
+    self->marked_gaps = count;
+    self->marked_frames = frames;
+    self->marked_ns = gap_ns;
+}
+
+static void make_row(sound_record *self)
 {
     error why = {""};
     int64_t time_ns = atomic_load(&self->first_time_ns);
@@ -259,6 +282,12 @@ void sound_record_update(sound_record *self)
     }
     atomic_store(&self->audio, self->audio_made);
     wake_signal(&self->wake);
+}
+
+void sound_record_update(sound_record *self)
+{
+    make_row(self);
+    mark_gaps(self);
 }
 
 void sound_record_look(sound_record *self, sound_record_status *out)
@@ -291,6 +320,7 @@ void sound_record_end(sound_record *self)
     sound_record_update(self);
     sound_record_work(self);
     flush_piece(self);
+    mark_gaps(self);
 }
 
 mrt_result sound_record_create(sound_record **out, show *s, writer *w, sound_threads threads,

@@ -25,8 +25,8 @@ CHECKED mrt_result sound_record_create(sound_record **out, show *s, writer *w,
                                        sound_threads threads, error *err);
 /* No block comes any more: writes what is left. NULL is fine. */
 void sound_record_destroy(sound_record *self);
-/* Makes the sound's row in the show once something has come. Call it often: the ring holds some ten
- * seconds. */
+/* Makes the sound's row in the show once something has come, and marks in it where something is
+ * lost. Call it often: the ring holds some ten seconds. */
 void sound_record_update(sound_record *self);
 void sound_record_look(sound_record *self, sound_record_status *out);
 /* Writes what has come by now. No block must come meanwhile or later. */

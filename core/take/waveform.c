@@ -10,7 +10,7 @@ enum {
     FINEST_BITS = 8,
     LEVELS = 21,
     PAIRS_MAX = 1 << 20,
-    READ_FRAMES = 4096,
+    READ_SAMPLES = 32768,
     SKIPPED_FRAMES = 256
 };
 
@@ -25,6 +25,7 @@ struct waveform {
     uint32_t bits; /* of level 0 */
     level levels[LEVELS];
     int64_t known;
+    size_t pairs_max, read_frames;
     unsigned char *bytes;
     float *samples;
 };
@@ -90,7 +91,7 @@ static void build_top(waveform *self)
 
 static mrt_result fit(waveform *self, int64_t frames, error *err)
 {
-    while ((frames >> self->bits) >= PAIRS_MAX) {
+    while ((frames >> self->bits) >= (int64_t)self->pairs_max) {
         let_go_of_finest(self);
         mrt_result result = make_room(&self->levels[LEVELS - 1], 2, err);
         if (result < 0)
@@ -164,12 +165,13 @@ mrt_result waveform_step(waveform *self, show *s, int64_t frames_max, error *err
     if (result < 0)
         return result;
     self->audio.frame_count = audio.frame_count;
-    for (int64_t done = 0; done < frames_max && result == MRT_OK; done += READ_FRAMES) {
+    int64_t step = (int64_t)self->read_frames;
+    for (int64_t done = 0; done < frames_max && result == MRT_OK; done += step) {
         int64_t left = audio.frame_count - self->known;
         left = left < frames_max - done ? left : frames_max - done;
         if (self->known >= audio.frame_count)
             return MRT_END;
-        result = step_once(self, s, left < READ_FRAMES ? (size_t)left : READ_FRAMES, err);
+        result = step_once(self, s, (size_t)(left < step ? left : step), err);
     }
     if (result == MRT_OK && self->known >= audio.frame_count)
         return MRT_END;
@@ -208,7 +210,8 @@ static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to,
     end = end < self->known ? end : self->known;
     for (int64_t at = out->first_frame; at < end;) {
         size_t got;
-        size_t wanted = end - at < READ_FRAMES ? (size_t)(end - at) : READ_FRAMES;
+        size_t wanted =
+            (size_t)(end - at) < self->read_frames ? (size_t)(end - at) : self->read_frames;
         mrt_result result = read_frames(self, s, at, wanted, &got, err);
         if (result < 0)
             return result;
@@ -252,6 +255,12 @@ mrt_result waveform_read(waveform *self, show *s, int64_t from, int64_t to, size
 
 /* ---- life ---- */
 
+void waveform_limit(waveform *self, size_t pairs_max)
+{
+    if (self->known == 0)
+        self->pairs_max = pairs_max < 2 ? 2 : pairs_max < PAIRS_MAX ? pairs_max : PAIRS_MAX;
+}
+
 mrt_result waveform_create(waveform **out, show *s, int64_t audio, error *err)
 {
     *out = NULL;
@@ -263,7 +272,9 @@ mrt_result waveform_create(waveform **out, show *s, int64_t audio, error *err)
         goto fail;
     self->bits = FINEST_BITS;
     self->format = sound_pcm_of(self->audio.format);
-    size_t samples = (size_t)READ_FRAMES * self->audio.channel_count;
+    self->pairs_max = PAIRS_MAX;
+    self->read_frames = READ_SAMPLES / self->audio.channel_count;
+    size_t samples = READ_SAMPLES;
     self->bytes = malloc(samples * sound_pcm_bytes(self->format));
     self->samples = malloc(samples * sizeof *self->samples);
     if (!self->bytes || !self->samples) {

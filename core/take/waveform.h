@@ -15,6 +15,10 @@ typedef struct waveform_pair {
 
 CHECKED mrt_result waveform_create(waveform **out, show *s, int64_t audio, error *err);
 void waveform_destroy(waveform *self); /* NULL is fine */
+/* Before the first step: how many pairs the finest level may have, 2 MiB in all for 2^17; 2^20 is
+ * the most, and what it is unless this is said. Those of fewer are read from the sound more often.
+ */
+void waveform_limit(waveform *self, size_t pairs_max);
 
 /* Looks at up to so many further frames. MRT_OK: there are more; MRT_END: all that is recorded by
  * now was looked at; < 0: a stretch is damaged, counts as silence, and the next call goes on behind
