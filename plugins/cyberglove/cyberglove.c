@@ -33,7 +33,7 @@ struct mrt_plugin {
     const mrt_host *host;
     glove_drive drive;
     glove_memory memory;
-    bool is_open, asked_to_restart;
+    bool is_open, asked_to_restart, has_told_loss;
     double opened_with[PARAM_COUNT];
     uint32_t sensor_count, channel_count; /* the switch, if it is one, comes last */
     mrt_channel channel[MRT_MAX_CHANNELS];
@@ -176,6 +176,7 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     }
     self->is_open = true;
     self->asked_to_restart = false;
+    self->has_told_loss = false;
     self->has_last = false;
     describe_channels(self);
     say_what_it_is(&self->drive);
@@ -214,9 +215,15 @@ static bool release_switch(mrt_plugin *self, mrt_sample *out)
     return true;
 }
 
-/* A host that goes on reading from a glove that is gone is not to spin. */
-static mrt_result stay_lost(const mrt_plugin *self, int64_t deadline_ns)
+/* Said with the error, which may come one read after the loss. A host that goes on reading from a
+ * glove that is gone is not to spin. */
+static mrt_result stay_lost(mrt_plugin *self, int64_t deadline_ns)
 {
+    if (!self->has_told_loss) {
+        self->has_told_loss = true;
+        self->host->log(self->host, MRT_LOG_ERROR, self->drive.loss.text);
+        return MRT_ERR_IO;
+    }
     int64_t pause_ns = self->host->now_ns(self->host) + lost_pause_ns;
     self->host->wait_until_ns(self->host, deadline_ns < pause_ns ? deadline_ns : pause_ns);
     return MRT_ERR_IO;
@@ -241,10 +248,10 @@ static mrt_result glove_read(mrt_plugin *self, const double *params, int64_t dea
     glove_record record;
     int64_t time_ns = 0;
     mrt_result result = glove_drive_read(&self->drive, deadline_ns, &record, &time_ns);
+    if (result < 0)
+        return release_switch(self, out_sample) ? MRT_OK : stay_lost(self, deadline_ns);
     if (result == MRT_OK)
         fill_sample(self, &record, time_ns, out_sample);
-    else if (result < 0 && release_switch(self, out_sample))
-        return MRT_OK;
     return result;
 }
 

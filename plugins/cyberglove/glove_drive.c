@@ -190,11 +190,9 @@ static void nap(const glove_drive *self, int64_t until_ns)
 
 static mrt_result lose(glove_drive *self, const char *reason)
 {
-    char text[400];
     self->is_lost = true;
-    snprintf(text, sizeof text, "%.160s: %s", self->port.name, reason);
-    self->host->log(self->host, MRT_LOG_ERROR, text);
-    trace_note(&self->trace, glove_port_now_ns(), text);
+    glove_why_set(&self->loss, MRT_ERR_IO, "%.160s: %s", self->port.name, reason);
+    trace_note(&self->trace, glove_port_now_ns(), self->loss.text);
     return MRT_ERR_IO;
 }
 

@@ -27,6 +27,7 @@ typedef struct glove_drive {
     glove_clock clock;
     uint32_t told;
     bool has_read, has_restarted, is_lost;
+    glove_why loss;     /* is_lost: the caller says it */
     bool has_asked;     /* polled: a record is on its way */
     uint32_t skipped;   /* records not worth giving, since the last one given */
     uint32_t unplugged; /* records in a row that say: not plugged into the box */
@@ -38,7 +39,7 @@ typedef struct glove_drive {
 
 /* The port is open and glove_start has succeeded. */
 void glove_drive_begin(glove_drive *self);
-/* MRT_OK, MRT_TIMEOUT, or MRT_ERR_IO: said to the host's log, and for ever. out_record->lost counts
+/* MRT_OK, MRT_TIMEOUT, or MRT_ERR_IO: for ever, and why is in `loss`. out_record->lost counts
  * all that are missing before it. */
 mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record *out_record,
                             int64_t *out_time_ns);

@@ -335,7 +335,7 @@ static mrt_result lose(osc_input *self, const char *why)
     snprintf(bound, sizeof bound, "%s", self->listener.bound);
     osc_listener_rearm(&self->listener);
     osc_port_join(self->port, &self->listener);
-    say(self, MRT_LOG_WARNING, "port %u%s%s: %s", (unsigned)self->place.port, bound[0] ? ": " : "",
+    say(self, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->place.port, bound[0] ? ": " : "",
         bound, why);
     self->is_lost = true;
     return MRT_ERR_IO;

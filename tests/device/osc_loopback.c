@@ -309,6 +309,7 @@ static void a_killed_sender_leaves_no_pedal_down_and_may_come_back(void **state)
         assert_true(sample.value[0] == 5 && sample.value[1] == 6); /* the hand stays */
     }
     int64_t lost_ns = now_ns();
+    assert_int_equal(w->in->said[MRT_LOG_ERROR], 1); /* why, for whoever shows the loss */
     print_message("killed: pedal up after %.2f s, lost after %.2f s\n",
                   (double)(released_ns - killed_ns) / 1e9, (double)(lost_ns - killed_ns) / 1e9);
     assert_int_equal(result, MRT_ERR_IO);

@@ -277,7 +277,9 @@ static void the_switch_is_the_pedal_that_was_chosen_and_goes_up_when_the_glove_g
     b->talker.hang_up_after = 1;
     while (sample.value[22] > 0.5f)
         assert_reads(b, &sample);
+    assert_int_equal(b->log_count[MRT_LOG_ERROR], 0); /* it comes with the error */
     assert_int_equal(read_within(b, 50 * MS, &sample), MRT_ERR_IO);
+    assert_error_says(b, "unplugged");
 }
 
 static void words_are_counts_with_fractions(void **state)
