@@ -153,7 +153,8 @@ CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out
 typedef struct take_name {
     char text[2 * TAKE_NAME + 32];
 } take_name;
-take_name take_slate_text(const char *scene, const char *shot, uint32_t number); /* "1/a/2" */
+take_name take_slate_text(const char *scene, const char *shot,
+                          uint32_t number); /* "1/a/2"; without what is "" */
 int64_t take_utc_ms(void);
 
 #endif

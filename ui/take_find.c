@@ -18,7 +18,8 @@ int64_t take_utc_ms(void)
 take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
 {
     take_name out;
-    (void)snprintf(out.text, sizeof out.text, "%s/%s/%u", scene, shot, number);
+    (void)snprintf(out.text, sizeof out.text, "%s%s%s%s%u", scene, scene[0] ? "/" : "", shot,
+                   shot[0] ? "/" : "", number);
     return out;
 }
 
