@@ -94,21 +94,26 @@ static const char *verdict_word(check_verdict verdict)
     return words[verdict];
 }
 
-static void print_finding(check_rule rule, const check_finding *finding)
+static void print_finding(check_rule rule, const check_finding *finding, const char *text)
 {
-    printf("  %-20s %-7s  %s\n", check_rule_id(rule), verdict_word(finding->verdict),
-           finding->text);
+    printf("  %-20s %-7s  %s\n", check_rule_id(rule), verdict_word(finding->verdict), text);
     if (finding->verdict == CHECK_FAILED)
         printf("  %-20s %-7s  plugin.h: %s\n", "", "", check_rule_says(rule));
 }
 
 static void print_subject(const check_subject *subject)
 {
+    const char *last = "";
     if (subject->id[0])
         printf("%s\n", subject->id);
-    for (int i = 0; i < RULE_COUNT; ++i)
-        if (subject->finding[i].verdict != CHECK_NOT_CONCERNED)
-            print_finding((check_rule)i, &subject->finding[i]);
+    for (int i = 0; i < RULE_COUNT; ++i) {
+        const check_finding *finding = &subject->finding[i];
+        if (finding->verdict == CHECK_NOT_CONCERNED)
+            continue;
+        bool is_again = finding->verdict == CHECK_SKIPPED && strcmp(finding->text, last) == 0;
+        print_finding((check_rule)i, finding, is_again ? "as above" : finding->text);
+        last = finding->text;
+    }
 }
 
 static void print_report(const options *o, const check_report *report)

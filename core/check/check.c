@@ -17,26 +17,28 @@ static const uint64_t seed_step = 1000003; /* between two children of the same k
 typedef struct case_plan {
     const char *name;
     uint32_t concerns, times;
+    bool is_exclusive; /* opens a device: one such at a time */
 } case_plan;
 
 /* The long ones first: they are in parallel. */
 static const case_plan plans[] = {
-    {CASE_INPUT, CONCERNS_INPUT, 1},      {CASE_STOP, CONCERNS_INPUT, 1},
-    {CASE_WALK, CONCERNS_MAPPING, 1},     {CASE_RESTLESS, CONCERNS_MAPPING, 3},
-    {CASE_ENGAGE, CONCERNS_MAPPING, 1},   {CASE_REPLAY, CONCERNS_MAPPING, 1},
-    {CASE_FACES, CONCERNS_MAPPING, 1},    {CASE_RESUME, CONCERNS_RESUME, 1},
-    {CASE_HANDS, CONCERNS_MAPPING, 1},    {CASE_STATE, CONCERNS_STATE, 1},
-    {CASE_DEADLINE, CONCERNS_MAPPING, 1}, {CASE_GROWTH, CONCERNS_MAPPING, 1},
-    {CASE_LIFE, CONCERNS_TYPE, 1},        {CASE_DESTROY_NULL, CONCERNS_TYPE, 1},
-    {CASE_ABSENT, CONCERNS_INPUT, 1},     {CASE_RECORDED, CONCERNS_RECORDED, 1},
-    {CASE_DEVICES, CONCERNS_DEVICES, 1},  {CASE_OUTPUT, CONCERNS_OUTPUT, 1},
-    {CASE_SUM, CONCERNS_MAPPING, 2}};
+    {CASE_INPUT, CONCERNS_INPUT, 1, true},       {CASE_STOP, CONCERNS_INPUT, 1, true},
+    {CASE_WALK, CONCERNS_MAPPING, 1, false},     {CASE_RESTLESS, CONCERNS_MAPPING, 3, false},
+    {CASE_ENGAGE, CONCERNS_MAPPING, 1, false},   {CASE_REPLAY, CONCERNS_MAPPING, 1, false},
+    {CASE_FACES, CONCERNS_MAPPING, 1, false},    {CASE_RESUME, CONCERNS_RESUME, 1, false},
+    {CASE_HANDS, CONCERNS_MAPPING, 1, false},    {CASE_STATE, CONCERNS_STATE, 1, false},
+    {CASE_DEADLINE, CONCERNS_MAPPING, 1, false}, {CASE_GROWTH, CONCERNS_MAPPING, 1, false},
+    {CASE_LIFE, CONCERNS_TYPE, 1, false},        {CASE_DESTROY_NULL, CONCERNS_TYPE, 1, false},
+    {CASE_ABSENT, CONCERNS_INPUT, 1, false},     {CASE_RECORDED, CONCERNS_RECORDED, 1, true},
+    {CASE_DEVICES, CONCERNS_DEVICES, 1, false},  {CASE_OUTPUT, CONCERNS_OUTPUT, 1, false},
+    {CASE_SUM, CONCERNS_MAPPING, 2, false}};
 enum { PLANS = sizeof plans / sizeof *plans };
 
 typedef struct job {
     const char *name;
     check_subject *subject;
     uint32_t type, turn;
+    bool is_exclusive, is_started;
     bool has_failed;    /* told a failure */
     char sum[SUM_TEXT]; /* CASE_SUM */
 } job;
@@ -159,36 +161,66 @@ static uint32_t count_jobs_at_once(const examiner *self)
     return wanted < JOBS_MAX ? wanted : JOBS_MAX;
 }
 
+/* What runs: slot by slot a process, its job, and whom it tells. */
+typedef struct slots {
+    uint32_t count;
+    check_process process[JOBS_MAX];
+    listener listener[JOBS_MAX];
+    void *data[JOBS_MAX];
+} slots;
+
+static void init_slots(slots *out, examiner *self)
+{
+    memset(out, 0, sizeof *out);
+    out->count = count_jobs_at_once(self);
+    for (uint32_t i = 0; i < out->count; ++i) {
+        out->listener[i].examiner = self;
+        out->data[i] = &out->listener[i];
+    }
+}
+
+/* The next job that may start beside those that run; NULL: none. */
+static job *next_job(job *jobs, uint32_t count, const slots *running)
+{
+    bool is_device_open = false;
+    for (uint32_t i = 0; i < running->count; ++i)
+        is_device_open |= running->listener[i].job && running->listener[i].job->is_exclusive;
+    for (uint32_t i = 0; i < count; ++i)
+        if (!jobs[i].is_started && !(jobs[i].is_exclusive && is_device_open))
+            return &jobs[i];
+    return NULL;
+}
+
+static void finish_job(examiner *self, check_process *process, listener *of)
+{
+    judge_end(process, of->job);
+    of->job = NULL;
+    self->done += 1;
+    if (self->settings->on_progress)
+        self->settings->on_progress(self->settings->data, self->done, self->count);
+}
+
 static mrt_result run_jobs(examiner *self, job *jobs, uint32_t count, error *err)
 {
-    check_process running[JOBS_MAX] = {{0}};
-    listener listeners[JOBS_MAX];
-    void *data[JOBS_MAX];
-    uint32_t next = 0, at_once = count_jobs_at_once(self);
+    slots running;
     mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < at_once; ++i) {
-        listeners[i] = (listener){.examiner = self};
-        data[i] = &listeners[i];
-    }
+    init_slots(&running, self);
     do {
-        for (uint32_t i = 0; i < at_once && result >= 0; ++i) {
-            if (running[i].pid != 0)
+        for (uint32_t i = 0; i < running.count; ++i)
+            if (running.process[i].pid == 0 && running.listener[i].job)
+                finish_job(self, &running.process[i], &running.listener[i]);
+        for (uint32_t i = 0; i < running.count && result >= 0; ++i) {
+            job *next = running.process[i].pid == 0 ? next_job(jobs, count, &running) : NULL;
+            if (!next)
                 continue;
-            if (listeners[i].job) {
-                judge_end(&running[i], listeners[i].job);
-                listeners[i].job = NULL;
-                self->done += 1;
-                if (self->settings->on_progress)
-                    self->settings->on_progress(self->settings->data, self->done, self->count);
-            }
-            if (next < count) {
-                listeners[i].job = &jobs[next];
-                result = start(self, &running[i], &jobs[next++], err);
-            }
+            next->is_started = true;
+            running.listener[i].job = next;
+            result = start(self, &running.process[i], next, err);
         }
-    } while (result >= 0 && check_process_listen(running, at_once, on_line, data));
-    for (uint32_t i = 0; i < at_once; ++i)
-        check_process_finish(&running[i]);
+    } while (result >= 0 &&
+             check_process_listen(running.process, running.count, on_line, running.data));
+    for (uint32_t i = 0; i < running.count; ++i)
+        check_process_finish(&running.process[i]);
     return result;
 }
 
@@ -228,11 +260,6 @@ static void compare_sums(const job *jobs, uint32_t count, check_subject *subject
         note(subject, RULE_REPLAY_PROCESS, CHECK_OK, "");
         return;
     }
-    if (subject->finding[RULE_REPLAY_SAME].verdict == CHECK_FAILED) {
-        note(subject, RULE_REPLAY_PROCESS, CHECK_SKIPPED,
-             "replay.same fails: in one process already");
-        return;
-    }
     (void)snprintf(text, sizeof text,
                    "the pulls of the same take sum up to %s and %s: it depends on addresses, on "
                    "the environment, on time or on chance",
@@ -263,9 +290,34 @@ static mrt_result examine_type(examiner *self, uint32_t type, error *err)
 
 /* ---- the report ---- */
 
+/* Where the first fails, the others compare what cannot be compared: they are not to blame. */
+static const check_rule consequences[][2] = {
+    {RULE_REPLAY_SAME, RULE_REPLAY_PROCESS},     {RULE_REPLAY_SAME, RULE_REPLAY_INSTANCES},
+    {RULE_REPLAY_SAME, RULE_REPLAY_RESET},       {RULE_REPLAY_SAME, RULE_MAPPING_FACES},
+    {RULE_REPLAY_SAME, RULE_RESUME_SAME},        {RULE_REPLAY_SAME, RULE_RESUME_SILENT},
+    {RULE_REPLAY_SAME, RULE_RESUME_ALL_OR_NONE}, {RULE_REPLAY_INSTANCES, RULE_REPLAY_RESET},
+    {RULE_REPLAY_INSTANCES, RULE_MAPPING_FACES}, {RULE_REPLAY_INSTANCES, RULE_RESUME_SAME},
+    {RULE_REPLAY_INSTANCES, RULE_RESUME_SILENT}, {RULE_REPLAY_INSTANCES, RULE_RESUME_ALL_OR_NONE},
+    {RULE_REPLAY_RESET, RULE_MAPPING_FACES},
+};
+
+static void drop_consequences(check_subject *subject)
+{
+    for (size_t i = 0; i < sizeof consequences / sizeof *consequences; ++i) {
+        check_finding *finding = &subject->finding[consequences[i][1]];
+        if (subject->finding[consequences[i][0]].verdict != CHECK_FAILED ||
+            finding->verdict != CHECK_FAILED)
+            continue;
+        finding->verdict = CHECK_SKIPPED;
+        (void)snprintf(finding->text, sizeof finding->text, "cannot be told while %s fails",
+                       check_rule_id(consequences[i][0]));
+    }
+}
+
 static void close_subject(check_report *report, check_subject *subject)
 {
     const char *cause = NULL;
+    drop_consequences(subject);
     for (int i = 0; i < RULE_COUNT && !cause; ++i)
         if (subject->finding[i].verdict == CHECK_FAILED)
             cause = check_rule_id((check_rule)i);

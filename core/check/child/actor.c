@@ -174,14 +174,14 @@ static void judge_course(actor *self, const char *where)
     self->has_anchored = true;
 }
 
-static void judge_result(actor *self, uint32_t errors_before, const char *where)
+static void judge_result(actor *self, const char *where)
 {
     char words[300];
     if (self->result == MRT_OK || self->result == MRT_HOLD)
         return;
     tell_failed(RULE_MAPPING_RESULT, "%s: process() returned %d%s", where, self->result,
                 host_words(&self->host, words));
-    if (self->result < 0 && self->host.error_count == errors_before)
+    if (self->result < 0 && self->host.error_count == 0)
         tell_failed(RULE_RUN_EXPLAINED, "%s: process() returned %d, and logged no error", where,
                     self->result);
 }
@@ -191,7 +191,6 @@ void actor_step(actor *self)
     static double params[TYPES_PARAMS_MAX];
     char where[160];
     mrt_frame frame;
-    uint32_t errors_before = self->host.error_count;
     size_t params_size = self->type->param_count * sizeof *params;
     memcpy(&frame, &self->frame, sizeof frame); /* with what lies between its fields */
     if (params_size > 0)
@@ -207,7 +206,7 @@ void actor_step(actor *self)
     self->frame_count += 1;
     judge_writes(self, &frame, params, where);
     memcpy(&self->frame, &frame, sizeof frame);
-    judge_result(self, errors_before, where);
+    judge_result(self, where);
     if (self->result == MRT_HOLD && memcmp(&self->room.pull, &self->good, sizeof self->good) != 0)
         tell_failed(RULE_MAPPING_HOLD, "%s: process() wrote to the pull and returned MRT_HOLD",
                     where);

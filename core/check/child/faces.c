@@ -140,8 +140,6 @@ static void shape(face_room *out, face_kind kind)
         place_scaled(out, 1e5f / 270.0f);
     if (kind == FACE_AWAY)
         place_all(out, (mrt_vec3){1, 1, 1}, (mrt_vec3){2000, -500, 100});
-    if (kind == FACE_POINT)
-        place_scaled(out, 0.0f);
 }
 
 const mrt_face *faces_of(face_kind kind)
@@ -167,7 +165,6 @@ const char *faces_name(face_kind kind)
         [FACE_TINY] = "a face half a millimetre high",
         [FACE_HUGE] = "a face a hundred metres high",
         [FACE_AWAY] = "a face two metres from the origin",
-        [FACE_POINT] = "a face that is a point",
     };
     return names[kind];
 }

@@ -13,7 +13,6 @@ typedef enum face_kind {
     FACE_TINY,      /* half a millimetre high */
     FACE_HUGE,      /* a hundred metres high */
     FACE_AWAY,      /* 2 m beside the origin */
-    FACE_POINT,     /* all in one point */
     FACE_KINDS
 } face_kind;
 

@@ -12,8 +12,10 @@ static void host_log(const mrt_host *plugin, int32_t level, const char *text)
     host *self = plugin->data;
     if (level < MRT_LOG_WARNING || !text)
         return;
+    uint32_t kinds = trap_pause();
     self->error_count += 1;
     (void)snprintf(self->said, sizeof self->said, "%s", text);
+    trap_resume(kinds);
 }
 
 int64_t host_now_ns(const host *self)
@@ -24,13 +26,17 @@ int64_t host_now_ns(const host *self)
 static int64_t plugin_now_ns(const mrt_host *plugin)
 {
     trap_note(TRAP_HOST, "host->now_ns");
-    return host_now_ns(plugin->data);
+    uint32_t kinds = trap_pause();
+    int64_t now_ns = host_now_ns(plugin->data);
+    trap_resume(kinds);
+    return now_ns;
 }
 
 static int64_t plugin_wait_until_ns(const mrt_host *plugin, int64_t time_ns)
 {
     host *self = plugin->data;
     trap_note(TRAP_HOST, "host->wait_until_ns");
+    uint32_t kinds = trap_pause();
     self->wait_count += 1;
     if (time_ns > self->latest_ask_ns)
         self->latest_ask_ns = time_ns;
@@ -40,7 +46,9 @@ static int64_t plugin_wait_until_ns(const mrt_host *plugin, int64_t time_ns)
         self->now_ns = time_ns;
     if (self->clock == HOST_LATE && time_ns > self->now_ns)
         self->now_ns = time_ns > INT64_MAX - overshoot_ns ? time_ns : time_ns + overshoot_ns;
-    return host_now_ns(self);
+    int64_t now_ns = host_now_ns(self);
+    trap_resume(kinds);
+    return now_ns;
 }
 
 static void plugin_request_restart(const mrt_host *plugin)

@@ -31,6 +31,18 @@ void trap_leave(void)
     trapped = 0;
 }
 
+uint32_t trap_pause(void)
+{
+    uint32_t kinds = trapped;
+    trapped = 0;
+    return kinds;
+}
+
+void trap_resume(uint32_t kinds)
+{
+    trapped = kinds;
+}
+
 void trap_note(trap_kind kind, const char *function)
 {
     uint32_t kinds = trapped;

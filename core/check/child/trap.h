@@ -25,6 +25,9 @@ enum { TRAP_ALL = (1 << TRAP_KINDS) - 1 };
 /* From now on, on this thread, kinds (1 << TRAP_*) are caught. What would wait does not. */
 void trap_enter(uint32_t kinds);
 void trap_leave(void);
+/* What the host does for the plugin is not the plugin's doing: returns what trap_resume wants. */
+uint32_t trap_pause(void);
+void trap_resume(uint32_t kinds);
 
 /* A function of that kind is being called: trap_libc.c, host.c. */
 void trap_note(trap_kind kind, const char *function);
