@@ -3,6 +3,7 @@
 #include "base/bytes.h"
 #include "stage/composer_state.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,7 +111,9 @@ static void put_controls(bytes_out *out, const composer *self)
 static void take_controls(bytes_in *in, composer *self)
 {
     self->engaged = bytes_take_u32(in) != 0;
-    self->engaged_radius_mm = (float)bytes_take_f64(in);
+    double radius_mm = bytes_take_f64(in);
+    in->failed |= fabs(radius_mm) > (double)FLT_MAX;
+    self->engaged_radius_mm = in->failed ? 0.0f : (float)radius_mm;
     self->control_count = bytes_take_u32(in);
     if (self->control_count > MRT_MAX_VECTORS) {
         in->failed = true;

@@ -2,6 +2,7 @@
 #include "base/bytes.h"
 #include "face/frame/face_state.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -9,6 +10,10 @@ enum { STORE_VERSION = 1 };
 static const char store_mark[4] = {'F', 'A', 'C', 'E'};
 
 enum { ORIGIN_BASE = 0, ORIGIN_FREE = 1 };
+
+/* What a grip may be: wider than face_grip.c makes it, so that a pull stays a number. */
+static const double share_most = 2.0, belonging_least = 0.01;
+static const double mobility_least = 0.01, mobility_most = 100.0;
 
 /* ---- shapes: only what differs from the rest shape ---- */
 
@@ -66,6 +71,8 @@ static void take_grip(bytes_in *in, const face *f, face_grip *out)
         out->share[b] = bytes_take_f64(in);
         out->belongs[b] = bytes_take_u32(in) != 0;
         bones_held += out->belongs[b];
+        in->failed |= fabs(out->share[b]) > share_most ||
+                      (out->belongs[b] && !(out->share[b] > belonging_least));
     }
     out->mobility = bytes_take_f64(in);
     out->riding = bytes_take_f64(in);
@@ -75,7 +82,10 @@ static void take_grip(bytes_in *in, const face *f, face_grip *out)
     out->contact = bytes_take_u32(in);
     out->is_dropped = bytes_take_u32(in) != 0;
     in->failed |= bones_held > FACE_BONES_PER_CONTROL || out->contact > f->contact_count ||
-                  !(out->mobility > 0.0) || vec3_length(out->start) > (double)POINTS_REACH;
+                  !(out->mobility > mobility_least) || !(out->mobility < mobility_most) ||
+                  !(out->riding >= 0.0 && out->riding <= 1.0) ||
+                  !(vec3_length(out->start) <= (double)POINTS_REACH) ||
+                  out->is_dropped != (bones_held == 0);
 }
 
 static void put_settings(bytes_out *out, const csrbf_settings *s)
@@ -123,6 +133,14 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
 
 /* ---- back ---- */
 
+static float take_single(bytes_in *in)
+{
+    double value = bytes_take_f64(in);
+    bool fits = fabs(value) <= (double)FLT_MAX;
+    in->failed |= !fits;
+    return fits ? (float)value : 0.0f;
+}
+
 static bool is_of_this_face(bytes_in *in, const face *f)
 {
     char mark[sizeof store_mark];
@@ -157,7 +175,7 @@ static bool take_controls(bytes_in *in, face *f)
         return false;
     bytes_take(in, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
     for (size_t i = 0; i < (size_t)3 * f->control_column_count; ++i)
-        in->failed |= !isfinite(f->weight[i]);
+        in->failed |= !(fabs(f->weight[i]) <= (double)POINTS_REACH);
     return !in->failed;
 }
 
@@ -166,12 +184,12 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     float dof[MRT_MAX_DOFS] = {0};
     rigid pose[RIG_BONES_MAX];
+    face_reset(f);
     if (!is_of_this_face(&in, f))
         return error_set(err, MRT_ERR_FORMAT, "the stored state is not of this face");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
-        dof[i] = (float)bytes_take_f64(&in);
+        dof[i] = take_single(&in);
     bool is_free = bytes_take_u32(&in) == ORIGIN_FREE;
-    face_reset(f);
     take_shape(&in, &f->base, &f->rest);
     if (is_free)
         take_shape(&in, &f->free, &f->rest);
