@@ -242,8 +242,11 @@ static uint32_t plan_type(const examiner *self, uint32_t type, job *out, uint32_
     for (int i = 0; i < PLANS; ++i)
         for (uint32_t turn = 0; turn < plans[i].times && count < capacity; ++turn)
             if (subject->concerns & plans[i].concerns)
-                out[count++] =
-                    (job){.name = plans[i].name, .subject = subject, .type = type, .turn = turn};
+                out[count++] = (job){.name = plans[i].name,
+                                     .subject = subject,
+                                     .type = type,
+                                     .turn = turn,
+                                     .is_exclusive = plans[i].is_exclusive};
     return count;
 }
 

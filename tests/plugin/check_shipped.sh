@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# `marotte plugin check` finds nothing in the plugins that come with marotte, so often as
+# MAROTTE_CHECK_REPEAT says (3), each time with another seed. Inputs without their device are judged
+# on what can be judged.
+source "$(dirname "$0")/lib.sh"
+repeat=${MAROTTE_CHECK_REPEAT:-3}
+count=0
+for library in "$BUILD_DIR"/plugins/*.so "$BUILD_DIR"/tests/plugin/*_template.so; do
+    [ -e "$library" ] || continue
+    name=$(basename "$library" .so)
+    addresses=()
+    [ "$name" = log ] && addresses=(--input "$SOURCE_DIR/plugins/log/demo_hand.csv")
+    [ "$name" = osc ] && addresses=(--input "127.0.0.1:$((30000 + $$ % 20000))" --output 127.0.0.1:9)
+    "$MAROTTE" plugin check "$library" --seed $((RANDOM * 100)) --repeat "$repeat" "${addresses[@]}" \
+        >"$scratch/said" || { fail "$name"; cat "$scratch/said"; }
+    tail -1 "$scratch/said"
+    count=$((count + 1))
+done
+[ $count -ge 7 ] || fail "only $count plugins were found"
+finish
