@@ -79,7 +79,7 @@ static mrt_result make_buffers(sink *self, error *err)
     int64_t first;
     size_t samples = (size_t)OUT_FRAMES * self->channel_count;
     self->samples = malloc(samples * sizeof *self->samples);
-    self->bytes = malloc(samples * sizeof(float));
+    self->bytes = malloc(samples * 4);
     self->integers = malloc(samples * sizeof *self->integers);
     if (self->rate) {
         sound_rate_needs(self->rate, 0, OUT_FRAMES, &first, &self->needed_frames);

@@ -144,24 +144,24 @@ static void ten_minutes(bench *b, double ppm, int64_t jitter_ns)
 
 static void sound_keeps_within_a_millisecond_of_a_clock_200_ppm_off(void **state)
 {
-    static const double ppm[] = {200, -200, 0, 37};
-    static const int64_t jitter_ns[] = {0, 2000000};
+    static const struct kind {
+        double ppm;
+        int64_t jitter_ns;
+    } kinds[] = {{200, 0}, {200, 2000000}, {-200, 2000000}, {37, 2000000}, {0, 2000000}};
     (void)state;
-    for (int p = 0; p < 4; ++p) {
-        for (int j = 0; j < 2; ++j) {
-            bench b;
-            ten_minutes(&b, ppm[p], jitter_ns[j]);
-            assert_true(b.worst_ms < 1.0);
-            assert_true(fabs((double)b.follow.count.drift_ppb / 1000.0 - ppm[p]) < 5.0);
-            assert_int_equal(b.follow.count.jumped, 0);
-            assert_int_equal(b.follow.count.starved, 0);
-            assert_true(b.heard > 599 * RATE);
-            /* 200 ppm of ten minutes are 5760 frames; what jitter moves to and fro is little. */
-            double needed = fabs(ppm[p]) * 1e-6 * 600 * RATE;
-            assert_true((double)b.follow.count.spliced > needed - 60.0);
-            assert_true((double)b.follow.count.spliced < needed + 600.0);
-            bench_end(&b);
-        }
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
+        bench b;
+        ten_minutes(&b, kinds[k].ppm, kinds[k].jitter_ns);
+        assert_true(b.worst_ms < 1.0);
+        assert_true(fabs((double)b.follow.count.drift_ppb / 1000.0 - kinds[k].ppm) < 5.0);
+        assert_int_equal(b.follow.count.jumped, 0);
+        assert_int_equal(b.follow.count.starved, 0);
+        assert_true(b.heard > 599 * RATE);
+        /* 200 ppm of ten minutes are 5760 frames; what jitter moves to and fro is little. */
+        double needed = fabs(kinds[k].ppm) * 1e-6 * 600 * RATE;
+        assert_true((double)b.follow.count.spliced > needed - 60.0);
+        assert_true((double)b.follow.count.spliced < needed + 600.0);
+        bench_end(&b);
     }
 }
 
