@@ -6,7 +6,7 @@
 
 /* The kernel reaches over so many zero crossings to each side and is tabled so finely between two;
  * values between are linear, an error of 1e-7. */
-enum { CROSSINGS = 48, STEPS = 1024 };
+enum { CROSSINGS = 48, STEPS = 1024, CHANNELS_MAX = 64 };
 static const double kaiser_beta = 9.0;
 /* Of the lower Nyquist frequency: half of what is passed there. */
 static const double cutoff = 0.95;
@@ -44,9 +44,11 @@ mrt_result sound_rate_create(sound_rate **out, uint32_t from_hz, uint32_t to_hz,
                              uint32_t channel_count, error *err)
 {
     *out = NULL;
-    if (from_hz == 0 || to_hz == 0 || to_hz / from_hz >= 1000 || from_hz / to_hz >= 1000)
-        return error_set(err, MRT_ERR_ARGUMENT, "from %u Hz to %u Hz: cannot be resampled", from_hz,
-                         to_hz);
+    if (from_hz == 0 || to_hz == 0 || channel_count == 0 || channel_count > CHANNELS_MAX ||
+        to_hz / from_hz >= 1000 || from_hz / to_hz >= 1000)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "from %u Hz to %u Hz, %u channels: cannot be resampled", from_hz, to_hz,
+                         channel_count);
     sound_rate *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to resample");
@@ -102,15 +104,15 @@ void sound_rate_convert(const sound_rate *self, float *out, int64_t first, size_
     size_t in_count;
     sound_rate_needs(self, first, count, &in_first, &in_count);
     for (size_t i = 0; i < count; ++i) {
-        double part;
+        double part, sum[CHANNELS_MAX] = {0};
         int64_t centre = place(self, first + (int64_t)i, &part);
-        for (uint32_t c = 0; c < self->channel_count; ++c) {
-            double sum = 0.0;
-            for (int64_t k = -self->reach; k <= self->reach + 1; ++k) {
-                size_t at = (size_t)(centre + k - in_first) * self->channel_count + c;
-                sum += weight_of(self, (double)k - part) * (double)in[at];
-            }
-            out[i * self->channel_count + c] = (float)sum;
+        for (int64_t k = -self->reach; k <= self->reach + 1; ++k) {
+            double weight = weight_of(self, (double)k - part);
+            const float *frame = in + (size_t)(centre + k - in_first) * self->channel_count;
+            for (uint32_t c = 0; c < self->channel_count; ++c)
+                sum[c] += weight * (double)frame[c];
         }
+        for (uint32_t c = 0; c < self->channel_count; ++c)
+            out[i * self->channel_count + c] = (float)sum[c];
     }
 }
