@@ -20,8 +20,10 @@ enum {
 extern const char *const clutch_start_labels[];
 extern const char *const clutch_pedal_labels[];
 extern const char *const clutch_release_labels[];
+/* CLUTCH_PARAMS with another initial value of what comes on release. */
 /* clang-format off */
-#define CLUTCH_PARAMS \
+#define CLUTCH_PARAMS CLUTCH_PARAMS_WITH(0)
+#define CLUTCH_PARAMS_WITH(on_release) \
     {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first take hold of the face.", \
      0, 1, 0, clutch_start_labels}, \
     {21, MRT_PARAM_TRIGGER, "Engage", "Clutch", "", \
@@ -37,7 +39,7 @@ extern const char *const clutch_release_labels[];
      0, 4, 0, clutch_pedal_labels}, \
     {27, MRT_PARAM_STEPPED, "On release", "Clutch", "", \
      "Hold: the face stays as it is. Spring back: it eases back to its base.", \
-     0, 1, 0, clutch_release_labels}, \
+     0, 1, on_release, clutch_release_labels}, \
     {28, 0, "Release time", "Clutch", "s", "How long springing back takes.", 0.02, 5, 0.25, NULL}
 /* clang-format on */
 

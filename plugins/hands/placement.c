@@ -64,7 +64,7 @@ static turn turn_compose(const turn *second, const turn *first)
 }
 
 /* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
-static turn posture_turn(const double *params, int side)
+static turn posture_turn(const double *params, uint32_t side)
 {
     double mirror = side == MRT_LEFT ? -1.0 : 1.0;
     static const turn in_head = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -96,7 +96,7 @@ float placement_face_height(const placement *self)
     return self->size.y > 1.0f ? self->size.y : 1.0f;
 }
 
-static bool is_used(const mrt_frame *frame, int side)
+bool placement_pulls(const mrt_frame *frame, uint32_t side)
 {
     int hands = (int)frame->params[PLACEMENT_HANDS];
     bool wanted = hands == HANDS_BOTH || (hands == HANDS_LEFT) == (side == MRT_LEFT);
@@ -113,11 +113,11 @@ static mrt_vec3 centre_of_tips(const mrt_hand *hand)
     return (mrt_vec3){sum.x / 5.0f, sum.y / 5.0f, sum.z / 5.0f};
 }
 
-static mrt_vec3 place_of(const placement *self, const mrt_frame *frame, int side)
+static mrt_vec3 place_of(const placement *self, const mrt_frame *frame, uint32_t side)
 {
     const double *params = frame->params;
     double across = params[PLACEMENT_ACROSS];
-    if (is_used(frame, MRT_LEFT) && is_used(frame, MRT_RIGHT))
+    if (placement_pulls(frame, MRT_LEFT) && placement_pulls(frame, MRT_RIGHT))
         across += (side == MRT_LEFT ? 0.5 : -0.5) * params[PLACEMENT_APART];
     return (mrt_vec3){self->low.x + self->size.x * (float)(0.01 * across),
                       self->low.y + self->size.y * (float)(0.01 * params[PLACEMENT_UP]),
@@ -139,9 +139,9 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
     float scale =
         placement_face_height(self) * (float)(0.01 * params[PLACEMENT_SIZE]) / hand_length_mm;
     uint32_t count = 0;
-    for (int side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         const mrt_hand *hand = &frame->hand[side];
-        if (!is_used(frame, side))
+        if (!placement_pulls(frame, side))
             continue;
         if (!self->is_laid[side]) {
             self->home[side] = centre_of_tips(hand);

@@ -26,25 +26,27 @@ enum { PLACEMENT_POINTS_MAX = 2 * (5 + MRT_PALM) };
 extern const char *const placement_hands_labels[];
 extern const char *const placement_off_on_labels[];
 extern const char *const placement_posture_labels[];
+/* PLACEMENT_PARAMS with other initial values: palm, posture, size, up, depth, roll. */
 /* clang-format off */
-#define PLACEMENT_PARAMS \
+#define PLACEMENT_PARAMS PLACEMENT_PARAMS_WITH(0, 0, 90, 36, 95, -45)
+#define PLACEMENT_PARAMS_WITH(palm, posture, size, up, depth, roll) \
     {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Which hands pull.", \
      0, 2, 0, placement_hands_labels}, \
     {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Whether eight points of the palm pull too.", \
-     0, 1, 0, placement_off_on_labels}, \
+     0, 1, palm, placement_off_on_labels}, \
     {3, MRT_PARAM_STEPPED, "Posture", "Placement", "", \
      "In the head: fingers point out of the face, as in a puppet. Before the face: palm towards " \
-     "the face, fingers up.", 0, 1, 0, placement_posture_labels}, \
+     "the face, fingers up.", 0, 1, posture, placement_posture_labels}, \
     {4, 0, "Size", "Placement", "%", \
-     "Length of the hand, in per cent of the face's height.", 10, 300, 90, NULL}, \
+     "Length of the hand, in per cent of the face's height.", 10, 300, size, NULL}, \
     {5, 0, "Across", "Placement", "%", \
      "Where the fingertips are laid: 0 the subject's right edge of the face, 100 the left.", \
      -100, 200, 50, NULL}, \
     {6, 0, "Up", "Placement", "%", \
      "Where the fingertips are laid: 0 the lower edge of the face, 100 the top.", \
-     -100, 200, 36, NULL}, \
+     -100, 200, up, NULL}, \
     {7, 0, "Depth", "Placement", "%", \
-     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, 95, NULL}, \
+     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
     {8, 0, "Apart", "Placement", "%", \
      "With both hands: how far apart they are laid, in per cent of the face's width.", \
      0, 200, 50, NULL}, \
@@ -52,7 +54,7 @@ extern const char *const placement_posture_labels[];
     {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the thumb's side.", \
      -180, 180, 0, NULL}, \
     {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: thumb up.", \
-     -180, 180, -45, NULL}
+     -180, 180, roll, NULL}
 /* clang-format on */
 
 typedef struct placement {
@@ -67,6 +69,9 @@ typedef struct placement {
 
 void placement_activate(placement *self, const mrt_face *face);
 void placement_reset(placement *self); /* the next frame lays the hands anew */
+
+/* Whether this hand is present and asked for. */
+bool placement_pulls(const mrt_frame *frame, uint32_t side);
 
 /* The points of the hands in the face frame, mm: per hand (left first) the fingertips from thumb to
  * little, then the palm points. Returns their number, 0 when no hand that pulls is present. */

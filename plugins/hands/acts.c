@@ -1,0 +1,219 @@
+#include "acts.h"
+
+#include <math.h>
+#include <string.h>
+
+#define COUNT_OF(array) (sizeof(array) / sizeof *(array))
+
+const char *const act_names[ACT_COUNT + 1] = {"Neutral",  "Smile",      "Frown",  "Jaw open",
+                                              "Brows up", "Brows down", "Pucker", "Blink",
+                                              "Wink",     "Nod",        NULL};
+
+/* For a head 240 mm high, mm; out: away from the midline. Neighbours go along in part: a contact
+ * that is not pulled along holds its place. "x.*": both x.l and x.r. */
+static const struct pull_part {
+    act act;
+    const char *contact;
+    float out, up, front;
+} pull_parts[] = {
+    {ACT_SMILE, "mouth.corner.*", 7, 9.5f, -4.5f},
+    {ACT_SMILE, "nasolabial.*", 3, 6, 1},
+    {ACT_SMILE, "cheek.lower.*", 3.5f, 5, 0},
+    {ACT_SMILE, "lip.upper.side.*", 3.5f, 4, -1.5f},
+    {ACT_SMILE, "lip.lower.side.*", 3.5f, 3.5f, -1.5f},
+    {ACT_SMILE, "cheek.*", 1.5f, 6, 2},
+    {ACT_FROWN, "mouth.corner.*", 1.2f, -9.5f, -1.5f},
+    {ACT_FROWN, "nasolabial.*", 0, -3, 0},
+    {ACT_FROWN, "cheek.lower.*", 0, -3, 0},
+    {ACT_FROWN, "lip.upper.side.*", 0.5f, -3, 0},
+    {ACT_FROWN, "lip.lower.side.*", 0.5f, -4.5f, 0},
+    {ACT_FROWN, "cheek.*", 0, -2, 0},
+    {ACT_FROWN, "brow.inner.*", -1, 4, 0},
+    {ACT_BROWS_UP, "brow.inner.*", 0, 8.5f, 0},
+    {ACT_BROWS_UP, "brow.mid.*", 0, 10, 0},
+    {ACT_BROWS_UP, "brow.outer.*", 0, 7.5f, 0},
+    {ACT_BROWS_UP, "forehead.mid", 0, 3, 0},
+    {ACT_BROWS_DOWN, "brow.inner.*", -2.5f, -6, 1},
+    {ACT_BROWS_DOWN, "brow.mid.*", -1, -5, 0},
+    {ACT_BROWS_DOWN, "brow.outer.*", 0, -2, 0},
+    {ACT_BROWS_DOWN, "forehead.mid", 0, -1.5f, 0},
+    {ACT_PUCKER, "mouth.corner.*", -8, 0, 4},
+    {ACT_PUCKER, "lip.upper.side.*", -4.4f, 0, 5},
+    {ACT_PUCKER, "lip.lower.side.*", -4.4f, 0, 5},
+    {ACT_PUCKER, "lip.upper.mid", 0, 0, 6},
+    {ACT_PUCKER, "lip.lower.mid", 0, 0, 6},
+    {ACT_PUCKER, "nasolabial.*", -1.6f, 0, 1.2f},
+    {ACT_PUCKER, "cheek.lower.*", -2.8f, 0, 1},
+};
+
+/* Of the way from rest to the end of the range that is meant. */
+static const struct turn_part {
+    act act;
+    const char *dof;
+    float part;
+} turn_parts[] = {
+    {ACT_JAW_OPEN, "jaw.open", 0.7f},
+    {ACT_SMILE, "jaw.open", 0.06f},
+    {ACT_BLINK, "lid_upper.l.close", 1},
+    {ACT_BLINK, "lid_upper.r.close", 1},
+    {ACT_BLINK, "lid_lower.l.close", 0.8f},
+    {ACT_BLINK, "lid_lower.r.close", 0.8f},
+    {ACT_WINK, "lid_upper.l.close", 1},
+    {ACT_WINK, "lid_lower.l.close", 0.8f},
+    {ACT_SMILE, "lid_lower.l.close", 0.35f},
+    {ACT_SMILE, "lid_lower.r.close", 0.35f},
+    {ACT_BROWS_UP, "lid_upper.l.close", -0.5f},
+    {ACT_BROWS_UP, "lid_upper.r.close", -0.5f},
+    {ACT_NOD, "skull.nod", 0.5f},
+};
+
+/* ---- finding ---- */
+
+/* 1: the subject's left, -1: right, 0: it has no side; false: another name. */
+static bool is_named(const char *name, const char *pattern, float *out_side)
+{
+    size_t length = strlen(pattern);
+    *out_side = 0.0f;
+    if (length < 2 || pattern[length - 1] != '*')
+        return strcmp(name, pattern) == 0;
+    if (strncmp(name, pattern, length - 1) != 0 || !strchr("lr", name[length - 1]) ||
+        strlen(name) != length)
+        return false;
+    *out_side = name[length - 1] == 'l' ? 1.0f : -1.0f;
+    return true;
+}
+
+/* The face's contact as one of the acts'; ACTS_CONTACTS_MAX: there is no room. */
+static uint32_t contact_slot(acts *self, const mrt_face *face, uint32_t contact)
+{
+    uint32_t slot = 0;
+    while (slot < self->contact_count && self->contact[slot] != contact)
+        ++slot;
+    if (slot == self->contact_count && slot < ACTS_CONTACTS_MAX) {
+        self->contact[slot] = contact;
+        self->rest[slot] = face->contacts[contact].rest;
+        self->contact_count += 1;
+    }
+    return slot;
+}
+
+static uint32_t dof_slot(acts *self, uint32_t dof)
+{
+    uint32_t slot = 0;
+    while (slot < self->dof_count && self->dof[slot] != dof)
+        ++slot;
+    if (slot == self->dof_count && slot < ACTS_DOFS_MAX)
+        self->dof[self->dof_count++] = dof;
+    return slot;
+}
+
+static void find_pulls(acts *self, const mrt_face *face, const struct pull_part *part, float scale)
+{
+    float side;
+    for (uint32_t i = 0; i < face->contact_count; ++i) {
+        if (!is_named(face->contacts[i].name, part->contact, &side))
+            continue;
+        uint32_t slot = contact_slot(self, face, i);
+        if (slot == ACTS_CONTACTS_MAX)
+            return;
+        self->way[part->act][slot] =
+            (mrt_vec3){side * scale * part->out, scale * part->up, scale * part->front};
+        self->can[part->act] = true;
+    }
+}
+
+static void find_turns(acts *self, const mrt_face *face, const struct turn_part *part)
+{
+    for (uint32_t i = 0; i < face->dof_count && i < MRT_MAX_DOFS; ++i) {
+        const mrt_dof *dof = &face->dofs[i];
+        if (strcmp(dof->name, part->dof) != 0)
+            continue;
+        uint32_t slot = dof_slot(self, i);
+        float end = part->part < 0.0f ? -dof->min : dof->max;
+        if (slot == ACTS_DOFS_MAX || !(end > 0.0f) || !isfinite(end))
+            return;
+        self->turn[part->act][slot] = part->part * end;
+        self->can[part->act] = true;
+    }
+}
+
+static void report_missing(const acts *self, const mrt_host *host)
+{
+    char line[200] = "the face has no contact or degree of freedom for:";
+    size_t head = strlen(line), used = head;
+    for (int i = ACT_NEUTRAL + 1; i < ACT_COUNT; ++i) {
+        size_t length = strlen(act_names[i]);
+        if (self->can[i] || used + length + 3 > sizeof line)
+            continue;
+        if (used > head)
+            line[used++] = ',';
+        line[used++] = ' ';
+        memcpy(line + used, act_names[i], length + 1);
+        used += length;
+    }
+    if (used > head)
+        host->log(host, MRT_LOG_WARNING, line);
+}
+
+bool acts_find(acts *out, const mrt_face *face, const mrt_host *host)
+{
+    memset(out, 0, sizeof *out);
+    float height = face->high.y - face->low.y;
+    float scale = isfinite(height) && height > 0.0f ? height / 240.0f : 1.0f;
+    for (size_t i = 0; i < COUNT_OF(pull_parts); ++i)
+        find_pulls(out, face, &pull_parts[i], scale);
+    for (size_t i = 0; i < COUNT_OF(turn_parts); ++i)
+        find_turns(out, face, &turn_parts[i]);
+    if (out->contact_count + out->dof_count == 0) {
+        host->log(host, MRT_LOG_ERROR,
+                  "the face has no contact and no degree of freedom to make a face with "
+                  "(mouth.corner.l, jaw.open ...): take a face with a rig, see rigs/README.md");
+        return false;
+    }
+    report_missing(out, host);
+    return true;
+}
+
+/* ---- writing ---- */
+
+static mrt_vec3 way_of(const acts *self, const double part[ACT_COUNT], uint32_t slot)
+{
+    double x = 0.0, y = 0.0, z = 0.0;
+    for (int i = 0; i < ACT_COUNT; ++i) {
+        x += part[i] * (double)self->way[i][slot].x;
+        y += part[i] * (double)self->way[i][slot].y;
+        z += part[i] * (double)self->way[i][slot].z;
+    }
+    return (mrt_vec3){(float)x, (float)y, (float)z};
+}
+
+static float turn_of(const acts *self, const double part[ACT_COUNT], uint32_t slot)
+{
+    double sum = 0.0;
+    for (int i = 0; i < ACT_COUNT; ++i)
+        sum += part[i] * (double)self->turn[i][slot];
+    return (float)sum;
+}
+
+void acts_write(const acts *self, const double part[ACT_COUNT], mrt_pull *pull)
+{
+    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->contact_count;
+    for (uint32_t i = 0; i < self->contact_count; ++i) {
+        mrt_vector *v = &pull->vector[i];
+        mrt_vec3 rest = self->rest[i], way = way_of(self, part, i);
+        is_new = is_new || v->contact != 1 + self->contact[i] ||
+                 memcmp(&v->start, &rest, sizeof rest) != 0;
+        *v = (mrt_vector){
+            rest, {rest.x + way.x, rest.y + way.y, rest.z + way.z}, 1 + self->contact[i]};
+    }
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        pull->dof[i] = NAN;
+    for (uint32_t i = 0; i < self->dof_count; ++i)
+        pull->dof[self->dof[i]] = turn_of(self, part, i);
+    pull->mode = MRT_ANCHORED;
+    pull->count = self->contact_count;
+    pull->gate = 0;
+    pull->radius_mm = 0.0f;
+    pull->leak_per_s = 0.0f;
+    pull->anchor += is_new;
+}

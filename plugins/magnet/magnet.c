@@ -1,0 +1,300 @@
+/* One large field over the face: bending the fingers charges a magnet that draws the skin out or
+ * drives it in; the wrist moves it about. What the hand does counts from its pose at engage. */
+#include "clutch.h"
+#include "memory.h"
+#include "posture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    HAND,
+    FIST,
+    ACROSS,
+    UP,
+    RADIUS,
+    STRENGTH,
+    INWARD,
+    GATHER,
+    TRAVEL,
+    WANDER,
+    EASE,
+    CLUTCH,
+    PARAM_COUNT = CLUTCH + CLUTCH_COUNT
+};
+enum { WRIST_PITCH = 20, WRIST_YAW = 21, GRID = 6, POINTS_MAX = MRT_MAX_VECTORS };
+static const double rad_per_deg = 0.017453292519943295;
+
+typedef struct magnet {
+    double strength; /* -1 .. 1: drives in .. draws out */
+    double x, y;     /* from the place asked for, in heights of the face */
+} magnet;
+
+typedef struct held { /* how a hand is held */
+    double bend, pitch, yaw;
+} held;
+
+struct mrt_plugin {
+    mrt_vec3 low, size; /* of the face, mm */
+    uint32_t count;
+    mrt_vec3 point[POINTS_MAX]; /* of the field: contacts, or a grid before a face that has none */
+    uint32_t contact[POINTS_MAX];
+    clutch clutch;
+    bool is_engaged, has_neutral, has_held;
+    held neutral;
+    magnet shown;
+};
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    (void)host;
+    return calloc(1, sizeof(mrt_plugin));
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+/* ---- where the field is known ---- */
+
+/* On the front of an ellipsoid that fills the bounds. */
+static void lay_grid(mrt_plugin *self)
+{
+    for (int row = 0; row < GRID; ++row)
+        for (int column = 0; column < GRID; ++column) {
+            float x = ((float)column + 0.5f) / GRID - 0.5f, y = ((float)row + 0.5f) / GRID - 0.5f;
+            float beyond = 1.0f - 4.0f * (x * x + y * y);
+            float z = 0.5f * sqrtf(beyond > 0.0f ? beyond : 0.0f);
+            self->point[self->count] = (mrt_vec3){self->low.x + (0.5f + x) * self->size.x,
+                                                  self->low.y + (0.5f + y) * self->size.y,
+                                                  self->low.z + (0.5f + z) * self->size.z};
+            self->contact[self->count++] = 0;
+        }
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    self->low = face->low;
+    self->size = (mrt_vec3){face->high.x - face->low.x, face->high.y - face->low.y,
+                            face->high.z - face->low.z};
+    self->count = 0;
+    for (uint32_t i = 0; i < face->contact_count && self->count < POINTS_MAX; ++i) {
+        self->point[self->count] = face->contacts[i].rest;
+        self->contact[self->count++] = i + 1;
+    }
+    if (self->count == 0)
+        lay_grid(self);
+    return MRT_OK;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+static void reset(mrt_plugin *self)
+{
+    clutch_reset(&self->clutch);
+    self->is_engaged = self->has_neutral = self->has_held = false;
+    self->neutral = (held){0, 0, 0};
+    self->shown = (magnet){0, 0, 0};
+}
+
+static double height_of(const mrt_plugin *self)
+{
+    return self->size.y > 1.0f ? (double)self->size.y : 1.0;
+}
+
+/* ---- the magnet follows the hand ---- */
+
+static magnet wanted(const mrt_plugin *self, const held *now, const double *params)
+{
+    double charge = (now->bend - self->neutral.bend) / (rad_per_deg * params[TRAVEL]);
+    double per_rad = 0.01 * params[WANDER] / (30.0 * rad_per_deg);
+    return (magnet){
+        .strength = posture_limit(params[FIST] < 0.5 ? charge : -charge, 1.0),
+        .x = posture_limit(per_rad * (now->yaw - self->neutral.yaw), 0.5),
+        .y = posture_limit(per_rad * (self->neutral.pitch - now->pitch), 0.5),
+    };
+}
+
+static void follow(magnet *shown, const magnet *to, double share)
+{
+    shown->strength += share * (to->strength - shown->strength);
+    shown->x += share * (to->x - shown->x);
+    shown->y += share * (to->y - shown->y);
+}
+
+/* ---- the field ---- */
+
+/* Wendland's C2 function: 1 in the middle, 0 from 1 on. */
+static double bump(double r)
+{
+    double rest = r < 1.0 ? 1.0 - r : 0.0;
+    return rest * rest * rest * rest * (4.0 * r + 1.0);
+}
+
+/* Out of the face, and in part towards the magnet's axis. */
+static mrt_vec3 drawn(const mrt_plugin *self, mrt_vec3 at, const double *params)
+{
+    double height = height_of(self), radius = 0.01 * params[RADIUS] * height;
+    double x = (double)at.x - (double)self->low.x - 0.01 * params[ACROSS] * (double)self->size.x;
+    double y = (double)at.y - (double)self->low.y - 0.01 * params[UP] * (double)self->size.y;
+    x -= self->shown.x * height;
+    y -= self->shown.y * height;
+    double felt = bump(sqrt(x * x + y * y) / radius) * self->shown.strength;
+    if (self->shown.strength < 0.0)
+        felt *= 0.01 * params[INWARD];
+    double out_mm = felt * 0.01 * params[STRENGTH] * height;
+    double aside = -0.01 * params[GATHER] * felt;
+    return (mrt_vec3){(float)(aside * x), (float)(aside * y), (float)out_mm};
+}
+
+static void write_field(const mrt_plugin *self, const double *params, mrt_pull *pull)
+{
+    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->count;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        mrt_vec3 start = self->point[i], way = drawn(self, start, params);
+        mrt_vector *v = &pull->vector[i];
+        is_new = is_new || v->contact != self->contact[i] ||
+                 memcmp(&v->start, &start, sizeof start) != 0;
+        *v = (mrt_vector){
+            start, {start.x + way.x, start.y + way.y, start.z + way.z}, self->contact[i]};
+    }
+    pull->mode = MRT_ANCHORED;
+    pull->anchor += is_new;
+    pull->count = self->count;
+    pull->radius_mm = (float)(0.01 * params[RADIUS] * height_of(self));
+    pull->gate = 0;
+    pull->leak_per_s = 0.0f;
+}
+
+/* ---- the mapping ---- */
+
+/* What is shown is the base now, and nothing is drawn any more. */
+static void commit(mrt_plugin *self, mrt_pull *pull)
+{
+    pull->commit += 1;
+    pull->anchor += 1;
+    self->shown.strength = 0.0;
+}
+
+static void obey(mrt_plugin *self, const clutch_events *events)
+{
+    if (events->engage || events->commit) {
+        self->is_engaged = true;
+        self->has_neutral = false;
+    }
+    if (events->release)
+        self->is_engaged = false;
+}
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    const double *params = frame->params;
+    const mrt_hand *hand = posture_hand(frame, params[HAND]);
+    clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
+    obey(self, &events);
+    self->has_held = self->has_held || (self->is_engaged && hand);
+    if (!self->has_held)
+        return MRT_HOLD;
+    if (events.commit)
+        commit(self, pull);
+    magnet to = self->shown;
+    double time_s = params[EASE];
+    if (self->is_engaged && hand) {
+        held now = {posture_bend(hand), (double)hand->angle[WRIST_PITCH],
+                    (double)hand->angle[WRIST_YAW]};
+        if (!self->has_neutral)
+            self->neutral = now;
+        self->has_neutral = true;
+        to = wanted(self, &now, params);
+    } else if (!self->is_engaged && clutch_springs_back(params + CLUTCH)) {
+        to.strength = 0.0;
+        time_s = params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* in 3 of them 95 % are gone */
+    }
+    follow(&self->shown, &to, posture_share(frame->dt_s, time_s));
+    write_field(self, params, pull);
+    return MRT_OK;
+}
+
+/* ---- resume ---- */
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.magnet",
+                         .version = 1,
+                         .parts = {
+                             CLUTCH_MEMORY(self->clutch),
+                             MEMORY_BOOLS(self->is_engaged),
+                             MEMORY_BOOLS(self->has_neutral),
+                             MEMORY_BOOLS(self->has_held),
+                             MEMORY_DOUBLES(self->neutral),
+                             MEMORY_DOUBLES(self->shown),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
+static const char *const fist_labels[] = {"Draws out", "Drives in", NULL};
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    POSTURE_HAND_PARAM(1),
+    {2, MRT_PARAM_STEPPED, "Fist", "Magnet", "",
+     "What bending the fingers does to the face; stretching them does the opposite.",
+     0, 1, 0, fist_labels},
+    {3, 0, "Across", "Magnet", "%",
+     "Where it is: 0 the subject's right edge of the face, 100 the left.", 0, 100, 50, NULL},
+    {4, 0, "Up", "Magnet", "%", "Where it is: 0 the lower edge of the face, 100 the top.",
+     0, 100, 50, NULL},
+    {5, 0, "Radius", "Magnet", "%", "How far it is felt, in per cent of the face's height.",
+     10, 200, 55, NULL},
+    {6, 0, "Strength", "Magnet", "%",
+     "How far it moves the face at most, in per cent of the face's height.", 0, 30, 10, NULL},
+    {11, 0, "Inward", "Magnet", "%",
+     "How strong it is when it drives in: beneath the skin of a rig are teeth and eyes.",
+     0, 100, 20, NULL},
+    {7, 0, "Gather", "Magnet", "%",
+     "How much of their way to its axis the places around it are drawn together.",
+     0, 40, 10, NULL},
+    {8, 0, "Travel", "Hand", "deg",
+     "How far the fingers bend for most of the strength: the mean of their joints.",
+     5, 120, 35, NULL},
+    {9, 0, "Wander", "Hand", "%",
+     "How far it moves when the wrist turns by 30 deg, in per cent of the face's height.",
+     0, 200, 40, NULL},
+    {10, 0, "Ease", "Hand", "s", "Time in which it follows the hand.", 0.02, 2, 0.06, NULL},
+    CLUTCH_PARAMS_WITH(1),
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.magnet",
+    "Magnet",
+    "1.0",
+    "Bending the fingers charges one large field that draws the face out or in.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

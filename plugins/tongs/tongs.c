@@ -1,0 +1,337 @@
+/* Thumb and index finger are tongs: closed they grip the face where they are; moving them takes it
+ * along, opening them a little stretches it, opening them wide lets it go. */
+#include "clutch.h"
+#include "memory.h"
+#include "placement.h"
+#include "posture.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    GAIN = PLACEMENT_COUNT,
+    RADIUS,
+    REACH,
+    STRETCH,
+    CLOSE,
+    OPEN,
+    CLUTCH,
+    PARAM_COUNT = CLUTCH + CLUTCH_COUNT
+};
+enum { THUMB_TIP = 4, INDEX_TIP = 8, MIDDLE_KNUCKLE = 9, TIPS_PER_HAND = 5 };
+typedef enum phase { LOOSE = 0, GRIPPING, SPRINGING } phase;
+
+/* Of the radius: the two places that are gripped are never nearer to each other, and no more is
+ * stretched to either side than half of what is between them. */
+static const float apart_least = 0.4f;
+
+typedef struct tips {      /* face frame, mm */
+    mrt_vec3 middle, half; /* half: from the middle to the index finger's */
+    double gap;            /* between them, in lengths of the palm */
+} tips;
+
+struct mrt_plugin {
+    placement placement;
+    clutch clutch;
+    bool is_armed, is_closed; /* closed: gripping, or it would if it could */
+    phase phase;
+    uint32_t side; /* of the hand that grips or did; MRT_NO_HAND: none did */
+    bool was_there;
+    mrt_vec3 middle, half;           /* of the tips when they gripped */
+    mrt_vec3 last_middle, last_half; /* in the last frame in which they were there */
+    mrt_vec3 way[2];                 /* of the two places, when let go */
+    double sprung;                   /* 0 .. 1 of the way back */
+};
+
+static mrt_vec3 sum(mrt_vec3 a, float times, mrt_vec3 b)
+{
+    return (mrt_vec3){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
+}
+
+static float length(mrt_vec3 v)
+{
+    return sqrtf(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+/* v made no longer than most, smoothly, and nearly v while short. */
+static mrt_vec3 limited(mrt_vec3 v, float most)
+{
+    float q = (v.x * v.x + v.y * v.y + v.z * v.z) / (most * most);
+    return sum((mrt_vec3){0, 0, 0}, 1.0f / sqrtf(sqrtf(1.0f + q * q)), v);
+}
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    (void)host;
+    return calloc(1, sizeof(mrt_plugin));
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    placement_activate(&self->placement, face);
+    return MRT_OK;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+static void reset(mrt_plugin *self)
+{
+    placement_reset(&self->placement);
+    clutch_reset(&self->clutch);
+    self->is_armed = self->is_closed = self->was_there = false;
+    self->phase = LOOSE;
+    self->side = MRT_NO_HAND;
+    self->sprung = 0.0;
+}
+
+/* ---- the tongs ---- */
+
+static double gap_of(const mrt_hand *hand)
+{
+    mrt_vec3 palm = sum(hand->joint[MIDDLE_KNUCKLE], -1.0f, hand->joint[0]);
+    mrt_vec3 gap = sum(hand->joint[INDEX_TIP], -1.0f, hand->joint[THUMB_TIP]);
+    return (double)length(gap) / fmax((double)length(palm), 1.0);
+}
+
+/* points: as placement_points gave them, so many per hand that pulls. */
+static tips tips_of(const mrt_hand *hand, const mrt_vec3 *point)
+{
+    mrt_vec3 half = sum((mrt_vec3){0, 0, 0}, 0.5f, sum(point[1], -1.0f, point[0]));
+    return (tips){sum(point[0], 1.0f, half), half, gap_of(hand)};
+}
+
+/* The tips of the hand that grips, else of the one that is the more closed. False: none is there.
+ */
+static bool find_tips(mrt_plugin *self, const mrt_frame *frame, tips *out)
+{
+    mrt_vec3 point[PLACEMENT_POINTS_MAX];
+    uint32_t count = placement_points(&self->placement, frame, point), at = 0;
+    uint32_t per_hand = TIPS_PER_HAND + (frame->params[PLACEMENT_PALM] > 0.5 ? MRT_PALM : 0);
+    bool is_held = self->phase == GRIPPING, is_found = false;
+    uint32_t held_by = self->side;
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && at < count; ++side) {
+        bool pulls = placement_pulls(frame, side);
+        if (pulls && (!is_held || side == held_by)) {
+            tips these = tips_of(&frame->hand[side], point + at);
+            if (!is_found || these.gap < out->gap) {
+                *out = these;
+                self->side = side;
+            }
+            is_found = true;
+        }
+        at += pulls ? per_hand : 0;
+    }
+    return is_found;
+}
+
+/* ---- the face between them ---- */
+
+static void probe(const tips *now, mrt_pull *pull)
+{
+    pull->vector[0] = (mrt_vector){now->middle, now->middle, 0};
+    pull->count = 1;
+    pull->mode = MRT_IDLE;
+}
+
+/* Two places beside each other, nothing moved. */
+static void grip(mrt_plugin *self, const tips *now, mrt_pull *pull)
+{
+    float least = 0.5f * apart_least * pull->radius_mm, is = length(now->half);
+    mrt_vec3 half = is > 1e-3f ? now->half : (mrt_vec3){0, 1e-3f, 0};
+    half = sum((mrt_vec3){0, 0, 0}, fmaxf(least, is) / fmaxf(is, 1e-3f), half);
+    for (int i = 0; i < 2; ++i) {
+        mrt_vec3 at = sum(now->middle, i ? 1.0f : -1.0f, half);
+        pull->vector[i] = (mrt_vector){at, at, 0};
+    }
+    self->middle = now->middle;
+    self->half = now->half;
+    self->phase = GRIPPING;
+    pull->mode = MRT_ANCHORED;
+    pull->count = 2;
+    pull->anchor += 1;
+}
+
+static void take_along(const mrt_plugin *self, const tips *now, const double *params,
+                       mrt_pull *pull)
+{
+    float reach = pull->radius_mm * (float)(0.01 * params[REACH]);
+    mrt_vec3 between = sum(pull->vector[1].start, -1.0f, pull->vector[0].start);
+    mrt_vec3 moved =
+        sum((mrt_vec3){0, 0, 0}, (float)params[GAIN], sum(now->middle, -1.0f, self->middle));
+    mrt_vec3 opened =
+        sum((mrt_vec3){0, 0, 0}, (float)params[STRETCH], sum(now->half, -1.0f, self->half));
+    moved = limited(moved, reach);
+    opened = limited(opened, fminf(0.4f * length(between), 0.5f * reach));
+    for (int i = 0; i < 2; ++i)
+        pull->vector[i].end =
+            sum(sum(pull->vector[i].start, 1.0f, moved), i ? 1.0f : -1.0f, opened);
+}
+
+static void let_go(mrt_plugin *self, const double *params, const mrt_pull *pull)
+{
+    self->phase = clutch_springs_back(params + CLUTCH) ? SPRINGING : LOOSE;
+    self->sprung = 0.0;
+    for (int i = 0; i < 2; ++i)
+        self->way[i] = sum(pull->vector[i].end, -1.0f, pull->vector[i].start);
+}
+
+static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    self->sprung += frame->dt_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
+    float rest = (float)(1.0 - posture_ease(self->sprung));
+    for (int i = 0; i < 2; ++i)
+        pull->vector[i].end = sum(pull->vector[i].start, rest, self->way[i]);
+    if (self->sprung >= 1.0)
+        self->phase = LOOSE;
+}
+
+/* ---- the mapping ---- */
+
+/* Closed below one gap, open beyond the other; between them they stay as they are. */
+static void feel(mrt_plugin *self, const tips *now, const double *params)
+{
+    double close = 0.01 * params[CLOSE], open = fmax(0.01 * params[OPEN], close);
+    if (now->gap < close)
+        self->is_closed = true;
+    else if (now->gap > open)
+        self->is_closed = false;
+}
+
+/* A hand that was away goes on where it left off: the face does not jump. */
+static void remember(mrt_plugin *self, const tips *now)
+{
+    if (!self->was_there) {
+        self->middle = sum(self->middle, 1.0f, sum(now->middle, -1.0f, self->last_middle));
+        self->half = sum(self->half, 1.0f, sum(now->half, -1.0f, self->last_half));
+    }
+    self->last_middle = now->middle;
+    self->last_half = now->half;
+}
+
+/* Whether it is to be gripped anew, or at all. */
+static void obey(mrt_plugin *self, const clutch_events *events, const double *params,
+                 mrt_pull *pull)
+{
+    if (events->commit)
+        pull->commit += 1;
+    if (events->engage)
+        self->is_armed = true;
+    if (events->release)
+        self->is_armed = false;
+    if (self->phase == GRIPPING && (!self->is_armed || !self->is_closed))
+        let_go(self, params, pull);
+    else if (events->commit && self->phase != LOOSE)
+        self->phase = LOOSE; /* what was stretched is the base now */
+}
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    const double *params = frame->params;
+    tips now;
+    bool is_there = find_tips(self, frame, &now);
+    if (!is_there && self->phase == LOOSE)
+        return MRT_HOLD;
+    clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
+    if (is_there) {
+        feel(self, &now, params);
+        remember(self, &now);
+    }
+    self->was_there = is_there;
+    obey(self, &events, params, pull);
+    pull->gate = 1;
+    if (self->phase == SPRINGING) {
+        spring_back(self, frame, pull);
+    } else if (self->phase == GRIPPING && is_there) {
+        take_along(self, &now, params, pull);
+    } else if (self->phase == LOOSE && is_there && self->is_armed) {
+        pull->radius_mm = placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]);
+        if (self->is_closed && frame->near)
+            grip(self, &now, pull);
+        else
+            probe(&now, pull);
+    }
+    return MRT_OK;
+}
+
+/* ---- resume ---- */
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.tongs",
+                         .version = 1,
+                         .parts = {
+                             CLUTCH_MEMORY(self->clutch),
+                             PLACEMENT_MEMORY(self->placement),
+                             MEMORY_BOOLS(self->is_armed),
+                             MEMORY_BOOLS(self->is_closed),
+                             MEMORY_BOOLS(self->was_there),
+                             MEMORY_WHOLES(self->phase, SPRINGING),
+                             MEMORY_WHOLES(self->side, MRT_NO_HAND),
+                             MEMORY_FLOATS(self->middle),
+                             MEMORY_FLOATS(self->half),
+                             MEMORY_FLOATS(self->last_middle),
+                             MEMORY_FLOATS(self->last_half),
+                             MEMORY_FLOATS(self->way),
+                             MEMORY_DOUBLES(self->sprung),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    PLACEMENT_PARAMS_WITH(0, 0, 90, 40, 92, -45),
+    {12, 0, "Gain", "Pull", "", "How far the face moves when the tongs move by 1.",
+     0, 4, 0.8, NULL},
+    {13, 0, "Radius", "Pull", "%",
+     "Support radius of each tip, in per cent of the face's height; taken when they grip.",
+     2, 200, 28, NULL},
+    {14, 0, "Reach", "Pull", "%",
+     "Where a pull is softly stopped, in per cent of the radius.", 1, 60, 30, NULL},
+    {15, 0, "Stretch", "Pull", "", "How far the face is stretched when the tongs open by 1.",
+     0, 4, 0.8, NULL},
+    {16, 0, "Close", "Tongs", "%",
+     "They grip when the tips are nearer than this, in per cent of the palm's length.",
+     5, 150, 40, NULL},
+    {17, 0, "Open", "Tongs", "%",
+     "They let go when the tips are further apart than this, in per cent of the palm's length.",
+     5, 200, 90, NULL},
+    CLUTCH_PARAMS_WITH(1),
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.tongs",
+    "Tongs",
+    "1.0",
+    "Thumb and index finger grip the face, pull and stretch it, and let it go.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
