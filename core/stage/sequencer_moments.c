@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const int64_t span_min_ns = 2 * NS_PER_S;
+static const int64_t span_min_ns = NS_PER_S / 2;
 
 void sequencer_close_plays(sequencer *self)
 {
