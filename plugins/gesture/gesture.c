@@ -1,0 +1,380 @@
+/* Four hand gestures, shown once each, set off what a face can do: a blink, a nod, a smile. The
+ * nearest of the taught ones is recognised when the hand has held it for a moment. */
+#include "acts.h"
+#include "memory.h"
+#include "posture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GESTURES = 4, WINDOW = 64, NO_GESTURE = GESTURES };
+enum {
+    HAND,
+    TEACH,
+    FORGET = TEACH + GESTURES,
+    ACTION,
+    ATTACK = ACTION + GESTURES,
+    HOLD,
+    RELEASE,
+    SUSTAIN,
+    AMOUNT,
+    REJECT,
+    LEAVE,
+    DWELL,
+    PARAM_COUNT
+};
+/* What is taught is the mean of the last 0.3 s: samples at least 5 ms apart. */
+static const double window_s = 0.3, apart_s = 0.005;
+/* Thumb, palm and spreading move half as far as fingers bend; what is estimated (the distal joints)
+ * and the wrist do not count. */
+static const double weight[MRT_ANGLES] = {1, 1.5, 1.5, 1.5, 1, 1, 0, 1,   1, 0, 1.5,
+                                          1, 1,   0,   1.5, 1, 1, 0, 1.5, 1, 0, 0};
+enum { COUNTED = 16 };
+static const double deg_per_rad = 57.295779513082321;
+
+typedef struct centroid {
+    float angle[MRT_ANGLES]; /* rad */
+} centroid;
+
+/* Until another is taught: a fist, a pointing index finger, a flat spread hand, a hand whose ring
+ * and little fingers alone are stretched. */
+static const centroid shipped[GESTURES] = {
+    {{1.90f, 0.19f, 0.59f, 0.66f,  1.26f, 1.68f, 0, 1.35f,  1.75f, 0, -0.04f,
+      1.39f, 1.81f, 0,     -0.04f, 1.36f, 1.75f, 0, -0.05f, 0.13f, 0, 0}},
+    {{1.44f, 0.15f, 0.20f, 0.35f,  0.0f,  0.16f, 0, 0.59f,  0.54f, 0, -0.04f,
+      0.69f, 0.63f, 0,     -0.06f, 0.70f, 0.60f, 0, -0.04f, 0.12f, 0, 0}},
+    {{0.74f, 0.15f, 0.20f, 0.63f, -0.05f, 0.06f, 0, 0.02f, 0.13f, 0, 0.26f,
+      0.05f, 0.18f, 0,     0.21f, 0.03f,  0.15f, 0, 0.36f, 0.13f, 0, 0}},
+    {{1.70f, 0.15f, 0.20f, 0.55f,  0.60f, 0.52f, 0, 0.50f,  0.45f, 0, -0.05f,
+      0.09f, 0.18f, 0,     -0.05f, 0.12f, 0.15f, 0, -0.05f, 0.30f, 0, 0}},
+};
+
+typedef enum phase { QUIET = 0, RISING, HOLDING, FALLING } phase;
+typedef struct envelopes { /* of each act */
+    phase phase[ACT_COUNT];
+    double progress[ACT_COUNT];               /* 0 .. 1 of the phase */
+    double from[ACT_COUNT], level[ACT_COUNT]; /* at its beginning; now: 0 .. 1 */
+    unsigned gesture[ACT_COUNT];              /* that set it off */
+} envelopes;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    acts acts;
+    centroid stored[GESTURES]; /* shipped or loaded: what a reset returns to */
+    centroid taught[GESTURES];
+    float past[WINDOW][MRT_ANGLES]; /* a ring of samples */
+    double past_s[WINDOW];          /* of each */
+    unsigned at, filled;            /* the next to be written; how many are */
+    double now_s;                   /* since reset */
+    unsigned current, candidate;    /* gestures; NO_GESTURE: none */
+    double candidate_s;             /* how long it has been held */
+    envelopes play;
+};
+
+static void reset(mrt_plugin *self)
+{
+    memcpy(self->taught, self->stored, sizeof self->taught);
+    memset(self->past, 0, sizeof self->past);
+    memset(self->past_s, 0, sizeof self->past_s);
+    memset(&self->play, 0, sizeof self->play);
+    self->at = self->filled = 0;
+    self->now_s = self->candidate_s = 0.0;
+    self->current = self->candidate = NO_GESTURE;
+}
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    memcpy(self->stored, shipped, sizeof shipped);
+    reset(self);
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+/* ---- teaching ---- */
+
+static void remember(mrt_plugin *self, const mrt_hand *hand)
+{
+    unsigned last = (self->at + WINDOW - 1) % WINDOW;
+    if (!hand)
+        self->filled = 0;
+    else if (self->filled == 0 || self->now_s - self->past_s[last] >= apart_s) {
+        memcpy(self->past[self->at], hand->angle, sizeof self->past[0]);
+        self->past_s[self->at] = self->now_s;
+        self->at = (self->at + 1) % WINDOW;
+        self->filled += self->filled < WINDOW;
+    }
+}
+
+/* How the hand was held lately; false: it was not there. */
+static bool find_mean(const mrt_plugin *self, centroid *out)
+{
+    double sum[MRT_ANGLES] = {0.0}, count = 0.0;
+    for (unsigned k = 1; k <= self->filled; ++k) {
+        unsigned i = (self->at + WINDOW - k) % WINDOW;
+        if (self->now_s - self->past_s[i] > window_s)
+            break;
+        for (int a = 0; a < MRT_ANGLES; ++a)
+            sum[a] += (double)self->past[i][a];
+        count += 1.0;
+    }
+    for (int a = 0; a < MRT_ANGLES && count > 0.0; ++a)
+        out->angle[a] = (float)(sum[a] / count);
+    return count > 0.0;
+}
+
+/* A gesture that has just been taught is being made: it does nothing until it is made again. */
+static void teach(mrt_plugin *self, const double *params)
+{
+    static const char *const told[GESTURES] = {"gesture 1 is taught", "gesture 2 is taught",
+                                               "gesture 3 is taught", "gesture 4 is taught"};
+    centroid now;
+    if (params[FORGET] > 0.5)
+        memcpy(self->taught, shipped, sizeof shipped);
+    for (unsigned g = 0; g < GESTURES; ++g) {
+        if (params[TEACH + g] < 0.5)
+            continue;
+        if (!find_mean(self, &now)) {
+            self->host->log(self->host, MRT_LOG_WARNING,
+                            "no hand is there to be taught: hold the gesture, then teach it");
+            return;
+        }
+        self->taught[g] = now;
+        self->current = g;
+        self->host->log(self->host, MRT_LOG_INFO, told[g]);
+    }
+}
+
+/* ---- recognising ---- */
+
+/* Root mean square over the joints, deg. */
+static double distance_deg(const centroid *to, const mrt_hand *hand)
+{
+    double sum = 0.0;
+    for (int a = 0; a < MRT_ANGLES; ++a) {
+        double d = weight[a] * ((double)hand->angle[a] - (double)to->angle[a]);
+        sum += d * d;
+    }
+    return deg_per_rad * sqrt(sum / COUNTED);
+}
+
+/* Returns the gesture that begins in this frame; NO_GESTURE: none. */
+static unsigned recognise(mrt_plugin *self, const mrt_hand *hand, double dt_s, const double *params)
+{
+    unsigned nearest = NO_GESTURE;
+    double least = params[REJECT], most = fmax(params[LEAVE], params[REJECT]);
+    for (unsigned g = 0; g < GESTURES && hand; ++g) {
+        double d = distance_deg(&self->taught[g], hand);
+        if (d < least) {
+            least = d;
+            nearest = g;
+        }
+        if (g == self->current && d > most)
+            self->current = NO_GESTURE;
+    }
+    if (!hand)
+        self->current = NO_GESTURE;
+    self->candidate_s = nearest == self->candidate ? self->candidate_s + dt_s : 0.0;
+    self->candidate = nearest;
+    if (nearest == NO_GESTURE || nearest == self->current || self->candidate_s < params[DWELL])
+        return NO_GESTURE;
+    self->current = nearest;
+    return nearest;
+}
+
+/* ---- performing ---- */
+
+static void enter(envelopes *e, int which, phase to)
+{
+    e->phase[which] = to;
+    e->progress[which] = 0.0;
+    e->from[which] = e->level[which];
+}
+
+static void step(envelopes *e, int which, unsigned current, double dt_s, const double *params)
+{
+    static const int time_of[] = {[RISING] = ATTACK, [HOLDING] = HOLD, [FALLING] = RELEASE};
+    static const phase after[] = {[RISING] = HOLDING, [HOLDING] = FALLING, [FALLING] = QUIET};
+    phase now = e->phase[which];
+    if (now == QUIET)
+        return;
+    if (now != HOLDING || params[SUSTAIN] < 0.5 || current != e->gesture[which])
+        e->progress[which] += dt_s / params[time_of[now]];
+    double eased = posture_ease(e->progress[which]);
+    if (now == RISING)
+        e->level[which] = e->from[which] + (1.0 - e->from[which]) * eased;
+    else if (now == FALLING)
+        e->level[which] = e->from[which] * (1.0 - eased);
+    if (e->progress[which] >= 1.0)
+        enter(e, which, after[now]);
+}
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    const double *params = frame->params;
+    const mrt_hand *hand = posture_hand(frame, params[HAND]);
+    double part[ACT_COUNT];
+    self->now_s += frame->dt_s;
+    remember(self, hand);
+    teach(self, params);
+    unsigned begun = recognise(self, hand, frame->dt_s, params);
+    if (begun != NO_GESTURE) {
+        int which = (int)params[ACTION + begun];
+        enter(&self->play, which, RISING);
+        self->play.gesture[which] = begun;
+    }
+    for (int i = 0; i < ACT_COUNT; ++i) {
+        step(&self->play, i, self->current, frame->dt_s, params);
+        part[i] = 0.01 * params[AMOUNT] * self->play.level[i];
+    }
+    acts_write(&self->acts, part, pull);
+    return MRT_OK;
+}
+
+/* ---- what was taught, kept ---- */
+
+static memory_list list_of(centroid all[GESTURES])
+{
+    return (memory_list){.type = "org.marotte.gesture/taught",
+                         .version = 1,
+                         .parts = {{MEMORY_FLOAT, all, GESTURES * sizeof *all, (double)FLT_MAX}}};
+}
+
+static size_t save_taught(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = list_of(self->taught);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = list_of(self->stored);
+    if (!memory_load(&list, bytes, size)) {
+        self->host->log(self->host, MRT_LOG_ERROR,
+                        "what was stored are no gestures: teach them again");
+        return MRT_ERR_FORMAT;
+    }
+    memcpy(self->taught, self->stored, sizeof self->taught);
+    return MRT_OK;
+}
+
+/* ---- resume ---- */
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.gesture",
+                         .version = 1,
+                         .parts = {
+                             MEMORY_FLOATS(self->stored),
+                             MEMORY_FLOATS(self->taught),
+                             MEMORY_FLOATS(self->past),
+                             MEMORY_DOUBLES(self->past_s),
+                             MEMORY_WHOLES(self->at, WINDOW - 1),
+                             MEMORY_WHOLES(self->filled, WINDOW),
+                             MEMORY_DOUBLES(self->now_s),
+                             MEMORY_WHOLES(self->current, NO_GESTURE),
+                             MEMORY_WHOLES(self->candidate, NO_GESTURE),
+                             MEMORY_DOUBLES(self->candidate_s),
+                             MEMORY_WHOLES(self->play.phase, FALLING),
+                             MEMORY_DOUBLES(self->play.progress),
+                             MEMORY_DOUBLES(self->play.from),
+                             MEMORY_DOUBLES(self->play.level),
+                             MEMORY_WHOLES(self->play.gesture, GESTURES - 1),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
+}
+
+static const char *const off_on[] = {"Off", "On", NULL};
+static const char *const action_labels[ACT_COUNT + 1] = {
+    "Nothing", "Smile", "Frown", "Jaw drop", "Brows up", "Brows down",
+    "Pucker",  "Blink", "Wink",  "Nod",      NULL};
+
+#define TEACH_PARAM(id, name, what)                                                                \
+    {                                                                                              \
+        id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
+            "This gesture is the way in which the hand was held in the last 0.3 s; at "            \
+            "first: " what ".",                                                                    \
+            0, 1, 0, NULL                                                                          \
+    }
+#define ACTION_PARAM(id, name, initial)                                                            \
+    {                                                                                              \
+        id, MRT_PARAM_STEPPED, name, "Action", "", "What the face does when it is made.", 0,       \
+            ACT_COUNT - 1, initial, action_labels                                                  \
+    }
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    POSTURE_HAND_PARAM(1),
+    TEACH_PARAM(2, "Teach 1", "a fist"),
+    TEACH_PARAM(3, "Teach 2", "a pointing index finger"),
+    TEACH_PARAM(4, "Teach 3", "a flat hand, spread"),
+    TEACH_PARAM(5, "Teach 4", "ring and little finger stretched"),
+    {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All gestures are as they were at first.",
+     0, 1, 0, NULL},
+    ACTION_PARAM(7, "Gesture 1", ACT_JAW_OPEN),
+    ACTION_PARAM(8, "Gesture 2", ACT_BROWS_UP),
+    ACTION_PARAM(9, "Gesture 3", ACT_SMILE),
+    ACTION_PARAM(10, "Gesture 4", ACT_BLINK),
+    {11, 0, "Attack", "Action", "s", "How long it takes to come.", 0.01, 3, 0.15, NULL},
+    {12, 0, "Hold", "Action", "s", "How long it stays.", 0.01, 10, 0.2, NULL},
+    {13, 0, "Release", "Action", "s", "How long it takes to go.", 0.01, 5, 0.35, NULL},
+    {14, MRT_PARAM_STEPPED, "Sustain", "Action", "",
+     "Whether it stays for as long as the gesture is held.", 0, 1, 1, off_on},
+    {15, 0, "Amount", "Action", "%", "How much of it.", 0, 120, 100, NULL},
+    {16, 0, "Reject", "Recognition", "deg",
+     "A hand further from a gesture than this does not make it: root mean square of its joints.",
+     1, 40, 8, NULL},
+    {17, 0, "Leave", "Recognition", "deg",
+     "A hand further from its gesture than this has left it.", 1, 60, 10, NULL},
+    {18, 0, "Dwell", "Recognition", "s", "How long a gesture is held before it counts.",
+     0, 2, 0.1, NULL},
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_state state = {save_taught, load_taught};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.gesture",
+    "Gesture",
+    "1.0",
+    "Taught gestures of the hand set off a blink, a nod, a smile.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
