@@ -1,6 +1,6 @@
 #include "placement.h"
 
-static const float hand_length_mm = 190.0f;
+static const float hand_length_mm = 190.0f, reach_in_faces = 4.0f;
 static const double rad_per_deg = 0.017453292519943295;
 
 const char *const placement_hands_labels[] = {"Both", "Left", "Right", NULL};
@@ -155,4 +155,23 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             out_point[count++] = laid(&t, scale, home, place, hand->palm[i]);
     }
     return count;
+}
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static float clamped(float value, float low, float size, float reach_mm)
+{
+    float least = low - reach_mm, most = low + size + reach_mm;
+    return value < least ? least : value > most ? most : value;
+}
+
+mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p)
+{
+    mrt_vec3 low = self->low, size = self->size;
+    float reach_mm = reach_in_faces * larger(larger(size.x, size.y), larger(size.z, 1.0f));
+    return (mrt_vec3){clamped(p.x, low.x, size.x, reach_mm), clamped(p.y, low.y, size.y, reach_mm),
+                      clamped(p.z, low.z, size.z, reach_mm)};
 }

@@ -78,6 +78,10 @@ bool placement_pulls(const mrt_frame *frame, uint32_t side);
 uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
 
+/* p, or the nearest place that is no further from the face than four times its size: the host's
+ * guard holds the whole pull beyond ten. For points that add up what hands do. */
+mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p);
+
 /* The height of the face, mm, at least 1. */
 float placement_face_height(const placement *self);
 

@@ -136,7 +136,8 @@ static void work(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float 
             stroke(self, i, (mrt_vec3){point[i].x - at.x, point[i].y - at.y, point[i].z - at.z});
         mrt_vec3 end = {at.x + strength * done.x, at.y + strength * done.y,
                         at.z + strength * done.z};
-        pull->vector[i] = (mrt_vector){at, end, 0};
+        pull->vector[i] = (mrt_vector){placement_within_reach(&self->placement, at),
+                                       placement_within_reach(&self->placement, end), 0};
     }
     pull->count = self->count;
 }

@@ -50,34 +50,11 @@ static void reset(mrt_plugin *self)
     self->count = 0;
 }
 
-/* No further from the face than this many times its size: the host's guard holds the whole pull
- * beyond ten. */
-static const float reach_in_faces = 4.0f;
-
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static float clamped(float value, float low, float size, float reach_mm)
-{
-    float least = low - reach_mm, most = low + size + reach_mm;
-    return value < least ? least : value > most ? most : value;
-}
-
-static mrt_vec3 within_reach(const placement *face, mrt_vec3 p)
-{
-    mrt_vec3 low = face->low, size = face->size;
-    float reach_mm = reach_in_faces * larger(larger(size.x, size.y), larger(size.z, 1.0f));
-    return (mrt_vec3){clamped(p.x, low.x, size.x, reach_mm), clamped(p.y, low.y, size.y, reach_mm),
-                      clamped(p.z, low.z, size.z, reach_mm)};
-}
-
 /* The points of the pull start where the hand is: the first frame of a touch moves nothing. */
 static void touch(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        mrt_vec3 p = within_reach(&self->placement, point[i]);
+        mrt_vec3 p = placement_within_reach(&self->placement, point[i]);
         pull->vector[i] = (mrt_vector){p, p, 0};
     }
     self->count = count;
@@ -94,7 +71,7 @@ static void drag(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, 
         v->end.x += gain * (point[i].x - before.x);
         v->end.y += gain * (point[i].y - before.y);
         v->end.z += gain * (point[i].z - before.z);
-        v->end = within_reach(&self->placement, v->end);
+        v->end = placement_within_reach(&self->placement, v->end);
     }
 }
 
