@@ -42,6 +42,21 @@ static uint32_t find_contact(const joined_control *control, uint32_t count, uint
     return COMPOSER_NO_CONTROL;
 }
 
+/* Two parts of one layer that hold the same free point, as while one takes over from the other,
+ * hold it together. */
+static uint32_t find_free_point(const composer *self, const joined_control *control, uint32_t count,
+                                const voice *v, const mrt_vector *vector)
+{
+    for (uint32_t k = 0; k < count; ++k) {
+        const voice *other = &self->voice[control[k].slot];
+        if (control[k].contact == 0 && other->part.layer == v->part.layer &&
+            memcmp(&other->said.vector[control[k].vector].start, &vector->start,
+                   sizeof vector->start) == 0)
+            return k;
+    }
+    return COMPOSER_NO_CONTROL;
+}
+
 /* Who holds which control. */
 typedef struct holds {
     joined_control control[MRT_MAX_VECTORS];
@@ -65,6 +80,8 @@ static void list_holds(composer *self, holds *out)
                 continue;
             if (contact > 0)
                 at = find_contact(out->control, others, contact);
+            else
+                at = find_free_point(self, out->control, others, v, &v->said.vector[j]);
             if (at == COMPOSER_NO_CONTROL && out->count == MRT_MAX_VECTORS) {
                 self->counts.left_out += 1;
                 continue;
@@ -119,6 +136,7 @@ typedef struct blended {
     double sum[3]; /* of the layer at hand */
     bool is_additive;
     uint32_t layer;
+    uint32_t voices;
 } blended;
 
 static void close_layer(blended *b)
@@ -135,6 +153,7 @@ static void add_voice(blended *b, const voice *v, double weight, const double *a
 {
     if (b->layer != v->part.layer)
         close_layer(b);
+    b->voices += 1;
     b->layer = v->part.layer;
     b->is_additive = v->part.is_additive;
     if (b->cover > 0.0)
@@ -172,7 +191,7 @@ static void find_ends(const composer *self, bool (*counts)(const voice *v), doub
             continue;
         const voice *v = &self->voice[c->slot];
         vec3 place = c->start;
-        if (v->is_joined && is_one(v->share) && (!counts || counts(v))) {
+        if (v->is_joined && at[k].voices == 1 && is_one(v->share) && (!counts || counts(v))) {
             /* it lands on its end itself: no digits lost on the way */
             place = vec3_of(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);

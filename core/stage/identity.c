@@ -1,6 +1,7 @@
 #include "stage/identity.h"
 
 #include "base/file.h"
+#include "stage/isolate.h"
 #include "take/hash.h"
 
 #include <limits.h>
@@ -14,6 +15,7 @@ char *identity_of_plugin(const plugin_list *plugins, const mrt_plugin_type *type
 {
     char hash[TAKE_HASH] = "-";
     error ignored = {""};
+    type = isolate_inner(type);
     for (uint32_t i = 0; i < plugins->entry_count; ++i)
         if (plugins->entry[i].type == type && hash_file(hash, plugins->entry[i].path, &ignored) < 0)
             snprintf(hash, sizeof hash, "-");

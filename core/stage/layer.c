@@ -1,37 +1,53 @@
 #include "stage/layer.h"
 #include "base/bytes.h"
 #include "base/clock.h"
+#include "stage/guard.h"
 #include "stage/plugins.h"
+#include "stage/seam.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double dt_max_s = 0.1;
-enum { STORE_VERSION = 1 };
+enum { STORE_VERSION = 1, STORE_WITH_CUT = 2 };
+
+struct layer_room {
+    double *last_params;   /* of the sample before */
+    double *stored_params; /* while a state is loaded */
+};
+
+/* From one who pulls to another. */
+typedef struct cut {
+    bool is_waiting; /* for the first pull of the new one */
+    bool is_fading;
+    bool is_leaving; /* while fading: `leaving` is seen */
+    double fade_s;
+    uint32_t side;
+    uint32_t anchor_shift; /* added to the mapping's anchors */
+    mrt_pull leaving;
+    mrt_pull shown; /* with the shift; in use while there is one */
+} cut;
 
 struct layer {
     instance *mapping;
     const mrt_mapping *functions;
     const mrt_resume *resume; /* NULL: it has none */
+    const stage_seam *seam;   /* NULL: nobody takes turns */
     const mrt_face *about;
+    guard guard;
     layer_settings settings;
     hands *hands;
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */
+    cut cut;
     bool has_time;
-    double *last_params;   /* of the sample before */
-    double *stored_params; /* while a state is loaded */
+    layer_room *room;
     layer_on_param *on_param;
     void *on_param_data;
     layer_counts counts;
 };
-
-static double to_double(float v)
-{
-    return (double)v;
-}
 
 void layer_reset(layer *self)
 {
@@ -40,9 +56,41 @@ void layer_reset(layer *self)
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         self->pull.dof[i] = NAN;
     self->good = self->pull;
+    self->cut = (cut){.side = 0};
     self->has_time = false;
     hands_reset(self->hands);
     self->functions->reset(self->mapping->self);
+}
+
+layer_room *layer_room_create(const instance *mapping)
+{
+    size_t count = (size_t)mapping->type->param_count + 1;
+    layer_room *room = calloc(1, sizeof *room);
+    if (!room)
+        return NULL;
+    room->last_params = calloc(count, sizeof *room->last_params);
+    room->stored_params = calloc(count, sizeof *room->stored_params);
+    if (room->last_params && room->stored_params)
+        return room;
+    layer_room_destroy(room);
+    return NULL;
+}
+
+void layer_room_destroy(layer_room *room)
+{
+    if (!room)
+        return;
+    free(room->last_params);
+    free(room->stored_params);
+    free(room);
+}
+
+static void use_mapping(layer *self, instance *mapping)
+{
+    self->mapping = mapping;
+    self->functions = plugin_interface(mapping->type, MRT_MAPPING);
+    self->resume = plugin_interface(mapping->type, MRT_RESUME);
+    self->seam = plugin_interface(mapping->type, STAGE_SEAM);
 }
 
 static mrt_result activate(layer *self, error *err)
@@ -65,21 +113,20 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     layer *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
-    self->functions = plugin_interface(mapping->type, MRT_MAPPING);
-    self->resume = plugin_interface(mapping->type, MRT_RESUME);
     self->about = about;
     self->settings = *settings;
+    self->guard = (guard){.contact_count = about->contact_count,
+                          .centre = settings->centre,
+                          .reach_mm = settings->reach_mm};
     mrt_result result = MRT_OK;
-    self->last_params = calloc((size_t)mapping->type->param_count + 1, sizeof *self->last_params);
-    self->stored_params =
-        calloc((size_t)mapping->type->param_count + 1, sizeof *self->stored_params);
-    if (!self->last_params || !self->stored_params)
+    self->room = layer_room_create(mapping);
+    if (!self->room)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
     if (result >= 0)
         result = hands_create(&self->hands, &settings->hands, err);
     if (result < 0)
         goto fail;
-    self->mapping = mapping;
+    use_mapping(self, mapping);
     result = activate(self, err);
     if (result < 0) {
         self->mapping = NULL; /* nothing to deactivate */
@@ -87,8 +134,8 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     }
     layer_reset(self);
     instance_latch(mapping);
-    memcpy(self->last_params, mapping->params,
-           mapping->type->param_count * sizeof *self->last_params);
+    memcpy(self->room->last_params, mapping->params,
+           mapping->type->param_count * sizeof *self->room->last_params);
     *out = self;
     return MRT_OK;
 fail:
@@ -103,52 +150,119 @@ void layer_destroy(layer *self)
     if (self->mapping)
         self->functions->deactivate(self->mapping->self);
     hands_destroy(self->hands);
-    free(self->last_params);
-    free(self->stored_params);
+    layer_room_destroy(self->room);
     free(self);
 }
 
-/* ---- steps 4 and 5: the mapping and the guard ---- */
+/* ---- from one who pulls to another ---- */
 
-static bool is_within_reach(const layer *self, mrt_vec3 p)
+void layer_cut(layer *self)
 {
-    vec3 from_centre =
-        vec3_sub((vec3){to_double(p.x), to_double(p.y), to_double(p.z)}, self->settings.centre);
-    return vec3_length(from_centre) <= self->settings.reach_mm; /* false for what is not finite */
+    self->cut.leaving = *layer_pull(self);
+    self->cut.is_waiting = true;
 }
 
-/* Says what is wrong with a pull; NULL: nothing. */
-static const char *pull_fault(const layer *self, const mrt_pull *pull)
+instance *layer_switch(layer *self, instance *mapping, layer_room *room)
 {
-    if (pull->mode > MRT_UNANCHORED)
-        return "an unknown mode";
-    if (pull->count > MRT_MAX_VECTORS)
-        return "more vectors than are allowed";
-    if (!isfinite(pull->radius_mm) || pull->radius_mm < 0.0f)
-        return "a radius that is not a length";
-    if (!isfinite(pull->leak_per_s) || pull->leak_per_s < 0.0f)
-        return "a leak that is not a rate";
-    for (uint32_t i = 0; i < pull->count; ++i) {
-        const mrt_vector *v = &pull->vector[i];
-        if (!is_within_reach(self, v->start) || !is_within_reach(self, v->end))
-            return "a control vector that is not finite or leads out of reach";
-        if (v->contact > self->about->contact_count)
-            return "a contact that the face does not have";
+    instance *old = self->mapping;
+    layer_cut(self);
+    use_mapping(self, mapping);
+    layer_room_destroy(self->room);
+    self->room = room;
+    return old;
+}
+
+bool layer_is_between(const layer *self)
+{
+    return self->cut.is_waiting || self->cut.is_fading;
+}
+
+double layer_weight(const layer *self)
+{
+    return self->cut.is_fading ? fmin(self->cut.fade_s / LAYER_FADE_S, 1.0) : 1.0;
+}
+
+const mrt_pull *layer_leaving(const layer *self)
+{
+    return self->cut.is_fading && self->cut.is_leaving ? &self->cut.leaving : NULL;
+}
+
+uint32_t layer_side(const layer *self)
+{
+    return self->cut.side;
+}
+
+/* Free points are taken hold of elsewhere: the two pulls cannot be laid over each other. */
+static bool holds_elsewhere(const mrt_pull *a, const mrt_pull *b)
+{
+    if (a->mode != MRT_ANCHORED || b->mode != MRT_ANCHORED)
+        return false;
+    bool has_free = false;
+    for (uint32_t i = 0; i < b->count; ++i)
+        has_free |= b->vector[i].contact == 0;
+    for (uint32_t i = 0; i < a->count; ++i)
+        has_free |= a->vector[i].contact == 0;
+    if (!has_free)
+        return false;
+    for (uint32_t i = 0; i < a->count && a->count == b->count; ++i)
+        if (memcmp(&a->vector[i].start, &b->vector[i].start, sizeof a->vector[i].start) != 0 ||
+            a->vector[i].contact != b->vector[i].contact)
+            return true;
+    return a->count != b->count;
+}
+
+/* The first pull of the new one says how it comes. While it is idle the shape stays as it is. */
+static void begin_fade(layer *self)
+{
+    cut *c = &self->cut;
+    const mrt_pull *new = &self->good;
+    if (new->mode == MRT_IDLE)
+        return;
+    bool stays = holds_elsewhere(&c->leaving, new);
+    bool kneads_on = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
+    c->is_waiting = false;
+    c->is_fading = true;
+    c->fade_s = self->frame.dt_s;
+    c->is_leaving = !stays && !kneads_on;
+    if (c->is_leaving) {
+        c->side = 1 - c->side;
+        c->anchor_shift = 0;
+    } else if (stays && new->anchor + c->anchor_shift == c->leaving.anchor) {
+        c->anchor_shift += 1;
     }
-    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
-        if (isinf(pull->dof[i]))
-            return "an infinite degree of freedom";
-    return NULL;
 }
+
+/* Before a sample. */
+static void go_on_fading(layer *self)
+{
+    cut *c = &self->cut;
+    if (!c->is_fading)
+        return;
+    c->fade_s += self->frame.dt_s;
+    c->is_fading = c->fade_s < LAYER_FADE_S;
+}
+
+static void show_good(layer *self)
+{
+    cut *c = &self->cut;
+    if (c->is_waiting)
+        begin_fade(self);
+    if (c->anchor_shift == 0)
+        return;
+    c->shown = self->good;
+    c->shown.anchor += c->anchor_shift;
+}
+
+/* ---- steps 4 and 5: the mapping and the guard ---- */
 
 static void tell_params(layer *self, const mrt_sample *sample)
 {
     const mrt_plugin_type *type = self->mapping->type;
     for (uint32_t i = 0; i < type->param_count; ++i) {
         double value = self->mapping->params[i];
-        if (memcmp(&value, &self->last_params[i], sizeof value) == 0)
+        if (memcmp(&value, &self->room->last_params[i], sizeof value) == 0)
             continue;
-        self->last_params[i] = value;
+        self->room->last_params[i] = value;
         if (self->on_param)
             self->on_param(self->on_param_data, sample, type->params[i].id, value);
     }
@@ -160,14 +274,18 @@ static void run_mapping(layer *self, const mrt_sample *sample)
     instance_latch(self->mapping);
     tell_params(self, sample);
     self->frame.params = self->mapping->params;
+    if (self->seam && !layer_is_between(self) &&
+        self->seam->take_turn(self->mapping->self, &self->pull))
+        layer_cut(self);
     mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
     if (result == MRT_HOLD) {
         self->pull = self->good;
         return;
     }
-    const char *fault = result < 0 ? "an error" : pull_fault(self, &self->pull);
+    const char *fault = result < 0 ? "an error" : guard_fault(&self->guard, &self->pull);
     if (!fault) {
         self->good = self->pull;
+        show_good(self);
         return;
     }
     self->counts.bad_pulls += 1;
@@ -190,12 +308,13 @@ void layer_sample(layer *self, const channel_route *route, const mrt_sample *sam
     self->has_time = true;
     self->counts.samples += 1;
     hands_read(self->hands, route, sample, &self->frame);
+    go_on_fading(self);
     run_mapping(self, sample);
 }
 
 const mrt_pull *layer_pull(const layer *self)
 {
-    return &self->good;
+    return self->cut.anchor_shift ? &self->cut.shown : &self->good;
 }
 
 const mrt_frame *layer_frame(const layer *self)
@@ -276,7 +395,7 @@ static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
     else
         bytes_take(in, out->vector, count * sizeof *out->vector);
     bytes_take(in, out->dof, sizeof out->dof);
-    in->failed = in->failed || pull_fault(self, out) != NULL;
+    in->failed = in->failed || guard_fault(&self->guard, out) != NULL;
 }
 
 static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
@@ -291,17 +410,50 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
     return at;
 }
 
+/* Most layers never had one: they are kept as ever. */
+static bool has_cut(const layer *self)
+{
+    const cut *c = &self->cut;
+    return c->is_waiting || c->is_fading || c->side != 0 || c->anchor_shift != 0;
+}
+
+static void put_cut(bytes_out *out, const cut *c)
+{
+    bytes_put_u32(out, c->is_waiting);
+    bytes_put_u32(out, c->is_fading);
+    bytes_put_u32(out, c->is_leaving);
+    bytes_put_f64(out, c->fade_s);
+    bytes_put_u32(out, c->side);
+    bytes_put_u32(out, c->anchor_shift);
+    put_pull(out, &c->leaving);
+}
+
+static void take_cut(bytes_in *in, layer *self)
+{
+    cut *c = &self->cut;
+    c->is_waiting = bytes_take_u32(in) != 0;
+    c->is_fading = bytes_take_u32(in) != 0;
+    c->is_leaving = bytes_take_u32(in) != 0;
+    c->fade_s = bytes_take_f64(in);
+    c->side = bytes_take_u32(in);
+    c->anchor_shift = bytes_take_u32(in);
+    take_pull(in, self, &c->leaving);
+    c->shown = self->good;
+    c->shown.anchor += c->anchor_shift;
+    in->failed = in->failed || c->side > 1 || !(c->fade_s >= 0.0);
+}
+
 size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
     if (!self->resume || save_mapping(self, NULL, 0) == 0)
         return 0;
-    bytes_put_u32(&out, STORE_VERSION);
+    bytes_put_u32(&out, has_cut(self) ? STORE_WITH_CUT : STORE_VERSION);
     bytes_put_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
         bytes_put_u32(&out, type->params[i].id);
-        bytes_put_f64(&out, self->last_params[i]);
+        bytes_put_f64(&out, self->room->last_params[i]);
     }
     bytes_put_u32(&out, self->has_time);
     bytes_put(&out, &self->frame.time_ns, sizeof self->frame.time_ns);
@@ -316,6 +468,8 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     }
     put_pull(&out, &self->good);
     put_pull(&out, &self->pull);
+    if (has_cut(self))
+        put_cut(&out, &self->cut);
     put_sized(&out, save_hands, self->hands);
     put_sized(&out, save_mapping, self);
     return out.size;
@@ -329,7 +483,7 @@ static void take_params(bytes_in *in, layer *self)
         in->failed |= bytes_take_u32(in) != type->params[i].id;
         double value = bytes_take_f64(in);
         in->failed |= !(value >= type->params[i].min && value <= type->params[i].max);
-        self->stored_params[i] = value;
+        self->room->stored_params[i] = value;
     }
 }
 
@@ -337,9 +491,9 @@ static void use_stored_params(layer *self)
 {
     const mrt_plugin_type *type = self->mapping->type;
     for (uint32_t i = 0; i < type->param_count; ++i) {
-        double value = self->stored_params[i];
+        double value = self->room->stored_params[i];
         bool is_button = type->params[i].flags & MRT_PARAM_TRIGGER; /* it was let go since */
-        self->last_params[i] = value;
+        self->room->last_params[i] = value;
         self->mapping->params[i] = value;
         atomic_store(&self->mapping->wanted[i], is_button ? type->params[i].initial : value);
     }
@@ -383,13 +537,16 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (!self->resume)
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
-    in->failed |= bytes_take_u32(in) != STORE_VERSION;
+    uint32_t version = bytes_take_u32(in);
+    in->failed |= version != STORE_VERSION && version != STORE_WITH_CUT;
     take_params(in, self);
     self->has_time = bytes_take_u32(in) != 0;
     bytes_take(in, &self->frame.time_ns, sizeof self->frame.time_ns);
     take_frame(in, &self->frame);
     take_pull(in, self, &self->good);
     take_pull(in, self, &self->pull);
+    if (version == STORE_WITH_CUT && !in->failed)
+        take_cut(in, self);
     size_t size = 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);

@@ -31,6 +31,29 @@ const mrt_frame *layer_frame(const layer *self);
 instance *layer_mapping(layer *self);
 hands *layer_hands(layer *self);
 
+/* ---- from one who pulls to another, without a jump ---- */
+
+#define LAYER_FADE_S 0.25
+
+/* Before a sample, not while is_between: what the mapping gives from its first pull on is another's
+ * than before. What was pulled last leaves while the new comes, over LAYER_FADE_S of the samples'
+ * time; an anchored pull with free points elsewhere stays in the shape instead, as when a mapping
+ * takes hold anew. */
+void layer_cut(layer *self);
+/* [frame] The same, to another instance: its mapping is active on the same face and reset, has the
+ * old one's state, and `room` was made for it. Returns the old one, which is still active. */
+typedef struct layer_room layer_room;
+layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
+void layer_room_destroy(layer_room *room);              /* if it was not used; NULL is fine */
+instance *layer_switch(layer *self, instance *mapping, layer_room *room);
+bool layer_is_between(const layer *self);
+
+/* What is seen of layer_pull: 0..1, below 1 while it comes. And what leaves, with what is left of
+ * 1; NULL: nothing. They speak from two sides, 0 and 1: layer_side is layer_pull's. */
+double layer_weight(const layer *self);
+const mrt_pull *layer_leaving(const layer *self);
+uint32_t layer_side(const layer *self);
+
 /* Called from within layer_sample when a parameter has another value than in the sample before. */
 typedef void layer_on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value);
 void layer_watch_params(layer *self, layer_on_param *on_param, void *data);

@@ -61,11 +61,31 @@ void performer_destroy(performer *self)
     free(self);
 }
 
+uint32_t performer_parts(const layer *of, const composer_part *as, composer_part out[2])
+{
+    uint32_t part_count = 0;
+    double weight = layer_weight(of);
+    const mrt_pull *leaving = layer_leaving(of);
+    if (leaving) {
+        out[part_count] = *as;
+        out[part_count].slot += PERFORMER_SLOTS * (1 - layer_side(of));
+        out[part_count].is_fresh = false;
+        out[part_count].weight *= 1.0 - weight;
+        out[part_count++].pull = leaving;
+    }
+    out[part_count] = *as;
+    out[part_count].slot += PERFORMER_SLOTS * layer_side(of);
+    out[part_count++].weight *= weight;
+    return part_count;
+}
+
 void performer_move(layer *of, composer *shown)
 {
     const composer_part all = {
         .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = layer_pull(of)};
-    composer_move(shown, &all, 1, layer_frame(of)->dt_s);
+    composer_part part[2];
+    uint32_t part_count = performer_parts(of, &all, part);
+    composer_move(shown, part, part_count, layer_frame(of)->dt_s);
 }
 
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)

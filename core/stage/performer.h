@@ -42,6 +42,10 @@ CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t siz
 /* The same for a layer and a composer that are used apart: the layer's pull is all that the
  * composer hears. */
 void performer_move(layer *of, composer *shown);
+/* A layer as parts of a step, as `as` says of both: what it pulls, and what is leaving it. Slots
+ * are as->slot, below PERFORMER_SLOTS, and so much more. Returns how many: 1 or 2. */
+enum { PERFORMER_SLOTS = COMPOSER_PARTS_MAX / 2 };
+uint32_t performer_parts(const layer *of, const composer_part *as, composer_part out[2]);
 CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
                                        error *err);
 

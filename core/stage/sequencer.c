@@ -301,9 +301,9 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
         uint32_t voices = take_at(voice, l, at_ns);
         for (uint32_t j = 0; j < voices; ++j) {
             play *p = find_play(self, i, voice[j].clip->id);
-            if (!p || count == COMPOSER_PARTS_MAX)
+            if (!p || count + 2 > COMPOSER_PARTS_MAX)
                 continue;
-            out[count++] = (composer_part){
+            const composer_part whole = {
                 .slot = (uint32_t)(p - self->play),
                 .layer = i,
                 .is_additive = l->is_additive,
@@ -312,17 +312,20 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
                 .gain = l->gain * p->clip->gain,
                 .pull = smoothed(p, layer_pull(source_layer(p->source)), at_ns),
                 .owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL};
+            count += performer_parts(source_layer(p->source), &whole, out + count);
         }
     }
-    if (self->live.layer && self->live_weight > 0.0 && count < COMPOSER_PARTS_MAX)
-        out[count++] = (composer_part){.slot = SEQUENCER_LIVE_SLOT,
-                                       .layer = self->take.layer_count,
-                                       .is_additive = self->live.is_additive,
-                                       .is_fresh = self->is_live_fresh,
-                                       .weight = self->live_weight,
-                                       .gain = 1.0,
-                                       .pull = layer_pull(self->live.layer),
-                                       .owns = self->live.owns};
+    if (self->live.layer && self->live_weight > 0.0 && count + 2 <= COMPOSER_PARTS_MAX) {
+        const composer_part whole = {.slot = SEQUENCER_LIVE_SLOT,
+                                     .layer = self->take.layer_count,
+                                     .is_additive = self->live.is_additive,
+                                     .is_fresh = self->is_live_fresh,
+                                     .weight = self->live_weight,
+                                     .gain = 1.0,
+                                     .pull = layer_pull(self->live.layer),
+                                     .owns = self->live.owns};
+        count += performer_parts(self->live.layer, &whole, out + count);
+    }
     return count;
 }
 

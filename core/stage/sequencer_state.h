@@ -4,8 +4,8 @@
 #include "stage/sequencer.h"
 
 enum {
-    SEQUENCER_PLAYS_MAX = COMPOSER_PARTS_MAX - 1,
-    SEQUENCER_LIVE_SLOT = COMPOSER_PARTS_MAX - 1,
+    SEQUENCER_PLAYS_MAX = PERFORMER_SLOTS - 1,
+    SEQUENCER_LIVE_SLOT = PERFORMER_SLOTS - 1,
     SEQUENCER_BEFORE = -1 /* now_ns before the first instant */
 };
 

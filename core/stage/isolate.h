@@ -1,0 +1,38 @@
+/* stage/isolate.h - a mapping in a process of its own, as a type like any other: whoever uses it
+ * sees no difference, and the same bits, until it crashes, hangs or gives nonsense. Then the call
+ * gives MRT_HOLD, a simple mapping goes on from the next frame (isolate_fallback.h), what it saw is
+ * written down (isolate_report.h), and a new process takes over once, by way of seam.h. A second
+ * failure within a minute: the simple one stays. */
+#ifndef MAROTTE_STAGE_ISOLATE_H
+#define MAROTTE_STAGE_ISOLATE_H
+#include "stage/instance.h"
+
+typedef struct isolate isolate;
+
+typedef struct isolate_settings {
+    instance_clock clock; /* virtual: nobody waits for it, its deadline is that of a hang */
+    int64_t deadline_ns;  /* of a frame, in real time; 0: 3 ms */
+    bool writes_reports;
+} isolate_settings;
+
+/* [main] library: from which `inner` was loaded; the child loads it again. Only instances made by
+ * instance_create can be of the type that comes out. */
+CHECKED mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const char *library,
+                                  const isolate_settings *settings, error *err);
+void isolate_destroy(isolate *self); /* after its instances; NULL is fine */
+/* Until destroy. */
+const mrt_plugin_type *isolate_type(const isolate *self);
+
+/* The type that was wrapped, or the type itself. */
+const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type);
+
+typedef struct isolate_counts {
+    uint32_t failed, restarted; /* processes */
+    uint32_t late;              /* frames that were held because the child was not scheduled */
+    bool is_away;               /* the simple mapping goes on now */
+} isolate_counts;
+/* [any] Of an instance of such a type. */
+isolate_counts isolate_counted(const mrt_plugin *self);
+int32_t isolate_pid(const mrt_plugin *self); /* of its child; 0: none is in use */
+
+#endif

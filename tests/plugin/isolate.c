@@ -1,0 +1,404 @@
+/* Mappings in processes of their own: the same bits, and what happens when they crash, hang, are
+ * slow or give nonsense. --long: more kills. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/file.h"
+#include "plugin/stand.h"
+
+#include <dirent.h>
+#include <signal.h>
+#include <unistd.h>
+
+#define TROUBLED BUILD_DIR "/tests/plugin/troubled.so"
+
+static bool is_long;
+static char reports[] = "/tmp/marotte-isolate-XXXXXX";
+
+/* As in the other tests of the scene: real hands, acts, gaps and re-zeros, on a virtual clock. */
+static void check_same_bits(const char *name, const char *params)
+{
+    char path[1024];
+    error err = {""};
+    const scene_play play = {
+        .mapping = name, .face = "puppet", .params = params, .act = {{.at = 110, .rezero = 2}}};
+    face_file file;
+    scene_stand here;
+    scene_face(&file, play.face);
+    scene_stand_up(&here, &play, &file);
+
+    scene_stand there = {.log = log_queue_create()};
+    isolate *apart;
+    const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
+    (void)snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, name);
+    const mrt_plugin_type *type = scene_type(&there.plugins, name);
+    scene_must(isolate_create(&apart, type, path, &settings, &err), &err);
+    assert_ptr_equal(isolate_inner(isolate_type(apart)), type);
+    scene_must(instance_create(&there.mapping, isolate_type(apart), CLOCK_VIRTUAL, there.log, &err),
+               &err);
+    scene_must(instance_set_list(&there.mapping, params, &err), &err);
+    const performer_settings as = {0};
+    scene_must(performer_create(&there.performer, &file, &there.mapping, &as, &err), &err);
+    memcpy(there.route, here.route, sizeof there.route);
+
+    for (uint32_t n = 0; n < 260; ++n) {
+        scene_step(&here, &play, n);
+        scene_step(&there, &play, n);
+        if (memcmp(performer_pull(here.performer), performer_pull(there.performer),
+                   sizeof(mrt_pull)) != 0)
+            fail_msg("%s: the pull of sample %u differs", name, n);
+    }
+    performer_draw(here.performer);
+    performer_draw(there.performer);
+    assert_true(scene_hash(performer_face(here.performer)) ==
+                scene_hash(performer_face(there.performer)));
+    size_t size = performer_save(here.performer, NULL, 0);
+    assert_int_equal(performer_save(there.performer, NULL, 0), size);
+    unsigned char *a = malloc(size + 1), *b = malloc(size + 1);
+    assert_int_equal(performer_save(here.performer, a, size), size);
+    assert_int_equal(performer_save(there.performer, b, size), size);
+    assert_memory_equal(a, b, size);
+    scene_must(performer_load(there.performer, a, size, &err), &err);
+    scene_step(&here, &play, 260);
+    scene_step(&there, &play, 260);
+    assert_memory_equal(performer_pull(here.performer), performer_pull(there.performer),
+                        sizeof(mrt_pull));
+    free(a);
+    free(b);
+    isolate_counts counts = isolate_counted(there.mapping.self);
+    assert_int_equal(counts.failed, 0);
+    scene_lay_down(&here);
+    scene_lay_down(&there);
+    isolate_destroy(apart);
+    face_file_destroy(&file);
+}
+
+static void every_shipped_mapping_gives_the_same_bits(void **state)
+{
+    (void)state;
+    uint32_t count = 0;
+    plugin_list list = {0};
+    struct dirent **entry = NULL;
+    char folder[1024], path[2048];
+    (void)snprintf(folder, sizeof folder, "%s/plugins", BUILD_DIR);
+    int entries = scandir(folder, &entry, NULL, alphasort);
+    assert_true(entries > 0);
+    for (int i = 0; i < entries; ++i) {
+        error err = {""};
+        char *dot = strrchr(entry[i]->d_name, '.');
+        (void)snprintf(path, sizeof path, "%s/%s", folder, entry[i]->d_name);
+        if (dot && strcmp(dot, ".so") == 0 && plugin_list_add(&list, path, &err) >= 0) {
+            const mrt_plugin_type *type = list.entry[list.entry_count - 1].type;
+            *dot = '\0';
+            if (plugin_interface(type, MRT_MAPPING)) {
+                check_same_bits(entry[i]->d_name, "");
+                count += 1;
+            }
+        }
+        free(entry[i]);
+    }
+    free(entry);
+    assert_true(count >= 3);
+    plugin_list_destroy(&list);
+}
+
+static void its_words_and_its_parameters_come_through(void **state)
+{
+    (void)state;
+    stand s;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    stand_up(&s, TROUBLED, "gain=1", &settings);
+    assert_true(stand_hears(&s, "active on 0 contacts"));
+    for (uint32_t n = 0; n <= 40; ++n)
+        stand_step(&s, n);
+    mrt_pull once = *performer_pull(s.performer);
+    stand_set(&s, "gain=2");
+    stand_step(&s, 40);
+    const mrt_pull *twice = performer_pull(s.performer);
+    float furthest = 0;
+    for (int i = 0; i < 5; ++i) {
+        float way = once.vector[i].end.z - once.vector[i].start.z;
+        furthest = fmaxf(furthest, fabsf(way));
+        assert_float_equal(twice->vector[i].end.z - twice->vector[i].start.z, 2 * way, 0.05);
+    }
+    assert_true(furthest > 0.5f);
+    stand_lie_down(&s);
+}
+
+static void a_plugin_that_cannot_be_created_says_why(void **state)
+{
+    (void)state;
+    error err = {""};
+    plugin_list list = {0};
+    const mrt_plugin_type *type;
+    const char *path = BUILD_DIR "/tests/plugin/troubled_refuses.so";
+    const isolate_settings settings = {.clock = CLOCK_REAL};
+    isolate *apart;
+    instance made;
+    scene_must(plugin_list_find(&list, path, MRT_MAPPING, &type, &err), &err);
+    scene_must(isolate_create(&apart, type, path, &settings, &err), &err);
+    assert_true(instance_create(&made, isolate_type(apart), CLOCK_REAL, NULL, &err) < 0);
+    assert_non_null(strstr(err.text, "no licence for this machine"));
+    isolate_destroy(apart);
+    plugin_list_destroy(&list);
+}
+
+/* ---- trouble ---- */
+
+/* From sample 40 on it is in trouble; after the failure the trouble is over. */
+static void check_trouble(const char *trouble, const char *reason)
+{
+    stand s, other;
+    stand_watch watch = {0};
+    char set[64];
+    const isolate_settings settings = {.clock = CLOCK_REAL, .writes_reports = true};
+    stand_up(&s, TROUBLED, "", &settings);
+    stand_up(&other, TROUBLED, "", NULL);
+    stand_watch_begin(&watch, stand_furthest_step(TROUBLED, 500));
+    (void)snprintf(set, sizeof set, "trouble=%s", trouble);
+    uint32_t n = 0;
+    for (; n < 40; ++n) {
+        stand_step(&s, n);
+        stand_step(&other, n);
+        stand_watch_step(&watch, &s, &other);
+    }
+    assert_false(stand_counts(&s).is_away);
+    mrt_pull before = *performer_pull(s.performer);
+    stand_set(&s, set);
+    stand_step(&s, n);
+    assert_memory_equal(performer_pull(s.performer), &before, sizeof before); /* held */
+    stand_step(&other, n++);
+    stand_watch_step(&watch, &s, &other);
+    for (; !stand_counts(&s).is_away && n < 400; ++n) { /* late ones are given some frames */
+        clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
+        stand_step(&s, n);
+        stand_step(&other, n);
+        stand_watch_step(&watch, &s, &other);
+    }
+    assert_true(stand_counts(&s).is_away);
+    stand_set(&s, "trouble=none");
+    stand_wait_for(&s, 1);
+    assert_true(stand_hears(&s, reason));
+    assert_true(stand_hears(&s, "what it saw last is kept in "));
+    for (uint32_t end = n + 60; n < end; ++n) {
+        stand_step(&s, n);
+        stand_step(&other, n);
+        stand_watch_step(&watch, &s, &other);
+    }
+    assert_false(stand_counts(&s).is_away);
+    /* It has its anchor of before: it pulls as if nothing had happened. */
+    assert_memory_equal(performer_pull(s.performer)->vector,
+                        performer_pull(other.performer)->vector, sizeof(mrt_vector) * 5);
+    assert_true(stand_distance(&watch.before, &watch.ought_before) < 1e-3);
+    if (watch.worst_excess_mm > 0)
+        fail_msg("%s: the face jumped by %.3f mm more than it may", trouble, watch.worst_excess_mm);
+    stand_watch_finish(&watch);
+    stand_lie_down(&s);
+    stand_lie_down(&other);
+}
+
+static void a_crash_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("crash", "was ended by signal 11");
+}
+
+static void a_hang_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("hang", "did not answer within 3 ms");
+}
+
+static void a_slow_one_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("slow", "did not answer within 3 ms");
+}
+
+static void one_that_sleeps_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("sleep", "did not answer within 3 ms");
+}
+
+static void nonsense_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("nonsense", "gave a control vector that is not finite");
+}
+
+static void one_that_leaves_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("leave", "ended its process with code 3");
+}
+
+static void one_that_refuses_frames_is_held_bridged_and_restarted(void **state)
+{
+    (void)state;
+    check_trouble("refuse", "returned -2");
+}
+
+static void a_second_failure_within_a_minute_leaves_the_simple_mapping(void **state)
+{
+    (void)state;
+    stand s;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    uint32_t n = 0;
+    stand_up(&s, TROUBLED, "", &settings);
+    for (; n < 10; ++n)
+        stand_step(&s, n);
+    stand_set(&s, "trouble=crash");
+    stand_step(&s, n++);
+    stand_wait_for(&s, 1); /* and crashes again */
+    for (; n < 60; ++n)
+        stand_step(&s, n);
+    assert_true(stand_hears(&s, "twice within a minute"));
+    assert_int_equal(stand_counts(&s).failed, 2);
+    assert_int_equal(stand_counts(&s).restarted, 1);
+    stand_set(&s, "trouble=none");
+    mrt_pull before = *performer_pull(s.performer);
+    for (; n < 100; ++n)
+        stand_step(&s, n);
+    assert_true(stand_counts(&s).is_away);
+    assert_int_equal(performer_pull(s.performer)->mode, MRT_ANCHORED);
+    /* The hand still moves the face. */
+    assert_memory_not_equal(performer_pull(s.performer), &before, sizeof before);
+    assert_int_equal(performer_save(s.performer, NULL, 0), 0); /* nothing to take up */
+    stand_lie_down(&s);
+}
+
+static void a_reset_while_it_is_away_forgets(void **state)
+{
+    (void)state;
+    stand s;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    uint32_t n = 0;
+    stand_up(&s, TROUBLED, "", &settings);
+    for (; n < 40; ++n)
+        stand_step(&s, n);
+    stand_set(&s, "trouble=crash");
+    stand_step(&s, n);
+    stand_set(&s, "trouble=none");
+    stand_wait_for(&s, 1);
+    layer_reset(performer_layer(s.performer));
+    stand_step(&s, n++);
+    const mrt_vector *v = performer_pull(s.performer)->vector;
+    assert_int_equal(performer_pull(s.performer)->count, 5);
+    assert_memory_equal(&v[1].start, &v[1].end, sizeof v[1].end); /* it takes hold anew */
+    stand_lie_down(&s);
+}
+
+/* Of the reports that the tests above have left. */
+static void the_report_has_what_it_saw_and_why(void **state)
+{
+    (void)state;
+    error err = {""};
+    struct dirent **entry = NULL;
+    uint32_t crashes = 0;
+    char path[4096];
+    (void)snprintf(path, sizeof path, "%s/marotte/reports", reports);
+    int count = scandir(path, &entry, NULL, alphasort);
+    for (int i = 0; i < count; ++i) {
+        file_bytes words = {0}, hand = {0};
+        if (entry[i]->d_name[0] == '.')
+            continue;
+        (void)snprintf(path, sizeof path, "%s/marotte/reports/%s/report.txt", reports,
+                       entry[i]->d_name);
+        scene_must(file_read(&words, path, 1 << 20, &err), &err);
+        (void)snprintf(path, sizeof path, "%s/marotte/reports/%s/right.csv", reports,
+                       entry[i]->d_name);
+        scene_must(file_read(&hand, path, 1 << 20, &err), &err);
+        const char *text = (const char *)words.data;
+        assert_non_null(strstr(text, "plugin: org.example.troubled 1\n"));
+        assert_non_null(strstr(text, "parameter: Pull/Gain = 0.40000000000000002"));
+        crashes += strstr(text, "reason: was ended by signal 11") != NULL;
+        const char *line = (const char *)hand.data;
+        assert_memory_equal(line, "time_ns,right.thumb.roll,", 25);
+        uint32_t lines = 0;
+        for (; (line = strchr(line, '\n')) != NULL; ++line)
+            lines += 1;
+        if (lines < 42 || lines > 200)
+            fail_msg("%s: %u lines", path, lines);
+        /* 40 samples, the one it failed in, a head */
+        file_bytes_finish(&words);
+        file_bytes_finish(&hand);
+    }
+    for (int i = 0; i < count; ++i)
+        free(entry[i]);
+    free(entry);
+    assert_int_equal(crashes, 1);
+}
+
+/* ---- killed at random instants ---- */
+
+static void kills_never_make_the_face_jump(void **state)
+{
+    (void)state;
+    uint32_t kills = is_long ? 200 : 10, seed = 20261121, held = 0;
+    stand_watch watch = {0};
+    double worst_ms = 0, furthest_mm = stand_furthest_step(TROUBLED, 120);
+    for (uint32_t kill_at = 0; kill_at < kills; ++kill_at) {
+        stand s, other;
+        const isolate_settings settings = {.clock = CLOCK_REAL};
+        stand_up(&s, TROUBLED, "", &settings);
+        stand_up(&other, TROUBLED, "", NULL);
+        seed = seed * 1664525u + 1013904223u;
+        uint32_t at = 5 + (seed >> 8) % 60;
+        int64_t within_ns = (int64_t)((seed >> 4) % 2000) * 1000; /* of the period of that sample */
+        stand_watch_begin(&watch, furthest_mm);
+        int64_t start_ns = clock_now_ns();
+        for (uint32_t n = 0; n < 120; ++n) {
+            clock_sleep_until_ns(start_ns + (int64_t)n * 2 * NS_PER_MS);
+            if (n == at && within_ns % 2) /* between two samples, or just before one */
+                clock_sleep_until_ns(clock_now_ns() + within_ns);
+            if (n == at && isolate_pid(s.mapping.self) > 0)
+                (void)kill(isolate_pid(s.mapping.self), SIGKILL);
+            int64_t before_ns = clock_now_ns();
+            stand_step(&s, n);
+            worst_ms = fmax(worst_ms, (double)(clock_now_ns() - before_ns) * 1e-6);
+            stand_step(&other, n);
+            stand_watch_step(&watch, &s, &other);
+        }
+        held += stand_counts(&s).failed;
+        assert_true(stand_counts(&s).failed >= 1);
+        assert_int_equal(performer_counted(s.performer)->samples, 120);
+        if (watch.worst_excess_mm > 0)
+            fail_msg("kill %u at sample %u: the face jumped by %.3f mm more than it may", kill_at,
+                     at, watch.worst_excess_mm);
+        stand_lie_down(&s);
+        stand_lie_down(&other);
+    }
+    print_message("%u kills, %u failures, worst sample %.2f ms, furthest step of the hand's own "
+                  "%.3f mm\n",
+                  kills, held, worst_ms, watch.furthest_step_mm);
+    stand_watch_finish(&watch);
+}
+
+int main(int argc, char **argv)
+{
+    is_long = argc > 1 && strcmp(argv[1], "--long") == 0;
+    if (!mkdtemp(reports) || setenv("XDG_DATA_HOME", reports, 1) != 0)
+        return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_shipped_mapping_gives_the_same_bits),
+        cmocka_unit_test(its_words_and_its_parameters_come_through),
+        cmocka_unit_test(a_plugin_that_cannot_be_created_says_why),
+        cmocka_unit_test(a_crash_is_held_bridged_and_restarted),
+        cmocka_unit_test(a_hang_is_held_bridged_and_restarted),
+        cmocka_unit_test(a_slow_one_is_held_bridged_and_restarted),
+        cmocka_unit_test(one_that_sleeps_is_held_bridged_and_restarted),
+        cmocka_unit_test(nonsense_is_held_bridged_and_restarted),
+        cmocka_unit_test(one_that_leaves_is_held_bridged_and_restarted),
+        cmocka_unit_test(one_that_refuses_frames_is_held_bridged_and_restarted),
+        cmocka_unit_test(a_second_failure_within_a_minute_leaves_the_simple_mapping),
+        cmocka_unit_test(a_reset_while_it_is_away_forgets),
+        cmocka_unit_test(the_report_has_what_it_saw_and_why),
+        cmocka_unit_test(kills_never_make_the_face_jump),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
