@@ -16,12 +16,12 @@ static const struct pull_part {
     const char *contact;
     float out, up, front;
 } pull_parts[] = {
-    {ACT_SMILE, "mouth.corner.*", 7, 9.5f, -4.5f},
-    {ACT_SMILE, "nasolabial.*", 3, 6, 1},
-    {ACT_SMILE, "cheek.lower.*", 3.5f, 5, 0},
+    {ACT_SMILE, "mouth.corner.*", 6, 8, -3.5f},
+    {ACT_SMILE, "nasolabial.*", 2.5f, 4.5f, 1},
+    {ACT_SMILE, "cheek.lower.*", 3, 4.5f, 0},
     {ACT_SMILE, "lip.upper.side.*", 3.5f, 4, -1.5f},
     {ACT_SMILE, "lip.lower.side.*", 3.5f, 3.5f, -1.5f},
-    {ACT_SMILE, "cheek.*", 1.5f, 6, 2},
+    {ACT_SMILE, "cheek.*", 1.2f, 5, 2},
     {ACT_FROWN, "mouth.corner.*", 1.2f, -9.5f, -1.5f},
     {ACT_FROWN, "nasolabial.*", 0, -3, 0},
     {ACT_FROWN, "cheek.lower.*", 0, -3, 0},

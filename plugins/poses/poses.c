@@ -1,0 +1,290 @@
+/* Hand poses that were shown once or a few times stand for poses of the face; between them the face
+ * is in between. Shipped ones until others are taught. */
+#include "acts.h"
+#include "memory.h"
+#include "posture.h"
+#include "space.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { HAND, TEACH, FORGET = TEACH + SPACE_POSES, AMOUNT, EASE, WIDTH, RIDGE, PARAM_COUNT };
+
+static const act acts_of[SPACE_POSES] = {ACT_NEUTRAL,  ACT_SMILE,      ACT_FROWN,  ACT_JAW_OPEN,
+                                         ACT_BROWS_UP, ACT_BROWS_DOWN, ACT_PUCKER, ACT_BLINK};
+
+/* Distal joints as they are estimated: half of the middle ones. The wrist is as at rest. */
+#define FINGERS(thumb_roll, thumb_mpj, thumb_ij, thumb_abduction, i1, i2, m1, m2, r1, r2, l1, l2,  \
+                spread, arch)                                                                      \
+    {                                                                                              \
+        thumb_roll, thumb_mpj, thumb_ij, thumb_abduction, i1, i2, 0.5f * (i2), m1, m2,             \
+            0.5f * (m2), spread, r1, r2, 0.5f * (r2), spread, l1, l2, 0.5f * (l2), spread, arch,   \
+            -0.08f, 0.0f                                                                           \
+    }
+/* clang-format off */
+static const float shipped[SPACE_POSES][MRT_ANGLES] = {
+    FINGERS(1.45f, 0.15f, 0.20f, 0.34f, 0.61f, 0.53f, 0.67f, 0.60f, 0.72f, 0.64f, 0.70f, 0.60f, -0.04f, 0.12f), /* at rest */
+    FINGERS(0.74f, 0.15f, 0.20f, 0.63f, -0.05f, 0.06f, 0.02f, 0.13f, 0.05f, 0.18f, 0.05f, 0.15f, 0.26f, 0.13f), /* spread */
+    FINGERS(1.90f, 0.19f, 0.59f, 0.66f, 1.26f, 1.68f, 1.35f, 1.75f, 1.39f, 1.81f, 1.36f, 1.75f, -0.04f, 0.13f), /* fist */
+    FINGERS(1.44f, -0.25f, 0.02f, 0.75f, 0.55f, 0.53f, 0.62f, 0.60f, 0.67f, 0.64f, 0.67f, 0.60f, -0.05f, 0.12f), /* thumb dropped */
+    FINGERS(1.44f, 0.15f, 0.20f, 0.35f, 0.00f, 0.16f, 0.59f, 0.54f, 0.69f, 0.63f, 0.70f, 0.60f, -0.05f, 0.12f), /* index lifted */
+    FINGERS(1.44f, 0.15f, 0.20f, 0.35f, 1.25f, 1.20f, 0.80f, 0.75f, 0.75f, 0.66f, 0.72f, 0.62f, -0.04f, 0.12f), /* index bent */
+    FINGERS(1.80f, 0.35f, 0.50f, 0.20f, 0.95f, 0.40f, 0.95f, 0.40f, 0.95f, 0.40f, 0.95f, 0.40f, -0.12f, 0.30f), /* beak */
+    FINGERS(1.77f, 0.15f, 0.20f, 0.55f, 0.55f, 0.48f, 0.22f, 0.25f, 0.09f, 0.18f, 0.12f, 0.15f, -0.05f, 0.46f), /* three stretched */
+};
+/* clang-format on */
+
+typedef struct lessons {
+    space_shown shown;
+    bool is_taught[SPACE_POSES]; /* false: as shipped */
+} lessons;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    acts acts;
+    lessons stored; /* shipped or loaded: what a reset returns to */
+    lessons now;
+    double weight[SPACE_POSES]; /* of the face shown */
+
+    /* ---- follows from the lessons and the parameters ---- */
+    space_fit fit;
+    bool is_fit;
+    double ridge, width; /* that it was found with */
+};
+
+static void show_shipped(lessons *out)
+{
+    memset(out, 0, sizeof *out);
+    for (unsigned pose = 0; pose < SPACE_POSES; ++pose)
+        space_show(&out->shown, pose, shipped[pose]);
+}
+
+static void reset(mrt_plugin *self)
+{
+    self->now = self->stored;
+    self->is_fit = false;
+    memset(self->weight, 0, sizeof self->weight);
+}
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    show_shipped(&self->stored);
+    reset(self);
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    free(self);
+}
+
+static mrt_result activate(mrt_plugin *self, const mrt_face *face)
+{
+    return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
+}
+
+static void deactivate(mrt_plugin *self)
+{
+    (void)self;
+}
+
+/* ---- lessons ---- */
+
+/* [frame]: without printf, which may allocate. */
+static void append(char *line, const char *text)
+{
+    memcpy(line + strlen(line), text, strlen(text) + 1);
+}
+
+static void append_number(char *line, unsigned number)
+{
+    char digits[12] = "", *at = digits + sizeof digits - 1;
+    do
+        *--at = (char)('0' + number % 10);
+    while ((number /= 10) > 0);
+    append(line, at);
+}
+
+static void report(const mrt_plugin *self, unsigned pose)
+{
+    char line[200] = "taught: ";
+    append(line, act_names[acts_of[pose]]);
+    append(line, ", shown times: ");
+    append_number(line, self->now.shown.count[pose]);
+    if (self->fit.left_out < 0.0) {
+        append(line, "; show a pose twice to learn how well it is told from the others");
+    } else {
+        append(line, "; leave-one-out error of the weights: ");
+        append_number(line, (unsigned)(100.0 * posture_clamp(self->fit.left_out, 0.0, 99.0) + 0.5));
+        append(line, " %");
+    }
+    self->host->log(self->host, MRT_LOG_INFO, line);
+}
+
+static void fit_again(mrt_plugin *self, const double *params)
+{
+    self->ridge = params[RIDGE];
+    self->width = params[WIDTH];
+    self->is_fit = true;
+    space_find(&self->fit, &self->now.shown, self->ridge, 0.01 * self->width);
+}
+
+static void learn(mrt_plugin *self, unsigned pose, const mrt_hand *hand, const double *params)
+{
+    if (!self->now.is_taught[pose]) /* what was shipped makes room */
+        self->now.shown.count[pose] = self->now.shown.next[pose] = 0;
+    self->now.is_taught[pose] = true;
+    space_show(&self->now.shown, pose, hand->angle);
+    fit_again(self, params);
+    report(self, pose);
+}
+
+static void attend(mrt_plugin *self, const mrt_hand *hand, const double *params)
+{
+    if (params[FORGET] > 0.5) {
+        show_shipped(&self->now);
+        self->is_fit = false;
+    }
+    for (unsigned pose = 0; pose < SPACE_POSES; ++pose) {
+        if (params[TEACH + pose] < 0.5)
+            continue;
+        if (hand)
+            learn(self, pose, hand, params);
+        else
+            self->host->log(self->host, MRT_LOG_WARNING,
+                            "no hand is there to be taught: hold the pose, then teach it");
+    }
+    bool is_other = params[RIDGE] < self->ridge || params[RIDGE] > self->ridge ||
+                    params[WIDTH] < self->width || params[WIDTH] > self->width;
+    if (!self->is_fit || is_other)
+        fit_again(self, params);
+}
+
+/* ---- the mapping ---- */
+
+static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    const double *params = frame->params;
+    const mrt_hand *hand = posture_hand(frame, params[HAND]);
+    double wanted[SPACE_POSES], part[ACT_COUNT] = {0.0};
+    attend(self, hand, params);
+    if (!hand)
+        return MRT_HOLD;
+    space_weigh(&self->fit, hand->angle, wanted);
+    double share = posture_share(frame->dt_s, params[EASE]);
+    for (int pose = 0; pose < SPACE_POSES; ++pose) {
+        self->weight[pose] += share * (wanted[pose] - self->weight[pose]);
+        part[acts_of[pose]] = 0.01 * params[AMOUNT] * self->weight[pose];
+    }
+    acts_write(&self->acts, part, pull);
+    return MRT_OK;
+}
+
+/* ---- what was taught, kept ---- */
+
+#define LESSONS_MEMORY(lessons)                                                                    \
+    MEMORY_WHOLES((lessons).shown.count, SPACE_SHOWN_MAX),                                         \
+        MEMORY_WHOLES((lessons).shown.next, SPACE_SHOWN_MAX - 1),                                  \
+        MEMORY_FLOATS((lessons).shown.angle), MEMORY_BOOLS((lessons).is_taught)
+
+static size_t save_lessons(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = {
+        .type = "org.marotte.poses/taught", .version = 1, .parts = {LESSONS_MEMORY(self->now)}};
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load_lessons(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = {
+        .type = "org.marotte.poses/taught", .version = 1, .parts = {LESSONS_MEMORY(self->stored)}};
+    if (!memory_load(&list, bytes, size)) {
+        self->host->log(self->host, MRT_LOG_ERROR,
+                        "what was stored are no hand poses: teach them again");
+        return MRT_ERR_FORMAT;
+    }
+    self->now = self->stored;
+    self->is_fit = false;
+    return MRT_OK;
+}
+
+/* ---- resume ---- */
+
+static memory_list memory_of(mrt_plugin *self)
+{
+    return (memory_list){.type = "org.marotte.poses",
+                         .version = 1,
+                         .parts = {
+                             LESSONS_MEMORY(self->stored),
+                             LESSONS_MEMORY(self->now),
+                             MEMORY_DOUBLES(self->weight),
+                         }};
+}
+
+static size_t save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    if (!memory_load(&list, bytes, size))
+        return MRT_ERR_FORMAT;
+    self->is_fit = false;
+    return MRT_OK;
+}
+
+#define TEACH_PARAM(id, name, pose, what)                                                          \
+    {                                                                                              \
+        id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
+            "The hand as it is held now means: " pose ". At first: " what ".", 0, 1, 0, NULL       \
+    }
+
+/* clang-format off */
+static const mrt_param params[PARAM_COUNT] = {
+    POSTURE_HAND_PARAM(1),
+    TEACH_PARAM(2, "Teach 1", "neutral", "a relaxed hand"),
+    TEACH_PARAM(3, "Teach 2", "smile", "a flat hand, spread"),
+    TEACH_PARAM(4, "Teach 3", "frown", "a fist"),
+    TEACH_PARAM(5, "Teach 4", "jaw open", "the thumb dropped"),
+    TEACH_PARAM(6, "Teach 5", "brows up", "the index finger stretched"),
+    TEACH_PARAM(7, "Teach 6", "brows down", "the index finger bent"),
+    TEACH_PARAM(8, "Teach 7", "pucker", "all fingertips together"),
+    TEACH_PARAM(9, "Teach 8", "blink", "the other three fingers stretched"),
+    {10, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All hand poses are as they were at first.",
+     0, 1, 0, NULL},
+    {11, 0, "Amount", "Face", "%", "How much of each pose the face makes.", 0, 120, 100, NULL},
+    {12, 0, "Ease", "Face", "s", "Time in which the face follows the hand.", 0.01, 1, 0.05, NULL},
+    {13, 0, "Width", "Learning", "%",
+     "How far a demonstration reaches, in per cent of the mean way from pose to pose.",
+     10, 100, 40, NULL},
+    {14, 0, "Ridge", "Learning", "",
+     "How little single demonstrations are believed: 0.001 to the letter, 1 hardly.",
+     0.001, 1, 0.01, NULL},
+};
+/* clang-format on */
+
+static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_state state = {save_lessons, load_lessons};
+static const mrt_resume resume = {save, load};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.poses",
+    "Poses",
+    "1.0",
+    "Hand poses that were shown to it stand for poses of the face.",
+    create,
+    destroy,
+};
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
