@@ -9,9 +9,18 @@
 
 static const char *kind_of(const mrt_plugin_type *type)
 {
-    bool input = plugin_interface(type, MRT_INPUT) != NULL;
-    bool mapping = plugin_interface(type, MRT_MAPPING) != NULL;
-    return input && mapping ? "input and mapping" : input ? "input" : "mapping";
+    static const char *const kinds[8] = {"none",
+                                         "input",
+                                         "mapping",
+                                         "input and mapping",
+                                         "output",
+                                         "input and output",
+                                         "mapping and output",
+                                         "input, mapping and output"};
+    unsigned kind = plugin_interface(type, MRT_INPUT) ? 1u : 0u;
+    kind |= plugin_interface(type, MRT_MAPPING) ? 2u : 0u;
+    kind |= plugin_interface(type, MRT_OUTPUT) ? 4u : 0u;
+    return kinds[kind];
 }
 
 static void print_params(const mrt_plugin_type *type)
@@ -31,7 +40,7 @@ static void print_list(const plugin_list *list, bool with_params)
 {
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
-        printf("%-24s %-8s %-6s %s\n", type->id, kind_of(type), type->version, type->about);
+        printf("%-24s %-16s %-6s %s\n", type->id, kind_of(type), type->version, type->about);
         printf("    from %s\n", list->entry[i].path);
         if (with_params)
             print_params(type);

@@ -190,6 +190,22 @@ static bool label_value(const mrt_param *p, const char *text, double *out)
     return false;
 }
 
+static mrt_result refuse_choice(const instance *self, const mrt_param *p, const char *key,
+                                const char *value, error *err)
+{
+    char choices[256] = "";
+    size_t used = 0;
+    for (size_t i = 0; p->labels[i] && used < sizeof choices; ++i) {
+        char choice[KEY_LENGTH];
+        key_of(choice, sizeof choice, NULL, p->labels[i]);
+        int length =
+            snprintf(choices + used, sizeof choices - used, "%s%s", i > 0 ? ", " : "", choice);
+        used += length > 0 ? (size_t)length : 0;
+    }
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is none of its choices: %s",
+                     self->type->id, key, value, choices);
+}
+
 mrt_result instance_set_text(instance *self, const char *key, const char *value, error *err)
 {
     uint32_t index;
@@ -197,13 +213,17 @@ mrt_result instance_set_text(instance *self, const char *key, const char *value,
     if (!find_param(self, key, &index, err))
         return MRT_ERR_ARGUMENT;
     const mrt_param *p = &self->type->params[index];
-    if (!label_value(p, value, &number) &&
-        !text_double(text_view_of(value, strlen(value)), &number))
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is not a number%s", self->type->id,
-                         key, value, p->labels ? " or a name of a choice" : "");
-    if (number < p->min || number > p->max)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=%s is outside %g .. %g %s", self->type->id,
-                         key, value, p->min, p->max, p->unit);
+    bool is_number =
+        label_value(p, value, &number) || text_double(text_view_of(value, strlen(value)), &number);
+    bool is_within = is_number && number >= p->min && number <= p->max;
+    if (!is_within && p->labels)
+        return refuse_choice(self, p, key, value, err);
+    if (!is_number)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is not a number", self->type->id,
+                         key, value);
+    if (!is_within)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=%s is outside %g .. %g%s%s", self->type->id,
+                         key, value, p->min, p->max, p->unit[0] ? " " : "", p->unit);
     if ((p->flags & MRT_PARAM_STEPPED) && floor(number) < number)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=%s is not a whole number", self->type->id,
                          key, value);
