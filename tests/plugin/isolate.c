@@ -158,7 +158,7 @@ static void check_trouble(const char *trouble, const char *reason)
     const isolate_settings settings = {.clock = CLOCK_REAL, .writes_reports = true};
     stand_up(&s, TROUBLED, "", &settings);
     stand_up(&other, TROUBLED, "", NULL);
-    stand_watch_begin(&watch, stand_furthest_step(TROUBLED, 500));
+    stand_watch_begin(&watch, stand_furthest_step(TROUBLED, "", 500));
     (void)snprintf(set, sizeof set, "trouble=%s", trouble);
     uint32_t n = 0;
     for (; n < 40; ++n) {
@@ -341,7 +341,7 @@ static void kills_never_make_the_face_jump(void **state)
     (void)state;
     uint32_t kills = is_long ? 200 : 10, seed = 20261121, held = 0;
     stand_watch watch = {0};
-    double worst_ms = 0, furthest_mm = stand_furthest_step(TROUBLED, 120);
+    double worst_ms = 0, furthest_mm = stand_furthest_step(TROUBLED, "", 120);
     for (uint32_t kill_at = 0; kill_at < kills; ++kill_at) {
         stand s, other;
         const isolate_settings settings = {.clock = CLOCK_REAL};

@@ -145,12 +145,12 @@ typedef struct stand_watch {
 } stand_watch;
 
 /* What the hand alone makes of the face, in samples 0 to count. */
-static inline double stand_furthest_step(const char *library, uint32_t count)
+static inline double stand_furthest_step(const char *library, const char *params, uint32_t count)
 {
     stand s;
     stand_shape now = {0}, before = {0};
     double most = 0;
-    stand_up(&s, library, "", NULL);
+    stand_up(&s, library, params, NULL);
     for (uint32_t n = 0; n < count; ++n) {
         stand_step(&s, n);
         stand_copy(&now, &s);
