@@ -102,16 +102,21 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
 
 void perform_record_watch(perform_record *self)
 {
-    char text[512];
     if (!self->recorder)
         return;
     perform_sound_update(&self->sound);
-    writer_status status = writer_status_of(recorder_writer(self->recorder));
+    perform_record_watch_writer(recorder_writer(self->recorder), &self->is_waiting_told);
+}
+
+void perform_record_watch_writer(writer *of, bool *is_told)
+{
+    char text[512];
+    writer_status status = writer_status_of(of);
     bool is_well = status.state == WRITER_OK && !status.is_missing;
-    if (is_well == !self->is_waiting_told)
+    if (is_well == !*is_told)
         return;
-    self->is_waiting_told = !is_well;
-    writer_message(recorder_writer(self->recorder), text, sizeof text);
+    *is_told = !is_well;
+    writer_message(of, text, sizeof text);
     fprintf(stderr, "%s: %s\n", is_well ? "note" : "warning",
             is_well ? "recording goes on: what was held in memory is written" : text);
 }
@@ -149,12 +154,41 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
     return MRT_OK;
 }
 
+enum { RESCUE_NAMES = 100 };
+
+void perform_record_rescue(show *of)
+{
+    char path[4096];
+    error err = {""};
+    if (!of || !show_is_missing(of))
+        return;
+    const char *name = show_path(of);
+    size_t extension = strlen(file_extension_of(name).text);
+    int stem = (int)(strlen(name) - (extension ? extension + 1 : 0));
+    mrt_result result = MRT_ERR_IO;
+    for (int n = 1; n <= RESCUE_NAMES; ++n) {
+        snprintf(path, sizeof path, n > 1 ? "%.*s.rescued-%d.marotte" : "%.*s.rescued.marotte",
+                 stem, name, n);
+        if (access(path, F_OK) != 0) {
+            result = show_rescue(of, path, &err);
+            break;
+        }
+    }
+    if (result >= 0)
+        fprintf(stderr, "warning: %s: was deleted, moved or replaced: all of it is in %s\n",
+                show_path(of), path);
+    else
+        fprintf(stderr, "error: %s: was deleted, moved or replaced, and is lost: %s\n",
+                show_path(of), err.text[0] ? err.text : "too many copies lie beside it");
+}
+
 void perform_record_finish(perform_record *self)
 {
     error ignored = {""};
     perform_sound_finish(&self->sound);
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
         fprintf(stderr, "warning: %s\n", ignored.text);
+    perform_record_rescue(self->show);
     show_close(self->show);
     for (int i = 0; i < PERFORM_INPUTS_MAX; ++i)
         free(self->input_text[i]);

@@ -33,8 +33,12 @@ CHECKED mrt_result perform_record_start(perform_record *out, const perform_optio
                                         const perform_record_of *of, error *err);
 /* Now and then: says what the person should know: the disk is full, the file was deleted. */
 void perform_record_watch(perform_record *self);
+void perform_record_watch_writer(writer *of, bool *is_told); /* the same, for any writer */
 /* The take ends, and all is written. */
 CHECKED mrt_result perform_record_end(perform_record *self, facts *told, error *err);
 void perform_record_finish(perform_record *self); /* zeroed is fine */
+/* When the show's file was deleted, moved or replaced while it was open: a whole copy beside it,
+ * and says where. When nothing is recorded any more. NULL is fine. */
+void perform_record_rescue(show *of);
 
 #endif

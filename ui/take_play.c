@@ -11,7 +11,7 @@ static const take_verb play_verbs[] = {
      "  --fade S       cross-fade at both ends, seconds (0.25)\n"
      "  --count-in S   the take stands still for so long first\n"
      "  --preroll S    it plays so long before --in\n"
-     "  --passes N     --in to --out again and again: a layer each, of which the last is heard\n"
+     "  --passes N     --in to --out again and again: a layer each; the last whole one is heard\n"
      "  --speed N      of the take, 0.1 to 4 (1)\n"
      "  --calibration FILE, --rezero-pedal N, --realtime, --face FILE   as in marotte perform\n"
      "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",

@@ -3,6 +3,7 @@
 #include "keys.h"
 #include "news.h"
 #include "perform_hands.h"
+#include "perform_record.h"
 #include "spec.h"
 #include "stage/overdub.h"
 #include "stage/sound.h"
@@ -34,6 +35,7 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     overdub *overdub;
     sound *sound; /* of the take, heard while it is performed over; NULL: none */
     player_report report;
+    bool is_waiting_told; /* that the disk does not take it now */
 } performing;
 
 static _Atomic bool stop_asked;
@@ -115,11 +117,24 @@ static mrt_result choose_hands(performing *self, error *err)
 
 /* ---- what is made of it ---- */
 
+static mrt_result read_count(take_call *call, take_option option, double most, uint32_t *out,
+                             error *err)
+{
+    double number = *out;
+    mrt_result result = take_number(call, option, 1.0, most, &number, err);
+    *out = (uint32_t)number;
+    if (result >= 0 && (double)*out < number)
+        return take_misused(call, err, "--%s \"%s\" is not a whole number",
+                            take_option_name(option), call->text[option]);
+    return result;
+}
+
 static mrt_result read_times(performing *self, overdub_settings *out, error *err)
 {
     take_call *call = self->call;
-    double fade_s = 0.25, preroll_s = 0.0, count_in_s = 0.0, passes = 1.0;
+    double fade_s = 0.25, preroll_s = 0.0, count_in_s = 0.0;
     out->speed = 1.0;
+    out->passes = 1;
     mrt_result result = take_time(call, TAKE_IN, &self->take, &out->in_ns, err);
     if (result >= 0)
         result = take_time(call, TAKE_OUT, &self->take, &out->out_ns, err);
@@ -130,7 +145,7 @@ static mrt_result read_times(performing *self, overdub_settings *out, error *err
     if (result >= 0)
         result = take_number(call, TAKE_COUNT_IN, 0.0, 600.0, &count_in_s, err);
     if (result >= 0)
-        result = take_number(call, TAKE_PASSES, 1.0, 99.0, &passes, err);
+        result = read_count(call, TAKE_PASSES, 99.0, &out->passes, err);
     if (result >= 0)
         result = take_number(call, TAKE_SPEED, TRANSPORT_SPEED_MIN, TRANSPORT_SPEED_MAX,
                              &out->speed, err);
@@ -138,17 +153,15 @@ static mrt_result read_times(performing *self, overdub_settings *out, error *err
     out->fade_ns = is_ranged ? (int64_t)(fade_s * 1e9) : 0;
     out->preroll_ns = (int64_t)(preroll_s * 1e9);
     out->count_in_ns = (int64_t)(count_in_s * 1e9);
-    out->passes = (uint32_t)passes;
     return result;
 }
 
 static mrt_result read_place(performing *self, overdub_settings *out, error *err)
 {
     take_call *call = self->call;
-    double pedal = 0.0;
     edit_init(&self->own, EDIT_LAYER_OWN);
-    mrt_result result = take_number(call, TAKE_REZERO_PEDAL, 1.0, MRT_MAX_PEDALS, &pedal, err);
-    out->rezero_pedal = (uint32_t)pedal;
+    mrt_result result =
+        read_count(call, TAKE_REZERO_PEDAL, MRT_MAX_PEDALS, &out->rezero_pedal, err);
     if (result >= 0 && call->text[TAKE_LAYER])
         result = take_find_layer(call, &self->take, &out->into_layer, err);
     if (result >= 0 && call->text[TAKE_OWN])
@@ -213,6 +226,7 @@ static void finish(performing *self)
 {
     sound_destroy(self->sound);
     overdub_destroy(self->overdub);
+    perform_record_rescue(self->call->show);
     edit_finish(&self->own);
     instance_destroy(&self->mapping);
     free(self->calibration[0]);
@@ -264,6 +278,8 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     (void)index, (void)time_s, (void)work_ns, (void)err;
     news_print(self->log);
     move_sound(self);
+    perform_record_watch_writer(recorder_writer(overdub_recorder(self->overdub)),
+                                &self->is_waiting_told);
     for (char key = keys_next(); key; key = keys_next())
         if (key == 'q')
             atomic_store(&stop_asked, true);
@@ -330,19 +346,33 @@ static void tell(performing *self, const overdub_result *made)
     facts_number(told, "out_s", "to", (double)made->to_ns / 1e9, 3, "s");
     snprintf(text, sizeof text, "%lld", (long long)made->raw_take);
     facts_text(told, "raw_take", "by itself", text);
+    facts_number(told, "edits", "edits", made->edit_count, 0, "(undo --steps: all of it)");
+}
+
+/* However it ended: what was performed until then becomes a part of the take. */
+static mrt_result keep(performing *self, mrt_result performed, error *err)
+{
+    overdub_result made;
+    error later = {""};
+    mrt_result result = overdub_finish(self->overdub, &made, &later);
+    self->call->is_told = result >= 0;
+    if (result >= 0)
+        tell(self, &made);
+    if (performed < 0)
+        return performed;
+    if (result < 0)
+        return error_set(err, result, "%s", later.text);
+    return self->report.input_failed
+               ? error_set(err, MRT_ERR_IO, "an input failed; what came before is kept")
+               : MRT_OK;
 }
 
 mrt_result take_record_run(take_call *call, error *err)
 {
     performing self = {.call = call};
-    overdub_result made;
     mrt_result result = prepare(&self, err);
     if (result >= 0)
-        result = perform(&self, err);
-    if (result >= 0)
-        result = overdub_finish(self.overdub, &made, err);
-    if (result >= 0)
-        tell(&self, &made);
+        result = keep(&self, perform(&self, err), err);
     finish(&self);
     return result;
 }

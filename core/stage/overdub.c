@@ -74,6 +74,14 @@ static const take_layer *punched(const overdub *self)
     return NULL;
 }
 
+static bool moves_something(const overdub *self, const mrt_face *about)
+{
+    for (uint32_t i = 0; i <= about->contact_count + about->dof_count; ++i)
+        if (self->owned[i])
+            return true;
+    return false;
+}
+
 /* The layer that performs, over the take's own. */
 static mrt_result create_live(overdub *self, error *err)
 {
@@ -94,6 +102,11 @@ static mrt_result create_live(overdub *self, error *err)
     const take_layer *over = punched(self);
     take_layer own = {.own_count = s->own_count, .own = s->own};
     sequencer_mark_owned(shown, over ? over : &own, self->owned);
+    if (!moves_something(self, about))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the layer would move nothing: no contact or degree of freedom of this "
+                         "face is named \"%s\"",
+                         (over ? over->own : s->own)[0]);
     sequencer_live live = {self->layer, self->owned, over ? over->is_additive : false};
     sequencer_set_live(self->sequencer, &live);
     sequencer_weigh_live(self->sequencer, 0.0);
@@ -308,6 +321,22 @@ static int64_t utc_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / NS_PER_MS;
 }
 
+/* It reaches to the out: the next sample would have come behind it. */
+static bool is_whole(const overdub *self, const pass *p)
+{
+    return self->settings.out_ns > 0 && self->settings.out_ns - p->end_ns < NS_PER_S / 10;
+}
+
+/* The last one that was performed to its end; when there is none, the last that was begun. */
+static const pass *heard_pass(const overdub *self)
+{
+    const pass *heard = NULL;
+    for (uint32_t i = 0; i <= self->pass_now; ++i)
+        if (self->pass[i].sample_count > 0 && (!heard || is_whole(self, &self->pass[i])))
+            heard = &self->pass[i];
+    return heard;
+}
+
 /* The timeline's in..out, as far as there are samples, and what of the performance it shows. */
 static void frame_clip(const overdub *self, const pass *p, edit *e, take_warp_point warp[2])
 {
@@ -316,8 +345,7 @@ static void frame_clip(const overdub *self, const pass *p, edit *e, take_warp_po
     int64_t start_ns = s->in_ns > p->start_ns ? s->in_ns : p->start_ns;
     if (p->start_ns - s->in_ns < NS_PER_S / 10) /* the first sample comes a little after in */
         start_ns = s->in_ns;
-    int64_t end_ns =
-        s->out_ns > 0 && s->out_ns - p->end_ns < NS_PER_S / 10 ? s->out_ns : p->end_ns + 1;
+    int64_t end_ns = is_whole(self, p) ? s->out_ns : p->end_ns + 1;
     int64_t source_ns = p->first_ns - p->from_ns +
                         (int64_t)llround((double)(start_ns - p->start_ns) * source_per_ns);
     if (source_ns < 0) {
@@ -340,6 +368,12 @@ static void frame_clip(const overdub *self, const pass *p, edit *e, take_warp_po
     }
 }
 
+/* What was ended early may be shorter than the fades that were asked for. */
+static int64_t fade_that_fits(const overdub *self, int64_t length_ns)
+{
+    return self->settings.fade_ns < length_ns / 2 ? self->settings.fade_ns : length_ns / 2;
+}
+
 static mrt_result punch(const overdub *self, history *h, const pass *p, error *err)
 {
     edit e;
@@ -347,7 +381,7 @@ static mrt_result punch(const overdub *self, history *h, const pass *p, error *e
     edit_init(&e, EDIT_PUNCH);
     frame_clip(self, p, &e, warp);
     e.layer = self->settings.into_layer;
-    e.fade_ns = self->settings.fade_ns;
+    e.fade_ns = fade_that_fits(self, e.out_ns - e.in_ns);
     return history_do(h, &e, err);
 }
 
@@ -396,44 +430,49 @@ static mrt_result add_clip(const overdub *self, history *h, const pass *p, uint3
     const take_layer *top = result >= 0 ? top_layer(h) : NULL;
     if (!top || self->settings.fade_ns <= 0 || top->clip_count == 0)
         return result;
+    int64_t fade_ns = fade_that_fits(self, e.end_ns - e.start_ns);
     edit fade;
     edit_init(&fade, EDIT_CLIP_FADE);
     fade.clip = top->clip[0].id;
-    fade.fade_in_ns = self->settings.in_ns > 0 ? self->settings.fade_ns : EDIT_UNSAID;
-    fade.fade_out_ns = self->settings.out_ns > 0 ? self->settings.fade_ns : EDIT_UNSAID;
+    fade.fade_in_ns = self->settings.in_ns > 0 ? fade_ns : EDIT_UNSAID;
+    fade.fade_out_ns = self->settings.out_ns > 0 ? fade_ns : EDIT_UNSAID;
     if (fade.fade_in_ns == EDIT_UNSAID && fade.fade_out_ns == EDIT_UNSAID)
         return result;
     return history_do(h, &fade, err);
 }
 
-static mrt_result make_edits(overdub *self, history *h, overdub_result *out, error *err)
+static mrt_result add_pass(const overdub *self, history *h, const pass *p, bool is_heard,
+                           uint32_t *out_id, error *err)
 {
+    uint32_t number = (uint32_t)(p - self->pass) + 1;
+    mrt_result result = add_layer(self, h, number, out_id, err);
+    if (result >= 0)
+        result = add_clip(self, h, p, *out_id, err);
+    return result >= 0 && !is_heard ? mute(h, *out_id, err) : result;
+}
+
+static mrt_result make_edits(const overdub *self, history *h, overdub_result *out, error *err)
+{
+    const pass *heard = heard_pass(self);
     mrt_result result = MRT_OK;
-    uint32_t before = 0;
-    for (uint32_t i = 0; i <= self->pass_now && i < self->settings.passes && result >= 0; ++i) {
+    if (!heard)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "nothing was performed between in and out%s: the take is as it was",
+                         self->pass[0].raw_take ? "; what came before is a take by itself" : "");
+    for (uint32_t i = 0; i <= self->pass_now && result >= 0; ++i) {
         const pass *p = &self->pass[i];
         uint32_t id = self->settings.into_layer;
-        if (p->sample_count == 0)
+        if (p->sample_count == 0 || (id && p > heard))
             continue;
-        if (self->settings.into_layer) {
-            result = punch(self, h, p, err);
-        } else {
-            if (before)
-                result = mute(h, before, err);
-            if (result >= 0)
-                result = add_layer(self, h, i + 1, &id, err);
-            if (result >= 0)
-                result = add_clip(self, h, p, id, err);
-            before = id;
-        }
+        result = id ? punch(self, h, p, err) : add_pass(self, h, p, p == heard, &id, err);
         out->layer_count += 1;
-        out->last_layer = id;
-        out->raw_take = p->raw_take;
-        out->from_ns = p->start_ns;
-        out->to_ns = p->end_ns;
+        if (p == heard) {
+            out->last_layer = id;
+            out->raw_take = p->raw_take;
+            out->from_ns = p->start_ns;
+            out->to_ns = p->end_ns;
+        }
     }
-    if (result >= 0 && out->layer_count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed between in and out");
     return result;
 }
 
@@ -458,8 +497,10 @@ mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
         return result;
     history_store list = edit_store_list(store);
     result = history_open(&h, edit_store_bare(store), &list, err);
+    int64_t head = result >= 0 ? history_head(h) : 0;
     if (result >= 0)
         result = make_edits(self, h, out, err);
+    out->edit_count = h ? (uint32_t)(history_head(h) - head) : 0;
     history_close(h);
     edit_store_close(store);
     return result;

@@ -1,9 +1,10 @@
 /* stage/overdub.h - somebody performs over a take that plays, and it becomes a part of the take:
  * as a layer of its own, or in place of what a layer showed between two instants (punch-in), once
- * or again and again (a loop: each pass another layer, of which the last is heard). Everything that
- * is performed is recorded as takes of its own too, whatever becomes of it. The raw material never
- * changes: what is made here is edits. Leaves out the clock's thread: it is a stage for player.h,
- * which may run live or on a virtual clock. [main] but what player.h calls [frame]. */
+ * or again and again (a loop: each pass another layer, of which the last whole one is heard).
+ * Everything that is performed is recorded as takes of its own too, whatever becomes of it. The raw
+ * material never changes: what is made here is edits. Leaves out the clock's thread: it is a stage
+ * for player.h, which may run live or on a virtual clock. [main] but what player.h calls [frame].
+ */
 #ifndef MAROTTE_STAGE_OVERDUB_H
 #define MAROTTE_STAGE_OVERDUB_H
 #include "stage/player.h"
@@ -37,10 +38,11 @@ typedef struct overdub_settings {
     uint32_t own_count;
     uint32_t into_layer;   /* punch: its id; 0: a new layer */
     int64_t in_ns, out_ns; /* of the timeline; out 0: until it is ended */
-    int64_t fade_ns;       /* at both ends */
+    int64_t fade_ns;       /* at both ends; as much as fits of what was ended early */
     int64_t count_in_ns;   /* the take stands still at its start for that long */
     int64_t preroll_ns;    /* it plays so much before `in` */
-    uint32_t passes;       /* 1; more: in..out is played again and again */
+    uint32_t passes;       /* 1; more: in..out is played again and again, a layer each; the last
+                              that was performed to its end is heard, the others are muted */
     double speed;          /* of the timeline, 0.1..4; 1 */
 } overdub_settings;
 
@@ -63,8 +65,9 @@ const char *overdub_note(const overdub *self); /* of the sequencer */
 
 typedef struct overdub_result {
     uint32_t layer_count;   /* made or punched */
-    uint32_t last_layer;    /* its id */
-    int64_t raw_take;       /* of the last pass, by itself */
+    uint32_t last_layer;    /* that is heard: its id */
+    uint32_t edit_count;    /* of the take's list: so many steps of undo take all of it back */
+    int64_t raw_take;       /* of the pass that is heard, by itself */
     int64_t from_ns, to_ns; /* of the timeline */
 } overdub_result;
 /* After the player: what was performed becomes a part of the take. */

@@ -143,6 +143,18 @@ void spool_settle(spool *self)
                           memory_order_release);
 }
 
+/* The producer may have gone round since the last settling. */
+static uint32_t left_count(const spool *self)
+{
+    uint32_t count = atomic_load(&self->head->written) - atomic_load(&self->head->settled);
+    return count <= self->mask ? count : self->mask + 1;
+}
+
+uint32_t spool_left_count(const spool *self)
+{
+    return self->map_size > 0 ? left_count(self) : 0;
+}
+
 uint32_t spool_loss_count(const spool *self)
 {
     return atomic_load_explicit(&self->loss_count, memory_order_relaxed);
@@ -194,9 +206,6 @@ spool *spool_find(const struct stat *of, size_t record_size, int64_t *out_contex
     use_map(self, map, record_size, self->head->record_count);
     *out_context = self->head->context;
     self->is_found = true;
-    /* The producer may have gone round since the last settling. */
-    uint32_t written = atomic_load(&self->head->written);
-    uint32_t count = written - atomic_load(&self->head->settled);
-    self->next = written - (count <= self->mask ? count : self->mask + 1);
+    self->next = atomic_load(&self->head->written) - left_count(self);
     return self;
 }

@@ -22,12 +22,14 @@ bool spool_push(spool *self, const void *record);
 bool spool_pop(spool *self, void *out_record);
 /* [consumer] All that was taken is committed. */
 void spool_settle(spool *self);
+/* [consumer] Records that are not settled, as far as they outlive the program. */
+uint32_t spool_left_count(const spool *self);
 /* [any] Records refused since creation. */
 uint32_t spool_loss_count(const spool *self);
 
-/* What a killed program left for the show; NULL: nothing that can be used. The records that were
- * not settled are popped in order; destroy removes the file, abandon leaves it for the next time.
- */
+/* What a program left for the show that was killed, or could not write; NULL: nothing that can be
+ * used. The records that were not settled are popped in order; destroy removes the file, abandon
+ * leaves it for the next time. */
 spool *spool_find(const struct stat *of, size_t record_size, int64_t *out_context);
 void spool_abandon(spool *self);
 

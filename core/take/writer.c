@@ -211,6 +211,20 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     return MRT_OK;
 }
 
+/* What could not be written is found again by the next one who opens the show, as after a kill. */
+static void tell_left(const writer *self, error *err)
+{
+    uint32_t count = writer_status_of(self).backlog, left = spool_left_count(self->ring);
+    if (left == 0)
+        error_set(err, self->last_result, "%u samples could not be written: %s", count,
+                  self->last_error.text);
+    else
+        error_set(err, self->last_result,
+                  "%u samples could not be written: %s; %s of them are kept in this computer's "
+                  "memory until it is switched off, and are written when the show is next changed",
+                  count, self->last_error.text, left >= count ? "all" : "the newest");
+}
+
 mrt_result writer_stop(writer *self, error *err)
 {
     if (!self)
@@ -223,8 +237,9 @@ mrt_result writer_stop(writer *self, error *err)
     mrt_result result = MRT_OK;
     if (writer_commit_is_due(self)) {
         result = self->last_result;
-        error_set(err, result, "%u samples could not be written: %s",
-                  writer_status_of(self).backlog, self->last_error.text);
+        tell_left(self, err);
+        spool_abandon(self->ring);
+        self->ring = NULL;
     }
     destroy(self);
     return result;
@@ -362,7 +377,7 @@ mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void
     mrt_result result = job ? writer_job_copy_bytes(job, frames, size, err) : MRT_OK;
     if (job) {
         job->id = audio;
-        job->from_ns = writer_show_ns(self, time_ns);
+        job->from_ns = time_ns != 0 ? writer_show_ns(self, time_ns) : 0;
     }
     return ask(self, job, result, err);
 }
@@ -407,7 +422,7 @@ void writer_message(writer *self, char *out, size_t capacity)
     else if (status.is_missing)
         (void)snprintf(out, capacity,
                        "%s: was deleted, moved or replaced while it is open; recording goes on, "
-                       "but ends with the program: save a copy now",
+                       "and a copy will be made when it ends",
                        show_path(self->of));
     else if (status.lost_count > 0)
         (void)snprintf(out, capacity, "%s: %llu samples were lost", show_path(self->of),

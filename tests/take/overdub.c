@@ -356,6 +356,53 @@ static void a_loop_stacks_layers_of_which_the_last_is_heard(void **state)
     show_close(s);
 }
 
+static void a_loop_that_is_left_in_a_pass_keeps_the_last_whole_one_heard(void **state)
+{
+    (void)state;
+    int64_t id;
+    error err = {""};
+    take t;
+    show *s = record_base("left", &id);
+    overdub_settings settings = {.in_ns = S, .out_ns = 2 * S, .passes = 3, .fade_ns = S / 4};
+    overdub_result result = perform_over(s, id, settings, "start=0,end=1.2", NULL);
+    assert_int_equal(result.layer_count, 2);
+    must(edit_store_take(&t, s, id, &err), &err);
+    assert_int_equal(t.layer_count, 3);
+    assert_false(t.layer[1].is_muted);
+    assert_true(t.layer[2].is_muted);
+    assert_int_equal(t.layer[1].id, result.last_layer);
+    assert_int_equal(t.layer[1].clip[0].fade_in_ns, S / 4);
+    const take_clip *left =
+        &t.layer[2].clip[0]; /* 0.2 s: the fades that were asked for are longer */
+    assert_true(left->end_ns < 13 * S / 10);
+    assert_int_equal(left->fade_in_ns, (left->end_ns - left->start_ns) / 2);
+    assert_int_equal(result.edit_count, 7); /* layer, clip and fade twice, and muted */
+    take_finish(&t);
+    show_close(s);
+}
+
+static void a_punch_that_is_left_early_fades_as_far_as_it_goes(void **state)
+{
+    (void)state;
+    int64_t id;
+    error err = {""};
+    take t;
+    show *s = record_base("early", &id);
+    must(edit_store_take(&t, s, id, &err), &err);
+    overdub_settings settings = {
+        .into_layer = t.layer[0].id, .in_ns = S / 2, .out_ns = 3 * S, .fade_ns = S};
+    take_finish(&t);
+    overdub_result result = perform_over(s, id, settings, "start=0,end=1", NULL);
+    assert_int_equal(result.layer_count, 1);
+    assert_int_equal(result.edit_count, 1);
+    must(edit_store_take(&t, s, id, &err), &err);
+    assert_int_equal(t.layer[0].clip_count, 3);
+    assert_int_equal(t.layer[0].clip[1].start_ns, S / 2);
+    assert_true(llabs(t.layer[0].clip[1].end_ns - 3 * S / 2) < S / 10);
+    take_finish(&t);
+    show_close(s);
+}
+
 static void at_half_speed_twice_as_much_is_performed(void **state)
 {
     (void)state;
@@ -393,8 +440,9 @@ static void what_makes_no_sense_is_refused(void **state)
                                    .mapping = &h.mapping,
                                    .passes = 1,
                                    .speed = 1.0};
-    overdub_settings bad[7];
-    for (int i = 0; i < 7; ++i)
+    char nobody[1][TAKE_NAME] = {"nosuch.*"};
+    overdub_settings bad[8];
+    for (int i = 0; i < 8; ++i)
         bad[i] = good;
     bad[0].in_ns = 3 * S, bad[0].out_ns = 2 * S;
     bad[1].in_ns = 100 * S;
@@ -403,7 +451,8 @@ static void what_makes_no_sense_is_refused(void **state)
     bad[4].fade_ns = S, bad[4].out_ns = S;
     bad[5].speed = 9;
     bad[6].take = 99;
-    for (int i = 0; i < 7; ++i) {
+    bad[7].own = nobody, bad[7].own_count = 1;
+    for (int i = 0; i < 8; ++i) {
         overdub *o;
         error err = {""};
         assert_true(overdub_create(&o, &bad[i], &err) < 0);
@@ -448,6 +497,8 @@ int main(void)
         cmocka_unit_test(a_layer_is_added_and_plays_as_it_was_performed),
         cmocka_unit_test(a_punch_changes_nothing_outside_in_and_out),
         cmocka_unit_test(a_loop_stacks_layers_of_which_the_last_is_heard),
+        cmocka_unit_test(a_loop_that_is_left_in_a_pass_keeps_the_last_whole_one_heard),
+        cmocka_unit_test(a_punch_that_is_left_early_fades_as_far_as_it_goes),
         cmocka_unit_test(at_half_speed_twice_as_much_is_performed),
         cmocka_unit_test(what_makes_no_sense_is_refused),
     };
