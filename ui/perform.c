@@ -5,6 +5,7 @@
 #include "keys.h"
 #include "news.h"
 #include "perform_hands.h"
+#include "perform_mapping.h"
 #include "perform_options.h"
 #include "perform_record.h"
 #include "progress.h"
@@ -32,7 +33,7 @@ typedef struct performance {
     input *inputs[PERFORM_INPUTS_MAX];
     uint32_t input_count;
     perform_hands hands;
-    instance mapping;
+    perform_mapping mapping;
     performer *performer;
     recording recording;
     perform_record record;
@@ -93,18 +94,6 @@ static mrt_result open_inputs(performance *self, error *err)
     return result;
 }
 
-static mrt_result open_mapping(performance *self, error *err)
-{
-    const mrt_plugin_type *type;
-    const plugin_spec *spec = &self->options->map;
-    mrt_result result = plugin_list_find(&self->plugins, spec->plugin, MRT_MAPPING, &type, err);
-    if (result >= 0)
-        result = instance_create(&self->mapping, type, self->clock, self->log, err);
-    if (result >= 0)
-        result = instance_set_list(&self->mapping, spec->params, err);
-    return result;
-}
-
 static mrt_result prepare(performance *self, error *err)
 {
     const perform_options *options = self->options;
@@ -122,7 +111,8 @@ static mrt_result prepare(performance *self, error *err)
     print_note(self->face.note);
     result = open_inputs(self, err);
     if (result >= 0)
-        result = open_mapping(self, err);
+        result = perform_mapping_open(&self->mapping, options, &self->plugins, self->clock,
+                                      self->log, err);
     if (result >= 0)
         result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
     performer_settings settings = {
@@ -130,7 +120,10 @@ static mrt_result prepare(performance *self, error *err)
         .side_length_mm = {self->hands.length_mm[0], self->hands.length_mm[1]},
         .rezero_pedal = options->rezero_pedal};
     if (result >= 0)
-        result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
+        result = performer_create(&self->performer, &self->face, &self->mapping.instance, &settings,
+                                  err);
+    if (result >= 0)
+        result = perform_mapping_watch(&self->mapping, options, self->performer, self->log, err);
     if (result >= 0)
         result = recording_create(&self->recording, &self->face.mesh, options->fps, NULL, err);
     const perform_record_of of = {.plugins = &self->plugins,
@@ -149,7 +142,7 @@ static void finish(performance *self)
     perform_record_finish(&self->record);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
-    instance_destroy(&self->mapping);
+    perform_mapping_close(&self->mapping);
     perform_hands_finish(&self->hands);
     for (uint32_t i = 0; i < self->input_count; ++i)
         input_destroy(self->inputs[i]);
@@ -164,7 +157,7 @@ static mrt_result check_pulls(const performance *self, error *err)
 {
     const performer_counts *counts = performer_counted(self->performer);
     if (counts->bad_pulls == 0 || self->clock == CLOCK_REAL)
-        return MRT_OK;
+        return perform_mapping_check(&self->mapping, err);
     return error_set(err, MRT_ERR_FORMAT, "%s (sample %ju)", counts->first_problem.text,
                      (uintmax_t)counts->samples);
 }
@@ -191,8 +184,10 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 
 static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
 {
-    const performance *self = data;
-    recorder_sample(self->record.recorder, from, sample);
+    performance *self = data;
+    perform_mapping_step(&self->mapping, self->performer, self->record.recorder);
+    if (self->record.recorder)
+        recorder_sample(self->record.recorder, from, sample);
 }
 
 static void on_performed(void *data, uint32_t from, const mrt_sample *sample)
@@ -227,10 +222,10 @@ static mrt_result perform(performance *self, error *err)
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
-    if (self->record.recorder) {
+    if (self->record.recorder || self->mapping.reload)
         events.sample = on_sample;
+    if (self->record.recorder)
         events.performed = on_performed;
-    }
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
@@ -288,7 +283,8 @@ static void report_performance(performance *self, facts *told)
     for (uint32_t i = 0; i < self->input_count; ++i)
         facts_list(told, "inputs", "input", input_name(self->inputs[i]));
     perform_hands_report(&self->hands, self->performer, told);
-    facts_text(told, "mapping", "mapping", self->mapping.type->id);
+    facts_text(told, "mapping", "mapping", self->mapping.instance.type->id);
+    perform_mapping_report(&self->mapping, told);
     facts_number(told, "samples", "samples read", (double)report->sample_count, 0, "");
     if (report->dropped + report->refused)
         facts_number(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
@@ -334,9 +330,9 @@ static mrt_result report_constraints(performance *self, facts *told, error *err)
 /* What the picture is called. */
 static void name_performance(const performance *self, char *out, size_t capacity)
 {
-    const char *dot = strrchr(self->mapping.type->id, '.');
+    const char *dot = strrchr(self->mapping.instance.type->id, '.');
     snprintf(out, capacity, "%s, %s", input_name(self->inputs[0]),
-             dot ? dot + 1 : self->mapping.type->id);
+             dot ? dot + 1 : self->mapping.instance.type->id);
 }
 
 static mrt_result write_exports(performance *self, facts *told, error *err)
@@ -413,6 +409,9 @@ const command command_perform = {
         "                     .png   a contact sheet of eight moments\n"
         "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
         "  --seconds N        stop after so much of the performance\n"
+        "  --isolate auto|on|off   run the mapping in a process of its own, so that a crash or a\n"
+        "                     hang costs nothing (auto: those that did not come with marotte)\n"
+        "  --watch-plugins    take the mapping's library anew when it is rebuilt meanwhile\n"
         "  --realtime         play recordings in real time\n"
         "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else\n"
         "                     the newest in the user's folder; none: the shipped defaults\n"

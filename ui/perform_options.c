@@ -25,6 +25,8 @@ enum {
     OPTION_SCENE,
     OPTION_SHOT,
     OPTION_SOUND,
+    OPTION_ISOLATE,
+    OPTION_WATCH_PLUGINS,
     OPTION_REALTIME,
     OPTION_JSON
 };
@@ -46,6 +48,8 @@ static const struct option option_table[] = {
     {"scene", required_argument, NULL, OPTION_SCENE},
     {"shot", required_argument, NULL, OPTION_SHOT},
     {"sound", no_argument, NULL, OPTION_SOUND},
+    {"isolate", required_argument, NULL, OPTION_ISOLATE},
+    {"watch-plugins", no_argument, NULL, OPTION_WATCH_PLUGINS},
     {"realtime", no_argument, NULL, OPTION_REALTIME},
     {"json", no_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
@@ -140,6 +144,20 @@ static int add_calibration(perform_options *out, const command *self, const char
     return COMMAND_DONE;
 }
 
+static int read_isolation(perform_options *out, const command *self, const char *text)
+{
+    static const char *const names[] = {"auto", "on", "off"};
+    static const perform_isolation kinds[] = {PERFORM_ISOLATE_AUTO, PERFORM_ISOLATE_ON,
+                                              PERFORM_ISOLATE_OFF};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        if (strcmp(names[i], text) != 0)
+            continue;
+        out->isolation = kinds[i];
+        return COMMAND_DONE;
+    }
+    return command_usage(self, "--isolate \"%s\" is not auto, on or off", text);
+}
+
 static int read_option(perform_options *out, const command *self, int option, const char *text)
 {
     double number = 0;
@@ -182,6 +200,11 @@ static int read_option(perform_options *out, const command *self, int option, co
         return read_name(self, "shot", text, &out->shot);
     case OPTION_SOUND:
         out->has_sound = true;
+        return COMMAND_DONE;
+    case OPTION_ISOLATE:
+        return read_isolation(out, self, text);
+    case OPTION_WATCH_PLUGINS:
+        out->watches_plugins = true;
         return COMMAND_DONE;
     case OPTION_REALTIME:
         out->is_realtime = true;

@@ -8,6 +8,12 @@
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 
+typedef enum perform_isolation {
+    PERFORM_ISOLATE_AUTO = 0, /* mappings that do not come with the program */
+    PERFORM_ISOLATE_ON,
+    PERFORM_ISOLATE_OFF
+} perform_isolation;
+
 typedef struct perform_options {
     char *face; /* a path; owned */
     mesh_unit unit;
@@ -23,7 +29,8 @@ typedef struct perform_options {
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */
-    bool is_realtime, is_json;
+    perform_isolation isolation;
+    bool watches_plugins, is_realtime, is_json;
 } perform_options;
 
 /* Returns COMMAND_DONE, or COMMAND_USAGE after saying why. */

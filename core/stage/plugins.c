@@ -252,21 +252,54 @@ static void add_user_folder(plugin_list *list)
         add_folder(list, folder);
 }
 
-/* `from_program`: as seen from the running program's folder, so that it all may be moved. */
-static void add_program_folder(plugin_list *list, const char *from_program)
+/* `from_program`: as seen from the running program's folder, so that it all may be moved. To be
+ * freed; NULL: there is no such folder. */
+static char *program_folder(const char *from_program)
 {
     char folder[PATH_LENGTH];
     size_t name_length = strlen(from_program);
     ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - name_length - 1);
     if (length <= 0)
-        return;
+        return NULL;
     while (length > 0 && folder[length - 1] != '/')
         length -= 1;
     memcpy(folder + length, from_program, name_length + 1);
-    char *real = realpath(folder, NULL);
-    if (real)
-        add_folder(list, real);
+    return realpath(folder, NULL);
+}
+
+static void add_program_folder(plugin_list *list, const char *from_program)
+{
+    char *folder = program_folder(from_program);
+    if (folder)
+        add_folder(list, folder);
+    free(folder);
+}
+
+static bool lies_in(const char *path, const char *from_program)
+{
+    char *folder = program_folder(from_program);
+    size_t length = folder ? strlen(folder) : 0;
+    bool lies = length > 0 && strncmp(path, folder, length) == 0 && path[length] == '/' &&
+                !strchr(path + length + 1, '/');
+    free(folder);
+    return lies;
+}
+
+bool plugin_is_shipped(const char *library)
+{
+    char *real = realpath(library, NULL);
+    bool is_shipped =
+        real && (lies_in(real, MAROTTE_PLUGINS_FROM_PROGRAM) || lies_in(real, "plugins"));
     free(real);
+    return is_shipped;
+}
+
+const char *plugin_list_path_of(const plugin_list *list, const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < list->entry_count; ++i)
+        if (list->entry[i].type == type)
+            return list->entry[i].path;
+    return NULL;
 }
 
 mrt_result plugin_list_load(plugin_list *out, error *err)

@@ -38,6 +38,12 @@ CHECKED mrt_result plugin_list_find(plugin_list *list, const char *name, const c
 /* The functions of an interface, or NULL. */
 const void *plugin_interface(const mrt_plugin_type *type, const char *interface_id);
 
+/* The path of the library that a type of the list came from; NULL: none of the list. */
+const char *plugin_list_path_of(const plugin_list *list, const mrt_plugin_type *type);
+/* Whether a library comes with the program: it lies in the installed folder, or in `plugins` beside
+ * the program. */
+bool plugin_is_shipped(const char *library);
+
 /* Checks one type against the rules of plugin.h that can be seen without running it. */
 CHECKED mrt_result plugin_type_check(const mrt_plugin_type *type, error *err);
 

@@ -31,7 +31,8 @@ struct recorder {
     writer_slate slate;
     char scene[TAKE_NAME], shot[TAKE_NAME];
     int64_t take;
-    uint32_t rezero; /* bits by side: granted, and not yet told */
+    uint32_t rezero;        /* bits by side: granted, and not yet told */
+    bool has_other_mapping; /* from the next sample on */
     error problem;
 };
 
@@ -286,9 +287,12 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, error *err)
 {
     uint32_t version = input_version(self->settings.inputs[i]);
-    if (version == self->version[i] && self->has_begun)
+    if (version == self->version[i] && self->has_begun && !self->has_other_mapping)
         return MRT_OK;
     mrt_result result = MRT_OK;
+    if (self->has_other_mapping)
+        identity_of_params(&self->performance, layer_mapping(self->settings.layer));
+    self->has_other_mapping = false;
     if (version != self->version[i]) {
         result = writer_end_track(self->writer, self->track[i], err);
         if (result >= 0)
@@ -355,6 +359,20 @@ void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample)
 void recorder_rezero(recorder *self, uint32_t side)
 {
     self->rezero |= 1u << side;
+}
+
+void recorder_change_mapping(recorder *self, const char *identity)
+{
+    char *copy = copy_text(identity);
+    error err = {""};
+    if (!copy) {
+        (void)error_set(&err, MRT_ERR_MEMORY, "no memory to record the rebuilt mapping");
+        note_problem(self, &err);
+        return;
+    }
+    free(self->performance.mapping);
+    self->performance.mapping = copy;
+    self->has_other_mapping = true;
 }
 
 void recorder_incident(recorder *self, uint32_t from, const input_incident *what)

@@ -57,6 +57,9 @@ void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample);
 void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample);
 /* [frame] Before the next sample: a re-zero was asked for and granted. */
 void recorder_rezero(recorder *self, uint32_t side);
+/* [frame] Before the next sample: another version of the mapping performs from it on. identity: as
+ * identity_of_plugin. */
+void recorder_change_mapping(recorder *self, const char *identity);
 /* [frame] A device went or came. */
 void recorder_incident(recorder *self, uint32_t from, const input_incident *what);
 

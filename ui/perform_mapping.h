@@ -1,0 +1,34 @@
+/* perform_mapping.h - the mapping of a performance: in a process of its own or not, and reloaded
+ * when its library is rebuilt. [main] */
+#ifndef MAROTTE_UI_PERFORM_MAPPING_H
+#define MAROTTE_UI_PERFORM_MAPPING_H
+#include "facts.h"
+#include "perform_options.h"
+#include "stage/performer.h"
+#include "stage/plugins.h"
+#include "stage/recorder.h"
+#include "stage/reload.h"
+
+typedef struct perform_mapping {
+    instance instance; /* the first; a rebuilt one is performer's */
+    isolate *isolate;  /* NULL: it runs in this process */
+    isolate_settings settings;
+    const char *library;
+    reload *reload; /* NULL: nobody watches */
+} perform_mapping;
+
+/* Must not move. To be closed whatever the result. */
+CHECKED mrt_result perform_mapping_open(perform_mapping *out, const perform_options *options,
+                                        plugin_list *plugins, instance_clock clock, log_queue *log,
+                                        error *err);
+/* If the options say so: from here on rebuilt libraries are taken. */
+CHECKED mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *options,
+                                         performer *of, log_queue *log, error *err);
+/* [frame] Before a sample. recorder: NULL: nothing is recorded. */
+void perform_mapping_step(perform_mapping *self, performer *of, recorder *into);
+/* A process that has failed: on stage something simpler went on; an offline performance fails. */
+CHECKED mrt_result perform_mapping_check(const perform_mapping *self, error *err);
+void perform_mapping_report(const perform_mapping *self, facts *told);
+void perform_mapping_close(perform_mapping *self); /* after the performer; zeroed is fine */
+
+#endif
