@@ -22,8 +22,8 @@ enum { THUMB_TIP = 4, INDEX_TIP = 8, MIDDLE_KNUCKLE = 9, TIPS_PER_HAND = 5 };
 typedef enum phase { LOOSE = 0, GRIPPING, SPRINGING } phase;
 
 /* Of the radius: the two places that are gripped are never nearer to each other, and no more is
- * stretched to either side than half of what is between them. */
-static const float apart_least = 0.4f;
+ * stretched to either side than a quarter of what is between them. */
+static const float apart_least = 0.5f;
 
 typedef struct tips {      /* face frame, mm */
     mrt_vec3 middle, half; /* half: from the middle to the index finger's */
@@ -169,7 +169,7 @@ static void take_along(const mrt_plugin *self, const tips *now, const double *pa
     mrt_vec3 opened =
         sum((mrt_vec3){0, 0, 0}, (float)params[STRETCH], sum(now->half, -1.0f, self->half));
     moved = limited(moved, reach);
-    opened = limited(opened, fminf(0.4f * length(between), 0.5f * reach));
+    opened = limited(opened, fminf(0.25f * length(between), 0.5f * reach));
     for (int i = 0; i < 2; ++i)
         pull->vector[i].end =
             sum(sum(pull->vector[i].start, 1.0f, moved), i ? 1.0f : -1.0f, opened);
@@ -303,9 +303,9 @@ static const mrt_param params[PARAM_COUNT] = {
      0, 4, 0.8, NULL},
     {13, 0, "Radius", "Pull", "%",
      "Support radius of each tip, in per cent of the face's height; taken when they grip.",
-     2, 200, 28, NULL},
+     2, 200, 24, NULL},
     {14, 0, "Reach", "Pull", "%",
-     "Where a pull is softly stopped, in per cent of the radius.", 1, 60, 30, NULL},
+     "Where a pull is softly stopped, in per cent of the radius.", 1, 60, 20, NULL},
     {15, 0, "Stretch", "Pull", "", "How far the face is stretched when the tongs open by 1.",
      0, 4, 0.8, NULL},
     {16, 0, "Close", "Tongs", "%",
