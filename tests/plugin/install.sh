@@ -16,7 +16,7 @@ alone=(env -i "PATH=$prefix/bin:/usr/bin:/bin" "HOME=$scratch" "TMPDIR=${TMPDIR:
     "ASAN_OPTIONS=${ASAN_OPTIONS:-}" "LSAN_OPTIONS=${LSAN_OPTIONS:-}" "PKG_CONFIG_PATH=$packages")
 
 # ---- what is there ----
-for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck include/marotte/plugin.h \
+for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck bin/marotte-pluginhost include/marotte/plugin.h \
     share/marotte/rigs/puppet/puppet.rig.json share/marotte/rigs/moai/moai.glb; do
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
