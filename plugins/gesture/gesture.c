@@ -3,12 +3,11 @@
 #include "acts.h"
 #include "memory.h"
 #include "posture.h"
+#include "recogniser.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { GESTURES = 4, WINDOW = 64, NO_GESTURE = GESTURES };
 enum {
     HAND,
     TEACH,
@@ -24,32 +23,6 @@ enum {
     DWELL,
     PARAM_COUNT
 };
-/* What is taught is the mean of the last 0.3 s: samples at least 5 ms apart. */
-static const double window_s = 0.3, apart_s = 0.005;
-/* Thumb, palm and spreading move half as far as fingers bend; what is estimated (the distal joints)
- * and the wrist do not count. */
-static const double weight[MRT_ANGLES] = {1, 1.5, 1.5, 1.5, 1, 1, 0, 1,   1, 0, 1.5,
-                                          1, 1,   0,   1.5, 1, 1, 0, 1.5, 1, 0, 0};
-enum { COUNTED = 16 };
-static const double deg_per_rad = 57.295779513082321;
-
-typedef struct centroid {
-    float angle[MRT_ANGLES]; /* rad */
-} centroid;
-
-/* Until another is taught: a fist, a pointing index finger, a flat spread hand, a hand whose ring
- * and little fingers alone are stretched. */
-static const centroid shipped[GESTURES] = {
-    {{1.90f, 0.19f, 0.59f, 0.66f,  1.26f, 1.68f, 0, 1.35f,  1.75f, 0, -0.04f,
-      1.39f, 1.81f, 0,     -0.04f, 1.36f, 1.75f, 0, -0.05f, 0.13f, 0, 0}},
-    {{1.44f, 0.15f, 0.20f, 0.35f,  0.0f,  0.16f, 0, 0.59f,  0.54f, 0, -0.04f,
-      0.69f, 0.63f, 0,     -0.06f, 0.70f, 0.60f, 0, -0.04f, 0.12f, 0, 0}},
-    {{0.74f, 0.15f, 0.20f, 0.63f, -0.05f, 0.06f, 0, 0.02f, 0.13f, 0, 0.26f,
-      0.05f, 0.18f, 0,     0.21f, 0.03f,  0.15f, 0, 0.36f, 0.13f, 0, 0}},
-    {{1.70f, 0.15f, 0.20f, 0.55f,  0.60f, 0.52f, 0, 0.50f,  0.45f, 0, -0.05f,
-      0.09f, 0.18f, 0,     -0.05f, 0.12f, 0.15f, 0, -0.05f, 0.30f, 0, 0}},
-};
-
 typedef enum phase { QUIET = 0, RISING, HOLDING, FALLING } phase;
 typedef struct envelopes { /* of each act */
     phase phase[ACT_COUNT];
@@ -62,25 +35,14 @@ struct mrt_plugin {
     const mrt_host *host;
     acts acts;
     centroid stored[GESTURES]; /* shipped or loaded: what a reset returns to */
-    centroid taught[GESTURES];
-    float past[WINDOW][MRT_ANGLES]; /* a ring of samples */
-    double past_s[WINDOW];          /* of each */
-    unsigned at, filled;            /* the next to be written; how many are */
-    double now_s;                   /* since reset */
-    unsigned current, candidate;    /* gestures; NO_GESTURE: none */
-    double candidate_s;             /* how long it has been held */
+    recogniser recogniser;
     envelopes play;
 };
 
 static void reset(mrt_plugin *self)
 {
-    memcpy(self->taught, self->stored, sizeof self->taught);
-    memset(self->past, 0, sizeof self->past);
-    memset(self->past_s, 0, sizeof self->past_s);
+    recogniser_reset(&self->recogniser, self->stored);
     memset(&self->play, 0, sizeof self->play);
-    self->at = self->filled = 0;
-    self->now_s = self->candidate_s = 0.0;
-    self->current = self->candidate = NO_GESTURE;
 }
 
 static mrt_plugin *create(const mrt_host *host)
@@ -89,7 +51,7 @@ static mrt_plugin *create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    memcpy(self->stored, shipped, sizeof shipped);
+    memcpy(self->stored, recogniser_shipped, sizeof self->stored);
     reset(self);
     return self;
 }
@@ -111,93 +73,22 @@ static void deactivate(mrt_plugin *self)
 
 /* ---- teaching ---- */
 
-static void remember(mrt_plugin *self, const mrt_hand *hand)
-{
-    unsigned last = (self->at + WINDOW - 1) % WINDOW;
-    if (!hand)
-        self->filled = 0;
-    else if (self->filled == 0 || self->now_s - self->past_s[last] >= apart_s) {
-        memcpy(self->past[self->at], hand->angle, sizeof self->past[0]);
-        self->past_s[self->at] = self->now_s;
-        self->at = (self->at + 1) % WINDOW;
-        self->filled += self->filled < WINDOW;
-    }
-}
-
-/* How the hand was held lately; false: it was not there. */
-static bool find_mean(const mrt_plugin *self, centroid *out)
-{
-    double sum[MRT_ANGLES] = {0.0}, count = 0.0;
-    for (unsigned k = 1; k <= self->filled; ++k) {
-        unsigned i = (self->at + WINDOW - k) % WINDOW;
-        if (self->now_s - self->past_s[i] > window_s)
-            break;
-        for (int a = 0; a < MRT_ANGLES; ++a)
-            sum[a] += (double)self->past[i][a];
-        count += 1.0;
-    }
-    for (int a = 0; a < MRT_ANGLES && count > 0.0; ++a)
-        out->angle[a] = (float)(sum[a] / count);
-    return count > 0.0;
-}
-
-/* A gesture that has just been taught is being made: it does nothing until it is made again. */
 static void teach(mrt_plugin *self, const double *params)
 {
     static const char *const told[GESTURES] = {"gesture 1 is taught", "gesture 2 is taught",
                                                "gesture 3 is taught", "gesture 4 is taught"};
-    centroid now;
+    recogniser *r = &self->recogniser;
     if (params[FORGET] > 0.5)
-        memcpy(self->taught, shipped, sizeof shipped);
+        memcpy(r->taught, recogniser_shipped, sizeof r->taught);
     for (unsigned g = 0; g < GESTURES; ++g) {
         if (params[TEACH + g] < 0.5)
             continue;
-        if (!find_mean(self, &now)) {
+        if (recogniser_teach(r, g))
+            self->host->log(self->host, MRT_LOG_INFO, told[g]);
+        else
             self->host->log(self->host, MRT_LOG_WARNING,
                             "no hand is there to be taught: hold the gesture, then teach it");
-            return;
-        }
-        self->taught[g] = now;
-        self->current = g;
-        self->host->log(self->host, MRT_LOG_INFO, told[g]);
     }
-}
-
-/* ---- recognising ---- */
-
-/* Root mean square over the joints, deg. */
-static double distance_deg(const centroid *to, const mrt_hand *hand)
-{
-    double sum = 0.0;
-    for (int a = 0; a < MRT_ANGLES; ++a) {
-        double d = weight[a] * ((double)hand->angle[a] - (double)to->angle[a]);
-        sum += d * d;
-    }
-    return deg_per_rad * sqrt(sum / COUNTED);
-}
-
-/* Returns the gesture that begins in this frame; NO_GESTURE: none. */
-static unsigned recognise(mrt_plugin *self, const mrt_hand *hand, double dt_s, const double *params)
-{
-    unsigned nearest = NO_GESTURE;
-    double least = params[REJECT], most = fmax(params[LEAVE], params[REJECT]);
-    for (unsigned g = 0; g < GESTURES && hand; ++g) {
-        double d = distance_deg(&self->taught[g], hand);
-        if (d < least) {
-            least = d;
-            nearest = g;
-        }
-        if (g == self->current && d > most)
-            self->current = NO_GESTURE;
-    }
-    if (!hand)
-        self->current = NO_GESTURE;
-    self->candidate_s = nearest == self->candidate ? self->candidate_s + dt_s : 0.0;
-    self->candidate = nearest;
-    if (nearest == NO_GESTURE || nearest == self->current || self->candidate_s < params[DWELL])
-        return NO_GESTURE;
-    self->current = nearest;
-    return nearest;
 }
 
 /* ---- performing ---- */
@@ -232,17 +123,17 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const double *params = frame->params;
     const mrt_hand *hand = posture_hand(frame, params[HAND]);
     double part[ACT_COUNT];
-    self->now_s += frame->dt_s;
-    remember(self, hand);
+    const recogniser_limits limits = {params[REJECT], params[LEAVE], params[DWELL]};
+    recogniser_watch(&self->recogniser, hand, frame->dt_s);
     teach(self, params);
-    unsigned begun = recognise(self, hand, frame->dt_s, params);
+    unsigned begun = recogniser_step(&self->recogniser, hand, frame->dt_s, &limits);
     if (begun != NO_GESTURE) {
         int which = (int)params[ACTION + begun];
         enter(&self->play, which, RISING);
         self->play.gesture[which] = begun;
     }
     for (int i = 0; i < ACT_COUNT; ++i) {
-        step(&self->play, i, self->current, frame->dt_s, params);
+        step(&self->play, i, self->recogniser.current, frame->dt_s, params);
         part[i] = 0.01 * params[AMOUNT] * self->play.level[i];
     }
     acts_write(&self->acts, part, pull);
@@ -260,7 +151,7 @@ static memory_list list_of(centroid all[GESTURES])
 
 static size_t save_taught(mrt_plugin *self, void *out, size_t capacity)
 {
-    const memory_list list = list_of(self->taught);
+    const memory_list list = list_of(self->recogniser.taught);
     return memory_save(&list, out, capacity);
 }
 
@@ -272,7 +163,7 @@ static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
                         "what was stored are no gestures: teach them again");
         return MRT_ERR_FORMAT;
     }
-    memcpy(self->taught, self->stored, sizeof self->taught);
+    memcpy(self->recogniser.taught, self->stored, sizeof self->stored);
     return MRT_OK;
 }
 
@@ -284,15 +175,7 @@ static memory_list memory_of(mrt_plugin *self)
                          .version = 1,
                          .parts = {
                              MEMORY_FLOATS(self->stored),
-                             MEMORY_FLOATS(self->taught),
-                             MEMORY_FLOATS(self->past),
-                             MEMORY_DOUBLES(self->past_s),
-                             MEMORY_WHOLES(self->at, WINDOW - 1),
-                             MEMORY_WHOLES(self->filled, WINDOW),
-                             MEMORY_DOUBLES(self->now_s),
-                             MEMORY_WHOLES(self->current, NO_GESTURE),
-                             MEMORY_WHOLES(self->candidate, NO_GESTURE),
-                             MEMORY_DOUBLES(self->candidate_s),
+                             RECOGNISER_MEMORY(self->recogniser),
                              MEMORY_WHOLES(self->play.phase, FALLING),
                              MEMORY_DOUBLES(self->play.progress),
                              MEMORY_DOUBLES(self->play.from),
