@@ -88,6 +88,24 @@ static mrt_result visit(take_call *call, const int64_t *ids, size_t count, keep 
     return MRT_OK;
 }
 
+/* One performance goes on at a time, but recordings that are performed faster than life lie over
+ * each other: the newer one is kept, and of the older what came before it. */
+static void keep_one_at_a_time(keep *out)
+{
+    size_t left = out->count;
+    int64_t newer_ns = INT64_MAX;
+    for (size_t i = out->count; i-- > 0;) {
+        show_span span = out->span[i];
+        span.to_ns = span.to_ns < newer_ns ? span.to_ns : newer_ns;
+        if (span.from_ns >= span.to_ns)
+            continue;
+        newer_ns = span.from_ns;
+        out->span[--left] = span;
+    }
+    out->count -= left;
+    memmove(out->span, out->span + left, out->count * sizeof *out->span);
+}
+
 static mrt_result keep_newest(take_call *call, double seconds, const int64_t *ids, size_t count,
                               keep *out, error *err)
 {
@@ -102,10 +120,9 @@ static mrt_result keep_newest(take_call *call, double seconds, const int64_t *id
     if (!out->span)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a take");
     result = visit(call, ids, count, out, err);
-    for (size_t i = 0; i < out->count && i < 1; ++i)
-        out->from_ns = out->span[i].from_ns;
-    for (size_t i = 1; i < out->count; ++i)
-        out->from_ns = out->span[i].from_ns < out->from_ns ? out->span[i].from_ns : out->from_ns;
+    keep_one_at_a_time(out);
+    if (out->count > 0)
+        out->from_ns = out->span[0].from_ns;
     return result;
 }
 
