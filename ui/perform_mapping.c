@@ -52,15 +52,27 @@ mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *o
 
 void perform_mapping_step(perform_mapping *self, performer *of, recorder *into)
 {
-    if (self->reload && reload_step(self->reload, performer_layer(of)) && into)
+    if (!self->reload || !reload_step(self->reload, performer_layer(of)))
+        return;
+    self->current = layer_mapping(performer_layer(of));
+    if (into)
         recorder_change_mapping(into, reload_identity(self->reload));
 }
 
+/* Of the first and of the one that performs now; those between are gone. */
 static isolate_counts counts_of(const perform_mapping *self)
 {
-    if (!self->isolate || !self->instance.self)
-        return (isolate_counts){0};
-    return isolate_counted(self->instance.self);
+    isolate_counts sum = {0};
+    const instance *const both[2] = {&self->instance, self->current};
+    for (int i = 0; i < 2; ++i) {
+        if (!self->isolate || !both[i] || !both[i]->self || (i > 0 && both[i] == both[0]))
+            continue;
+        isolate_counts one = isolate_counted(both[i]->self);
+        sum.failed += one.failed;
+        sum.restarted += one.restarted;
+        sum.late += one.late;
+    }
+    return sum;
 }
 
 mrt_result perform_mapping_check(const perform_mapping *self, error *err)

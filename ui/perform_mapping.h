@@ -14,7 +14,8 @@ typedef struct perform_mapping {
     isolate *isolate;  /* NULL: it runs in this process */
     isolate_settings settings;
     const char *library;
-    reload *reload; /* NULL: nobody watches */
+    reload *reload;          /* NULL: nobody watches */
+    const instance *current; /* the one that performs */
 } perform_mapping;
 
 /* Must not move. To be closed whatever the result. */

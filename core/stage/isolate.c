@@ -14,6 +14,8 @@ static const int64_t main_patience_ns = 5 * NS_PER_S;
 /* A child that waits for its turn is not to blame: so long, and so often. */
 static const int64_t hang_ns = 250 * NS_PER_MS;
 enum { LATE_COST = 8, LATE_MAX = 64 };
+/* One that was held for more than a frame comes back with a turn; without one after so many. */
+enum { HELD_MAX = 64 };
 /* How often the child's state is asked for. */
 static const int64_t resume_span_ns = NS_PER_S;
 
@@ -155,6 +157,11 @@ static bool take_late_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull 
     if (!self->is_late)
         return true;
     mrt_result waited = isolate_link_wait_until_ns(&self->link, 0);
+    if (waited == MRT_OK && self->held_frames > 1 && self->held_frames < HELD_MAX &&
+        !self->has_turn) {
+        self->held_frames += 1; /* the layer is between two pulls: it would jump now */
+        return false;
+    }
     if (waited == MRT_OK) {
         self->is_late = false;
         (void)take_answer(self, frame, pull);
@@ -198,6 +205,7 @@ static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     }
     self->late_score -= self->late_score > 0;
     self->held_frames = 0;
+    self->has_turn = false;
     return take_answer(self, frame, pull);
 }
 
@@ -223,9 +231,10 @@ static bool comes_back(const mrt_plugin *self)
 static bool take_turn(mrt_plugin *self, mrt_pull *pull)
 {
     if (atomic_load(&self->phase) != ISOLATE_READY)
-        return comes_back(self);
+        return self->has_turn = comes_back(self);
     bool is_forgotten = self->is_forgotten;
-    self->is_late = self->has_saved = self->is_forgotten = self->has_asked_resume = false;
+    self->is_late = self->has_turn = self->has_saved = false;
+    self->is_forgotten = self->has_asked_resume = false;
     self->late_score = 0;
     self->held_frames = 0;
     self->held = !is_forgotten && self->resume_size > 0 ? self->resume_pull : *pull;

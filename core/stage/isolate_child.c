@@ -168,6 +168,8 @@ static mrt_result process(guest *self)
 static mrt_result answer(guest *self)
 {
     isolate_block *block = self->block;
+    if (!self->self && block->kind != ISOLATE_CREATE)
+        return MRT_ERR_ARGUMENT;
     switch (block->kind) {
     case ISOLATE_CREATE:
         return create(self);

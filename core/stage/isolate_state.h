@@ -36,6 +36,7 @@ struct mrt_plugin {
     uint32_t saved_kind;
     int32_t late_score;
     uint32_t held_frames; /* in a row, for a late answer */
+    bool has_turn;        /* the layer knows that it comes back */
     int64_t asked_ns, asked_cpu_ns;
     double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
     isolate_memory memory;

@@ -36,7 +36,7 @@ typedef struct watched {
     stand other; /* the same hand, never reloaded */
     stand_watch watch;
     reload *reload;
-    uint32_t n;
+    uint32_t n, refused;
     double worst_ms;
 } watched;
 
@@ -85,12 +85,22 @@ static void steps(watched *w, uint32_t count)
         assert_false(step(w));
 }
 
+static void fail_with_news(watched *w)
+{
+    log_record line;
+    while (log_pop(w->stand.log, &line))
+        print_message("%s\n", line.text);
+    fail_msg("a version was refused");
+}
+
 /* Samples every 2 ms for at most 20 s, until another version pulls. */
 static void until_taken(watched *w)
 {
     for (int i = 0; i < 10000; ++i) {
         if (step(w))
             return;
+        if (reload_counted(w->reload).refused > w->refused)
+            fail_with_news(w);
         clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     }
     fail_msg("the rebuilt version was not taken");
@@ -170,6 +180,7 @@ static void check_refused(const char *from, const char *reason)
     else
         scene_must(file_write(library, "no library at all", 17, &err), &err);
     until_counted(&w, 0, 1);
+    w.refused = 1;
     assert_true(stand_hears(&w.stand, reason));
     steps(&w, 20);
     assert_memory_equal(performer_pull(w.stand.performer), performer_pull(w.other.performer),

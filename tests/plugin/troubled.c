@@ -11,7 +11,7 @@
 
 enum { GAIN, TROUBLE, EXTRA, PARAM_COUNT };
 enum { NONE, CRASH, HANG, SLOW, SLEEP, NONSENSE, LEAVE, REFUSE };
-enum { TIPS = 5, SLOW_MS = 12 };
+enum { TIPS = 5, SLOW_MS = 60 };
 
 struct mrt_plugin {
     const mrt_host *host;
