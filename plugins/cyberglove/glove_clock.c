@@ -115,17 +115,20 @@ static int64_t ns_of_ticks(int64_t ticks)
            ticks % tick_denominator * tick_numerator_ns / tick_denominator;
 }
 
-/* Every second: whether the glove's clock went as far as the host's, half a second in a second at
- * worst (arrivals may be late). */
+/* Every second: whether the glove's clock went as far as the host's, half as far at worst: arrivals
+ * may be late. A doubt is judged by two seconds, lest a machine that stalls is taken for it. */
 static void check_stamps(glove_clock *self, int64_t arrival_ns)
 {
-    if (arrival_ns - self->check_ns < check_ns)
+    bool is_in_doubt = self->misfit_count > 0 && !self->distrusts_stamps;
+    if (arrival_ns - self->check_ns < (is_in_doubt ? 2 * check_ns : check_ns))
         return;
     int64_t device_ns = ns_of_ticks(self->device_ticks - self->check_ticks);
     int64_t host_ns = arrival_ns - self->check_ns;
     bool fits = device_ns > host_ns / 2 && device_ns < host_ns * 3 / 2;
     self->misfit_count = fits ? 0 : self->misfit_count + 1;
     self->distrusts_stamps = self->misfit_count >= MISFIT_MAX;
+    if (!fits && !self->distrusts_stamps)
+        return;
     self->check_ticks = self->device_ticks;
     self->check_ns = arrival_ns;
 }
