@@ -139,7 +139,7 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
     error later = {""};
     mrt_result stopped = recorder_stop(self->recorder, &later);
     self->recorder = NULL;
-    if (result >= 0 && stopped < 0)
+    if (stopped < 0) /* it says more than what failed before it */
         result = error_set(err, stopped, "%s", later.text);
     if (result < 0)
         return result;

@@ -1,6 +1,7 @@
 #include "take/edit.h"
 
 #include "take/edit_parts.h"
+#include "take/timecode.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -93,7 +94,20 @@ static edit_words regions(const edit *e)
     return out;
 }
 
-static void describe_take(char out[EDIT_TEXT], const edit *e)
+static void describe_timecode(char out[EDIT_TEXT], const edit *e, const take *t)
+{
+    char label[TIMECODE_TEXT];
+    timecode_rate rate;
+    if (!t || !(t->fps > 0.0) || timecode_rate_of(&rate, t->fps, NULL) < 0) {
+        (void)snprintf(out, EDIT_TEXT, "time code from frame %lld", (long long)e->frame);
+        return;
+    }
+    rate.is_drop = e->is_drop && timecode_can_drop(rate);
+    timecode_write(label, rate, e->frame);
+    (void)snprintf(out, EDIT_TEXT, "time code from %s", label);
+}
+
+static void describe_take(char out[EDIT_TEXT], const edit *e, const take *t)
 {
     switch (e->kind) {
     case EDIT_TAKE_SLATE:
@@ -113,8 +127,7 @@ static void describe_take(char out[EDIT_TEXT], const edit *e)
         (void)snprintf(out, EDIT_TEXT, "%.6g frames a second", e->fps);
         break;
     case EDIT_TAKE_TIMECODE:
-        (void)snprintf(out, EDIT_TEXT, "time code from frame %lld%s", (long long)e->frame,
-                       e->is_drop ? ", drop-frame" : "");
+        describe_timecode(out, e, t);
         break;
     default:
         (void)snprintf(out, EDIT_TEXT, "%s the take",
@@ -325,7 +338,7 @@ static void mend(char text[EDIT_TEXT])
 void edit_describe(char out[EDIT_TEXT], const edit *e, const take *before)
 {
     if (e->kind <= EDIT_TAKE_RESTORE)
-        describe_take(out, e);
+        describe_take(out, e, before);
     else if (e->kind <= EDIT_MARKER_REMOVE)
         describe_marker(out, e, before);
     else if (e->kind <= EDIT_LAYER_OWN)

@@ -354,6 +354,9 @@ static void edits_are_said_in_words(void **state)
                   "'out_ns':2000m,'fade_ns':0,'regions':['mouth','nose']}",
                   "mouth, nose from performance 8 at 1 .. 2 s");
     require_words(&t, "{'op':'take.note','note':'a\\nb'}", "note 'a b'");
+    require_words(&t, "{'op':'take.timecode','frame':90000}", "time code from frame 90000");
+    t.fps = 25;
+    require_words(&t, "{'op':'take.timecode','frame':90000}", "time code from 01:00:00:00");
     take_finish(&t);
 }
 
