@@ -16,7 +16,7 @@ fail() {
 }
 
 # refused CODE WORDS COMMAND...: the command ends with CODE, says one line on stderr that contains
-# WORDS, and leaves nothing in $scratch/out.
+# WORDS, and leaves nothing in $scratch/out. Notes, and what a plugin says itself, do not count.
 refused() {
     local code=$1 words=$2 got lines
     shift 2
@@ -24,7 +24,7 @@ refused() {
     mkdir "$scratch/out"
     timeout 60 "$@" >"$scratch/stdout" 2>"$scratch/stderr"
     got=$?
-    lines=$(grep -cv '^note: ' "$scratch/stderr")
+    lines=$(grep -cvE '^(note: |error: org\.)' "$scratch/stderr")
     [ "$got" -eq "$code" ] || fail "exit $got instead of $code: $* ($(tail -c 300 "$scratch/stderr"))"
     [ "$lines" -eq 1 ] || fail "$lines lines on stderr instead of 1: $* ($(cat "$scratch/stderr"))"
     grep -qF -- "$words" "$scratch/stderr" || fail "\"$words\" is not said: $(cat "$scratch/stderr")"
