@@ -5,7 +5,7 @@
 
 /* What is taught is the mean of the last 0.3 s: samples at least 5 ms apart. */
 static const double window_s = 0.3, apart_s = 0.005;
-/* Thumb, palm and spreading move half as far as fingers bend; what is estimated (the distal joints)
+/* Thumb, palm and spreading move less far than fingers bend; what is estimated (the distal joints)
  * and the wrist do not count. */
 static const double weight[MRT_ANGLES] = {1, 1.5, 1.5, 1.5, 1, 1, 0, 1,   1, 0, 1.5,
                                           1, 1,   0,   1.5, 1, 1, 0, 1.5, 1, 0, 0};
