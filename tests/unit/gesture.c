@@ -212,6 +212,33 @@ static void shipped_faces_do_not_fold(void **state)
     assert_true(bench_least_determinant("gesture", "puppet", params, 600) > 0.0);
 }
 
+/* When the demo does something: at full, and not before. */
+static void watch_gestures(const bench *b, double time_s, void *data)
+{
+    double *at_s = data;
+    if (at_s[0] < 0.0 && brow(b) > 9.0f)
+        at_s[0] = time_s;
+    if (at_s[1] < 0.0 && smile(b) > 7.0f)
+        at_s[1] = time_s;
+    if (at_s[2] < 0.0 && bench_dof(b, "jaw.open") > 0.35f)
+        at_s[2] = time_s;
+}
+
+/* It lifts its index finger at 8.8 s, spreads at 11 s and makes a fist at 13 s. */
+static void demo_makes_three_gestures_at_their_times(void **state)
+{
+    (void)state;
+    bench b;
+    double at_s[3] = {-1, -1, -1};
+    bench_open(&b, "gesture", &bench_face, "");
+    bench_demo(&b, watch_gestures, at_s);
+    print_message("brows %.2f s, smile %.2f s, jaw %.2f s\n", at_s[0], at_s[1], at_s[2]);
+    assert_true(at_s[0] > 8.6 && at_s[0] < 9.2);
+    assert_true(at_s[1] > 10.7 && at_s[1] < 11.4);
+    assert_true(at_s[2] > 12.9 && at_s[2] < 13.6);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +251,7 @@ int main(void)
         cmocka_unit_test(teaching_without_a_hand_says_so),
         cmocka_unit_test(state_keeps_what_was_taught_over_a_reset),
         cmocka_unit_test(an_action_goes_on_while_the_hand_is_away_and_nothing_jumps),
+        cmocka_unit_test(demo_makes_three_gestures_at_their_times),
         cmocka_unit_test(face_without_names_is_refused_with_a_sentence),
         cmocka_unit_test(walks_stay_bounded),
         cmocka_unit_test(shipped_faces_do_not_fold),

@@ -158,6 +158,28 @@ static void shipped_faces_do_not_fold(void **state)
     assert_true(bench_least_determinant("magnet", "puppet", "", 600) > 0.0);
 }
 
+static void watch_nose(const bench *b, double time_s, void *data)
+{
+    float *nose = data; /* spread, then a fist */
+    float z = bench_pulled(b, "nose.tip").z;
+    if (time_s > 10.9 && time_s < 11.6)
+        nose[0] = fminf(nose[0], z);
+    if (time_s > 12.9 && time_s < 13.8)
+        nose[1] = fmaxf(nose[1], z);
+}
+
+static void demo_drives_in_spread_and_draws_out_with_its_fist(void **state)
+{
+    (void)state;
+    bench b;
+    float nose[2] = {0};
+    bench_open(&b, "magnet", &bench_face, "");
+    bench_demo(&b, watch_nose, nose);
+    print_message("nose %.1f mm, %.1f mm\n", (double)nose[0], (double)nose[1]);
+    assert_true(nose[0] < -2.0f && nose[1] > 8.0f);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -168,6 +190,7 @@ int main(void)
         cmocka_unit_test(release_and_engage_and_commit_do_not_jump),
         cmocka_unit_test(face_without_contacts_has_a_field_too),
         cmocka_unit_test(hand_that_comes_back_otherwise_is_followed_gently),
+        cmocka_unit_test(demo_drives_in_spread_and_draws_out_with_its_fist),
         cmocka_unit_test(walks_stay_within_strength),
         cmocka_unit_test(shipped_faces_do_not_fold),
     };

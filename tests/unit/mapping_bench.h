@@ -6,6 +6,9 @@
 #include "resume_scene.h"
 
 #include "base/log.h"
+#include "hand/filter.h"
+#include "log_file.h"
+#include "log_parse.h"
 
 /* No contact, no degree of freedom. */
 static const mrt_face bench_bare = {.low = {-75, 0, -75}, .high = {75, 300, 75}};
@@ -115,6 +118,34 @@ static inline void bench_walk(bench *b, const char *const *triggers, float most_
         sums[run] = sum;
     }
     assert_true(sums[0] == sums[1]);
+}
+
+/* The demo's hand as the stage would give it: calibrated and filtered; `on_frame` after each. */
+typedef void bench_on_frame(const bench *b, double time_s, void *data);
+static inline void bench_demo(bench *b, bench_on_frame *on_frame, void *data)
+{
+    char reason[LOG_REASON];
+    log_file file;
+    log_data log;
+    hand_calibration calibration;
+    hand_filter filter;
+    if (log_file_read(&file, SOURCE_DIR "/plugins/log/demo_hand.csv", reason) < 0 ||
+        log_parse(&log, file.data, file.size, MRT_RIGHT, reason) < 0)
+        fail_msg("%s", reason);
+    free(file.data);
+    hand_calibration_identity(&calibration);
+    memset(calibration.has_distal, 0, sizeof calibration.has_distal);
+    hand_filter_init(&filter);
+    for (size_t r = 0; r < log.record_count; ++r) {
+        float raw[MRT_ANGLES] = {0}, angle[MRT_ANGLES];
+        for (uint32_t i = 0; i < log.channel_count; ++i)
+            raw[log.channel[i].semantic - MRT_CH_ANGLE] = log.value[r * log.channel_count + i];
+        hand_calibrate(&calibration, raw, angle);
+        hand_filter_apply(&filter, angle, log.time_ns[r]);
+        bench_step(b, MRT_RIGHT, angle);
+        on_frame(b, (double)(log.time_ns[r] - log.time_ns[0]) * 1e-9, data);
+    }
+    log_data_finish(&log);
 }
 
 /* The least determinant of a shipped face while the mapping performs what scene_sample plays, two

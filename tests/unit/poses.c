@@ -276,6 +276,30 @@ static void shipped_faces_do_not_fold(void **state)
     assert_true(bench_least_determinant("poses", "puppet", "amount=120,width=80", 600) > 0.0);
 }
 
+static void watch_face(const bench *b, double time_s, void *data)
+{
+    float *most = data; /* jaw while it talks, smile, brows */
+    if (time_s > 1.2 && time_s < 8.2)
+        most[0] = fmaxf(most[0], bench_dof(b, "jaw.open"));
+    if (time_s > 10.5 && time_s < 12.0)
+        most[1] = fmaxf(most[1], bench_pulled(b, "mouth.corner.l").y);
+    if (time_s > 8.3 && time_s < 9.8)
+        most[2] = fmaxf(most[2], bench_pulled(b, "brow.mid.l").y);
+}
+
+static void demo_talks_smiles_and_lifts_its_brows(void **state)
+{
+    (void)state;
+    bench b;
+    float most[3] = {0};
+    bench_open(&b, "poses", &bench_face, "");
+    bench_demo(&b, watch_face, most);
+    print_message("jaw %.2f rad, smile %.1f mm, brows %.1f mm\n", (double)most[0], (double)most[1],
+                  (double)most[2]);
+    assert_true(most[0] > 0.12f && most[1] > 5.0f && most[2] > 5.0f);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,6 +311,7 @@ int main(void)
         cmocka_unit_test(taught_pose_is_performed_and_between_two_it_is_in_between),
         cmocka_unit_test(nothing_jumps_when_something_is_taught_or_forgotten),
         cmocka_unit_test(teaching_tells_the_leave_one_out_error),
+        cmocka_unit_test(demo_talks_smiles_and_lifts_its_brows),
         cmocka_unit_test(state_keeps_what_was_taught_over_a_reset),
         cmocka_unit_test(face_without_names_is_refused_with_a_sentence),
         cmocka_unit_test(walks_stay_bounded),

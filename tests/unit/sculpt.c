@@ -158,6 +158,30 @@ static void shipped_faces_do_not_fold(void **state)
     assert_true(bench_least_determinant("sculpt", "puppet", "", 200) > 0.0);
 }
 
+/* How far the index finger's tip has pushed in all, mm. */
+static void watch_push(const bench *b, double time_s, void *data)
+{
+    double *pushed = data;
+    const mrt_vector *v = &b->pull.vector[1];
+    double x = (double)v->end.x - (double)v->start.x, y = (double)v->end.y - (double)v->start.y;
+    double z = (double)v->end.z - (double)v->start.z;
+    (void)time_s;
+    *pushed += sqrt(x * x + y * y + z * z);
+}
+
+/* Twenty syllables and a fist: as deep as the fist, not twenty times as deep. */
+static void demo_pushes_once_as_deep_as_it_goes(void **state)
+{
+    (void)state;
+    bench b;
+    double pushed = 0;
+    bench_open(&b, "sculpt", &bench_bare, "");
+    bench_demo(&b, watch_push, &pushed);
+    print_message("pushed by %.1f mm\n", pushed);
+    assert_true(pushed > 5.0 && pushed < 100.0);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -167,6 +191,7 @@ int main(void)
         cmocka_unit_test(smooth_eases_back_while_the_hand_moves_near),
         cmocka_unit_test(touching_anew_moves_nothing),
         cmocka_unit_test(pedal_takes_the_next_tool_and_a_new_choice_ends_that),
+        cmocka_unit_test(demo_pushes_once_as_deep_as_it_goes),
         cmocka_unit_test(walks_stay_bounded),
         cmocka_unit_test(shipped_faces_do_not_fold),
     };

@@ -174,6 +174,26 @@ static void shipped_faces_do_not_fold(void **state)
     assert_true(bench_least_determinant("tongs", "puppet", "", 600) > 0.0);
 }
 
+static void watch_grips(const bench *b, double time_s, void *data)
+{
+    float *most = data;
+    (void)time_s;
+    *most = fmaxf(*most, stretched(&b->pull));
+}
+
+/* It talks with its fingertips together, spreads, makes a fist and comes back. */
+static void demo_grips_stretches_and_grips_again(void **state)
+{
+    (void)state;
+    bench b;
+    float most = 0;
+    bench_open(&b, "tongs", &bench_bare, "");
+    bench_demo(&b, watch_grips, &most);
+    assert_in_range(b.pull.anchor, 2, 4);
+    assert_true(most > 10.0f);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -183,6 +203,7 @@ int main(void)
         cmocka_unit_test(what_is_held_at_release_stays_and_is_gripped_anew),
         cmocka_unit_test(commit_makes_a_new_base_and_grips_again),
         cmocka_unit_test(a_hand_that_was_away_goes_on_without_a_jump),
+        cmocka_unit_test(demo_grips_stretches_and_grips_again),
         cmocka_unit_test(walks_stay_within_reach),
         cmocka_unit_test(shipped_faces_do_not_fold),
     };
