@@ -55,6 +55,7 @@ struct reload {
     unsigned char *state; /* state_capacity */
     size_t state_size;    /* what STEP_SAVE has found; 0: nothing */
     bool is_state_lost;   /* the new one did not take it */
+    reload_stamp loaded;  /* of the file when it began */
     uint32_t number;
     int64_t seen_ns;
     const char *identity;
@@ -257,7 +258,7 @@ static void load_version(reload *self)
 static void *loader_main(void *data)
 {
     reload *self = data;
-    reload_stamp loaded = reload_stamp_of(self->library), last = loaded;
+    reload_stamp loaded = self->loaded, last = loaded;
     while (!is_stopping(self)) {
         clock_sleep_until_ns(clock_now_ns() + look_span_ns);
         reload_stamp now = reload_stamp_of(self->library);
@@ -348,6 +349,8 @@ mrt_result reload_start(reload **out, const reload_settings *settings, error *er
     self->identity = "";
     self->library = strdup(settings->library);
     self->state = malloc(state_capacity);
+    if (self->library)
+        self->loaded = reload_stamp_of(self->library);
     mrt_result result = MRT_OK;
     if (!self->library || !self->state)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to watch %s", settings->library);
