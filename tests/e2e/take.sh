@@ -117,6 +117,27 @@ take keep "$scratch/k.marotte" --last 3 --scene kept >/dev/null
 says 'trim the take' trim "$scratch/k.marotte" last --in 0.5 --out 1
 rm "$scratch/k.marotte"
 
+# A show that is deleted while somebody records into it is copied when the recording ends.
+"$MAROTTE" perform --face "$moai" --input "log:$demo,start=1.2,end=3.2" --map anchored --realtime \
+    --record "$scratch/d.marotte" >/dev/null 2>"$scratch/deleted" &
+until "$MAROTTE" take list "$scratch/d.marotte" 2>/dev/null | grep -q 'being recorded'; do
+    kill -0 $! 2>/dev/null || break
+done
+rm -f "$scratch/d.marotte"
+wait $! || fail "a deleted show ends the performance: $(cat "$scratch/deleted")"
+grep -q "all of it is in $scratch/d.rescued.marotte" "$scratch/deleted" || fail "deleted: $(cat "$scratch/deleted")"
+says 'damaged places     0' check "$scratch/d.rescued.marotte"
+says '2.0' list "$scratch/d.rescued.marotte"
+
+# Stopped in a pass that is shorter than its fades: kept; so many steps of undo take it back.
+record "$scratch/p.marotte" "$puppet" one_hand
+bare=$(sum_of "$scratch/p.marotte" 1)
+take record "$scratch/p.marotte" 1 --input "log:$demo,start=1.2,end=2.3" --map one_hand --own mouth \
+    --in 0.5 --out 1.5 --passes 3 --fade 0.4 --json >"$scratch/said"
+[ "$(number layers)" = 2 ] || fail "passes kept: $(cat "$scratch/said")"
+take undo "$scratch/p.marotte" 1 --steps "$(number edits)" >/dev/null
+[ "$(sum_of "$scratch/p.marotte" 1)" = "$bare" ] || fail "undo leaves something of what was performed over it"
+
 # A track as a log performs the same vertices.
 for map in one_hand unanchored; do
     take log "$show" 1 --out "$scratch/t.csv" >/dev/null
