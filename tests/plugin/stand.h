@@ -181,7 +181,8 @@ static inline void stand_watch_step(stand_watch *w, stand *s, stand *other)
         double share = (double)stand_period_ns * 1e-9 / LAYER_FADE_S;
         double differ =
             fmax(stand_distance(&w->face, &w->ought), stand_distance(&w->before, &w->ought_before));
-        double may = 2 * w->furthest_step_mm + share * differ;
+        double own = stand_distance(&w->ought, &w->ought_before);
+        double may = 2 * fmax(w->furthest_step_mm, own) + share * differ;
         w->worst_excess_mm = fmax(w->worst_excess_mm, stand_distance(&w->face, &w->before) - may);
     }
     stand_shape kept = w->before, kept_ought = w->ought_before;
