@@ -119,7 +119,7 @@ static void judge_end(const check_process *process, job *of)
     char text[CHECK_TEXT];
     if (process->has_ended || of->has_failed)
         return;
-    bool is_library = of->subject->concerns == CONCERNS_LIBRARY;
+    bool is_library = strcmp(of->name, CASE_TABLES) == 0;
     if (process->was_late) {
         (void)snprintf(text, sizeof text, "the case \"%s\" was ended after %d s", of->name,
                        CASE_LIMIT_S);

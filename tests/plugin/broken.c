@@ -165,7 +165,7 @@ static void do_what_is_not_allowed(const mrt_plugin *self)
     if (BREAKS(FRAME_HOST))
         burnt = (double)self->host->now_ns(self->host);
     if (BREAKS(FRAME_DEADLINE) && self->memory.frames % 40 == 0)
-        burn(3e5);
+        burn(6e5);
     if (BREAKS(RUN_CRASH) && self->memory.frames == 200)
         *(volatile int *)nowhere = 1;
     while (BREAKS(RUN_HANG) && self->memory.frames == 200)

@@ -134,7 +134,7 @@ void cases_engage(const examination *e)
 /* ---- in time ---- */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-static const double limit_us = 4000.0; /* this build is slow itself */
+static const double limit_us = 1000.0; /* this build is slow itself */
 #else
 static const double limit_us = 200.0;
 #endif

@@ -28,11 +28,13 @@
 #include <time.h>
 #include <unistd.h>
 
-/* libc's function of that name, into a function pointer. */
+/* RTLD_NEXT, which glibc shows to GNU C only: the libraries behind this program. */
+#define NEXT_LIBRARIES ((void *)-1L)
+
+/* libc's function of that name (or a sanitizer's in front of it), into a function pointer. */
 static void find_real(const char *name, void *out_function, size_t size)
 {
-    void *libc = dlopen("libc.so.6", RTLD_LAZY | RTLD_NOLOAD);
-    void *address = libc ? dlsym(libc, name) : NULL;
+    void *address = dlsym(NEXT_LIBRARIES, name);
     if (!address)
         abort(); /* not glibc: the traps cannot be set */
     memcpy(out_function, &address, size);
@@ -65,10 +67,10 @@ static void find_real(const char *name, void *out_function, size_t size)
 
 /* ---- memory ---- */
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define HAS_SANITIZED_HEAP 1
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define HAS_SANITIZED_HEAP 1
 #endif
 #endif

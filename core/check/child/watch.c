@@ -3,6 +3,8 @@
 #include "check/child/tell.h"
 #include "check/child/trap.h"
 
+#include <marotte/plugin.h>
+
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -57,6 +59,20 @@ static void on_exit_called(void)
 {
     if (!is_over)
         go_down(RULE_RUN_EXIT, "the process was ended");
+}
+
+/* What a sanitizer finds ends in on_crash. Without sanitizers nobody asks. */
+MRT_EXPORT const char *__asan_default_options(void);
+MRT_EXPORT const char *__ubsan_default_options(void);
+
+const char *__asan_default_options(void)
+{
+    return "abort_on_error=1";
+}
+
+const char *__ubsan_default_options(void)
+{
+    return "abort_on_error=1";
 }
 
 static void handle(int signal_number, void (*handler)(int))
