@@ -251,7 +251,7 @@ typedef struct mrt_resume {
     /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
     /* [frame] All or none. Afterwards, on the same face, the same frames give the same pulls, bit
-     * for bit, as they did after save. Bytes from elsewhere are refused. */
+     * for bit, as they did after save. Bytes from elsewhere, and damaged ones, are refused. */
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
 } mrt_resume;
 
