@@ -28,6 +28,9 @@
 #include <time.h>
 #include <unistd.h>
 
+/* libc's headers name their parameters __file and the like.
+ * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
+
 /* RTLD_NEXT, which glibc shows to GNU C only: the libraries behind this program. */
 #define NEXT_LIBRARIES ((void *)-1L)
 
@@ -369,3 +372,5 @@ CATCH_PRINT(printf, (const char *restrict format, ...), format, stdout)
                       (pthread_t *restrict out, const pthread_attr_t *restrict attributes,
                        void *(*run)(void *), void *restrict data),
                       (out, attributes, run, data))
+
+    /* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
