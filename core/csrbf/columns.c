@@ -60,6 +60,20 @@ void columns_note(columns *c, uint32_t count)
             }
 }
 
+void columns_note_groups(columns *c, uint32_t count, uint32_t group)
+{
+    c->count = count;
+    memset(c->active_count, 0, c->block_count * sizeof *c->active_count);
+    for (uint32_t column = 0; column < count; ++column) {
+        uint32_t last = column - column % group + group - 1;
+        for (uint32_t block = 0; block < c->block_count; ++block)
+            if (!is_zero(columns_row(c, last) + (size_t)block * POINTS_BLOCK)) {
+                size_t slot = (size_t)block * c->capacity + c->active_count[block]++;
+                c->active[slot] = (uint16_t)column;
+            }
+    }
+}
+
 /* sum += value times (gx, gy, gz). */
 static void accumulate(float sum[3][POINTS_BLOCK], const float *restrict value, const float g[3])
 {

@@ -26,6 +26,9 @@ float *columns_row(const columns *c, uint32_t column);
 /* After rows 0 .. count - 1 have been written: they are the columns, and this notes where they are
  * zero. */
 void columns_note(columns *c, uint32_t count);
+/* The same where `group` columns in a row have values only where the last of them has: it need not
+ * be said again when only the others change. count: a multiple of group. */
+void columns_note_groups(columns *c, uint32_t count, uint32_t group);
 
 /* sum: 3 by POINTS_BLOCK := sum over the columns first .. end - 1 of column_j weight_j in one
  * block. weight: 3 floats for each column from 0 on. */

@@ -30,7 +30,12 @@ void face_pose_columns(face *f)
         fill_column(columns_row(&f->columns, column++), f, field, at->z, field->pivot.z);
         fill_column(columns_row(&f->columns, column++), f, field, NULL, 0.0);
     }
-    columns_note(&f->columns, column);
+    bool is_pose_alone = f->control_column_count == 0;
+    if (!is_pose_alone)
+        columns_note(&f->columns, column);
+    else if (!f->is_pose_noted) /* where a bone has vertices does not change */
+        columns_note_groups(&f->columns, column, FACE_POSE_COLUMNS);
+    f->is_pose_noted = is_pose_alone;
     f->engagement += 1;
 }
 

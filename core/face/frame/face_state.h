@@ -51,6 +51,7 @@ struct face {
     face_field field[RIG_BONES_MAX];
     columns columns;
     uint32_t control_column_count; /* those of controls, before those of bones */
+    bool is_pose_noted;            /* the columns are those of bones alone, and noted */
     double *weight, *next_weight;  /* column capacity by 3 */
 
     csrbf_settings settings; /* of the engagement */
