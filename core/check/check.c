@@ -1,5 +1,6 @@
 #include "check/check.h"
 #include "base/clock.h"
+#include "base/text.h"
 #include "check/cases.h"
 #include "check/process.h"
 
@@ -76,17 +77,23 @@ static bool has_failed(const check_subject *subject)
     return false;
 }
 
+static bool take_number(text_view *rest, int64_t below, int64_t *out)
+{
+    text_view word;
+    return text_next_word(rest, &word) && text_int(word, out) && *out >= 0 && *out < below;
+}
+
 static void take_type(examiner *self, const char *text)
 {
-    unsigned index, concerns;
-    char id[CHECK_ID];
-    if (sscanf(text, "%u %u %127[^\n]", &index, &concerns, id) != 3 || index >= CHECK_TYPES_MAX)
+    text_view rest = text_view_of(text, strlen(text));
+    int64_t index, concerns;
+    if (!take_number(&rest, CHECK_TYPES_MAX, &index) || !take_number(&rest, UINT32_MAX, &concerns))
         return;
-    check_subject *subject = type_subject(self->report, index);
-    memcpy(subject->id, id, sizeof id);
-    subject->concerns = concerns;
+    check_subject *subject = type_subject(self->report, (uint32_t)index);
+    text_copy(subject->id, sizeof subject->id, text_trim(rest));
+    subject->concerns = (uint32_t)concerns;
     if (index >= self->report->type_count)
-        self->report->type_count = index + 1;
+        self->report->type_count = (uint32_t)index + 1;
 }
 
 typedef struct listener {

@@ -94,7 +94,8 @@ static void fill_up(face_room *out)
 {
     for (uint32_t i = USUAL_CONTACTS; i < CONTACTS_MAX; ++i) {
         (void)snprintf(out->contact_name[i], sizeof out->contact_name[i], "place.%u", i);
-        mrt_vec3 rest = {(float)(i % 8) * 10 - 35, (float)(i / 8) * 20 - 90, 60};
+        uint32_t column = i % 8, row = i / 8;
+        mrt_vec3 rest = {(float)column * 10 - 35, (float)row * 20 - 90, 60};
         out->contact[i] = (mrt_contact){out->contact_name[i], "skull", rest, {0, 0, 1}};
     }
     for (uint32_t i = USUAL_DOFS; i < MRT_MAX_DOFS; ++i) {

@@ -32,15 +32,16 @@ static void learn_mapping(const char *path)
     if (!maps)
         return;
     while (fgets(line, sizeof line, maps)) {
-        unsigned long long from, to;
-        char *name = strchr(line, '/');
+        char *behind = NULL, *name = strchr(line, '/');
         line[strcspn(line, "\n")] = '\0';
-        if (!name || strcmp(name, path) != 0 || sscanf(line, "%llx-%llx", &from, &to) != 2)
+        if (!name || strcmp(name, path) != 0)
             continue;
+        uintptr_t from = (uintptr_t)strtoull(line, &behind, 16);
+        uintptr_t to = *behind == '-' ? (uintptr_t)strtoull(behind + 1, NULL, 16) : from;
         if (low == 0 || from < low)
-            low = (uintptr_t)from;
+            low = from;
         if (to > high)
-            high = (uintptr_t)to;
+            high = to;
     }
     (void)fclose(maps);
 }

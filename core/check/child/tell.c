@@ -32,13 +32,14 @@ static void send_line(char kind, const char *name, const char *text)
     (void)written;
 }
 
-/* Formats into a text of its own, cut to fit. */
+/* Formats into a text of its own, cut to fit. NOLINTBEGIN(bugprone-macro-parentheses) */
 #define FORMAT_TEXT(text, format)                                                                  \
     char text[WIRE_TEXT];                                                                          \
     va_list arguments;                                                                             \
     va_start(arguments, format);                                                                   \
     (void)vsnprintf(text, sizeof text, format, arguments);                                         \
     va_end(arguments)
+/* NOLINTEND(bugprone-macro-parentheses) */
 
 void tell_doing(check_rule blamed, const char *format, ...)
 {

@@ -29,7 +29,7 @@
 #include <unistd.h>
 
 /* libc's headers name their parameters __file and the like.
- * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
+ * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */
 
 /* RTLD_NEXT, which glibc shows to GNU C only: the libraries behind this program. */
 #define NEXT_LIBRARIES ((void *)-1L)
@@ -373,4 +373,4 @@ CATCH_PRINT(printf, (const char *restrict format, ...), format, stdout)
                        void *(*run)(void *), void *restrict data),
                       (out, attributes, run, data))
 
-    /* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
+    /* NOLINTEND(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */
