@@ -256,6 +256,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     float *smooth_mm = BREAKS(REPLAY_INSTANCES) ? &shared_smooth_mm : &m->smooth_mm;
     m->frames += 1;
     do_what_is_not_allowed(self);
+    if (BREAKS(RESULT) && m->frames > 1)
+        return MRT_ERR_IO; /* it said why in its first frame */
     if (BREAKS(RESULT))
         return refuse(self, MRT_ERR_IO, "the mapping has no mind to");
     m->wants_hold |= !m->is_holding || frame->params[PARAM_HOLD] > 0.5;
