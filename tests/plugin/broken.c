@@ -116,7 +116,7 @@ struct mrt_plugin {
     void *more; /* a growing one's */
     uint32_t open_count, sequence;
     int64_t start_ns, next_ns;
-    bool is_open;
+    bool is_open, has_said;
 };
 
 static void *volatile kept; /* what the compiler must not leave out */
@@ -256,10 +256,12 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     float *smooth_mm = BREAKS(REPLAY_INSTANCES) ? &shared_smooth_mm : &m->smooth_mm;
     m->frames += 1;
     do_what_is_not_allowed(self);
-    if (BREAKS(RESULT) && m->frames > 1)
-        return MRT_ERR_IO; /* it said why in its first frame */
-    if (BREAKS(RESULT))
+    if (BREAKS(RESULT) && self->has_said)
+        return MRT_ERR_IO;
+    if (BREAKS(RESULT)) {
+        self->has_said = true;
         return refuse(self, MRT_ERR_IO, "the mapping has no mind to");
+    }
     m->wants_hold |= !m->is_holding || frame->params[PARAM_HOLD] > 0.5;
     if (!hand->present) {
         if (BREAKS(MAPPING_HOLD))
