@@ -211,16 +211,17 @@ void cases_state(const examination *e)
 
 /* ---- resume ---- */
 
-enum { MOMENTS = 4 };
-static const uint32_t moments[MOMENTS] = {0, 137, 700, 2000}; /* frames after the beginning */
-static uint64_t sums[PLAY_SPAN];                              /* of what nobody interrupted */
-static stream then_hands;                                     /* at the moment */
-static actor then;                                            /* the host's own part of it */
+enum { MOMENTS = 12 };
+static const uint32_t moments[MOMENTS] = {0,    3,    41,   137,  307,  700, /* frames */
+                                          1103, 1499, 2000, 2617, 3301, 4001};
+static uint64_t sums[PLAY_SPAN]; /* of what nobody interrupted */
+static stream then_hands;        /* at the moment */
+static actor then;               /* the host's own part of it */
 
 /* The first of the coming frames that is not as in sums[]; PLAY_SPAN: none. */
 static uint32_t go_on(actor *mapping, stream *hands, const char *doing)
 {
-    tell_doing(RULE_COUNT, "%s, %s", stream_name(STREAM_RESTLESS), doing);
+    tell_doing(RULE_COUNT, "%s, %s", stream_name(then_hands.kind), doing);
     for (uint32_t i = 0; i < PLAY_SPAN; ++i) {
         play_frames(mapping, hands, 1);
         if (actor_sum(mapping) != sums[i])
@@ -233,7 +234,7 @@ static uint32_t go_on(actor *mapping, stream *hands, const char *doing)
 static bool open_loaded(const store *s, const examination *e, const kept *good)
 {
     actor_close(&second);
-    if (!play_open(&second, &second_hands, e, STREAM_RESTLESS, e->seed))
+    if (!play_open(&second, &second_hands, e, then_hands.kind, e->seed))
         return false;
     mrt_result result = load(s, &second, good->bytes, good->size);
     if (result < 0) {
@@ -270,10 +271,10 @@ static void judge_resumed(const store *s, const examination *e, const kept *good
 }
 
 /* False: nothing more can be judged. */
-static bool judge_moment(const store *s, const examination *e, uint32_t moment)
+static bool judge_moment(const store *s, const examination *e, stream_kind kind, uint32_t moment)
 {
-    if (!play_open(&first, &first_hands, e, STREAM_RESTLESS, e->seed) ||
-        !play_open(&third, &third_hands, e, STREAM_RESTLESS, e->seed))
+    if (!play_open(&first, &first_hands, e, kind, e->seed) ||
+        !play_open(&third, &third_hands, e, kind, e->seed))
         return false;
     play_frames(&first, &first_hands, moment);
     play_frames(&third, &third_hands, moment);
@@ -309,7 +310,7 @@ void cases_resume(const examination *e)
     const store s = {functions->save,     functions->load,         true,        RULE_RESUME_SIZE,
                      RULE_RESUME_REFUSES, RULE_RESUME_ALL_OR_NONE, "MRT_RESUME"};
     for (int i = 0; i < MOMENTS; ++i)
-        if (!judge_moment(&s, e, moments[i]))
+        if (!judge_moment(&s, e, i % 2 ? STREAM_WALK : STREAM_RESTLESS, moments[i]))
             return;
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         tell_ok(rules[i], "%d moments", MOMENTS);
