@@ -79,8 +79,9 @@ mrt_result perform_mapping_check(const perform_mapping *self, error *err)
 {
     if (self->settings.clock == CLOCK_REAL || counts_of(self).failed == 0)
         return MRT_OK;
-    return error_set(err, MRT_ERR_FORMAT, "mapping %s failed in its process",
-                     self->instance.type->id);
+    const char *why = self->instance.self ? isolate_first_reason(self->instance.self) : "";
+    return error_set(err, MRT_ERR_FORMAT, "mapping %s %s", self->instance.type->id,
+                     why[0] ? why : "failed in its process");
 }
 
 void perform_mapping_report(const perform_mapping *self, facts *told)

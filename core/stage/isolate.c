@@ -419,6 +419,11 @@ isolate_counts isolate_counted(const mrt_plugin *self)
                             .is_away = !is_running(self)};
 }
 
+const char *isolate_first_reason(const mrt_plugin *self)
+{
+    return atomic_load(&self->failed_count) > 0 ? self->first_reason : "";
+}
+
 int32_t isolate_pid(const mrt_plugin *self)
 {
     return atomic_load(&self->pid);

@@ -33,6 +33,8 @@ typedef struct isolate_counts {
 } isolate_counts;
 /* [any] Of an instance of such a type. */
 isolate_counts isolate_counted(const mrt_plugin *self);
+/* [any] Why it failed first, "gave a radius that is not a length"; "": it has not. */
+const char *isolate_first_reason(const mrt_plugin *self);
 int32_t isolate_pid(const mrt_plugin *self); /* of its child; 0: none is in use */
 
 #endif

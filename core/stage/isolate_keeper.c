@@ -1,6 +1,7 @@
 /* The thread that starts a mapping's process, sees it end, and starts another. */
 #include "stage/isolate_state.h"
 
+#include <stdio.h>
 #include <errno.h>
 #include <limits.h>
 #include <poll.h>
@@ -166,6 +167,8 @@ static void recover(mrt_plugin *self)
     int64_t now_ns = clock_now_ns();
     bool is_again = self->has_failed_before && now_ns - self->failed_ns < again_ns;
     bury(self, &reason);
+    if (atomic_load(&self->failed_count) == 0)
+        snprintf(self->first_reason, sizeof self->first_reason, "%.150s", reason.text);
     atomic_fetch_add(&self->failed_count, 1);
     self->has_failed_before = true;
     self->failed_ns = now_ns;

@@ -40,7 +40,8 @@ struct mrt_plugin {
     int64_t asked_ns, asked_cpu_ns;
     double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
     isolate_memory memory;
-    char reason[160]; /* why it has failed; "ended": as the process did */
+    char reason[160];       /* why it has failed; "ended": as the process did */
+    char first_reason[160]; /* of the first failure; written before failed_count says so */
 
     unsigned char *resume; /* MRT_RESUME, and the pull held then; ISOLATE_BYTES of room */
     uint32_t resume_size;  /* 0: none */

@@ -80,7 +80,7 @@ bad_map 'org.example.broken gave a control vector that is not finite or leads ou
     "$BUILD_DIR/tests/plugin/reach.so"
 bad_map 'org.example.broken gave more vectors than are allowed' "$BUILD_DIR/tests/plugin/many.so"
 bad_map 'org.example.broken gave a radius' "$BUILD_DIR/tests/plugin/radius.so"
-bad_map 'org.example.broken gave an error' "$BUILD_DIR/tests/plugin/result.so"
+bad_map 'org.example.broken returned -2' "$BUILD_DIR/tests/plugin/result.so"
 bad_map "$in/none.so" "$in/none.so"
 bad_map "$in/range.obj" "$in/range.obj"
 mkfifo "$in/pipe.so"

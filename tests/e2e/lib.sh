@@ -4,6 +4,7 @@ set -u
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export XDG_CONFIG_HOME=$scratch/config # no calibrations of whoever runs the tests
+export XDG_DATA_HOME=$scratch/data # and no reports to them
 shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
 moai=$SOURCE_DIR/rigs/moai/moai.glb
 puppet=$SOURCE_DIR/rigs/puppet/puppet.rig.json
@@ -24,7 +25,7 @@ refused() {
     mkdir "$scratch/out"
     timeout 60 "$@" >"$scratch/stdout" 2>"$scratch/stderr"
     got=$?
-    lines=$(grep -cvE '^(note: |error: org\.)' "$scratch/stderr")
+    lines=$(grep -cvE '^(note: |(warning|error): org\.)' "$scratch/stderr")
     [ "$got" -eq "$code" ] || fail "exit $got instead of $code: $* ($(tail -c 300 "$scratch/stderr"))"
     [ "$lines" -eq 1 ] || fail "$lines lines on stderr instead of 1: $* ($(cat "$scratch/stderr"))"
     grep -qF -- "$words" "$scratch/stderr" || fail "\"$words\" is not said: $(cat "$scratch/stderr")"
