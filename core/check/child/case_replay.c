@@ -8,7 +8,7 @@
 #include <malloc.h>
 #include <string.h>
 
-enum { TAKE_FRAMES = 2000 };
+enum { TAKE_FRAMES = 2000, RESETS = 6 };
 static actor first, second, other;
 static stream first_hands, second_hands, other_hands;
 static uint64_t sums[TAKE_FRAMES];
@@ -82,21 +82,30 @@ static void judge_beside(const examination *e)
     actor_close(&other);
 }
 
-static void judge_reset(const examination *e)
+/* False: nothing more can be judged. */
+static bool judge_reset_after(const examination *e, stream_kind kind, uint64_t seed)
 {
-    if (!open_soiled(&first, &first_hands, e, STREAM_RESTLESS, e->seed + 3, 0x11))
-        return;
+    if (!open_soiled(&first, &first_hands, e, kind, seed, 0x11))
+        return false;
     play_frames(&first, &first_hands, PLAY_SPAN);
-    tell_doing(RULE_COUNT, "%s, after reset()", stream_name(STREAM_RESTLESS));
+    tell_doing(RULE_COUNT, "%s, after reset()", stream_name(kind));
     actor_reset(&first);
-    if (!open_soiled(&second, &second_hands, e, STREAM_RESTLESS, e->seed + 4, 0x11) ||
-        !stream_begin(&first_hands, STREAM_RESTLESS, e->seed + 4, e->type))
-        return;
-    (void)play_same(&first, &first_hands, &second, &second_hands, TAKE_FRAMES, RULE_REPLAY_RESET,
-                    "one that was reset, and a new one");
-    tell_ok(RULE_REPLAY_RESET, "%s", "");
+    if (!open_soiled(&second, &second_hands, e, kind, seed + 1, 0x11) ||
+        !stream_begin(&first_hands, kind, seed + 1, e->type))
+        return false;
+    bool is_same = play_same(&first, &first_hands, &second, &second_hands, TAKE_FRAMES,
+                             RULE_REPLAY_RESET, "one that was reset, and a new one");
     actor_close(&first);
     actor_close(&second);
+    return is_same;
+}
+
+static void judge_reset(const examination *e)
+{
+    for (uint64_t i = 0; i < RESETS; ++i)
+        if (!judge_reset_after(e, i % 2 ? STREAM_WALK : STREAM_RESTLESS, e->seed + 3 + 11 * i))
+            return;
+    tell_ok(RULE_REPLAY_RESET, "%d times", RESETS);
 }
 
 void cases_replay(const examination *e)
