@@ -1,5 +1,6 @@
 #include "check/process.h"
 #include "base/clock.h"
+#include "base/program.h"
 #include "check/cases.h"
 
 #include <errno.h>
@@ -18,42 +19,10 @@ extern char **environ;
 
 enum { PROCESSES_MAX = 64, PADDING_MAX = 8192, LISTEN_MS = 200 };
 
-/* ---- the program ---- */
-
-static bool is_program(const char *path)
-{
-    return access(path, X_OK) == 0;
-}
-
 mrt_result check_program_find(char out[PATH_MAX], error *err)
 {
-    static const char name[] = "marotte-plugincheck";
-    const char *chosen = getenv("MAROTTE_PLUGINCHECK");
-    if (chosen && *chosen) {
-        if (strlen(chosen) < PATH_MAX && is_program(chosen)) {
-            memcpy(out, chosen, strlen(chosen) + 1);
-            return MRT_OK;
-        }
-        return error_set(err, MRT_ERR_IO, "MAROTTE_PLUGINCHECK names \"%s\", which cannot be run",
-                         chosen);
-    }
-    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - sizeof name);
-    if (length > 0) {
-        out[length] = '\0';
-        char *slash = strrchr(out, '/');
-        if (slash) {
-            memcpy(slash + 1, name, sizeof name);
-            if (is_program(out))
-                return MRT_OK;
-        }
-    }
-    int written = snprintf(out, PATH_MAX, "%s/%s", MAROTTE_BUILD_DIR, name);
-    if (written > 0 && written < PATH_MAX && is_program(out))
-        return MRT_OK;
-    return error_set(err, MRT_ERR_IO,
-                     "%s is not beside the program: it examines plugins; install it there or name "
-                     "it in MAROTTE_PLUGINCHECK",
-                     name);
+    return program_find(out, "marotte-plugincheck", "MAROTTE_PLUGINCHECK", MAROTTE_BUILD_DIR,
+                        "it examines plugins", err);
 }
 
 /* ---- starting ---- */

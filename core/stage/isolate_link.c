@@ -1,5 +1,6 @@
 #include "stage/isolate_link.h"
 #include "base/clock.h"
+#include "base/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,42 +20,10 @@ extern char **environ;
 
 static const int64_t spin_ns = 5000;
 
-/* ---- the program ---- */
-
-static bool is_program(const char *path)
-{
-    return access(path, X_OK) == 0;
-}
-
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
-    static const char name[] = "marotte-pluginhost";
-    const char *chosen = getenv("MAROTTE_PLUGINHOST");
-    if (chosen && *chosen) {
-        if (strlen(chosen) < PATH_MAX && is_program(chosen)) {
-            memcpy(out, chosen, strlen(chosen) + 1);
-            return MRT_OK;
-        }
-        return error_set(err, MRT_ERR_IO, "MAROTTE_PLUGINHOST names \"%s\", which cannot be run",
-                         chosen);
-    }
-    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - sizeof name);
-    if (length > 0) {
-        out[length] = '\0';
-        char *slash = strrchr(out, '/');
-        if (slash) {
-            memcpy(slash + 1, name, sizeof name);
-            if (is_program(out))
-                return MRT_OK;
-        }
-    }
-    int written = snprintf(out, PATH_MAX, "%s/%s", MAROTTE_BUILD_DIR, name);
-    if (written > 0 && written < PATH_MAX && is_program(out))
-        return MRT_OK;
-    return error_set(err, MRT_ERR_IO,
-                     "%s is not beside the program: mappings are isolated in it; install it there, "
-                     "name it in MAROTTE_PLUGINHOST, or isolate nothing",
-                     name);
+    return program_find(out, "marotte-pluginhost", "MAROTTE_PLUGINHOST", MAROTTE_BUILD_DIR,
+                        "mappings are isolated in it (or isolate nothing)", err);
 }
 
 /* ---- started and ended ---- */

@@ -1,6 +1,7 @@
 #include "io/read/mesh_child.h"
 
 #include "base/clock.h"
+#include "base/program.h"
 #include "io/read/mesh_build.h"
 #include "io/read/mesh_wire.h"
 
@@ -25,42 +26,10 @@ typedef struct answer {
     size_t size, capacity;
 } answer;
 
-/* ---- the program ---- */
-
-static bool is_program(const char *path)
-{
-    return access(path, X_OK) == 0;
-}
-
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
-    static const char name[] = "marotte-meshload";
-    const char *chosen = getenv("MAROTTE_MESHLOAD");
-    if (chosen && *chosen) {
-        if (strlen(chosen) < PATH_MAX && is_program(chosen)) {
-            memcpy(out, chosen, strlen(chosen) + 1);
-            return MRT_OK;
-        }
-        return error_set(err, MRT_ERR_IO, "MAROTTE_MESHLOAD names \"%s\", which cannot be run",
-                         chosen);
-    }
-    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - sizeof name);
-    if (length > 0) {
-        out[length] = '\0';
-        char *slash = strrchr(out, '/');
-        if (slash) {
-            memcpy(slash + 1, name, sizeof name);
-            if (is_program(out))
-                return MRT_OK;
-        }
-    }
-    int written = snprintf(out, PATH_MAX, "%s/%s", MAROTTE_BUILD_DIR, name);
-    if (written > 0 && written < PATH_MAX && is_program(out))
-        return MRT_OK;
-    return error_set(err, MRT_ERR_IO,
-                     "%s is not beside the program: it reads this format; install it there or name "
-                     "it in MAROTTE_MESHLOAD",
-                     name);
+    return program_find(out, "marotte-meshload", "MAROTTE_MESHLOAD", MAROTTE_BUILD_DIR,
+                        "it reads this format", err);
 }
 
 static int spawn(pid_t *out_pid, char *program, const char *path, int answer_fd)
