@@ -51,7 +51,9 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
     clip_start start;
     const take_name slate =
         take_slate_text(stage->take.scene, stage->take.shot, stage->take.number);
-    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : slate.text};
+    char title[sizeof slate.text + 8];
+    (void)snprintf(title, sizeof title, "take %s", slate.text);
+    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title};
     double targets = 0.0;
     mrt_result result = take_number(call, TAKE_TOLERANCE, 1e-6, 1e3, &settings.tolerance_mm, err);
     if (result >= 0)
