@@ -6,9 +6,11 @@ setup_build_packages=(
     libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libsuitesparse-dev libpng-dev
     libepoxy-dev libegl-dev libfreetype-dev fonts-inter
     libusb-1.0-0-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev portaudio19-dev
-    libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri
+    libglfw3-dev libimgui-dev
+    libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
-setup_test_packages=(libcmocka-dev libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm)
+setup_test_packages=(libcmocka-dev libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
+    xvfb xauth xdotool ffmpeg)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)

@@ -104,9 +104,10 @@ extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
 enum { MRT_MAX_CHANNELS = 32, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
 enum {
     MRT_CH_OTHER = 0,
-    MRT_CH_ANGLE = 1,  /* + 0..21, in sensor order: thumb roll ... wrist yaw */
-    MRT_CH_WRIST = 32, /* + 0..6: position x y z in mm, orientation quaternion x y z w */
-    MRT_CH_PEDAL = 64  /* + 0..3 */
+    MRT_CH_ANGLE = 1,   /* + 0..21, in sensor order: thumb roll ... wrist yaw */
+    MRT_CH_WRIST = 32,  /* + 0..6: position x y z in mm, orientation quaternion x y z w */
+    MRT_CH_PEDAL = 64,  /* + 0..3 */
+    MRT_CH_POINTER = 96 /* + 0..8: the mouse on the face; the host's own, no mapping sees it */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
 typedef struct mrt_channel {

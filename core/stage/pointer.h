@@ -1,0 +1,62 @@
+/* stage/pointer.h - a finger of the person at the desk on the face: the mouse takes hold of a
+ * contact or of any place of the skin and pulls it, beside whatever mapping performs. Its channels
+ * are those of an input (feed.h), recorded like all others; the layer lays what it pulls over its
+ * mapping's pull as a part of its own. A function of its samples alone.
+ *
+ * What is pulled lightly springs back within POINTER_SPRING_S when it is let go, unless it is to
+ * stay: a contact then keeps its offset, a place of the skin becomes a part of the base. Clay is an
+ * unanchored drag: it stays. [frame] no allocation */
+#ifndef MAROTTE_STAGE_POINTER_H
+#define MAROTTE_STAGE_POINTER_H
+#include "stage/hands.h"
+
+#define POINTER_SPRING_S 0.25
+
+typedef enum pointer_grip {
+    POINTER_AWAY = 0,
+    POINTER_PULLS,  /* anchored */
+    POINTER_KNEADS, /* clay */
+    POINTER_LETS_GO /* of everything that stays: contacts ease back to rest */
+} pointer_grip;
+
+/* The channels, all MRT_NO_HAND: semantic MRT_CH_POINTER + these. */
+typedef enum pointer_channel {
+    POINTER_REST_X = 0, /* mm: the place of the rest face that is held: exactly a contact's rest, or
+                           any other */
+    POINTER_REST_Y,
+    POINTER_REST_Z,
+    POINTER_AT_X, /* mm, face shown: where the pointer is; when it takes hold: that place as shown
+                   */
+    POINTER_AT_Y,
+    POINTER_AT_Z,
+    POINTER_GRIP,   /* pointer_grip */
+    POINTER_STAYS,  /* 1: what is let go of stays */
+    POINTER_RADIUS, /* mm; 0: the rig's */
+    POINTER_CHANNELS
+} pointer_channel;
+const mrt_channel *pointer_channels(uint32_t *out_count); /* const data */
+
+enum { POINTER_STAYING_MAX = 24 }; /* contacts that keep an offset; the oldest eases back then */
+
+typedef struct pointer {
+    mrt_pull pull; /* what it pulls now; mode MRT_IDLE: nothing */
+    bool is_known; /* some sample of it has come */
+    int64_t time_ns;
+    pointer_grip grip;
+    vec3 held_rest, held_at; /* when it took hold */
+    uint32_t held;           /* 1 + contact; 0: a place of the skin */
+    uint32_t count;          /* contacts that are not at rest, in the order of pull.vector */
+    struct pointer_offset {
+        uint32_t contact; /* 1 + index; 0: the free place */
+        vec3 offset, from;
+        bool eases;
+        double eased_s;
+    } offset[POINTER_STAYING_MAX + 1];
+} pointer;
+
+void pointer_reset(pointer *self);
+/* Takes from a sample what its route says is the pointer's; true: it speaks of the pointer. */
+bool pointer_read(pointer *self, const mrt_face *about, const channel_route *route,
+                  const mrt_sample *sample);
+
+#endif

@@ -1,0 +1,23 @@
+/* window/desk.h - everything that is drawn, put together: the viewport, the bar, the dock with its
+ * panels, the timeline, the help. A frame: desk_frame. [main], with the context. */
+#ifndef MAROTTE_UI_WINDOW_DESK_H
+#define MAROTTE_UI_WINDOW_DESK_H
+#include "window/front.h"
+#include "window/studio.h"
+
+typedef struct desk desk;
+CHECKED mrt_result desk_create(desk **out, studio *of, front *on, error *err);
+void desk_destroy(desk *self);
+/* Events, update, panels, picture. False: it is to be closed. */
+bool desk_frame(desk *self);
+
+typedef struct desk_counts {
+    uint64_t frame_count;
+    double panels_p50_ms, panels_p99_ms;   /* CPU time of all panels, without the face */
+    double draw_p50_ms, draw_p99_ms;       /* the whole frame */
+    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted */
+    double first_face_s;                   /* since the program started */
+} desk_counts;
+void desk_counted(const desk *self, desk_counts *out);
+
+#endif

@@ -1,0 +1,130 @@
+/* window/studio.h - what the window is about, without its looks: the show, the face, the stage, the
+ * take that is chosen, and what a person can do to them. Panels read it and call its functions; a
+ * test drives it with no window. Leaves out drawing (the panels) and contexts (front.h). [main] */
+#ifndef MAROTTE_UI_WINDOW_STUDIO_H
+#define MAROTTE_UI_WINDOW_STUDIO_H
+#include "stage/live.h"
+#include "take/history.h"
+#include "window/action.h"
+#include "window/news_list.h"
+#include "window/settings.h"
+
+typedef struct studio studio;
+
+typedef struct studio_options {
+    const char *show_path;     /* NULL: the last one, or a new one in the documents folder */
+    const char *face_path;     /* NULL: the show's, the last one, the puppet */
+    const char *mapping;       /* NULL: as last time, or one_hand */
+    const char *const *inputs; /* NULL: what is plugged in */
+    uint32_t input_count;
+    const char *settings_path;  /* NULL: the user's; "": none is read or written */
+    const sound_backend *sound; /* NULL: PortAudio */
+} studio_options;
+
+CHECKED mrt_result studio_create(studio **out, const studio_options *options, error *err);
+/* A take that is being recorded is kept; settings are written. */
+void studio_destroy(studio *self);
+/* Once a frame, before panels are drawn. */
+void studio_update(studio *self, double dt_s);
+
+/* ---- what there is ---- */
+
+plugin_list *studio_plugins(studio *self);
+log_queue *studio_log(studio *self);
+live *studio_live(studio *self);
+const live_view *studio_view(const studio *self);     /* never NULL; of this frame */
+const live_status *studio_status(const studio *self); /* of this frame */
+const face_file *studio_face(const studio *self);
+const char *studio_face_path(const studio *self);
+show *studio_show(studio *self); /* NULL: none could be opened */
+settings *studio_settings(studio *self);
+news_list *studio_news(studio *self); /* what was said, for the log panel and the last line */
+
+/* ---- what is done: errors are said in the news and come back ---- */
+
+CHECKED mrt_result studio_open_show(studio *self, const char *path);
+CHECKED mrt_result studio_open_face(studio *self, const char *path);
+/* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
+ * on with it. Takes the file over. */
+CHECKED mrt_result studio_change_face(studio *self, face_file *face);
+
+/* ---- the take that is chosen ---- */
+
+typedef struct studio_take_line { /* of the list, without what was deleted */
+    int64_t id;
+    char title[200]; /* "1/a 3 night ride" */
+    char note[512];
+    uint32_t rating;
+    int64_t duration_ns, created_ns;
+    bool is_recording, is_deleted;
+} studio_take_line;
+uint32_t studio_takes(const studio *self, const studio_take_line **out); /* newest last; until the
+                                                                            next update */
+int64_t studio_take_id(const studio *self);                              /* 0: none */
+CHECKED mrt_result studio_choose_take(studio *self,
+                                      int64_t id); /* 0: none; shows it on the stage */
+const take *studio_take(const studio *self);       /* NULL: none; until the next edit */
+uint64_t studio_take_edition(const studio *self);  /* grows with each change of it */
+/* Several edits that are one step of undo. */
+CHECKED mrt_result studio_edit(studio *self, const edit *e);
+CHECKED mrt_result studio_edit_all(studio *self, const edit *const *e, uint32_t count);
+/* Another take than the chosen one (rating, name in the list). */
+CHECKED mrt_result studio_edit_take(studio *self, int64_t id, const edit *e);
+/* Of the chosen take, and of everything else that is done in the window. "trim 'mouth' ..."; "". */
+const char *studio_undo_words(const studio *self);
+const char *studio_redo_words(const studio *self);
+/* A step that somebody else undoes and redoes: a parameter, a rig. `self` of the step must stay
+ * valid until studio_forget_steps(owner). */
+typedef struct studio_step {
+    void *owner;
+    char words[EDIT_TEXT];
+    void (*undo)(void *owner, uint64_t number);
+    void (*redo)(void *owner, uint64_t number);
+    uint64_t number; /* the owner's */
+} studio_step;
+void studio_did(studio *self, const studio_step *step);
+void studio_forget_steps(studio *self, const void *owner);
+
+/* What is chosen on the timeline: for split, remove, mute. */
+typedef struct studio_choice {
+    uint32_t layer, clip; /* ids; 0: none */
+    int32_t marker;       /* -1: none */
+} studio_choice;
+studio_choice *studio_chosen(studio *self);
+
+/* ---- actions ---- */
+
+typedef enum studio_heat {
+    STUDIO_HEAT_NONE = 0,
+    STUDIO_HEAT_WEIGHTS,
+    STUDIO_HEAT_MOBILITY,
+    STUDIO_HEAT_STRAIN,
+    STUDIO_HEAT_PENETRATION,
+    STUDIO_HEATS
+} studio_heat;
+typedef enum studio_panel {
+    STUDIO_DEVICES = 0,
+    STUDIO_MAPPING,
+    STUDIO_RIG,
+    STUDIO_ENGINE,
+    STUDIO_LOG,
+    STUDIO_PANELS
+} studio_panel;
+typedef struct studio_looks { /* how it is shown; kept between runs */
+    bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw;
+    bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
+    bool has_output, is_output_mirrored;
+    studio_heat heat;
+    studio_panel panel;
+    float timeline_height, dock_width;
+} studio_looks;
+studio_looks *studio_looks_of(studio *self);
+/* What actions ask of the window and the panels, taken by them: true once. */
+bool studio_asked(studio *self, action of);
+
+bool studio_can(studio *self, action of, const char **out_why_not);
+void studio_do(studio *self, action of);
+bool studio_wants_to_quit(const studio *self);
+bool studio_has_hand_keys(const studio *self); /* the keyboard is a hand now */
+
+#endif
