@@ -134,6 +134,11 @@ mrt_result input_set(input *self, const char *key, const char *value, error *err
     return instance_set_text(&self->plugin, key, value, err);
 }
 
+double input_value(const input *self, uint32_t index)
+{
+    return instance_value(&self->plugin, index);
+}
+
 mrt_result input_start(input *self, error *err)
 {
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)

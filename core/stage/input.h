@@ -58,6 +58,9 @@ void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns);
 /* Sets a parameter, also while it runs: its value, or "1" to press a button. */
 CHECKED mrt_result input_set(input *self, const char *key, const char *value, error *err);
 
+/* Its value as set last; index: in the table of input_plugin. */
+double input_value(const input *self, uint32_t index);
+
 /* CLOCK_REAL: starts the thread. CLOCK_VIRTUAL: nothing to do. */
 CHECKED mrt_result input_start(input *self, error *err);
 /* For good. Takes at most 0.1 s, even while a device is being opened, as far as the plugin keeps to

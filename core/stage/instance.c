@@ -252,6 +252,38 @@ mrt_result instance_set_list(instance *self, const char *list, error *err)
     return MRT_OK;
 }
 
+void instance_set_value(instance *self, uint32_t index, double value)
+{
+    const mrt_param *p = &self->type->params[index];
+    if (isnan(value))
+        return;
+    double within = fmin(fmax(value, p->min), p->max);
+    if (p->flags & MRT_PARAM_STEPPED)
+        within = fmin(fmax(round(within), p->min), p->max);
+    atomic_store(&self->wanted[index], within);
+}
+
+double instance_value(const instance *self, uint32_t index)
+{
+    return atomic_load(&self->wanted[index]);
+}
+
+void instance_key(const mrt_plugin_type *type, uint32_t index, char *out, size_t capacity)
+{
+    const mrt_param *p = &type->params[index];
+    char key[KEY_LENGTH], other[KEY_LENGTH];
+    key_of(key, sizeof key, NULL, p->name);
+    bool is_alone = true;
+    for (uint32_t i = 0; i < type->param_count; ++i) {
+        key_of(other, sizeof other, NULL, type->params[i].name);
+        if (i != index && strcmp(key, other) == 0)
+            is_alone = false;
+    }
+    if (!is_alone)
+        key_of(key, sizeof key, p->group, p->name);
+    (void)snprintf(out, capacity, "%s", key);
+}
+
 void instance_trigger(instance *self, uint32_t index)
 {
     atomic_store(&self->wanted[index], 1.0);

@@ -48,6 +48,14 @@ CHECKED mrt_result instance_set_text(instance *self, const char *key, const char
                                      error *err);
 /* [main] "key=value,key=value": every one of them; "" sets nothing. */
 CHECKED mrt_result instance_set_list(instance *self, const char *list, error *err);
+/* [any] The same by its place in the type's table: made a value that it may have. What is no number
+ * changes nothing. */
+void instance_set_value(instance *self, uint32_t index, double value);
+/* [any] As set last; the plugin sees it from its next call on. */
+double instance_value(const instance *self, uint32_t index);
+/* [any] Writes the key of a parameter as instance_set_text takes it: with its group where it must
+ * be. Any capacity; cut where it does not fit. */
+void instance_key(const mrt_plugin_type *type, uint32_t index, char *out, size_t capacity);
 /* [any] A press of the trigger parameter: 1 for exactly one call. */
 void instance_trigger(instance *self, uint32_t index);
 

@@ -122,6 +122,11 @@ input *live_input(live *self, uint32_t index); /* for its name, health, channels
 const char *live_input_text(const live *self, uint32_t index);
 /* The newest sample of it, for live bars; false: none yet. */
 bool live_input_sample(live *self, uint32_t index, mrt_sample *out);
+/* For whoever must see every sample of one input (a calibration): from now on what it gives is kept
+ * until it is taken, some seconds of it; live_take_tapped gives the oldest, false: none now.
+ * Another index begins anew; one that is no input ends it. (tap.h) */
+void live_tap(live *self, uint32_t index);
+bool live_take_tapped(live *self, mrt_sample *out);
 /* From the next sample on; path NULL: shipped defaults. */
 CHECKED mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *err);
 const char *live_calibration(const live *self, uint32_t side); /* the path; NULL */

@@ -92,6 +92,17 @@ typedef struct studio_choice {
 } studio_choice;
 studio_choice *studio_chosen(studio *self);
 
+/* ---- how fast the window is: the desk says it some times a second, the engine panel shows it ----
+ */
+
+typedef struct studio_figures {
+    double panels_p50_ms, panels_p99_ms;   /* CPU time of all panels, without the face */
+    double draw_p50_ms, draw_p99_ms;       /* the whole frame */
+    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
+} studio_figures;
+void studio_note_figures(studio *self, const studio_figures *figures);
+const studio_figures *studio_figures_of(const studio *self); /* never NULL; zeroes at first */
+
 /* ---- actions ---- */
 
 typedef enum studio_heat {

@@ -1,0 +1,70 @@
+#include "stage/tap.h"
+
+#include "base/ring.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+typedef struct tap_record {
+    mrt_sample sample;
+    uint64_t wish;
+} tap_record;
+
+struct tap {
+    ring *records;
+    _Atomic uint64_t wish; /* input in the lower 32 bits, the number of the wish above */
+};
+
+static uint64_t wish_of(uint64_t number, uint32_t input)
+{
+    return number << 32 | input;
+}
+
+tap *tap_create(void)
+{
+    tap *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->records = ring_create(sizeof(tap_record), TAP_SAMPLES);
+    atomic_init(&self->wish, wish_of(0, UINT32_MAX));
+    if (self->records)
+        return self;
+    free(self);
+    return NULL;
+}
+
+void tap_destroy(tap *self)
+{
+    if (!self)
+        return;
+    ring_destroy(self->records);
+    free(self);
+}
+
+void tap_listen(tap *self, uint32_t input)
+{
+    uint64_t number = atomic_load(&self->wish) >> 32;
+    atomic_store(&self->wish, wish_of(number + 1, input));
+}
+
+bool tap_take(tap *self, mrt_sample *out)
+{
+    tap_record record;
+    uint64_t wish = atomic_load(&self->wish);
+    while (ring_pop(self->records, &record)) {
+        if (record.wish != wish)
+            continue;
+        *out = record.sample;
+        return true;
+    }
+    return false;
+}
+
+void tap_offer(tap *self, uint32_t input, const mrt_sample *sample)
+{
+    uint64_t wish = atomic_load_explicit(&self->wish, memory_order_relaxed);
+    if ((uint32_t)wish != input || input == UINT32_MAX)
+        return;
+    const tap_record record = {*sample, wish};
+    (void)ring_push(self->records, &record);
+}
