@@ -33,6 +33,9 @@ typedef struct viewport_stroke { /* one place under the pointer, of this frame *
     float rest[3];    /* mm: that place of the rest face */
     float at[3];      /* mm: of the face shown */
     uint32_t contact; /* 1 + index: within reach of the pointer; 0: none */
+    /* The pointer's ray, on the face or not: from the eye, and where the eye looks; mm, unit. */
+    float eye[3], ray[3], forward[3];
+    float point_rad; /* the angle that a point of the screen covers */
 } viewport_stroke;
 typedef struct viewport viewport;
 viewport *viewport_create(studio *of, error *err);
@@ -42,6 +45,10 @@ void viewport_set_use(viewport *self, viewport_use use, float brush_mm); /* for 
 const viewport_stroke *viewport_stroke_now(const viewport *self);        /* of this frame */
 /* Colours over the face, vertex_count by 3, linear; NULL: as the looks say. Copied. */
 void viewport_paint(viewport *self, const float *rgb);
+/* A face shown instead of the stage's (at rest while it is painted, a jaw that is tried): position
+ * and normal vertex_count by 3, mm, as live_view's; the stage performs on. NULL: the stage's again.
+ * Copied. */
+void viewport_stand_in(viewport *self, const float *position, const float *normal);
 /* Extra things in space (a gizmo): copied, until said again. */
 struct overlay_item;
 void viewport_add(viewport *self, const struct overlay_item *item, uint32_t count);

@@ -85,6 +85,17 @@ typedef struct studio_step {
 void studio_did(studio *self, const studio_step *step);
 void studio_forget_steps(studio *self, const void *owner);
 
+/* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and
+ * before the program ends or another face is opened the person is asked: save, leave it, stay. */
+typedef struct studio_unsaved {
+    void *owner;
+    char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
+    mrt_result (*save)(void *owner, error *err);
+    void (*leave)(void *owner); /* it is given up */
+} studio_unsaved;
+void studio_set_unsaved(studio *self, const studio_unsaved *unsaved); /* copied; NULL: none */
+const studio_unsaved *studio_unsaved_now(const studio *self);         /* NULL: none */
+
 /* What is chosen on the timeline: for split, remove, mute. */
 typedef struct studio_choice {
     uint32_t layer, clip; /* ids; 0: none */
