@@ -40,6 +40,10 @@ typedef struct draw_camera {
 /* Frames the box from the front, with air around it. */
 draw_camera draw_camera_framing(const float low[3], const float high[3], float aspect);
 
+/* What draw_render has behind the face: one colour, sRGB-coded, 0..1; with alpha 0 nothing, and
+ * draw_read has the face's coverage as alpha (straight, not premultiplied). NULL, and at first: the
+ * studio's wall. */
+void draw_ground(draw_renderer *self, const float rgba[4]);
 /* Clears a width x height rectangle of the target at x, y (from the top left) and draws the face.
  */
 void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,

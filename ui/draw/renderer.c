@@ -158,6 +158,11 @@ static void draw_shadow(const draw_renderer *self, const draw_face *face, const 
 
 static void draw_background(const draw_renderer *self, const view *v)
 {
+    if (self->has_ground) {
+        glClearColor(self->ground[0], self->ground[1], self->ground[2], self->ground[3]);
+        glClear(GL_COLOR_BUFFER_BIT);
+        return;
+    }
     glDisable(GL_DEPTH_TEST);
     glUseProgram(self->background_program);
     glUniform2i(self->background_origin, v->x, v->y);
@@ -259,7 +264,15 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     draw_background(self, &v);
     draw_face_lit(self, face, &v);
     target->stale = true;
+    target->is_clear = self->has_ground && self->ground[3] < 1.0f;
     gl_state_leave(&before);
+}
+
+void draw_ground(draw_renderer *self, const float rgba[4])
+{
+    self->has_ground = rgba != NULL;
+    if (rgba)
+        memcpy(self->ground, rgba, sizeof self->ground);
 }
 
 void draw_text(draw_renderer *self, draw_target *target, const char *words, float x, float y,

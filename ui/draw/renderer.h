@@ -24,6 +24,8 @@ struct draw_renderer {
     GLint depth_projection, background_origin;
     GLuint shadow_map, shadow_framebuffer;
     GLuint vertex_array; /* without attributes */
+    bool has_ground;     /* a colour instead of the wall */
+    float ground[4];
     letters *letters;
     strokes *strokes;
 };

@@ -87,6 +87,7 @@ static mrt_result create_resolve(draw_target *self, error *err)
     glUseProgram(self->resolve_program);
     glUniform1i(glGetUniformLocation(self->resolve_program, "samples"), 0);
     glUniform1i(glGetUniformLocation(self->resolve_program, "sample_count"), self->sample_count);
+    self->keeps_alpha = glGetUniformLocation(self->resolve_program, "keeps_alpha");
     glGenVertexArrays(1, &self->vertex_array);
     return gl_check_error("the resolve program", err);
 }
@@ -145,6 +146,7 @@ static void resolve(draw_target *self)
     glBindFramebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
     glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
     glUseProgram(self->resolve_program);
+    glUniform1i(self->keeps_alpha, self->is_clear);
     glBindVertexArray(self->vertex_array);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, self->samples);

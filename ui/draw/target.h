@@ -11,7 +11,9 @@ struct draw_target {
     GLuint samples, depth, framebuffer;   /* what is drawn into */
     GLuint picture, picture_framebuffer;  /* one sample per pixel, sRGB-coded */
     GLuint resolve_program, vertex_array; /* vertex_array: without attributes */
+    GLint keeps_alpha;                    /* of the resolve program */
     bool stale;                           /* the picture is older than the samples */
+    bool is_clear;                        /* alpha is coverage; else the picture is opaque */
 };
 
 #endif
