@@ -14,12 +14,15 @@ enum {
     GATE,
     LEAK,
     CLUTCH,
-    PARAM_COUNT = CLUTCH + CLUTCH_COUNT
+    CONTACTS = CLUTCH + CLUTCH_COUNT, /* right thumb .. little, then the left hand's */
+    PARAM_COUNT = CONTACTS + 10
 };
+enum { FINGERS = 5, CONTACT_MOST = 256 };
 
 typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
 
 struct mrt_plugin {
+    const mrt_face *face;
     placement placement;
     clutch clutch;
     phase phase;
@@ -58,12 +61,47 @@ static void set_displacement(mrt_vector *vector, mrt_vec3 d)
     vector->end = (mrt_vec3){vector->start.x + d.x, vector->start.y + d.y, vector->start.z + d.z};
 }
 
+/* The contact that each point pulls, 1 + its index; 0: the place where it is. Points as
+ * placement_points gives them. */
+static void find_contacts(const mrt_plugin *self, const mrt_frame *frame, uint32_t count,
+                          uint32_t out_contact[PLACEMENT_POINTS_MAX])
+{
+    for (uint32_t i = 0; i < count; ++i)
+        out_contact[i] = 0;
+    uint32_t first = 0;
+    uint32_t per_hand = FINGERS + (frame->params[PLACEMENT_PALM] > 0.5 ? MRT_PALM : 0);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        if (!placement_pulls(frame, side))
+            continue;
+        const double *wanted = frame->params + CONTACTS + (side == MRT_RIGHT ? 0 : FINGERS);
+        for (uint32_t finger = 0; finger < FINGERS && first + finger < count; ++finger)
+            if (wanted[finger] <= (double)self->face->contact_count)
+                out_contact[first + finger] = (uint32_t)wanted[finger];
+        first += per_hand;
+    }
+}
+
+static mrt_vector vector_at(const mrt_plugin *self, mrt_vec3 point, uint32_t contact)
+{
+    mrt_vec3 start = contact ? self->face->contacts[contact - 1].rest : point;
+    return (mrt_vector){start, start, contact};
+}
+
+static bool has_other_contacts(const mrt_pull *pull, const uint32_t *contact, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (pull->vector[i].contact != contact[i])
+            return true;
+    return false;
+}
+
 /* New starts where the hand is now; nothing moves, so nothing jumps. */
-static void take_hold(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+static void take_hold(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
+                      const uint32_t *contact, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
         self->reference[i] = point[i];
-        pull->vector[i] = (mrt_vector){point[i], point[i], 0};
+        pull->vector[i] = vector_at(self, point[i], contact[i]);
     }
     self->count = pull->count = count;
     self->phase = HOLDING;
@@ -71,10 +109,11 @@ static void take_hold(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, u
     pull->anchor += 1;
 }
 
-static void probe(mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+static void probe(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
+                  const uint32_t *contact, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
-        pull->vector[i] = (mrt_vector){point[i], point[i], 0};
+        pull->vector[i] = vector_at(self, point[i], contact[i]);
     pull->count = count;
     pull->mode = MRT_IDLE;
 }
@@ -130,6 +169,7 @@ static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
+    self->face = face;
     placement_activate(&self->placement, face);
     return MRT_OK;
 }
@@ -150,6 +190,7 @@ static void reset(mrt_plugin *self)
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     mrt_vec3 point[PLACEMENT_POINTS_MAX];
+    uint32_t contact[PLACEMENT_POINTS_MAX];
     const double *params = frame->params;
     uint32_t count = placement_points(&self->placement, frame, point);
     if (count == 0 && self->phase != SPRINGING)
@@ -163,7 +204,9 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         pull->commit += 1;
         events.engage = true;
     }
-    bool has_changed = self->phase == HOLDING && count != self->count; /* a hand came or went */
+    find_contacts(self, frame, count, contact);
+    bool has_changed = self->phase == HOLDING && /* a hand came or went, a finger was linked */
+                       (count != self->count || has_other_contacts(pull, contact, count));
     if (events.release)
         let_go(self, frame, pull);
     else if (events.engage || has_changed)
@@ -171,9 +214,9 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
     if (self->phase == SEEKING && count > 0) {
         if (!is_gated || has_changed || frame->near)
-            take_hold(self, pull, point, count);
+            take_hold(self, pull, point, contact, count);
         else
-            probe(pull, point, count);
+            probe(self, pull, point, contact, count);
     } else if (self->phase == HOLDING) {
         hold(self, frame, pull, point);
     } else if (self->phase == SPRINGING) {
@@ -216,6 +259,10 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 static const char *const off_on[] = {"Off", "On", NULL};
 
 /* clang-format off */
+#define CONTACT_PARAM(id, hand, finger)                                                            \
+    {id, MRT_PARAM_STEPPED, hand " " finger, "Contacts", "",                                       \
+     "The contact of the face that this finger pulls; 0: the place where it is laid.",             \
+     0, CONTACT_MOST, 0, NULL}
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
     {12, 0, "Gain", "Pull", "", "How far the face moves when the hand moves by 1.",
@@ -231,6 +278,16 @@ static const mrt_param params[PARAM_COUNT] = {
     {16, 0, "Leak", "Pull", "s",
      "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
     CLUTCH_PARAMS,
+    CONTACT_PARAM(30, "Right", "thumb"),
+    CONTACT_PARAM(31, "Right", "index"),
+    CONTACT_PARAM(32, "Right", "middle"),
+    CONTACT_PARAM(33, "Right", "ring"),
+    CONTACT_PARAM(34, "Right", "little"),
+    CONTACT_PARAM(35, "Left", "thumb"),
+    CONTACT_PARAM(36, "Left", "index"),
+    CONTACT_PARAM(37, "Left", "middle"),
+    CONTACT_PARAM(38, "Left", "ring"),
+    CONTACT_PARAM(39, "Left", "little"),
 };
 /* clang-format on */
 
