@@ -4,6 +4,7 @@
 #include "facts.h"
 #include "base/text.h"
 #include "hand/calibration_folder.h"
+#include "hand/calibration_keep.h"
 #include "hand/sensor.h"
 #include "hand/virtualhand.h"
 
@@ -11,7 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const double DEGREES_PER_RADIAN = 57.29577951308232;
@@ -254,19 +254,6 @@ static void print_note(const char *note)
 
 /* ---- making one ---- */
 
-/* What stands at `path` now. Its keys that nobody knows go into the new file; what is no
- * calibration is not overwritten. */
-static mrt_result read_old(calibration_file *out, const char *path, error *err)
-{
-    calibration_file_init(out, MRT_RIGHT);
-    if (access(path, F_OK) != 0)
-        return MRT_OK;
-    mrt_result result = calibration_file_read(out, path, err);
-    if (result < 0)
-        error_prefix(err, "not overwritten, since it is no calibration (name another --out)");
-    return result;
-}
-
 static mrt_result make(calibration_file *out, const calibrate_options *options, error *err)
 {
     if (options->virtualhand)
@@ -281,37 +268,20 @@ static mrt_result make(calibration_file *out, const calibrate_options *options, 
     return calibrate_guide_run(out, &guided, err);
 }
 
-static void sign(calibration_file *file, const calibrate_options *options,
-                 const calibration_file *old)
-{
-    const char *name = options->name ? options->name : old->name;
-    (void)snprintf(file->name, sizeof file->name, "%s", name);
-    if (options->hand_length_mm > 0)
-        file->hand_length_mm = options->hand_length_mm;
-    else if (!(file->hand_length_mm > 0))
-        file->hand_length_mm = old->hand_length_mm;
-    time_t now = time(NULL);
-    struct tm utc;
-    if (gmtime_r(&now, &utc))
-        (void)strftime(file->date, sizeof file->date, "%Y-%m-%dT%H:%M:%SZ", &utc);
-}
-
 /* old: what was at `path`; made: a scratch. */
 static mrt_result make_and_write(const calibrate_options *options, const char *path,
                                  calibration_file *old, calibration_file *made, facts *told,
                                  error *err)
 {
-    mrt_result result = read_old(old, path, err);
+    mrt_result result = calibration_keep_old(old, path, err);
     if (result < 0)
         return result;
     result = make(made, options, err);
     if (result >= 0) {
-        sign(made, options, old);
-        made->document = old->document;
+        calibration_keep_sign(made, old, options->name, options->hand_length_mm);
         print_note(old->note);
         print_note(made->note);
-        result = calibration_file_write(made, path, err);
-        made->document = NULL;
+        result = calibration_keep_write(made, old, path, err);
     }
     if (result >= 0) {
         report(made, path, told);

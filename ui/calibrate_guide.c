@@ -4,6 +4,7 @@
 #include "calibrate_screen.h"
 #include "hand/guide.h"
 #include "keys.h"
+#include "stage/glove_channels.h"
 #include "stage/input.h"
 #include "stage/plugins.h"
 
@@ -18,8 +19,7 @@ typedef struct guiding {
     plugin_list plugins;
     instance_clock clock;
     input *input;
-    uint32_t side, sensors;     /* bit i: the glove has sensor i */
-    int channel_of[MRT_ANGLES]; /* -1: none */
+    glove_channels glove;
     guide *guide;
     calibrate_screen screen;
     bool is_saved, is_quit;
@@ -45,64 +45,6 @@ static void catch_signals(void)
 
 /* ---- the glove ---- */
 
-static bool is_angle(const mrt_channel *channel)
-{
-    return channel->hand <= MRT_RIGHT && channel->semantic >= MRT_CH_ANGLE &&
-           channel->semantic < MRT_CH_ANGLE + MRT_ANGLES;
-}
-
-static bool has_side(const mrt_channel *channel, uint32_t count, uint32_t side, const char *unit)
-{
-    for (uint32_t i = 0; i < count; ++i)
-        if (is_angle(&channel[i]) && channel[i].hand == side &&
-            (!unit || strcmp(channel[i].unit, unit) == 0))
-            return true;
-    return false;
-}
-
-static mrt_result choose_side(guiding *self, const mrt_channel *channel, uint32_t count, error *err)
-{
-    static const char *const side_name[2] = {"left", "right"};
-    const char *name = input_name(self->input);
-    bool has[2] = {has_side(channel, count, MRT_LEFT, NULL),
-                   has_side(channel, count, MRT_RIGHT, NULL)};
-    uint32_t side = self->options->side;
-    if (!has[0] && !has[1])
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: measures no hand", name);
-    if (side > MRT_RIGHT && has[0] && has[1])
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: gives both hands: say --hand left or --hand right", name);
-    if (side <= MRT_RIGHT && !has[side])
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: is of a %s hand, not of a %s one", name,
-                         side_name[1 - side], side_name[side]);
-    self->side = side <= MRT_RIGHT ? side : has[MRT_LEFT] ? MRT_LEFT : MRT_RIGHT;
-    if (!has_side(channel, count, self->side, "count"))
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: gives angles in rad: it is calibrated already. A calibration is made "
-                         "from a glove, or from a log in counts",
-                         name);
-    return MRT_OK;
-}
-
-static mrt_result find_sensors(guiding *self, error *err)
-{
-    uint32_t count;
-    const mrt_channel *channel = input_channels(self->input, &count);
-    mrt_result result = choose_side(self, channel, count, err);
-    if (result < 0)
-        return result;
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        self->channel_of[i] = -1;
-    for (uint32_t i = 0; i < count; ++i) {
-        if (!is_angle(&channel[i]) || channel[i].hand != self->side ||
-            strcmp(channel[i].unit, "count") != 0)
-            continue;
-        self->channel_of[channel[i].semantic - MRT_CH_ANGLE] = (int)i;
-        self->sensors |= 1u << (channel[i].semantic - MRT_CH_ANGLE);
-    }
-    return MRT_OK;
-}
-
 static mrt_result open_glove(guiding *self, error *err)
 {
     const plugin_spec *spec = self->options->input;
@@ -116,9 +58,12 @@ static mrt_result open_glove(guiding *self, error *err)
     self->clock = functions->flags & MRT_INPUT_RECORDED ? CLOCK_VIRTUAL : CLOCK_REAL;
     result = input_create_stoppable(&self->input, type, spec->address, spec->params, self->clock,
                                     self->log, &stop_asked, err);
-    if (result >= 0)
-        result = find_sensors(self, err);
-    return result;
+    if (result < 0)
+        return result;
+    uint32_t count;
+    const mrt_channel *channel = input_channels(self->input, &count);
+    return glove_channels_find(&self->glove, channel, count, self->options->side,
+                               input_name(self->input), err);
 }
 
 static void print_log(guiding *self)
@@ -191,9 +136,7 @@ static mrt_result follow_sample(guiding *self, const mrt_sample *sample, error *
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: has other sensors than at the beginning: begin again",
                          input_name(self->input));
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        if (self->channel_of[i] >= 0 && (uint32_t)self->channel_of[i] < sample->count)
-            self->raw[i] = sample->value[self->channel_of[i]];
+    glove_channels_read(&self->glove, sample, self->raw);
     guide_step step = guide_current(self->guide);
     return follow_news(self, guide_sample(self->guide, self->raw, sample->time_ns), step, err);
 }
@@ -299,13 +242,13 @@ static mrt_result prepare(guiding *self, error *err)
     mrt_result result = open_glove(self, err);
     if (result < 0)
         return result;
-    guide_settings settings = guide_settings_usual(self->side, self->sensors);
+    guide_settings settings = guide_settings_usual(self->glove.side, self->glove.sensors);
     settings.timeout_s = self->options->timeout_s;
     self->guide = guide_create(&settings);
     if (!self->guide)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
     FILE *screen = self->options->screen;
-    calibrate_screen_begin(&self->screen, screen, keys_begin(), self->sensors);
+    calibrate_screen_begin(&self->screen, screen, keys_begin(), self->glove.sensors);
     return MRT_OK;
 }
 

@@ -8,13 +8,6 @@
 
 enum { BAR_WIDTH = 18, COLUMNS = 2, WIDTH = 78 };
 
-static const char *const wait_words[] = {
-    [GUIDE_WAITS_FOR_SAMPLES] = "waiting for the glove",
-    [GUIDE_WAITS_FOR_MOVEMENT] = "move into the pose",
-    [GUIDE_WAITS_FOR_STILLNESS] = "hold still",
-    [GUIDE_WAITS_FOR_NOTHING] = "all poses are done",
-};
-
 void calibrate_screen_begin(calibrate_screen *self, FILE *stream, bool has_keys, uint32_t sensors)
 {
     *self = (calibrate_screen){.stream = stream,
@@ -117,7 +110,7 @@ void calibrate_screen_draw(calibrate_screen *self, const guide *of, const float 
     guide_step step = guide_current(of);
     const char *words = step < GUIDE_STEPS ? guide_step_words[step] : "";
     const char *waits =
-        self->is_away ? "the glove is away: waiting for it" : wait_words[guide_waiting(of)];
+        self->is_away ? "the glove is away: waiting for it" : guide_wait_words[guide_waiting(of)];
     int number = (int)step + (step < GUIDE_STEPS);
     fprintf(self->stream, "step %d of %d: %s (%s)", number, GUIDE_STEPS,
             step < GUIDE_STEPS ? guide_step_name[step] : "done", waits);

@@ -135,8 +135,8 @@ static void finish_options(devices_options *options)
 static mrt_result list_devices(const devices_options *options, const plugin_list *plugins,
                                log_queue *log, error *err)
 {
-    devices_found found;
-    mrt_result result = devices_look(&found, plugins, log, NULL, err);
+    device_list found;
+    mrt_result result = device_list_look(&found, plugins, log, NULL, err);
     if (result < 0)
         return result;
     if (options->is_json)

@@ -92,8 +92,8 @@ static bool looks_for_devices(const watch *self)
  */
 static mrt_result open_ready(watch *self, error *err)
 {
-    devices_found found;
-    mrt_result result = devices_look(&found, self->plugins, self->log, &self->said, err);
+    device_list found;
+    mrt_result result = device_list_look(&found, self->plugins, self->log, &self->said, err);
     for (uint32_t i = 0; result >= 0 && i < found.count; ++i) {
         const device_found *one = &found.one[i];
         if (one->device.state != MRT_DEVICE_READY || is_open(self, &one->device) ||

@@ -170,3 +170,95 @@ mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uin
     *out_path = best.path;
     return best.path ? MRT_OK : MRT_END;
 }
+
+/* ---- all of them ---- */
+
+static const char *file_name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* By the person's name, or the file's where it has none. */
+static void describe(calibration_entry *out, const calibration_file *file, const char *path)
+{
+    char name[CALIBRATION_NAME];
+    (void)snprintf(name, sizeof name, "%s", file->name);
+    if (!name[0]) {
+        const char *own = file_name_of(path);
+        size_t length = strlen(own) - strlen(".json");
+        (void)snprintf(name, sizeof name, "%.*s", (int)length, own);
+    }
+    (void)snprintf(out->date, sizeof out->date, "%s", file->date);
+    (void)snprintf(out->label, sizeof out->label, "%s%s%.10s", name, file->date[0] ? ", " : "",
+                   file->date);
+    out->side = file->side;
+}
+
+/* Takes `path`. */
+static mrt_result list_file(calibration_list *out, char *path, error *out_note, error *err)
+{
+    calibration_file *file = malloc(sizeof *file);
+    calibration_entry *grown = realloc(out->entry, (out->count + 1) * sizeof *grown);
+    if (grown)
+        out->entry = grown;
+    error why = {""};
+    mrt_result result = MRT_OK;
+    if (!file || !grown) {
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the list of calibrations");
+    } else if (calibration_file_read(file, path, &why) < 0) {
+        if (!out_note->text[0])
+            *out_note = why;
+    } else {
+        calibration_entry *entry = &out->entry[out->count++];
+        describe(entry, file, path);
+        entry->path = path;
+        path = NULL;
+        calibration_file_finish(file);
+    }
+    free(file);
+    free(path);
+    return result;
+}
+
+static int newest_first(const void *a, const void *b)
+{
+    const calibration_entry *one = a, *other = b;
+    int order = strcmp(other->date, one->date);
+    return order != 0 ? order : strcmp(one->path, other->path);
+}
+
+mrt_result calibration_folder_list(calibration_list *out, error *out_note, error *err)
+{
+    *out = (calibration_list){.count = 0};
+    out_note->text[0] = '\0';
+    char *folder = calibration_folder_path();
+    DIR *directory = folder ? opendir(folder) : NULL;
+    mrt_result result = MRT_OK;
+    for (uint32_t seen = 0; directory && result >= 0 && seen < FILES_CAP; ++seen) {
+        const struct dirent *entry = readdir(directory);
+        if (!entry)
+            break;
+        if (!is_json(entry->d_name))
+            continue;
+        char *path = joined(folder, "/", entry->d_name);
+        result = path ? list_file(out, path, out_note, err)
+                      : error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    }
+    if (directory)
+        closedir(directory);
+    free(folder);
+    if (result < 0)
+        calibration_list_finish(out);
+    else if (out->count > 0)
+        qsort(out->entry, out->count, sizeof *out->entry, newest_first);
+    return result;
+}
+
+void calibration_list_finish(calibration_list *list)
+{
+    for (uint32_t i = 0; i < list->count; ++i)
+        free(list->entry[i].path);
+    free(list->entry);
+    *list = (calibration_list){.count = 0};
+}

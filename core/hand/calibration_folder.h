@@ -17,4 +17,20 @@ CHECKED mrt_result calibration_folder_place(char **out_path, const char *name, e
 CHECKED mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uint32_t side,
                                              error *out_note, error *err);
 
+/* What there is to choose from. */
+typedef struct calibration_entry {
+    char *path;
+    char label[CALIBRATION_NAME + CALIBRATION_DATE]; /* "anna, 2026-03-01" */
+    char date[CALIBRATION_DATE];
+    uint32_t side;
+} calibration_entry;
+typedef struct calibration_list {
+    calibration_entry *entry; /* the newest first */
+    uint32_t count;
+} calibration_list;
+/* Of both sides. No folder: none. Files that cannot be read are left out, the first of them is
+ * named in `out_note`. */
+CHECKED mrt_result calibration_folder_list(calibration_list *out, error *out_note, error *err);
+void calibration_list_finish(calibration_list *list); /* zeroed is fine */
+
 #endif

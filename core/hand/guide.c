@@ -13,6 +13,13 @@
 static const double NS_PER_SECOND = 1e9;
 static const int64_t AWAY_NS = 1000000000;
 
+const char *const guide_wait_words[GUIDE_WAITS_FOR_NOTHING + 1] = {
+    [GUIDE_WAITS_FOR_SAMPLES] = "waiting for the glove",
+    [GUIDE_WAITS_FOR_MOVEMENT] = "move into the pose",
+    [GUIDE_WAITS_FOR_STILLNESS] = "hold still",
+    [GUIDE_WAITS_FOR_NOTHING] = "all poses are done",
+};
+
 struct guide {
     guide_settings settings;
     guide_poses poses;

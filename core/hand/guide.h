@@ -50,6 +50,7 @@ typedef enum guide_wait {
     GUIDE_WAITS_FOR_STILLNESS,
     GUIDE_WAITS_FOR_NOTHING
 } guide_wait;
+extern const char *const guide_wait_words[GUIDE_WAITS_FOR_NOTHING + 1]; /* "hold still" */
 
 typedef struct guide guide;
 guide *guide_create(const guide_settings *settings); /* NULL: no memory */

@@ -1,0 +1,87 @@
+#include "stage/device_list.h"
+
+#include "base/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *device_list_plugin_name(const mrt_plugin_type *type)
+{
+    const char *dot = strrchr(type->id, '.');
+    return dot ? dot + 1 : type->id;
+}
+
+static const mrt_devices *knows_devices(const mrt_plugin_type *type)
+{
+    return plugin_interface(type, MRT_INPUT) ? plugin_interface(type, MRT_DEVICES) : NULL;
+}
+
+/* ---- looking ---- */
+
+/* A device's name comes from the device: nothing of it may steer a terminal. */
+static void make_printable(char *text, size_t capacity)
+{
+    char copy[512];
+    text_copy(copy, capacity < sizeof copy ? capacity : sizeof copy,
+              text_view_of(text, strnlen(text, capacity)));
+    memcpy(text, copy, strlen(copy) + 1);
+}
+
+static void keep(device_list *out, const mrt_plugin_type *type, const mrt_device *device)
+{
+    if (out->count == DEVICE_LIST_MAX) {
+        out->beyond += 1;
+        return;
+    }
+    device_found *one = &out->one[out->count++];
+    *one = (device_found){type, *device};
+    make_printable(one->device.address, sizeof one->device.address);
+    make_printable(one->device.name, sizeof one->device.name);
+    make_printable(one->device.advice, sizeof one->device.advice);
+}
+
+static mrt_result look_with(device_list *out, const mrt_plugin_type *type, log_queue *log,
+                            said *hush, error *err)
+{
+    instance plugin;
+    mrt_result result = instance_create(&plugin, type, CLOCK_REAL, log, err);
+    if (result < 0)
+        return result;
+    mrt_device *list = calloc(DEVICE_LIST_MAX, sizeof *list);
+    if (list) {
+        instance_listen(&plugin, NULL, hush);
+        uint32_t count = knows_devices(type)->list(plugin.self, list, DEVICE_LIST_MAX);
+        instance_listen_end(&plugin);
+        for (uint32_t i = 0; i < count && i < DEVICE_LIST_MAX; ++i)
+            keep(out, type, &list[i]);
+        if (count > DEVICE_LIST_MAX)
+            out->beyond += count - DEVICE_LIST_MAX;
+    } else {
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the list of devices");
+    }
+    free(list);
+    instance_destroy(&plugin);
+    return result;
+}
+
+bool device_list_knows(const mrt_plugin_type *type)
+{
+    return knows_devices(type) != NULL;
+}
+
+mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
+                            said *hush, error *err)
+{
+    *out = (device_list){.count = 0};
+    for (uint32_t i = 0; i < plugins->entry_count; ++i) {
+        const mrt_plugin_type *type = plugins->entry[i].type;
+        if (!device_list_knows(type))
+            continue;
+        mrt_result result = look_with(out, type, log, hush, err);
+        if (result == MRT_ERR_MEMORY)
+            return result;
+        if (result < 0 && !(hush && said_before(hush, err->text)))
+            log_push(log, MRT_LOG_WARNING, type->id, err->text);
+    }
+    return MRT_OK;
+}
