@@ -60,6 +60,30 @@ void camera_eye(const draw_camera *camera, float out[3])
         out[i] = (float)eye[i];
 }
 
+void camera_axes_of(const draw_camera *camera, float right[3], float up[3], float back[3])
+{
+    axes a = camera_axes(camera);
+    for (int i = 0; i < 3; ++i) {
+        right[i] = (float)a.right[i];
+        up[i] = (float)a.up[i];
+        back[i] = (float)a.back[i];
+    }
+}
+
+void camera_ray(const draw_camera *camera, float aspect, const float place[2], float out[3])
+{
+    axes a = camera_axes(camera);
+    double slope = tan(0.5 * (double)camera->field_of_view_rad);
+    double across = (double)place[0] * slope * (double)aspect, upward = (double)place[1] * slope;
+    double way[3], squared = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        way[i] = across * a.right[i] + upward * a.up[i] - a.back[i];
+        squared += way[i] * way[i];
+    }
+    for (int i = 0; i < 3; ++i)
+        out[i] = (float)(way[i] / sqrt(squared));
+}
+
 /* rows: the view directions, scaled; out = rows (x - origin) + offset, as one matrix. */
 static matrix4 from_rows(const double rows[4][3], const double origin[3], const double offset[4])
 {

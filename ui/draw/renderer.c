@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHADOW_MAP = 1024, LIGHT_COUNT = 3, KEY = 0, SIDE_LIMIT = 32768 };
+enum { SHADOW_MAP = 1024 };
 
 /* Towards key, fill and rim, seen from a camera at yaw 0: the lights turn with the camera like a
  * studio around a turntable, so that every view is lit. */
-static const float studio[LIGHT_COUNT][3] = {
+static const float studio[RENDERER_LAMPS][3] = {
     {-0.5571f, 0.5970f, 0.5772f}, {0.8165f, 0.0272f, 0.5767f}, {0.5388f, 0.5089f, -0.6713f}};
 
 static const float stone_roughness = 0.8f; /* what is rougher has grain */
@@ -97,6 +97,8 @@ draw_renderer *draw_renderer_create(error *err)
         made = (self->letters = letters_create(letters_fonts, err)) != NULL;
     if (made)
         made = (self->strokes = strokes_create(err)) != NULL;
+    if (made)
+        made = (self->overlays = overlays_create(err)) != NULL;
     gl_state_leave(&before);
     if (made)
         return self;
@@ -110,6 +112,7 @@ void draw_renderer_destroy(draw_renderer *self)
         return;
     letters_destroy(self->letters);
     strokes_destroy(self->strokes);
+    overlays_destroy(self->overlays);
     for (int i = 0; i < RENDERER_SURFACES; ++i)
         glDeleteProgram(self->face[i].program);
     glDeleteProgram(self->depth_program);
@@ -124,19 +127,17 @@ typedef struct view { /* one draw_render */
     draw_camera camera;
     GLint x, y; /* of the rectangle, from the bottom left */
     GLsizei width, height;
-    float light[LIGHT_COUNT][3];
+    float light[RENDERER_LAMPS][3];
     matrix4 shadow_projection; /* mm to clip space of the key light */
     float shadow_radius_mm;
 } view;
 
-static void turn_lights(view *v)
+void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad)
 {
-    float s = (float)sin((double)v->camera.yaw_rad), c = (float)cos((double)v->camera.yaw_rad);
-    for (int i = 0; i < LIGHT_COUNT; ++i) {
-        v->light[i][0] = c * studio[i][0] + s * studio[i][2];
-        v->light[i][1] = studio[i][1];
-        v->light[i][2] = c * studio[i][2] - s * studio[i][0];
-    }
+    float s = (float)sin((double)camera_yaw_rad), c = (float)cos((double)camera_yaw_rad);
+    out[0] = c * studio[lamp][0] + s * studio[lamp][2];
+    out[1] = studio[lamp][1];
+    out[2] = c * studio[lamp][2] - s * studio[lamp][0];
 }
 
 static void draw_shadow(const draw_renderer *self, const draw_face *face, const view *v)
@@ -181,7 +182,7 @@ static void set_face_uniforms(const renderer_face_program *u, const draw_face *f
     glUniformMatrix4fv(u->projection, 1, GL_FALSE, projection.m);
     glUniform3fv(u->eye, 1, eye);
     glUniform1f(u->grain_scale, 1.0f / face->height_mm);
-    glUniform3fv(u->light_direction, LIGHT_COUNT, v->light[0]);
+    glUniform3fv(u->light_direction, RENDERER_LAMPS, v->light[0]);
     glUniformMatrix4fv(u->shadow_projection, 1, GL_FALSE, shadow.m);
     glUniform1i(u->shadow_map, 0);
     glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / SHADOW_MAP);
@@ -251,8 +252,10 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
               .width = (GLsizei)width,
               .height = (GLsizei)height,
               .shadow_radius_mm = face->radius_mm * 1.02f};
-    turn_lights(&v);
-    v.shadow_projection = camera_light_projection(v.light[KEY], face->centre, v.shadow_radius_mm);
+    for (renderer_lamp lamp = 0; lamp < RENDERER_LAMPS; ++lamp)
+        renderer_light(v.light[lamp], lamp, v.camera.yaw_rad);
+    v.shadow_projection =
+        camera_light_projection(v.light[RENDERER_KEY], face->centre, v.shadow_radius_mm);
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);

@@ -4,6 +4,7 @@
 #include "draw/draw.h"
 #include "draw/gl.h"
 #include "draw/letters.h"
+#include "draw/overlays.h"
 #include "draw/strokes.h"
 
 typedef struct renderer_face_program {
@@ -28,6 +29,18 @@ struct draw_renderer {
     float ground[4];
     letters *letters;
     strokes *strokes;
+    overlays *overlays;
 };
+
+enum { SIDE_LIMIT = 32768 }; /* pixels of a rectangle */
+
+typedef enum renderer_lamp {
+    RENDERER_KEY = 0,
+    RENDERER_FILL,
+    RENDERER_RIM,
+    RENDERER_LAMPS
+} renderer_lamp;
+/* Unit, towards the light, for a camera that has turned so far. */
+void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad);
 
 #endif

@@ -6,6 +6,7 @@
 extern const gl_source shaders_common, shaders_screen_vert, shaders_background_frag,
     shaders_resolve_frag, shaders_depth_vert, shaders_depth_frag, shaders_face_vert,
     shaders_face_frag, shaders_letters_vert, shaders_letters_frag, shaders_strokes_vert,
-    shaders_strokes_frag;
+    shaders_strokes_frag, shaders_overlay_line_vert, shaders_overlay_line_frag,
+    shaders_overlay_solid_vert, shaders_overlay_solid_frag;
 
 #endif
