@@ -8,8 +8,8 @@
 #include "base/rigid.h"
 #include "csrbf/csrbf.h"
 
-/* "select": which vertices. Evaluated to a weight of 0..1 per vertex (0 or 1 but for attributes).
- */
+/* "select": which vertices. Evaluated to a weight of 0..1 per vertex (0 or 1 but for attributes and
+ * what is painted). */
 typedef enum rig_select_kind {
     SELECT_NOTHING = 0,
     SELECT_VERTICES, /* "vertices": [204, "120-180"] */
@@ -22,14 +22,16 @@ typedef enum rig_select_kind {
     SELECT_WITHIN,     /* "within": { "mm": d, "of": vertex }: along the surface */
     SELECT_ALL,        /* "all": [ ... ]: the least of them */
     SELECT_ANY,        /* "any": [ ... ]: the greatest of them */
-    SELECT_NOT         /* "not": { ... } */
+    SELECT_NOT,        /* "not": { ... } */
+    SELECT_PAINTED     /* "painted": a name in the rig's "paints" */
 } rig_select_kind;
 
 typedef struct rig_select {
     rig_select_kind kind;
     char *path;             /* JSON path, for messages */
-    char *name;             /* group or attribute */
-    uint32_t *first, *last; /* vertices: range_count inclusive ranges */
+    char *name;             /* group, attribute or paint */
+    uint32_t *first, *last; /* vertices: range_count inclusive ranges; painted: ascending */
+    uint8_t *value;         /* painted: of each range, in 255ths, 1..255; else NULL */
     uint32_t range_count;
     vec3 a, b; /* low and high; centre and radii; point and normal; mm */
     uint32_t vertex;
@@ -71,6 +73,8 @@ typedef struct rig_bone {
 } rig_bone;
 
 typedef struct rig_region {
+    char *name;      /* NULL: none */
+    uint32_t source; /* 1 + which of the file's entries it is; 0: new */
     uint32_t bone;
     bool is_rigid;   /* weight 1 on the bone and mobility 0, and no blending into it */
     double weight;   /* 0..1 on the bone; NaN: this region says nothing of weight */
@@ -83,6 +87,7 @@ typedef struct rig_contact {
     uint32_t bone;   /* RIG_NONE: "auto", by the weights of its vertex */
     uint32_t vertex; /* of the mesh file */
     uint32_t mirror; /* index of the contact on the other side; RIG_NONE */
+    uint32_t source; /* as of a region */
 } rig_contact;
 
 typedef struct rig_proxy { /* "skull_proxy": skin does not enter it */
@@ -134,7 +139,9 @@ CHECKED mrt_result rig_parse(rig *out, const void *data, size_t size, const char
 /* Writes what was read plus what changed in the struct's solver, contacts, regions, bones, poses,
  * contact sets; beside and renamed. */
 CHECKED mrt_result rig_write(const rig *r, const char *path, error *err);
-void rig_destroy(rig *r); /* accepts NULL and zeroed */
+/* Deep; what was read is shared. On error `out` is zeroed. [any] */
+CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);
+void rig_destroy(rig *r); /* accepts NULL and zeroed; [any] */
 
 uint32_t rig_find_bone(const rig *r, const char *name);                      /* RIG_NONE */
 uint32_t rig_find_contact(const rig *r, const char *name);                   /* RIG_NONE */

@@ -68,8 +68,10 @@ void rig_destroy(rig *r)
     if (!r)
         return;
     free_bones(r);
-    for (uint32_t i = 0; r->region && i < r->region_count; ++i)
+    for (uint32_t i = 0; r->region && i < r->region_count; ++i) {
         rig_select_finish(&r->region[i].select);
+        free(r->region[i].name);
+    }
     for (uint32_t i = 0; r->contact && i < r->contact_count; ++i)
         free(r->contact[i].name);
     for (uint32_t i = 0; r->pose && i < r->pose_count; ++i)

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -347,9 +348,14 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
     return result;
 }
 
+void rig_document_hold(rig_document *d)
+{
+    d->holder_count += 1;
+}
+
 void rig_document_destroy(rig_document *d)
 {
-    if (!d)
+    if (!d || atomic_fetch_sub(&d->holder_count, 1) > 0)
         return;
     for (uint32_t i = 0; i < d->file_count; ++i) {
         json_decref(d->file[i].root);
@@ -372,11 +378,61 @@ rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *o
     return (rig_node){NULL, {"$"}};
 }
 
+rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file)
+{
+    for (uint32_t i = d->file_count; i-- > 0;) {
+        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node paints = rig_json_member(&root, "paints");
+        rig_node paint = rig_json_member(&paints, name);
+        *out_file = i;
+        if (paint.value)
+            return paint;
+    }
+    return (rig_node){NULL, {"$.paints"}};
+}
+
+/* ---- which entry is which ---- */
+
+/* By which an entry is found again; NULL: it knows its source, or only its place. */
+static const char *matched_name(const rig *r, rig_section section, uint32_t index)
+{
+    switch (section) {
+    case RIG_BONES:
+        return r->bone[index].name;
+    case RIG_POSES:
+        return r->pose[index].name;
+    case RIG_SETS:
+        return r->contact_set[index].name;
+    default:
+        return NULL;
+    }
+}
+
+const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index)
+{
+    const rig_document *d = r->document;
+    const char *name = matched_name(r, section, index);
+    if (!d)
+        return NULL;
+    uint32_t source = section == RIG_REGIONS    ? r->region[index].source
+                      : section == RIG_CONTACTS ? r->contact[index].source
+                                                : index + 1;
+    if (!name)
+        return source > 0 && source <= d->entry_count[section] ? &d->entry[section][source - 1]
+                                                               : NULL;
+    for (uint32_t i = 0; i < d->entry_count[section]; ++i)
+        if (strcmp(d->entry[section][i].name, name) == 0)
+            return &d->entry[section][i];
+    return NULL;
+}
+
 rig_place rig_where(const rig *r, rig_section section, uint32_t index)
 {
     const rig_document *d = r->document;
-    if (d && index < d->entry_count[section])
-        return d->entry[section][index].node.place;
+    const rig_entry *source = rig_source(r, section, index);
+    bool may_have_moved = section == RIG_REGIONS || section == RIG_CONTACTS;
+    if (source && (!may_have_moved || d->file_count > 1))
+        return source->node.place;
     rig_place out;
     (void)snprintf(out.text, sizeof out.text, "$.%s[%u]", rig_section_key[section], index);
     return out;

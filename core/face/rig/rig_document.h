@@ -38,6 +38,7 @@ typedef struct rig_document {
     uint32_t file_count;
     rig_entry *entry[RIG_SECTIONS]; /* in the order of the rig's arrays */
     uint32_t entry_count[RIG_SECTIONS];
+    _Atomic uint32_t holder_count; /* besides the first: rigs that share it; read-only then */
 } rig_document;
 
 /* Reads the file and what it includes. */
@@ -45,12 +46,19 @@ CHECKED mrt_result rig_document_read(rig_document **out, const char *path, error
 /* From bytes; refuses to include. */
 CHECKED mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
                                       const char *path, error *err);
-void rig_document_destroy(rig_document *d);
+void rig_document_hold(rig_document *d);    /* one more rig_document_destroy to come; [any] */
+void rig_document_destroy(rig_document *d); /* [any] */
 
 /* The member `key` of the last file that has it (own win over included); value NULL: none has. */
 rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file);
 
-/* Where entry `index` of a rig's section is, for messages; also for rigs without a document. */
+/* The paint of that name: of the last file that has it; value NULL: none has. */
+rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file);
+
+/* Which entry of the file an entry of the rig is; NULL: it is new. */
+const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index);
+/* Where entry `index` of a rig's section is, for messages: also of rigs without a document; as it
+ * will be written where it was changed. */
 rig_place rig_where(const rig *r, rig_section section, uint32_t index);
 
 /* Steps of reading, each with its own file; all leave `r` such that rig_destroy frees it. */
@@ -64,14 +72,19 @@ CHECKED mrt_result rig_fill_contact_sets(rig *r, const rig_document *d, error *e
 typedef struct rig_selecting {
     double mm_per_unit; /* of the file that the selector is in */
     char **note;
-    uint32_t depth, node_count; /* of all selectors so far: they are bounded */
+    uint32_t depth, node_count;   /* of all selectors so far: they are bounded */
+    const rig_document *document; /* whose paints are taken; NULL: only their names */
+    uint32_t painted_count;       /* ranges of all paints so far: bounded too */
 } rig_selecting;
 CHECKED mrt_result rig_select_parse(rig_select *out, const rig_node *at, rig_selecting *s,
                                     error *err);
 void rig_select_finish(rig_select *select);
 /* rig_write_select.c: a new JSON value; NULL: no memory. */
 json_t *rig_select_to_json(const rig_select *select, double mm_per_unit);
-bool rig_select_equals(const rig_select *a, const rig_select *b);
+bool rig_select_equals(const rig_select *a, const rig_select *b); /* of paints: the name */
+/* rig_write_paints.c: puts "paints" into the root of the file that is written: what the rig's
+ * selectors say, where no file that stays says the same. */
+CHECKED mrt_result rig_write_paints(json_t *root, const rig *r, bool keep_include, error *err);
 /* rig_write_entry.c: entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its
  * source (NULL: none), whose file has source_mm_per_unit, in which only what differs is changed.
  * NULL: no memory. */

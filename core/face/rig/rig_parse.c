@@ -20,7 +20,7 @@ static mrt_result no_memory(error *err)
 static const char *const root_keys[] = {"marotte_rig",   "name",      "mesh",        "unit",
                                         "mesh_vertices", "mesh_hash", "include",     "bones",
                                         "regions",       "contacts",  "skull_proxy", "poses",
-                                        "contact_sets",  "solver",    NULL};
+                                        "contact_sets",  "solver",    "paints",      NULL};
 
 /* "rigs/moai/moai.rig.json" is called "moai". */
 static char *name_from_path(const char *path)
@@ -160,6 +160,14 @@ static mrt_result check_region(const rig_region *region, const rig_node *at, err
     return MRT_OK;
 }
 
+/* A name is for people: one that is none of ours to show is kept in the file. */
+static void fill_region_name(rig_region *region, const rig_node *at)
+{
+    rig_node name = rig_json_member(at, "name");
+    if (name.value && rig_json_text(&region->name, &name, "a name", RIG_NAME_MAX, NULL) < 0)
+        region->name = NULL;
+}
+
 static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, rig_selecting *s,
                               error *err)
 {
@@ -167,6 +175,7 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, ri
                                         "mobility", "select", NULL};
     *region = (rig_region){.bone = RIG_NONE, .weight = (double)NAN, .mobility = (double)NAN};
     rig_json_note_unknown(&r->note, at, known);
+    fill_region_name(region, at);
     rig_node bone = rig_json_member(at, "bone"), is_rigid = rig_json_member(at, "rigid");
     mrt_result result = bone.value ? find_bone(&region->bone, r, &bone, err) : MRT_OK;
     if (result >= 0 && is_rigid.value)
@@ -183,13 +192,14 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, ri
 
 static mrt_result fill_regions(rig *r, const rig_document *d, error *err)
 {
-    rig_selecting s = {.note = &r->note};
+    rig_selecting s = {.note = &r->note, .document = d};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_REGIONS]; ++i) {
         const rig_entry *entry = &d->entry[RIG_REGIONS][i];
         s.mm_per_unit = d->file[entry->file].mm_per_unit;
         r->region_count = i + 1;
         result = fill_region(r, &r->region[i], &entry->node, &s, err);
+        r->region[i].source = i + 1;
     }
     return result;
 }
@@ -252,6 +262,7 @@ static mrt_result fill_contacts(rig *r, const rig_document *d, error *err)
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < count; ++i) {
         result = fill_contact(r, &r->contact[i], &entry[i].node, err);
+        r->contact[i].source = i + 1;
         r->contact_count = i + 1;
     }
     for (uint32_t i = 0; result >= 0 && i < count; ++i)

@@ -1,6 +1,7 @@
 #include "face/rig/rig_document.h"
 
 #include "base/text.h"
+#include "face/rig/rig_paint.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@ enum {
     NODES_MAX = 4096,
     CHILDREN_MAX = 256,
     RANGES_MAX = 1 << 20,
+    PAINTED_MAX = 1 << 22, /* ranges of all paints */
     GROUP_MAX = 255
 };
 
@@ -26,10 +28,11 @@ static const struct {
              {"within", SELECT_WITHIN},
              {"all", SELECT_ALL},
              {"any", SELECT_ANY},
-             {"not", SELECT_NOT}};
+             {"not", SELECT_NOT},
+             {"painted", SELECT_PAINTED}};
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 static const char kind_list[] = "one of vertices, group, attribute, box, ellipsoid, half_space, "
-                                "within, all, any, not";
+                                "within, all, any, not, painted";
 
 static mrt_result no_memory(error *err)
 {
@@ -172,6 +175,25 @@ static mrt_result parse_not(rig_select *out, const rig_node *at, rig_selecting *
     return rig_select_parse(&out->child[0], at, s, err);
 }
 
+/* ---- painted ---- */
+
+static mrt_result parse_painted(rig_select *out, const rig_node *at, rig_selecting *s, error *err)
+{
+    mrt_result result = rig_json_text(&out->name, at, "the name of a paint", RIG_NAME_MAX, err);
+    if (result < 0 || !s->document)
+        return result;
+    uint32_t file;
+    rig_node paint = rig_document_paint(s->document, out->name, &file);
+    if (paint.value) {
+        result = rig_paint_parse(out, &paint, PAINTED_MAX - s->painted_count, err);
+        s->painted_count += out->range_count;
+        return result;
+    }
+    rig_word word = rig_word_of(out->name);
+    return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
+                     at->place.text, word.text);
+}
+
 /* ---- any of them ---- */
 
 static mrt_result parse_kind(rig_select *out, const rig_node *at, rig_selecting *s, error *err)
@@ -197,6 +219,8 @@ static mrt_result parse_kind(rig_select *out, const rig_node *at, rig_selecting 
         return parse_children(out, at, s, err);
     case SELECT_NOT:
         return parse_not(out, at, s, err);
+    case SELECT_PAINTED:
+        return parse_painted(out, at, s, err);
     case SELECT_NOTHING:
         break;
     }
@@ -249,6 +273,16 @@ mrt_result rig_select_parse(rig_select *out, const rig_node *at, rig_selecting *
     return result;
 }
 
+void rig_select_free_ranges(rig_select *select)
+{
+    free(select->first);
+    free(select->last);
+    free(select->value);
+    select->first = select->last = NULL;
+    select->value = NULL;
+    select->range_count = 0;
+}
+
 void rig_select_finish(rig_select *select)
 {
     for (uint32_t i = 0; select->child && i < select->child_count; ++i)
@@ -256,7 +290,6 @@ void rig_select_finish(rig_select *select)
     free(select->child);
     free(select->path);
     free(select->name);
-    free(select->first);
-    free(select->last);
+    rig_select_free_ranges(select);
     *select = (rig_select){0};
 }

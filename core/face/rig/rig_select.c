@@ -40,6 +40,20 @@ static mrt_result select_vertices(float *out, const rig_select *select, const me
     return MRT_OK;
 }
 
+static mrt_result select_painted(float *out, const rig_select *select, const mesh *m, error *err)
+{
+    for (uint32_t i = 0; i < select->range_count; ++i) {
+        if (select->last[i] >= m->vertex_count)
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "%s.painted: \"%s\" is painted at vertex %u of a mesh of %u vertices; "
+                             "use the mesh it was painted on, or paint again",
+                             path_of(select), select->name, select->last[i], m->vertex_count);
+        for (uint32_t v = select->first[i]; v <= select->last[i]; ++v)
+            out[v] = (float)select->value[i] / 255.0f;
+    }
+    return MRT_OK;
+}
+
 /* ---- by name ---- */
 
 /* A '*' at the end of the pattern matches any rest. */
@@ -203,6 +217,8 @@ mrt_result bind_select(float *out, const rig_select *select, const mesh *m, cons
     case SELECT_ALL:
     case SELECT_ANY:
         return select_joined(out, select, m, t, err);
+    case SELECT_PAINTED:
+        return select_painted(out, select, m, err);
     case SELECT_NOT:
         return select_not(out, select, m, t, err);
     }

@@ -110,25 +110,10 @@ static const char *entry_name(const rig *r, rig_section section, uint32_t index)
     }
 }
 
-/* By name, or by place for what has none; NULL: it is new. */
-static const rig_entry *find_source(const rig *r, rig_section section, uint32_t index)
-{
-    const rig_document *d = r->document;
-    const char *name = entry_name(r, section, index);
-    if (!d)
-        return NULL;
-    if (!name)
-        return index < d->entry_count[section] ? &d->entry[section][index] : NULL;
-    for (uint32_t i = 0; i < d->entry_count[section]; ++i)
-        if (strcmp(d->entry[section][i].name, name) == 0)
-            return &d->entry[section][i];
-    return NULL;
-}
-
 static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, double mm_per_unit)
 {
     const rig_document *d = r->document;
-    const rig_entry *source = find_source(r, section, index);
+    const rig_entry *source = rig_source(r, section, index);
     return rig_entry_to_json(r, section, index, source ? source->node.value : NULL,
                              source ? d->file[source->file].mm_per_unit : mm_per_unit, mm_per_unit);
 }
@@ -137,7 +122,7 @@ static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, 
 static bool is_included_unchanged(const rig *r, rig_section section, uint32_t index)
 {
     const rig_document *d = r->document;
-    const rig_entry *source = find_source(r, section, index);
+    const rig_entry *source = rig_source(r, section, index);
     if (!source || source->file + 1 == d->file_count)
         return false;
     json_t *now = entry_to_json(r, section, index, d->file[source->file].mm_per_unit);
@@ -171,9 +156,13 @@ static bool section_can_include(const rig *r, rig_section section)
     if (section == RIG_REGIONS || section == RIG_PROXIES) {
         if (included > entry_count_of(r, section))
             return false;
-        for (uint32_t i = 0; i < included; ++i)
-            if (!is_included_unchanged(r, section, i))
+        for (uint32_t i = 0; i < entry_count_of(r, section); ++i) {
+            const rig_entry *source = rig_source(r, section, i);
+            bool is_in_place = source == &d->entry[section][i];
+            bool is_own = !source || source->file + 1 == d->file_count;
+            if (i < included ? !is_in_place || !is_included_unchanged(r, section, i) : !is_own)
                 return false;
+        }
         return true;
     }
     for (uint32_t i = 0; i < d->entry_count[section]; ++i)
@@ -332,6 +321,8 @@ static mrt_result fill_root(json_t *root, const rig *r, const char *path, bool k
         put_mesh_facts(root, r);
     for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
         result = put_section(root, r, (rig_section)section, keep_include, err);
+    if (result >= 0)
+        result = rig_write_paints(root, r, keep_include, err);
     return result < 0 ? result : put_solver(root, r, err);
 }
 

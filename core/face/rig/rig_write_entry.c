@@ -204,9 +204,21 @@ static bool source_selects_the_same(const json_t *source, const rig_select *sele
     return same;
 }
 
+static void write_region_name(json_t *out, const rig_region *region)
+{
+    rig_node at = {out, {"$"}}, name = rig_json_member(&at, "name");
+    char *before = NULL;
+    if (region->name)
+        set_text(out, "name", region->name);
+    else if (name.value && rig_json_text(&before, &name, "a name", RIG_NAME_MAX, NULL) >= 0)
+        json_object_del(out, "name");
+    free(before);
+}
+
 static void write_region(json_t *out, const writing *w, uint32_t index)
 {
     const rig_region *region = &w->r->region[index];
+    write_region_name(out, region);
     if (region->bone != RIG_NONE)
         set_text(out, "bone", w->r->bone[region->bone].name);
     else

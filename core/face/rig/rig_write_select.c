@@ -78,6 +78,9 @@ json_t *rig_select_to_json(const rig_select *select, double mm_per_unit)
     case SELECT_NOT:
         out = json_pack("{so}", "not", rig_select_to_json(&select->child[0], mm_per_unit));
         break;
+    case SELECT_PAINTED:
+        out = json_pack("{ss}", "painted", select->name);
+        break;
     case SELECT_NOTHING:
         break;
     }
@@ -97,6 +100,8 @@ static bool points_equal(vec3 a, vec3 b)
 
 static bool ranges_equal(const rig_select *a, const rig_select *b)
 {
+    if (a->kind == SELECT_PAINTED) /* the paint is the table's */
+        return true;
     if (a->range_count != b->range_count)
         return false;
     size_t size = a->range_count * sizeof *a->first;
