@@ -40,6 +40,10 @@ typedef struct viewport_stroke { /* one place under the pointer, of this frame *
 typedef struct viewport viewport;
 viewport *viewport_create(studio *of, error *err);
 void viewport_destroy(viewport *self);
+struct front_gamepad;
+/* Each frame, before it is drawn: time goes on for the camera and the virtual hand, whose keys and
+ * gamepad (NULL: none) these are. */
+void viewport_update(viewport *self, const ui *keys, const struct front_gamepad *pad, double dt_s);
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale);
 void viewport_set_use(viewport *self, viewport_use use, float brush_mm); /* for this frame and on */
 const viewport_stroke *viewport_stroke_now(const viewport *self);        /* of this frame */
