@@ -65,6 +65,10 @@ CHECKED mrt_result studio_choose_take(studio *self,
                                       int64_t id); /* 0: none; shows it on the stage */
 const take *studio_take(const studio *self);       /* NULL: none; until the next edit */
 uint64_t studio_take_edition(const studio *self);  /* grows with each change of it */
+/* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
+const history *studio_history(const studio *self);
+/* Undoes or redoes until its edit `head` is the last in force; 0: as it was recorded. */
+CHECKED mrt_result studio_history_go(studio *self, int64_t head);
 /* Several edits that are one step of undo. */
 CHECKED mrt_result studio_edit(studio *self, const edit *e);
 CHECKED mrt_result studio_edit_all(studio *self, const edit *const *e, uint32_t count);
