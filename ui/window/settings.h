@@ -14,6 +14,10 @@ CHECKED mrt_result settings_open(settings **out, const char *path, char *out_not
 CHECKED mrt_result settings_write(settings *self, error *err); /* if something has changed */
 void settings_close(settings *self);                           /* NULL is fine; does not write */
 
+/* Where the file lies, with the final '/': for what else is kept between runs (an unsaved rig);
+ * "": nothing is to be written. */
+const char *settings_folder(const settings *self);
+
 /* Keys are paths: "looks.timeline_height", "mapping.one_hand.preset.soft". */
 double settings_number(const settings *self, const char *key, double otherwise);
 const char *settings_text(const settings *self, const char *key,
