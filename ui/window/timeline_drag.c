@@ -1,0 +1,316 @@
+#include "window/timeline_drag.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SHORTEST_NS 1000000LL /* that a drag makes a clip */
+#define GAIN_POINTS 120.0     /* of a gain from 0 to 1 */
+#define GAIN_MOST   4.0
+
+/* ---- what is dragged ---- */
+
+typedef struct found {
+    const take_layer *layer;
+    const take_clip *clip;
+} found;
+
+static const take_layer *find_layer(const take *t, uint32_t id)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (t->layer[i].id == id)
+            return &t->layer[i];
+    return NULL;
+}
+
+static found find_clip(const take *t, uint32_t id)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            if (t->layer[i].clip[k].id == id)
+                return (found){&t->layer[i], &t->layer[i].clip[k]};
+    return (found){NULL, NULL};
+}
+
+static int64_t within(int64_t value, int64_t low, int64_t high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming)
+{
+    switch (part) {
+    case TIMELINE_CLIP:
+        return TIMELINE_DRAG_MOVE;
+    case TIMELINE_CLIP_START:
+        return is_retiming ? TIMELINE_DRAG_SPEED_START : TIMELINE_DRAG_START;
+    case TIMELINE_CLIP_END:
+        return is_retiming ? TIMELINE_DRAG_SPEED_END : TIMELINE_DRAG_END;
+    case TIMELINE_FADE_IN:
+        return TIMELINE_DRAG_FADE_IN;
+    case TIMELINE_FADE_OUT:
+        return TIMELINE_DRAG_FADE_OUT;
+    case TIMELINE_MARKER:
+        return TIMELINE_DRAG_MARKER;
+    case TIMELINE_SOUND_BODY:
+        return TIMELINE_DRAG_SOUND;
+    case TIMELINE_GAIN:
+        return TIMELINE_DRAG_GAIN;
+    case TIMELINE_NAME:
+        return TIMELINE_DRAG_ORDER;
+    default:
+        return TIMELINE_DRAG_NONE;
+    }
+}
+
+void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,
+                         timeline_hit hit, int64_t at_ns)
+{
+    *out = (timeline_drag){.kind = kind,
+                           .layer = hit.layer,
+                           .clip = hit.clip,
+                           .marker = hit.marker < 0 ? 0 : (uint32_t)hit.marker,
+                           .grabbed_ns = at_ns,
+                           .snapped_ns = INT64_MIN};
+    const take_layer *layer = find_layer(t, hit.layer);
+    out->initial = layer ? layer->gain : t->audio.gain;
+}
+
+/* ---- what it becomes: each fills an edit; EDIT_NONE: as it is ---- */
+
+static void move(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                 int64_t at_ns, uint32_t onto_layer)
+{
+    found f = find_clip(t, self->clip);
+    if (!f.clip)
+        return;
+    int64_t start_ns = f.clip->start_ns + f.layer->offset_ns;
+    int64_t wanted_ns = timeline_snap_span(snap, start_ns + at_ns - self->grabbed_ns,
+                                           f.clip->end_ns - f.clip->start_ns, &self->snapped_ns);
+    bool is_other = onto_layer && onto_layer != f.layer->id;
+    if (wanted_ns == start_ns && !is_other)
+        return;
+    edit_init(out, EDIT_CLIP_MOVE);
+    out->clip = self->clip;
+    out->start_ns = wanted_ns;
+    out->layer = is_other ? onto_layer : 0;
+}
+
+static int64_t earliest_ns(const take_clip *clip)
+{
+    return take_warp_to_timeline(clip, 0);
+}
+
+static int64_t latest_ns(const take_clip *clip)
+{
+    int64_t length_ns = clip->to_ns - clip->from_ns;
+    int64_t at_ns = take_warp_to_timeline(clip, length_ns);
+    return take_warp_to_source(clip, at_ns) > length_ns ? at_ns - 1 : at_ns;
+}
+
+static int64_t dragged_edge(timeline_drag *self, const timeline_snap *snap, int64_t edge_ns,
+                            int64_t at_ns)
+{
+    return timeline_snap_to(snap, edge_ns + at_ns - self->grabbed_ns, &self->snapped_ns);
+}
+
+static void trim(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                 int64_t at_ns)
+{
+    found f = find_clip(t, self->clip);
+    if (!f.clip)
+        return;
+    bool is_start = self->kind == TIMELINE_DRAG_START;
+    int64_t offset_ns = f.layer->offset_ns;
+    int64_t edge_ns = (is_start ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
+    int64_t low_ns = is_start ? earliest_ns(f.clip) : f.clip->start_ns + SHORTEST_NS;
+    int64_t high_ns = is_start ? f.clip->end_ns - SHORTEST_NS : latest_ns(f.clip);
+    if (low_ns > high_ns)
+        return;
+    int64_t wanted_ns =
+        within(dragged_edge(self, snap, edge_ns, at_ns), low_ns + offset_ns, high_ns + offset_ns);
+    if (wanted_ns == edge_ns)
+        return;
+    edit_init(out, EDIT_CLIP_TRIM);
+    out->clip = self->clip;
+    if (is_start)
+        out->start_ns = wanted_ns;
+    else
+        out->end_ns = wanted_ns;
+}
+
+static void retime(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                   int64_t at_ns)
+{
+    found f = find_clip(t, self->clip);
+    if (!f.clip)
+        return;
+    bool is_start = self->kind == TIMELINE_DRAG_SPEED_START;
+    int64_t offset_ns = f.layer->offset_ns, length_ns = f.clip->end_ns - f.clip->start_ns;
+    int64_t edge_ns = (is_start ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
+    int64_t stays_ns = (is_start ? f.clip->end_ns : f.clip->start_ns) + offset_ns;
+    int64_t wanted_ns = dragged_edge(self, snap, edge_ns, at_ns);
+    int64_t wanted_length_ns = is_start ? stays_ns - wanted_ns : wanted_ns - stays_ns;
+    wanted_length_ns = within(wanted_length_ns, length_ns / 100 + SHORTEST_NS, length_ns * 100);
+    if (wanted_length_ns == length_ns)
+        return;
+    edit_init(out, EDIT_CLIP_SPEED);
+    out->clip = self->clip;
+    out->speed = (double)length_ns / (double)wanted_length_ns;
+    out->at_ns = stays_ns;
+}
+
+static void fade(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                 int64_t at_ns)
+{
+    found f = find_clip(t, self->clip);
+    if (!f.clip)
+        return;
+    bool is_in = self->kind == TIMELINE_DRAG_FADE_IN;
+    int64_t offset_ns = f.layer->offset_ns, length_ns = f.clip->end_ns - f.clip->start_ns;
+    int64_t fade_ns = is_in ? f.clip->fade_in_ns : f.clip->fade_out_ns;
+    int64_t other_ns = is_in ? f.clip->fade_out_ns : f.clip->fade_in_ns;
+    int64_t foot_ns = (is_in ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
+    int64_t top_ns = dragged_edge(self, snap, is_in ? foot_ns + fade_ns : foot_ns - fade_ns, at_ns);
+    int64_t wanted_ns =
+        within(is_in ? top_ns - foot_ns : foot_ns - top_ns, 0, length_ns - other_ns);
+    if (wanted_ns == fade_ns)
+        return;
+    edit_init(out, EDIT_CLIP_FADE);
+    out->clip = self->clip;
+    if (is_in)
+        out->fade_in_ns = wanted_ns;
+    else
+        out->fade_out_ns = wanted_ns;
+}
+
+static void move_marker(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                        int64_t at_ns)
+{
+    if (self->marker >= t->marker_count)
+        return;
+    int64_t marked_ns = t->marker[self->marker].at_ns;
+    int64_t wanted_ns = within(dragged_edge(self, snap, marked_ns, at_ns), 0, t->duration_ns);
+    if (wanted_ns == marked_ns)
+        return;
+    edit_init(out, EDIT_MARKER_MOVE);
+    out->marker = self->marker;
+    out->at_ns = wanted_ns;
+}
+
+/* Sound is laid by ear and by its waveform: not to frames. */
+static void move_sound(edit *out, const timeline_drag *self, const take *t, int64_t at_ns)
+{
+    if (!t->audio.audio || at_ns == self->grabbed_ns)
+        return;
+    edit_init(out, EDIT_AUDIO_OFFSET);
+    out->offset_ns =
+        within(t->audio.offset_ns + at_ns - self->grabbed_ns, -EDIT_TIME_MAX_NS, EDIT_TIME_MAX_NS);
+}
+
+static void set_gain(edit *out, const timeline_drag *self, float points)
+{
+    double gain = self->initial + (double)points / GAIN_POINTS;
+    gain = gain < 0.0 ? 0.0 : gain > GAIN_MOST ? GAIN_MOST : gain;
+    gain = floor(gain * 100.0 + 0.5) / 100.0;
+    if (fabs(gain - 1.0) < 0.025)
+        gain = 1.0;
+    if (gain == self->initial)
+        return;
+    edit_init(out, self->layer ? EDIT_LAYER_GAIN : EDIT_AUDIO_GAIN);
+    out->layer = self->layer;
+    out->gain = gain;
+}
+
+static void order(edit *out, const timeline_drag *self, const take *t, uint32_t onto_layer)
+{
+    const take_layer *onto = find_layer(t, onto_layer);
+    if (!onto || onto_layer == self->layer)
+        return;
+    edit_init(out, EDIT_LAYER_ORDER);
+    out->layer = self->layer;
+    out->place = (uint32_t)(onto - t->layer);
+}
+
+static void make(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
+                 int64_t at_ns, uint32_t onto_layer, float points)
+{
+    *out = (edit){0};
+    self->snapped_ns = INT64_MIN;
+    switch (self->kind) {
+    case TIMELINE_DRAG_MOVE:
+        move(out, self, t, snap, at_ns, onto_layer);
+        break;
+    case TIMELINE_DRAG_START:
+    case TIMELINE_DRAG_END:
+        trim(out, self, t, snap, at_ns);
+        break;
+    case TIMELINE_DRAG_SPEED_START:
+    case TIMELINE_DRAG_SPEED_END:
+        retime(out, self, t, snap, at_ns);
+        break;
+    case TIMELINE_DRAG_FADE_IN:
+    case TIMELINE_DRAG_FADE_OUT:
+        fade(out, self, t, snap, at_ns);
+        break;
+    case TIMELINE_DRAG_MARKER:
+        move_marker(out, self, t, snap, at_ns);
+        break;
+    case TIMELINE_DRAG_SOUND:
+        move_sound(out, self, t, at_ns);
+        break;
+    case TIMELINE_DRAG_GAIN:
+        set_gain(out, self, points);
+        break;
+    case TIMELINE_DRAG_ORDER:
+        order(out, self, t, onto_layer);
+        break;
+    case TIMELINE_DRAG_NONE:
+        break;
+    }
+}
+
+/* ---- seen on a copy ---- */
+
+/* The take with the edit, or nothing when it is not possible. */
+static bool try_edit(take *out, const take *t, const edit *e, error *err)
+{
+    if (take_copy(out, t, err) < 0)
+        return false;
+    if (edit_apply(out, e, err) >= 0)
+        return true;
+    take_finish(out);
+    return false;
+}
+
+void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,
+                      uint32_t onto_layer, float points)
+{
+    edit wanted;
+    take preview;
+    make(&wanted, self, t, snap, at_ns, onto_layer, points);
+    self->why.text[0] = '\0';
+    if (wanted.kind == EDIT_NONE) {
+        take_finish(&self->preview);
+        self->made = wanted;
+        return;
+    }
+    if (!try_edit(&preview, t, &wanted, &self->why)) {
+        self->snapped_ns = INT64_MIN;
+        return;
+    }
+    take_finish(&self->preview);
+    self->preview = preview;
+    self->made = wanted;
+}
+
+const take *timeline_drag_shown(const timeline_drag *self, const take *t)
+{
+    return self->made.kind == EDIT_NONE ? t : &self->preview;
+}
+
+void timeline_drag_finish(timeline_drag *self)
+{
+    take_finish(&self->preview);
+    edit_finish(&self->made);
+    *self = (timeline_drag){.snapped_ns = INT64_MIN};
+}

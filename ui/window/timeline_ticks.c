@@ -1,0 +1,214 @@
+#include "window/timeline_ticks.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MINOR_POINTS 7.0
+#define LABEL_POINTS 120.0f /* that a label may reach into sight */
+static const int64_t second_ns = 1000000000;
+
+timeline_code timeline_code_of(const take *t)
+{
+    timeline_code code = {.rate = {30, 1, false}};
+    if (!t)
+        return code;
+    code.first_frame = t->timecode_frame;
+    if (t->fps > 0.0 && timecode_rate_of(&code.rate, t->fps, NULL) >= 0)
+        code.rate.is_drop = t->is_drop_frame && timecode_can_drop(code.rate);
+    return code;
+}
+
+void timeline_code_write(char out[TIMECODE_TEXT], const timeline_code *code, int64_t at_ns)
+{
+    timecode_write(out, code->rate, code->first_frame + timecode_frame(code->rate, at_ns));
+}
+
+/* ---- steps: a count of one unit, and of how many the next smaller ticks are ---- */
+
+typedef struct step {
+    int64_t count, minor;
+} step;
+
+/* The smallest step that is `least` wide; the last one if none is. */
+static step choose(const step *steps, size_t count, double unit_points, double least)
+{
+    size_t i = 0;
+    while (i + 1 < count && (double)steps[i].count * unit_points < least)
+        i += 1;
+    step chosen = steps[i];
+    if ((double)chosen.minor * unit_points < MINOR_POINTS)
+        chosen.minor = chosen.count;
+    return chosen;
+}
+
+static uint32_t nominal(timecode_rate rate)
+{
+    return (rate.num + rate.den - 1) / rate.den;
+}
+
+/* ---- labels as frames ---- */
+
+/* The frame whose label is so many whole seconds; of labels that drop-frame leaves out the next. */
+static int64_t frame_of_second(timecode_rate rate, int64_t seconds)
+{
+    int64_t frame = seconds * nominal(rate);
+    if (!rate.is_drop)
+        return frame;
+    bool is_before = seconds < 0;
+    int64_t at = is_before ? -seconds : seconds, minutes = at / 60;
+    int64_t dropped = nominal(rate) / 15;
+    int64_t out = at * nominal(rate) - dropped * (minutes - minutes / 10);
+    if (at % 60 == 0 && minutes % 10 != 0)
+        out += dropped;
+    return is_before ? -out : out;
+}
+
+static int64_t floor_to(int64_t value, int64_t unit)
+{
+    int64_t rest = value % unit;
+    return value - (rest < 0 ? rest + unit : rest);
+}
+
+static bool put(timeline_tick *out, uint32_t *count, int64_t at_ns, bool is_major)
+{
+    if (*count >= TIMELINE_TICKS_MAX)
+        return false;
+    out[*count] = (timeline_tick){.at_ns = at_ns, .is_major = is_major};
+    *count += 1;
+    return true;
+}
+
+static int64_t time_of_label(const timeline_code *code, int64_t frame)
+{
+    return timecode_time_ns(code->rate, frame - code->first_frame);
+}
+
+/* Some seconds early: labels and the clock differ by a thousandth. */
+static int64_t second_before(const timeline_code *code, int64_t at_ns)
+{
+    int64_t second = at_ns / second_ns + code->first_frame / nominal(code->rate);
+    return second - 2 - (second > 0 ? second : -second) / 500;
+}
+
+static uint32_t tick_seconds(timeline_tick *out, const timeline_axis *axis,
+                             const timeline_code *code, step by)
+{
+    int64_t from_ns = axis->from_ns - timeline_axis_span_ns(axis, LABEL_POINTS);
+    int64_t until_ns = timeline_axis_until_ns(axis);
+    uint32_t count = 0;
+    for (int64_t second = floor_to(second_before(code, from_ns), by.minor);; second += by.minor) {
+        int64_t frame = frame_of_second(code->rate, second);
+        int64_t at_ns = time_of_label(code, frame);
+        bool is_major = second % by.count == 0;
+        if (at_ns < from_ns)
+            continue;
+        if (at_ns > until_ns || !put(out, &count, at_ns, is_major))
+            return count;
+        if (is_major)
+            timecode_write(out[count - 1].label, code->rate, frame);
+    }
+}
+
+/* Second by second, so that whole seconds have their label at every rate; of seconds that lack
+ * frames (drop-frame) the first ones. */
+static uint32_t tick_frames(timeline_tick *out, const timeline_axis *axis,
+                            const timeline_code *code, step by)
+{
+    int64_t from_ns = axis->from_ns - timeline_axis_span_ns(axis, LABEL_POINTS);
+    int64_t until_ns = timeline_axis_until_ns(axis);
+    uint32_t count = 0;
+    for (int64_t second = second_before(code, from_ns);; ++second) {
+        int64_t start = frame_of_second(code->rate, second);
+        int64_t end = frame_of_second(code->rate, second + 1);
+        int64_t lacking = nominal(code->rate) - (end - start);
+        for (int64_t label = 0; label < nominal(code->rate); label += by.minor) {
+            int64_t frame = start + label - lacking, at_ns = time_of_label(code, frame);
+            if (label < lacking || at_ns < from_ns)
+                continue;
+            bool is_first = label == lacking && by.count == nominal(code->rate);
+            bool is_major = label % by.count == 0 && label + by.count <= nominal(code->rate);
+            if (at_ns > until_ns || !put(out, &count, at_ns, is_major || is_first))
+                return count;
+            if (is_major || is_first)
+                timecode_write(out[count - 1].label, code->rate, frame);
+        }
+    }
+}
+
+/* The least number of frames that divides a second, or 10, and is wide enough; count 0: none, or
+ * frames cannot be told apart. */
+static step choose_frames(timecode_rate rate, double frame_points, double least)
+{
+    int64_t second = nominal(rate);
+    step out = {0, 1};
+    for (int64_t count = 1; count <= second && !out.count; ++count)
+        if ((second % count == 0 || count == 10) && (double)count * frame_points >= least)
+            out.count = count;
+    while (out.minor < out.count &&
+           (out.count % out.minor != 0 || (double)out.minor * frame_points < MINOR_POINTS))
+        out.minor += 1;
+    return out.minor < second || second == 1 ? out : (step){0, 1};
+}
+
+static void write_within(char out[TIMECODE_TEXT], int64_t ns, int64_t step_ns)
+{
+    int digits = step_ns >= 1000000 ? 0 : step_ns >= 100000 ? 1 : step_ns >= 10000 ? 2 : 3;
+    (void)snprintf(out, TIMECODE_TEXT, "+%.*f ms", digits, (double)ns / 1e6);
+}
+
+static uint32_t tick_within(timeline_tick *out, const timeline_axis *axis,
+                            const timeline_code *code, step by)
+{
+    int64_t from_ns = axis->from_ns - timeline_axis_span_ns(axis, LABEL_POINTS);
+    int64_t until_ns = timeline_axis_until_ns(axis);
+    int64_t frame = timecode_frame(code->rate, from_ns);
+    uint32_t count = 0;
+    for (;; ++frame) {
+        int64_t start_ns = timecode_time_ns(code->rate, frame);
+        int64_t end_ns = timecode_time_ns(code->rate, frame + 1);
+        if (start_ns > until_ns)
+            return count;
+        int64_t within_ns = from_ns > start_ns ? floor_to(from_ns - start_ns, by.minor) : 0;
+        for (; start_ns + within_ns + (within_ns ? by.minor / 2 : 0) < end_ns &&
+               start_ns + within_ns <= until_ns;
+             within_ns += by.minor) {
+            /* no label so late that the next frame's would lie on it */
+            bool is_major = within_ns % by.count == 0 &&
+                            (within_ns == 0 || start_ns + within_ns + by.count <= end_ns);
+            if (!put(out, &count, start_ns + within_ns, is_major))
+                return count;
+            if (within_ns == 0)
+                timecode_write(out[count - 1].label, code->rate, frame + code->first_frame);
+            else if (is_major)
+                write_within(out[count - 1].label, within_ns, by.count);
+        }
+    }
+}
+
+uint32_t timeline_ticks(timeline_tick out[TIMELINE_TICKS_MAX], const timeline_axis *axis,
+                        const timeline_code *code, float label_width)
+{
+    static const step seconds[] = {
+        {1, 1},      {2, 1},       {5, 1},        {10, 2},       {15, 5},       {30, 5},
+        {60, 10},    {120, 30},    {300, 60},     {600, 120},    {900, 300},    {1800, 300},
+        {3600, 600}, {7200, 1800}, {10800, 3600}, {21600, 3600}, {43200, 7200}, {86400, 14400}};
+    static const step within[] = {
+        {1000, 200},           {2000, 500},           {5000, 1000},         {10000, 2000},
+        {20000, 5000},         {50000, 10000},        {100000, 20000},      {200000, 50000},
+        {500000, 100000},      {1000000, 200000},     {2000000, 500000},    {5000000, 1000000},
+        {10000000, 2000000},   {20000000, 5000000},   {50000000, 10000000}, {100000000, 20000000},
+        {200000000, 50000000}, {500000000, 100000000}};
+    double least = (double)label_width, ns_per_point = axis->ns_per_point;
+    double frame_points = (double)second_ns * code->rate.den / code->rate.num / ns_per_point;
+    if (frame_points >= 2.0 * least) {
+        step by = choose(within, sizeof within / sizeof within[0], 1.0 / ns_per_point, least);
+        return tick_within(out, axis, code, by);
+    }
+    step by = choose_frames(code->rate, frame_points, least);
+    if (by.count)
+        return tick_frames(out, axis, code, by);
+    by = choose(seconds, sizeof seconds / sizeof seconds[0], (double)second_ns / ns_per_point,
+                least);
+    return tick_seconds(out, axis, code, by);
+}
