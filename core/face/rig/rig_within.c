@@ -56,18 +56,27 @@ static double edge_length(const mesh *m, uint32_t a, uint32_t b)
     return sqrt(x * x + y * y + z * z);
 }
 
-bool rig_within(double *out_distance, uint32_t from, double reach_mm, const mesh *m,
-                const topology *t)
+/* A nearer way to a vertex, if it is one. */
+static void reach(heap *h, double *out_distance, uint32_t vertex, double distance, double reach_mm)
 {
-    /* Each edge pushes at most once in each direction. */
-    size_t edge_count = t->neighbour_start[t->vertex_count];
-    heap h = {.item = malloc((edge_count + 1) * sizeof *h.item)};
+    if (distance > reach_mm || !(distance < out_distance[vertex]))
+        return;
+    out_distance[vertex] = distance;
+    heap_push(h, (waiting){distance, vertex});
+}
+
+bool rig_within_starts(double *out_distance, const rig_start *start, uint32_t start_count,
+                       double reach_mm, const mesh *m, const topology *t, const uint32_t *twin)
+{
+    /* Each edge and twin pushes at most once in each direction. */
+    size_t push_max = t->neighbour_start[t->vertex_count] + (twin ? t->vertex_count : 0u);
+    heap h = {.item = malloc((push_max + start_count + 1) * sizeof *h.item)};
     if (!h.item)
         return false;
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         out_distance[v] = (double)INFINITY;
-    out_distance[from] = 0.0;
-    heap_push(&h, (waiting){0.0, from});
+    for (uint32_t i = 0; i < start_count; ++i)
+        reach(&h, out_distance, start[i].vertex, start[i].distance_mm, reach_mm);
     while (h.count > 0) {
         waiting at = heap_pop(&h);
         if (at.distance > out_distance[at.vertex])
@@ -75,13 +84,18 @@ bool rig_within(double *out_distance, uint32_t from, double reach_mm, const mesh
         for (uint32_t i = t->neighbour_start[at.vertex]; i < t->neighbour_start[at.vertex + 1];
              ++i) {
             uint32_t next = t->neighbour[i];
-            double distance = at.distance + edge_length(m, at.vertex, next);
-            if (distance > reach_mm || !(distance < out_distance[next]))
-                continue;
-            out_distance[next] = distance;
-            heap_push(&h, (waiting){distance, next});
+            reach(&h, out_distance, next, at.distance + edge_length(m, at.vertex, next), reach_mm);
         }
+        if (twin)
+            reach(&h, out_distance, twin[at.vertex], at.distance, reach_mm);
     }
     free(h.item);
     return true;
+}
+
+bool rig_within(double *out_distance, uint32_t from, double reach_mm, const mesh *m,
+                const topology *t)
+{
+    rig_start start = {from, 0.0};
+    return rig_within_starts(out_distance, &start, 1, reach_mm, m, t, NULL);
 }

@@ -1,0 +1,67 @@
+/* face/rig_edit.h - changes of a rig in memory, as a person makes them. Each leaves a rig that can
+ * be written and read again, or an error and the rig as it was. Leaves out what is undone
+ * (rig_history.h) and whether the rig fits its mesh (rig_check.h). Vertices are the mesh file's.
+ * [any], one at a time */
+#ifndef MAROTTE_FACE_RIG_EDIT_H
+#define MAROTTE_FACE_RIG_EDIT_H
+#include "face/rig.h"
+#include "mesh/mesh.h"
+
+/* ---- regions: later ones win ---- */
+
+typedef struct rig_edit_says { /* what a region says of its vertices, see rig_region */
+    uint32_t bone;             /* RIG_NONE: only mobility is said */
+    bool is_rigid;
+    double weight, mobility; /* NaN: says nothing; both NaN where it is rigid */
+} rig_edit_says;
+/* Behind the others, of no vertex yet. name NULL or "": none; else no other region's. */
+CHECKED mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,
+                                       uint32_t *out_index, error *err);
+CHECKED mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err);
+CHECKED mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, error *err);
+CHECKED mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error *err);
+CHECKED mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says,
+                                       error *err);
+/* RIG_NONE: no region has it. */
+uint32_t rig_edit_find_region(const rig *r, const char *name);
+
+/* Whether a region's vertices are given one by one, so that a brush can change them. */
+bool rig_edit_can_paint(const rig *r, uint32_t index);
+/* The shares of such a region, in 255ths. */
+void rig_edit_values(uint8_t *out, const rig *r, uint32_t index, uint32_t vertex_count);
+/* They become the region's, whatever selected its vertices before: stored as vertex numbers where
+ * all are 0 or 255, else as paint. */
+CHECKED mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value,
+                                  uint32_t vertex_count, error *err);
+
+/* "part teeth_lower*, inside a box": for people. */
+void rig_edit_describe(const rig_select *select, char *out, size_t capacity);
+
+/* ---- contacts ---- */
+
+CHECKED mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex,
+                                        uint32_t *out_index, error *err);
+/* It goes out of contact sets and poses too. */
+CHECKED mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err);
+CHECKED mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err);
+CHECKED mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
+/* bone RIG_NONE: by the weights of its vertex. */
+CHECKED mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err);
+/* The contact on the other side (NAME.l has NAME.r; made when there is none) is put to `vertex`,
+ * and each is the other's mirror. */
+CHECKED mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
+
+/* "eye.l" gives "eye.r" and the other way round; false: it has no side. */
+bool rig_edit_other_side(const char *name, char *out, size_t capacity);
+
+/* ---- the jaw ---- */
+
+typedef struct rig_edit_jaw {
+    vec3 left, right, incisor; /* mm */
+    bool has_incisor;
+    double open_max_rad, lateral_mm, forward_mm, slide_mm;
+} rig_edit_jaw;
+void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone);
+CHECKED mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err);
+
+#endif

@@ -1,0 +1,101 @@
+#include "mesh/copy.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct copying {
+    bool failed; /* no memory: what is copied from then on is NULL */
+} copying;
+
+static void *copy_array(copying *c, const void *from, size_t count, size_t item_size)
+{
+    if (!from)
+        return NULL;
+    void *out = malloc(count * item_size + 1);
+    c->failed = c->failed || !out;
+    if (out && count * item_size > 0)
+        memcpy(out, from, count * item_size);
+    return out;
+}
+
+static char *copy_text(copying *c, const char *text)
+{
+    return copy_array(c, text, text ? strlen(text) + 1 : 0, 1);
+}
+
+static void copy_materials(copying *c, mesh *out, const mesh *m)
+{
+    out->material = copy_array(c, m->material, m->material_count, sizeof *m->material);
+    for (uint32_t i = 0; out->material && i < m->material_count; ++i)
+        out->material[i].name = copy_text(c, m->material[i].name);
+}
+
+static void copy_parts(copying *c, mesh *out, const mesh *m)
+{
+    out->part = copy_array(c, m->part, m->part_count, sizeof *m->part);
+    for (uint32_t i = 0; out->part && i < m->part_count; ++i)
+        out->part[i].name = copy_text(c, m->part[i].name);
+}
+
+static void copy_attributes(copying *c, mesh *out, const mesh *m)
+{
+    out->attribute = copy_array(c, m->attribute, m->attribute_count, sizeof *m->attribute);
+    for (uint32_t i = 0; out->attribute && i < m->attribute_count; ++i) {
+        const mesh_attribute *from = &m->attribute[i];
+        size_t count = (size_t)m->vertex_count * from->component_count;
+        out->attribute[i].name = copy_text(c, from->name);
+        out->attribute[i].value = copy_array(c, from->value, count, sizeof *from->value);
+    }
+}
+
+static void copy_targets(copying *c, mesh *out, const mesh *m)
+{
+    out->target = copy_array(c, m->target, m->target_count, sizeof *m->target);
+    for (uint32_t i = 0; out->target && i < m->target_count; ++i) {
+        const mesh_target *from = &m->target[i];
+        out->target[i].name = copy_text(c, from->name);
+        out->target[i].offset =
+            copy_array(c, from->offset, (size_t)m->vertex_count * 3, sizeof *from->offset);
+    }
+}
+
+mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
+{
+    copying c = {false};
+    size_t vertices = (size_t)m->vertex_count * 3, corners = (size_t)m->triangle_count * 3;
+    *out = *m;
+    out->position = copy_array(&c, m->position, vertices, sizeof *m->position);
+    out->triangle = copy_array(&c, m->triangle, corners, sizeof *m->triangle);
+    out->normal = copy_array(&c, m->normal, vertices, sizeof *m->normal);
+    copy_materials(&c, out, m);
+    copy_parts(&c, out, m);
+    copy_attributes(&c, out, m);
+    copy_targets(&c, out, m);
+    out->note = copy_text(&c, m->note);
+    if (!c.failed)
+        return MRT_OK;
+    mesh_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory for a copy of the mesh");
+}
+
+mrt_result topology_copy(topology *out, const topology *t, error *err)
+{
+    copying c = {false};
+    size_t count = t->vertex_count, loops = t->border_loop_count;
+    *out = *t;
+    out->neighbour_start =
+        copy_array(&c, t->neighbour_start, count + 1, sizeof *t->neighbour_start);
+    size_t links = t->neighbour_start ? t->neighbour_start[count] : 0;
+    out->neighbour = copy_array(&c, t->neighbour, links, sizeof *t->neighbour);
+    out->on_border = copy_array(&c, t->on_border, count, sizeof *t->on_border);
+    out->border_loop_start =
+        copy_array(&c, t->border_loop_start, loops + 1, sizeof *t->border_loop_start);
+    size_t border = t->border_loop_start ? t->border_loop_start[loops] : 0;
+    out->border_vertex = copy_array(&c, t->border_vertex, border, sizeof *t->border_vertex);
+    out->rejected_triangle =
+        copy_array(&c, t->rejected_triangle, t->rejected_count, sizeof *t->rejected_triangle);
+    if (!c.failed)
+        return MRT_OK;
+    topology_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory for a copy of the mesh");
+}
