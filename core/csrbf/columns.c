@@ -1,5 +1,7 @@
 #include "csrbf/columns.h"
 
+#include "csrbf/lanes.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -7,7 +9,7 @@ enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of t
 
 mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err)
 {
-    *out = (columns){.capacity = capacity, .block_count = like->block_count};
+    *out = (columns){.capacity = capacity, .block_count = like->block_count, .lanes = lanes_now()};
     size_t rows = capacity;
     out->stride = (size_t)like->padded_count + STAGGER;
     if (capacity <= COLUMNS_CAPACITY && rows < SIZE_MAX / sizeof(float) / out->stride - 1) {
@@ -74,55 +76,20 @@ void columns_note_groups(columns *c, uint32_t count, uint32_t group)
     }
 }
 
-/* sum += value times (gx, gy, gz). */
-static void accumulate(float sum[3][POINTS_BLOCK], const float *restrict value, const float g[3])
-{
-    const float gx = g[0], gy = g[1], gz = g[2];
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        sum[0][i] += value[i] * gx;
-        sum[1][i] += value[i] * gy;
-        sum[2][i] += value[i] * gz;
-    }
-}
-
 void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], const float *weight, uint32_t block,
                  uint32_t first, uint32_t end)
 {
-    const uint16_t *active = c->active + (size_t)block * c->capacity;
-    memset(sum, 0, 3 * sizeof *sum);
-    for (uint32_t i = 0; i < c->active_count[block]; ++i) {
-        uint32_t column = active[i];
-        const float *g = weight + (size_t)3 * column;
-        bool counts = column >= first && column < end;
-        if (counts && (g[0] != 0.0f || g[1] != 0.0f || g[2] != 0.0f))
-            accumulate(sum, columns_row(c, column) + (size_t)block * POINTS_BLOCK, g);
-    }
-}
-
-static void add_row(float *out, const float *base, const float *restrict sum)
-{
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float moved = base[i] + sum[i];
-        out[i] = sum[i] == 0.0f ? base[i] : moved;
-    }
+    c->lanes->columns_sum(c, sum, weight, block, first, end);
 }
 
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block)
 {
-    size_t first = (size_t)block * POINTS_BLOCK;
-    add_row(out->x + first, base->x + first, sum[0]);
-    add_row(out->y + first, base->y + first, sum[1]);
-    add_row(out->z + first, base->z + first, sum[2]);
-    points_update_block(out, block);
+    lanes_of(ISA_GENERIC)->columns_add(out, base, sum, block);
 }
 
 void columns_move(columns *c, points *out, const points *base, const double *weight)
 {
     for (size_t i = 0; i < (size_t)3 * c->count; ++i)
         c->weight[i] = (float)weight[i];
-    for (uint32_t block = 0; block < c->block_count; ++block) {
-        float sum[3][POINTS_BLOCK];
-        columns_sum(c, sum, c->weight, block, 0, c->count);
-        columns_add(out, base, sum, block);
-    }
+    c->lanes->columns_move(c, out, base, 0, c->block_count);
 }

@@ -14,6 +14,7 @@ typedef struct columns {
     uint16_t *active;       /* block_count by capacity: columns that are not zero in the block */
     uint16_t *active_count; /* block_count */
     float *weight;          /* capacity by 3: scratch of a frame */
+    const struct lanes *lanes;
 } columns;
 
 enum { COLUMNS_CAPACITY = 65535 };

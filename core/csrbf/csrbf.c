@@ -12,7 +12,7 @@ struct csrbf_solver {
     saddle saddle[2]; /* the one in use, and one to factor into */
     uint32_t current;
     order_item *order_scratch; /* 2 by centre_capacity */
-    double *rhs;               /* centre_capacity by ENVELOPE_MANY */
+    double *rhs;               /* centre_capacity by RESPONSE_SCRATCH */
 };
 
 static const char *const kernel_names[] = {"wendland_c2", "wendland_c0", "wendland_c4",
@@ -55,7 +55,7 @@ csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
     size_t room = centre_capacity;
     solver->centre_capacity = centre_capacity;
     solver->order_scratch = calloc(2 * room + 1, sizeof *solver->order_scratch);
-    solver->rhs = calloc(room * ENVELOPE_MANY + 1, sizeof *solver->rhs);
+    solver->rhs = calloc(room * RESPONSE_SCRATCH + 1, sizeof *solver->rhs);
     bool first_made = saddle_create(&solver->saddle[0], centre_capacity);
     bool second_made = saddle_create(&solver->saddle[1], centre_capacity);
     if (first_made && second_made && solver->order_scratch && solver->rhs)

@@ -10,13 +10,15 @@
 
 /* Right-hand sides that are solved together: few for a pull, many for unit responses. */
 enum { ENVELOPE_FEW = 4, ENVELOPE_MANY = 16 };
+enum { ENVELOPE_LANES = 32 }; /* rows of a group: group[ENVELOPE_LANES * column + lane] */
 
 typedef struct envelope {
     uint32_t row_capacity, row_count;
     uint32_t *first; /* of each row: column of its first entry */
     size_t *start;   /* of each row: where it begins in value; row_capacity + 1 */
     double *value;   /* the matrix, then its factor */
-    double *group;   /* scratch of the factorisation: row_capacity by some lanes */
+    double *group;   /* scratch of the factorisation: row_capacity by ENVELOPE_LANES */
+    const struct lanes *lanes;
 } envelope;
 
 bool envelope_create(envelope *out, uint32_t row_capacity); /* false: no memory */

@@ -1,7 +1,7 @@
 #include "csrbf/field.h"
 
-#include "csrbf/columns.h"
 #include "csrbf/kernel.h"
+#include "csrbf/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,12 +13,15 @@ static const double noise_ratio = 1e-4;
 bool field_create(field *out, uint32_t centre_capacity)
 {
     size_t room = (size_t)3 * centre_capacity + 1;
-    *out = (field){.settings = {.radius = 1.0}};
+    *out = (field){.settings = {.radius = 1.0}, .lanes = lanes_now()};
     out->centre = calloc(room, sizeof *out->centre);
     out->alpha = calloc(room, sizeof *out->alpha);
     out->local_centre = calloc(room, sizeof *out->local_centre);
     out->local_alpha = calloc(room, sizeof *out->local_alpha);
-    if (out->centre && out->alpha && out->local_centre && out->local_alpha)
+    out->along[0] = calloc(room, sizeof *out->along[0]);
+    out->along[1] = out->along[0] ? out->along[0] + centre_capacity : NULL;
+    out->along[2] = out->along[1] ? out->along[1] + centre_capacity : NULL;
+    if (out->centre && out->alpha && out->along[0] && out->local_centre && out->local_alpha)
         return true;
     field_destroy(out);
     return false;
@@ -30,6 +33,7 @@ void field_destroy(field *f)
         return;
     free(f->centre);
     free(f->alpha);
+    free(f->along[0]);
     free(f->local_centre);
     free(f->local_alpha);
     *f = (field){0};
@@ -51,6 +55,7 @@ void field_begin(field *f)
         f->origin[axis] = (float)f->hull.centre[axis];
     for (size_t i = 0; i < f->centre_count; ++i)
         for (size_t axis = 0; axis < 3; ++axis) {
+            f->along[axis][i] = f->centre[3 * i + axis];
             double local = f->centre[3 * i + axis] - (double)f->origin[axis];
             f->local_centre[3 * i + axis] = (float)local;
             reach = fabs(local) > reach ? fabs(local) : reach;
@@ -143,83 +148,6 @@ bool field_reaches(const field *f, uint32_t centre, const points_bounds *block)
     return points_bounds_distance_squared(block, f->centre + (size_t)3 * centre) < radius * radius;
 }
 
-void field_rows_load(const field *f, field_rows *rows, const points *in, uint32_t block)
-{
-    size_t first = (size_t)block * POINTS_BLOCK;
-    const float *x = in->x + first, *y = in->y + first, *z = in->z + first;
-    const float ox = f->origin[0], oy = f->origin[1], oz = f->origin[2];
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        rows->x[i] = x[i] - ox;
-        rows->y[i] = y[i] - oy;
-        rows->z[i] = z[i] - oz;
-    }
-}
-
-void field_rows_from(const field *f, field_rows *rows, uint32_t centre)
-{
-    const float *c = f->local_centre + (size_t)3 * centre;
-    const float cx = c[0], cy = c[1], cz = c[2];
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float dx = rows->x[i] - cx, dy = rows->y[i] - cy, dz = rows->z[i] - cz;
-        rows->dx[i] = dx;
-        rows->dy[i] = dy;
-        rows->dz[i] = dz;
-        rows->q[i] = dx * dx + dy * dy + dz * dz;
-    }
-}
-
-/* sum: 3 by POINTS_BLOCK. Adds window times p, which may be beyond float where window is 0. */
-static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const float *window,
-                           const points *in, uint32_t block)
-{
-    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        double x[3], p[3];
-        if (window[i] == 0.0f)
-            continue;
-        points_at(x, in, (size_t)block * POINTS_BLOCK + i);
-        field_polynomial(f, p, x);
-        for (int axis = 0; axis < 3; ++axis)
-            sum[axis][i] += window[i] * (float)p[axis];
-    }
-}
-
-/* False when d is zero all over the block; sum is set then, too. */
-static bool block_displacement(const field *f, float sum[3][POINTS_BLOCK], const points *in,
-                               uint32_t block)
-{
-    field_rows rows;
-    float weight[POINTS_BLOCK], window[POINTS_BLOCK];
-    float inverse_radius = (float)(1.0 / f->settings.radius);
-    bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
-    memset(sum, 0, 3 * sizeof *sum);
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        window[i] = 1.0f;
-    for (uint32_t centre = 0; centre < f->centre_count; ++centre) {
-        if (!field_reaches(f, centre, &in->block[block]))
-            continue;
-        if (!reached)
-            field_rows_load(f, &rows, in, block);
-        reached = true;
-        field_rows_from(f, &rows, centre);
-        kernel_values_f32(f->settings.kernel, weight, rows.q, inverse_radius, f->local_limit);
-        const float *alpha = f->local_alpha + (size_t)3 * centre;
-        const float ax = alpha[0], ay = alpha[1], az = alpha[2];
-        for (int i = 0; i < POINTS_BLOCK; ++i) {
-            sum[0][i] += weight[i] * ax;
-            sum[1][i] += weight[i] * ay;
-            sum[2][i] += weight[i] * az;
-        }
-        for (int i = 0; windowed && i < POINTS_BLOCK; ++i)
-            window[i] *= 1.0f - weight[i];
-    }
-    if (f->term_count == 0 || (windowed && !reached))
-        return reached;
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        window[i] = windowed ? 1.0f - window[i] : 1.0f;
-    add_polynomial(f, sum, window, in, block);
-    return true;
-}
-
 static void copy_block(points *out, const points *in, uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
@@ -256,7 +184,7 @@ static bool block_displacement_f64(const field *f, float sum[3][POINTS_BLOCK], c
 bool field_in_block(const field *f, float sum[3][POINTS_BLOCK], const points *in, uint32_t block)
 {
     return f->needs_double ? block_displacement_f64(f, sum, in, block)
-                           : block_displacement(f, sum, in, block);
+                           : f->lanes->field_block(f, sum, in, block);
 }
 
 uint32_t field_move(const field *f, points *out, const points *in)
@@ -265,7 +193,7 @@ uint32_t field_move(const field *f, points *out, const points *in)
     for (uint32_t block = 0; block < in->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
         if (field_in_block(f, sum, in, block)) {
-            columns_add(out, in, sum, block);
+            f->lanes->columns_add(out, in, sum, block);
             ++moved;
         } else if (out->x != in->x) {
             copy_block(out, in, block);

@@ -11,12 +11,14 @@ typedef struct field {
     csrbf_settings settings;
     uint32_t centre_count, term_count; /* terms of p: 1 and the coordinates along the hull */
     double *centre, *alpha;            /* centre_count by 3 */
+    double *along[3];                  /* centre_count each: the centres by axis */
     double beta[4][3];
     hull hull;
     /* For float: centres from `origin`, and the squared distance from which on phi is 0. It is a
      * few roundings less than R^2, so that nothing at or beyond R is ever touched. */
     float *local_centre, *local_alpha; /* centre_count by 3 */
     float origin[3], local_limit;
+    const struct lanes *lanes;
     bool needs_double; /* alpha cancels so much that float evaluation would be noise */
 } field;
 
@@ -28,15 +30,6 @@ void field_begin(field *f);
 /* Takes alpha (rows of `stride`, 3 of them used) over; beta is the caller's to set. largest_g: the
  * largest size of a displacement, which alpha is measured by. */
 void field_set_alpha(field *f, const double *alpha, uint32_t stride, double largest_g);
-
-/* Rows of one block of vertices, in float. */
-typedef struct field_rows {
-    float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK];    /* from the field's origin */
-    float dx[POINTS_BLOCK], dy[POINTS_BLOCK], dz[POINTS_BLOCK]; /* from one centre */
-    float q[POINTS_BLOCK];                                      /* dx^2 + dy^2 + dz^2 */
-} field_rows;
-void field_rows_load(const field *f, field_rows *rows, const points *in, uint32_t block);
-void field_rows_from(const field *f, field_rows *rows, uint32_t centre);
 
 /* local_limit, in double. */
 double field_limit(const field *f);

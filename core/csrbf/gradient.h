@@ -10,5 +10,7 @@ typedef struct gradient {
 
 /* False when grad d is zero all over the block; it is set to zero then. */
 bool gradient_of(const field *f, gradient *out, const points *at, uint32_t block);
+/* grad p: [a][b] is the derivative of p_a by x_b. */
+matrix3 gradient_polynomial(const field *f);
 
 #endif

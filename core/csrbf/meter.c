@@ -2,10 +2,11 @@
 
 #include "csrbf/gradient.h"
 #include "csrbf/kernel.h"
+#include "csrbf/lanes.h"
 
 #include <math.h>
 
-static uint32_t lanes_of(const points *at, uint32_t block)
+static uint32_t lanes_of_block(const points *at, uint32_t block)
 {
     uint32_t left = at->count - block * POINTS_BLOCK;
     return left < POINTS_BLOCK ? left : POINTS_BLOCK;
@@ -20,38 +21,20 @@ static matrix3 lane_of(const gradient *from, uint32_t lane)
     return out;
 }
 
-static double determinant_of_map(const matrix3 *m)
-{
-    double a = 1.0 + m->at[0][0], b = m->at[0][1], c = m->at[0][2];
-    double d = m->at[1][0], e = 1.0 + m->at[1][1], f = m->at[1][2];
-    double g = m->at[2][0], h = m->at[2][1], i = 1.0 + m->at[2][2];
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
-}
-
 double meter_min_determinant(const field *f, const points *at)
 {
-    double smallest = 1.0;
+    double smallest = 1.0, determinant[POINTS_BLOCK];
     bool first = true;
     for (uint32_t block = 0; block < at->block_count; ++block) {
         gradient slopes;
         bool bent = gradient_of(f, &slopes, at, block);
-        for (uint32_t lane = 0; lane < (bent ? lanes_of(at, block) : 1); ++lane) {
-            matrix3 g = lane_of(&slopes, lane);
-            double determinant = determinant_of_map(&g);
-            smallest = first || determinant < smallest ? determinant : smallest;
+        f->lanes->determinants(determinant, &slopes);
+        for (uint32_t lane = 0; lane < (bent ? lanes_of_block(at, block) : 1); ++lane) {
+            smallest = first || determinant[lane] < smallest ? determinant[lane] : smallest;
             first = false;
         }
     }
     return smallest;
-}
-
-static double sum_of_squares(const matrix3 *m)
-{
-    double sum = 0.0;
-    for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b)
-            sum += m->at[a][b] * m->at[a][b];
-    return sum;
 }
 
 /* Square of the largest singular value. */
@@ -72,14 +55,16 @@ static double length(const double v[3])
 
 static double vertex_slope(const field *f, const points *at)
 {
-    double largest = 0.0; /* squared */
+    double largest = 0.0, square[POINTS_BLOCK]; /* squared */
     for (uint32_t block = 0; block < at->block_count; ++block) {
         gradient slopes;
-        uint32_t lanes = gradient_of(f, &slopes, at, block) ? lanes_of(at, block) : 0;
-        for (uint32_t lane = 0; lane < lanes; ++lane) {
-            matrix3 g = lane_of(&slopes, lane);
-            if (sum_of_squares(&g) <= largest)
+        uint32_t count = gradient_of(f, &slopes, at, block) ? lanes_of_block(at, block) : 0;
+        if (count > 0)
+            f->lanes->squares(square, &slopes);
+        for (uint32_t lane = 0; lane < count; ++lane) {
+            if (square[lane] <= largest)
                 continue; /* it bounds the norm from above */
+            matrix3 g = lane_of(&slopes, lane);
             double squared = norm_squared(&g);
             largest = squared > largest ? squared : largest;
         }

@@ -1,6 +1,7 @@
 #include "csrbf/points.h"
 
 #include "csrbf/order.h"
+#include "csrbf/points_range.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -123,48 +124,9 @@ void points_to_rows(float *out_xyz, const points *p, const points_order *order)
     }
 }
 
-static inline float lesser(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static inline float greater(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-/* By halves, so that the loops run on whole vectors; minimum and maximum depend on no order. */
-static void range_of(float *out_low, float *out_high, const float *value)
-{
-    enum { HALF = POINTS_BLOCK / 2, QUARTER = HALF / 2, EIGHTH = HALF / 4, LANES = HALF / 8 };
-    float low[HALF], high[HALF];
-    for (int i = 0; i < HALF; ++i) {
-        low[i] = lesser(value[i], value[i + HALF]);
-        high[i] = greater(value[i], value[i + HALF]);
-    }
-    for (int i = 0; i < QUARTER; ++i) {
-        low[i] = lesser(low[i], low[i + QUARTER]);
-        high[i] = greater(high[i], high[i + QUARTER]);
-    }
-    for (int i = 0; i < EIGHTH; ++i) {
-        low[i] = lesser(low[i], low[i + EIGHTH]);
-        high[i] = greater(high[i], high[i + EIGHTH]);
-    }
-    for (int i = 0; i < LANES; ++i) {
-        low[i] = lesser(low[i], low[i + LANES]);
-        high[i] = greater(high[i], high[i + LANES]);
-    }
-    *out_low = lesser(lesser(low[0], low[1]), lesser(low[2], low[3]));
-    *out_high = greater(greater(high[0], high[1]), greater(high[2], high[3]));
-}
-
 void points_update_block(points *p, uint32_t block)
 {
-    size_t first = (size_t)block * POINTS_BLOCK;
-    points_bounds *bounds = &p->block[block];
-    range_of(&bounds->low[0], &bounds->high[0], p->x + first);
-    range_of(&bounds->low[1], &bounds->high[1], p->y + first);
-    range_of(&bounds->low[2], &bounds->high[2], p->z + first);
+    points_range_of_block(p, block);
 }
 
 void points_update_bounds(points *p)

@@ -4,9 +4,11 @@
 #define MAROTTE_CSRBF_RESPONSE_H
 #include "csrbf/saddle.h"
 
+enum { RESPONSE_SCRATCH = 48 }; /* doubles for each centre */
+
 /* out: a row of `stride` floats per control; zero in blocks that are not wanted (NULL: all are).
- * alpha: scratch of centre_count by ENVELOPE_MANY. */
-void response_fill(const saddle *s, double *alpha, float *out, size_t stride, const points *in,
+ * scratch: centre_count by RESPONSE_SCRATCH. */
+void response_fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
                    const uint8_t *wanted);
 
 #endif

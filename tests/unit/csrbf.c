@@ -9,6 +9,7 @@
 #include "csrbf/envelope.h"
 #include "csrbf/hull.h"
 #include "csrbf/kernel.h"
+#include "csrbf/kernel_rows.h"
 #include "csrbf/order.h"
 
 #include <math.h>

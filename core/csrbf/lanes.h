@@ -1,0 +1,60 @@
+/* csrbf/lanes.h - the inner loops of the room, compiled once for each instruction set (base/isa.h)
+ * from the same sources: lanes_*.c. All of them give the same bits: every vertex and every entry of
+ * a factor is its own sum in a fixed order, without fused multiplications, and square roots are
+ * rounded correctly everywhere. Who holds memory of the room (columns, field, envelope) takes the
+ * table of its day when it is created. Inside the room. Pure; any thread. */
+#ifndef MAROTTE_CSRBF_LANES_H
+#define MAROTTE_CSRBF_LANES_H
+#include "base/isa.h"
+#include "csrbf/columns.h"
+#include "csrbf/envelope.h"
+#include "csrbf/field.h"
+#include "csrbf/gradient.h"
+
+/* Unit responses that are evaluated together: alpha is centre_count by `stride`, `count` columns of
+ * it are used. */
+typedef struct lanes_responses {
+    const double *alpha;
+    size_t stride;
+    uint32_t count;
+    const double *beta; /* 4 by stride */
+} lanes_responses;
+
+enum { LANES_RESPONSES = 32 }; /* at most so many columns together */
+
+typedef struct lanes {
+    /* csrbf/columns.h says what the first three do. move: blocks first .. end - 1 of the frame with
+     * c->weight. */
+    void (*columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], const float *weight,
+                        uint32_t block, uint32_t first, uint32_t end);
+    void (*columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK],
+                        uint32_t block);
+    void (*columns_move)(const columns *c, points *out, const points *base, uint32_t first,
+                         uint32_t end);
+    /* total += weight times sum, by vertices. */
+    void (*add_weighted)(float total[3][POINTS_BLOCK], const float *weight,
+                         float sum[3][POINTS_BLOCK]);
+
+    /* In float; as field_in_block and gradient_of. */
+    bool (*field_block)(const field *f, float sum[3][POINTS_BLOCK], const points *in,
+                        uint32_t block);
+    bool (*gradient_block)(const field *f, gradient *out, const points *at, uint32_t block);
+    /* Of the map I + grad d at each vertex of a block. */
+    void (*determinants)(double out[POINTS_BLOCK], const gradient *g);
+    /* Sum of squares of grad d. */
+    void (*squares)(double out[POINTS_BLOCK], const gradient *g);
+
+    /* sum: count by POINTS_BLOCK, in double. */
+    void (*responses_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                            const points *in, uint32_t block);
+
+    /* As envelope_factor and the two solves. */
+    bool (*factor)(envelope *e, double smallest_pivot, uint32_t *out_row);
+    void (*solve_few)(const envelope *e, double *rhs);
+    void (*solve_many)(const envelope *e, double *rhs);
+} lanes;
+
+const lanes *lanes_of(isa which); /* NULL: not compiled in, or not of this machine */
+const lanes *lanes_now(void);     /* of isa_now */
+
+#endif
