@@ -9,23 +9,39 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char exports_names[] = ".glb, .pc2, .mdd, .csv or .png";
+const char exports_names[] = ".glb, .pc2, .mdd, .csv, .png, .mp4 or / (a folder)";
 
 static const struct {
     const char *extension;
     exports_format format;
 } formats[] = {
     {"glb", EXPORTS_GLB}, {"pc2", EXPORTS_PC2}, {"mdd", EXPORTS_MDD},
-    {"csv", EXPORTS_CSV}, {"png", EXPORTS_PNG},
+    {"csv", EXPORTS_CSV}, {"png", EXPORTS_PNG}, {"mp4", EXPORTS_MP4},
 };
 
 exports_format exports_format_of(const char *path)
 {
     file_extension extension = file_extension_of(path);
+    size_t length = strlen(path);
+    if (length > 0 && path[length - 1] == '/')
+        return EXPORTS_FOLDER;
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i)
         if (strcmp(extension.text, formats[i].extension) == 0)
             return formats[i].format;
     return EXPORTS_NONE;
+}
+
+bool exports_is_video(exports_format format)
+{
+    return format == EXPORTS_MP4 || format == EXPORTS_FOLDER;
+}
+
+bool exports_need_clip(const exports_file *file, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (!exports_is_video(file[i].format))
+            return true;
+    return false;
 }
 
 static mrt_result check_export(const char *path, error *err)
@@ -50,6 +66,8 @@ static mrt_result check_export(const char *path, error *err)
 mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
 {
     for (uint32_t i = 0; i < count; ++i) {
+        if (file[i].format == EXPORTS_FOLDER)
+            continue; /* video_folder.h knows better */
         mrt_result result = check_export(file[i].path, err);
         if (result < 0)
             return result;
@@ -94,6 +112,8 @@ static mrt_result write_one(const exports_file *file, const clip *frames,
     case EXPORTS_PNG:
         return sheet_write(file->path, frames, settings->title, err);
     case EXPORTS_NONE:
+    case EXPORTS_MP4:
+    case EXPORTS_FOLDER:
         break;
     }
     return error_set(err, MRT_ERR_UNSUPPORTED, "%s: unknown format", file->path);
@@ -105,6 +125,8 @@ mrt_result exports_write(const exports_file *file, uint32_t count, const clip *f
     export_progress steps = {on_export, shown};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < count && result >= 0; ++i) {
+        if (exports_is_video(file[i].format))
+            continue;
         progress_start(shown, "writing");
         result = write_one(&file[i], frames, settings, &steps, told, err);
         progress_end(shown);

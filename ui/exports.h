@@ -13,7 +13,9 @@ typedef enum exports_format {
     EXPORTS_PC2,
     EXPORTS_MDD,
     EXPORTS_CSV,
-    EXPORTS_PNG
+    EXPORTS_PNG,
+    EXPORTS_MP4,
+    EXPORTS_FOLDER /* of pictures: a name that ends in '/' */
 } exports_format;
 
 typedef struct exports_file {
@@ -23,8 +25,11 @@ typedef struct exports_file {
 
 /* What exports_format_of knows: ".glb, .pc2 ...". */
 extern const char exports_names[];
-/* By the extension; EXPORTS_NONE: none of ours. */
+/* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);
+/* Written frame by frame while it is performed (exports_video.h); all others from a clip. */
+bool exports_is_video(exports_format format);
+bool exports_need_clip(const exports_file *file, uint32_t count);
 
 /* A file that cannot be written is better known before an hour of performing. */
 CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error *err);
@@ -35,7 +40,8 @@ typedef struct exports_settings {
     const char *title; /* of pictures */
 } exports_settings;
 
-/* Tells each file that was written, and the memory that was used. */
+/* All but the videos. Tells each file that was written, and the memory that was used. frames: may
+ * be NULL where no clip is needed. */
 CHECKED mrt_result exports_write(const exports_file *file, uint32_t count, const clip *frames,
                                  const exports_settings *settings, progress *shown, facts *told,
                                  error *err);

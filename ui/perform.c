@@ -1,6 +1,7 @@
 /* marotte perform: a performance without a window. */
 #include "command.h"
 #include "constraint_cost.h"
+#include "exports_video.h"
 #include "facts.h"
 #include "keys.h"
 #include "news.h"
@@ -37,6 +38,7 @@ typedef struct performance {
     performer *performer;
     recording recording;
     perform_record record;
+    exports_video videos;
     player_report report;
     progress progress;
 } performance;
@@ -94,10 +96,22 @@ static mrt_result open_inputs(performance *self, error *err)
     return result;
 }
 
+static mrt_result open_videos(performance *self, error *err)
+{
+    video_settings settings = {.mesh = &self->face.mesh,
+                               .pace = self->clock == CLOCK_REAL ? VIDEO_LIVE : VIDEO_EVERY_FRAME,
+                               .timecode = ""};
+    mrt_result result = timecode_rate_of(&settings.rate, self->options->fps, err);
+    return result < 0 ? result : exports_video_open(&self->videos, &settings, err);
+}
+
 static mrt_result prepare(performance *self, error *err)
 {
     const perform_options *options = self->options;
+    exports_video_choose(&self->videos, options->exports, options->export_count, &options->look);
     mrt_result result = exports_check(options->exports, options->export_count, err);
+    if (result >= 0)
+        result = exports_video_check(&self->videos, err);
     if (result < 0)
         return result;
     self->log = log_queue_create();
@@ -125,7 +139,13 @@ static mrt_result prepare(performance *self, error *err)
     if (result >= 0)
         result = perform_mapping_watch(&self->mapping, options, self->performer, self->log, err);
     if (result >= 0)
-        result = recording_create(&self->recording, &self->face.mesh, options->fps, NULL, err);
+        result = recording_create(&self->recording, &self->face.mesh, options->fps,
+                                  exports_need_clip(options->exports, options->export_count)
+                                      ? RECORDING_KEEPS
+                                      : RECORDING_MEASURES,
+                                  err);
+    if (result >= 0)
+        result = open_videos(self, err);
     const perform_record_of of = {.plugins = &self->plugins,
                                   .log = self->log,
                                   .clock = self->clock,
@@ -139,6 +159,7 @@ static mrt_result prepare(performance *self, error *err)
 
 static void finish(performance *self)
 {
+    exports_video_close(&self->videos);
     perform_record_finish(&self->record);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
@@ -177,6 +198,8 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     progress_show(&self->progress,
                   self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);
     mrt_result result = check_pulls(self, err);
+    if (result >= 0)
+        result = exports_video_add(&self->videos, performer_composer(self->performer), err);
     if (result < 0)
         return result;
     return recording_add(&self->recording, performer_composer(self->performer), work_ns, err);
@@ -346,6 +369,21 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
                          &settings, &self->progress, told, err);
 }
 
+static mrt_result add_sound(performance *self, error *err)
+{
+    char *wav;
+    const char *mp4 = exports_video_mp4(&self->videos);
+    double length_s = (double)self->report.frame_count / self->options->fps;
+    if (!mp4)
+        return MRT_OK;
+    mrt_result result = perform_sound_write(&self->record.sound, self->record.take, length_s, mp4,
+                                            &wav, &self->progress, err);
+    if (result >= 0 && wav)
+        result = exports_video_add_sound(&self->videos, wav, err);
+    exports_video_sound_remove(wav);
+    return result;
+}
+
 static int run(int argc, char **argv)
 {
     perform_options options;
@@ -365,9 +403,12 @@ static int run(int argc, char **argv)
         report_performance(&self, told);
         result = report_constraints(&self, told, &err);
     }
-    if (result >= 0) {
+    if (result >= 0)
+        result = exports_video_finish(&self.videos, told, &err);
+    if (result >= 0)
+        result = add_sound(&self, &err);
+    if (result >= 0)
         result = write_exports(&self, told, &err);
-    }
     if (result >= 0 && self.report.input_failed)
         result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
                            input_name(self.inputs[0]));
@@ -407,6 +448,12 @@ const command command_perform = {
         "                     .pc2 .mdd   vertex caches, mm\n"
         "                     .csv   the control vectors as text, mm\n"
         "                     .png   a contact sheet of eight moments\n"
+        "                     .mp4   H.264 (by the program ffmpeg); with --sound, as recorded\n"
+        "                     frames/   a folder: pictures 00001.png and on\n"
+        "  --size WxH         of .mp4 and pictures, pixels (1280x720)\n"
+        "  --view front|side|three-quarter   from where the face is seen\n"
+        "  --mirror           left and right change places\n"
+        "  --background #RRGGBB|transparent   (a dark wall); transparent: pictures only\n"
         "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
         "  --seconds N        stop after so much of the performance\n"
         "  --isolate auto|on|off   run the mapping in a process of its own, so that a crash or a\n"

@@ -16,6 +16,10 @@ enum {
     OPTION_EXPORT,
     OPTION_FPS,
     OPTION_SECONDS,
+    OPTION_SIZE,
+    OPTION_VIEW,
+    OPTION_MIRROR,
+    OPTION_BACKGROUND,
     OPTION_TOLERANCE,
     OPTION_MAX_TARGETS,
     OPTION_HAND_LENGTH,
@@ -39,6 +43,10 @@ static const struct option option_table[] = {
     {"export", required_argument, NULL, OPTION_EXPORT},
     {"fps", required_argument, NULL, OPTION_FPS},
     {"seconds", required_argument, NULL, OPTION_SECONDS},
+    {"size", required_argument, NULL, OPTION_SIZE},
+    {"view", required_argument, NULL, OPTION_VIEW},
+    {"mirror", no_argument, NULL, OPTION_MIRROR},
+    {"background", required_argument, NULL, OPTION_BACKGROUND},
     {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
     {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
@@ -158,6 +166,41 @@ static int read_isolation(perform_options *out, const command *self, const char 
     return command_usage(self, "--isolate \"%s\" is not auto, on or off", text);
 }
 
+static int read_look(perform_options *out, const command *self, int option, const char *text)
+{
+    bool is_understood = true;
+    const char *name = "mirror", *possible = "";
+    switch (option) {
+    case OPTION_SIZE:
+        name = "size", possible = video_look_sizes;
+        is_understood = video_look_size(&out->look, text);
+        break;
+    case OPTION_VIEW:
+        name = "view", possible = video_look_views;
+        is_understood = video_look_view(&out->look, text);
+        break;
+    case OPTION_BACKGROUND:
+        name = "background", possible = video_look_grounds;
+        is_understood = video_look_ground(&out->look, text);
+        break;
+    default:
+        out->look.is_mirrored = true;
+    }
+    return is_understood ? COMMAND_DONE
+                         : command_usage(self, "--%s \"%s\" is not %s", name, text, possible);
+}
+
+/* What the look cannot be of. */
+static int check_look(const perform_options *out, const command *self)
+{
+    error err;
+    for (uint32_t i = 0; i < out->export_count; ++i)
+        if (out->exports[i].format == EXPORTS_MP4 &&
+            video_look_check_mp4(&out->look, out->exports[i].path, &err) < 0)
+            return command_usage(self, "%s", err.text);
+    return COMMAND_DONE;
+}
+
 static int read_option(perform_options *out, const command *self, int option, const char *text)
 {
     double number = 0;
@@ -177,6 +220,11 @@ static int read_option(perform_options *out, const command *self, int option, co
         return read_number(self, "fps", text, 1, 1000, &out->fps);
     case OPTION_SECONDS:
         return read_number(self, "seconds", text, 0.001, 1e6, &out->seconds);
+    case OPTION_SIZE:
+    case OPTION_VIEW:
+    case OPTION_MIRROR:
+    case OPTION_BACKGROUND:
+        return read_look(out, self, option, text);
     case OPTION_TOLERANCE:
         return read_number(self, "tolerance", text, 1e-6, 1e3, &out->tolerance_mm);
     case OPTION_HAND_LENGTH:
@@ -219,7 +267,7 @@ static int read_option(perform_options *out, const command *self, int option, co
 
 int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
 {
-    *out = (perform_options){.fps = 30.0, .scene = "", .shot = ""};
+    *out = (perform_options){.fps = 30.0, .scene = "", .shot = "", .look = video_look_usual()};
     int code = COMMAND_DONE;
     opterr = 0;
     optind = 1;
@@ -244,6 +292,8 @@ int perform_options_read(perform_options *out, const command *self, int argc, ch
         code = command_usage(self, "--map is missing");
     if (code == COMMAND_DONE && out->has_sound && !out->record)
         code = command_usage(self, "--sound needs --record SHOW, where it is kept");
+    if (code == COMMAND_DONE)
+        code = check_look(out, self);
     if (code != COMMAND_DONE)
         perform_options_finish(out);
     return code;

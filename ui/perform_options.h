@@ -5,6 +5,7 @@
 #include "exports.h"
 #include "io/mesh_file.h"
 #include "spec.h"
+#include "video_look.h"
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 
@@ -22,6 +23,7 @@ typedef struct perform_options {
     plugin_spec map;
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;
+    video_look look; /* of the videos among them */
     double fps, seconds, tolerance_mm, hand_length_mm;
     const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
     uint32_t calibration_count, rezero_pedal;

@@ -1,5 +1,6 @@
 #include "perform_sound.h"
 #include "base/clock.h"
+#include "exports_video.h"
 #include "take/edit_store.h"
 
 #include <stdio.h>
@@ -99,6 +100,21 @@ mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *tol
     if (status.record.gap_count)
         facts_number(told, "sound_gaps", "  gaps", status.record.gap_count, 0, "");
     return MRT_OK;
+}
+
+mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double length_s,
+                               const char *beside, char **out_path, progress *shown, error *err)
+{
+    take t = {0};
+    *out_path = NULL;
+    if (!self->sound)
+        return MRT_OK;
+    mrt_result result = edit_store_take(&t, self->show, take_id, err);
+    if (result >= 0 && t.audio.audio != 0)
+        result = exports_video_sound(out_path, self->show, &t, 0, (int64_t)(length_s * 1e9), beside,
+                                     shown, err);
+    take_finish(&t);
+    return result;
 }
 
 void perform_sound_finish(perform_sound *self)

@@ -3,6 +3,7 @@
 #ifndef MAROTTE_UI_PERFORM_SOUND_H
 #define MAROTTE_UI_PERFORM_SOUND_H
 #include "facts.h"
+#include "progress.h"
 #include "stage/sound.h"
 
 typedef struct perform_sound {
@@ -19,6 +20,11 @@ void perform_sound_stop(perform_sound *self);
 /* What was recorded becomes the take's sound; the writer has been flushed or stopped. */
 CHECKED mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told,
                                         error *err);
+/* The take's sound from its start on as a WAV beside a file, for exports_video_sound_remove; NULL:
+ * it has none. */
+CHECKED mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double length_s,
+                                       const char *beside, char **out_path, progress *shown,
+                                       error *err);
 void perform_sound_finish(perform_sound *self); /* zeroed is fine */
 
 #endif

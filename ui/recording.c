@@ -3,11 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-mrt_result recording_create(recording *out, const mesh *m, double fps, const char *clip_directory,
+mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
                             error *err)
 {
     *out = (recording){.mesh = m, .min_determinant = 1.0};
-    out->clip = clip_create(m, fps, clip_directory, err);
+    if (use == RECORDING_MEASURES)
+        return MRT_OK;
+    out->clip = clip_create(m, fps, NULL, err);
     if (!out->clip)
         return MRT_ERR_IO;
     out->rows = malloc((size_t)m->vertex_count * 3 * sizeof *out->rows);
@@ -157,6 +159,14 @@ static void measure_motion(recording *self, const face *f)
     self->furthest_mm = fmax(self->furthest_mm, sqrt((double)furthest));
 }
 
+static mrt_result keep_frame(recording *self, composer *from, const face_columns *now, error *err)
+{
+    const face *f = composer_face(from);
+    bool is_exact = composer_is_anchored(from) && now->is_exact;
+    mrt_result result = is_exact ? add_anchored(self, f, now, err) : add_free(self, f, err);
+    return result < 0 ? result : add_controls(self, composer_pull(from), err);
+}
+
 mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err)
 {
     const face *f = composer_face(from);
@@ -170,13 +180,7 @@ mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error
         meter_folds(self, f);
     if (is_anchored && !now.is_exact)
         self->inexact_frames += 1;
-    if (is_anchored && now.is_exact)
-        result = add_anchored(self, f, &now, err);
-    else
-        result = add_free(self, f, err);
-    if (result >= 0)
-        result = add_controls(self, composer_pull(from), err);
-    return result;
+    return self->clip ? keep_frame(self, from, &now, err) : MRT_OK;
 }
 
 static int by_size(const void *a, const void *b)

@@ -1,13 +1,18 @@
-/* recording.h - what a headless performance leaves behind: its frames as a clip for the exporters,
- * how long each took, how far the face moved, and whether it folded. Fed with drawn frames; nothing
- * here counts as frame time. [main] */
+/* recording.h - what a headless performance leaves behind: its frames as a clip for the exporters
+ * that need one, how long each took, how far the face moved, and whether it folded. Fed with drawn
+ * frames; nothing here counts as frame time. [main] */
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
 #include "io/clip.h"
 #include "stage/composer.h"
 
+typedef enum recording_use {
+    RECORDING_KEEPS = 0,
+    RECORDING_MEASURES /* no clip is needed: memory does not grow with what the frames show */
+} recording_use;
+
 typedef struct recording {
-    clip *clip;
+    clip *clip; /* NULL: it only measures */
     const mesh *mesh;
     uint32_t engagement; /* of the face's columns at the last segment begun */
     bool has_segment;
@@ -27,9 +32,8 @@ typedef struct recording {
     uint32_t inexact_frames; /* anchored, but kept as vertices: the projection was at work */
 } recording;
 
-/* clip_directory: see clip_create. */
-CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps,
-                                    const char *clip_directory, error *err);
+CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
+                                    error *err);
 void recording_destroy(recording *self);
 
 /* Takes the face shown as the next frame. */

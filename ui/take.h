@@ -59,6 +59,10 @@ typedef enum take_option {
     TAKE_NAME_OPTION,
     TAKE_REALTIME,
     TAKE_REZERO_PEDAL,
+    TAKE_SIZE,
+    TAKE_VIEW,
+    TAKE_MIRROR,
+    TAKE_BACKGROUND,
     TAKE_OPTION_COUNT
 } take_option;
 #define TAKE_BIT(option) (UINT64_C(1) << (option))

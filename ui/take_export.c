@@ -1,19 +1,76 @@
 /* Takes out of the program: frames at a true frame rate, sound, and the sum of all vertices. */
 #include "base/file.h"
+#include "exports_video.h"
 #include "recording.h"
 #include "take/sound_file.h"
 #include "take_play.h"
 #include "take_stage.h"
 
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Ctrl-C: what is half done is removed ---- */
+
+static _Atomic bool stop_asked;
+
+static void ask_stop(int number)
+{
+    (void)number;
+    atomic_store(&stop_asked, true);
+}
+
+static void catch_signals(void)
+{
+    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+/* ---- what the videos look like ---- */
+
+static mrt_result read_look(take_call *call, video_look *out, error *err)
+{
+    const char *size = call->text[TAKE_SIZE], *view = call->text[TAKE_VIEW],
+               *ground = call->text[TAKE_BACKGROUND];
+    *out = video_look_usual();
+    out->is_mirrored = call->text[TAKE_MIRROR] != NULL;
+    if (size && !video_look_size(out, size))
+        return take_misused(call, err, "--size \"%s\" is not %s", size, video_look_sizes);
+    if (view && !video_look_view(out, view))
+        return take_misused(call, err, "--view \"%s\" is not %s", view, video_look_views);
+    if (ground && !video_look_ground(out, ground))
+        return take_misused(call, err, "--background \"%s\" is not %s", ground, video_look_grounds);
+    error why;
+    for (uint32_t i = 0; i < call->export_count; ++i)
+        if (call->exports[i].format == EXPORTS_MP4 &&
+            video_look_check_mp4(out, call->exports[i].path, &why) < 0)
+            return take_misused(call, err, "%s", why.text);
+    return MRT_OK;
+}
+
 /* ---- frames ---- */
+
+typedef struct kept { /* of each frame */
+    recording measured;
+    exports_video *videos;
+    char *sound; /* of the videos; owned */
+    uint64_t frame_count;
+} kept;
 
 static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
-    return recording_add(data, sequencer_composer(from->sequencer), 0, err);
+    kept *self = data;
+    composer *shown = sequencer_composer(from->sequencer);
+    if (atomic_load(&stop_asked))
+        return error_set(err, MRT_ERR_IO, "stopped at frame %ju: nothing is written",
+                         (uintmax_t)self->frame_count);
+    self->frame_count += 1;
+    mrt_result result = exports_video_add(self->videos, shown, err);
+    return result < 0 ? result : recording_add(&self->measured, shown, 0, err);
 }
 
 static void label_first(clip_start *out, const take *t, const take_frames *frames)
@@ -27,7 +84,7 @@ static void label_first(clip_start *out, const take *t, const take_frames *frame
 }
 
 static void tell_frames(take_call *call, const take_stage *stage, const clip_start *start,
-                        const take_frames *frames, const recording *kept)
+                        const take_frames *frames, const recording *measured)
 {
     facts *told = call->told;
     char rate[32];
@@ -41,38 +98,76 @@ static void tell_frames(take_call *call, const take_stage *stage, const clip_sta
     facts_number(told, "frames", "frames", (double)frames->count, 0, "");
     facts_text(told, "rate", "frame rate", rate);
     facts_text(told, "timecode", "first frame", start->timecode);
-    facts_number(told, "range_of_motion_mm", "range of motion", kept->furthest_mm, 2, "mm");
+    facts_number(told, "range_of_motion_mm", "range of motion", measured->furthest_mm, 2, "mm");
+}
+
+static mrt_result read_settings(take_call *call, exports_settings *out, error *err)
+{
+    double targets = 0.0;
+    mrt_result result = take_number(call, TAKE_TOLERANCE, 1e-6, 1e3, &out->tolerance_mm, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_MAX_TARGETS, 1, 10000, &targets, err);
+    out->max_targets = (uint32_t)targets;
+    return result;
+}
+
+static mrt_result open_videos(take_call *call, kept *into, const take_stage *stage,
+                              const take_frames *frames, const clip_start *start, error *err)
+{
+    const char *mp4 = exports_video_mp4(into->videos);
+    mrt_result result = MRT_OK;
+    if (mp4 && stage->take.audio.audio != 0)
+        result = exports_video_sound(
+            &into->sound, call->show, &stage->take, timecode_time_ns(frames->rate, frames->first),
+            timecode_time_ns(frames->rate, frames->first + frames->count), mp4, &call->shown, err);
+    const video_settings settings = {.mesh = &stage->face.mesh,
+                                     .pace = VIDEO_EVERY_FRAME,
+                                     .rate = frames->rate,
+                                     .timecode = start->timecode,
+                                     .sound = into->sound};
+    return result < 0 ? result : exports_video_open(into->videos, &settings, err);
+}
+
+static mrt_result play_frames(take_call *call, take_stage *stage, const take_frames *frames,
+                              kept *into, error *err)
+{
+    clip_start start;
+    label_first(&start, &stage->take, frames);
+    mrt_result result = open_videos(call, into, stage, frames, &start, err);
+    if (result >= 0)
+        result = take_stage_play(stage, call, frames, keep_frame, into, err);
+    if (result < 0)
+        return result;
+    if (into->measured.clip)
+        clip_set_start(into->measured.clip, &start);
+    tell_frames(call, stage, &start, frames, &into->measured);
+    return exports_video_finish(into->videos, call->told, err);
 }
 
 static mrt_result export_frames(take_call *call, take_stage *stage, const take_frames *frames,
-                                error *err)
+                                exports_video *videos, error *err)
 {
-    recording kept;
-    clip_start start;
+    kept into = {.videos = videos};
     const take_name slate =
         take_slate_text(stage->take.scene, stage->take.shot, stage->take.number);
     char title[sizeof slate.text + 8];
     (void)snprintf(title, sizeof title, "take %s", slate.text);
     exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title};
-    double targets = 0.0;
-    mrt_result result = take_number(call, TAKE_TOLERANCE, 1e-6, 1e3, &settings.tolerance_mm, err);
+    mrt_result result = read_settings(call, &settings, err);
     if (result >= 0)
-        result = take_number(call, TAKE_MAX_TARGETS, 1, 10000, &targets, err);
-    settings.max_targets = (uint32_t)targets;
-    if (result < 0)
-        return result;
-    result = recording_create(&kept, &stage->face.mesh, timecode_fps(frames->rate), NULL, err);
-    if (result < 0)
-        return result;
-    result = take_stage_play(stage, call, frames, keep_frame, &kept, err);
-    if (result >= 0) {
-        label_first(&start, &stage->take, frames);
-        clip_set_start(kept.clip, &start);
-        tell_frames(call, stage, &start, frames, &kept);
-        result = exports_write(call->exports, call->export_count, kept.clip, &settings,
+        result = recording_create(&into.measured, &stage->face.mesh, timecode_fps(frames->rate),
+                                  exports_need_clip(call->exports, call->export_count)
+                                      ? RECORDING_KEEPS
+                                      : RECORDING_MEASURES,
+                                  err);
+    if (result >= 0)
+        result = play_frames(call, stage, frames, &into, err);
+    if (result >= 0)
+        result = exports_write(call->exports, call->export_count, into.measured.clip, &settings,
                                &call->shown, call->told, err);
-    }
-    recording_destroy(&kept);
+    exports_video_close(videos);
+    exports_video_sound_remove(into.sound);
+    recording_destroy(&into.measured);
     return result;
 }
 
@@ -120,8 +215,13 @@ static char *wav_path(const take_call *call)
         return strdup(call->wav);
     if (!call->text[TAKE_WAV] || call->export_count == 0)
         return NULL;
-    const char *path = call->exports[0].path, *dot = strrchr(path, '.');
-    size_t stem = (size_t)(dot - path);
+    const char *path = call->exports[0].path;
+    size_t stem = strlen(path);
+    if (call->exports[0].format == EXPORTS_FOLDER)
+        while (stem > 0 && path[stem - 1] == '/')
+            --stem;
+    else
+        stem = (size_t)(strrchr(path, '.') - path);
     char *out = malloc(stem + 5);
     if (out)
         (void)snprintf(out, stem + 5, "%.*s.wav", (int)stem, path);
@@ -129,7 +229,8 @@ static char *wav_path(const take_call *call)
 }
 
 /* Of a take that moves nothing there is still its sound. */
-static mrt_result export_all(take_call *call, take_stage *stage, const char *wav, error *err)
+static mrt_result export_all(take_call *call, take_stage *stage, exports_video *videos,
+                             const char *wav, error *err)
 {
     take_frames frames;
     mrt_result result;
@@ -146,7 +247,7 @@ static mrt_result export_all(take_call *call, take_stage *stage, const char *wav
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld has no sound to export",
                            (long long)stage->take.id);
     if (result >= 0)
-        result = export_frames(call, stage, &frames, err);
+        result = export_frames(call, stage, &frames, videos, err);
     if (result >= 0 && wav)
         result = export_sound(call, &stage->take, &frames, wav, err);
     return result;
@@ -155,15 +256,24 @@ static mrt_result export_all(take_call *call, take_stage *stage, const char *wav
 mrt_result take_export_run(take_call *call, error *err)
 {
     take_stage stage = {0};
+    video_look look;
+    exports_video videos;
     if (call->export_count == 0 && !call->wav)
         return take_misused(call, err, "--export FILE is missing");
+    mrt_result result = read_look(call, &look, err);
+    if (result < 0)
+        return result;
     char *wav = wav_path(call);
     const exports_file sound = {wav, EXPORTS_NONE};
-    mrt_result result = exports_check(call->exports, call->export_count, err);
+    exports_video_choose(&videos, call->exports, call->export_count, &look);
+    result = exports_check(call->exports, call->export_count, err);
+    if (result >= 0)
+        result = exports_video_check(&videos, err);
     if (result >= 0 && wav)
         result = exports_check(&sound, 1, err);
+    catch_signals();
     if (result >= 0)
-        result = export_all(call, &stage, wav, err);
+        result = export_all(call, &stage, &videos, wav, err);
     take_stage_finish(&stage);
     free(wav);
     return result;

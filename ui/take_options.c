@@ -60,6 +60,10 @@ static const struct {
     [TAKE_NAME_OPTION] = {"name", true},
     [TAKE_REALTIME] = {"realtime", false},
     [TAKE_REZERO_PEDAL] = {"rezero-pedal", true},
+    [TAKE_SIZE] = {"size", true},
+    [TAKE_VIEW] = {"view", true},
+    [TAKE_MIRROR] = {"mirror", false},
+    [TAKE_BACKGROUND] = {"background", true},
 };
 
 const char *take_option_name(take_option option)
@@ -84,7 +88,9 @@ static int add_export(take_call *out, const char *path)
     if (out->export_count == EXPORTS_MAX)
         return misused(out->verb, "is one export too many", path);
     if (file.format == EXPORTS_NONE)
-        return misused(out->verb, "does not end in .glb, .pc2, .mdd, .csv, .png or .wav", path);
+        return misused(out->verb,
+                       "does not end in .glb, .pc2, .mdd, .csv, .png, .mp4, .wav or / (a folder)",
+                       path);
     out->exports[out->export_count++] = file;
     return COMMAND_DONE;
 }

@@ -23,16 +23,20 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
      TAKE_WRITES, take_record_run},
     {"export", "SHOW TAKE",
-     "  --export FILE  .glb .pc2 .mdd .csv .png, or .wav: its sound; may be given many times\n"
+     "  --export FILE  .glb .pc2 .mdd .csv .png; .mp4: with its sound and time code; frames/: a\n"
+     "                 folder of pictures; .wav: its sound; may be given many times\n"
      "  --wav          the sound too, beside the first file\n"
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
      "  --in T, --out T   a range of it\n"
      "  --face FILE    on this face (that which it was performed on)\n"
-     "  --tolerance MM, --max-targets N   of glTF, as in marotte perform\n",
-     "frames and sound for other programs",
+     "  --tolerance MM, --max-targets N   of glTF, as in marotte perform\n"
+     "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
+     "                 of .mp4 and pictures, as in marotte perform\n",
+     "frames, pictures and sound for other programs",
      TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
-         TAKE_BIT(TAKE_MAX_TARGETS),
+         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
+         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
