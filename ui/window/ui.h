@@ -57,6 +57,14 @@ typedef struct ui_event {
 } ui_event;
 void ui_push(ui *self, const ui_event *event);
 bool ui_is_idle(const ui *self); /* all that was pushed has been handed over */
+/* Where text is copied to and from; without it, within the window alone. get: until its next call.
+ */
+typedef struct ui_clipboard {
+    void *data;
+    const char *(*get)(void *data);
+    void (*set)(void *data, const char *text);
+} ui_clipboard;
+void ui_set_clipboard(ui *self, const ui_clipboard *clipboard);
 
 /* ---- a frame: begin, panels, end; end draws into the framebuffer that is bound ---- */
 
@@ -82,7 +90,7 @@ void ui_scroll_begin(ui *self, const char *id, float width, float height);
 void ui_scroll_end(ui *self);
 void ui_scroll_to_end(ui *self); /* of the innermost scrolling part */
 void ui_same_line(ui *self);     /* the next thing comes to the right of the last */
-void ui_at(ui *self, float x);   /* on this line, from the left of the panel */
+void ui_at(ui *self, float x);   /* on this line, from where the lines of the panel begin */
 void ui_space(ui *self, float height);
 void ui_rule(ui *self);               /* a thin line */
 void ui_width(ui *self, float width); /* of the next widget; 0: as it likes, < 0: what is left less
@@ -111,7 +119,7 @@ typedef enum ui_style {
 } ui_style;
 void ui_text(ui *self, ui_style style, const char *text); /* one line, cut with an ellipsis */
 void ui_text_wrapped(ui *self, ui_style style, const char *text); /* at the panel's width */
-/* "label      value": the value at x from the panel's left. */
+/* "label      value": the value at x as by ui_at. */
 void ui_fact(ui *self, const char *label, float x, ui_style style, const char *value);
 float ui_text_width(const ui *self, ui_style style, const char *text);
 float ui_text_height(const ui *self, ui_style style);
