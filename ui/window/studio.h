@@ -104,6 +104,8 @@ const studio_unsaved *studio_unsaved_now(const studio *self);         /* NULL: n
 typedef struct studio_choice {
     uint32_t layer, clip; /* ids; 0: none */
     int32_t marker;       /* -1: none */
+    uint32_t armed;       /* layer that recording over the take goes into (live_over.into_layer); 0:
+                             a new one */
 } studio_choice;
 studio_choice *studio_chosen(studio *self);
 
