@@ -85,6 +85,9 @@ CHECKED mrt_result face_drag(face *f, const csrbf_settings *settings, const doub
                              double *out_reached, shape_step *out_step, error *err);
 /* The unposed shape eases towards the base, as shape_leak; an anchored engagement ends. */
 void face_leak(face *f, double rate_per_s, double dt_s);
+/* So much (0..1) of the way from the unposed shape, and from the base, to the rest shape; an
+ * anchored engagement ends. */
+void face_restore(face *f, double part);
 
 /* Whether a point (count by 3) is closer than radius to the base while engaged, else to the shape
  * shown. */

@@ -135,3 +135,12 @@ void face_leak(face *f, double rate_per_s, double dt_s)
     shape_ease(&f->free, &f->base, rate_per_s, dt_s);
     show_free(f);
 }
+
+void face_restore(face *f, double part)
+{
+    double amount = part < 1.0 ? part / (1.0 - part) : 1e300;
+    let_go(f);
+    shape_ease(&f->free, &f->rest, amount, 1.0);
+    shape_ease(&f->base, &f->rest, amount, 1.0);
+    show_free(f);
+}

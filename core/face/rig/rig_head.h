@@ -1,6 +1,6 @@
 /* face/rig_head.h - where a head's nose, mouth and chin are, found in its profile: the measures
  * that drafting and checking a rig start from. Right for heads that look along +z with a nose and a
- * chin; a person confirms. Inside the room. Pure but for scratch memory; any thread. */
+ * chin; a person confirms. Pure but for scratch memory; any thread. */
 #ifndef MAROTTE_FACE_RIG_HEAD_H
 #define MAROTTE_FACE_RIG_HEAD_H
 #include "base/rigid.h"

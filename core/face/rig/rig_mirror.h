@@ -1,5 +1,5 @@
 /* face/rig_mirror.h - which vertices of a mesh are mirror images of each other in a plane x = c.
- * Inside the room. Pure but for scratch memory; any thread. */
+ * Pure but for scratch memory; any thread. */
 #ifndef MAROTTE_FACE_RIG_MIRROR_H
 #define MAROTTE_FACE_RIG_MIRROR_H
 #include "base/rigid.h"

@@ -1,5 +1,5 @@
 /* face/rig_within.h - how far vertices are from one of them along the edges of the surface
- * (Dijkstra 1959). Inside the room. Pure but for scratch memory; any thread. */
+ * (Dijkstra 1959). Pure but for scratch memory; any thread. */
 #ifndef MAROTTE_FACE_RIG_WITHIN_H
 #define MAROTTE_FACE_RIG_WITHIN_H
 #include "mesh/mesh.h"

@@ -1,0 +1,330 @@
+#include "window/rig_stroke.h"
+
+#include "face/rig_edit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAME = 64, LAYERS_MAX = 2 * RIG_BONES_MAX + 4, SIDES = 2, FULL = 255, HALF = 128 };
+
+typedef struct layer { /* the region of an ink */
+    char name[NAME];
+    uint32_t region; /* RIG_NONE: it is to be made, or found by its name */
+    rig_edit_says says;
+    bool is_binary; /* it says all or nothing */
+    bool is_mobility;
+    uint8_t *before, *now; /* vertex_count */
+} layer;
+
+struct rig_stroke {
+    uint32_t vertex_count;
+    rig_stroke_ink ink;
+    layer layer[LAYERS_MAX];
+    uint32_t layer_count;
+    uint32_t target[SIDES], bone[SIDES]; /* index of a layer; of a bone */
+};
+
+/* ---- names ---- */
+
+static const char paint_prefix[] = "painted ", rigid_prefix[] = "rigid ";
+static const char free_name[] = "painted free", still_name[] = "painted still";
+
+static bool begins_with(const char *name, const char *prefix)
+{
+    return strncmp(name, prefix, strlen(prefix)) == 0;
+}
+
+bool rig_stroke_is_paint(const rig_region *region)
+{
+    rig_select_kind kind = region->select.kind;
+    return region->name && (kind == SELECT_VERTICES || kind == SELECT_PAINTED) &&
+           (begins_with(region->name, paint_prefix) || begins_with(region->name, rigid_prefix));
+}
+
+static void says_of_ink(layer *out, const rig *r, rig_ink ink, uint32_t bone)
+{
+    out->says = (rig_edit_says){RIG_NONE, false, (double)NAN, (double)NAN};
+    switch (ink) {
+    case RIG_INK_RIGID:
+        (void)snprintf(out->name, sizeof out->name, "%s%.55s", rigid_prefix, r->bone[bone].name);
+        out->says.bone = bone;
+        out->says.is_rigid = true;
+        break;
+    case RIG_INK_FREE:
+        (void)snprintf(out->name, sizeof out->name, "%s", free_name);
+        out->says.mobility = 1.0;
+        break;
+    case RIG_INK_STILL:
+        (void)snprintf(out->name, sizeof out->name, "%s", still_name);
+        out->says.mobility = 0.0;
+        break;
+    default:
+        (void)snprintf(out->name, sizeof out->name, "%s%.55s", paint_prefix, r->bone[bone].name);
+        out->says.bone = bone;
+        out->says.weight = 1.0;
+        break;
+    }
+}
+
+/* ---- layers ---- */
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to paint");
+}
+
+static void settle(layer *l)
+{
+    l->is_mobility = !l->says.is_rigid && isnan(l->says.weight);
+    l->is_binary = l->says.is_rigid || (l->is_mobility && !(l->says.mobility > 0.0));
+}
+
+static mrt_result allocate_layer(layer *l, const rig *r, uint32_t vertex_count, error *err)
+{
+    l->before = calloc((size_t)vertex_count + 1, 1);
+    l->now = calloc((size_t)vertex_count + 1, 1);
+    if (!l->before || !l->now)
+        return no_memory(err);
+    if (l->region != RIG_NONE)
+        rig_edit_values(l->before, r, l->region, vertex_count);
+    memcpy(l->now, l->before, vertex_count);
+    return MRT_OK;
+}
+
+static mrt_result add_region_layer(rig_stroke *self, const rig *r, uint32_t region, error *err)
+{
+    if (self->layer_count == LAYERS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+    const rig_region *from = &r->region[region];
+    layer *l = &self->layer[self->layer_count++];
+    *l = (layer){.region = region,
+                 .says = {from->bone, from->is_rigid, from->weight, from->mobility}};
+    (void)snprintf(l->name, sizeof l->name, "%s", from->name ? from->name : "");
+    settle(l);
+    return allocate_layer(l, r, self->vertex_count, err);
+}
+
+/* The layer of an ink, made when there is none. */
+static mrt_result find_target(rig_stroke *self, const rig *r, rig_ink ink, uint32_t bone,
+                              uint32_t *out, error *err)
+{
+    layer made = {.region = RIG_NONE};
+    says_of_ink(&made, r, ink, bone);
+    settle(&made);
+    for (uint32_t i = 0; i < self->layer_count; ++i) {
+        if (strcmp(self->layer[i].name, made.name) != 0)
+            continue;
+        *out = i;
+        return MRT_OK;
+    }
+    if (rig_edit_find_region(r, made.name) != RIG_NONE)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the region \"%s\" is not one that can be painted; rename it", made.name);
+    if (self->layer_count == LAYERS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+    *out = self->layer_count;
+    self->layer[self->layer_count++] = made;
+    return allocate_layer(&self->layer[*out], r, self->vertex_count, err);
+}
+
+static mrt_result add_paint_layers(rig_stroke *self, const rig *r, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result >= 0 && i < r->region_count; ++i)
+        if (rig_stroke_is_paint(&r->region[i]))
+            result = add_region_layer(self, r, i, err);
+    return result;
+}
+
+static uint32_t bone_of_other_side(const rig *r, uint32_t bone)
+{
+    char name[NAME];
+    uint32_t other = RIG_NONE;
+    if (rig_edit_other_side(r->bone[bone].name, name, sizeof name))
+        other = rig_find_bone(r, name);
+    return other == RIG_NONE ? bone : other;
+}
+
+static mrt_result find_targets(rig_stroke *self, const rig *r, error *err)
+{
+    rig_ink ink = self->ink.ink;
+    bool is_of_bone = ink == RIG_INK_RIDES || ink == RIG_INK_RIGID;
+    if (is_of_bone && self->ink.bone >= r->bone_count)
+        return error_set(err, MRT_ERR_ARGUMENT, "choose the bone to paint");
+    if (is_of_bone) {
+        self->bone[BRUSH_HERE] = self->ink.bone;
+        self->bone[BRUSH_THERE] = bone_of_other_side(r, self->ink.bone);
+    }
+    mrt_result result = add_paint_layers(self, r, err);
+    for (uint32_t side = 0; result >= 0 && side < SIDES && ink != RIG_INK_ERASER; ++side)
+        result = find_target(self, r, ink, self->bone[side], &self->target[side], err);
+    return result;
+}
+
+static mrt_result find_region(rig_stroke *self, const rig *r, error *err)
+{
+    uint32_t region = self->ink.region;
+    if (region >= r->region_count || !rig_edit_can_paint(r, region))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "this region is not given vertex by vertex; make it paint first");
+    self->target[BRUSH_HERE] = self->target[BRUSH_THERE] = 0;
+    self->bone[BRUSH_HERE] = self->bone[BRUSH_THERE] = r->region[region].bone;
+    return add_region_layer(self, r, region, err);
+}
+
+mrt_result rig_stroke_begin(rig_stroke **out, const rig *r, uint32_t vertex_count,
+                            const rig_stroke_ink *ink, error *err)
+{
+    rig_stroke *self = calloc(1, sizeof *self);
+    *out = self;
+    if (!self)
+        return no_memory(err);
+    self->vertex_count = vertex_count;
+    self->ink = *ink;
+    for (uint32_t side = 0; side < SIDES; ++side)
+        self->target[side] = self->bone[side] = RIG_NONE;
+    mrt_result result =
+        ink->ink == RIG_INK_REGION ? find_region(self, r, err) : find_targets(self, r, err);
+    if (result >= 0)
+        return result;
+    rig_stroke_destroy(self);
+    *out = NULL;
+    return result;
+}
+
+void rig_stroke_destroy(rig_stroke *self)
+{
+    for (uint32_t i = 0; self && i < self->layer_count; ++i) {
+        free(self->layer[i].before);
+        free(self->layer[i].now);
+    }
+    free(self);
+}
+
+/* ---- what a touch does to one vertex ---- */
+
+static uint8_t blend(uint8_t before, double to, float touch)
+{
+    double value = (double)before + (to - (double)before) * (double)touch;
+    return (uint8_t)fmin(fmax(floor(value + 0.5), 0.0), (double)FULL);
+}
+
+static uint8_t gain(const layer *l, uint32_t vertex, double strength, float touch)
+{
+    uint8_t before = l->before[vertex];
+    if (l->is_binary)
+        return strength * (double)touch >= 0.5 ? FULL : before;
+    return blend(before, strength * (double)FULL, touch);
+}
+
+static uint8_t lose(const layer *l, uint32_t vertex, double strength, float touch)
+{
+    uint8_t before = l->before[vertex];
+    if (l->is_binary)
+        return strength * (double)touch >= 0.5 ? 0 : before;
+    return blend(before, 0.0, (float)strength * touch);
+}
+
+/* Shares of bones leave room for each other; what is said of mobility is said once. */
+static uint8_t make_room(const layer *l, const layer *winner, uint32_t vertex)
+{
+    uint8_t before = l->before[vertex], theirs = winner->now[vertex];
+    if (l->is_mobility != winner->is_mobility)
+        return before;
+    if (l->is_mobility || winner->is_binary)
+        return theirs > 0 ? 0 : before;
+    if (l->is_binary)
+        return theirs >= HALF ? 0 : before;
+    return before > FULL - theirs ? (uint8_t)(FULL - theirs) : before;
+}
+
+static bool is_target(const rig_stroke *self, uint32_t index)
+{
+    return index == self->target[BRUSH_HERE] || index == self->target[BRUSH_THERE];
+}
+
+static void paint_vertex(rig_stroke *self, uint32_t vertex, const float touch[SIDES])
+{
+    double strength = self->ink.strength;
+    bool is_one_ink = self->target[BRUSH_HERE] == self->target[BRUSH_THERE];
+    uint32_t side = touch[BRUSH_THERE] > touch[BRUSH_HERE] ? BRUSH_THERE : BRUSH_HERE;
+    layer *target = &self->layer[self->target[side]];
+    target->now[vertex] = self->ink.takes_away ? lose(target, vertex, strength, touch[side])
+                                               : gain(target, vertex, strength, touch[side]);
+    for (uint32_t i = 0; i < self->layer_count; ++i)
+        if (&self->layer[i] != target && (!is_target(self, i) || !is_one_ink))
+            self->layer[i].now[vertex] = make_room(&self->layer[i], target, vertex);
+}
+
+static void erase_vertex(rig_stroke *self, uint32_t vertex, const float touch[SIDES])
+{
+    float most = fmaxf(touch[BRUSH_HERE], touch[BRUSH_THERE]);
+    for (uint32_t i = 0; i < self->layer_count; ++i)
+        self->layer[i].now[vertex] = lose(&self->layer[i], vertex, self->ink.strength, most);
+}
+
+void rig_stroke_update(rig_stroke *self, const brush *b)
+{
+    uint32_t count;
+    const uint32_t *touched = brush_touched(b, &count);
+    const float *here = brush_touch(b, BRUSH_HERE), *there = brush_touch(b, BRUSH_THERE);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t vertex = touched[i];
+        const float touch[SIDES] = {here[vertex], there[vertex]};
+        if (vertex >= self->vertex_count)
+            continue;
+        if (self->ink.ink == RIG_INK_ERASER)
+            erase_vertex(self, vertex, touch);
+        else
+            paint_vertex(self, vertex, touch);
+    }
+}
+
+uint8_t rig_stroke_value(const rig_stroke *self, uint32_t vertex)
+{
+    uint8_t most = 0;
+    for (uint32_t i = 0; i < self->layer_count; ++i)
+        if ((self->ink.ink == RIG_INK_ERASER || is_target(self, i)) &&
+            self->layer[i].now[vertex] > most)
+            most = self->layer[i].now[vertex];
+    return most;
+}
+
+uint32_t rig_stroke_bone(const rig_stroke *self, uint32_t side)
+{
+    return self->bone[side];
+}
+
+/* ---- into the rig ---- */
+
+static uint32_t count_changed(const layer *l, uint32_t vertex_count)
+{
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < vertex_count; ++v)
+        count += l->before[v] != l->now[v];
+    return count;
+}
+
+static mrt_result put_layer(const layer *l, rig *changed, uint32_t vertex_count, error *err)
+{
+    uint32_t region = l->region;
+    mrt_result result = MRT_OK;
+    if (region == RIG_NONE)
+        result = rig_edit_add_region(changed, l->name, &l->says, &region, err);
+    return result < 0 ? result : rig_edit_paint(changed, region, l->now, vertex_count, err);
+}
+
+mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed, error *err)
+{
+    mrt_result result = MRT_OK;
+    *out_changed = 0;
+    for (uint32_t i = 0; result >= 0 && i < self->layer_count; ++i) {
+        uint32_t count = count_changed(&self->layer[i], self->vertex_count);
+        if (count > 0)
+            result = put_layer(&self->layer[i], changed, self->vertex_count, err);
+        *out_changed = count > *out_changed ? count : *out_changed;
+    }
+    return result;
+}
