@@ -69,7 +69,8 @@ mrt_result video_check(const video_file *file, uint32_t count, const video_look 
 static mrt_result open_sinks(video *self, error *err)
 {
     const video_settings *s = &self->settings;
-    const video_folder_about folder = {s->look.width, s->look.height, s->rate, s->timecode};
+    const video_folder_about folder = {s->look.width, s->look.height,
+                                       s->look.ground == VIDEO_NOTHING, s->rate, s->timecode};
     const video_ffmpeg_about film = {s->look.width, s->look.height, s->rate, s->timecode, s->sound};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->file_count && result >= 0; ++i) {

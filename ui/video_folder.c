@@ -182,7 +182,8 @@ mrt_result video_folder_add(video_folder *self, const uint8_t *rgba, error *err)
     mrt_result result = picture_in(path, self->meanwhile, self->count + 1, err);
     if (result < 0)
         return result;
-    result = png_write(path, rgba, self->about.width, self->about.height, &why);
+    result = png_write_as(path, rgba, self->about.width, self->about.height,
+                          self->about.has_alpha ? PNG_WITH_ALPHA : PNG_OPAQUE, &why);
     if (result < 0) { /* where it lies meanwhile is nobody's concern */
         const char *reason = strstr(why.text, "cannot write: ");
         return error_set(err, result, "%s%0*u.png: %s", self->path, DIGITS, self->count + 1,

@@ -10,6 +10,7 @@ typedef struct video_folder video_folder;
 
 typedef struct video_folder_about {
     uint32_t width, height;
+    bool has_alpha;
     timecode_rate rate;
     const char *timecode; /* of the first frame; "" none */
 } video_folder_about;

@@ -60,5 +60,8 @@ CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progr
 /* A picture, 8-bit RGBA rows from the top. */
 CHECKED mrt_result png_write(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height,
                              error *err);
+typedef enum png_kind { PNG_WITH_ALPHA = 0, PNG_OPAQUE /* alpha is left out */ } png_kind;
+CHECKED mrt_result png_write_as(const char *path, const uint8_t *rgba, uint32_t width,
+                                uint32_t height, png_kind kind, error *err);
 
 #endif
