@@ -232,6 +232,18 @@ static void knead(composer *self, voice *v, double dt_s)
         face_leak(self->face, to_double(pull->leak_per_s), dt_s);
 }
 
+/* The base goes on its way back to the rest shape; what the others pull stays. */
+static void restore(composer *self, double part)
+{
+    composer_show(self);
+    if (composer_is_anybody_joined(self))
+        composer_let_go_but(self, is_nobody);
+    self->engaged = false;
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_joined = false;
+    face_restore(self->face, part);
+}
+
 /* ---- the step ---- */
 
 static void hear(composer *self, const composer_part *part, uint32_t count)
@@ -339,6 +351,13 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     for (uint32_t i = 0; i < self->order_count; ++i)
         if (is_kneading(&self->voice[self->order[i]]))
             knead(self, &self->voice[self->order[i]], dt_s);
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        const voice *v = &self->voice[self->order[i]];
+        if (!(v->part.restore > 0.0))
+            continue;
+        restore(self, v->part.restore);
+        is_kneaded = true;
+    }
     if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
         composer_join(self);
     note_pulled(self);

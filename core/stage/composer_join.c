@@ -88,8 +88,13 @@ static void list_holds(composer *self, holds *out)
             }
             if (at == COMPOSER_NO_CONTROL) {
                 at = out->count++;
-                out->control[at] = (joined_control){.contact = contact, .slot = slot, .vector = j};
+                out->control[at] = (joined_control){.contact = contact,
+                                                    .slot = slot,
+                                                    .vector = j,
+                                                    .rest = vec3_of(v->said.vector[j].start),
+                                                    .is_finger = v->part.is_finger};
             }
+            out->control[at].is_finger &= v->part.is_finger;
             out->of[slot][j] = at;
         }
     }
@@ -109,21 +114,28 @@ static bool are_held(const composer *self, const holds *h)
     return true;
 }
 
-/* The radius of one solve for all: of the lowest voice that names one. */
+/* The radius of one solve for all: of the lowest voice that names one; a finger names it when it is
+ * alone. */
 static float joined_radius_mm(const composer *self)
 {
+    float of_finger = 0.0f;
+    bool is_alone = true;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
-        if (v->has_said && v->said.radius_mm > 0.0f)
+        if (!v->has_said)
+            continue;
+        is_alone &= v->part.is_finger || v->said.count == 0;
+        if (v->said.radius_mm > 0.0f && !v->part.is_finger)
             return v->said.radius_mm;
+        of_finger = v->said.radius_mm > 0.0f ? v->said.radius_mm : of_finger;
     }
-    return 0.0f;
+    return is_alone ? of_finger : 0.0f;
 }
 
 /* It takes hold anew: what it has added so far stays in the shape. */
 static bool is_anew(const voice *v)
 {
-    return v->is_joined && v->is_present &&
+    return v->is_joined && v->is_present && !v->part.is_finger &&
            (v->joined.anchor != v->said.anchor || v->joined.count != v->said.count ||
             fabsf(v->joined.radius_mm - v->said.radius_mm) > 0.0f);
 }
@@ -164,12 +176,29 @@ static void add_voice(blended *b, const voice *v, double weight, const double *a
     b->cover += weight;
 }
 
+static bool counts_anybody(const composer *self, bool (*counts)(const voice *v))
+{
+    for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
+        const voice *v = &self->voice[self->joined_order[i]];
+        if (v->is_joined && counts(v))
+            return true;
+    }
+    return !counts;
+}
+
 /* Where each control of the engagement is to land; `counts`: whose pull is taken, NULL: all. */
 static void find_ends(const composer *self, bool (*counts)(const voice *v), double *end,
                       uint8_t *rides)
 {
     blended at[MRT_MAX_VECTORS];
     memset(at, 0, sizeof at);
+    bool is_held = counts_anybody(self, counts);
+    for (uint32_t k = 0; is_held && k < self->control_count; ++k) {
+        const vec3 *held = &self->control[k].held;
+        at[k].value[0] = held->x;
+        at[k].value[1] = held->y;
+        at[k].value[2] = held->z;
+    }
     for (uint32_t i = 0; i < COMPOSER_PARTS_MAX; ++i) {
         const voice *v = &self->voice[self->joined_order[i]];
         for (uint32_t j = 0; i < self->joined_count && v->is_joined && j < v->joined.count; ++j) {
@@ -191,7 +220,8 @@ static void find_ends(const composer *self, bool (*counts)(const voice *v), doub
             continue;
         const voice *v = &self->voice[c->slot];
         vec3 place = c->start;
-        if (v->is_joined && at[k].voices == 1 && is_one(v->share) && (!counts || counts(v))) {
+        if (v->is_joined && !v->part.is_finger && at[k].voices == 1 && is_one(v->share) &&
+            (!counts || counts(v))) {
             /* it lands on its end itself: no digits lost on the way */
             place = vec3_of(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
@@ -255,13 +285,113 @@ static bool nobody(const voice *v)
     return false;
 }
 
-/* A contact is taken where it is now, wherever the mapping says that it rests. */
+/* Where a place of the rest face is in the shape shown: beside the vertex that is nearest at rest.
+ */
+static vec3 place_now(const composer *self, vec3 at_rest)
+{
+    const points *rest = face_rest(self->face), *shown = face_shown(self->face);
+    double from[3], to[3];
+    size_t nearest = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < rest->count; ++i) {
+        points_at(from, rest, i);
+        vec3 away = vec3_sub((vec3){from[0], from[1], from[2]}, at_rest);
+        double distance = vec3_dot(away, away);
+        if (distance < least) {
+            least = distance;
+            nearest = i;
+        }
+    }
+    points_at(from, rest, nearest);
+    points_at(to, shown, nearest);
+    vec3 moved = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    return vec3_add(at_rest, moved);
+}
+
+/* A contact is taken where it is now, wherever the mapping says that it rests; so is a place that a
+ * finger holds. */
 static vec3 start_of(const composer *self, const joined_control *c)
 {
     if (c->contact > 0)
         return face_contact_now(self->face, c->contact);
+    if (self->voice[c->slot].part.is_finger)
+        return place_now(self, c->rest);
     return vec3_of(self->voice[c->slot].said.vector[c->vector].start);
 }
+
+/* ---- fingers take hold of the face as it is ---- */
+
+static const joined_control *held_before(const composer *self, const joined_control *c)
+{
+    if (!self->voice[c->slot].was_present)
+        return NULL;
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const joined_control *old = &self->control[k];
+        bool is_same = old->contact == c->contact &&
+                       (c->contact > 0 || memcmp(&old->rest, &c->rest, sizeof c->rest) == 0);
+        if (is_same && old->is_finger == c->is_finger)
+            return old;
+    }
+    return NULL;
+}
+
+/* Before the others let go: where the places are, mm, that fingers take hold of now. */
+static void find_places(composer *self, const holds *h, double *out_place, bool *out_comes)
+{
+    composer_show(self);
+    for (uint32_t k = 0; k < h->count; ++k) {
+        const joined_control *c = &h->control[k];
+        out_comes[k] = c->is_finger && !held_before(self, c);
+        if (!out_comes[k])
+            continue;
+        vec3 place = start_of(self, c);
+        out_place[3 * k] = place.x;
+        out_place[3 * k + 1] = place.y;
+        out_place[3 * k + 2] = place.z;
+    }
+}
+
+static void keep_held(const composer *self, holds *h)
+{
+    for (uint32_t k = 0; k < h->count; ++k) {
+        joined_control *c = &h->control[k];
+        const joined_control *old = c->is_finger ? held_before(self, c) : NULL;
+        if (old)
+            c->held = old->held;
+    }
+}
+
+/* Engaged anew: how far from the base the others had those places. */
+static void hold_places(composer *self, const double *place, const bool *comes)
+{
+    double way[MRT_MAX_VECTORS * 3] = {0};
+    bool any = false;
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const vec3 *start = &self->control[k].start;
+        const double still[3] = {start->x, start->y, start->z};
+        memcpy(way + 3 * k, comes[k] ? place + 3 * k : still, sizeof still);
+        any |= comes[k];
+    }
+    if (any)
+        face_unride(self->face, way, face_metered(self->face)->dof);
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        joined_control *c = &self->control[k];
+        if (!comes[k])
+            continue;
+        c->held = (vec3){way[3 * k], way[3 * k + 1], way[3 * k + 2]};
+        if (c->contact == 0)
+            c->held = vec3_sub((vec3){place[3 * k], place[3 * k + 1], place[3 * k + 2]}, c->start);
+    }
+}
+
+/* What they were held at is in the base now. */
+static void forget_held(composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k)
+        self->control[k].held = (vec3){0, 0, 0};
+}
+
+/* ---- the engagement's controls ---- */
 
 static void engage(composer *self, holds *h)
 {
@@ -305,6 +435,8 @@ static void settle(composer *self, bool (*stays)(const voice *v))
     composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
     if (!all_stay)
         composer_let_go_but(self, stays);
+    if (counts_anybody(self, stays))
+        forget_held(self);
 }
 
 /* The voices hold the face with what they say now. */
@@ -342,6 +474,7 @@ static void rest(composer *self)
     if (!self->engaged || self->joined_count == 0)
         return;
     aim(self, nobody, still);
+    forget_held(self);
     self->joined_count = 0;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
@@ -393,8 +526,15 @@ void composer_join(composer *self)
     list_holds(self, &h);
     is_new |= !are_held(self, &h);
     if (is_new) {
+        double place[MRT_MAX_VECTORS * 3];
+        bool comes[MRT_MAX_VECTORS] = {false};
+        uint64_t before = self->counts.engagements;
+        find_places(self, &h, place, comes);
         settle(self, is_anew);
+        keep_held(self, &h);
         engage(self, &h);
+        if (self->counts.engagements != before)
+            hold_places(self, place, comes);
     }
     join(self, &h);
     if (!self->engaged)

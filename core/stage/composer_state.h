@@ -30,6 +30,9 @@ typedef struct joined_control {
     uint32_t contact;      /* 1 + index; 0: a free point */
     uint32_t slot, vector; /* of the free point */
     vec3 start;            /* mm, where it took hold */
+    vec3 rest;             /* of a finger's free point: as it says */
+    bool is_finger;        /* only fingers speak of it */
+    vec3 held; /* mm, bones at rest: where the others had it, from `start`, when a finger came */
 } joined_control;
 
 struct composer {

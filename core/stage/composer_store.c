@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STORE_VERSION = 1 };
+enum { STORE_VERSION = 1, STORE_WITH_FINGERS = 2 };
+enum { IS_ADDITIVE = 1, IS_FINGER = 2 };
 
 static void put_pull(bytes_out *out, const mrt_pull *pull)
 {
@@ -42,7 +43,8 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
 static void put_voice(bytes_out *out, const voice *v)
 {
     bytes_put_u32(out, v->part.layer);
-    bytes_put_u32(out, v->part.is_additive);
+    bytes_put_u32(out,
+                  (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_finger ? IS_FINGER : 0));
     bytes_put_u32(out, v->commit);
     bytes_put_u32(out, v->has_said);
     if (v->has_said)
@@ -65,7 +67,9 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
 {
     out->was_present = true;
     out->part.layer = bytes_take_u32(in);
-    out->part.is_additive = bytes_take_u32(in) != 0;
+    uint32_t manner = bytes_take_u32(in);
+    out->part.is_additive = (manner & IS_ADDITIVE) != 0;
+    out->part.is_finger = (manner & IS_FINGER) != 0;
     out->commit = bytes_take_u32(in);
     out->has_said = bytes_take_u32(in) != 0;
     if (out->has_said)
@@ -90,6 +94,50 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
             out->tip[i] = bytes_take_f64(in);
 }
 
+/* Most faces never felt one: they are kept as ever. */
+static bool has_fingers(const composer *self)
+{
+    bool any = false;
+    for (uint32_t k = 0; k < self->control_count; ++k)
+        any |= self->control[k].is_finger ||
+               vec3_dot(self->control[k].held, self->control[k].held) > 0.0;
+    return any;
+}
+
+static void put_vec3(bytes_out *out, vec3 v)
+{
+    bytes_put_f64(out, v.x);
+    bytes_put_f64(out, v.y);
+    bytes_put_f64(out, v.z);
+}
+
+static vec3 take_vec3(bytes_in *in)
+{
+    vec3 out;
+    out.x = bytes_take_f64(in);
+    out.y = bytes_take_f64(in);
+    out.z = bytes_take_f64(in);
+    return out;
+}
+
+static void put_fingers(bytes_out *out, const composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        bytes_put_u32(out, self->control[k].is_finger);
+        put_vec3(out, self->control[k].rest);
+        put_vec3(out, self->control[k].held);
+    }
+}
+
+static void take_fingers(bytes_in *in, composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        self->control[k].is_finger = bytes_take_u32(in) != 0;
+        self->control[k].rest = take_vec3(in);
+        self->control[k].held = take_vec3(in);
+    }
+}
+
 static void put_controls(bytes_out *out, const composer *self)
 {
     bytes_put_u32(out, self->engaged);
@@ -100,9 +148,7 @@ static void put_controls(bytes_out *out, const composer *self)
         bytes_put_u32(out, c->contact);
         bytes_put_u32(out, c->slot);
         bytes_put_u32(out, c->vector);
-        bytes_put_f64(out, c->start.x);
-        bytes_put_f64(out, c->start.y);
-        bytes_put_f64(out, c->start.z);
+        put_vec3(out, c->start);
     }
     bytes_put_u32(out, self->joined_count);
     bytes_put(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
@@ -124,9 +170,7 @@ static void take_controls(bytes_in *in, composer *self)
         c->contact = bytes_take_u32(in);
         c->slot = bytes_take_u32(in);
         c->vector = bytes_take_u32(in);
-        c->start.x = bytes_take_f64(in);
-        c->start.y = bytes_take_f64(in);
-        c->start.z = bytes_take_f64(in);
+        c->start = take_vec3(in);
         in->failed |= c->contact > self->about.contact_count || c->slot >= COMPOSER_PARTS_MAX ||
                       c->vector >= MRT_MAX_VECTORS;
     }
@@ -144,8 +188,10 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     uint32_t voice_count = 0;
-    bytes_put_u32(&out, STORE_VERSION);
+    bytes_put_u32(&out, has_fingers(self) ? STORE_WITH_FINGERS : STORE_VERSION);
     put_controls(&out, self);
+    if (has_fingers(self))
+        put_fingers(&out, self);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         voice_count += self->voice[slot].was_present || self->voice[slot].is_joined;
     bytes_put_u32(&out, voice_count);
@@ -166,8 +212,11 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 
 static mrt_result load(composer *self, bytes_in *in, error *err)
 {
-    in->failed |= bytes_take_u32(in) != STORE_VERSION;
+    uint32_t version = bytes_take_u32(in);
+    in->failed |= version != STORE_VERSION && version != STORE_WITH_FINGERS;
     take_controls(in, self);
+    if (version == STORE_WITH_FINGERS)
+        take_fingers(in, self);
     uint32_t voice_count = bytes_take_u32(in);
     for (uint32_t i = 0; i < voice_count && !in->failed; ++i) {
         uint32_t slot = bytes_take_u32(in);

@@ -17,7 +17,9 @@ void layer_reset(layer *self)
     self->good = self->pull;
     self->cut = (cut){.side = 0};
     self->has_time = false;
+    self->resets = false;
     hands_reset(self->hands);
+    pointer_reset(&self->pointer);
     self->functions->reset(self->mapping->self);
 }
 
@@ -117,7 +119,8 @@ void layer_destroy(layer *self)
 
 void layer_cut(layer *self)
 {
-    self->cut.leaving = *layer_pull(self);
+    if (!self->cut.is_waiting) /* else what was pulled before still leaves */
+        self->cut.leaving = *layer_pull(self);
     self->cut.is_waiting = true;
 }
 
@@ -254,6 +257,33 @@ static void run_mapping(layer *self, const mrt_sample *sample)
     self->pull = self->good; /* "on entry: what it held last" stays sane */
 }
 
+static void read_pointer(layer *self, const channel_route *route, const mrt_sample *sample)
+{
+    mrt_sample in_time = *sample;
+    in_time.time_ns = self->frame.time_ns;
+    pointer_grip before = self->pointer.grip;
+    (void)pointer_read(&self->pointer, self->about, route, &in_time);
+    self->resets |= self->pointer.grip == POINTER_NEUTRAL && before != POINTER_NEUTRAL;
+    const char *fault = guard_fault(&self->guard, &self->pointer.pull);
+    if (!fault)
+        fault = guard_fault(&self->guard, &self->pointer.places);
+    if (!fault)
+        return;
+    self->counts.bad_pulls += 1;
+    if (!self->counts.first_problem.text[0])
+        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "the pointer gave %s", fault);
+    pointer_reset(&self->pointer);
+}
+
+static void begin_anew(layer *self)
+{
+    if (!self->resets || layer_is_between(self))
+        return;
+    self->resets = false;
+    layer_cut(self);
+    self->functions->reset(self->mapping->self);
+}
+
 void layer_sample(layer *self, const channel_route *route, const mrt_sample *sample, bool near)
 {
     int64_t time_ns = sample->time_ns;
@@ -268,6 +298,8 @@ void layer_sample(layer *self, const channel_route *route, const mrt_sample *sam
     self->counts.samples += 1;
     hands_read(self->hands, route, sample, &self->frame);
     go_on_fading(self);
+    read_pointer(self, route, sample);
+    begin_anew(self);
     run_mapping(self, sample);
 }
 
@@ -284,6 +316,11 @@ const mrt_frame *layer_frame(const layer *self)
 instance *layer_mapping(layer *self)
 {
     return self->mapping;
+}
+
+const pointer *layer_pointer(const layer *self)
+{
+    return &self->pointer;
 }
 
 hands *layer_hands(layer *self)
@@ -310,6 +347,7 @@ static void shift(int64_t *time_ns, int64_t by_ns)
 void layer_shift_time(layer *self, int64_t by_ns)
 {
     hands_shift_time(self->hands, by_ns);
+    pointer_shift_time(&self->pointer, by_ns);
     shift(&self->frame.time_ns, by_ns);
     for (int side = 0; side < 2; ++side)
         shift(&self->frame.hand[side].time_ns, by_ns);

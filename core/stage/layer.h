@@ -5,6 +5,7 @@
 #define MAROTTE_STAGE_LAYER_H
 #include "stage/hands.h"
 #include "stage/instance.h"
+#include "stage/pointer.h"
 
 typedef struct layer layer;
 
@@ -29,6 +30,8 @@ const mrt_pull *layer_pull(const layer *self);
 /* The hands, pedals and time of the last sample. */
 const mrt_frame *layer_frame(const layer *self);
 instance *layer_mapping(layer *self);
+/* What the mouse on the face adds to it. */
+const pointer *layer_pointer(const layer *self);
 hands *layer_hands(layer *self);
 
 /* ---- from one who pulls to another, without a jump ---- */

@@ -31,6 +31,8 @@ struct layer {
     guard guard;
     layer_settings settings;
     hands *hands;
+    pointer pointer;
+    bool resets; /* the mapping is to begin anew, once nothing is between */
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */

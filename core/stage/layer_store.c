@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STORE_VERSION = 1, STORE_WITH_CUT = 2 };
+enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3 };
 
 /* What the hands and the mapping take goes behind its own size. */
 static void put_sized(bytes_out *out, size_t (*save)(void *of, void *bytes, size_t capacity),
@@ -104,13 +104,26 @@ static void take_cut(bytes_in *in, layer *self)
     in->failed = in->failed || c->side > 1 || !(c->fade_s >= 0.0);
 }
 
+static size_t save_pointer(void *of, void *bytes, size_t capacity)
+{
+    return pointer_save(of, bytes, capacity);
+}
+
+static uint32_t version_of(const layer *self)
+{
+    if (self->pointer.is_known)
+        return STORE_WITH_POINTER;
+    return has_cut(self) ? STORE_WITH_CUT : STORE_VERSION;
+}
+
 size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
     if (!self->resume || save_mapping(self, NULL, 0) == 0)
         return 0;
-    bytes_put_u32(&out, has_cut(self) ? STORE_WITH_CUT : STORE_VERSION);
+    uint32_t version = version_of(self);
+    bytes_put_u32(&out, version);
     bytes_put_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
         bytes_put_u32(&out, type->params[i].id);
@@ -129,8 +142,12 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     }
     put_pull(&out, &self->good);
     put_pull(&out, &self->pull);
-    if (has_cut(self))
+    if (version >= STORE_WITH_CUT)
         put_cut(&out, &self->cut);
+    if (version >= STORE_WITH_POINTER) {
+        bytes_put_u32(&out, self->resets);
+        put_sized(&out, save_pointer, &self->pointer);
+    }
     put_sized(&out, save_hands, self->hands);
     put_sized(&out, save_mapping, self);
     return out.size;
@@ -193,21 +210,33 @@ static void take_frame(bytes_in *in, mrt_frame *frame)
     }
 }
 
+static void take_pointer(bytes_in *in, layer *self)
+{
+    size_t size = 0;
+    self->resets = bytes_take_u32(in) != 0;
+    const unsigned char *bytes = take_sized(in, &size);
+    in->failed |= !bytes || !pointer_load(&self->pointer, bytes, size) ||
+                  guard_fault(&self->guard, &self->pointer.pull) ||
+                  guard_fault(&self->guard, &self->pointer.places);
+}
+
 static mrt_result load(layer *self, bytes_in *in, error *err)
 {
     if (!self->resume)
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_take_u32(in);
-    in->failed |= version != STORE_VERSION && version != STORE_WITH_CUT;
+    in->failed |= version < STORE_VERSION || version > STORE_WITH_POINTER;
     take_params(in, self);
     self->has_time = bytes_take_u32(in) != 0;
     bytes_take(in, &self->frame.time_ns, sizeof self->frame.time_ns);
     take_frame(in, &self->frame);
     take_pull(in, self, &self->good);
     take_pull(in, self, &self->pull);
-    if (version == STORE_WITH_CUT && !in->failed)
+    if (version >= STORE_WITH_CUT && !in->failed)
         take_cut(in, self);
+    if (version >= STORE_WITH_POINTER && !in->failed)
+        take_pointer(in, self);
     size_t size = 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);

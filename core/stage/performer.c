@@ -61,7 +61,33 @@ void performer_destroy(performer *self)
     free(self);
 }
 
-uint32_t performer_parts(const layer *of, const composer_part *as, composer_part out[2])
+/* Over the mapping: what a contact is pulled by both adds up. */
+static composer_part finger_part(const composer_part *as, uint32_t turn, const mrt_pull *pull)
+{
+    composer_part out = *as;
+    out.slot += PERFORMER_SLOTS * turn;
+    out.layer = 2 * as->layer + 1;
+    out.is_additive = out.is_finger = true;
+    out.pull = pull;
+    return out;
+}
+
+static uint32_t pointer_parts(const layer *of, const composer_part *as, composer_part *out)
+{
+    const pointer *p = layer_pointer(of);
+    uint32_t count = 0;
+    if (p->pull.mode != MRT_IDLE)
+        out[count++] = finger_part(as, 2, &p->pull);
+    if (p->places.mode == MRT_IDLE && !p->commits && !(p->restore > 0.0))
+        return count;
+    out[count] = finger_part(as, 3, &p->places);
+    out[count].is_fresh = as->is_fresh && p->is_fresh;
+    out[count++].restore = as->is_fresh ? p->restore : 0.0;
+    return count;
+}
+
+uint32_t performer_parts(const layer *of, const composer_part *as,
+                         composer_part out[PERFORMER_PARTS_MAX])
 {
     uint32_t part_count = 0;
     double weight = layer_weight(of);
@@ -69,31 +95,43 @@ uint32_t performer_parts(const layer *of, const composer_part *as, composer_part
     if (leaving) {
         out[part_count] = *as;
         out[part_count].slot += PERFORMER_SLOTS * (1 - layer_side(of));
+        out[part_count].layer = 2 * as->layer;
         out[part_count].is_fresh = false;
         out[part_count].weight *= 1.0 - weight;
         out[part_count++].pull = leaving;
     }
     out[part_count] = *as;
     out[part_count].slot += PERFORMER_SLOTS * layer_side(of);
+    out[part_count].layer = 2 * as->layer;
     out[part_count++].weight *= weight;
-    return part_count;
+    return part_count + pointer_parts(of, as, out + part_count);
 }
 
 void performer_move(layer *of, composer *shown)
 {
     const composer_part all = {
         .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = layer_pull(of)};
-    composer_part part[2];
+    composer_part part[PERFORMER_PARTS_MAX];
     uint32_t part_count = performer_parts(of, &all, part);
     composer_move(shown, part, part_count, layer_frame(of)->dt_s);
 }
 
-void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
+void performer_map(performer *self, const channel_route *route, const mrt_sample *sample)
 {
     bool near = composer_is_near(self->composer, layer_pull(self->layer));
     layer_sample(self->layer, route, sample, near);
+}
+
+void performer_constrain(performer *self)
+{
     performer_move(self->layer, self->composer);
     count(self);
+}
+
+void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
+{
+    performer_map(self, route, sample);
+    performer_constrain(self);
 }
 
 mrt_result performer_rezero(performer *self, uint32_t side, error *why)

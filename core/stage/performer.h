@@ -22,6 +22,9 @@ CHECKED mrt_result performer_create(performer **out, const face_file *file, inst
                                     const performer_settings *settings, error *err);
 void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
 
+/* Steps 3 to 5, and then 6, of the next. */
+void performer_map(performer *self, const channel_route *route, const mrt_sample *sample);
+void performer_constrain(performer *self);
 /* Steps 3 to 6, and 7 while unanchored. A sample older than the last one counts as simultaneous. */
 void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample);
 /* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
@@ -42,10 +45,12 @@ CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t siz
 /* The same for a layer and a composer that are used apart: the layer's pull is all that the
  * composer hears. */
 void performer_move(layer *of, composer *shown);
-/* A layer as parts of a step, as `as` says of both: what it pulls, and what is leaving it. Slots
- * are as->slot, below PERFORMER_SLOTS, and so much more. Returns how many: 1 or 2. */
-enum { PERFORMER_SLOTS = COMPOSER_PARTS_MAX / 2 };
-uint32_t performer_parts(const layer *of, const composer_part *as, composer_part out[2]);
+/* A layer as parts of a step, as `as` says of all: what it pulls, what is leaving it, and what its
+ * pointer adds, to contacts and to places. Slots are as->slot, below PERFORMER_SLOTS, and so much
+ * more; layers are twice as->layer, and one more. Returns how many: 1 to PERFORMER_PARTS_MAX. */
+enum { PERFORMER_PARTS_MAX = 4, PERFORMER_SLOTS = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX };
+uint32_t performer_parts(const layer *of, const composer_part *as,
+                         composer_part out[PERFORMER_PARTS_MAX]);
 CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
                                        error *err);
 

@@ -14,6 +14,9 @@ typedef struct player_settings {
     instance_clock clock; /* the one that the inputs were created with */
     _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
     const hand_calibration *calibration[2]; /* left, right, for gloves in counts; NULL: shipped */
+    /* A stage that goes on whether there are inputs or not, in real time: it is drawn from its
+     * beginning, frames that are late are left out, and `turn` comes between any two samples. */
+    bool goes_on;
 } player_settings;
 
 typedef struct player_events {
@@ -27,6 +30,9 @@ typedef struct player_events {
     void (*performed)(void *data, uint32_t input, const mrt_sample *sample);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
+    /* [frame] goes_on: between samples; here player_add_input and player_remove_input may be
+     * called. True: the stage is to be drawn as soon as no sample waits. May be NULL. */
+    bool (*turn)(void *data);
     void *data;
 } player_events;
 
@@ -53,6 +59,34 @@ typedef struct player_stage {
 } player_stage;
 /* One mapping on one face. */
 player_stage player_stage_of(performer *p);
+
+/* ---- a stage that goes on ---- */
+
+typedef struct player_loop player_loop;
+
+/* The settings' and events' things must outlive it. [main] */
+CHECKED mrt_result player_create(player_loop **out, const player_stage *stage,
+                                 const player_settings *settings, const player_events *events,
+                                 error *err);
+void player_destroy(player_loop *self); /* its inputs have been removed or stopped; NULL is fine */
+/* Until *settings->stop. [frame] */
+CHECKED mrt_result player_go_on(player_loop *self, error *err);
+/* What wakes it: of inputs (input_set_wake), and of whoever wants a turn. */
+wake *player_wake(player_loop *self);
+
+/* From `turn`. The input's wake is the player's; it is started by whoever owns it. */
+void player_add_input(player_loop *self, input *in);
+void player_remove_input(player_loop *self, uint32_t index); /* those behind it move up */
+/* NULL: shipped; it must live until the next call. */
+void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *calibration);
+/* A sample that the stage itself gives, in order behind all that were performed. */
+CHECKED mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample,
+                               error *err);
+uint64_t player_sample_count(const player_loop *self);
+uint32_t
+player_lost_count(const player_loop *self); /* dropped or refused, of the inputs there are */
+
+/* ---- one that ends with its inputs ---- */
 
 CHECKED mrt_result player_run_stage(const player_stage *stage, input *const *inputs,
                                     uint32_t input_count, const player_settings *settings,

@@ -14,9 +14,10 @@
 
 typedef enum pointer_grip {
     POINTER_AWAY = 0,
-    POINTER_PULLS,  /* anchored */
-    POINTER_KNEADS, /* clay */
-    POINTER_LETS_GO /* of everything that stays: contacts ease back to rest */
+    POINTER_PULLS,   /* anchored */
+    POINTER_KNEADS,  /* clay */
+    POINTER_LETS_GO, /* of everything that stays: contacts ease back to rest */
+    POINTER_NEUTRAL  /* the same, the mapping begins anew, and the base becomes the rest shape */
 } pointer_grip;
 
 /* The channels, all MRT_NO_HAND: semantic MRT_CH_POINTER + these. */
@@ -38,25 +39,45 @@ const mrt_channel *pointer_channels(uint32_t *out_count); /* const data */
 
 enum { POINTER_STAYING_MAX = 24 }; /* contacts that keep an offset; the oldest eases back then */
 
+typedef struct pointer_offset { /* of a contact, or of a place of the skin */
+    uint32_t contact;           /* 1 + index; 0: a place */
+    vec3 rest;                  /* of the place */
+    vec3 offset, from;
+    bool eases;
+    double eased_s;
+} pointer_offset;
+
+/* A composer hears it as a finger's parts (composer.h): from where the face is when it takes hold.
+ */
 typedef struct pointer {
-    mrt_pull pull; /* what it pulls now; mode MRT_IDLE: nothing */
-    bool is_known; /* some sample of it has come */
+    mrt_pull pull;   /* of contacts: anchored, or idle: nothing */
+    mrt_pull places; /* of the skin: anchored; clay: unanchored; idle: nothing */
+    bool is_known;   /* some sample of it has come */
+    bool is_fresh;   /* the newest sample was its own: clay moves */
+    bool commits;    /* with the newest sample places have become parts of the base */
     int64_t time_ns;
     pointer_grip grip;
+    bool stays;
+    float radius_mm;
     vec3 held_rest, held_at; /* when it took hold */
-    uint32_t held;           /* 1 + contact; 0: a place of the skin */
-    uint32_t count;          /* contacts that are not at rest, in the order of pull.vector */
-    struct pointer_offset {
-        uint32_t contact; /* 1 + index; 0: the free place */
-        vec3 offset, from;
-        bool eases;
-        double eased_s;
-    } offset[POINTER_STAYING_MAX + 1];
+    vec3 at;
+    uint32_t held; /* 1 + contact; 0: a place of the skin */
+    bool restores; /* the base is on its way back to rest, since: */
+    double restores_s;
+    double restore; /* 0..1: with the newest sample, so much of what is left of it */
+    uint32_t count; /* of offset, the oldest first */
+    pointer_offset offset[POINTER_STAYING_MAX + 1];
 } pointer;
 
 void pointer_reset(pointer *self);
-/* Takes from a sample what its route says is the pointer's; true: it speaks of the pointer. */
+/* Every sample, in time order: it takes what its route says is the pointer's. True: it speaks of
+ * the pointer. about: contacts are known by their rest. */
 bool pointer_read(pointer *self, const mrt_face *about, const channel_route *route,
                   const mrt_sample *sample);
+
+/* All that is to come depends on, as bytes; as hands_save. */
+size_t pointer_save(const pointer *self, void *bytes, size_t capacity);
+bool pointer_load(pointer *self, const void *bytes, size_t size); /* false: reset */
+void pointer_shift_time(pointer *self, int64_t by_ns);
 
 #endif

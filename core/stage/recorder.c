@@ -17,13 +17,26 @@ enum { SAMPLES_AHEAD = 256, INPUTS_MAX = TAKE_TRACKS_MAX };
 /* Room for a state beside its shapes. */
 static const size_t state_bytes = (size_t)256 << 10;
 
-struct recorder {
-    recorder_settings settings;
-    writer *writer;
+struct recorder_cast { /* who performs, and as what it is recorded */
+    input *inputs[INPUTS_MAX];
+    const char *input_text[INPUTS_MAX];
+    uint32_t input_count;
+    char *calibration[2];
+    layer *layer;
+    performer *performer;
     int64_t track[INPUTS_MAX];
     uint32_t version[INPUTS_MAX];
+    bool is_kept[INPUTS_MAX]; /* the track goes on in another cast */
     take_performance performance;
-    bool has_begun; /* the performance */
+};
+
+struct recorder {
+    recorder_settings settings;
+    size_t state_capacity;
+    writer *writer;
+    recorder_cast *cast;
+    bool has_begun;   /* a performance */
+    bool is_to_begin; /* another one, with the next sample */
     int64_t last_ns, checkpoint_ns;
     uint32_t current; /* input whose sample is performed */
     uint32_t ahead;
@@ -31,8 +44,7 @@ struct recorder {
     writer_slate slate;
     char scene[TAKE_NAME], shot[TAKE_NAME];
     int64_t take;
-    uint32_t rezero;        /* bits by side: granted, and not yet told */
-    bool has_other_mapping; /* from the next sample on */
+    uint32_t rezero; /* bits by side: granted, and not yet told */
     error problem;
 };
 
@@ -55,21 +67,21 @@ static char *copy_text(const char *text)
     return out;
 }
 
-static mrt_result describe_performance(recorder *self, error *err)
+static mrt_result describe_performance(const recorder *self, recorder_cast *cast,
+                                       const recorder_settings *of, error *err)
 {
-    take_performance *p = &self->performance;
-    instance *mapping = layer_mapping(self->settings.layer);
-    mrt_result result = identity_of_face(p, self->settings.face, self->settings.face_path,
-                                         self->settings.unit_mm, err);
+    take_performance *p = &cast->performance;
+    instance *mapping = layer_mapping(cast->layer);
+    mrt_result result = identity_of_face(p, of->face, of->face_path, of->unit_mm, err);
     if (result < 0)
         return result;
     p->mapping = identity_of_plugin(self->settings.plugins, mapping->type);
     if (!p->mapping)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record");
-    p->hand_length_mm = self->settings.hand_length_mm;
-    p->rezero_pedal = self->settings.rezero_pedal;
-    p->track_count = self->settings.input_count;
-    memcpy(p->track, self->track, sizeof p->track);
+    p->hand_length_mm = of->hand_length_mm;
+    p->rezero_pedal = of->rezero_pedal;
+    p->track_count = cast->input_count;
+    memcpy(p->track, cast->track, sizeof p->track);
     identity_of_params(p, mapping);
     return MRT_OK;
 }
@@ -88,43 +100,35 @@ static void describe_channels(take_track *out, const mrt_channel *channel, uint3
     }
 }
 
-static mrt_result add_track(recorder *self, uint32_t i, uint32_t version, error *err)
+static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uint32_t version,
+                            error *err)
 {
-    const recorder_settings *s = &self->settings;
     take_track track = {0};
     uint32_t count;
-    const mrt_channel *channel = input_channels_of(s->inputs[i], version, &count);
+    const mrt_channel *channel = input_channels_of(cast->inputs[i], version, &count);
     describe_channels(&track, channel, count);
-    track.input = copy_text(s->input_text[i]);
-    track.device = copy_text(input_name(s->inputs[i]));
-    track.plugin = identity_of_plugin(s->plugins, input_plugin(s->inputs[i]));
+    track.input = copy_text(cast->input_text[i]);
+    track.device = copy_text(input_name(cast->inputs[i]));
+    track.plugin = identity_of_plugin(self->settings.plugins, input_plugin(cast->inputs[i]));
     mrt_result result = MRT_OK;
     if (!track.input || !track.device || !track.plugin)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
     for (int side = 0; side < 2 && result >= 0; ++side) {
-        if (!s->calibration[side])
+        if (!cast->calibration[side])
             continue;
-        track.calibration[side] = copy_text(s->calibration[side]);
+        track.calibration[side] = copy_text(cast->calibration[side]);
         if (!track.calibration[side])
             result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
     }
     if (result >= 0)
         result = writer_add_track(self->writer, &track, err);
-    self->track[i] = track.id;
-    self->version[i] = version;
+    cast->track[i] = track.id;
+    cast->version[i] = version;
     take_track_finish(&track);
     return result;
 }
 
-/* ---- started and stopped ---- */
-
-static size_t checkpoint_capacity(const recorder_settings *s)
-{
-    if (!s->performer)
-        return 0;
-    const points *rest = face_rest(performer_face(s->performer));
-    return state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
-}
+/* ---- casts ---- */
 
 static void on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value)
 {
@@ -132,9 +136,134 @@ static void on_param(void *data, const mrt_sample *sample, uint32_t param_id, do
     take_event event = {.time_ns = sample->time_ns,
                         .kind = TAKE_EVENT_PARAM,
                         .param = param_id,
-                        .track = self->track[self->current],
+                        .track = self->cast->track[self->current],
                         .value = value};
     writer_event(self->writer, &event);
+}
+
+static void cast_destroy(recorder_cast *cast)
+{
+    if (!cast)
+        return;
+    free(cast->calibration[MRT_LEFT]);
+    free(cast->calibration[MRT_RIGHT]);
+    take_performance_finish(&cast->performance);
+    free(cast);
+}
+
+static bool is_same_text(const char *a, const char *b)
+{
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+/* The track that an input has already; false: none that goes on as it is. */
+static bool keep_track(recorder_cast *now, recorder_cast *cast, uint32_t i)
+{
+    bool is_calibrated_alike = is_same_text(now->calibration[0], cast->calibration[0]) &&
+                               is_same_text(now->calibration[1], cast->calibration[1]);
+    for (uint32_t j = 0; j < now->input_count && is_calibrated_alike; ++j) {
+        if (now->inputs[j] != cast->inputs[i])
+            continue;
+        cast->track[i] = now->track[j];
+        cast->version[i] = now->version[j];
+        return true;
+    }
+    return false;
+}
+
+static mrt_result cast_create(recorder *self, const recorder_settings *of, recorder_cast **out,
+                              error *err)
+{
+    *out = NULL;
+    if (of->input_count > INPUTS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: %d can be recorded", of->input_count,
+                         INPUTS_MAX);
+    recorder_cast *cast = calloc(1, sizeof *cast);
+    if (!cast)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    cast->input_count = of->input_count;
+    cast->layer = of->layer;
+    cast->performer = of->performer;
+    mrt_result result = MRT_OK;
+    for (int side = 0; side < 2 && result >= 0; ++side) {
+        if (!of->calibration[side])
+            continue;
+        cast->calibration[side] = copy_text(of->calibration[side]);
+        if (!cast->calibration[side])
+            result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    }
+    for (uint32_t i = 0; i < of->input_count && result >= 0; ++i) {
+        cast->inputs[i] = of->inputs[i];
+        cast->input_text[i] = of->input_text[i];
+        cast->is_kept[i] = self->cast && keep_track(self->cast, cast, i);
+        if (!cast->is_kept[i])
+            result = add_track(self, cast, i, 0, err);
+    }
+    if (result >= 0)
+        result = describe_performance(self, cast, of, err);
+    if (result < 0) {
+        recorder_dismiss(self, cast);
+        return result;
+    }
+    *out = cast;
+    return MRT_OK;
+}
+
+mrt_result recorder_prepare(recorder *self, const recorder_settings *now, recorder_cast **out,
+                            error *err)
+{
+    return cast_create(self, now, out, err);
+}
+
+/* Both casts have the tracks that they share; which versions they have by now is the old one's to
+ * tell. */
+static void share_tracks(recorder_cast *old, recorder_cast *cast)
+{
+    for (uint32_t j = 0; j < old->input_count; ++j) {
+        old->is_kept[j] = false;
+        for (uint32_t i = 0; i < cast->input_count; ++i) {
+            if (!cast->is_kept[i] || cast->inputs[i] != old->inputs[j])
+                continue;
+            old->is_kept[j] = true;
+            cast->track[i] = cast->performance.track[i] = old->track[j];
+            cast->version[i] = old->version[j];
+        }
+    }
+    memset(cast->is_kept, 0, sizeof cast->is_kept);
+}
+
+recorder_cast *recorder_change(recorder *self, recorder_cast *cast)
+{
+    recorder_cast *old = self->cast;
+    share_tracks(old, cast);
+    if (old->layer != cast->layer) {
+        layer_watch_params(old->layer, NULL, NULL);
+        layer_watch_params(cast->layer, on_param, self);
+    }
+    self->cast = cast;
+    self->is_to_begin = true;
+    return old;
+}
+
+void recorder_dismiss(recorder *self, recorder_cast *cast)
+{
+    error ignored = {""};
+    for (uint32_t i = 0; cast && i < cast->input_count; ++i)
+        if (!cast->is_kept[i] && cast->track[i] != 0 &&
+            writer_end_track(self->writer, cast->track[i], &ignored) < 0)
+            note_problem(self, &ignored);
+    cast_destroy(cast);
+}
+
+/* ---- started and stopped ---- */
+
+static size_t state_capacity(const recorder_settings *s)
+{
+    if (!s->performer)
+        return s->state_bytes;
+    const points *rest = face_rest(performer_face(s->performer));
+    size_t size = state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+    return size > s->state_bytes ? size : s->state_bytes;
 }
 
 static mrt_result start(recorder *self, error *err)
@@ -147,27 +276,21 @@ static mrt_result start(recorder *self, error *err)
         .monotonic_ns = s->clock == CLOCK_VIRTUAL ? 0 : clock_now_ns(),
         .program = "marotte " MAROTTE_VERSION,
         .journal_ns = s->journal_ns,
-        .checkpoint_bytes = checkpoint_capacity(s),
+        .checkpoint_bytes = self->state_capacity,
     };
     mrt_result result = writer_start(&self->writer, s->show, &options, err);
-    for (uint32_t i = 0; i < s->input_count && result >= 0; ++i)
-        result = add_track(self, i, 0, err);
-    if (result >= 0)
-        result = describe_performance(self, err);
-    return result;
+    return result < 0 ? result : cast_create(self, s, &self->cast, err);
 }
 
 mrt_result recorder_start(recorder **out, const recorder_settings *settings, error *err)
 {
     *out = NULL;
-    if (settings->input_count > INPUTS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: %d can be recorded",
-                         settings->input_count, INPUTS_MAX);
     recorder *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record");
     self->settings = *settings;
     self->checkpoint_ns = INT64_MIN;
+    self->state_capacity = state_capacity(settings);
     mrt_result result = start(self, err);
     if (result < 0) {
         error ignored = {""};
@@ -175,7 +298,7 @@ mrt_result recorder_start(recorder **out, const recorder_settings *settings, err
             return result;
         return result;
     }
-    layer_watch_params(settings->layer, on_param, self);
+    layer_watch_params(self->cast->layer, on_param, self);
     *out = self;
     return MRT_OK;
 }
@@ -185,7 +308,8 @@ mrt_result recorder_stop(recorder *self, error *err)
     mrt_result result = MRT_OK;
     if (!self)
         return MRT_OK;
-    layer_watch_params(self->settings.layer, NULL, NULL);
+    if (self->cast)
+        layer_watch_params(self->cast->layer, NULL, NULL);
     if (self->is_take_open)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
@@ -193,7 +317,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     error later = {""};
     if (self->writer && writer_stop(self->writer, &later) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", later.text);
-    take_performance_finish(&self->performance);
+    cast_destroy(self->cast);
     free(self);
     return result;
 }
@@ -234,12 +358,17 @@ mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *sla
 
 int64_t recorder_performance(const recorder *self)
 {
-    return self->has_begun ? self->performance.id : 0;
+    return self->has_begun ? self->cast->performance.id : 0;
 }
 
 int64_t recorder_take(const recorder *self)
 {
     return self->take;
+}
+
+bool recorder_is_taking(const recorder *self)
+{
+    return self->is_take_open || self->is_take_wanted;
 }
 
 const char *recorder_problem(const recorder *self)
@@ -256,16 +385,17 @@ writer *recorder_writer(recorder *self)
 
 static void keep_state(recorder *self, int64_t time_ns)
 {
-    if (!self->settings.performer)
+    recorder_cast *cast = self->cast;
+    if (!cast->performer)
         return;
     void *buffer = writer_checkpoint_buffer(self->writer);
-    size_t capacity = checkpoint_capacity(&self->settings);
+    size_t capacity = self->state_capacity;
     if (!buffer)
         return; /* the disk does not keep up: the next one then */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
-    size_t size = source_keep(self->settings.performer, offset_ns, buffer, capacity);
+    size_t size = source_keep(cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
-    writer_checkpoint(self->writer, self->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
+    writer_checkpoint(self->writer, cast->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
     self->checkpoint_ns = time_ns;
 }
@@ -273,7 +403,10 @@ static void keep_state(recorder *self, int64_t time_ns)
 static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 {
     bool goes_on = self->has_begun;
-    mrt_result result = writer_begin_performance(self->writer, &self->performance, time_ns, err);
+    self->is_to_begin = false;
+    identity_of_params(&self->cast->performance, layer_mapping(self->cast->layer));
+    mrt_result result =
+        writer_begin_performance(self->writer, &self->cast->performance, time_ns, err);
     if (result < 0)
         return result;
     self->has_begun = true;
@@ -286,19 +419,16 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 /* A plugin that was restarted may give other channels: another track, another performance. */
 static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, error *err)
 {
-    uint32_t version = input_version(self->settings.inputs[i]);
-    if (version == self->version[i] && self->has_begun && !self->has_other_mapping)
+    recorder_cast *cast = self->cast;
+    uint32_t version = input_version(cast->inputs[i]);
+    if (version == cast->version[i] && self->has_begun && !self->is_to_begin)
         return MRT_OK;
     mrt_result result = MRT_OK;
-    if (self->has_other_mapping)
-        identity_of_params(&self->performance, layer_mapping(self->settings.layer));
-    self->has_other_mapping = false;
-    if (version != self->version[i]) {
-        result = writer_end_track(self->writer, self->track[i], err);
+    if (version != cast->version[i]) {
+        result = writer_end_track(self->writer, cast->track[i], err);
         if (result >= 0)
-            result = add_track(self, i, version, err);
-        memcpy(self->performance.track, self->track, sizeof self->performance.track);
-        identity_of_params(&self->performance, layer_mapping(self->settings.layer));
+            result = add_track(self, cast, i, version, err);
+        memcpy(cast->performance.track, cast->track, sizeof cast->performance.track);
     }
     return result < 0 ? result : begin_performance(self, time_ns, err);
 }
@@ -319,7 +449,7 @@ static void tell_rezeros(recorder *self, int64_t time_ns)
         take_event event = {.time_ns = time_ns,
                             .kind = TAKE_EVENT_REZERO,
                             .hand = side,
-                            .track = self->track[self->current]};
+                            .track = self->cast->track[self->current]};
         if (self->rezero & (1u << side))
             writer_event(self->writer, &event);
     }
@@ -336,7 +466,7 @@ void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
     if (result < 0)
         note_problem(self, &err);
     tell_rezeros(self, sample->time_ns);
-    writer_sample(self->writer, self->track[from], sample);
+    writer_sample(self->writer, self->cast->track[from], sample);
     self->last_ns = sample->time_ns;
     if (self->settings.clock != CLOCK_VIRTUAL || ++self->ahead < SAMPLES_AHEAD)
         return;
@@ -348,10 +478,10 @@ void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
 void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample)
 {
     (void)from;
-    if (!self->settings.performer)
+    if (!self->cast->performer)
         return;
     int64_t span_ns =
-        performer_is_anchored(self->settings.performer) ? anchored_span_ns : unanchored_span_ns;
+        performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
     if (self->has_begun && sample->time_ns - self->checkpoint_ns >= span_ns)
         keep_state(self, sample->time_ns);
 }
@@ -370,16 +500,16 @@ void recorder_change_mapping(recorder *self, const char *identity)
         note_problem(self, &err);
         return;
     }
-    free(self->performance.mapping);
-    self->performance.mapping = copy;
-    self->has_other_mapping = true;
+    free(self->cast->performance.mapping);
+    self->cast->performance.mapping = copy;
+    self->is_to_begin = true;
 }
 
 void recorder_incident(recorder *self, uint32_t from, const input_incident *what)
 {
     take_event event = {.time_ns = what->time_ns,
                         .kind = what->kind == INPUT_WENT ? TAKE_EVENT_WENT : TAKE_EVENT_CAME,
-                        .track = self->track[from]};
+                        .track = self->cast->track[from]};
     snprintf(event.text, sizeof event.text, "%.90s", what->text);
     writer_event(self->writer, &event);
 }

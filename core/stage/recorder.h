@@ -32,12 +32,28 @@ typedef struct recorder_settings {
     double unit_mm;        /* of a mesh alone; 0: guessed */
     double hand_length_mm; /* of both hands; 0: as their calibrations say */
     uint32_t rezero_pedal;
+    size_t state_bytes; /* at least so much room for a state: a larger face may come; 0 */
 } recorder_settings;
 
 /* Starts a session: from here on everything is recorded, as far back as the journal goes. */
 CHECKED mrt_result recorder_start(recorder **out, const recorder_settings *settings, error *err);
 /* Writes what is left. < 0: what could not be written; it is freed all the same. */
 CHECKED mrt_result recorder_stop(recorder *self, error *err);
+
+/* ---- what is performed changes ---- */
+
+/* Others perform from some sample on: what `now` says of them (its show, log and clock do not
+ * count). Inputs that stay keep their tracks while the calibrations are the same. */
+typedef struct recorder_cast recorder_cast;
+CHECKED mrt_result recorder_prepare(recorder *self, const recorder_settings *now,
+                                    recorder_cast **out, error *err);
+/* [frame] With the next sample another performance begins, of that cast; gives the one back that
+ * ends. A take that is being recorded shows both. */
+recorder_cast *recorder_change(recorder *self, recorder_cast *cast);
+/* One that was given back, or never used. */
+void recorder_dismiss(recorder *self, recorder_cast *cast);
+
+/* ---- takes ---- */
 
 /* A take from the next sample on. */
 void recorder_take_next(recorder *self, const writer_slate *slate);
@@ -48,6 +64,7 @@ CHECKED mrt_result recorder_keep(recorder *self, double seconds, const writer_sl
                                  int64_t *out_take, error *err);
 int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
 int64_t recorder_performance(const recorder *self); /* that goes on; 0: before the first sample */
+bool recorder_is_taking(const recorder *self);      /* a take is open, or is to begin */
 /* The first thing that went wrong since the start, in one line; "" nothing did. */
 const char *recorder_problem(const recorder *self);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */

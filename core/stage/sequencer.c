@@ -301,7 +301,7 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
         uint32_t voices = take_at(voice, l, at_ns);
         for (uint32_t j = 0; j < voices; ++j) {
             play *p = find_play(self, i, voice[j].clip->id);
-            if (!p || count + 2 > COMPOSER_PARTS_MAX)
+            if (!p || count + PERFORMER_PARTS_MAX > COMPOSER_PARTS_MAX)
                 continue;
             const composer_part whole = {
                 .slot = (uint32_t)(p - self->play),
@@ -315,7 +315,8 @@ static uint32_t list_parts(sequencer *self, int64_t at_ns, const play *fresh,
             count += performer_parts(source_layer(p->source), &whole, out + count);
         }
     }
-    if (self->live.layer && self->live_weight > 0.0 && count + 2 <= COMPOSER_PARTS_MAX) {
+    if (self->live.layer && self->live_weight > 0.0 &&
+        count + PERFORMER_PARTS_MAX <= COMPOSER_PARTS_MAX) {
         const composer_part whole = {.slot = SEQUENCER_LIVE_SLOT,
                                      .layer = self->take.layer_count,
                                      .is_additive = self->live.is_additive,

@@ -232,10 +232,12 @@ static mrt_result read_last_ids(show *self, error *err)
     };
     mrt_result result = MRT_OK;
     for (int i = 0; i < SHOW_ID_COUNT && result >= 0; ++i) {
-        result = sqlite_number(self->db, sql[i], 0, &self->last_id[i], err);
-        if (result >= 0 && (self->last_id[i] < 0 || self->last_id[i] > INT64_MAX / 2))
+        int64_t last_id = 0;
+        result = sqlite_number(self->db, sql[i], 0, &last_id, err);
+        if (result >= 0 && (last_id < 0 || last_id > INT64_MAX / 2))
             result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: an id of %lld", self->path,
-                               (long long)self->last_id[i]);
+                               (long long)last_id);
+        self->last_id[i] = last_id;
     }
     return result;
 }

@@ -19,7 +19,8 @@ struct show {
     show_lock lock;
     dev_t device; /* and inode: of the file that is open */
     ino_t inode;
-    int64_t last_id[SHOW_ID_COUNT]; /* given out, so that a row can be named before it is written */
+    _Atomic int64_t last_id[SHOW_ID_COUNT]; /* given out, so that a row can be named before it is
+                                               written; by the writer's callers too */
 };
 
 /* Connection of its own to the file, for the writer. */

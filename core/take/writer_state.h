@@ -50,7 +50,7 @@ struct writer {
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
     _Atomic uint32_t ring_lost_samples, given_samples;
 
-    uint32_t track_count; /* [main] */
+    _Atomic uint32_t track_count; /* [main], and who records */
 
     /* [main] to the thread and back */
     pthread_mutex_t lock;

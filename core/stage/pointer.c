@@ -1,0 +1,426 @@
+#include "stage/pointer.h"
+#include "base/bytes.h"
+#include "base/clock.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STORE_VERSION = 1 };
+
+static double to_double(float v)
+{
+    return (double)v;
+}
+
+static mrt_vec3 narrow(vec3 v)
+{
+    return (mrt_vec3){(float)v.x, (float)v.y, (float)v.z};
+}
+
+const mrt_channel *pointer_channels(uint32_t *out_count)
+{
+    static const mrt_channel channel[POINTER_CHANNELS] = {
+        {"rest x", "mm", MRT_CH_POINTER + POINTER_REST_X, MRT_NO_HAND, 0.0f, 0.0f},
+        {"rest y", "mm", MRT_CH_POINTER + POINTER_REST_Y, MRT_NO_HAND, 0.0f, 0.0f},
+        {"rest z", "mm", MRT_CH_POINTER + POINTER_REST_Z, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at x", "mm", MRT_CH_POINTER + POINTER_AT_X, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at y", "mm", MRT_CH_POINTER + POINTER_AT_Y, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at z", "mm", MRT_CH_POINTER + POINTER_AT_Z, MRT_NO_HAND, 0.0f, 0.0f},
+        {"grip", "", MRT_CH_POINTER + POINTER_GRIP, MRT_NO_HAND, 0.0f, 0.0f},
+        {"stays", "", MRT_CH_POINTER + POINTER_STAYS, MRT_NO_HAND, 0.0f, 0.0f},
+        {"radius", "mm", MRT_CH_POINTER + POINTER_RADIUS, MRT_NO_HAND, 0.0f, 0.0f},
+    };
+    *out_count = POINTER_CHANNELS;
+    return channel;
+}
+
+static mrt_pull idle_pull(void)
+{
+    mrt_pull out = {.mode = MRT_IDLE};
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        out.dof[i] = NAN;
+    return out;
+}
+
+void pointer_reset(pointer *self)
+{
+    *self = (pointer){.pull = idle_pull(), .places = idle_pull()};
+}
+
+/* ---- what a sample says ---- */
+
+typedef struct said_now {
+    pointer_grip grip;
+    bool stays;
+    vec3 rest, at;
+    float radius_mm;
+} said_now;
+
+static bool listen(const channel_route *route, const mrt_sample *sample, said_now *out)
+{
+    float value[POINTER_CHANNELS] = {0};
+    bool speaks = false;
+    for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
+        uint32_t channel = route->semantic[i] - MRT_CH_POINTER;
+        if (channel >= POINTER_CHANNELS || route->semantic[i] < MRT_CH_POINTER)
+            continue;
+        value[channel] = sample->value[i];
+        speaks = true;
+    }
+    float grip = value[POINTER_GRIP];
+    out->grip = grip > 0.0f && grip <= (float)POINTER_NEUTRAL ? (pointer_grip)grip : POINTER_AWAY;
+    out->stays = value[POINTER_STAYS] >= 0.5f;
+    out->radius_mm = fmaxf(value[POINTER_RADIUS], 0.0f);
+    out->rest = (vec3){to_double(value[POINTER_REST_X]), to_double(value[POINTER_REST_Y]),
+                       to_double(value[POINTER_REST_Z])};
+    out->at = (vec3){to_double(value[POINTER_AT_X]), to_double(value[POINTER_AT_Y]),
+                     to_double(value[POINTER_AT_Z])};
+    return speaks;
+}
+
+/* ---- offsets ---- */
+
+static bool is_same_place(vec3 a, vec3 b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+static pointer_offset *find_offset(pointer *self, uint32_t contact, vec3 rest)
+{
+    for (uint32_t i = 0; i < self->count; ++i) {
+        pointer_offset *o = &self->offset[i];
+        if (o->contact == contact && (contact > 0 || is_same_place(o->rest, rest)))
+            return o;
+    }
+    return NULL;
+}
+
+static void remove_offset(pointer *self, uint32_t at)
+{
+    self->count -= 1;
+    memmove(&self->offset[at], &self->offset[at + 1], (self->count - at) * sizeof *self->offset);
+}
+
+static void ease_back(pointer_offset *o)
+{
+    o->eases = true;
+    o->from = o->offset;
+    o->eased_s = 0.0;
+}
+
+static uint32_t find_contact(const mrt_face *about, vec3 rest)
+{
+    mrt_vec3 at = narrow(rest);
+    for (uint32_t i = 0; i < about->contact_count; ++i)
+        if (memcmp(&about->contacts[i].rest, &at, sizeof at) == 0)
+            return i + 1;
+    return 0;
+}
+
+/* The oldest that is not held makes room. */
+static pointer_offset *add_offset(pointer *self, uint32_t contact, vec3 rest)
+{
+    if (self->count == POINTER_STAYING_MAX + 1)
+        remove_offset(self, 0);
+    pointer_offset *o = &self->offset[self->count++];
+    *o = (pointer_offset){.contact = contact, .rest = rest};
+    return o;
+}
+
+/* One more than may stay is about to be held: the oldest that rests on its offset eases back. */
+static void make_room(pointer *self)
+{
+    uint32_t staying = 0;
+    pointer_offset *oldest = NULL;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        pointer_offset *o = &self->offset[i];
+        if (o->eases)
+            continue;
+        staying += 1;
+        if (!oldest)
+            oldest = o;
+    }
+    if (oldest && staying >= POINTER_STAYING_MAX)
+        ease_back(oldest);
+}
+
+/* ---- grips ---- */
+
+/* Places become parts of the base: all there are, as far as they are pulled now. */
+static void commit_places(pointer *self)
+{
+    for (uint32_t i = self->count; i-- > 0;)
+        if (self->offset[i].contact == 0)
+            remove_offset(self, i);
+    self->places.commit += 1;
+    self->commits = true;
+}
+
+static bool has_places(const pointer *self)
+{
+    for (uint32_t i = 0; i < self->count; ++i)
+        if (self->offset[i].contact == 0)
+            return true;
+    return false;
+}
+
+static void take_hold(pointer *self, const mrt_face *about, const said_now *now)
+{
+    self->held_rest = now->rest;
+    self->held_at = self->at = now->at;
+    self->held = find_contact(about, now->rest);
+    if (self->count == 0 || now->grip == POINTER_KNEADS)
+        self->radius_mm = now->radius_mm;
+    if (now->grip == POINTER_KNEADS) {
+        if (has_places(self))
+            commit_places(self);
+        return;
+    }
+    pointer_offset *o = find_offset(self, self->held, now->rest);
+    if (!o) {
+        make_room(self);
+        o = add_offset(self, self->held, now->rest);
+    }
+    o->eases = false;
+    o->from = o->offset;
+}
+
+static void drag(pointer *self)
+{
+    pointer_offset *o = find_offset(self, self->held, self->held_rest);
+    if (o)
+        o->offset = vec3_add(o->from, vec3_sub(self->at, self->held_at));
+}
+
+static void let_go(pointer *self, bool stays)
+{
+    pointer_offset *o = find_offset(self, self->held, self->held_rest);
+    if (self->grip != POINTER_PULLS || !o)
+        return;
+    if (!stays)
+        ease_back(o);
+    else if (self->held == 0)
+        commit_places(self);
+}
+
+static void let_go_of_all(pointer *self)
+{
+    for (uint32_t i = 0; i < self->count; ++i)
+        if (!self->offset[i].eases)
+            ease_back(&self->offset[i]);
+}
+
+static bool is_held(pointer_grip grip)
+{
+    return grip == POINTER_PULLS || grip == POINTER_KNEADS;
+}
+
+static void obey(pointer *self, const mrt_face *about, const said_now *now)
+{
+    bool is_anew = now->grip != self->grip || !is_same_place(now->rest, self->held_rest);
+    if (is_held(self->grip) && is_anew)
+        let_go(self, self->stays);
+    if (is_held(now->grip) && is_anew)
+        take_hold(self, about, now);
+    if (now->grip >= POINTER_LETS_GO && now->grip != self->grip)
+        let_go_of_all(self);
+    if (now->grip == POINTER_NEUTRAL && self->grip != POINTER_NEUTRAL) {
+        self->restores = true;
+        self->restores_s = 0.0;
+    }
+    self->grip = now->grip;
+    self->stays = now->stays;
+    self->at = now->at;
+    if (self->grip == POINTER_PULLS)
+        drag(self);
+}
+
+/* ---- time goes on ---- */
+
+static double what_is_left(double passed_s)
+{
+    double s = fmin(passed_s / POINTER_SPRING_S, 1.0);
+    return 1.0 - s * s * (3.0 - 2.0 * s);
+}
+
+static void ease(pointer *self, double dt_s)
+{
+    for (uint32_t i = self->count; i-- > 0;) {
+        pointer_offset *o = &self->offset[i];
+        if (!o->eases)
+            continue;
+        o->eased_s += dt_s;
+        o->offset = vec3_scale(o->from, what_is_left(o->eased_s));
+        if (o->eased_s >= POINTER_SPRING_S)
+            remove_offset(self, i);
+    }
+    if (!self->restores)
+        return;
+    double left = what_is_left(self->restores_s);
+    self->restores_s += dt_s;
+    self->restore = left > 0.0 ? 1.0 - what_is_left(self->restores_s) / left : 1.0;
+    self->restores = self->restores_s < POINTER_SPRING_S;
+}
+
+/* ---- what it pulls ---- */
+
+static void add_vector(mrt_pull *to, const mrt_face *about, const pointer_offset *o)
+{
+    vec3 start = o->rest;
+    if (o->contact > 0) {
+        const mrt_vec3 *rest = &about->contacts[o->contact - 1].rest;
+        start = (vec3){to_double(rest->x), to_double(rest->y), to_double(rest->z)};
+    }
+    to->mode = MRT_ANCHORED;
+    to->vector[to->count++] = (mrt_vector){
+        .start = narrow(start), .end = narrow(vec3_add(start, o->offset)), .contact = o->contact};
+}
+
+static void pull(pointer *self, const mrt_face *about, vec3 kneads_from)
+{
+    mrt_pull *places = &self->places;
+    self->pull.mode = places->mode = MRT_IDLE;
+    self->pull.count = places->count = 0;
+    places->radius_mm = self->pull.radius_mm = self->radius_mm;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const pointer_offset *o = &self->offset[i];
+        if (o->contact <= about->contact_count)
+            add_vector(o->contact > 0 ? &self->pull : places, about, o);
+    }
+    if (self->grip != POINTER_KNEADS)
+        return;
+    places->mode = MRT_UNANCHORED;
+    places->count = 1;
+    places->vector[0] = (mrt_vector){.start = narrow(kneads_from), .end = narrow(self->at)};
+}
+
+bool pointer_read(pointer *self, const mrt_face *about, const channel_route *route,
+                  const mrt_sample *sample)
+{
+    said_now now;
+    bool speaks = listen(route, sample, &now);
+    self->is_fresh = speaks;
+    self->commits = false;
+    self->restore = 0.0;
+    if (!speaks && !self->is_known)
+        return false;
+    int64_t passed_ns = sample->time_ns - self->time_ns;
+    double dt_s = self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;
+    self->is_known = true;
+    self->time_ns = sample->time_ns;
+    ease(self, dt_s);
+    vec3 from = self->at;
+    pointer_grip before = self->grip;
+    if (speaks)
+        obey(self, about, &now);
+    bool begins = self->grip != before;
+    pull(self, about, begins ? self->at : from);
+    return speaks;
+}
+
+/* ---- kept ---- */
+
+static void put_vec3(bytes_out *out, vec3 v)
+{
+    bytes_put_f64(out, v.x);
+    bytes_put_f64(out, v.y);
+    bytes_put_f64(out, v.z);
+}
+
+static vec3 take_vec3(bytes_in *in)
+{
+    vec3 out;
+    out.x = bytes_take_f64(in);
+    out.y = bytes_take_f64(in);
+    out.z = bytes_take_f64(in);
+    return out;
+}
+
+static void put_pull(bytes_out *out, const mrt_pull *p)
+{
+    bytes_put(out, p, offsetof(mrt_pull, vector));
+    bytes_put(out, p->vector, p->count * sizeof *p->vector);
+}
+
+static void take_pull(bytes_in *in, mrt_pull *out)
+{
+    *out = idle_pull();
+    bytes_take(in, out, offsetof(mrt_pull, vector));
+    if (out->count > POINTER_STAYING_MAX + 1 || out->mode > MRT_UNANCHORED) {
+        in->failed = true;
+        out->count = 0;
+    }
+    bytes_take(in, out->vector, out->count * sizeof *out->vector);
+}
+
+size_t pointer_save(const pointer *self, void *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put_u32(&out, STORE_VERSION);
+    bytes_put_u32(&out, self->is_known);
+    bytes_put(&out, &self->time_ns, sizeof self->time_ns);
+    bytes_put_u32(&out, (uint32_t)self->grip);
+    bytes_put_u32(&out, self->stays);
+    bytes_put_f64(&out, to_double(self->radius_mm));
+    put_vec3(&out, self->held_rest);
+    put_vec3(&out, self->held_at);
+    put_vec3(&out, self->at);
+    bytes_put_u32(&out, self->held);
+    bytes_put_u32(&out, self->restores);
+    bytes_put_f64(&out, self->restores_s);
+    bytes_put_u32(&out, self->count);
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const pointer_offset *o = &self->offset[i];
+        bytes_put_u32(&out, o->contact);
+        put_vec3(&out, o->rest);
+        put_vec3(&out, o->offset);
+        put_vec3(&out, o->from);
+        bytes_put_u32(&out, o->eases);
+        bytes_put_f64(&out, o->eased_s);
+    }
+    put_pull(&out, &self->pull);
+    put_pull(&out, &self->places);
+    return out.size;
+}
+
+bool pointer_load(pointer *self, const void *bytes, size_t size)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    pointer_reset(self);
+    in.failed |= bytes_take_u32(&in) != STORE_VERSION;
+    self->is_known = bytes_take_u32(&in) != 0;
+    bytes_take(&in, &self->time_ns, sizeof self->time_ns);
+    uint32_t grip = bytes_take_u32(&in);
+    in.failed |= grip > POINTER_NEUTRAL;
+    self->grip = (pointer_grip)grip;
+    self->stays = bytes_take_u32(&in) != 0;
+    self->radius_mm = (float)bytes_take_f64(&in);
+    self->held_rest = take_vec3(&in);
+    self->held_at = take_vec3(&in);
+    self->at = take_vec3(&in);
+    self->held = bytes_take_u32(&in);
+    self->restores = bytes_take_u32(&in) != 0;
+    self->restores_s = bytes_take_f64(&in);
+    uint32_t count = bytes_take_u32(&in);
+    in.failed |= count > POINTER_STAYING_MAX + 1;
+    for (uint32_t i = 0; i < count && !in.failed; ++i) {
+        pointer_offset *o = &self->offset[self->count++];
+        o->contact = bytes_take_u32(&in);
+        o->rest = take_vec3(&in);
+        o->offset = take_vec3(&in);
+        o->from = take_vec3(&in);
+        o->eases = bytes_take_u32(&in) != 0;
+        o->eased_s = bytes_take_f64(&in);
+    }
+    take_pull(&in, &self->pull);
+    take_pull(&in, &self->places);
+    if (!in.failed && in.at == in.end)
+        return true;
+    pointer_reset(self);
+    return false;
+}
+
+void pointer_shift_time(pointer *self, int64_t by_ns)
+{
+    self->time_ns = (int64_t)((uint64_t)self->time_ns + (uint64_t)by_ns);
+}
