@@ -1,0 +1,31 @@
+/* window/viewport_picture.h - a face and what lies over it as a texture that is drawn anew only
+ * when something of it has changed. Leaves out what is to be seen. [main], with the context. */
+#ifndef MAROTTE_UI_WINDOW_VIEWPORT_PICTURE_H
+#define MAROTTE_UI_WINDOW_VIEWPORT_PICTURE_H
+#include "window/viewport_scene.h"
+
+typedef struct viewport_picture viewport_picture;
+
+/* The renderer must outlive it. NULL: no memory. */
+viewport_picture *viewport_picture_create(draw_renderer *renderer);
+void viewport_picture_destroy(viewport_picture *self); /* NULL is fine */
+
+/* Another face, at rest and in its own colours: takes some tenths of a second. NULL: none. */
+CHECKED mrt_result viewport_picture_face(viewport_picture *self, const mesh *m, error *err);
+/* vertex_count by 3, mm; normal NULL: computed. Copied. */
+void viewport_picture_shape(viewport_picture *self, const float *position, const float *normal);
+/* vertex_count by 3, linear; NULL: the face's own. Copied. */
+void viewport_picture_colour(viewport_picture *self, const float *rgb);
+
+typedef struct viewport_picture_look {
+    uint32_t width, height; /* pixels */
+    draw_camera camera;
+    const viewport_scene *scene; /* NULL: nothing over the face */
+} viewport_picture_look;
+/* 0: there is nothing to be shown, err says why. The texture lives until the next call. */
+uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_look *look,
+                               error *err);
+uint64_t viewport_picture_shapes(const viewport_picture *self); /* grows with each other shape */
+uint64_t viewport_picture_count(const viewport_picture *self);  /* how often it was drawn */
+
+#endif
