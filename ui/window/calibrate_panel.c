@@ -1,0 +1,402 @@
+#include "window/calibrate_panel.h"
+
+#include "hand/sensor.h"
+#include "window/calibrate_panel_guide.h"
+#include "window/theme.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
+static const float width = 640.0f, bar_height = 17.0f, news_height = 44.0f;
+static const double degrees_per_rad = 57.29577951308232;
+static const char *const side_word[2] = {"left", "right"};
+static const char dialog[] = "calibrate";
+
+struct calibrate_panel {
+    studio *studio;
+    input *glove; /* NULL: closed */
+    uint32_t index;
+    calibrate_guide guide;
+    bool is_asked, is_away;
+    char name[CALIBRATION_NAME], length[16];
+    char trouble[1024];
+    char *kept;
+    uint32_t kept_side;
+    bool has_kept;
+};
+
+calibrate_panel *calibrate_panel_create(studio *of)
+{
+    calibrate_panel *self = calloc(1, sizeof *self);
+    if (self)
+        self->studio = of;
+    return self;
+}
+
+static void leave(calibrate_panel *self)
+{
+    if (!self->glove)
+        return;
+    live_tap(studio_live(self->studio), UINT32_MAX);
+    calibrate_guide_end(&self->guide);
+    self->glove = NULL;
+}
+
+void calibrate_panel_destroy(calibrate_panel *self)
+{
+    if (!self)
+        return;
+    leave(self);
+    free(self->kept);
+    free(self);
+}
+
+bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, error *out_why)
+{
+    leave(self);
+    input *glove = live_input(studio_live(self->studio), index);
+    uint32_t count;
+    const mrt_channel *channels = input_channels(glove, &count);
+    if (calibrate_guide_begin(&self->guide, channels, count, side, input_name(glove), out_why) < 0)
+        return false;
+    self->glove = glove;
+    self->index = index;
+    self->is_asked = true;
+    self->is_away = false;
+    self->trouble[0] = '\0';
+    (void)snprintf(self->name, sizeof self->name, "%s hand", side_word[side]);
+    live_tap(studio_live(self->studio), index);
+    return true;
+}
+
+bool calibrate_panel_is_open(const calibrate_panel *self)
+{
+    return self->glove != NULL;
+}
+
+const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
+{
+    if (!self->has_kept)
+        return NULL;
+    self->has_kept = false;
+    *out_side = self->kept_side;
+    return self->kept;
+}
+
+/* The list of inputs may have changed beneath it. */
+static bool is_still_there(const calibrate_panel *self)
+{
+    live *stage = studio_live(self->studio);
+    return self->index < live_input_count(stage) && live_input(stage, self->index) == self->glove;
+}
+
+static bool has_other_channels(const calibrate_panel *self)
+{
+    uint32_t count;
+    error why = {""};
+    glove_channels now;
+    const mrt_channel *channels = input_channels(self->glove, &count);
+    return glove_channels_find(&now, channels, count, self->guide.glove.side, "", &why) < 0 ||
+           memcmp(now.channel_of, self->guide.glove.channel_of, sizeof now.channel_of) != 0;
+}
+
+void calibrate_panel_update(calibrate_panel *self)
+{
+    mrt_sample sample;
+    if (!self->glove)
+        return;
+    if (!is_still_there(self)) {
+        leave(self);
+        return;
+    }
+    self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
+    if (has_other_channels(self)) {
+        (void)snprintf(self->trouble, sizeof self->trouble,
+                       "The glove has other sensors than at the beginning: close this and begin "
+                       "again.");
+        return;
+    }
+    for (int i = 0; i < PER_FRAME && live_take_tapped(studio_live(self->studio), &sample); ++i)
+        calibrate_guide_sample(&self->guide, &sample);
+}
+
+/* ---- the poses ---- */
+
+static void draw_steps(const calibrate_panel *self, ui *on)
+{
+    ui_canvas at;
+    guide_step now = guide_current(self->guide.guide);
+    const float gap = 22.0f, radius = 5.0f;
+    char words[64];
+    ui_canvas_begin(on, "steps", 0.0f, 20.0f, &at);
+    float y = at.where.y + 10.0f;
+    for (int step = 0; step < GUIDE_STEPS; ++step) {
+        float x = at.where.x + 8.0f + gap * (float)step;
+        if (guide_has(self->guide.guide, (guide_step)step))
+            ui_draw_disc(on, x, y, radius, THEME_GOOD);
+        else if (step == (int)now)
+            ui_draw_ring(on, x, y, radius + 1.0f, THEME_ACCENT, 2.0f);
+        else
+            ui_draw_ring(on, x, y, radius - 1.0f, THEME_DIM, 1.0f);
+    }
+    if (now < GUIDE_STEPS) {
+        (void)snprintf(words, sizeof words, "pose %d of %d", (int)now + 1, GUIDE_STEPS);
+        ui_draw_text(on, at.where.x + gap * GUIDE_STEPS + 8.0f, at.where.y + 2.0f, UI_STYLE_DIM,
+                     THEME_DIM, 0.0f, words);
+    }
+    ui_canvas_end(on);
+}
+
+static float share_of(const glove_channels *glove, float raw)
+{
+    float span = glove->high - glove->low;
+    float share = span > 0.0f ? (raw - glove->low) / span : 0.0f;
+    return fminf(fmaxf(share, 0.0f), 1.0f);
+}
+
+static void draw_bar(const calibrate_guide *of, ui *on, int sensor, ui_rectangle at,
+                     const float seen[2])
+{
+    const float label = 132.0f, number = 34.0f;
+    char words[24];
+    ui_rectangle bar = {at.x + label, at.y + 4.0f, at.width - label - number - 6.0f, 9.0f};
+    float low = share_of(&of->glove, seen[0]), high = share_of(&of->glove, seen[1]);
+    float now = share_of(&of->glove, of->raw[sensor]);
+    ui_draw_text(on, at.x, at.y, UI_STYLE_DIM, THEME_DIM, label - 6.0f, sensor_table[sensor].label);
+    ui_draw_box(on, bar, THEME_WELL, 2.0f);
+    ui_draw_box(
+        on, (ui_rectangle){bar.x + low * bar.width, bar.y, (high - low) * bar.width, bar.height},
+        THEME_HOVER, 2.0f);
+    if (!of->has_sample)
+        return;
+    ui_draw_box(
+        on, (ui_rectangle){bar.x + now * (bar.width - 3.0f), bar.y - 1.0f, 3.0f, bar.height + 2.0f},
+        THEME_ACCENT, 1.0f);
+    (void)snprintf(words, sizeof words, "%.0f", (double)of->raw[sensor]);
+    ui_draw_text(on, at.x + at.width - ui_text_width(on, UI_STYLE_BODY, words), at.y, UI_STYLE_BODY,
+                 THEME_TEXT, 0.0f, words);
+}
+
+static void draw_bars(const calibrate_panel *self, ui *on)
+{
+    float low[MRT_ANGLES], high[MRT_ANGLES];
+    int order[MRT_ANGLES], count = 0;
+    ui_canvas at;
+    guide_range(self->guide.guide, low, high);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (self->guide.glove.sensors >> i & 1u)
+            order[count++] = i;
+    int rows = (count + COLUMNS - 1) / COLUMNS;
+    ui_canvas_begin(on, "bars", 0.0f, bar_height * (float)rows, &at);
+    const float gap = 24.0f, wide = (at.where.width - gap) / COLUMNS;
+    for (int i = 0; i < count; ++i) {
+        const float seen[2] = {low[order[i]], high[order[i]]};
+        ui_rectangle place = {at.where.x + (float)(i / rows) * (wide + gap),
+                              at.where.y + bar_height * (float)(i % rows), wide, bar_height};
+        draw_bar(&self->guide, on, order[i], place, seen);
+    }
+    ui_canvas_end(on);
+}
+
+static void draw_news(const calibrate_panel *self, ui *on)
+{
+    static const ui_style style[] = {[CALIBRATE_SAYS] = UI_STYLE_DIM,
+                                     [CALIBRATE_TOOK] = UI_STYLE_GOOD,
+                                     [CALIBRATE_REFUSED] = UI_STYLE_WARNING};
+    ui_scroll_begin(on, "news", 0.0f, news_height);
+    if (self->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    else
+        ui_text_wrapped(on, style[self->guide.tone], self->guide.news);
+    ui_scroll_end(on);
+}
+
+/* Such that the buttons do not move from pose to pose. */
+static void draw_words(const calibrate_panel *self, ui *on)
+{
+    guide_step step = guide_current(self->guide.guide);
+    const char *waits = self->is_away ? "the glove is away: waiting for it"
+                                      : guide_wait_words[guide_waiting(self->guide.guide)];
+    char name[64];
+    (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
+    if (name[0] >= 'a' && name[0] <= 'z')
+        name[0] = (char)(name[0] - 'a' + 'A');
+    ui_text(on, UI_STYLE_TITLE, name);
+    ui_scroll_begin(on, "words", 0.0f, 40.0f);
+    ui_text_wrapped(on, UI_STYLE_BODY, guide_step_words[step]);
+    ui_scroll_end(on);
+    ui_text(on, self->is_away ? UI_STYLE_WARNING : UI_STYLE_STRONG, waits);
+}
+
+static void draw_pose_buttons(calibrate_panel *self, ui *on)
+{
+    ui_disabled_begin(on, self->is_away || self->trouble[0]);
+    if (ui_button(on, "Take it now", UI_ACCENT))
+        calibrate_guide_take(&self->guide);
+    ui_hint(on, "Enter. Without waiting until the hand is still.");
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_hint(on, "The pose before, once more.");
+    ui_same_line(on);
+    if (ui_button(on, "Skip", UI_PLAIN))
+        calibrate_guide_skip(&self->guide);
+    ui_hint(on, "Goes on without this pose: what it would tell is as shipped.");
+    ui_same_line(on);
+    ui_at(on, width - 36.0f - 80.0f);
+    ui_width(on, 80.0f);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+    if (!self->is_away && !self->trouble[0] && ui_pressed(on, UI_KEY_ENTER, 0))
+        calibrate_guide_take(&self->guide);
+}
+
+static void draw_poses(calibrate_panel *self, ui *on)
+{
+    draw_steps(self, on);
+    ui_space(on, 4.0f);
+    draw_words(self, on);
+    ui_space(on, 6.0f);
+    draw_bars(self, on);
+    ui_space(on, 6.0f);
+    draw_news(self, on);
+    draw_pose_buttons(self, on);
+}
+
+/* ---- what came out ---- */
+
+static void draw_summary(const calibration_file *file, ui *on)
+{
+    int measured = 0, shipped = 0, worst = -1;
+    char words[160];
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const calibration_sensor *sensor = &file->sensor[i];
+        if (sensor->table.count == 0)
+            continue;
+        measured += sensor->source == CALIBRATION_MEASURED;
+        shipped += sensor->source == CALIBRATION_SHIPPED || sensor->source == CALIBRATION_ZEROED;
+        if (sensor->has_residual &&
+            (worst < 0 || sensor->residual_rad > file->sensor[worst].residual_rad))
+            worst = i;
+    }
+    (void)snprintf(words, sizeof words, "%d measured, %d with the shipped gain", measured, shipped);
+    ui_fact(on, "Sensors", 130.0f, UI_STYLE_BODY, words);
+    if (worst < 0)
+        return;
+    (void)snprintf(words, sizeof words, "%.1f deg, %s",
+                   (double)file->sensor[worst].residual_rad * degrees_per_rad,
+                   sensor_table[worst].label);
+    ui_fact(on, "Worst residual", 130.0f, UI_STYLE_BODY, words);
+}
+
+static void draw_findings(const calibrate_panel *self, ui *on)
+{
+    calibrate_finding finding[FINDINGS];
+    uint32_t count = calibrate_guide_findings(&self->guide, finding, FINDINGS);
+    ui_scroll_begin(on, "findings", 0.0f, 132.0f);
+    if (count == 0)
+        ui_text(on, UI_STYLE_GOOD, "Every sensor says the same of the same pose, and alone.");
+    for (uint32_t i = 0; i < count; ++i)
+        ui_text_wrapped(on, finding[i].is_warning ? UI_STYLE_WARNING : UI_STYLE_DIM,
+                        finding[i].text);
+    ui_scroll_end(on);
+}
+
+static void keep(calibrate_panel *self, ui *on)
+{
+    error err = {""};
+    char *path = NULL;
+    double length_mm = strtod(self->length, NULL);
+    bool has_length = length_mm >= HAND_LENGTH_MIN_MM && length_mm <= HAND_LENGTH_MAX_MM;
+    if (self->length[0] && !has_length) {
+        (void)snprintf(self->trouble, sizeof self->trouble,
+                       "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
+                       HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
+        return;
+    }
+    if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path, &err) <
+        0) {
+        (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
+        return;
+    }
+    free(self->kept);
+    self->kept = path;
+    self->kept_side = self->guide.glove.side;
+    self->has_kept = true;
+    ui_dialog_close(on);
+}
+
+static void draw_result(calibrate_panel *self, ui *on)
+{
+    ui_text(on, UI_STYLE_GOOD, "All poses are done.");
+    ui_space(on, 4.0f);
+    draw_summary(self->guide.result, on);
+    ui_space(on, 4.0f);
+    draw_findings(self, on);
+    ui_space(on, 4.0f);
+    ui_text(on, UI_STYLE_DIM, "Name");
+    ui_same_line(on);
+    ui_at(on, 130.0f);
+    ui_width(on, 240.0f);
+    (void)ui_input(on, "##name", "whose hand it is", self->name, sizeof self->name);
+    ui_text(on, UI_STYLE_DIM, "Hand length, mm");
+    ui_same_line(on);
+    ui_at(on, 130.0f);
+    ui_width(on, 240.0f);
+    (void)ui_input(on, "##length", "wrist to middle fingertip; may be empty", self->length,
+                   sizeof self->length);
+    ui_space(on, 4.0f);
+    ui_scroll_begin(on, "trouble", 0.0f, 40.0f);
+    ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_scroll_end(on);
+    if (ui_button(on, "Save and use", UI_ACCENT))
+        keep(self, on);
+    ui_same_line(on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_hint(on, "The last pose, once more.");
+    ui_same_line(on);
+    ui_at(on, width - 36.0f - 80.0f);
+    ui_width(on, 80.0f);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+}
+
+static void draw_without_result(calibrate_panel *self, ui *on)
+{
+    draw_news(self, on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+}
+
+void calibrate_panel_draw(calibrate_panel *self, ui *on)
+{
+    char title[160];
+    bool was_asked = self->is_asked;
+    if (!self->glove)
+        return;
+    if (was_asked)
+        ui_dialog_open(on, dialog);
+    self->is_asked = false;
+    (void)snprintf(title, sizeof title, "Calibrate the %s hand: %.90s",
+                   side_word[self->guide.glove.side], input_name(self->glove));
+    if (!ui_dialog_begin(on, dialog, title, width)) {
+        if (!was_asked)
+            leave(self);
+        return;
+    }
+    if (self->guide.result)
+        draw_result(self, on);
+    else if (guide_current(self->guide.guide) < GUIDE_STEPS)
+        draw_poses(self, on);
+    else
+        draw_without_result(self, on);
+    ui_dialog_end(on);
+}

@@ -1,0 +1,24 @@
+/* window/engine_panel_words.h - what the engine's counters mean, and how near to a fold the face
+ * is, in words. Pure but for engine_memory. */
+#ifndef MAROTTE_UI_WINDOW_ENGINE_PANEL_WORDS_H
+#define MAROTTE_UI_WINDOW_ENGINE_PANEL_WORDS_H
+#include "stage/live.h"
+#include "window/ui.h"
+
+/* "nothing folds", "nearly folds", "folds"; how it is to be drawn. */
+const char *engine_fold_words(double min_determinant, ui_style *out_style);
+
+enum { ENGINE_COUNTERS_MAX = 16 };
+typedef struct engine_counter {
+    const char *label; /* "Held pulls" */
+    const char *help;  /* what it means, one sentence */
+    uint64_t value;
+    bool is_odd; /* something went wrong; else only news */
+} engine_counter;
+/* Those that are not zero. Returns how many. */
+uint32_t engine_counters(const live_status *status, engine_counter out[ENGINE_COUNTERS_MAX]);
+
+/* Bytes of memory that the program holds now; 0: not known. Reads a file of the system. */
+uint64_t engine_memory(void);
+
+#endif

@@ -1,0 +1,121 @@
+#include "window/mapping_panel_inside.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void mapping_presets_read(mapping_panel *self)
+{
+    free(self->presets);
+    self->presets = NULL;
+    self->preset_count =
+        self->type ? presets_list(studio_settings(self->studio), self->type, &self->presets) : 0;
+}
+
+static void use(mapping_panel *self, const instance *mapping, const char *name)
+{
+    error note = {""};
+    char words[EDIT_TEXT];
+    const char *text = presets_kept(studio_settings(self->studio), mapping->type, name);
+    if (!text)
+        return;
+    presets_values(mapping->type, text, self->values, &note);
+    (void)snprintf(words, sizeof words, "preset '%s'", name);
+    mapping_panel_set(self, self->values, words);
+    (void)snprintf(self->preset, sizeof self->preset, "%s", name);
+    if (note.text[0])
+        news_list_add(studio_news(self->studio), MRT_LOG_WARNING, "mapping", note.text);
+}
+
+static void save(mapping_panel *self, const instance *mapping)
+{
+    char clean[PRESET_NAME];
+    if (!presets_clean_name(clean, self->preset_name))
+        return;
+    presets_save(studio_settings(self->studio), mapping, clean);
+    (void)snprintf(self->preset, sizeof self->preset, "%s", clean);
+    self->is_naming = false;
+    mapping_presets_read(self);
+}
+
+/* What is set now is the preset that was used last, and no more. */
+static bool is_still(const mapping_panel *self, const instance *mapping)
+{
+    char now[PRESET_TEXT];
+    const char *text =
+        self->preset[0] ? presets_kept(studio_settings(self->studio), mapping->type, self->preset)
+                        : NULL;
+    if (!text)
+        return true;
+    presets_text(mapping, now, sizeof now);
+    return strcmp(now, text) == 0;
+}
+
+static void draw_naming(mapping_panel *self, ui *on, const instance *mapping)
+{
+    ui_width(on, -132.0f);
+    bool is_ended = ui_input(on, "##preset name", "name of the preset", self->preset_name,
+                             sizeof self->preset_name);
+    (void)is_ended;
+    ui_same_line(on);
+    ui_width(on, 58.0f);
+    char clean[PRESET_NAME];
+    ui_disabled_begin(on, !presets_clean_name(clean, self->preset_name));
+    if (ui_button(on, "Save", UI_ACCENT))
+        save(self, mapping);
+    ui_disabled_end(on);
+    ui_same_line(on);
+    ui_width(on, 66.0f);
+    if (ui_button(on, "Cancel##preset", UI_QUIET))
+        self->is_naming = false;
+}
+
+static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
+{
+    const char *items[MAPPING_CHOICES_MAX];
+    char shown[PRESET_NAME + 16];
+    uint32_t count = 0, chosen = UINT32_MAX;
+    for (; count < self->preset_count && count < MAPPING_CHOICES_MAX - 1; ++count) {
+        items[count] = self->presets[count];
+        if (strcmp(self->presets[count], self->preset) == 0)
+            chosen = count;
+    }
+    bool is_changed = chosen != UINT32_MAX && !is_still(self, mapping);
+    if (is_changed) {
+        (void)snprintf(shown, sizeof shown, "%s (changed)", self->preset);
+        items[count] = shown;
+    } else if (chosen == UINT32_MAX) {
+        items[count] = count > 0 ? "choose\xe2\x80\xa6" : "none saved";
+    }
+    uint32_t at = is_changed || chosen == UINT32_MAX ? count : chosen;
+    ui_width(on, 0.0f);
+    if (ui_choice(on, "Preset", 66.0f, items, at == count ? count + 1 : count, &at) &&
+        at < self->preset_count)
+        use(self, mapping, self->presets[at]);
+    ui_hint(on, "Values of all parameters under a name, kept for this mapping.");
+}
+
+void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
+{
+    if (self->is_naming) {
+        draw_naming(self, on, mapping);
+        return;
+    }
+    draw_list(self, on, mapping);
+    ui_at(on, 66.0f);
+    if (ui_button(on, "Save as\xe2\x80\xa6", UI_PLAIN)) {
+        self->is_naming = true;
+        (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
+        ui_input_take_keys(on);
+    }
+    if (!self->preset[0] ||
+        !presets_kept(studio_settings(self->studio), mapping->type, self->preset))
+        return;
+    ui_same_line(on);
+    if (ui_button(on, "Delete", UI_QUIET)) {
+        presets_remove(studio_settings(self->studio), mapping->type, self->preset);
+        self->preset[0] = '\0';
+        mapping_presets_read(self);
+    }
+    ui_hint(on, "Deletes the preset; what is set now stays.");
+}
