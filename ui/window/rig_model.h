@@ -1,0 +1,60 @@
+/* window/rig_model.h - a rig that a person edits, without looks: its states and what is undone, the
+ * worker that lays each on the mesh, where it is saved, and the file that keeps what is not saved
+ * yet. Leaves out strokes (rig_stroke.h), single changes (face/rig_edit.h), and the stage. [main]
+ */
+#ifndef MAROTTE_UI_WINDOW_RIG_MODEL_H
+#define MAROTTE_UI_WINDOW_RIG_MODEL_H
+#include "window/brush.h"
+#include "window/rig_worker.h"
+
+typedef struct rig_model rig_model;
+
+#define RIG_MODEL_WAIT_S 0.3 /* after a change, before it is laid */
+
+/* Copies the face. path: the rig's file, or of a mesh alone: then nothing is there to be edited
+ * before rig_model_draft. keep_folder: with its final '/'; "": nothing is kept. */
+CHECKED mrt_result rig_model_create(rig_model **out, const face_file *of, const char *path,
+                                    const char *keep_folder, error *err);
+/* What is not saved stays kept. */
+void rig_model_destroy(rig_model *self); /* NULL is fine */
+/* Each frame: asks the worker a while after the last change. True: rig_model_work is another. */
+bool rig_model_update(rig_model *self, double dt_s);
+
+const rig *rig_model_rig(const rig_model *self); /* NULL: a mesh alone; until the next change */
+const mesh *rig_model_mesh(const rig_model *self);
+const topology *rig_model_topology(const rig_model *self);
+brush *rig_model_brush(rig_model *self);
+/* About the newest state that is laid; NULL: none yet. Until the next update. */
+const rig_work *rig_model_work(const rig_model *self);
+bool rig_model_is_laid(const rig_model *self); /* that is the newest state */
+/* The face for the stage, once for each state that can be performed; the caller's. NULL: none. */
+face_file *rig_model_take_face(rig_model *self);
+/* Back, where the stage could not take it: it is offered again. */
+void rig_model_return_face(rig_model *self, face_file *file);
+
+/* ---- changes ---- */
+
+/* A copy to be changed; then one of the two below. NULL: no memory, or a mesh alone. */
+rig *rig_model_begin(rig_model *self, error *err);
+/* The state's number: it is undone by going to the one before. */
+uint64_t rig_model_commit(rig_model *self);
+void rig_model_abandon(rig_model *self);
+uint64_t rig_model_number(const rig_model *self);
+bool rig_model_go(rig_model *self, uint64_t number); /* undo, redo; false: too long ago */
+/* A first rig for a mesh alone. out_confirm: to be freed; lines to look at. It is a change. */
+CHECKED mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t *out_number,
+                                   error *err);
+
+/* ---- files ---- */
+
+const char *rig_model_path(const rig_model *self); /* where it is saved: NAME.rig.json */
+bool rig_model_is_saved(const rig_model *self);
+CHECKED mrt_result rig_model_save(rig_model *self, error *err);
+/* Unsaved work of another time is there. */
+bool rig_model_has_kept(const rig_model *self);
+/* It becomes the rig: a change. */
+CHECKED mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err);
+void rig_model_drop_kept(rig_model *self); /* that is given up */
+void rig_model_leave(rig_model *self);     /* what is not saved is given up */
+
+#endif
