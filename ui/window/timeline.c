@@ -1,0 +1,388 @@
+/* The timeline's panel, put together: takes to the left, the transport above, ruler and lanes. */
+#include "window/timeline_state.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BIN_POINTS  1.5f /* across, of a curve */
+#define NARROW      1100.0f
+#define NARROW_LIST 200.0f
+
+/* ---- what the files share ---- */
+
+const take *timeline_take(const panel *self)
+{
+    const take *t = studio_take(self->studio);
+    return t && self->gesture == GESTURE_EDIT ? timeline_drag_shown(&self->drag, t) : t;
+}
+
+timeline_code timeline_code_now(const panel *self)
+{
+    return timeline_code_of(studio_take(self->studio));
+}
+
+int64_t timeline_head_ns(const panel *self)
+{
+    return live_place(studio_live(self->studio)).at_ns;
+}
+
+bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
+{
+    const transport *move = live_transport(studio_live(self->studio));
+    *out_in_ns = move ? move->loop_in_ns : 0;
+    *out_out_ns = move ? move->loop_out_ns : 0;
+    if (self->gesture == GESTURE_RANGE) {
+        bool is_turned = self->span_from_ns > self->span_to_ns;
+        *out_in_ns = is_turned ? self->span_to_ns : self->span_from_ns;
+        *out_out_ns = is_turned ? self->span_from_ns : self->span_to_ns;
+    }
+    return *out_in_ns < *out_out_ns;
+}
+
+void timeline_fit(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    timeline_axis_fit(&self->axis, 0, t && t->duration_ns > 0 ? t->duration_ns : NS_PER_S);
+    self->is_fit = true;
+}
+
+void timeline_say(panel *self, const error *err)
+{
+    if (err->text[0])
+        news_list_add(studio_news(self->studio), MRT_LOG_WARNING, "timeline", err->text);
+}
+
+const take_layer *timeline_layer(const take *t, uint32_t id)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (t->layer[i].id == id)
+            return &t->layer[i];
+    return NULL;
+}
+
+const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            if (t->layer[i].clip[k].id == id) {
+                *out_layer = &t->layer[i];
+                return &t->layer[i].clip[k];
+            }
+    *out_layer = NULL;
+    return NULL;
+}
+
+void timeline_edit(panel *self, edit *e)
+{
+    (void)!studio_edit(self->studio, e); /* says itself why it failed */
+    edit_finish(e);
+}
+
+/* ---- wishes ---- */
+
+static uint32_t lanes_of(const take_layer *of)
+{
+    uint32_t out = 0;
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+        const own_part *part = own_part_of((own_region)region);
+        for (uint32_t i = 0; i < part->pattern_count; ++i)
+            for (uint32_t k = 0; k < of->own_count; ++k)
+                if (own_patterns_meet(part->pattern[i], of->own[k]))
+                    out |= 1u << region;
+    }
+    return out ? out : 1u << (ACTIVITY_LANES - 1);
+}
+
+/* A little more than is seen, in bins that lie where they lay before: pans show no gaps. */
+static void wish_clip(panel *self, const take_layer *of, const take_clip *clip, uint32_t owner,
+                      uint32_t lanes)
+{
+    int64_t spare_ns = timeline_axis_span_ns(&self->axis, 0.25f * self->axis.width);
+    int64_t from_ns = self->axis.from_ns - of->offset_ns - spare_ns;
+    int64_t to_ns = timeline_axis_until_ns(&self->axis) - of->offset_ns + spare_ns;
+    from_ns = from_ns < clip->start_ns ? clip->start_ns : from_ns;
+    to_ns = to_ns > clip->end_ns ? clip->end_ns : to_ns;
+    if (to_ns <= from_ns)
+        return;
+    timeline_strip strip = {.owner = owner,
+                            .clip = clip->id,
+                            .performance = clip->performance,
+                            .from_ns = clip->from_ns + take_warp_to_source(clip, from_ns),
+                            .to_ns = clip->from_ns + take_warp_to_source(clip, to_ns),
+                            .lanes = lanes};
+    double across = (double)(to_ns - from_ns) / self->axis.ns_per_point;
+    strip.bin_count = 1 + (uint32_t)(across / (double)BIN_POINTS);
+    if (strip.to_ns > strip.from_ns)
+        (void)timeline_wish_strip(&self->wish, &strip);
+}
+
+static void wish_layer(panel *self, const take_layer *of, uint32_t owner)
+{
+    uint32_t lanes = lanes_of(of);
+    int64_t until_ns = timeline_axis_until_ns(&self->axis);
+    for (uint32_t i = timeline_first_clip(of, self->axis.from_ns); i < of->clip_count; ++i) {
+        if (of->clip[i].start_ns + of->offset_ns > until_ns)
+            return;
+        wish_clip(self, of, &of->clip[i], owner, lanes);
+    }
+}
+
+static void wish_sound(panel *self, const take *t)
+{
+    const timeline_seen *seen = self->seen;
+    double rate = seen->about.rate_hz > 0 ? seen->about.rate_hz : 48000.0;
+    double ns_per_frame = 1e9 / rate;
+    self->wish.audio = t->audio.audio;
+    if (!t->audio.audio)
+        return;
+    int64_t from_ns = self->axis.from_ns - t->audio.offset_ns;
+    int64_t to_ns = timeline_axis_until_ns(&self->axis) - t->audio.offset_ns;
+    int64_t from = (int64_t)((double)from_ns / ns_per_frame) - 1;
+    int64_t to = (int64_t)((double)to_ns / ns_per_frame) + 2;
+    if (seen->audio == t->audio.audio && to > seen->about.frame_count)
+        to = seen->about.frame_count;
+    self->wish.audio_from = from < 0 ? 0 : from;
+    self->wish.audio_to = to;
+    uint32_t pairs = (uint32_t)self->axis.width;
+    self->wish.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
+}
+
+static void wish_comps(panel *self, const take *t)
+{
+    const studio_take_line *line;
+    if (!self->has_comps)
+        return;
+    self->wish.comps_of = t->id;
+    self->wish.comps_edition = 1 + studio_takes(self->studio, &line);
+    memcpy(self->wish.scene, t->scene, sizeof self->wish.scene);
+    memcpy(self->wish.shot, t->shot, sizeof self->wish.shot);
+    for (uint32_t i = 0; self->comps && i < self->comps->count; ++i)
+        if (self->comps->take[i].layer_count > 0)
+            wish_layer(self, &self->comps->take[i].layer[0], 1 + i);
+}
+
+static void wish(panel *self)
+{
+    const take *t = timeline_take(self);
+    const studio_take_line *line;
+    show *from = studio_show(self->studio);
+    timeline_worker_set_show(self->worker, from ? show_path(from) : NULL,
+                             studio_face_path(self->studio));
+    timeline_wish_clear(&self->wish);
+    for (uint32_t i = 0; t && i < t->layer_count; ++i)
+        wish_layer(self, &t->layer[i], 0);
+    if (t) {
+        wish_sound(self, t);
+        wish_comps(self, t);
+    } else
+        self->wish.spans_edition = 1 + 2 * (uint64_t)studio_takes(self->studio, &line) +
+                                   (studio_status(self->studio)->is_recording ? 1 : 0);
+    timeline_worker_wish(self->worker, &self->wish);
+}
+
+static void look(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    self->seen = timeline_worker_look(self->worker);
+    self->comps = timeline_worker_comps(self->worker);
+    if (!t || !self->has_comps || (self->comps && self->comps->of != t->id))
+        self->comps = NULL;
+}
+
+/* ---- the axis goes along ---- */
+
+static void follow_take(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    int64_t duration_ns = t ? t->duration_ns : 0;
+    bool is_other = (t ? t->id : 0) != self->fitted_take;
+    if (is_other)
+        self->gesture = GESTURE_NONE;
+    if (is_other || (self->is_fit && duration_ns != self->fitted_duration_ns) ||
+        studio_asked(self->studio, ACTION_TIMELINE_FIT))
+        timeline_fit(self);
+    self->fitted_take = t ? t->id : 0;
+    self->fitted_duration_ns = duration_ns;
+}
+
+static void follow_head(panel *self)
+{
+    const transport *move = live_transport(studio_live(self->studio));
+    int64_t head_ns = timeline_head_ns(self);
+    bool moves = move && move->is_playing;
+    if (self->gesture == GESTURE_NONE && self->is_following &&
+        (moves || head_ns != self->last_head_ns) && timeline_axis_follow(&self->axis, head_ns))
+        self->is_fit = false;
+    self->last_head_ns = head_ns;
+}
+
+/* ---- drawing ---- */
+
+static void paint_region_choice(panel *self, ui *on, const ui_canvas *canvas)
+{
+    bool is_clicked = canvas->is_pressed && canvas->button == 0;
+    float x = self->rows.x + 8.0f, y = self->rows.y + 3.0f;
+    float px = canvas->where.x + canvas->x, py = canvas->where.y + canvas->y;
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+        /* a letter each, of its name */
+        static const char *const letter[OWN_REGION_COUNT] = {"M", "J", "B", "L",
+                                                             "E", "C", "N", "H"};
+        ui_rectangle box = {x, y, 19.0f, 18.0f};
+        bool is_on = (self->regions & 1u << region) != 0;
+        bool is_over = canvas->is_hovered && px >= box.x && px < box.x + box.width && py >= box.y &&
+                       py < box.y + box.height;
+        ui_draw_box(on, box, is_on ? THEME_ACCENT : is_over ? THEME_HOVER : THEME_RAISED, 4.0f);
+        float width = ui_text_width(on, UI_STYLE_BODY, letter[region]);
+        ui_draw_text(on, x + 0.5f * (box.width - width), y, UI_STYLE_BODY,
+                     is_on ? THEME_STAGE : THEME_DIM, 0.0f, letter[region]);
+        if (is_over)
+            self->hint = own_part_of((own_region)region)->name;
+        if (is_over && is_clicked && self->regions != 1u << region)
+            self->regions ^= 1u << region;
+        x += 21.0f;
+    }
+    ui_draw_text(on, self->rows.x + 8.0f, y + 20.0f, UI_STYLE_BODY, THEME_DIM,
+                 TIMELINE_HEAD_WIDTH - 16.0f,
+                 self->comps && self->comps->count ? "what a swipe takes" : "no other takes");
+}
+
+static void paint_corner(panel *self, ui *on, const take *t)
+{
+    (void)self;
+    if (!t)
+        return;
+    ui_draw_text(on, self->rows.x + 8.0f, self->rows.y + 4.0f, UI_STYLE_STRONG, THEME_TEXT,
+                 TIMELINE_HEAD_WIDTH - 16.0f, t->name[0] ? t->name : "Layers");
+}
+
+static void paint_why(panel *self, ui *on)
+{
+    const char *why = self->drag.why.text;
+    if (self->gesture != GESTURE_EDIT || !why[0])
+        return;
+    float width = ui_text_width(on, UI_STYLE_BODY, why), room = self->axis.width - 24.0f;
+    width = width < room ? width : room;
+    float y = self->rows.y + self->rows.height - 28.0f;
+    ui_draw_box(on, (ui_rectangle){self->axis.x + 6.0f, y, width + 14.0f, 22.0f}, THEME_BAR, 4.0f);
+    ui_draw_text(on, self->axis.x + 13.0f, y + 2.0f, UI_STYLE_BODY, THEME_WARNING, width + 1.0f,
+                 why);
+}
+
+static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
+{
+    const take *t = timeline_take(self);
+    timeline_rows_lay(&self->rows, t, self->comps ? self->comps->count : 0, canvas->where.x,
+                      canvas->where.y, canvas->where.width, canvas->where.height, self->scroll);
+    self->scroll = self->rows.scroll;
+    timeline_mouse(self, on, canvas);
+    timeline_axis_hold(&self->axis, 0, t->duration_ns);
+    t = timeline_take(self);
+    timeline_rows_lay(&self->rows, t, self->comps ? self->comps->count : 0, canvas->where.x,
+                      canvas->where.y, canvas->where.width, canvas->where.height, self->scroll);
+    timeline_paint_ruler(self, on);
+    if (self->has_comps)
+        paint_region_choice(self, on, canvas);
+    else
+        paint_corner(self, on, t);
+    timeline_paint_rows(self, on);
+    timeline_paint_head(self, on);
+    paint_why(self, on);
+}
+
+static void draw_lanes(panel *self, ui *on, ui_rectangle where)
+{
+    ui_canvas canvas;
+    ui_panel_begin(on, "timeline_lanes", where, UI_GROUND_NONE);
+    ui_canvas_begin(on, "lanes", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, where, THEME_PANEL, 0.0f);
+    timeline_axis_place(&self->axis, where.x + TIMELINE_HEAD_WIDTH,
+                        where.width - TIMELINE_HEAD_WIDTH);
+    follow_take(self);
+    self->hint = "";
+    if (studio_take(self->studio)) {
+        if (self->gesture == GESTURE_KEEP)
+            self->gesture = GESTURE_NONE;
+        follow_head(self);
+        draw_take(self, on, &canvas);
+    } else {
+        timeline_rows_lay(&self->rows, NULL, 0, where.x, where.y, where.width, where.height, 0.0f);
+        timeline_paint_journal(self, on, &canvas);
+    }
+    ui_canvas_end(on);
+    timeline_menu(self, on);
+    ui_hint(on, self->hint);
+    ui_panel_end(on);
+    timeline_dialogs(self, on);
+    timeline_takes_dialog(self, on);
+    timeline_history_dialog(self, on);
+}
+
+/* ---- the panel ---- */
+
+static void destroy(panel *self)
+{
+    if (!self)
+        return;
+    timeline_worker_destroy(self->worker);
+    timeline_journal_destroy(self->journal);
+    timeline_takes_finish(&self->takes);
+    timeline_drag_finish(&self->drag);
+    free(self);
+}
+
+static panel *create(studio *of)
+{
+    panel *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    *self = (panel){.studio = of,
+                    .is_snapping = true,
+                    .is_following = true,
+                    .regions = 1u << OWN_MOUTH,
+                    .journal_span_ns = 60 * NS_PER_S,
+                    .fitted_take = -1,
+                    .axis = {.width = 1.0f, .ns_per_point = 1e7}};
+    self->worker = timeline_worker_create(studio_plugins(of));
+    self->journal = timeline_journal_create();
+    if (self->worker && self->journal) {
+        self->seen = timeline_worker_look(self->worker);
+        return self;
+    }
+    destroy(self);
+    return NULL;
+}
+
+static void update(panel *self, double dt_s)
+{
+    live *stage = studio_live(self->studio);
+    int64_t now_ns = clock_now_ns();
+    uint32_t count = live_input_count(stage);
+    (void)dt_s;
+    for (uint32_t i = 0; i < count && i < JOURNAL_LANES; ++i) {
+        mrt_sample sample;
+        uint32_t channel_count;
+        const mrt_channel *channel = input_channels(live_input(stage, i), &channel_count);
+        if (!live_input_sample(stage, i, &sample) || !channel)
+            continue;
+        if (sample.count > channel_count)
+            sample.count = channel_count;
+        timeline_journal_note(self->journal, i, now_ns, &sample, channel);
+    }
+}
+
+static void draw(panel *self, ui *on, ui_rectangle where)
+{
+    float list = where.width < NARROW ? NARROW_LIST : TIMELINE_LIST_WIDTH;
+    float x = where.x + list + 1.0f, width = where.width - list - 1.0f;
+    float y = where.y + TIMELINE_STRIP_HEIGHT;
+    look(self);
+    timeline_takes_draw(self, on, (ui_rectangle){where.x, where.y, list, where.height});
+    timeline_strip_draw(self, on, (ui_rectangle){x, where.y, width, TIMELINE_STRIP_HEIGHT - 1.0f});
+    draw_lanes(self, on, (ui_rectangle){x, y, width, where.height - TIMELINE_STRIP_HEIGHT});
+    wish(self);
+}
+
+const panel_type panel_timeline = {create, destroy, draw, update};

@@ -1,0 +1,37 @@
+/* window/timeline_journal.h - how much each input moved in the last half hour, as long as nobody
+ * recorded: bins of a tenth of a second, written while the window looks, in memory that does not
+ * grow. Leaves out drawing, and the journal itself (take/journal.h). Pure; time is any clock's that
+ * does not go back. */
+#ifndef MAROTTE_UI_WINDOW_TIMELINE_JOURNAL_H
+#define MAROTTE_UI_WINDOW_TIMELINE_JOURNAL_H
+#include <marotte/plugin.h>
+#include <stdbool.h>
+
+enum { JOURNAL_LANES = 9, JOURNAL_BINS = 18000 }; /* 30 min */
+#define JOURNAL_BIN_NS 100000000LL
+
+typedef struct timeline_journal timeline_journal;
+
+timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
+void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
+void timeline_journal_clear(timeline_journal *self);
+/* The newest sample of an input, seen at now_ns; its channels say what a whole movement is. */
+void timeline_journal_note(timeline_journal *self, uint32_t lane, int64_t now_ns,
+                           const mrt_sample *sample, const mrt_channel *channel);
+/* The greatest movement between two instants, 0..1: of a lane's channels, as a mean share of their
+ * range in a tenth of a second, made visible. 0 where nothing is known. */
+float timeline_journal_read(const timeline_journal *self, uint32_t lane, int64_t from_ns,
+                            int64_t to_ns);
+bool timeline_journal_knows(const timeline_journal *self, uint32_t lane);
+
+/* A span of it that somebody swiped, as what is kept: so many seconds back from now, and what of
+ * that take is then left. False: too short. The journal reaches back reach_ns. */
+typedef struct timeline_keep {
+    double back_s;
+    int64_t in_ns, out_ns; /* of the take that is made */
+    bool is_whole;         /* it goes on until now: nothing is left out */
+} timeline_keep;
+bool timeline_keep_span(timeline_keep *out, int64_t from_ns, int64_t to_ns, int64_t now_ns,
+                        int64_t reach_ns);
+
+#endif

@@ -1,0 +1,402 @@
+/* What a right click offers, and what is asked in words and numbers. */
+#include "window/timeline_state.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define DIALOG_WIDTH 380.0f
+#define LABEL_WIDTH  110.0f
+
+static void do_edit(panel *self, edit_kind kind, uint32_t lane, uint32_t clip)
+{
+    edit e;
+    edit_init(&e, kind);
+    e.layer = lane;
+    e.clip = clip;
+    timeline_edit(self, &e);
+}
+
+/* ---- menus ---- */
+
+static void clip_menu(panel *self, ui *on, const take *t)
+{
+    const take_layer *lane;
+    const take_clip *clip = timeline_clip(t, self->menu.clip, &lane);
+    char keys[ACTION_KEYS];
+    if (!clip)
+        return;
+    action_keys(ACTION_SPLIT, keys);
+    if (ui_menu_item(on, "Split at the play head", keys,
+                     studio_can(self->studio, ACTION_SPLIT, NULL)))
+        studio_do(self->studio, ACTION_SPLIT);
+    if (ui_menu_item(on, clip->is_muted ? "Hear it again" : "Mute", "", true)) {
+        edit e;
+        edit_init(&e, EDIT_CLIP_MUTE);
+        e.clip = clip->id;
+        e.is_muted = !clip->is_muted;
+        timeline_edit(self, &e);
+    } else if (ui_menu_item(on, "Speed, gain, fades \u2026", "", true))
+        timeline_ask_clip(self, on, clip->id);
+    action_keys(ACTION_REMOVE, keys);
+    if (ui_menu_item(on, "Remove", keys, true))
+        do_edit(self, EDIT_CLIP_REMOVE, 0, self->menu.clip);
+}
+
+static void move_layer(panel *self, const take_layer *lane, uint32_t place)
+{
+    edit e;
+    edit_init(&e, EDIT_LAYER_ORDER);
+    e.layer = lane->id;
+    e.place = place;
+    timeline_edit(self, &e);
+}
+
+static void layer_menu(panel *self, ui *on, const take *t)
+{
+    const take_layer *lane = timeline_layer(t, self->menu.layer);
+    if (!lane)
+        return;
+    uint32_t place = (uint32_t)(lane - t->layer);
+    if (ui_menu_item(on, "Name and parts \u2026", "", true))
+        timeline_ask_layer(self, on, lane->id);
+    else if (ui_menu_item(on, "Move up", "", place + 1 < t->layer_count))
+        move_layer(self, lane, place + 1);
+    else if (ui_menu_item(on, "Move down", "", place > 0))
+        move_layer(self, lane, place - 1);
+    else if (ui_menu_item(on, "Remove", "", true))
+        do_edit(self, EDIT_LAYER_REMOVE, lane->id, 0);
+}
+
+static void marker_menu(panel *self, ui *on)
+{
+    if (ui_menu_item(on, "Name \u2026", "", true))
+        timeline_ask_marker(self, on, self->menu.marker);
+    if (!ui_menu_item(on, "Remove", "", true))
+        return;
+    edit e;
+    edit_init(&e, EDIT_MARKER_REMOVE);
+    e.marker = (uint32_t)self->menu.marker;
+    timeline_edit(self, &e);
+    studio_chosen(self->studio)->marker = -1;
+}
+
+static void cut_range(panel *self, edit_kind kind, bool is_ripple)
+{
+    edit e;
+    edit_init(&e, kind);
+    (void)timeline_range(self, &e.in_ns, &e.out_ns);
+    e.is_ripple = is_ripple;
+    timeline_edit(self, &e);
+}
+
+static void ruler_menu(panel *self, ui *on)
+{
+    int64_t in_ns, out_ns;
+    bool has_range = timeline_range(self, &in_ns, &out_ns);
+    if (ui_menu_item(on, "Marker here \u2026", "", true))
+        timeline_ask_marker(self, on, -1);
+    if (ui_menu_item(on, "No range", "", has_range))
+        live_set_loop(studio_live(self->studio), 0, 0);
+    if (ui_menu_item(on, "Keep the range only", "", has_range))
+        cut_range(self, EDIT_RANGE_KEEP, false);
+    if (ui_menu_item(on, "Cut the range, close the gap", "", has_range))
+        cut_range(self, EDIT_RANGE_CUT, true);
+    if (ui_menu_item(on, "Clear the range, leave the gap", "", has_range))
+        cut_range(self, EDIT_RANGE_CUT, false);
+}
+
+static void lane_menu(panel *self, ui *on, const take *t)
+{
+    if (ui_menu_item(on, "Add a layer \u2026", "", t->layer_count < EDIT_LAYERS_MAX))
+        timeline_ask_layer(self, on, 0);
+    if (ui_menu_item(on, "Show the whole take", "Shift+Z", true))
+        timeline_fit(self);
+}
+
+static void sound_menu(panel *self, ui *on)
+{
+    edit e;
+    if (ui_menu_item(on, "Begin with the take", "", true)) {
+        edit_init(&e, EDIT_AUDIO_OFFSET);
+        e.offset_ns = 0;
+        timeline_edit(self, &e);
+    }
+    if (ui_menu_item(on, "Take the sound away", "", true))
+        do_edit(self, EDIT_AUDIO_DETACH, 0, 0);
+}
+
+static bool is_ruler(timeline_part part)
+{
+    return part == TIMELINE_RANGE || part == TIMELINE_RANGE_IN || part == TIMELINE_RANGE_OUT ||
+           part == TIMELINE_SCRUB;
+}
+
+void timeline_menu(panel *self, ui *on)
+{
+    const take *t = studio_take(self->studio);
+    bool is_sound = self->menu.row >= 0 && (uint32_t)self->menu.row < self->rows.count &&
+                    self->rows.row[self->menu.row].kind == TIMELINE_SOUND;
+    if (!t || !ui_menu_begin(on, "timeline_menu"))
+        return;
+    if (self->menu.clip)
+        clip_menu(self, on, t);
+    else if (self->menu.part == TIMELINE_MARKER)
+        marker_menu(self, on);
+    else if (is_ruler(self->menu.part))
+        ruler_menu(self, on);
+    else if (is_sound)
+        sound_menu(self, on);
+    else if (self->menu.layer && self->menu.part != TIMELINE_LANE)
+        layer_menu(self, on, t);
+    else
+        lane_menu(self, on, t);
+    ui_menu_end(on);
+}
+
+/* ---- the layer's question ---- */
+
+void timeline_ask_layer(panel *self, ui *on, uint32_t id)
+{
+    const take *t = studio_take(self->studio);
+    const take_layer *lane = t ? timeline_layer(t, id) : NULL;
+    self->asked_layer = id;
+    (void)snprintf(self->text, sizeof self->text, "%s", lane ? lane->name : "");
+    self->asked_regions = lane ? timeline_own_regions(lane) : 0;
+    self->is_everything = !lane || lane->own_count == 0;
+    ui_dialog_open(on, "timeline_layer");
+}
+
+/* Patterns that belong to no region stay as they are. */
+static uint32_t gather_own(char (*out)[TAKE_NAME], const take_layer *lane, uint32_t regions)
+{
+    uint32_t count = 0, before = lane ? timeline_own_regions(lane) : 0;
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+        const own_part *part = own_part_of((own_region)region);
+        for (uint32_t i = 0; regions & 1u << region && i < part->pattern_count; ++i)
+            (void)snprintf(out[count++], TAKE_NAME, "%s", part->pattern[i]);
+    }
+    for (uint32_t i = 0; lane && i < lane->own_count && count < EDIT_OWN_MAX; ++i) {
+        bool is_free = true;
+        for (uint32_t region = 0; region < OWN_REGION_COUNT && is_free; ++region) {
+            const own_part *part = own_part_of((own_region)region);
+            for (uint32_t k = 0; before & 1u << region && k < part->pattern_count; ++k)
+                is_free = is_free && strcmp(part->pattern[k], lane->own[i]) != 0;
+        }
+        if (is_free)
+            (void)snprintf(out[count++], TAKE_NAME, "%s", lane->own[i]);
+    }
+    return count;
+}
+
+static bool is_same_own(const take_layer *lane, char (*own)[TAKE_NAME], uint32_t count)
+{
+    bool same = lane->own_count == count;
+    for (uint32_t i = 0; same && i < count; ++i)
+        same = strcmp(lane->own[i], own[i]) == 0;
+    return same;
+}
+
+static void answer_layer(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    const take_layer *lane = t ? timeline_layer(t, self->asked_layer) : NULL;
+    char own[EDIT_OWN_MAX][TAKE_NAME] = {{0}};
+    uint32_t own_count = self->is_everything ? 0 : gather_own(own, lane, self->asked_regions);
+    edit rename, parts;
+    const edit *list[2];
+    uint32_t count = 0;
+    edit_init(&rename, lane ? EDIT_LAYER_RENAME : EDIT_LAYER_ADD);
+    edit_init(&parts, EDIT_LAYER_OWN);
+    rename.layer = parts.layer = self->asked_layer;
+    (void)snprintf(rename.name, sizeof rename.name, "%.63s", self->text);
+    parts.own = own;
+    parts.own_count = own_count;
+    if (!lane) {
+        rename.own = own;
+        rename.own_count = own_count;
+    }
+    if (!lane || strcmp(lane->name, rename.name) != 0)
+        list[count++] = &rename;
+    if (lane && !is_same_own(lane, own, own_count))
+        list[count++] = &parts;
+    if (t && count)
+        (void)!studio_edit_all(self->studio, list, count);
+}
+
+static bool end_dialog(ui *on, const char *yes, bool can)
+{
+    bool is_done = false;
+    ui_space(on, 8.0f);
+    ui_disabled_begin(on, !can);
+    if (ui_button(on, yes, UI_ACCENT) || (can && ui_pressed(on, UI_KEY_ENTER, 0)))
+        is_done = true;
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Leave it", UI_QUIET) || is_done)
+        ui_dialog_close(on);
+    return is_done;
+}
+
+static void layer_dialog(panel *self, ui *on)
+{
+    if (!ui_dialog_begin(on, "timeline_layer", self->asked_layer ? "Layer" : "New layer",
+                         DIALOG_WIDTH))
+        return;
+    ui_text(on, UI_STYLE_DIM, "Name");
+    ui_width(on, -1.0f);
+    (void)ui_input(on, "##name", "mouth", self->text, TAKE_NAME);
+    ui_space(on, 4.0f);
+    ui_text(on, UI_STYLE_DIM, "It moves");
+    (void)ui_check(on, "everything", &self->is_everything);
+    ui_disabled_begin(on, self->is_everything);
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+        bool has = (self->asked_regions & 1u << region) != 0;
+        if (region % 4 != 0)
+            ui_at(on, (float)(region % 4) * 88.0f);
+        if (ui_check(on, own_part_of((own_region)region)->name, &has))
+            self->asked_regions ^= 1u << region;
+    }
+    ui_disabled_end(on);
+    bool can = self->text[0] && (self->is_everything || self->asked_regions || self->asked_layer);
+    if (end_dialog(on, self->asked_layer ? "Change" : "Add", can))
+        answer_layer(self);
+    ui_dialog_end(on);
+}
+
+/* ---- the clip's ---- */
+
+static double clip_speed(const take_clip *clip)
+{
+    int64_t source_ns =
+        take_warp_to_source(clip, clip->end_ns) - take_warp_to_source(clip, clip->start_ns);
+    return (double)source_ns / (double)(clip->end_ns - clip->start_ns);
+}
+
+void timeline_ask_clip(panel *self, ui *on, uint32_t id)
+{
+    const take *t = studio_take(self->studio);
+    const take_layer *lane;
+    const take_clip *clip = t ? timeline_clip(t, id, &lane) : NULL;
+    if (!clip)
+        return;
+    self->asked_clip = id;
+    self->number[0] = floor(clip_speed(clip) * 1000.0 + 0.5) / 1000.0;
+    self->number[1] = clip->gain * 100.0;
+    self->number[2] = clip->smooth_s * 1000.0;
+    self->number[3] = (double)clip->fade_in_ns * 1e-6;
+    self->number[4] = (double)clip->fade_out_ns * 1e-6;
+    ui_dialog_open(on, "timeline_clip");
+}
+
+static int64_t ns_of_ms(double ms)
+{
+    return (int64_t)floor(ms * 1e6 + 0.5);
+}
+
+static void answer_clip(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    const take_layer *lane;
+    const take_clip *clip = t ? timeline_clip(t, self->asked_clip, &lane) : NULL;
+    edit made[4];
+    const edit *list[4];
+    uint32_t count = 0;
+    if (!clip)
+        return;
+    static const edit_kind kind[4] = {EDIT_CLIP_SPEED, EDIT_CLIP_GAIN, EDIT_CLIP_SMOOTH,
+                                      EDIT_CLIP_FADE};
+    for (uint32_t i = 0; i < 4; ++i) {
+        edit_init(&made[i], kind[i]);
+        made[i].clip = self->asked_clip;
+    }
+    double speed = clip_speed(clip);
+    made[0].speed = self->number[0] / speed;
+    made[1].gain = self->number[1] * 0.01;
+    made[2].smooth_s = self->number[2] * 0.001;
+    made[3].fade_in_ns = ns_of_ms(self->number[3]);
+    made[3].fade_out_ns = ns_of_ms(self->number[4]);
+    if (fabs(self->number[0] - speed) > 0.0006)
+        list[count++] = &made[0];
+    if (fabs(made[1].gain - clip->gain) > 1e-4)
+        list[count++] = &made[1];
+    if (fabs(made[2].smooth_s - clip->smooth_s) > 1e-6)
+        list[count++] = &made[2];
+    if (made[3].fade_in_ns != clip->fade_in_ns || made[3].fade_out_ns != clip->fade_out_ns)
+        list[count++] = &made[3];
+    if (count)
+        (void)!studio_edit_all(self->studio, list, count);
+}
+
+static void clip_dialog(panel *self, ui *on)
+{
+    static const char *const label[5] = {"Speed", "Gain", "Smoothing", "Fade in", "Fade out"};
+    static const ui_range range[5] = {{0.1, 4.0, "\u00d7", 3, false, 1.0},
+                                      {0.0, 300.0, "%", 0, true, 100.0},
+                                      {0.0, 500.0, "ms", 0, true, 0.0},
+                                      {0.0, 5000.0, "ms", 0, true, 0.0},
+                                      {0.0, 5000.0, "ms", 0, true, 0.0}};
+    if (!ui_dialog_begin(on, "timeline_clip", "Clip", DIALOG_WIDTH))
+        return;
+    for (uint32_t i = 0; i < 5; ++i) {
+        ui_width(on, -1.0f);
+        (void)ui_slider(on, label[i], LABEL_WIDTH, &range[i], &self->number[i]);
+    }
+    if (end_dialog(on, "Change", true))
+        answer_clip(self);
+    ui_dialog_end(on);
+}
+
+/* ---- the marker's ---- */
+
+void timeline_ask_marker(panel *self, ui *on, int32_t marker)
+{
+    const take *t = studio_take(self->studio);
+    bool is_there = t && marker >= 0 && (uint32_t)marker < t->marker_count;
+    self->asked_marker = is_there ? marker : -1;
+    (void)snprintf(self->text, sizeof self->text, "%s", is_there ? t->marker[marker].text : "");
+    self->is_asked_first = true;
+    ui_dialog_open(on, "timeline_marker");
+}
+
+static void answer_marker(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    edit e;
+    if (!t)
+        return;
+    edit_init(&e, self->asked_marker < 0 ? EDIT_MARKER_ADD : EDIT_MARKER_RENAME);
+    e.marker = self->asked_marker < 0 ? 0 : (uint32_t)self->asked_marker;
+    e.at_ns = self->menu_ns < 0                ? 0
+              : self->menu_ns > t->duration_ns ? t->duration_ns
+                                               : self->menu_ns;
+    if (e.kind == EDIT_MARKER_RENAME)
+        e.at_ns = EDIT_UNSAID;
+    (void)snprintf(e.text, sizeof e.text, "%.95s", self->text);
+    timeline_edit(self, &e);
+}
+
+static void marker_dialog(panel *self, ui *on)
+{
+    if (!ui_dialog_begin(on, "timeline_marker", self->asked_marker < 0 ? "New marker" : "Marker",
+                         DIALOG_WIDTH))
+        return;
+    if (self->is_asked_first)
+        ui_input_take_keys(on);
+    self->is_asked_first = false;
+    ui_width(on, -1.0f);
+    bool is_entered = ui_input(on, "##text", "what happens here", self->text, 96);
+    if (end_dialog(on, self->asked_marker < 0 ? "Add" : "Name", true) ||
+        (is_entered && ui_is_down(on, UI_KEY_ENTER))) {
+        answer_marker(self);
+        ui_dialog_close(on);
+    }
+    ui_dialog_end(on);
+}
+
+void timeline_dialogs(panel *self, ui *on)
+{
+    layer_dialog(self, on);
+    clip_dialog(self, on);
+    marker_dialog(self, on);
+}

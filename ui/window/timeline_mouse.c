@@ -1,0 +1,449 @@
+#include "window/timeline_state.h"
+
+#include <math.h>
+#include <string.h>
+
+#define START_POINTS 3.0f /* moved, before something is dragged along */
+#define SNAP_POINTS  8.0f
+#define NOTCH        1.25 /* of the wheel */
+#define FLAG_POINTS  60.0f
+#define SCROLL_SHARE 0.12f /* of how far the pointer is beyond the edge, a frame */
+
+/* ---- where the pointer is ---- */
+
+static float screen_x(const ui_canvas *canvas)
+{
+    return canvas->where.x + canvas->x;
+}
+
+timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas)
+{
+    timeline_under under = {.rows = &self->rows,
+                            .axis = &self->axis,
+                            .take = timeline_take(self),
+                            .flag_width = FLAG_POINTS};
+    (void)timeline_range(self, &under.in_ns, &under.out_ns);
+    return timeline_hit_at(&under, screen_x(canvas), canvas->where.y + canvas->y);
+}
+
+static int64_t pointed_ns(const panel *self, const ui_canvas *canvas)
+{
+    return timeline_axis_ns(&self->axis, screen_x(canvas));
+}
+
+static timeline_snap snap_now(const panel *self, bool is_free)
+{
+    timeline_snap snap = {.take = studio_take(self->studio),
+                          .code = timeline_code_now(self),
+                          .head_ns = timeline_head_ns(self),
+                          .without_clip = self->drag.clip,
+                          .without_marker = -1};
+    (void)timeline_range(self, &snap.in_ns, &snap.out_ns);
+    if (self->drag.kind == TIMELINE_DRAG_MARKER)
+        snap.without_marker = (int32_t)self->drag.marker;
+    if (self->is_snapping && !is_free)
+        snap.reach_ns = timeline_axis_span_ns(&self->axis, SNAP_POINTS);
+    return snap;
+}
+
+/* ---- the wheel ---- */
+
+static void turn_wheel(panel *self, const ui_canvas *canvas)
+{
+    if (!canvas->is_hovered || (canvas->wheel_x == 0.0f && canvas->wheel_y == 0.0f))
+        return;
+    if (screen_x(canvas) < self->axis.x) {
+        self->scroll -= canvas->wheel_y * 30.0f;
+        return;
+    }
+    self->is_fit = false;
+    if (canvas->modifiers & UI_SHIFT)
+        timeline_axis_pan(&self->axis, 60.0f * (canvas->wheel_y + canvas->wheel_x));
+    else {
+        timeline_axis_zoom(&self->axis, screen_x(canvas), pow(NOTCH, (double)canvas->wheel_y));
+        timeline_axis_pan(&self->axis, 60.0f * canvas->wheel_x);
+    }
+}
+
+/* ---- pressing ---- */
+
+static void choose(panel *self, timeline_hit hit)
+{
+    studio_choice *choice = studio_chosen(self->studio);
+    choice->layer = hit.layer;
+    choice->clip = hit.clip;
+    choice->marker = hit.part == TIMELINE_MARKER ? hit.marker : -1;
+}
+
+static void scrub(panel *self, int64_t at_ns)
+{
+    const take *t = studio_take(self->studio);
+    int64_t most_ns = t ? t->duration_ns : 0;
+    at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
+    if (at_ns != timeline_head_ns(self))
+        live_seek(studio_live(self->studio), at_ns);
+}
+
+static void press_left(panel *self, const ui_canvas *canvas, timeline_hit hit)
+{
+    self->gesture = GESTURE_PRESSED;
+    switch (hit.part) {
+    case TIMELINE_NOWHERE:
+        self->gesture = GESTURE_NONE;
+        break;
+    case TIMELINE_LANE:
+        choose(self, hit);
+        self->gesture = GESTURE_SCRUB;
+        scrub(self, pointed_ns(self, canvas));
+        break;
+    case TIMELINE_SCRUB:
+        self->gesture = GESTURE_SCRUB;
+        scrub(self, pointed_ns(self, canvas));
+        break;
+    case TIMELINE_RANGE_IN:
+    case TIMELINE_RANGE_OUT:
+        self->gesture = GESTURE_RANGE;
+        break;
+    case TIMELINE_COMP_BODY:
+        self->gesture = GESTURE_SWIPE;
+        break;
+    case TIMELINE_RANGE:
+        break;
+    default:
+        choose(self, hit);
+        break;
+    }
+}
+
+static void press(panel *self, const ui_canvas *canvas)
+{
+    timeline_hit hit = timeline_hit_now(self, canvas);
+    self->pressed = hit;
+    self->pressed_ns = self->span_from_ns = self->span_to_ns = pointed_ns(self, canvas);
+    self->gesture = GESTURE_NONE;
+    if (hit.part == TIMELINE_RANGE_IN || hit.part == TIMELINE_RANGE_OUT)
+        (void)timeline_range(self, &self->span_from_ns, &self->span_to_ns);
+    if (canvas->button == 0)
+        press_left(self, canvas, hit);
+    if (canvas->button == 2)
+        self->gesture = GESTURE_PAN;
+    if (canvas->button != 1)
+        return;
+    self->menu = hit;
+    self->menu_ns = self->pressed_ns;
+    if (hit.layer || hit.part == TIMELINE_MARKER)
+        choose(self, hit);
+}
+
+/* ---- dragging ---- */
+
+static void begin(panel *self, const ui_canvas *canvas)
+{
+    const take *t = studio_take(self->studio);
+    float x = canvas->x - canvas->start_x, y = canvas->y - canvas->start_y;
+    if (!t || (fabsf(x) < START_POINTS && fabsf(y) < 2.0f * START_POINTS))
+        return;
+    self->gesture = GESTURE_NONE;
+    if (self->pressed.part == TIMELINE_RANGE) {
+        self->gesture = GESTURE_RANGE;
+        return;
+    }
+    timeline_drag_kind kind =
+        timeline_drag_kind_of(self->pressed.part, (canvas->modifiers & UI_ALT) != 0);
+    if (kind == TIMELINE_DRAG_NONE)
+        return;
+    timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns);
+    self->edition = studio_take_edition(self->studio);
+    self->gesture = GESTURE_EDIT;
+}
+
+static uint32_t layer_under(const panel *self, const ui_canvas *canvas)
+{
+    float y = canvas->where.y + canvas->y;
+    const take *t = studio_take(self->studio);
+    for (uint32_t i = 0; i < self->rows.count; ++i) {
+        const timeline_row *row = &self->rows.row[i];
+        if (row->kind == TIMELINE_LAYER && y >= row->y && y < row->y + row->height &&
+            row->index < t->layer_count)
+            return t->layer[row->index].id;
+    }
+    return 0;
+}
+
+static void drag_edit(panel *self, const ui_canvas *canvas)
+{
+    const take *t = studio_take(self->studio);
+    bool is_retiming =
+        self->drag.kind == TIMELINE_DRAG_SPEED_START || self->drag.kind == TIMELINE_DRAG_SPEED_END;
+    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) && !is_retiming);
+    if (!t || self->edition != studio_take_edition(self->studio)) {
+        timeline_drag_finish(&self->drag);
+        self->gesture = GESTURE_NONE;
+        return;
+    }
+    timeline_drag_to(&self->drag, t, &snap, pointed_ns(self, canvas), layer_under(self, canvas),
+                     canvas->x - canvas->start_x);
+}
+
+/* The end that is dragged is span_to; the other one stays. */
+static void drag_range(panel *self, const ui_canvas *canvas)
+{
+    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) != 0);
+    const take *t = studio_take(self->studio);
+    int64_t most_ns = t ? t->duration_ns : 0;
+    snap.in_ns = snap.out_ns = 0; /* the range does not draw itself */
+    int64_t at_ns = timeline_snap_to(&snap, pointed_ns(self, canvas), NULL);
+    at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
+    if (self->pressed.part == TIMELINE_RANGE_IN)
+        self->span_from_ns = at_ns;
+    else
+        self->span_to_ns = at_ns;
+}
+
+/* What is dragged beyond an edge takes the page along. */
+static void turn_page(panel *self, const ui_canvas *canvas)
+{
+    float x = screen_x(canvas), end = self->axis.x + self->axis.width;
+    bool is_gain = self->gesture == GESTURE_EDIT && (self->drag.kind == TIMELINE_DRAG_GAIN ||
+                                                     self->drag.kind == TIMELINE_DRAG_ORDER);
+    if (self->gesture == GESTURE_PAN || self->gesture == GESTURE_PRESSED || is_gain)
+        return;
+    float beyond = x < self->axis.x ? x - self->axis.x : x > end ? x - end : 0.0f;
+    if (beyond != 0.0f)
+        self->is_fit = false;
+    timeline_axis_pan(&self->axis, -SCROLL_SHARE * beyond);
+}
+
+static void follow(panel *self, const ui_canvas *canvas)
+{
+    if (self->gesture == GESTURE_PRESSED)
+        begin(self, canvas);
+    switch (self->gesture) {
+    case GESTURE_EDIT:
+        drag_edit(self, canvas);
+        break;
+    case GESTURE_SCRUB:
+        scrub(self, pointed_ns(self, canvas));
+        break;
+    case GESTURE_RANGE:
+        drag_range(self, canvas);
+        break;
+    case GESTURE_SWIPE:
+        self->span_to_ns = pointed_ns(self, canvas);
+        break;
+    case GESTURE_PAN:
+        self->is_fit = false;
+        timeline_axis_pan(&self->axis, canvas->moved_x);
+        self->scroll -= canvas->moved_y;
+        break;
+    default:
+        return;
+    }
+    turn_page(self, canvas);
+}
+
+/* ---- letting go ---- */
+
+static void flip(panel *self, edit_kind kind, bool is_muted, bool is_solo, bool is_additive)
+{
+    edit e;
+    edit_init(&e, kind);
+    e.layer = self->pressed.layer;
+    e.is_muted = is_muted;
+    e.is_solo = is_solo;
+    e.is_additive = is_additive;
+    timeline_edit(self, &e);
+}
+
+static void click(panel *self, const ui_canvas *canvas)
+{
+    const take *t = studio_take(self->studio);
+    const take_layer *lane = t ? timeline_layer(t, self->pressed.layer) : NULL;
+    studio_choice *choice = studio_chosen(self->studio);
+    timeline_hit hit = timeline_hit_now(self, canvas);
+    if (!lane || hit.part != self->pressed.part || hit.layer != self->pressed.layer)
+        return;
+    if (hit.part == TIMELINE_MUTE)
+        flip(self, EDIT_LAYER_MUTE, !lane->is_muted, false, false);
+    else if (hit.part == TIMELINE_SOLO)
+        flip(self, EDIT_LAYER_SOLO, false, !lane->is_solo, false);
+    else if (hit.part == TIMELINE_ADDITIVE)
+        flip(self, EDIT_LAYER_ADDITIVE, false, false, !lane->is_additive);
+    else if (hit.part == TIMELINE_ARM)
+        choice->armed = choice->armed == lane->id ? 0 : lane->id;
+}
+
+static void end_edit(panel *self)
+{
+    edit made = self->drag.made;
+    error why = self->drag.why;
+    self->drag.made = (edit){0};
+    timeline_drag_finish(&self->drag);
+    if (made.kind != EDIT_NONE)
+        timeline_edit(self, &made);
+    else if (why.text[0])
+        timeline_say(self, &why);
+}
+
+static void end_range(panel *self)
+{
+    int64_t in_ns = self->span_from_ns, out_ns = self->span_to_ns;
+    if (in_ns > out_ns) {
+        in_ns = self->span_to_ns;
+        out_ns = self->span_from_ns;
+    }
+    if (in_ns < out_ns)
+        live_set_loop(studio_live(self->studio), in_ns < 0 ? 0 : in_ns, out_ns);
+}
+
+static void end_swipe(panel *self)
+{
+    const take *t = studio_take(self->studio);
+    uint32_t row = (uint32_t)self->pressed.row;
+    error err = {""};
+    if (!t || !self->comps || self->pressed.row < 0 || row >= self->rows.count ||
+        self->rows.row[row].index >= self->comps->count)
+        return;
+    int64_t in_ns = self->span_from_ns < self->span_to_ns ? self->span_from_ns : self->span_to_ns;
+    int64_t out_ns = self->span_from_ns < self->span_to_ns ? self->span_to_ns : self->span_from_ns;
+    edit made[TIMELINE_DRAG_EDITS];
+    const edit *list[TIMELINE_DRAG_EDITS];
+    uint32_t count = timeline_comp_edits(made, t, &self->comps->take[self->rows.row[row].index], 0,
+                                         self->regions, 0, &in_ns, &out_ns, &err);
+    for (uint32_t i = 0; i < count; ++i)
+        list[i] = &made[i];
+    if (count)
+        (void)!studio_edit_all(self->studio, list, count); /* says itself why it failed */
+    else
+        timeline_say(self, &err);
+    for (uint32_t i = 0; i < count; ++i)
+        edit_finish(&made[i]);
+}
+
+static void release(panel *self, const ui_canvas *canvas)
+{
+    timeline_gesture gesture = self->gesture;
+    if (gesture == GESTURE_PRESSED)
+        click(self, canvas);
+    if (gesture == GESTURE_RANGE)
+        end_range(self);
+    self->gesture = GESTURE_NONE;
+    if (gesture == GESTURE_EDIT)
+        end_edit(self);
+    if (gesture == GESTURE_SWIPE)
+        end_swipe(self);
+}
+
+/* ---- double clicks ---- */
+
+static void split(panel *self, timeline_hit hit, int64_t at_ns)
+{
+    timeline_snap snap = snap_now(self, false);
+    edit e;
+    edit_init(&e, EDIT_CLIP_SPLIT);
+    e.clip = hit.clip;
+    e.at_ns = timeline_snap_to(&snap, at_ns, NULL);
+    timeline_edit(self, &e);
+}
+
+static void reset_gain(panel *self, timeline_hit hit)
+{
+    edit e;
+    edit_init(&e, hit.layer ? EDIT_LAYER_GAIN : EDIT_AUDIO_GAIN);
+    e.layer = hit.layer;
+    timeline_edit(self, &e);
+}
+
+static void double_click(panel *self, ui *on, const ui_canvas *canvas)
+{
+    timeline_hit hit = timeline_hit_now(self, canvas);
+    self->gesture = GESTURE_NONE;
+    self->menu_ns = pointed_ns(self, canvas);
+    if (hit.part == TIMELINE_RANGE || hit.part == TIMELINE_SCRUB)
+        timeline_ask_marker(self, on, -1);
+    else if (hit.part == TIMELINE_MARKER)
+        timeline_ask_marker(self, on, hit.marker);
+    else if (hit.part == TIMELINE_NAME && hit.layer)
+        timeline_ask_layer(self, on, hit.layer);
+    else if (hit.part == TIMELINE_GAIN)
+        reset_gain(self, hit);
+    else if (hit.clip && canvas->modifiers & UI_CONTROL)
+        split(self, hit, self->menu_ns);
+    else if (hit.clip)
+        timeline_ask_clip(self, on, hit.clip);
+}
+
+/* ---- what it looks like ---- */
+
+static const char *hint_of(const panel *self, timeline_hit hit)
+{
+    switch (hit.part) {
+    case TIMELINE_MUTE:
+        return "Mute: the layer is not heard.";
+    case TIMELINE_SOLO:
+        return "Solo: only layers that are solo are heard.";
+    case TIMELINE_ADDITIVE:
+        return "Additive: it adds to the layers below. Off: where it has a clip it takes over.";
+    case TIMELINE_ARM:
+        return "Arm: recording over the take goes into this layer.";
+    case TIMELINE_GAIN:
+        return "Gain: drag across; a double click makes it 100 %.";
+    case TIMELINE_COMP_BODY:
+        return "Swipe over a span: it comes into the take, for the parts that are chosen above.";
+    case TIMELINE_MARKER:
+        return self->gesture == GESTURE_NONE ? "Drag it; a double click names it." : "";
+    default:
+        return "";
+    }
+}
+
+static ui_cursor cursor_of(const panel *self, timeline_hit hit)
+{
+    if (self->gesture == GESTURE_PAN)
+        return UI_CURSOR_MOVE;
+    timeline_part part = self->gesture == GESTURE_NONE ? hit.part : self->pressed.part;
+    switch (part) {
+    case TIMELINE_CLIP_START:
+    case TIMELINE_CLIP_END:
+    case TIMELINE_RANGE_IN:
+    case TIMELINE_RANGE_OUT:
+    case TIMELINE_FADE_IN:
+    case TIMELINE_FADE_OUT:
+    case TIMELINE_GAIN:
+    case TIMELINE_MARKER:
+        return UI_CURSOR_ACROSS;
+    case TIMELINE_COMP_BODY:
+        return UI_CURSOR_CROSS;
+    case TIMELINE_MUTE:
+    case TIMELINE_SOLO:
+    case TIMELINE_ADDITIVE:
+    case TIMELINE_ARM:
+        return UI_CURSOR_HAND;
+    case TIMELINE_CLIP:
+    case TIMELINE_SOUND_BODY:
+        return self->gesture == GESTURE_EDIT ? UI_CURSOR_MOVE : UI_CURSOR_ARROW;
+    default:
+        return UI_CURSOR_ARROW;
+    }
+}
+
+void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas)
+{
+    turn_wheel(self, canvas);
+    if (self->gesture != GESTURE_NONE && ui_is_down(on, UI_KEY_ESCAPE)) {
+        timeline_drag_finish(&self->drag);
+        self->gesture = GESTURE_NONE;
+    }
+    if (canvas->is_pressed)
+        press(self, canvas);
+    if (canvas->is_dragging || canvas->is_released)
+        follow(self, canvas);
+    if (canvas->is_released)
+        release(self, canvas);
+    if (canvas->is_double_clicked)
+        double_click(self, on, canvas);
+    timeline_hit hit = timeline_hit_now(self, canvas);
+    self->hint = self->gesture == GESTURE_NONE && canvas->is_hovered ? hint_of(self, hit) : "";
+    if (canvas->is_hovered || self->gesture != GESTURE_NONE)
+        ui_set_cursor(on, cursor_of(self, hit));
+}

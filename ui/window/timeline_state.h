@@ -1,0 +1,133 @@
+/* window/timeline_state.h - the inside of the timeline's panel: what its files share. timeline.c
+ * puts it together; timeline_paint_*.c draw, timeline_mouse.c obeys the pointer. [main] */
+#ifndef MAROTTE_UI_WINDOW_TIMELINE_STATE_H
+#define MAROTTE_UI_WINDOW_TIMELINE_STATE_H
+#include "window/panels.h"
+#include "window/theme.h"
+#include "window/timeline_drag.h"
+#include "window/timeline_journal.h"
+#include "window/timeline_takes.h"
+#include "window/timeline_worker.h"
+
+#define TIMELINE_LIST_WIDTH   250.0f
+#define TIMELINE_STRIP_HEIGHT 46.0f
+
+/* ---- colours of the timeline alone ---- */
+
+#define TIMELINE_CLIP_COLOUR  0x2c3a41ffu
+#define TIMELINE_CURVE_COLOUR 0x86a9b8ffu
+#define TIMELINE_CURVE_FILL   0x86a9b83cu
+#define TIMELINE_MUTED_CLIP   0x22262affu
+#define TIMELINE_MUTED_CURVE  0x86a9b848u
+#define TIMELINE_MUTED_FILL   0x86a9b818u
+#define TIMELINE_WAVE_COLOUR  0x9c93b8d0u
+#define TIMELINE_SHADE        0x0d0f1190u /* where a fade takes something away */
+#define TIMELINE_RANGE_COLOUR 0xd9a44133u
+#define TIMELINE_GRID_COLOUR  0x23272cffu
+#define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the play head */
+
+/* What the pointer does, beside drags that are edits (timeline_drag.h). */
+typedef enum timeline_gesture {
+    GESTURE_NONE = 0,
+    GESTURE_PRESSED, /* on something that is dragged once it has moved some points */
+    GESTURE_EDIT,
+    GESTURE_SCRUB,
+    GESTURE_RANGE, /* a new one, or one of its ends */
+    GESTURE_PAN,
+    GESTURE_SWIPE, /* over a comp lane */
+    GESTURE_KEEP   /* over the journal */
+} timeline_gesture;
+
+enum { TIMELINE_COLUMNS_MAX = 8192 };
+
+struct panel {
+    studio *studio;
+    timeline_worker *worker;
+    timeline_wish wish;
+    const timeline_seen *seen;
+    const timeline_comps *comps; /* of the chosen take; NULL */
+    /* where things are */
+    timeline_axis axis;
+    timeline_rows rows;
+    float scroll;
+    int64_t fitted_take, fitted_duration_ns;
+    bool is_fit; /* the whole take is shown: also when it becomes longer */
+    int64_t last_head_ns;
+    /* settings of the person */
+    bool is_snapping, is_following, has_comps;
+    uint32_t regions; /* that a swipe comps */
+    /* the pointer */
+    timeline_gesture gesture;
+    timeline_drag drag;
+    uint64_t edition; /* of the take when the drag began */
+    timeline_hit pressed, menu;
+    int64_t pressed_ns, menu_ns;
+    int64_t span_from_ns, span_to_ns; /* of a swipe, a keep, a range */
+    const char *hint;
+    /* the journal: what is seen while nothing is chosen */
+    timeline_journal *journal;
+    int64_t journal_span_ns;
+    /* takes */
+    timeline_takes takes;
+    float takes_scroll;
+    int64_t takes_menu, takes_marked, takes_shown; /* ids; shown: kept in sight */
+    /* questions */
+    uint32_t asked_layer, asked_clip;
+    int32_t asked_marker;
+    int64_t asked_take;
+    char text[512], take_name[TAKE_NAME], take_scene[TAKE_NAME], take_shot[TAKE_NAME],
+        take_number[8];
+    double number[5];
+    uint32_t asked_regions;
+    bool is_everything, is_asked_first;
+    /* memory for drawing */
+    float column_x[TIMELINE_COLUMNS_MAX], column_low[TIMELINE_COLUMNS_MAX],
+        column_high[TIMELINE_COLUMNS_MAX], column_line[2 * TIMELINE_COLUMNS_MAX];
+};
+
+/* ---- what the files know of each other ---- */
+
+/* The take as it is drawn: with what is being dragged. NULL: none is chosen. */
+const take *timeline_take(const panel *self);
+timeline_code timeline_code_now(const panel *self);
+int64_t timeline_head_ns(const panel *self);
+bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
+void timeline_fit(panel *self);
+void timeline_say(panel *self, const error *err); /* as news */
+const take_layer *timeline_layer(const take *t, uint32_t id);
+const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
+void timeline_edit(panel *self, edit *e); /* makes it, and finishes it */
+
+/* timeline_strip.c */
+void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
+void timeline_history_dialog(panel *self, ui *on);
+/* timeline_paint_ruler.c */
+void timeline_paint_ruler(panel *self, ui *on);
+void timeline_paint_head(panel *self, ui *on); /* over everything */
+/* timeline_paint_rows.c */
+void timeline_paint_rows(panel *self, ui *on);
+/* timeline_paint_clip.c */
+void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *layer,
+                         const take_clip *clip, uint32_t owner, bool is_heard);
+void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *layer);
+/* timeline_paint_wave.c */
+void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t);
+/* timeline_mouse.c */
+void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas);
+timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas);
+/* timeline_menu.c */
+void timeline_menu(panel *self, ui *on);
+void timeline_ask_layer(panel *self, ui *on, uint32_t layer);
+void timeline_ask_clip(panel *self, ui *on, uint32_t clip);
+void timeline_ask_marker(panel *self, ui *on, int32_t marker);
+void timeline_dialogs(panel *self, ui *on);
+/* timeline_paint_journal.c */
+void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
+/* timeline_takes_list.c */
+void timeline_takes_draw(panel *self, ui *on, ui_rectangle where);
+void timeline_takes_dialog(panel *self, ui *on);
+/* timeline_words.c */
+void timeline_own_words(const take_layer *layer, char *out, size_t capacity);
+uint32_t timeline_own_regions(const take_layer *layer); /* bits; those whose patterns it has */
+
+#endif

@@ -1,0 +1,341 @@
+/* The transport: time code, what plays and records, the tools of the timeline, undo. */
+#include "window/timeline_state.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define ICON_WIDTH  30.0f
+#define ICON_HEIGHT 30.0f
+#define GAP         12.0f
+
+typedef struct pen { /* along the strip */
+    panel *self;
+    ui *on;
+    const ui_canvas *canvas;
+    float x, y, end;
+    bool is_clicked;
+    const char *hint;
+    char words[400]; /* of the hint */
+} pen;
+
+/* ---- buttons ---- */
+
+static bool is_over(const pen *p, ui_rectangle box)
+{
+    float x = p->canvas->where.x + p->canvas->x, y = p->canvas->where.y + p->canvas->y;
+    return p->canvas->is_hovered && x >= box.x && x < box.x + box.width && y >= box.y &&
+           y < box.y + box.height;
+}
+
+static void say_hint(pen *p, const char *title, const char *help, const char *keys,
+                     const char *why_not)
+{
+    (void)snprintf(p->words, sizeof p->words, "%s%s%s%s\n%s%s%s", title, keys[0] ? "  (" : "", keys,
+                   keys[0] ? ")" : "", help, why_not[0] ? "\nNot now: " : "", why_not);
+    p->hint = p->words;
+}
+
+typedef struct button {
+    ui_rectangle box;
+    uint32_t ink;
+    bool is_pressed;
+} button;
+
+static button place_button(pen *p, float width, bool is_on, bool can)
+{
+    button out = {.box = {p->x, p->y, width, ICON_HEIGHT}};
+    bool is_hovered = is_over(p, out.box);
+    if (is_on)
+        ui_draw_box(p->on, out.box, THEME_RAISED, 4.0f);
+    else if (is_hovered && can)
+        ui_draw_box(p->on, out.box, THEME_HOVER, 4.0f);
+    out.ink = !can ? 0x5a5f66ffu : is_on ? THEME_ACCENT : THEME_TEXT;
+    out.is_pressed = is_hovered && can && p->is_clicked;
+    p->x += width + 2.0f;
+    return out;
+}
+
+/* The middle of the button; size: of the sign. */
+typedef void paint_sign(ui *on, float x, float y, uint32_t ink);
+
+static void sign_play(ui *on, float x, float y, uint32_t ink)
+{
+    const float corner[6] = {x - 5.0f, y - 7.0f, x + 8.0f, y, x - 5.0f, y + 7.0f};
+    ui_draw_triangle(on, corner, ink);
+}
+
+static void sign_pause(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_box(on, (ui_rectangle){x - 6.0f, y - 7.0f, 4.0f, 14.0f}, ink, 0.0f);
+    ui_draw_box(on, (ui_rectangle){x + 2.0f, y - 7.0f, 4.0f, 14.0f}, ink, 0.0f);
+}
+
+static void sign_stop(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_box(on, (ui_rectangle){x - 6.0f, y - 6.0f, 12.0f, 12.0f}, ink, 1.5f);
+}
+
+static void sign_record(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_disc(on, x, y, 7.0f, ink == THEME_TEXT || ink == THEME_ACCENT ? THEME_RECORD : ink);
+}
+
+static void sign_frame_back(ui *on, float x, float y, uint32_t ink)
+{
+    const float corner[6] = {x + 5.0f, y - 5.0f, x - 3.0f, y, x + 5.0f, y + 5.0f};
+    ui_draw_triangle(on, corner, ink);
+    ui_draw_box(on, (ui_rectangle){x - 6.0f, y - 5.0f, 2.0f, 10.0f}, ink, 0.0f);
+}
+
+static void sign_frame_on(ui *on, float x, float y, uint32_t ink)
+{
+    const float corner[6] = {x - 5.0f, y - 5.0f, x + 3.0f, y, x - 5.0f, y + 5.0f};
+    ui_draw_triangle(on, corner, ink);
+    ui_draw_box(on, (ui_rectangle){x + 4.0f, y - 5.0f, 2.0f, 10.0f}, ink, 0.0f);
+}
+
+static void sign_loop(ui *on, float x, float y, uint32_t ink)
+{
+    const float head[6] = {x + 1.0f, y - 9.0f, x + 6.0f, y - 5.0f, x + 1.0f, y - 1.0f};
+    ui_draw_frame(on, (ui_rectangle){x - 8.0f, y - 5.0f, 16.0f, 11.0f}, ink, 5.0f, 1.6f);
+    ui_draw_triangle(on, head, ink);
+}
+
+static void sign_arrow(ui *on, float x, float y, float towards, uint32_t ink)
+{
+    float line[14];
+    for (int i = 0; i < 7; ++i) {
+        float turn = 3.14159f * ((float)i / 6.0f * 0.9f - 0.05f);
+        line[2 * i] = x + towards * 6.0f * cosf(turn);
+        line[2 * i + 1] = y + 3.0f - 6.0f * sinf(turn);
+    }
+    float tip = x - towards * 6.5f;
+    const float head[6] = {tip - 4.0f, y + 1.0f, tip + 4.0f, y + 1.0f, tip, y + 7.0f};
+    ui_draw_lines(on, line, 7, ink, 1.8f);
+    ui_draw_triangle(on, head, ink);
+}
+
+static void sign_undo(ui *on, float x, float y, uint32_t ink)
+{
+    sign_arrow(on, x, y, 1.0f, ink);
+}
+
+static void sign_redo(ui *on, float x, float y, uint32_t ink)
+{
+    sign_arrow(on, x, y, -1.0f, ink);
+}
+
+static void action_hint(pen *p, action of, const char *why_not)
+{
+    const action_entry *entry = action_of(of);
+    char keys[ACTION_KEYS];
+    action_keys(of, keys);
+    say_hint(p, entry->title, entry->help, keys, why_not);
+}
+
+static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
+{
+    const char *why_not = "";
+    bool can = studio_can(p->self->studio, of, &why_not);
+    button b = place_button(p, ICON_WIDTH, is_on, can);
+    sign(p->on, b.box.x + 0.5f * b.box.width, b.box.y + 0.5f * b.box.height, b.ink);
+    if (is_over(p, b.box))
+        action_hint(p, of, can || !why_not ? "" : why_not);
+    if (b.is_pressed)
+        studio_do(p->self->studio, of);
+}
+
+/* A word as a button. */
+static bool put_word(pen *p, const char *word, bool is_on, bool can)
+{
+    float width = ui_text_width(p->on, UI_STYLE_BODY, word);
+    button b = place_button(p, width + 14.0f, is_on, can);
+    float y = b.box.y + 0.5f * (ICON_HEIGHT - ui_text_height(p->on, UI_STYLE_BODY));
+    ui_draw_text(p->on, b.box.x + 7.0f, y, UI_STYLE_BODY, can ? b.ink : THEME_DIM, 0.0f, word);
+    return b.is_pressed;
+}
+
+static ui_rectangle last_box(const pen *p, float x)
+{
+    return (ui_rectangle){x, p->y, p->x - 2.0f - x, ICON_HEIGHT};
+}
+
+static void put_action_word(pen *p, action of, const char *word, bool is_on)
+{
+    const char *why_not = "";
+    float x = p->x;
+    bool can = studio_can(p->self->studio, of, &why_not);
+    bool is_pressed = put_word(p, word, is_on, can);
+    if (is_over(p, last_box(p, x)))
+        action_hint(p, of, can || !why_not ? "" : why_not);
+    if (is_pressed)
+        studio_do(p->self->studio, of);
+}
+
+static void put_switch(pen *p, const char *word, const char *help, bool *value)
+{
+    float x = p->x;
+    if (put_word(p, word, *value, true))
+        *value = !*value;
+    if (is_over(p, last_box(p, x)))
+        say_hint(p, word, help, "", "");
+}
+
+/* ---- what stands there ---- */
+
+static void put_time(pen *p)
+{
+    const live_status *status = studio_status(p->self->studio);
+    const take *t = studio_take(p->self->studio);
+    timeline_code code = timeline_code_now(p->self);
+    char words[TIMECODE_TEXT];
+    uint32_t ink = status->is_recording ? THEME_RECORD : t ? THEME_TEXT : THEME_DIM;
+    int64_t at_ns = t ? timeline_head_ns(p->self) : status->recorded_ns;
+    timeline_code_write(words, &code, t || status->is_recording ? at_ns : 0);
+    if (!t && !status->is_recording)
+        (void)snprintf(words, sizeof words, "Live");
+    float height = ui_text_height(p->on, UI_STYLE_LARGE);
+    ui_draw_text(p->on, p->x, p->y + 0.5f * (ICON_HEIGHT - height), UI_STYLE_LARGE, ink, 0.0f,
+                 words);
+    float width = ui_text_width(p->on, UI_STYLE_LARGE, "00:00:00:00");
+    float other = ui_text_width(p->on, UI_STYLE_LARGE, words);
+    p->x += (other > width ? other : width) + GAP;
+}
+
+static void put_transport(pen *p)
+{
+    const live *stage = studio_live(p->self->studio);
+    const transport *move = live_transport(stage);
+    bool is_playing = move && move->is_playing && !live_place(stage).has_stopped;
+    bool is_recording = studio_status(p->self->studio)->is_recording;
+    put_action(p, ACTION_RECORD, sign_record, is_recording);
+    put_action(p, ACTION_PLAY, is_playing ? sign_pause : sign_play, is_playing);
+    put_action(p, ACTION_STOP, sign_stop, false);
+    put_action(p, ACTION_FRAME_BACK, sign_frame_back, false);
+    put_action(p, ACTION_FRAME_FORWARD, sign_frame_on, false);
+    put_action(p, ACTION_LOOP, sign_loop, move && move->is_looping);
+    p->x += GAP - 6.0f;
+    char speed[24];
+    (void)snprintf(speed, sizeof speed, "%.3g\u00d7", move ? move->speed : 1.0);
+    put_action_word(p, ACTION_SLOWER, "\u2212", false);
+    float width = ui_text_width(p->on, UI_STYLE_NUMBER, "0.25\u00d7");
+    float own = ui_text_width(p->on, UI_STYLE_NUMBER, speed);
+    ui_draw_text(p->on, p->x + 0.5f * (width - own), p->y + 7.0f, UI_STYLE_NUMBER,
+                 studio_take(p->self->studio) ? THEME_TEXT : THEME_DIM, 0.0f, speed);
+    p->x += width + 2.0f;
+    put_action_word(p, ACTION_FASTER, "+", false);
+    p->x += GAP - 4.0f;
+    put_action_word(p, ACTION_KEEP, "Keep 30 s", false);
+    put_action_word(p, ACTION_MARK, "Mark", false);
+}
+
+static void ask_history(pen *p)
+{
+    ui_dialog_open(p->on, "timeline_history");
+}
+
+/* From the right end. */
+static float undo_width(const pen *p)
+{
+    return 2.0f * (ICON_WIDTH + 2.0f) + ui_text_width(p->on, UI_STYLE_BODY, "History") + 16.0f;
+}
+
+static void put_undo(pen *p)
+{
+    put_action(p, ACTION_UNDO, sign_undo, false);
+    put_action(p, ACTION_REDO, sign_redo, false);
+    const history *edits = studio_history(p->self->studio);
+    float x = p->x;
+    if (put_word(p, "History", false, edits && history_last(edits) > 0))
+        ask_history(p);
+    if (is_over(p, last_box(p, x)))
+        say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
+}
+
+static void put_tools(pen *p, float end)
+{
+    static const char *const snap_help =
+        "Drags are drawn to the play head, clips, markers and frames. Alt: not this one.";
+    float words = ui_text_width(p->on, UI_STYLE_BODY, "SnapFollowOther takes") + 48.0f;
+    if (p->x + words > end || !studio_take(p->self->studio))
+        return;
+    put_switch(p, "Snap", snap_help, &p->self->is_snapping);
+    put_switch(p, "Follow", "The page turns with the play head.", &p->self->is_following);
+    put_switch(p, "Other takes", "Takes of the same slate below: swipe over what is better there.",
+               &p->self->has_comps);
+}
+
+static void put_undo_words(pen *p, float end)
+{
+    const char *words = studio_undo_words(p->self->studio);
+    float width = ui_text_width(p->on, UI_STYLE_BODY, words), room = end - p->x - 16.0f;
+    if (room < 90.0f || !words[0])
+        return;
+    width = width < room ? width : room;
+    ui_draw_text(p->on, end - width - 4.0f, p->y + 6.0f, UI_STYLE_BODY, THEME_DIM, width + 1.0f,
+                 words);
+}
+
+void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
+{
+    ui_canvas canvas;
+    ui_panel_begin(on, "timeline_strip", where, UI_GROUND_NONE);
+    ui_canvas_begin(on, "strip", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, where, THEME_PANEL, 0.0f);
+    pen p = {.self = self,
+             .on = on,
+             .canvas = &canvas,
+             .x = where.x + 12.0f,
+             .y = where.y + 0.5f * (where.height - ICON_HEIGHT),
+             .end = where.x + where.width - 10.0f,
+             .is_clicked = canvas.is_pressed && canvas.button == 0,
+             .hint = ""};
+    float undo = p.end - undo_width(&p);
+    put_time(&p);
+    put_transport(&p);
+    p.x += GAP - 4.0f;
+    put_tools(&p, undo - 8.0f);
+    put_undo_words(&p, undo);
+    p.x = undo;
+    put_undo(&p);
+    ui_canvas_end(on);
+    ui_hint(on, p.hint);
+    ui_panel_end(on);
+}
+
+/* ---- the list of edits ---- */
+
+static void put_edit(panel *self, ui *on, const history *edits, int64_t n)
+{
+    char label[EDIT_TEXT + 40];
+    const char *words = n == 0 ? "as it was recorded" : history_words(edits, n);
+    bool is_now = n == history_head(edits);
+    (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "an edit",
+                   n > history_head(edits) ? "   (undone)" : "", (long long)n);
+    if (ui_row(on, label, is_now) != UI_ROW_NONE && !is_now)
+        (void)!studio_history_go(self->studio, n);
+    if (is_now && self->is_asked_first)
+        ui_scroll_to_end(on);
+}
+
+void timeline_history_dialog(panel *self, ui *on)
+{
+    enum { SHOWN = 400 };
+    if (!ui_dialog_begin(on, "timeline_history", "Edits of this take", 460.0f))
+        return;
+    const history *edits = studio_history(self->studio);
+    ui_scroll_begin(on, "edits", 0.0f, 300.0f);
+    int64_t last = edits ? history_last(edits) : -1;
+    for (int64_t n = last; n >= 0 && n > last - SHOWN; --n) {
+        put_edit(self, on, edits, n);
+        edits = studio_history(self->studio);
+        if (!edits)
+            break;
+    }
+    ui_scroll_end(on);
+    ui_space(on, 8.0f);
+    if (ui_button(on, "Close", UI_PLAIN))
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}

@@ -1,0 +1,323 @@
+/* The takes of the show beside the timeline: as many as there are, drawn as far as they are seen.
+ */
+#include "window/timeline_state.h"
+
+#include "take/edit_store.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define ROW_HEIGHT  26.0f
+#define STAR_WIDTH  12.0f
+#define STARS_WIDTH (5.0f * STAR_WIDTH)
+#define TIME_WIDTH  50.0f
+enum { STARS = 5 };
+
+/* ---- a line ---- */
+
+static void paint_stars(ui *on, float x, float y, uint32_t rating)
+{
+    for (uint32_t i = 0; i < STARS; ++i)
+        if (i < rating)
+            ui_draw_text(on, x + (float)i * STAR_WIDTH, y, UI_STYLE_BODY, THEME_ACCENT, 0.0f,
+                         "\u2605");
+        else
+            ui_draw_disc(on, x + (float)i * STAR_WIDTH + 5.5f, y + 9.0f, 1.5f, 0x565b62ffu);
+}
+
+static void paint_line(panel *self, ui *on, const studio_take_line *line, ui_rectangle where,
+                       bool is_hovered)
+{
+    bool is_chosen = studio_take_id(self->studio) == line->id;
+    float x = where.x + 10.0f, y = where.y + 0.5f * (where.height - 17.0f);
+    float right = where.x + where.width - 8.0f;
+    char time[24];
+    timeline_takes_duration(time, sizeof time, line->duration_ns);
+    if (is_chosen)
+        ui_draw_box(on, where, THEME_RAISED, 0.0f);
+    else if (is_hovered || self->takes_marked == line->id)
+        ui_draw_box(on, where, 0x25292effu, 0.0f);
+    if (is_chosen)
+        ui_draw_box(on, (ui_rectangle){where.x, where.y, 3.0f, where.height}, THEME_ACCENT, 0.0f);
+    if (line->is_recording) {
+        ui_draw_disc(on, x + 4.0f, y + 9.0f, 4.5f, THEME_RECORD);
+        x += 16.0f;
+    }
+    float width = ui_text_width(on, UI_STYLE_NUMBER, time);
+    ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
+    paint_stars(on, right - TIME_WIDTH - STARS_WIDTH - 4.0f, y, line->rating);
+    ui_draw_text(on, x, y, is_chosen ? UI_STYLE_STRONG : UI_STYLE_BODY,
+                 is_chosen          ? THEME_ACCENT
+                 : line->is_deleted ? THEME_DIM
+                                    : THEME_TEXT,
+                 right - TIME_WIDTH - STARS_WIDTH - 10.0f - x, line->title);
+}
+
+/* ---- what is done to it ---- */
+
+static void edit_take(panel *self, int64_t id, edit *e)
+{
+    if (studio_take_id(self->studio) == id)
+        (void)!studio_edit(self->studio, e);
+    else
+        (void)!studio_edit_take(self->studio, id, e);
+    edit_finish(e);
+}
+
+static void rate(panel *self, const studio_take_line *line, uint32_t stars)
+{
+    edit e;
+    edit_init(&e, EDIT_TAKE_RATE);
+    e.rating = stars == line->rating ? stars - 1 : stars;
+    edit_take(self, line->id, &e);
+}
+
+static void choose_take(panel *self, int64_t id)
+{
+    (void)!studio_choose_take(self->studio, id); /* says itself why it failed */
+}
+
+/* 1 .. 5: on a star. */
+static uint32_t star_at(ui_rectangle where, float x)
+{
+    float from = where.x + where.width - 8.0f - TIME_WIDTH - STARS_WIDTH - 4.0f;
+    if (x < from || x >= from + STARS_WIDTH)
+        return 0;
+    return 1 + (uint32_t)((x - from) / STAR_WIDTH);
+}
+
+static void click_line(panel *self, const studio_take_line *line, const ui_canvas *canvas,
+                       ui_rectangle where)
+{
+    uint32_t star = star_at(where, canvas->where.x + canvas->x);
+    self->takes_marked = line->id;
+    if (canvas->is_double_clicked && !star && !line->is_deleted)
+        choose_take(self, line->id);
+    else if (canvas->is_pressed && canvas->button == 0 && star && !line->is_recording)
+        rate(self, line, star);
+    else if (canvas->is_pressed && canvas->button == 1)
+        self->takes_menu = line->id;
+}
+
+/* ---- the list ---- */
+
+/* The one that was chosen elsewhere comes into sight. */
+static void keep_in_sight(panel *self, const studio_take_line *line, float height)
+{
+    int64_t chosen = studio_take_id(self->studio);
+    if (chosen == self->takes_shown)
+        return;
+    self->takes_shown = chosen;
+    for (uint32_t i = 0; i < self->takes.count; ++i) {
+        float y = (float)i * ROW_HEIGHT;
+        if (line[self->takes.index[i]].id != chosen)
+            continue;
+        if (y < self->takes_scroll)
+            self->takes_scroll = y;
+        if (y + ROW_HEIGHT > self->takes_scroll + height)
+            self->takes_scroll = y + ROW_HEIGHT - height;
+    }
+}
+
+static void hold_scroll(panel *self, float height)
+{
+    float most = (float)self->takes.count * ROW_HEIGHT - height;
+    if (self->takes_scroll > most)
+        self->takes_scroll = most;
+    if (self->takes_scroll < 0.0f)
+        self->takes_scroll = 0.0f;
+}
+
+static void paint_scrollbar(panel *self, ui *on, const ui_canvas *canvas)
+{
+    float all = (float)self->takes.count * ROW_HEIGHT, height = canvas->where.height;
+    if (all <= height)
+        return;
+    float size = height * height / all;
+    size = size < 20.0f ? 20.0f : size;
+    float y = (height - size) * self->takes_scroll / (all - height);
+    ui_draw_box(on,
+                (ui_rectangle){canvas->where.x + canvas->where.width - 4.0f, canvas->where.y + y,
+                               3.0f, size},
+                THEME_HOVER, 1.5f);
+}
+
+static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t count)
+{
+    const char *words = count == 0                            ? "No takes yet. R records one;"
+                        : self->takes.filter == TAKES_DELETED ? "Nothing was deleted."
+                                                              : "No take is like that.";
+    float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
+    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, canvas->where.width - 16.0f, words);
+    if (count == 0)
+        ui_draw_text(on, x, y + 20.0f, UI_STYLE_BODY, THEME_DIM, canvas->where.width - 16.0f,
+                     "K keeps the last 30 s.");
+}
+
+static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studio_take_line *line,
+                       uint32_t count)
+{
+    float pointed = canvas->y + self->takes_scroll;
+    int64_t hovered =
+        canvas->is_hovered && canvas->y >= 0.0f ? (int64_t)(pointed / ROW_HEIGHT) : -1;
+    uint32_t first = (uint32_t)(self->takes_scroll / ROW_HEIGHT);
+    self->hint = "";
+    if (self->takes.count == 0)
+        paint_none(self, on, canvas, count);
+    for (uint32_t i = first; i < self->takes.count; ++i) {
+        ui_rectangle where = {canvas->where.x,
+                              canvas->where.y + (float)i * ROW_HEIGHT - self->takes_scroll,
+                              canvas->where.width, ROW_HEIGHT};
+        if (where.y >= canvas->where.y + canvas->where.height)
+            break;
+        const studio_take_line *of = &line[self->takes.index[i]];
+        paint_line(self, on, of, where, hovered == (int64_t)i);
+        if (hovered != (int64_t)i)
+            continue;
+        self->hint = of->note;
+        if (canvas->is_pressed || canvas->is_double_clicked)
+            click_line(self, of, canvas, where);
+    }
+    paint_scrollbar(self, on, canvas);
+}
+
+/* ---- menu and question ---- */
+
+static const studio_take_line *find_line(const studio_take_line *line, uint32_t count, int64_t id)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == id)
+            return &line[i];
+    return NULL;
+}
+
+static void ask_take(panel *self, ui *on, int64_t id)
+{
+    error err = {""};
+    take t = {0};
+    show *from = studio_show(self->studio);
+    if (!from || (edit_store_take(&t, from, id, &err) < 0 && t.id == 0)) {
+        timeline_say(self, &err);
+        return;
+    }
+    self->asked_take = id;
+    (void)snprintf(self->take_name, sizeof self->take_name, "%s", t.name);
+    (void)snprintf(self->take_scene, sizeof self->take_scene, "%s", t.scene);
+    (void)snprintf(self->take_shot, sizeof self->take_shot, "%s", t.shot);
+    (void)snprintf(self->take_number, sizeof self->take_number, "%u", t.number);
+    (void)snprintf(self->text, sizeof self->text, "%s", t.note);
+    take_finish(&t);
+    ui_dialog_open(on, "timeline_take");
+}
+
+static void delete_take(panel *self, const studio_take_line *line)
+{
+    edit e;
+    edit_init(&e, line->is_deleted ? EDIT_TAKE_RESTORE : EDIT_TAKE_DELETE);
+    edit_take(self, line->id, &e);
+}
+
+static void menu(panel *self, ui *on, const studio_take_line *line, uint32_t count)
+{
+    const studio_take_line *of = find_line(line, count, self->takes_menu);
+    char keys[ACTION_KEYS];
+    if (!of || !ui_menu_begin(on, "takes_menu"))
+        return;
+    if (ui_menu_item(on, "Show on the stage", "", !of->is_deleted && !of->is_recording))
+        choose_take(self, of->id);
+    else if (ui_menu_item(on, "Name, slate, note \u2026", "", !of->is_recording))
+        ask_take(self, on, of->id);
+    action_keys(ACTION_EXPORT, keys);
+    if (ui_menu_item(on, "Export \u2026", keys, !of->is_deleted && !of->is_recording)) {
+        if (studio_take_id(self->studio) != of->id)
+            choose_take(self, of->id);
+        studio_do(self->studio, ACTION_EXPORT);
+    } else if (ui_menu_item(on, of->is_deleted ? "Restore" : "Delete", "", !of->is_recording))
+        delete_take(self, of);
+    ui_menu_end(on);
+}
+
+static void answer_take(panel *self)
+{
+    edit e;
+    unsigned number = 0;
+    edit_init(&e, EDIT_TAKE_RENAME);
+    (void)snprintf(e.name, sizeof e.name, "%s", self->take_name);
+    edit_take(self, self->asked_take, &e);
+    edit_init(&e, EDIT_TAKE_NOTE);
+    (void)snprintf(e.note, sizeof e.note, "%.511s", self->text);
+    edit_take(self, self->asked_take, &e);
+    edit_init(&e, EDIT_TAKE_SLATE);
+    (void)snprintf(e.scene, sizeof e.scene, "%s", self->take_scene);
+    (void)snprintf(e.shot, sizeof e.shot, "%s", self->take_shot);
+    e.number = sscanf(self->take_number, "%5u", &number) == 1 && number > 0 ? number : 1;
+    edit_take(self, self->asked_take, &e);
+}
+
+static void ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
+                     float width)
+{
+    ui_text(on, UI_STYLE_DIM, label);
+    ui_at(on, 70.0f);
+    ui_width(on, width);
+    (void)ui_input(on, id, "", text, capacity);
+}
+
+void timeline_takes_dialog(panel *self, ui *on)
+{
+    if (!ui_dialog_begin(on, "timeline_take", "Take", 420.0f))
+        return;
+    ask_line(on, "Name", "##name", self->take_name, sizeof self->take_name, -1.0f);
+    ask_line(on, "Scene", "##scene", self->take_scene, sizeof self->take_scene, 120.0f);
+    ask_line(on, "Shot", "##shot", self->take_shot, sizeof self->take_shot, 120.0f);
+    ask_line(on, "Number", "##number", self->take_number, sizeof self->take_number, 60.0f);
+    ui_text(on, UI_STYLE_DIM, "Note");
+    ui_at(on, 70.0f);
+    ui_width(on, -1.0f);
+    (void)ui_input_lines(on, "##note", self->text, 512, 70.0f);
+    ui_space(on, 8.0f);
+    if (ui_button(on, "Change", UI_ACCENT)) {
+        answer_take(self);
+        ui_dialog_close(on);
+    }
+    ui_same_line(on);
+    if (ui_button(on, "Leave it", UI_QUIET))
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
+/* ---- */
+
+static void put_filter(panel *self, ui *on, uint32_t count)
+{
+    uint32_t filter = self->takes.filter;
+    if (ui_tabs(on, "filter", takes_filter_name, TAKES_FILTERS, &filter)) {
+        self->takes.filter = (takes_filter)filter;
+        self->takes_scroll = 0.0f;
+    }
+    if (count < TAKES_SEARCH_FROM && !self->takes.words[0])
+        return;
+    ui_width(on, -1.0f);
+    (void)ui_input(on, "##search", "Search", self->takes.words, sizeof self->takes.words);
+}
+
+void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
+{
+    const studio_take_line *line;
+    uint32_t count = studio_takes(self->studio, &line);
+    ui_canvas canvas;
+    ui_panel_begin(on, "timeline_takes", where, UI_GROUND_PANEL);
+    put_filter(self, on, count);
+    (void)timeline_takes_look(&self->takes, line, count);
+    ui_canvas_begin(on, "takes", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, canvas.where, THEME_WELL, 4.0f);
+    if (canvas.is_hovered)
+        self->takes_scroll -= canvas.wheel_y * 2.0f * ROW_HEIGHT;
+    keep_in_sight(self, line, canvas.where.height);
+    hold_scroll(self, canvas.where.height);
+    paint_list(self, on, &canvas, line, count);
+    ui_canvas_end(on);
+    menu(self, on, line, count);
+    ui_hint(on, self->hint);
+    ui_panel_end(on);
+}
