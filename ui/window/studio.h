@@ -45,12 +45,17 @@ news_list *studio_news(studio *self); /* what was said, for the log panel and th
 CHECKED mrt_result studio_open_show(studio *self, const char *path);
 CHECKED mrt_result studio_open_face(studio *self, const char *path);
 /* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
- * on with it. Takes the file over. */
+ * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
 CHECKED mrt_result studio_change_face(studio *self, face_file *face);
+
+/* As a file for other programs, in a process beside the window; the news say how it ended. */
+struct export_wish;
+CHECKED mrt_result studio_export_take(studio *self, const struct export_wish *wish);
+uint32_t studio_exports_going(const studio *self);
 
 /* ---- the take that is chosen ---- */
 
-typedef struct studio_take_line { /* of the list, without what was deleted */
+typedef struct studio_take_line { /* of the list; what was deleted can be restored */
     int64_t id;
     char title[200]; /* "1/a 3 night ride" */
     char note[512];
@@ -153,6 +158,7 @@ bool studio_asked(studio *self, action of);
 bool studio_can(studio *self, action of, const char **out_why_not);
 void studio_do(studio *self, action of);
 bool studio_wants_to_quit(const studio *self);
+void studio_stay(studio *self);                /* it is not to be quit after all */
 bool studio_has_hand_keys(const studio *self); /* the keyboard is a hand now */
 
 #endif
