@@ -39,8 +39,10 @@ static void lay_out_batches(draw_face *self, const mesh *m)
         const mesh_material *look = &m->material[i];
         face_batch *batch = &self->batch[i];
         size_t index_count = batch->first_index;
-        *batch = (face_batch){
-            .first_index = next, .roughness = look->roughness, .metallic = look->metallic};
+        *batch = (face_batch){.first_index = next,
+                              .roughness = look->roughness,
+                              .metallic = look->metallic,
+                              .surface = surface_of(look)};
         memcpy(batch->base_colour, look->base_colour, sizeof batch->base_colour);
         next += index_count;
     }

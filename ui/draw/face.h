@@ -4,6 +4,7 @@
 #include "draw/draw.h"
 #include "draw/gl.h"
 #include "draw/seams.h"
+#include "draw/surface.h"
 
 enum { /* vertex attributes, as in shaders/face.vert */
        FACE_POSITION = 0,
@@ -17,6 +18,7 @@ typedef struct face_batch { /* the triangles of one material */
     GLsizei index_count;
     size_t first_index;
     float base_colour[4], roughness, metallic;
+    surface surface;
 } face_batch;
 
 struct draw_face {

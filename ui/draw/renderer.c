@@ -15,8 +15,6 @@ enum { SHADOW_MAP = 1024 };
 static const float studio[RENDERER_LAMPS][3] = {
     {-0.5571f, 0.5970f, 0.5772f}, {0.8165f, 0.0272f, 0.5767f}, {0.5388f, 0.5089f, -0.6713f}};
 
-static const float stone_roughness = 0.8f; /* what is rougher has grain */
-
 static void find_face_uniforms(renderer_face_program *out)
 {
     GLuint p = out->program;
@@ -32,6 +30,8 @@ static void find_face_uniforms(renderer_face_program *out)
     out->shadow_texel_mm = glGetUniformLocation(p, "shadow_texel_mm");
     out->origin = glGetUniformLocation(p, "origin");
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
+    out->softness = glGetUniformLocation(p, "softness");
+    out->coat = glGetUniformLocation(p, "coat");
 }
 
 static mrt_result create_programs(draw_renderer *self, error *err)
@@ -39,9 +39,9 @@ static mrt_result create_programs(draw_renderer *self, error *err)
     const gl_source face[] = {shaders_face_vert, shaders_face_frag};
     const gl_source depth[] = {shaders_depth_vert, shaders_depth_frag};
     const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
-    static const char *const surface[RENDERER_SURFACES] = {"", "#define STONE\n"};
-    for (int i = 0; i < RENDERER_SURFACES; ++i) {
-        self->face[i].program = gl_program_create(face, surface[i], err);
+    static const char *const kind[SURFACE_KINDS] = {"", "#define STONE\n", "#define FELT\n"};
+    for (int i = 0; i < SURFACE_KINDS; ++i) {
+        self->face[i].program = gl_program_create(face, kind[i], err);
         if (!self->face[i].program)
             return MRT_ERR_UNSUPPORTED;
         find_face_uniforms(&self->face[i]);
@@ -113,7 +113,7 @@ void draw_renderer_destroy(draw_renderer *self)
     letters_destroy(self->letters);
     strokes_destroy(self->strokes);
     overlays_destroy(self->overlays);
-    for (int i = 0; i < RENDERER_SURFACES; ++i)
+    for (int i = 0; i < SURFACE_KINDS; ++i)
         glDeleteProgram(self->face[i].program);
     glDeleteProgram(self->depth_program);
     glDeleteProgram(self->background_program);
@@ -190,7 +190,7 @@ static void set_face_uniforms(const renderer_face_program *u, const draw_face *f
     glUniform1i(u->has_own_colours, face->colour_buffer != 0);
 }
 
-/* Own colours are opaque, and no stone. */
+/* Own colours are opaque, and smooth. */
 static bool is_clear(const draw_face *face, const face_batch *batch)
 {
     return batch->base_colour[3] < 0.999f && !face->colour_buffer;
@@ -205,6 +205,8 @@ static void draw_batch(const renderer_face_program *u, const draw_face *face,
     glUniform4fv(u->base_colour, 1, own ? opaque : batch->base_colour);
     glUniform1f(u->roughness, own ? 0.6f : batch->roughness);
     glUniform1f(u->metallic, own ? 0.0f : batch->metallic);
+    glUniform1f(u->softness, own ? 0.0f : batch->surface.softness);
+    glUniform1f(u->coat, own ? 0.0f : batch->surface.coat);
     if (face->triangle_count)
         glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
                        (const void *)(batch->first_index * sizeof(GLuint)));
@@ -216,17 +218,16 @@ static void draw_batches(const draw_renderer *self, const draw_face *face, bool 
 {
     for (uint32_t i = 0; i < face->batch_count; ++i) {
         const face_batch *batch = &face->batch[i];
-        bool is_stone =
-            batch->roughness > stone_roughness && batch->metallic < 0.5f && !face->colour_buffer;
         bool is_used = batch->index_count > 0 || face->triangle_count == 0;
         if (is_used && is_clear(face, batch) == clear_ones)
-            draw_batch(&self->face[is_stone ? RENDERER_STONE : RENDERER_SMOOTH], face, batch);
+            draw_batch(&self->face[face->colour_buffer ? SURFACE_SMOOTH : batch->surface.kind],
+                       face, batch);
     }
 }
 
 static void draw_face_lit(const draw_renderer *self, const draw_face *face, const view *v)
 {
-    for (int i = 0; i < RENDERER_SURFACES; ++i)
+    for (int i = 0; i < SURFACE_KINDS; ++i)
         set_face_uniforms(&self->face[i], face, v);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, self->shadow_map);

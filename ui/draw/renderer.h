@@ -6,21 +6,17 @@
 #include "draw/letters.h"
 #include "draw/overlays.h"
 #include "draw/strokes.h"
+#include "draw/surface.h"
 
 typedef struct renderer_face_program {
     GLuint program;
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
     GLint shadow_projection, shadow_map, shadow_texel_mm, origin, has_own_colours;
+    GLint softness, coat;
 } renderer_face_program;
 
-typedef enum renderer_surface {
-    RENDERER_SMOOTH,
-    RENDERER_STONE,
-    RENDERER_SURFACES
-} renderer_surface;
-
 struct draw_renderer {
-    renderer_face_program face[RENDERER_SURFACES];
+    renderer_face_program face[SURFACE_KINDS];
     GLuint depth_program, background_program;
     GLint depth_projection, background_origin;
     GLuint shadow_map, shadow_framebuffer;

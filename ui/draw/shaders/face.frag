@@ -1,11 +1,13 @@
 // A face in a studio: key light with a soft shadow, fill, rim, light from the room; GGX for what
-// shines, grain for what is rough as stone. Everything is in linear light until the last line.
+// shines, pores and weather for stone, fibres and fuzz for felt, warm edges of the light for what it
+// goes under. Everything is in linear light until the last line.
 in vec3 v_position, v_normal, v_rest, v_colour;
 in float v_openness;
 
 uniform vec3 eye;            // mm
 uniform vec4 base_colour;    // linear
 uniform float roughness, metallic;
+uniform float softness, coat; // light goes under it; a wet film over it
 uniform bool has_own_colours; // v_colour instead of base_colour
 uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
@@ -19,7 +21,7 @@ const vec3 light_colour[3] =
     vec3[3](vec3(3.10, 2.92, 2.66), vec3(0.22, 0.26, 0.34), vec3(0.80, 0.90, 1.05));
 const vec3 sky = vec3(0.255, 0.285, 0.335), ground = vec3(0.095, 0.083, 0.072);
 
-#ifdef STONE
+#if defined(STONE) || defined(FELT)
 float lattice(ivec3 p)
 {
     uint h = scramble(uint(p.x) * 0x8da6b343u + uint(p.y) * 0xd8163841u + uint(p.z) * 0xcb1ab31fu);
@@ -47,13 +49,73 @@ vec4 noise(vec3 p)
     return vec4(value, slope);
 }
 
+// Turned out of the axes, so that no lattice shows. The way back: v * turned.
+const mat3 turned = mat3(0.80, -0.60, 0.0, 0.36, 0.48, 0.8, -0.48, -0.64, 0.6);
+
+// How much of a pattern of so large cells the pixels can show.
+float visibility(vec3 p)
+{
+    return 1.0 - smoothstep(0.35, 0.9, length(fwidth(p)));
+}
+
 // Adds one size of grain, unless it is finer than the pixels can show.
 void add_grain(float cells, float tint, float slope, inout vec4 grain)
 {
-    vec3 p = v_rest * grain_scale * cells;
-    float visible = 1.0 - smoothstep(0.35, 0.9, length(fwidth(p)));
-    if (visible > 0.0)
-        grain += visible * vec4(tint, vec3(slope)) * noise(p);
+    vec3 p = turned * v_rest * grain_scale * cells;
+    float visible = visibility(p);
+    if (visible <= 0.0)
+        return;
+    vec4 n = noise(p);
+    grain += visible * vec4(tint * n.x, slope * (n.yzw * turned));
+}
+#endif
+
+#ifdef STONE
+// Holes that gas left: at most one ball in each cell, wholly inside it.
+void add_pores(vec3 p, float share, float dark, float slope, inout vec4 grain)
+{
+    float visible = visibility(1.4 * p);
+    ivec3 cell = ivec3(floor(p));
+    uint h = scramble(uint(cell.x) * 0x8da6b343u + uint(cell.y) * 0xd8163841u + uint(cell.z) * 0xcb1ab31fu);
+    if (visible <= 0.0 || float(h & 255u) >= 256.0 * share)
+        return;
+    vec3 place = vec3(float((h >> 8) & 255u), float((h >> 16) & 255u), float(h >> 24)) / 255.0;
+    vec3 away = fract(p) - mix(vec3(0.32), vec3(0.68), place);
+    float radius = mix(0.12, 0.32, fract(place.x * 7.0 + place.y * 3.0));
+    float share_of_radius = length(away) / radius;
+    float depth = 1.0 - smoothstep(0.45, 1.0, share_of_radius);
+    float wall = depth * (1.0 - depth) * 4.0;
+    grain.x -= visible * dark * depth;
+    grain.yzw += visible * slope * wall * ((away / max(length(away), 1e-4)) * turned);
+}
+
+// Tuff that has stood in the rain: ochre and grey, streaks, pale crusts where it looks up.
+vec3 weather(vec3 base, vec3 normal)
+{
+    vec3 p = turned * v_rest * grain_scale, upright = v_rest * grain_scale;
+    vec4 broad = noise(p * 3.3 + 4.0);
+    vec3 bent = p + 0.05 * broad.yzw;
+    vec3 tone = mix(vec3(1.07, 0.99, 0.88), vec3(0.88, 0.94, 0.99), smoothstep(-0.6, 0.6, broad.x + 0.4 * noise(bent * 11.0).x));
+    float wavy = noise(bent * 9.0).x;
+    float streak = noise(upright * vec3(30.0, 2.6, 30.0) + wavy).x;
+    float wash = smoothstep(0.05, 0.9, streak) * (1.0 - 0.7 * abs(normal.y));
+    float crust = smoothstep(0.22, 0.65, wavy + 0.45 * noise(bent * 38.0).x) * smoothstep(-0.4, 0.5, normal.y);
+    return mix(base * tone * (1.0 - 0.22 * wash), vec3(0.38, 0.385, 0.31), 0.34 * crust);
+}
+#endif
+
+#ifdef FELT
+// Fibres that lie across each other: the crests of a noise that is drawn out one way and bent.
+void add_fibres(vec3 p, vec3 stretch, inout vec4 grain)
+{
+    float visible = visibility(p * 0.8);
+    if (visible <= 0.0)
+        return;
+    vec4 n = noise(p * stretch);
+    float crest = 1.0 - abs(n.x);
+    crest *= crest;
+    grain.x += visible * 0.17 * (crest - 0.45);
+    grain.yzw -= visible * 0.10 * crest * sign(n.x) * ((n.yzw * stretch) * turned);
 }
 #endif
 
@@ -83,21 +145,44 @@ float fifth_power(float x)
     return square * square * x;
 }
 
-// What a light sends to the eye (GGX, Smith, Schlick; wrapped a little: the lights are large).
-vec3 reflect_light(vec3 normal, vec3 to_eye, vec3 to_light, vec3 diffuse, vec3 mirror, float rough)
+// How far each colour of the light reaches around the edge of the lit side: the lights are large,
+// and under a soft skin red goes furthest.
+vec3 light_wrap()
 {
-    const float wrap = 0.12;
-    float facing = dot(normal, to_light);
-    float n_l = max(facing, 0.0), n_v = max(dot(normal, to_eye), 1e-3);
-    vec3 half_way = normalize(to_light + to_eye);
-    float n_h = max(dot(normal, half_way), 0.0), v_h = max(dot(to_eye, half_way), 0.0);
+#ifdef FELT
+    return vec3(0.34, 0.30, 0.28);
+#else
+    return vec3(0.12) + softness * vec3(0.30, 0.10, 0.06);
+#endif
+}
+
+float shine(vec3 normal, vec3 to_eye, vec3 to_light, float n_l, float rough)
+{
+    float n_v = max(dot(normal, to_eye), 1e-3);
+    float n_h = max(dot(normal, normalize(to_light + to_eye)), 0.0);
     float a = rough * rough, a2 = a * a;
     float spread = n_h * n_h * (a2 - 1.0) + 1.0;
-    float lobe = a2 / (3.14159265 * spread * spread);
-    float hidden = 0.5 / mix(2.0 * n_l * n_v, n_l + n_v, a);
-    vec3 fresnel = mirror + (1.0 - mirror) * fifth_power(1.0 - v_h);
-    return diffuse * (1.0 - fresnel) * max((facing + wrap) / (1.0 + wrap), 0.0) / 3.14159265 +
-           fresnel * lobe * hidden * n_l;
+    return a2 / (3.14159265 * spread * spread) * 0.5 / mix(2.0 * n_l * n_v, n_l + n_v, a) * n_l;
+}
+
+// What a light sends to the eye (GGX, Smith, Schlick).
+vec3 reflect_light(vec3 normal, vec3 to_eye, vec3 to_light, vec3 diffuse, vec3 mirror, float rough)
+{
+    float facing = dot(normal, to_light), n_l = max(facing, 0.0);
+    float v_h = max(dot(to_eye, normalize(to_light + to_eye)), 0.0);
+    vec3 fresnel = mirror + (1.0 - mirror) * fifth_power(1.0 - v_h), wrap = light_wrap();
+    vec3 under = max((facing + wrap) / ((1.0 + wrap) * (1.0 + wrap)), 0.0);
+    vec3 out_light = diffuse * (1.0 - fresnel) * under / 3.14159265 +
+                     fresnel * shine(normal, to_eye, to_light, n_l, rough);
+#ifdef FELT
+    // Fibres that stand up at the edge catch the light from behind too.
+    float away = 1.0 - max(dot(normal, to_eye), 0.0);
+    out_light += (0.55 * diffuse + 0.05) * away * away * (0.35 + 0.65 * max(facing + 0.4, 0.0)) * 0.42;
+#else
+    if (coat > 0.0)
+        out_light += coat * (0.04 + 0.96 * fifth_power(1.0 - v_h)) * shine(normal, to_eye, to_light, n_l, 0.22);
+#endif
+    return out_light;
 }
 
 // The room: light from above and a little from the floor, seen dully in what shines.
@@ -136,14 +221,32 @@ void main()
 #ifdef STONE
     vec4 grain = vec4(0.0);
     add_grain(5.0, 0.07, 0.01, grain);
-    add_grain(24.0, 0.06, 0.025, grain);
-    add_grain(90.0, 0.07, 0.06, grain);
+    add_grain(24.0, 0.06, 0.03, grain);
+    add_grain(90.0, 0.08, 0.085, grain);
     add_grain(230.0, 0.12, 0.10, grain);
-    base *= (1.0 + grain.x) * mix(0.5, 1.06, open); // dirt stays where no hand gets
+    vec3 p = turned * v_rest * grain_scale;
+    add_pores(p * 34.0, 0.5, 0.50, 0.5, grain);
+    add_pores(p.zxy * 78.0 + 5.0, 0.6, 0.42, 0.4, grain);
+    base = weather(base, normal) * max(1.0 + grain.x, 0.2) * mix(0.5, 1.06, open); // dirt stays where no hand gets
+    normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
+#endif
+#ifdef FELT
+    vec4 grain = vec4(0.0);
+    vec3 p = turned * v_rest * grain_scale;
+    vec4 broad = noise(p * 9.0);
+    vec3 bent = p * 115.0 + 1.6 * broad.yzw + 0.9 * noise(p * 31.0).yzw;
+    grain += vec4(0.07, vec3(0.012)) * vec4(broad.x, broad.yzw * turned);
+    add_fibres(bent, vec3(1.0, 0.30, 0.62), grain);
+    add_fibres(bent.yzx * 1.13, vec3(1.0, 0.34, 0.55), grain);
+    base *= max(1.0 + grain.x, 0.2) * mix(0.62, 1.05, open);
     normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
 #endif
 
+#if defined(STONE) || defined(FELT)
+    vec3 mirror = vec3(0.015);
+#else
     vec3 mirror = mix(vec3(0.04), base, metallic);
+#endif
     vec3 diffuse = base * (1.0 - metallic);
     float visible[3] = float[3](key_visibility(normal), mix(0.35, 1.0, open), open);
     vec3 light = reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
