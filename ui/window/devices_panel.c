@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"none", "pedal 1", "pedal 2", "pedal 3",
-                                                            "pedal 4"};
+static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"no pedal", "pedal 1", "pedal 2",
+                                                            "pedal 3", "pedal 4"};
 static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
 static const char rezero_key[] = "hands.rezero_pedal";
 
@@ -96,8 +96,8 @@ static void draw_rezero(devices_panel *self, ui *on)
         studio_do(self->studio, ACTION_REZERO);
     ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
     ui_same_line(on);
-    ui_at(on, 104.0f);
-    if (ui_choice(on, "by", 26.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
+    ui_at(on, 92.0f);
+    if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
         settings_set_number(studio_settings(self->studio), rezero_key, (double)pedal);
         live_set_rezero_pedal(studio_live(self->studio), pedal);
     }

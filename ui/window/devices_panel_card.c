@@ -44,7 +44,7 @@ static void draw_state(ui *on, const health_report *health, devices_light light,
 {
     char rate[32];
     ui_text(on, light_style[light], state);
-    if (light == DEVICES_WELL) {
+    if (light == DEVICES_WELL && health->rate_hz > 0.0) {
         (void)snprintf(rate, sizeof rate, "%.0f Hz", health->rate_hz);
         ui_same_line(on);
         ui_at(on, label_width + 60.0f);
@@ -81,6 +81,7 @@ static void draw_channel(ui *on, const ui_canvas *at, const mrt_channel *channel
     ui_draw_box(on, bar, colour_of(channel), 1.0f);
 }
 
+/* sample NULL: none yet. */
 static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
                        const mrt_sample *sample)
 {
@@ -88,11 +89,13 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
     char hint[128];
     ui_canvas_begin(on, "strip", 0.0f, strip_height, &at);
     float wide = fminf(at.where.width / (float)(count ? count : 1), 40.0f);
-    for (uint32_t i = 0; i < count && i < sample->count; ++i)
-        draw_channel(on, &at, &channels[i], sample->value[i], i, wide);
+    uint32_t known = !sample ? 0 : sample->count < count ? sample->count : count;
+    for (uint32_t i = 0; i < count; ++i)
+        draw_channel(on, &at, &channels[i], i < known ? sample->value[i] : channels[i].min, i,
+                     wide);
     uint32_t pointed = at.x >= 0.0f ? (uint32_t)(at.x / wide) : count;
     ui_canvas_end(on);
-    if (!at.is_hovered || pointed >= count || pointed >= sample->count)
+    if (!at.is_hovered || pointed >= known)
         return;
     (void)snprintf(hint, sizeof hint, "%.60s: %.4g %.16s", channels[pointed].name,
                    (double)sample->value[pointed], channels[pointed].unit);
@@ -111,7 +114,7 @@ static const char *base_name(const char *path)
 
 static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32_t side)
 {
-    const char *items[CALIBRATIONS_MAX + 2] = {"shipped, of an average hand"};
+    const char *items[CALIBRATIONS_MAX + 2] = {"as shipped"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(studio_live(self->studio), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
@@ -133,6 +136,7 @@ static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32
         devices_panel_calibrate(self, side, paths[chosen]);
     ui_hint(on, "Whose calibration this hand's sensors are read with.");
     ui_id_begin(on, side_name[side]);
+    ui_text(on, UI_STYLE_DIM, "");
     ui_at(on, label_width);
     if (ui_button(on, "Calibrate\xe2\x80\xa6", UI_PLAIN)) {
         error why = {""};
@@ -233,8 +237,8 @@ bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
     devices_light light = devices_words_state(&health, state, why);
     bool stays = draw_head(on, input_name(of), light);
     draw_state(on, &health, light, state, why);
-    if (live_input_sample(stage, index, &sample))
-        draw_strip(on, channels, count, &sample);
+    bool has_sample = live_input_sample(stage, index, &sample);
+    draw_strip(on, channels, count, has_sample ? &sample : NULL);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
         if (glove_channels_has(channels, count, side))
             draw_calibration(self, on, index, side);
