@@ -37,6 +37,15 @@ CHECKED mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value,
 /* "part teeth_lower*, inside a box": for people. */
 void rig_edit_describe(const rig_select *select, char *out, size_t capacity);
 
+/* Of which entry a message's JSON path speaks. */
+typedef enum rig_edit_kind {
+    RIG_EDIT_OTHER = 0,
+    RIG_EDIT_REGION,
+    RIG_EDIT_CONTACT,
+    RIG_EDIT_BONE
+} rig_edit_kind;
+rig_edit_kind rig_edit_kind_at(const rig *r, const char *path, uint32_t *out_index);
+
 /* ---- contacts ---- */
 
 CHECKED mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex,

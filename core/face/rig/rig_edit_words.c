@@ -1,5 +1,7 @@
 #include "face/rig_edit.h"
 
+#include "face/rig/rig_document.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -85,4 +87,35 @@ void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
     words w = {out, capacity};
     out[0] = '\0';
     describe(&w, select);
+}
+
+/* ---- from a place in the file ---- */
+
+/* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
+static bool says_place(const char *path, const rig_place *place)
+{
+    size_t length = strlen(place->text);
+    return strncmp(path, place->text, length) == 0 &&
+           (path[length] == '\0' || path[length] == '.' || path[length] == '[');
+}
+
+static bool find_in(const rig *r, rig_section section, uint32_t count, const char *path,
+                    uint32_t *out_index)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        rig_place place = rig_where(r, section, i);
+        *out_index = i;
+        if (says_place(path, &place))
+            return true;
+    }
+    return false;
+}
+
+rig_edit_kind rig_edit_kind_at(const rig *r, const char *path, uint32_t *out_index)
+{
+    if (find_in(r, RIG_REGIONS, r->region_count, path, out_index))
+        return RIG_EDIT_REGION;
+    if (find_in(r, RIG_CONTACTS, r->contact_count, path, out_index))
+        return RIG_EDIT_CONTACT;
+    return find_in(r, RIG_BONES, r->bone_count, path, out_index) ? RIG_EDIT_BONE : RIG_EDIT_OTHER;
 }

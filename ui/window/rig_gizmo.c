@@ -1,0 +1,136 @@
+#include "window/rig_gizmo.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ARC_STEPS = 12 };
+static const float axis_rgba[4] = {0.95f, 0.45f, 0.70f, 0.95f};
+static const float end_rgba[4] = {0.90f, 0.42f, 0.66f, 1.0f};
+static const float held_rgba[4] = {0.98f, 0.80f, 0.40f, 1.0f};
+static const float arc_rgba[4] = {0.95f, 0.75f, 0.45f, 0.85f};
+
+/* ---- the pointer ---- */
+
+static double angle_to(const rig_ray *ray, vec3 at)
+{
+    vec3 way = vec3_sub(at, ray->eye);
+    double along = vec3_dot(way, ray->ray);
+    vec3 aside = vec3_sub(way, vec3_scale(ray->ray, along));
+    return along > 0.0 ? vec3_length(aside) / along : (double)INFINITY;
+}
+
+uint32_t rig_gizmo_nearest(const rig_ray *ray, const vec3 *at, uint32_t count, double reach_points)
+{
+    uint32_t best = RIG_NONE;
+    double best_rad = reach_points * ray->point_rad;
+    for (uint32_t i = 0; i < count; ++i) {
+        double away_rad = angle_to(ray, at[i]);
+        if (away_rad > best_rad)
+            continue;
+        best = i;
+        best_rad = away_rad;
+    }
+    return best;
+}
+
+bool rig_gizmo_reach(vec3 *out, const rig_ray *ray, vec3 through)
+{
+    double depth = vec3_dot(vec3_sub(through, ray->eye), ray->forward);
+    double slope = vec3_dot(ray->ray, ray->forward);
+    if (!(slope > 1e-6) || !(depth > 0.0))
+        return false;
+    *out = vec3_add(ray->eye, vec3_scale(ray->ray, depth / slope));
+    return true;
+}
+
+double rig_gizmo_points_between(const rig_ray *a, const rig_ray *b)
+{
+    return vec3_length(vec3_sub(a->ray, b->ray)) / fmax(a->point_rad, 1e-9);
+}
+
+/* ---- the jaw ---- */
+
+void rig_gizmo_places(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw)
+{
+    out[RIG_HANDLE_LEFT] = jaw->left;
+    out[RIG_HANDLE_RIGHT] = jaw->right;
+    out[RIG_HANDLE_INCISOR] = jaw->incisor;
+}
+
+static vec3 mirrored(vec3 at, double middle_mm)
+{
+    return (vec3){2.0 * middle_mm - at.x, at.y, at.z};
+}
+
+void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm)
+{
+    if (handle == RIG_HANDLE_INCISOR) {
+        jaw->incisor = is_even ? (vec3){middle_mm, to.y, to.z} : to;
+        jaw->has_incisor = true;
+        return;
+    }
+    vec3 *moved = handle == RIG_HANDLE_LEFT ? &jaw->left : &jaw->right;
+    vec3 *other = handle == RIG_HANDLE_LEFT ? &jaw->right : &jaw->left;
+    *moved = to;
+    if (is_even)
+        *other = mirrored(to, middle_mm);
+}
+
+/* ---- what it looks like ---- */
+
+static void set_place(float out[3], vec3 at)
+{
+    out[0] = (float)at.x;
+    out[1] = (float)at.y;
+    out[2] = (float)at.z;
+}
+
+static overlay_item line(vec3 from, vec3 to, float width_px, const float rgba[4])
+{
+    overlay_item out = {.kind = OVERLAY_LINE, .width_px = width_px};
+    set_place(out.from, from);
+    set_place(out.to, to);
+    memcpy(out.rgba, rgba, sizeof out.rgba);
+    return out;
+}
+
+static overlay_item ball(vec3 at, double radius_mm, const float rgba[4])
+{
+    overlay_item out = {.kind = OVERLAY_BALL, .radius_mm = (float)radius_mm};
+    set_place(out.from, at);
+    memcpy(out.rgba, rgba, sizeof out.rgba);
+    return out;
+}
+
+/* The incisor turned about the axis alone, from closed to wide open. */
+static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
+{
+    const vec3 across = {1.0, 0.0, 0.0}; /* right-handed about it, the chin goes down and back */
+    vec3 axis = vec3_normalised(vec3_sub(jaw->left, jaw->right), across), before = jaw->incisor;
+    for (uint32_t i = 0; i < ARC_STEPS; ++i) {
+        double angle = jaw->open_max_rad * (double)(i + 1) / ARC_STEPS;
+        rigid turn = rigid_turn(jaw->left, axis, angle);
+        vec3 now = rigid_apply(&turn, jaw->incisor);
+        out[i] = line(before, now, 2.0f, arc_rgba);
+        before = now;
+    }
+    return ARC_STEPS;
+}
+
+uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw, double size_mm,
+                        rig_handle held)
+{
+    uint32_t count = 0;
+    vec3 place[RIG_HANDLES];
+    rig_gizmo_places(place, jaw);
+    out[count++] = line(jaw->right, jaw->left, 2.5f, axis_rgba);
+    for (int i = 0; i < RIG_HANDLES; ++i) {
+        if (i == RIG_HANDLE_INCISOR && !jaw->has_incisor)
+            continue;
+        double part = i == RIG_HANDLE_INCISOR ? 0.6 : 1.0;
+        out[count++] = ball(place[i], part * size_mm, i == (int)held ? held_rgba : end_rgba);
+    }
+    if (jaw->has_incisor)
+        count += draw_arc(out + count, jaw);
+    return count;
+}

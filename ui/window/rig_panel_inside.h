@@ -1,0 +1,109 @@
+/* window/rig_panel_inside.h - the inside of the rig panel: its state, and its parts that are files
+ * of their own. [main] */
+#ifndef MAROTTE_UI_WINDOW_RIG_PANEL_INSIDE_H
+#define MAROTTE_UI_WINDOW_RIG_PANEL_INSIDE_H
+#include "window/panels.h"
+#include "window/rig_gizmo.h"
+#include "window/rig_model.h"
+#include "window/rig_stroke.h"
+
+typedef enum rig_tab {
+    RIG_TAB_REGIONS = 0,
+    RIG_TAB_CONTACTS,
+    RIG_TAB_JAW,
+    RIG_TAB_CHECK,
+    RIG_TABS
+} rig_tab;
+
+enum { RIG_PANEL_NAME = 64, RIG_PANEL_TROUBLE = 1024 };
+
+typedef struct rig_painting { /* the brush */
+    bool is_on;
+    rig_stroke_ink ink;
+    brush_shape shape;
+    rig_stroke *stroke; /* NULL: none is being made */
+} rig_painting;
+
+typedef struct rig_placing {       /* of contacts, on the face */
+    bool is_adding;                /* the next click places a new one */
+    bool is_pressed;               /* on the dot of the chosen contact */
+    bool is_moving;                /* and was dragged */
+    rig_ray pressed;               /* where */
+    uint32_t vertex;               /* where it is dragged to */
+    char name[RIG_PANEL_NAME];     /* as typed */
+    uint32_t name_of, name_number; /* of which contact and state that is */
+} rig_placing;
+
+typedef struct rig_jawing {                /* the axis, and how the jaw moves about it */
+    rig_edit_jaw jaw;                      /* as shown; the rig's but while it is changed */
+    bool is_changing;                      /* a slider or a handle is held */
+    rig_handle held;                       /* RIG_HANDLES: none */
+    vec3 grip;                             /* from where it was taken hold of to the handle */
+    double open_deg, aside_mm, forward_mm; /* tried */
+    double gap_mm;                         /* of the incisors, as tried */
+} rig_jawing;
+
+typedef struct rig_shown {       /* what the viewport was told */
+    bool is_released;            /* nothing: the panel is not seen */
+    bool is_tinted, is_tint_new; /* new: it is to be told again */
+    float *rgb, *share;          /* vertex_count by 3; vertex_count */
+    float *position, *normal;    /* vertex_count by 3: of the jaw that is tried */
+    float *scratch;              /* 6 by vertex_count */
+    bool stands_in, is_shape_new;
+} rig_shown;
+
+typedef struct rig_panel {
+    studio *of;
+    rig_model *model; /* NULL: there is no face, or no memory */
+    const rig *stage_rig;
+    const float *stage_position; /* which face that is */
+    char *stage_path;
+    bool adopts;    /* the next face of the stage is the model's own */
+    double known_s; /* since the face is known */
+    bool is_seen, was_unsaved;
+    uint32_t tab;
+    char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
+    char *confirm;                   /* of a draft, lines; NULL */
+    uint32_t region, contact;        /* that is chosen; RIG_NONE */
+    bool is_even;                    /* both sides alike: strokes, contacts, the jaw */
+    char region_name[RIG_PANEL_NAME];
+    uint32_t region_name_of, region_name_number;
+    rig_edit_says says; /* of the chosen region while a slider is held */
+    bool is_says_held;
+    rig_painting painting;
+    rig_placing placing;
+    rig_jawing jawing;
+    rig_shown shown;
+} rig_panel;
+
+/* ---- changes: begin, change the copy, finish; one step of undo (rig_panel.c) ---- */
+
+rig *rig_panel_begin(rig_panel *self); /* NULL: it is said why */
+/* words: "paint jaw". On result < 0 nothing has changed, and it is said why. */
+bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words);
+void rig_panel_say(rig_panel *self, const char *trouble); /* "": nothing */
+void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words);
+void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
+uint32_t rig_panel_jaw(const rig *r);                                /* the bone; RIG_NONE */
+
+/* ---- on the face (rig_panel_face.c, rig_panel_shown.c) ---- */
+
+void rig_panel_face(rig_panel *self, viewport *view);    /* each frame in which it is seen */
+void rig_panel_release(rig_panel *self, viewport *view); /* when it no longer is */
+void rig_panel_show(rig_panel *self, viewport *view);    /* tints, shape, gizmo */
+void rig_panel_end_stroke(rig_panel *self);
+void rig_panel_shown_finish(rig_shown *shown);
+vec3 rig_panel_contact_at(const rig_panel *self, uint32_t contact);
+void rig_panel_put_jaw(rig_panel *self); /* what is shown of it into the rig */
+
+/* ---- the tabs (rig_panel_regions.c ...) ---- */
+
+void rig_panel_draw_regions(rig_panel *self, ui *on);
+void rig_panel_draw_brush(rig_panel *self, ui *on);
+void rig_panel_draw_contacts(rig_panel *self, ui *on);
+void rig_panel_draw_jaw(rig_panel *self, ui *on);
+void rig_panel_draw_check(rig_panel *self, ui *on);
+
+#define RIG_PANEL_LABEL 74.0f
+
+#endif

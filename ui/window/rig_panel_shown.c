@@ -1,0 +1,269 @@
+/* How the rig panel shows a rig on its face: tints, the face at rest or with its jaw tried, dots,
+ * the axis. */
+#include "base/angle.h"
+#include "mesh/normals.h"
+#include "window/rig_panel_inside.h"
+#include "window/rig_tint.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ITEMS_MAX = 512 };
+static const float dot_rgba[4] = {0.96f, 0.94f, 0.88f, 0.95f};
+static const float chosen_rgba[4] = {0.98f, 0.74f, 0.28f, 1.0f};
+static const double handle_share = 1.0 / 55.0; /* of the face's height: a ball of the gizmo */
+
+/* ---- memory ---- */
+
+static bool allocate(rig_shown *shown, uint32_t vertex_count)
+{
+    size_t count = (size_t)vertex_count + 1;
+    if (shown->rgb)
+        return true;
+    shown->rgb = calloc(count * 3, sizeof *shown->rgb);
+    shown->share = calloc(count, sizeof *shown->share);
+    shown->position = calloc(count * 3, sizeof *shown->position);
+    shown->normal = calloc(count * 3, sizeof *shown->normal);
+    shown->scratch = calloc(count * 6, sizeof *shown->scratch);
+    if (shown->rgb && shown->share && shown->position && shown->normal && shown->scratch)
+        return true;
+    rig_panel_shown_finish(shown);
+    return false;
+}
+
+void rig_panel_shown_finish(rig_shown *shown)
+{
+    free(shown->rgb);
+    free(shown->share);
+    free(shown->position);
+    free(shown->normal);
+    free(shown->scratch);
+    bool is_released = shown->is_released;
+    *shown = (rig_shown){.is_released = is_released};
+}
+
+/* ---- tints ---- */
+
+static bool is_of_mobility(const rig_panel *self)
+{
+    return self->painting.ink.ink == RIG_INK_FREE || self->painting.ink.ink == RIG_INK_STILL;
+}
+
+static void tint_all(rig_panel *self)
+{
+    const rig_work *work = rig_model_work(self->model);
+    float *rgb = self->shown.rgb;
+    if (!work || !work->face)
+        rig_tint_plain(rgb, rig_model_mesh(self->model)->vertex_count);
+    else if (self->painting.is_on && is_of_mobility(self))
+        rig_tint_mobility(rgb, face_binding(work->face));
+    else
+        rig_tint_bones(rgb, &work->rig, face_binding(work->face));
+}
+
+static void tint_region(rig_panel *self, const rig *r)
+{
+    float colour[3];
+    const rig_region *region = &r->region[self->region];
+    const mesh *m = rig_model_mesh(self->model);
+    if (bind_select(self->shown.share, &region->select, m, rig_model_topology(self->model), NULL) <
+        0)
+        memset(self->shown.share, 0, m->vertex_count * sizeof *self->shown.share);
+    rig_tint_of_bone(colour, r, region->bone);
+    rig_tint_share(self->shown.rgb, self->shown.share, m->vertex_count, colour);
+}
+
+/* What the stroke has touched so far, over what is known. */
+static void tint_stroke(rig_panel *self, const rig *r)
+{
+    static const float erased[3] = {0.34f, 0.33f, 0.32f};
+    const rig_stroke *stroke = self->painting.stroke;
+    const brush *b = rig_model_brush(self->model);
+    const float *touch[2] = {brush_touch(b, BRUSH_HERE), brush_touch(b, BRUSH_THERE)};
+    uint32_t count;
+    const uint32_t *touched = brush_touched(b, &count);
+    bool paints = rig_stroke_bone(stroke, BRUSH_HERE) != RIG_NONE || is_of_mobility(self);
+    for (uint32_t i = 0; i < count; ++i) {
+        float colour[3], *rgb = self->shown.rgb + (size_t)touched[i] * 3;
+        uint32_t side = touch[1][touched[i]] > touch[0][touched[i]] ? BRUSH_THERE : BRUSH_HERE;
+        rig_tint_of_bone(colour, r, rig_stroke_bone(stroke, side));
+        float share = (float)rig_stroke_value(stroke, touched[i]) / 255.0f;
+        if (paints && self->painting.ink.ink != RIG_INK_STILL)
+            rig_tint_mix(rgb, colour, share);
+        else
+            rig_tint_mix(rgb, erased, touch[side][touched[i]]);
+    }
+}
+
+static void tell_tint(rig_panel *self, viewport *view, const rig *r)
+{
+    rig_shown *shown = &self->shown;
+    bool is_tinted = self->tab == RIG_TAB_REGIONS;
+    if (!shown->is_tint_new && is_tinted == shown->is_tinted)
+        return;
+    shown->is_tint_new = false;
+    shown->is_tinted = is_tinted;
+    if (!is_tinted) {
+        viewport_paint(view, NULL);
+        return;
+    }
+    bool is_region_ink = self->painting.ink.ink == RIG_INK_REGION;
+    if (self->region != RIG_NONE && (!self->painting.is_on || is_region_ink))
+        tint_region(self, r);
+    else
+        tint_all(self);
+    if (self->painting.stroke)
+        tint_stroke(self, r);
+    viewport_paint(view, shown->rgb);
+}
+
+/* ---- the shape ---- */
+
+static void find_normals(rig_panel *self)
+{
+    const mesh *m = rig_model_mesh(self->model);
+    size_t count = m->vertex_count;
+    float *s = self->shown.scratch;
+    for (size_t v = 0; v < count; ++v)
+        for (size_t i = 0; i < 3; ++i)
+            s[(3 + i) * count + v] = self->shown.position[v * 3 + i];
+    normals_smooth(s, s + count, s + 2 * count, s + 3 * count, s + 4 * count, s + 5 * count,
+                   m->vertex_count, m->triangle, m->triangle_count);
+    for (size_t v = 0; v < count; ++v)
+        for (size_t i = 0; i < 3; ++i)
+            self->shown.normal[v * 3 + i] = s[i * count + v];
+}
+
+static void set_dof(float *dof, const bones *b, const char *name, double value)
+{
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        if (strcmp(b->dof[i].name, name) == 0)
+            dof[i] = (float)value;
+}
+
+static double way_of_teeth(const bones *b, const float *dof)
+{
+    rigid pose[RIG_BONES_MAX];
+    bones_pose(pose, b, dof);
+    return b->jaw == RIG_NONE
+               ? 0.0
+               : vec3_length(vec3_sub(rigid_apply(&pose[b->jaw], b->incisor), b->incisor));
+}
+
+/* False: nothing can be tried. */
+static bool pose_face(rig_panel *self)
+{
+    const rig_work *work = rig_model_work(self->model);
+    const rig_jawing *jawing = &self->jawing;
+    uint32_t jaw = work ? rig_panel_jaw(&work->rig) : RIG_NONE;
+    if (!work || !work->face || jaw == RIG_NONE)
+        return false;
+    const bones *b = face_bones(work->face);
+    float dof[MRT_MAX_DOFS] = {0.0f};
+    char name[3][80];
+    const char *bone = work->rig.bone[jaw].name;
+    const double value[3] = {jawing->open_deg * ANGLE_PI / 180.0, jawing->aside_mm,
+                             jawing->forward_mm};
+    static const char *const motion[3] = {"open", "lateral", "forward"};
+    for (int i = 0; i < 3; ++i) {
+        (void)snprintf(name[i], sizeof name[i], "%.60s.%s", bone, motion[i]);
+        set_dof(dof, b, name[i], value[i]);
+    }
+    error err;
+    if (face_pull(work->face, NULL, dof, &err) < 0)
+        return false;
+    points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
+    self->jawing.gap_mm = way_of_teeth(b, dof);
+    find_normals(self);
+    return true;
+}
+
+static void tell_shape(rig_panel *self, viewport *view)
+{
+    rig_shown *shown = &self->shown;
+    bool paints = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
+    bool stands_in = paints || self->tab == RIG_TAB_CONTACTS || self->tab == RIG_TAB_JAW;
+    if (!shown->is_shape_new && stands_in == shown->stands_in)
+        return;
+    shown->is_shape_new = false;
+    shown->stands_in = stands_in;
+    if (!stands_in)
+        viewport_stand_in(view, NULL, NULL);
+    else if (self->tab == RIG_TAB_JAW && pose_face(self))
+        viewport_stand_in(view, shown->position, shown->normal);
+    else
+        viewport_stand_in(view, rig_model_mesh(self->model)->position,
+                          brush_normals(rig_model_brush(self->model)));
+}
+
+/* ---- things in space ---- */
+
+static overlay_item dot_at(vec3 at, float width_px, const float rgba[4])
+{
+    overlay_item out = {.kind = OVERLAY_DOT, .width_px = width_px};
+    out.from[0] = (float)at.x;
+    out.from[1] = (float)at.y;
+    out.from[2] = (float)at.z;
+    memcpy(out.rgba, rgba, sizeof out.rgba);
+    return out;
+}
+
+static uint32_t add_contacts(const rig_panel *self, overlay_item *out)
+{
+    uint32_t count = rig_model_rig(self->model)->contact_count;
+    count = count < ITEMS_MAX ? count : ITEMS_MAX;
+    for (uint32_t i = 0; i < count; ++i)
+        out[i] = i == self->contact ? dot_at(rig_panel_contact_at(self, i), 13.0f, chosen_rgba)
+                                    : dot_at(rig_panel_contact_at(self, i), 8.0f, dot_rgba);
+    return count;
+}
+
+static double height_of(const mesh *m)
+{
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    return (double)high[1] - (double)low[1];
+}
+
+static void tell_items(const rig_panel *self, viewport *view)
+{
+    overlay_item item[ITEMS_MAX];
+    uint32_t count = 0;
+    if (self->tab == RIG_TAB_CONTACTS)
+        count = add_contacts(self, item);
+    if (self->tab == RIG_TAB_JAW && rig_panel_jaw(rig_model_rig(self->model)) != RIG_NONE)
+        count = rig_gizmo_draw(item, &self->jawing.jaw,
+                               handle_share * height_of(rig_model_mesh(self->model)),
+                               self->jawing.held);
+    viewport_add(view, item, count);
+}
+
+/* ---- */
+
+void rig_panel_show(rig_panel *self, viewport *view)
+{
+    const rig *r = rig_model_rig(self->model);
+    if (!r || !allocate(&self->shown, rig_model_mesh(self->model)->vertex_count)) {
+        rig_panel_release(self, view);
+        return;
+    }
+    self->shown.is_released = false;
+    tell_tint(self, view, r);
+    tell_shape(self, view);
+    tell_items(self, view);
+}
+
+void rig_panel_release(rig_panel *self, viewport *view)
+{
+    if (self->shown.is_released)
+        return;
+    rig_panel_end_stroke(self);
+    viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
+    viewport_paint(view, NULL);
+    viewport_stand_in(view, NULL, NULL);
+    viewport_add(view, NULL, 0);
+    self->shown.is_released = true;
+    self->shown.is_tinted = self->shown.stands_in = false;
+    self->shown.is_tint_new = self->shown.is_shape_new = true;
+}
