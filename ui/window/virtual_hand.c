@@ -117,10 +117,8 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
     virtual_hand_motion_begin(&self->motion);
     give(self, side, FEED_MOVES); /* before anybody reads it: a hand at rest */
     result = live_add_made(studio_live(self->of), made, feed_id[side], err);
-    if (result < 0) {
-        input_destroy(made);
-        return result;
-    }
+    if (result < 0)
+        return result; /* the stage has destroyed it */
     self->made[side] = made;
     self->joined_s = 0.0;
     self->is_refused = false;

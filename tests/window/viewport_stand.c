@@ -1,0 +1,355 @@
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "viewport_stand.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* The only one there is: the contracts hand on pointers that stand for it. */
+static viewport_stand *here;
+static live *const a_live = (live *)(void *)&here;
+static studio *const a_studio = (studio *)(void *)&here;
+
+/* ---- the studio ---- */
+
+const live_view *studio_view(const studio *self)
+{
+    (void)self;
+    return &here->view;
+}
+
+const face_file *studio_face(const studio *self)
+{
+    (void)self;
+    return &here->file;
+}
+
+studio_looks *studio_looks_of(studio *self)
+{
+    (void)self;
+    return &here->looks;
+}
+
+settings *studio_settings(studio *self)
+{
+    (void)self;
+    return here->settings;
+}
+
+news_list *studio_news(studio *self)
+{
+    (void)self;
+    return here->news;
+}
+
+log_queue *studio_log(studio *self)
+{
+    (void)self;
+    return here->log;
+}
+
+live *studio_live(studio *self)
+{
+    (void)self;
+    return a_live;
+}
+
+bool studio_asked(studio *self, action of)
+{
+    (void)self;
+    bool was = here->asked[of];
+    here->asked[of] = false;
+    return was;
+}
+
+bool studio_has_hand_keys(const studio *self)
+{
+    (void)self;
+    return here->has_hand_keys;
+}
+
+/* ---- the stage ---- */
+
+void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
+                double radius_mm)
+{
+    (void)self;
+    assert_true(here->told_count < STAND_TOLD);
+    stand_told *told = &here->told[here->told_count++];
+    *told = (stand_told){.grip = grip, .stays = stays, .radius_mm = radius_mm};
+    memcpy(told->rest, rest, sizeof told->rest);
+    memcpy(told->at, at, sizeof told->at);
+    if (!here->pulls)
+        return;
+    here->view.pull.count = grip == POINTER_PULLS ? 1 : 0;
+    mrt_vector *vector = &here->view.pull.vector[0];
+    *vector = (mrt_vector){.start = {rest[0], rest[1], rest[2]}, .end = {at[0], at[1], at[2]}};
+    stand_perform(here);
+}
+
+uint32_t live_input_count(const live *self)
+{
+    (void)self;
+    return here->made ? 1 : 0;
+}
+
+input *live_input(live *self, uint32_t index)
+{
+    (void)self;
+    return index == 0 ? here->made : NULL;
+}
+
+mrt_result live_add_made(live *self, input *made, const char *text, error *err)
+{
+    (void)self;
+    (void)text;
+    assert_null(here->made);
+    here->made = made;
+    return input_start(made, err);
+}
+
+mrt_result live_remove_input(live *self, uint32_t index, error *err)
+{
+    (void)self;
+    (void)err;
+    assert_int_equal(index, 0);
+    input_destroy(here->made);
+    here->made = NULL;
+    return MRT_OK;
+}
+
+mrt_result live_record_end(live *self, error *err)
+{
+    (void)self;
+    (void)err;
+    return MRT_OK;
+}
+
+/* ---- the face ---- */
+
+static void copy_shape(viewport_stand *s)
+{
+    const points *shown = face_shown(composer_face(s->composer));
+    const points_order *order = face_order(composer_face(s->composer));
+    for (uint32_t v = 0; v < order->count; ++v) {
+        uint32_t slot = order->slot_of_file[v];
+        const float *place[3] = {shown->x, shown->y, shown->z};
+        for (uint32_t i = 0; i < 3; ++i) {
+            s->position[(size_t)v * 3 + i] = place[i][slot];
+            s->normal[(size_t)v * 3 + i] = composer_normal(s->composer, i)[slot];
+        }
+    }
+}
+
+void stand_perform(viewport_stand *s)
+{
+    live_view *view = &s->view;
+    const composer_part part = {
+        .layer = 0, .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = &view->pull};
+    composer_move(s->composer, &part, 1, 0.0);
+    composer_draw(s->composer);
+    copy_shape(s);
+    face *f = composer_face(s->composer);
+    view->number += 1;
+    for (uint32_t i = 0; i < view->contact_count; ++i)
+        view->contact[i] = face_contact_now(f, i + 1);
+    bones_pose(view->bone, face_bones(f), face_metered(f)->dof);
+    view->meter = *face_metered(f);
+    view->penetration_mm = view->meter.penetration_mm;
+}
+
+uint32_t stand_contact(const viewport_stand *s, const char *name)
+{
+    uint32_t found = rig_find_contact(s->file.rig, name);
+    assert_true(found != RIG_NONE);
+    return found;
+}
+
+void stand_pull(viewport_stand *s, const char *contact, float x, float y, float z)
+{
+    uint32_t index = stand_contact(s, contact);
+    const mrt_vec3 rest = s->view.about->contacts[index].rest;
+    assert_true(s->view.pull.count < MRT_MAX_VECTORS);
+    s->view.pull.vector[s->view.pull.count++] =
+        (mrt_vector){rest, {rest.x + x, rest.y + y, rest.z + z}, index + 1};
+    s->view.pull.anchor += 1;
+    stand_perform(s);
+}
+
+static void open_face(viewport_stand *s, const char *face_path)
+{
+    char path[1024];
+    error err = {{0}};
+    snprintf(path, sizeof path, "%s/%s", SOURCE_DIR, face_path);
+    if (face_file_read(&s->file, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0)
+        fail_msg("%s", err.text);
+    const csrbf_settings solver = {.kernel = CSRBF_WENDLAND_C2};
+    if (composer_create(&s->composer, &s->file, &solver, &err) < 0)
+        fail_msg("%s", err.text);
+    size_t size = (size_t)s->file.mesh.vertex_count * 3;
+    s->position = malloc(size * sizeof *s->position);
+    s->normal = malloc(size * sizeof *s->normal);
+    assert_true(s->position && s->normal);
+    s->view = (live_view){.number = 1,
+                          .position = s->position,
+                          .normal = s->normal,
+                          .vertex_count = s->file.mesh.vertex_count,
+                          .about = composer_about(s->composer),
+                          .is_anchored = true,
+                          .solver = composer_solver(s->composer)};
+    s->view.contact_count = s->view.about->contact_count;
+    s->view.pull.mode = MRT_ANCHORED;
+    for (int i = 0; i < MRT_MAX_DOFS; ++i)
+        s->view.pull.dof[i] = NAN;
+    stand_perform(s);
+}
+
+/* ---- opened and closed ---- */
+
+static void open_screen(viewport_stand *s, uint32_t width, uint32_t height, float scale)
+{
+    error err = {{0}};
+    if (front_open_hidden(&s->front, width, height, scale, 1.0 / 60.0, &err) < 0) {
+        print_message("SKIPPED: %s\n", err.text);
+        skip();
+    }
+    if (ui_create(&s->ui, &err) < 0)
+        fail_msg("%s", err.text);
+    s->where = (ui_rectangle){0, 0, (float)width / scale, (float)height / scale};
+}
+
+static void create_viewport(viewport_stand *s)
+{
+    error err = {{0}};
+    s->viewport = viewport_create(a_studio, &err);
+    if (!s->viewport)
+        fail_msg("%s", err.text);
+    s->is_drawn = true;
+    stand_frames(s, 3);
+}
+
+void stand_open(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
+                float scale)
+{
+    error err = {{0}};
+    char note[256];
+    memset(s, 0, sizeof *s);
+    here = s;
+    open_screen(s, width, height, scale);
+    s->log = log_queue_create();
+    s->news = news_list_create();
+    assert_true(s->log && s->news);
+    assert_int_equal(settings_open(&s->settings, "", note, sizeof note, &err), MRT_OK);
+    open_face(s, face_path);
+    create_viewport(s);
+}
+
+void stand_reopen(viewport_stand *s)
+{
+    viewport_destroy(s->viewport);
+    create_viewport(s);
+}
+
+void stand_close(viewport_stand *s)
+{
+    viewport_destroy(s->viewport);
+    assert_null(s->made);
+    ui_destroy(s->ui);
+    front_close(s->front);
+    settings_close(s->settings);
+    news_list_destroy(s->news);
+    log_queue_destroy(s->log);
+    composer_destroy(s->composer);
+    face_file_destroy(&s->file);
+    free(s->position);
+    free(s->normal);
+    here = NULL;
+}
+
+/* ---- frames and events ---- */
+
+void stand_frame(viewport_stand *s)
+{
+    ui_screen screen;
+    assert_true(front_begin(s->front, s->ui, &screen));
+    ui_begin(s->ui, &screen);
+    viewport_update(s->viewport, s->ui, s->has_pad ? &s->pad : NULL, screen.dt_s);
+    if (s->is_drawn)
+        viewport_draw(s->viewport, s->ui, s->where, screen.scale);
+    ui_end(s->ui);
+    front_end(s->front, s->ui);
+}
+
+void stand_frames(viewport_stand *s, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        stand_frame(s);
+}
+
+static void push(viewport_stand *s, ui_event event)
+{
+    ui_push(s->ui, &event);
+    for (int i = 0; i < 8 && (i == 0 || !ui_is_idle(s->ui)); ++i)
+        stand_frame(s);
+}
+
+void stand_move(viewport_stand *s, float x, float y)
+{
+    push(s, (ui_event){.kind = UI_EVENT_MOVE, .x = x, .y = y});
+}
+
+void stand_button(viewport_stand *s, uint32_t button, bool is_down)
+{
+    push(s, (ui_event){.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down});
+}
+
+void stand_wheel(viewport_stand *s, float notches)
+{
+    push(s, (ui_event){.kind = UI_EVENT_WHEEL, .y = notches});
+}
+
+void stand_key(viewport_stand *s, uint32_t key, bool is_down)
+{
+    push(s, (ui_event){.kind = UI_EVENT_KEY, .code = key, .is_down = is_down});
+}
+
+void stand_drag(viewport_stand *s, uint32_t button, float x0, float y0, float x1, float y1)
+{
+    enum { STEPS = 5 };
+    stand_move(s, x0, y0);
+    stand_button(s, button, true);
+    for (int i = 1; i <= STEPS; ++i)
+        stand_move(s, x0 + (x1 - x0) * (float)i / STEPS, y0 + (y1 - y0) * (float)i / STEPS);
+    stand_button(s, button, false);
+}
+
+void stand_place(const viewport_stand *s, const float at[3], float *out_x, float *out_y)
+{
+    float low[3], high[3], px[2];
+    mesh_bounds(&s->file.mesh, low, high);
+    draw_camera camera = draw_camera_framing(low, high, s->where.width / s->where.height);
+    const uint32_t rectangle[4] = {0, 0, (uint32_t)s->where.width, (uint32_t)s->where.height};
+    assert_true(draw_project(px, &camera, rectangle, at));
+    *out_x = s->where.x + (s->looks.is_mirrored ? s->where.width - px[0] : px[0]);
+    *out_y = s->where.y + px[1];
+}
+
+void stand_picture(viewport_stand *s, const char *name)
+{
+    error err = {{0}};
+    char path[1024];
+    stand_frames(s, 2);
+    snprintf(path, sizeof path, "%s/out", BUILD_DIR);
+    mkdir(path, 0777);
+    snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
+    if (front_picture(s->front, path, &err) < 0)
+        fail_msg("%s", err.text);
+}
