@@ -1,6 +1,8 @@
 /* The program: finds the command and runs it. */
 #include "command.h"
 
+#include "base/isa.h"
+
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -43,6 +45,11 @@ int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
+    error err = {""};
+    if (isa_check(&err) < 0) {
+        fprintf(stderr, "marotte: %s\n", err.text);
+        return COMMAND_USAGE;
+    }
     if (argc < 2) {
         print_help(stderr);
         return COMMAND_USAGE;

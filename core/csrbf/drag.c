@@ -88,7 +88,7 @@ static void advance_tips(const drag *d, const drag_way *way, double steps)
 static bool add_layer(const drag *d, const drag_layer *layer, float total[3][POINTS_BLOCK],
                       uint32_t block)
 {
-    float sum[3][POINTS_BLOCK];
+    _Alignas(64) float sum[3][POINTS_BLOCK];
     if ((layer->wanted && !layer->wanted[block]) ||
         !csrbf_in_block(layer->solver, sum, d->moved, block))
         return false;

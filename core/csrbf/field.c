@@ -191,7 +191,7 @@ uint32_t field_move(const field *f, points *out, const points *in)
 {
     uint32_t moved = 0;
     for (uint32_t block = 0; block < in->block_count; ++block) {
-        float sum[3][POINTS_BLOCK];
+        _Alignas(64) float sum[3][POINTS_BLOCK];
         if (field_in_block(f, sum, in, block)) {
             f->lanes->columns_add(out, in, sum, block);
             ++moved;

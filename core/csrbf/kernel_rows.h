@@ -108,4 +108,25 @@ static inline void kernel_values_f64(csrbf_kernel kernel, double *restrict out,
     }
 }
 
+/* phi at distances over the radius up to 1. */
+#define KERNEL_ROW_AT(FORM)                                                                        \
+    for (int i = 0; i < POINTS_BLOCK; ++i)                                                         \
+        out[i] = FORM(r[i]);                                                                       \
+    return
+
+static inline void kernel_values_at_f32(csrbf_kernel kernel, float *restrict out,
+                                        const float *restrict r)
+{
+    switch (kernel) {
+    case CSRBF_WENDLAND_C0:
+        KERNEL_ROW_AT(value_c0_f32);
+    case CSRBF_WENDLAND_C4:
+        KERNEL_ROW_AT(value_c4_f32);
+    case CSRBF_WENDLAND_C6:
+        KERNEL_ROW_AT(value_c6_f32);
+    case CSRBF_WENDLAND_C2:
+        KERNEL_ROW_AT(value_c2_f32);
+    }
+}
+
 #endif

@@ -14,6 +14,8 @@
         .determinants = LANES_OF(determinants, variant),                                           \
         .squares = LANES_OF(squares, variant),                                                     \
         .responses_block = LANES_OF(responses_block, variant),                                     \
+        .first_neighbour = LANES_OF(first_neighbour, variant),                                     \
+        .kernel_row = LANES_OF(kernel_row, variant),                                               \
         .factor = LANES_OF(factor, variant),                                                       \
         .solve_few = LANES_OF(solve_few, variant),                                                 \
         .solve_many = LANES_OF(solve_many, variant),                                               \

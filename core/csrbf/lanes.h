@@ -48,6 +48,10 @@ typedef struct lanes {
     void (*responses_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
                             const points *in, uint32_t block);
 
+    /* The matrix of the centres: the first that `row` has in its support, or `row`; and phi of the
+     * distances from `row` to those from `first` to row - 1. */
+    uint32_t (*first_neighbour)(const field *f, uint32_t row);
+    void (*kernel_row)(const field *f, double *out, uint32_t row, uint32_t first);
     /* As envelope_factor and the two solves. */
     bool (*factor)(envelope *e, double smallest_pivot, uint32_t *out_row);
     void (*solve_few)(const envelope *e, double *rhs);

@@ -5,83 +5,78 @@
 
 #include <string.h>
 
-enum { TOGETHER = 8 };
-
-/* Columns of a block that are added together: so the sums are read and written less often. */
-typedef struct bundle {
-    const float *row[TOGETHER];
-    float weight[TOGETHER][3];
-    uint32_t count;
-} bundle;
-
-static inline float lane_sum(float sum, const bundle *b, int axis, uint32_t count, int lane)
-{
-    for (uint32_t k = 0; k < count; ++k)
-        sum += b->row[k][lane] * b->weight[k][axis];
-    return sum;
-}
-
-#define ADD_ROWS(COUNT)                                                                            \
-    static void add_##COUNT(float *restrict x, float *restrict y, float *restrict z,               \
-                            const bundle *from)                                                    \
+/* sum += COUNT columns by their weights, in their order. column: which; value: the first column's
+ * row, at the block. */
+#define ADD_COLUMNS(COUNT)                                                                         \
+    static void add_##COUNT(float sum[3][POINTS_BLOCK], const float *value, size_t stride,         \
+                            const float *weight, const uint16_t *column)                           \
     {                                                                                              \
-        const bundle b = *from;                                                                    \
+        float *restrict x = sum[0], *restrict y = sum[1], *restrict z = sum[2];                    \
+        const float *row[COUNT];                                                                   \
+        float gx[COUNT], gy[COUNT], gz[COUNT];                                                     \
+        for (size_t k = 0; k < COUNT; ++k) {                                                       \
+            const float *g = weight + (size_t)3 * column[k];                                       \
+            row[k] = value + column[k] * stride;                                                   \
+            gx[k] = g[0];                                                                          \
+            gy[k] = g[1];                                                                          \
+            gz[k] = g[2];                                                                          \
+        }                                                                                          \
         for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
-            x[i] = lane_sum(x[i], &b, 0, COUNT, i);                                                \
-            y[i] = lane_sum(y[i], &b, 1, COUNT, i);                                                \
-            z[i] = lane_sum(z[i], &b, 2, COUNT, i);                                                \
+            float sx = x[i], sy = y[i], sz = z[i];                                                 \
+            for (size_t k = 0; k < COUNT; ++k) {                                                   \
+                sx += row[k][i] * gx[k];                                                           \
+                sy += row[k][i] * gy[k];                                                           \
+                sz += row[k][i] * gz[k];                                                           \
+            }                                                                                      \
+            x[i] = sx;                                                                             \
+            y[i] = sy;                                                                             \
+            z[i] = sz;                                                                             \
         }                                                                                          \
     }
-ADD_ROWS(1)
-ADD_ROWS(2)
-ADD_ROWS(4)
-ADD_ROWS(8)
+ADD_COLUMNS(1)
+ADD_COLUMNS(2)
+ADD_COLUMNS(4)
+ADD_COLUMNS(8)
 
-/* Adds them in their order, and forgets them. */
-static void add_bundle(float sum[3][POINTS_BLOCK], bundle *b)
+static void add_columns(float sum[3][POINTS_BLOCK], const float *value, size_t stride,
+                        const float *weight, const uint16_t *column, uint32_t count)
 {
-    bundle left = *b;
-    while (left.count > 0) {
-        uint32_t taken = left.count >= 8 ? 8 : left.count >= 4 ? 4 : left.count >= 2 ? 2 : 1;
-        if (taken == 8)
-            add_8(sum[0], sum[1], sum[2], &left);
-        else if (taken == 4)
-            add_4(sum[0], sum[1], sum[2], &left);
-        else if (taken == 2)
-            add_2(sum[0], sum[1], sum[2], &left);
-        else
-            add_1(sum[0], sum[1], sum[2], &left);
-        left.count -= taken;
-        memmove(left.row, left.row + taken, left.count * sizeof left.row[0]);
-        memmove(left.weight, left.weight + taken, left.count * sizeof left.weight[0]);
+    for (; count >= 8; count -= 8, column += 8)
+        add_8(sum, value, stride, weight, column);
+    if (count & 4u) {
+        add_4(sum, value, stride, weight, column);
+        column += 4;
     }
-    b->count = 0;
+    if (count & 2u) {
+        add_2(sum, value, stride, weight, column);
+        column += 2;
+    }
+    if (count & 1u)
+        add_1(sum, value, stride, weight, column);
 }
 
-static inline void take_column(float sum[3][POINTS_BLOCK], bundle *b, const float *row,
-                               const float *g)
-{
-    if (g[0] == 0.0f && g[1] == 0.0f && g[2] == 0.0f)
-        return;
-    b->row[b->count] = row;
-    memcpy(b->weight[b->count], g, sizeof b->weight[0]);
-    if (++b->count == TOGETHER)
-        add_bundle(sum, b);
-}
+enum { CHOSEN = 64 };
 
+/* Of the block's columns those from first to end - 1 whose weight is not zero. */
 void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], const float *weight,
                         uint32_t block, uint32_t first, uint32_t end)
 {
     const uint16_t *active = c->active + (size_t)block * c->capacity;
     const float *value = c->value + (size_t)block * POINTS_BLOCK;
-    bundle b = {.count = 0};
+    uint32_t count = c->active_count[block], chosen = 0;
+    uint16_t column[CHOSEN + 1];
     memset(sum, 0, 3 * sizeof *sum);
-    for (uint32_t i = 0; i < c->active_count[block]; ++i) {
-        uint32_t column = active[i];
-        if (column >= first && column < end)
-            take_column(sum, &b, value + column * c->stride, weight + (size_t)3 * column);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *g = weight + (size_t)3 * active[i];
+        bool counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
+        column[chosen] = active[i];
+        chosen += counts & (active[i] >= first) & (active[i] < end);
+        if (chosen == CHOSEN) {
+            add_columns(sum, value, c->stride, weight, column, chosen);
+            chosen = 0;
+        }
     }
-    add_bundle(sum, &b);
+    add_columns(sum, value, c->stride, weight, column, chosen);
 }
 
 static void add_row(float *out, const float *base, const float *restrict sum)
@@ -101,12 +96,29 @@ void LANES(columns_add)(points *out, const points *base, float sum[3][POINTS_BLO
     points_range_of_block(out, block);
 }
 
+static bool some_weigh_nothing(const columns *c)
+{
+    bool some = false;
+    for (size_t i = 0; i < c->count; ++i) {
+        const float *g = c->weight + 3 * i;
+        some = some | ((g[0] == 0.0f) & (g[1] == 0.0f) & (g[2] == 0.0f));
+    }
+    return some;
+}
+
 void LANES(columns_move)(const columns *c, points *out, const points *base, uint32_t first,
                          uint32_t end)
 {
+    bool choose = some_weigh_nothing(c);
     for (uint32_t block = first; block < end; ++block) {
-        float sum[3][POINTS_BLOCK];
-        LANES(columns_sum)(c, sum, c->weight, block, 0, c->count);
+        _Alignas(64) float sum[3][POINTS_BLOCK];
+        if (choose) {
+            LANES(columns_sum)(c, sum, c->weight, block, 0, c->count);
+        } else {
+            memset(sum, 0, sizeof sum);
+            add_columns(sum, c->value + (size_t)block * POINTS_BLOCK, c->stride, c->weight,
+                        c->active + (size_t)block * c->capacity, c->active_count[block]);
+        }
         LANES(columns_add)(out, base, sum, block);
     }
 }

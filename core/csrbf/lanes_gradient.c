@@ -126,10 +126,10 @@ static void add_step(float row[3][POINTS_BLOCK], float step[3][POINTS_BLOCK], fl
 
 bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint32_t block)
 {
-    block_place place;
+    _Alignas(64) block_place place;
     reach r = {.next = 0};
     window_rows window;
-    float weight[POINTS_BLOCK], step[3][POINTS_BLOCK];
+    _Alignas(64) float weight[POINTS_BLOCK], step[3][POINTS_BLOCK];
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
     memset(out, 0, sizeof *out);
     if (windowed)

@@ -28,6 +28,8 @@
     void LANES_OF(responses_block, variant)(const field *f, const lanes_responses *r,              \
                                             double sum[][POINTS_BLOCK], const points *in,          \
                                             uint32_t block);                                       \
+    uint32_t LANES_OF(first_neighbour, variant)(const field *f, uint32_t row);                     \
+    void LANES_OF(kernel_row, variant)(const field *f, double *out, uint32_t row, uint32_t first); \
     bool LANES_OF(factor, variant)(envelope * e, double smallest_pivot, uint32_t *out_row);        \
     void LANES_OF(solve_few, variant)(const envelope *e, double *rhs);                             \
     void LANES_OF(solve_many, variant)(const envelope *e, double *rhs)

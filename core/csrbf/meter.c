@@ -26,7 +26,7 @@ double meter_min_determinant(const field *f, const points *at)
     double smallest = 1.0, determinant[POINTS_BLOCK];
     bool first = true;
     for (uint32_t block = 0; block < at->block_count; ++block) {
-        gradient slopes;
+        _Alignas(64) gradient slopes;
         bool bent = gradient_of(f, &slopes, at, block);
         f->lanes->determinants(determinant, &slopes);
         for (uint32_t lane = 0; lane < (bent ? lanes_of_block(at, block) : 1); ++lane) {
@@ -57,7 +57,7 @@ static double vertex_slope(const field *f, const points *at)
 {
     double largest = 0.0, square[POINTS_BLOCK]; /* squared */
     for (uint32_t block = 0; block < at->block_count; ++block) {
-        gradient slopes;
+        _Alignas(64) gradient slopes;
         uint32_t count = gradient_of(f, &slopes, at, block) ? lanes_of_block(at, block) : 0;
         if (count > 0)
             f->lanes->squares(square, &slopes);

@@ -47,7 +47,7 @@ void response_fill(const saddle *s, double *scratch, float *out, size_t stride, 
         const lanes_responses r = {
             .alpha = alpha, .stride = LANES_RESPONSES, .count = count, .beta = beta[0]};
         for (uint32_t block = 0; block < in->block_count; ++block) {
-            double sum[LANES_RESPONSES][POINTS_BLOCK];
+            _Alignas(64) double sum[LANES_RESPONSES][POINTS_BLOCK];
             if (!wanted || wanted[block])
                 s->field.lanes->responses_block(&s->field, &r, sum, in, block);
             else

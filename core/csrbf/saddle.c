@@ -1,6 +1,6 @@
 #include "csrbf/saddle.h"
 
-#include "csrbf/kernel.h"
+#include "csrbf/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,25 +35,29 @@ void saddle_destroy(saddle *s)
     *s = (saddle){0};
 }
 
-static double distance_over_radius(const field *f, uint32_t i, uint32_t j)
+enum { ALIKE = 4 }; /* rows that begin at one column: the factorisation takes them together */
+
+/* Where row i and those that go with it begin. */
+static uint32_t first_of_rows(const field *f, uint32_t i)
 {
-    const double *a = f->centre + (size_t)3 * i, *b = f->centre + (size_t)3 * j;
-    double dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2];
-    return sqrt(dx * dx + dy * dy + dz * dz) / f->settings.radius;
+    uint32_t start = i / ALIKE * ALIKE, first = start;
+    for (uint32_t row = start; row < start + ALIKE && row < f->centre_count; ++row) {
+        uint32_t own = f->lanes->first_neighbour(f, row);
+        first = own < first ? own : first;
+    }
+    return first;
 }
 
 static void assemble(saddle *s)
 {
     const field *f = &s->field;
+    uint32_t first = 0;
     envelope_clear(&s->matrix);
     for (uint32_t i = 0; i < f->centre_count; ++i) {
-        uint32_t first = 0;
-        while (first < i && distance_over_radius(f, i, first) >= 1.0)
-            ++first;
+        first = i % ALIKE == 0 ? first_of_rows(f, i) : first;
         double *row = envelope_add_row(&s->matrix, first);
-        for (uint32_t j = first; j < i; ++j)
-            *row++ = kernel_value(f->settings.kernel, distance_over_radius(f, i, j));
-        *row = 1.0 + f->settings.ridge;
+        f->lanes->kernel_row(f, row, i, first);
+        row[i - first] = 1.0 + f->settings.ridge;
     }
 }
 
@@ -131,33 +135,33 @@ mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *s
     return f->term_count > 0 ? factor_polynomial(s, err) : MRT_OK;
 }
 
-/* beta (terms by columns) = S^-1 beta, in place. */
-static void solve_schur(const saddle *s, double *beta, uint32_t columns)
+/* beta (terms by width) = S^-1 beta, in place. */
+static void solve_schur(const saddle *s, double *beta, uint32_t width)
 {
     uint32_t terms = s->field.term_count;
-    for (uint32_t column = 0; column < columns; ++column) {
+    for (uint32_t column = 0; column < width; ++column) {
         double *b = beta + column;
         for (uint32_t i = 0; i < terms; ++i) {
             for (uint32_t k = 0; k < i; ++k)
-                b[i * columns] -= s->schur[i][k] * b[k * columns];
-            b[i * columns] /= s->schur[i][i];
+                b[i * width] -= s->schur[i][k] * b[k * width];
+            b[i * width] /= s->schur[i][i];
         }
         for (uint32_t i = terms; i-- > 0;) {
             for (uint32_t k = i + 1; k < terms; ++k)
-                b[i * columns] -= s->schur[k][i] * b[k * columns];
-            b[i * columns] /= s->schur[i][i];
+                b[i * width] -= s->schur[k][i] * b[k * width];
+            b[i * width] /= s->schur[i][i];
         }
     }
 }
 
-/* rhs (centre_count by columns) -= P beta. */
-static void subtract_polynomial(const saddle *s, double *rhs, const double *beta, uint32_t columns)
+/* rhs (centre_count by width) -= P beta. */
+static void subtract_polynomial(const saddle *s, double *rhs, const double *beta, uint32_t width)
 {
     for (size_t i = 0; i < s->field.centre_count; ++i)
-        for (size_t column = 0; column < columns; ++column)
+        for (size_t column = 0; column < width; ++column)
             for (size_t term = 0; term < s->field.term_count; ++term)
-                rhs[i * columns + column] -=
-                    s->basis[ENVELOPE_FEW * i + term] * beta[term * columns + column];
+                rhs[i * width + column] -=
+                    s->basis[ENVELOPE_FEW * i + term] * beta[term * width + column];
 }
 
 static double largest_size(const double *value, size_t count)
