@@ -67,7 +67,7 @@ mrt_result exports_video_finish(exports_video *self, facts *told, error *err)
     facts_text(told, "picture_size", "  size", size);
     if (report.repeated_count)
         facts_number(told, "pictures_repeated", "  repeated", (double)report.repeated_count, 0,
-                     "that could not be drawn in time: marotte take export draws all");
+                     "could not be drawn in time: --record, then marotte take export, draws all");
     for (uint32_t i = 0; i < self->count; ++i)
         facts_list(told, "files", "wrote", self->file[i].path);
     return MRT_OK;
