@@ -9,11 +9,12 @@ enum { SIDES = 16, RINGS = 5, RING_POINTS = 64, SPHERE_RINGS = 3 };
 enum { CAPSULE_ROWS = 2 * RINGS, CAPSULE_VERTICES = CAPSULE_ROWS * SIDES };
 enum { CAPSULE_INDICES = (CAPSULE_ROWS - 1) * SIDES * 6 };
 
-static const float hidden_strength = 0.20f; /* of what the face hides */
+/* Of what the face hides. */
+static const float hidden_solid = 0.22f, hidden_line = 0.45f, hidden_ring = 0.15f;
 static const float bone_taper = 0.7f;
 
 typedef struct line_instance {
-    float from[3], to[3], width_px[2], ink[4];
+    float from[3], to[3], width_px[2], ink[4], is_cut;
 } line_instance;
 
 typedef struct solid_instance {
@@ -29,8 +30,9 @@ struct overlays {
     overlays_program line, solid;
     GLuint shape_buffer, index_buffer;
     line_instance *lines;
-    solid_instance *solids; /* bones and balls, then skins */
-    uint32_t line_count, line_capacity, solid_count, skin_count, solid_capacity;
+    solid_instance *solids;                         /* bones and balls, then skins */
+    uint32_t line_count, ring_count, line_capacity; /* rings' pieces come first */
+    uint32_t solid_count, skin_count, solid_capacity;
 };
 
 /* ---- creation ---- */
@@ -59,6 +61,26 @@ static void add_attribute(GLuint index, GLint component_count, size_t stride, si
                           (const void *)offset);
     glVertexAttribDivisor(index, 1);
     glEnableVertexAttribArray(index);
+}
+
+static void point_at_lines(size_t start)
+{
+    size_t stride = sizeof(line_instance);
+    add_attribute(0, 3, stride, start + offsetof(line_instance, from));
+    add_attribute(1, 3, stride, start + offsetof(line_instance, to));
+    add_attribute(2, 2, stride, start + offsetof(line_instance, width_px));
+    add_attribute(3, 4, stride, start + offsetof(line_instance, ink));
+    add_attribute(4, 1, stride, start + offsetof(line_instance, is_cut));
+}
+
+static void point_at_solids(size_t start)
+{
+    size_t stride = sizeof(solid_instance);
+    add_attribute(1, 3, stride, start + offsetof(solid_instance, from));
+    add_attribute(2, 3, stride, start + offsetof(solid_instance, to));
+    add_attribute(3, 2, stride, start + offsetof(solid_instance, radius_mm));
+    add_attribute(4, 4, stride, start + offsetof(solid_instance, ink));
+    add_attribute(5, 1, stride, start + offsetof(solid_instance, is_skin));
 }
 
 /* Rows from the pole behind `from` to the one before `to`; the equator is there twice. */
@@ -108,20 +130,11 @@ static mrt_result create_drawing(overlays *self, error *err)
     mrt_result result = create_program(&self->line, line, err);
     if (result != MRT_OK)
         return result;
-    size_t stride = sizeof(line_instance);
-    add_attribute(0, 3, stride, offsetof(line_instance, from));
-    add_attribute(1, 3, stride, offsetof(line_instance, to));
-    add_attribute(2, 2, stride, offsetof(line_instance, width_px));
-    add_attribute(3, 4, stride, offsetof(line_instance, ink));
+    point_at_lines(0);
     result = create_program(&self->solid, solid, err);
     if (result != MRT_OK)
         return result;
-    stride = sizeof(solid_instance);
-    add_attribute(1, 3, stride, offsetof(solid_instance, from));
-    add_attribute(2, 3, stride, offsetof(solid_instance, to));
-    add_attribute(3, 2, stride, offsetof(solid_instance, radius_mm));
-    add_attribute(4, 4, stride, offsetof(solid_instance, ink));
-    add_attribute(5, 1, stride, offsetof(solid_instance, is_skin));
+    point_at_solids(0);
     create_capsule(self);
     return gl_check_error("the overlays", err);
 }
@@ -189,6 +202,7 @@ static void add_line(overlays *self, const overlay_item *item, const float from[
     copy3(line->to, to);
     line->width_px[0] = width_from;
     line->width_px[1] = width_to;
+    line->is_cut = item->kind == OVERLAY_SPHERE;
     for (int i = 0; i < 4; ++i)
         line->ink[i] = item->rgba[i];
 }
@@ -251,9 +265,7 @@ static void add_solid(overlays *self, const overlay_item *item)
 
 static void add_lines_of(overlays *self, const overlays_view *view, const overlay_item *item)
 {
-    if (item->kind == OVERLAY_SPHERE)
-        add_rings(self, item);
-    else if (item->kind == OVERLAY_ARROW)
+    if (item->kind == OVERLAY_ARROW)
         add_arrow(self, view, item);
     else if (item->kind == OVERLAY_LINE)
         add_line(self, item, item->from, item->to, item->width_px, item->width_px);
@@ -272,11 +284,15 @@ static uint32_t lines_at_most(const overlay_item *item, uint32_t count)
 static void make_instances(overlays *self, const overlays_view *view, const overlay_item *item,
                            uint32_t count)
 {
-    self->line_count = self->solid_count = self->skin_count = 0;
+    self->line_count = self->ring_count = self->solid_count = self->skin_count = 0;
     if (!reserve((void **)&self->lines, &self->line_capacity, lines_at_most(item, count),
                  sizeof *self->lines) ||
         !reserve((void **)&self->solids, &self->solid_capacity, count, sizeof *self->solids))
         return;
+    for (uint32_t i = 0; i < count; ++i)
+        if (item[i].kind == OVERLAY_SPHERE)
+            add_rings(self, &item[i]);
+    self->ring_count = self->line_count;
     for (uint32_t i = 0; i < count; ++i) {
         if (item[i].kind == OVERLAY_BONE || item[i].kind == OVERLAY_BALL)
             add_solid(self, &item[i]);
@@ -306,14 +322,16 @@ static void load(const overlays_program *program, const overlays_view *view, con
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)size, instances, GL_STREAM_DRAW);
 }
 
-static void draw_lines(const overlays *self, float strength)
+static void draw_lines(const overlays *self, uint32_t first, uint32_t count, float strength)
 {
-    if (self->line_count == 0)
+    if (count == 0)
         return;
     glUseProgram(self->line.program);
     glUniform1f(self->line.strength, strength);
     glBindVertexArray(self->line.vertex_array);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)self->line_count);
+    glBindBuffer(GL_ARRAY_BUFFER, self->line.instance_buffer);
+    point_at_lines(first * sizeof(line_instance));
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
 }
 
 static void draw_solids(const overlays *self, uint32_t first, uint32_t count, float strength)
@@ -324,13 +342,35 @@ static void draw_solids(const overlays *self, uint32_t first, uint32_t count, fl
     glUniform1f(self->solid.strength, strength);
     glBindVertexArray(self->solid.vertex_array);
     glBindBuffer(GL_ARRAY_BUFFER, self->solid.instance_buffer);
-    size_t stride = sizeof(solid_instance), start = first * stride;
-    add_attribute(1, 3, stride, start + offsetof(solid_instance, from));
-    add_attribute(2, 3, stride, start + offsetof(solid_instance, to));
-    add_attribute(3, 2, stride, start + offsetof(solid_instance, radius_mm));
-    add_attribute(4, 4, stride, start + offsetof(solid_instance, ink));
-    add_attribute(5, 1, stride, start + offsetof(solid_instance, is_skin));
+    point_at_solids(first * sizeof(solid_instance));
     glDrawElementsInstanced(GL_TRIANGLES, CAPSULE_INDICES, GL_UNSIGNED_SHORT, NULL, (GLsizei)count);
+}
+
+static void draw_hidden(const overlays *self, uint32_t opaque_count)
+{
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_GREATER);
+    glEnable(GL_CULL_FACE);
+    draw_solids(self, 0, opaque_count, hidden_solid);
+    glDisable(GL_CULL_FACE);
+    draw_lines(self, 0, self->ring_count, hidden_ring);
+    draw_lines(self, self->ring_count, self->line_count - self->ring_count, hidden_line);
+}
+
+/* Solids first by their depth alone: a faint one is not seen through itself. */
+static void draw_seen(const overlays *self, uint32_t opaque_count)
+{
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
+    glEnable(GL_CULL_FACE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_solids(self, 0, opaque_count, 1.0f);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    draw_solids(self, 0, opaque_count, 1.0f);
+    glDepthMask(GL_FALSE);
+    draw_solids(self, opaque_count, self->skin_count, 1.0f);
+    glDisable(GL_CULL_FACE);
+    draw_lines(self, 0, self->line_count, 1.0f);
 }
 
 void overlays_draw(overlays *self, const overlays_view *view, const overlay_item *item,
@@ -344,19 +384,7 @@ void overlays_draw(overlays *self, const overlays_view *view, const overlay_item
     glEnable(GL_DEPTH_CLAMP);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    glEnable(GL_CULL_FACE);
     glCullFace(GL_BACK);
-    glDepthMask(GL_FALSE);
-    glDepthFunc(GL_GREATER);
-    draw_solids(self, 0, opaque_count, hidden_strength);
-    glDisable(GL_CULL_FACE);
-    draw_lines(self, hidden_strength);
-    glEnable(GL_CULL_FACE);
-    glDepthFunc(GL_LEQUAL);
-    glDepthMask(GL_TRUE);
-    draw_solids(self, 0, opaque_count, 1.0f);
-    glDepthMask(GL_FALSE);
-    draw_solids(self, opaque_count, self->skin_count, 1.0f);
-    glDisable(GL_CULL_FACE);
-    draw_lines(self, 1.0f);
+    draw_hidden(self, opaque_count);
+    draw_seen(self, opaque_count);
 }

@@ -21,7 +21,6 @@ static const uint32_t strain_stop[VIEWPORT_HEAT_STOPS] = {0x3f7fd6ffu, 0x5f86b4f
                                                           0xc08a55ffu, 0xe8843affu};
 static const uint32_t skull_stop[VIEWPORT_HEAT_STOPS] = {0x5f6670ffu, 0x847a62ffu, 0xb98a48ffu,
                                                          0xd9683fffu, 0xe23a34ffu};
-static const uint32_t nothing = 0x3a3e45ffu; /* where a number means nothing */
 
 static const double floor_part = 0.4, floor_most_mm = 2.0, proxy_reach_mm = 60.0;
 
@@ -160,13 +159,13 @@ static vec3 vertex_of(const float *position, uint32_t v)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* How much of its way from rest to the floor over this proxy a vertex has gone; < 0: it has none.
- */
+/* How much of its way from rest to the floor over this proxy a vertex has gone; 0 too where it has
+ * none. */
 static double share_gone(const rig_proxy *proxy, const rigid *into, vec3 rest, vec3 now)
 {
     double at_rest = height_mm(proxy, rest);
     if (!(at_rest > 0.0 && at_rest < proxy_reach_mm))
-        return -1.0;
+        return 0.0;
     double floor = fmin(floor_part * at_rest, floor_most_mm);
     double height = height_mm(proxy, rigid_apply(into, now));
     return fmax((at_rest - height) / (at_rest - floor), 0.0);
@@ -184,15 +183,12 @@ static void colour_skull(const viewport_heat *self, float *out_rgb, const float 
     for (uint32_t v = 0; v < self->binding.vertex_count; ++v) {
         float *rgb = out_rgb + (size_t)v * 3;
         vec3 rest = vertex_of(self->file->mesh.position, v), now = vertex_of(position, v);
-        double most = -1.0;
+        double most = 0.0;
         for (uint32_t p = 0; p < proxy_count && self->binding.mobility[v] > 0.0f; ++p) {
             const rig_proxy *proxy = &r->proxy[p];
             most = fmax(most, share_gone(proxy, &into[proxy->bone], rest, now));
         }
-        if (most < 0.0)
-            set_colour(rgb, nothing);
-        else
-            ramp_at(rgb, &colours, (float)most);
+        ramp_at(rgb, &colours, (float)most);
     }
 }
 

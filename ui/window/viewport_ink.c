@@ -257,36 +257,48 @@ static void ink_heat(const viewport *self, ui *on)
 /* ---- which key moves which finger ---- */
 
 typedef struct key_cell {
-    const char *name, *down, *up;
-    int finger; /* 0 thumb .. 4 little; -1: none */
+    const char *name, *down, *up; /* up NULL: one key */
+    int finger;                   /* 0 thumb .. 4 little; -1: none */
 } key_cell;
-static const key_cell cells[] = {{"Thumb", "Space", "B", 0},   {"Index", "J", "U", 1},
-                                 {"Middle", "K", "I", 2},      {"Ring", "L", "O", 3},
-                                 {"Little", ";", "P", 4},      {"Spread", "N", "M", -1},
-                                 {"Wrist", "arrows", NULL, -1}};
+static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "U", 1},
+                                 {"Middle", "K", "I", 2},       {"Ring", "L", "O", 3},
+                                 {"Little", ";", "P", 4},       {"Spread", "N", "M", -1},
+                                 {"Wrist", "arrows", NULL, -1}, {"Other hand", "Shift+Y", NULL, -1},
+                                 {"End", "Esc", NULL, -1}};
 enum { CELLS = sizeof cells / sizeof *cells };
-static const float cell_width = 88.0f, side_width = 132.0f;
+static const float cell_gap = 16.0f, cap_gap = 4.0f;
 
-static float ink_cap(ui *on, float x, float y, const char *key, bool is_down)
+static float cap_width(const ui *on, const char *key)
 {
-    float width = fmaxf(ui_text_width(on, UI_STYLE_BODY, key) + 12.0f, 24.0f);
-    float height = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
+    return fmaxf(ui_text_width(on, UI_STYLE_BODY, key) + 12.0f, 24.0f);
+}
+
+static float cell_width(const ui *on, const key_cell *cell)
+{
+    float caps = cap_width(on, cell->down);
+    if (cell->up)
+        caps += cap_gap + cap_width(on, cell->up);
+    return fmaxf(caps, ui_text_width(on, UI_STYLE_BODY, cell->name));
+}
+
+static void ink_cap(ui *on, float x, float y, const char *key, bool is_down)
+{
+    float width = cap_width(on, key), height = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
     float words = ui_text_width(on, UI_STYLE_BODY, key);
     ui_draw_box(on, (ui_rectangle){x, y, width, height}, is_down ? THEME_ACCENT : THEME_RAISED,
                 3.0f);
     ui_draw_text(on, x + 0.5f * (width - words), y + 2.0f, UI_STYLE_BODY,
                  is_down ? THEME_STAGE : THEME_TEXT, 0.0f, key);
-    return width;
 }
 
 static void ink_cell(const viewport *self, ui *on, float x, float y, const key_cell *cell)
 {
     float wish = cell->finger < 0 ? 0.0f : virtual_hand_fingers(self->hand)[cell->finger];
     float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, cell_width, cell->name);
-    float next = x + ink_cap(on, x, y + line, cell->down, wish > 0.1f) + 4.0f;
+    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, 0.0f, cell->name);
+    ink_cap(on, x, y + line, cell->down, wish > 0.1f);
     if (cell->up)
-        ink_cap(on, next, y + line, cell->up, wish < -0.1f);
+        ink_cap(on, x + cap_width(on, cell->down) + cap_gap, y + line, cell->up, wish < -0.1f);
 }
 
 static void ink_hand_keys(const viewport *self, ui *on)
@@ -294,18 +306,23 @@ static void ink_hand_keys(const viewport *self, ui *on)
     if (!virtual_hand_has_keys(self->hand))
         return;
     bool is_left = virtual_hand_side(self->hand) == MRT_LEFT;
+    const char *title = is_left ? "Left hand" : "Right hand";
     float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    float wide = side_width + CELLS * cell_width + 12.0f, high = 2.0f * line + 20.0f;
+    float wide = 24.0f + ui_text_width(on, UI_STYLE_BODY, title), high = 2.0f * line + 18.0f;
+    for (int i = 0; i < CELLS; ++i)
+        wide += cell_gap + cell_width(on, &cells[i]);
     ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide),
                         self->where.y + self->where.height - high - margin, wide, high};
     ui_draw_box(on, box, plate | 0x20u, 5.0f);
     float x = box.x + 12.0f, y = box.y + 8.0f;
-    ui_draw_text(on, x, y, UI_STYLE_BODY, is_left ? THEME_LEFT : THEME_RIGHT, 0.0f,
-                 is_left ? "Left hand" : "Right hand");
-    ui_draw_text(on, x, y + line + 2.0f, UI_STYLE_BODY, THEME_DIM, 0.0f,
-                 is_left ? "Esc  Shift+Y: right" : "Esc  Shift+Y: left");
-    for (int i = 0; i < CELLS; ++i)
-        ink_cell(self, on, x + side_width + cell_width * (float)i, y, &cells[i]);
+    ui_draw_text(on, x, y + 0.5f * line, UI_STYLE_BODY, is_left ? THEME_LEFT : THEME_RIGHT, 0.0f,
+                 title);
+    x += ui_text_width(on, UI_STYLE_BODY, title);
+    for (int i = 0; i < CELLS; ++i) {
+        x += cell_gap;
+        ink_cell(self, on, x, y, &cells[i]);
+        x += cell_width(on, &cells[i]);
+    }
 }
 
 void viewport_ink(const viewport *self, ui *on)

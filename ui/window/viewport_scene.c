@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const double least_way_mm = 0.3;
-static const float vector_points = 2.2f, dot_points = 7.0f, line_points = 1.4f;
+static const float vector_points = 2.8f, dot_points = 7.0f, line_points = 1.4f;
 
 static void set_ink(float out[4], uint32_t colour, float alpha)
 {

@@ -234,7 +234,7 @@ void main()
     vec4 grain = vec4(0.0);
     vec3 p = turned * v_rest * grain_scale;
     vec4 broad = noise(p * 9.0);
-    vec3 bent = p * 115.0 + 1.6 * broad.yzw + 0.9 * noise(p * 31.0).yzw;
+    vec3 bent = p * 115.0 + 1.4 * broad.yzw + 0.55 * noise(p * 31.0).yzw;
     grain += vec4(0.07, vec3(0.012)) * vec4(broad.x, broad.yzw * turned);
     add_fibres(bent, vec3(1.0, 0.30, 0.62), grain);
     add_fibres(bent.yzx * 1.13, vec3(1.0, 0.34, 0.55), grain);

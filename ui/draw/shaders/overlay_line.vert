@@ -3,6 +3,7 @@ layout(location = 0) in vec3 from; // mm
 layout(location = 1) in vec3 to;
 layout(location = 2) in vec2 width; // pixels, at either end
 layout(location = 3) in vec4 ink;
+layout(location = 4) in float is_cut; // the ends are straight: a piece of a curve
 uniform mat4 projection;
 uniform vec3 eye;      // mm
 uniform float lift_mm; // towards the eye: what lies on the skin is not half sunk in it
@@ -10,6 +11,7 @@ uniform vec2 size;     // of the rectangle, pixels
 noperspective out vec2 v_place; // pixels
 flat out vec4 v_ends, v_ink;
 flat out vec2 v_half_width;
+flat out float v_is_cut;
 
 vec4 project(vec3 place)
 {
@@ -27,6 +29,7 @@ void main()
     v_ends = vec4(a.xy / a.w, b.xy / b.w) * 0.5 * size.xyxy;
     v_half_width = 0.5 * width;
     v_ink = ink;
+    v_is_cut = is_cut;
     vec2 along = v_ends.zw - v_ends.xy;
     float distance = length(along);
     along = distance > 1e-3 ? along / distance : vec2(1.0, 0.0);
