@@ -199,6 +199,23 @@ const rezero_counts *hands_rezeros(const hands *self)
     return &self->counts;
 }
 
+/* As after a gap. */
+hand_skeleton *hands_change(hands *self, uint32_t side, hand_skeleton *skeleton)
+{
+    one_hand *hand = &self->hand[side];
+    hand_skeleton *old = skeleton ? hand->skeleton : NULL;
+    if (skeleton)
+        hand->skeleton = skeleton;
+    hand->eased.clock.last_ns -= 2 * EASE_GAP_NS;
+    return old;
+}
+
+void hands_set_rezero_pedal(hands *self, uint32_t pedal)
+{
+    self->rezero_pedal = pedal;
+    self->is_rezero_down = self->is_rezero_pressed = false;
+}
+
 static void read_pedal(hands *self, uint32_t pedal, float value, mrt_frame *frame)
 {
     if (pedal + 1 != self->rezero_pedal) {

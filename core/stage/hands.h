@@ -53,6 +53,13 @@ typedef struct rezero_counts {
 } rezero_counts;
 const rezero_counts *hands_rezeros(const hands *self);
 
+/* Between samples, on a hand that is measured otherwise from the next one on: its pose eases from
+ * what it was. skeleton: of another length, taken over; the old one comes back, for [main] to
+ * destroy. NULL: it stays, and NULL comes back. */
+hand_skeleton *hands_change(hands *self, uint32_t side, hand_skeleton *skeleton);
+/* Between samples; 0: none. */
+void hands_set_rezero_pedal(hands *self, uint32_t pedal);
+
 /* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
  * the size that it takes. */
 size_t hands_save(const hands *self, void *bytes, size_t capacity);

@@ -139,6 +139,11 @@ bool layer_is_between(const layer *self)
     return self->cut.is_waiting || self->cut.is_fading;
 }
 
+bool layer_is_fading(const layer *self)
+{
+    return self->cut.is_fading;
+}
+
 double layer_weight(const layer *self)
 {
     return self->cut.is_fading ? fmin(self->cut.fade_s / LAYER_FADE_S, 1.0) : 1.0;

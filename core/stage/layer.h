@@ -50,6 +50,9 @@ layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memor
 void layer_room_destroy(layer_room *room);              /* if it was not used; NULL is fine */
 instance *layer_switch(layer *self, instance *mapping, layer_room *room);
 bool layer_is_between(const layer *self);
+/* The new one comes while the old one leaves; between but not fading: its first pull is awaited,
+ * and another may be switched to. */
+bool layer_is_fading(const layer *self);
 
 /* What is seen of layer_pull: 0..1, below 1 while it comes. And what leaves, with what is left of
  * 1; NULL: nothing. They speak from two sides, 0 and 1: layer_side is layer_pull's. */

@@ -166,6 +166,9 @@ CHECKED mrt_result live_keep(live *self, double seconds, const writer_slate *sla
 CHECKED mrt_result live_mark(live *self, const char *text, error *err);
 CHECKED mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err);
 void live_disarm_sound(live *self);
+/* A take that live itself has edited since the last call (its sound was attached): whoever shows it
+ * reads it anew. 0: none. */
+int64_t live_take_edited(live *self);
 /* Another show: what is being recorded ends. NULL: none. */
 CHECKED mrt_result live_set_show(live *self, show *s, error *err);
 

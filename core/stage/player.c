@@ -310,6 +310,11 @@ void player_remove_input(player_loop *self, uint32_t index)
     }
 }
 
+input *player_input(player_loop *self, uint32_t index)
+{
+    return self->inputs[index];
+}
+
 void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *calibration)
 {
     self->settings.calibration[side] = calibration;

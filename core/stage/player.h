@@ -77,6 +77,7 @@ wake *player_wake(player_loop *self);
 /* From `turn`. The input's wake is the player's; it is started by whoever owns it. */
 void player_add_input(player_loop *self, input *in);
 void player_remove_input(player_loop *self, uint32_t index); /* those behind it move up */
+input *player_input(player_loop *self, uint32_t index);
 /* NULL: shipped; it must live until the next call. */
 void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *calibration);
 /* A sample that the stage itself gives, in order behind all that were performed. */

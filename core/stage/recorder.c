@@ -3,6 +3,7 @@
 #include "stage/identity.h"
 #include "stage/source.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +38,7 @@ struct recorder {
     recorder_cast *cast;
     bool has_begun;   /* a performance */
     bool is_to_begin; /* another one, with the next sample */
+    layer *watched;
     int64_t last_ns, checkpoint_ns;
     uint32_t current; /* input whose sample is performed */
     uint32_t ahead;
@@ -46,6 +48,7 @@ struct recorder {
     int64_t take;
     uint32_t rezero; /* bits by side: granted, and not yet told */
     error problem;
+    _Atomic bool has_problem; /* it does not change any more */
 };
 
 static void note_problem(recorder *self, const error *err)
@@ -53,6 +56,7 @@ static void note_problem(recorder *self, const error *err)
     if (self->problem.text[0])
         return;
     self->problem = *err;
+    atomic_store(&self->has_problem, true);
     log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
 }
 
@@ -71,7 +75,7 @@ static mrt_result describe_performance(const recorder *self, recorder_cast *cast
                                        const recorder_settings *of, error *err)
 {
     take_performance *p = &cast->performance;
-    instance *mapping = layer_mapping(cast->layer);
+    instance *mapping = of->mapping ? of->mapping : layer_mapping(cast->layer);
     mrt_result result = identity_of_face(p, of->face, of->face_path, of->unit_mm, err);
     if (result < 0)
         return result;
@@ -232,14 +236,18 @@ static void share_tracks(recorder_cast *old, recorder_cast *cast)
     memset(cast->is_kept, 0, sizeof cast->is_kept);
 }
 
+void recorder_leave(recorder *self)
+{
+    if (self->watched)
+        layer_watch_params(self->watched, NULL, NULL);
+    self->watched = NULL;
+}
+
 recorder_cast *recorder_change(recorder *self, recorder_cast *cast)
 {
     recorder_cast *old = self->cast;
     share_tracks(old, cast);
-    if (old->layer != cast->layer) {
-        layer_watch_params(old->layer, NULL, NULL);
-        layer_watch_params(cast->layer, on_param, self);
-    }
+    recorder_leave(self);
     self->cast = cast;
     self->is_to_begin = true;
     return old;
@@ -298,7 +306,6 @@ mrt_result recorder_start(recorder **out, const recorder_settings *settings, err
             return result;
         return result;
     }
-    layer_watch_params(self->cast->layer, on_param, self);
     *out = self;
     return MRT_OK;
 }
@@ -308,8 +315,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     mrt_result result = MRT_OK;
     if (!self)
         return MRT_OK;
-    if (self->cast)
-        layer_watch_params(self->cast->layer, NULL, NULL);
+    recorder_leave(self);
     if (self->is_take_open)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
@@ -366,6 +372,16 @@ int64_t recorder_take(const recorder *self)
     return self->take;
 }
 
+bool recorder_take_is_open(const recorder *self)
+{
+    return self->is_take_open;
+}
+
+int64_t recorder_show_ns(const recorder *self, int64_t time_ns)
+{
+    return writer_show_ns(self->writer, time_ns);
+}
+
 bool recorder_is_taking(const recorder *self)
 {
     return self->is_take_open || self->is_take_wanted;
@@ -374,6 +390,12 @@ bool recorder_is_taking(const recorder *self)
 const char *recorder_problem(const recorder *self)
 {
     return self->problem.text;
+}
+
+void recorder_problem_copy(const recorder *self, char *out, size_t capacity)
+{
+    bool is_there = atomic_load(&self->has_problem);
+    snprintf(out, capacity, "%s", is_there ? self->problem.text : "");
 }
 
 writer *recorder_writer(recorder *self)
@@ -460,6 +482,9 @@ void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
 {
     error err = {""};
     self->current = from;
+    if (!self->watched)
+        layer_watch_params(self->cast->layer, on_param, self);
+    self->watched = self->cast->layer;
     mrt_result result = follow_version(self, from, sample->time_ns, &err);
     if (result >= 0)
         result = begin_take(self, sample->time_ns, &err);

@@ -25,6 +25,7 @@ typedef struct recorder_settings {
     uint32_t input_count;
     const char *calibration[2]; /* left, right: JSON; NULL: none */
     layer *layer;               /* who performs, its parameters set */
+    instance *mapping;          /* of the layer; NULL: it is asked, no thread performs yet */
     performer *performer;       /* that layer and a face that it alone moves: states are kept, from
                                    which it can be taken up; NULL: others move the face too */
     const char *face_path;
@@ -50,6 +51,8 @@ CHECKED mrt_result recorder_prepare(recorder *self, const recorder_settings *now
 /* [frame] With the next sample another performance begins, of that cast; gives the one back that
  * ends. A take that is being recorded shows both. */
 recorder_cast *recorder_change(recorder *self, recorder_cast *cast);
+/* [frame] No sample comes any more: what it watches may go. */
+void recorder_leave(recorder *self);
 /* One that was given back, or never used. */
 void recorder_dismiss(recorder *self, recorder_cast *cast);
 
@@ -64,9 +67,13 @@ CHECKED mrt_result recorder_keep(recorder *self, double seconds, const writer_sl
                                  int64_t *out_take, error *err);
 int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
 int64_t recorder_performance(const recorder *self); /* that goes on; 0: before the first sample */
-bool recorder_is_taking(const recorder *self);      /* a take is open, or is to begin */
+bool recorder_take_is_open(const recorder *self);   /* a sample of it was recorded */
+int64_t recorder_show_ns(const recorder *self, int64_t time_ns);
+bool recorder_is_taking(const recorder *self); /* a take is open, or is to begin */
 /* The first thing that went wrong since the start, in one line; "" nothing did. */
 const char *recorder_problem(const recorder *self);
+/* [any] The same, also while it performs. */
+void recorder_problem_copy(const recorder *self, char *out, size_t capacity);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */
 
 /* [frame] Before a sample of an input is performed, and after. */

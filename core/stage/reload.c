@@ -47,6 +47,8 @@ struct reload {
     _Atomic uint32_t step;
     _Atomic uint32_t taken_count, refused_count;
     _Atomic int64_t last_ns;
+    _Atomic uintptr_t pulling; /* the instance that pulls, for [main] */
+    _Atomic uintptr_t known;   /* the one that [main] knows */
 
     instance *current;    /* that pulls */
     version *version;     /* of `current`; NULL: it is the caller's */
@@ -210,6 +212,14 @@ static void refuse(reload *self, const char *reason)
     atomic_fetch_add(&self->refused_count, 1);
 }
 
+/* [main] may look at the old one until it has asked again. */
+static void wait_until_known(const reload *self)
+{
+    while (self->settings.is_asked && !is_stopping(self) &&
+           atomic_load(&self->known) != atomic_load(&self->pulling))
+        clock_sleep_until_ns(clock_now_ns() + part_span_ns);
+}
+
 /* The old one is of no use any more. */
 static void retire(reload *self, instance *old, version *old_version)
 {
@@ -249,6 +259,7 @@ static void load_version(reload *self)
     if (!wait_for(self, STEP_TAKEN) && atomic_load(&self->step) != STEP_TAKEN)
         return; /* reload_stop clears up */
     atomic_store(&self->step, STEP_NOTHING);
+    wait_until_known(self);
     retire(self, old, old_version);
     /* Last: who counts on it may change the file again. */
     atomic_store(&self->last_ns, clock_now_ns() - self->seen_ns);
@@ -315,12 +326,20 @@ bool reload_step(reload *self, layer *of)
     copy_params(&v->instance, self->current);
     (void)layer_switch(of, &v->instance, self->room);
     self->current = &v->instance;
+    atomic_store(&self->pulling, (uintptr_t)self->current);
     self->version = v;
     self->identity = v->identity;
     self->next = NULL;
     self->room = NULL;
     atomic_store(&self->step, STEP_TAKEN);
     return true;
+}
+
+instance *reload_current(reload *self)
+{
+    uintptr_t now = atomic_load(&self->pulling);
+    atomic_store(&self->known, now);
+    return (instance *)now;
 }
 
 const char *reload_identity(const reload *self)
@@ -346,6 +365,8 @@ mrt_result reload_start(reload **out, const reload_settings *settings, error *er
     self->settings = *settings;
     self->first = isolate_inner(settings->mapping->type);
     self->current = settings->mapping;
+    atomic_init(&self->pulling, (uintptr_t)settings->mapping);
+    atomic_init(&self->known, (uintptr_t)settings->mapping);
     self->identity = "";
     self->library = strdup(settings->library);
     self->state = malloc(state_capacity);

@@ -16,12 +16,17 @@ typedef struct reload_settings {
     log_queue *log;
     instance_clock clock;
     const isolate_settings *isolate; /* new versions run in processes of their own; NULL: here */
+    bool
+        is_asked; /* [main] looks at what pulls: no version goes before reload_current was called */
 } reload_settings;
 
 /* [main] `about` and the log must outlive it. */
 CHECKED mrt_result reload_start(reload **out, const reload_settings *settings, error *err);
 /* [main] After the layer is destroyed; NULL is fine. */
 void reload_stop(reload *self);
+
+/* [main] With is_asked: the instance that pulls now, which stays until the next call. */
+instance *reload_current(reload *self);
 
 /* [frame] Between two samples. True: another version pulls from the next sample on. */
 bool reload_step(reload *self, layer *of);

@@ -1,6 +1,7 @@
 #include "stage/source.h"
 #include "base/bytes.h"
 #include "hand/calibration_file.h"
+#include "stage/nothing.h"
 #include "stage/performer.h"
 #include "take/hash.h"
 
@@ -60,6 +61,11 @@ static const char *library_of(const plugin_list *plugins, const mrt_plugin_type 
 static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = words_of(self->info.performance.mapping);
+    if (strcmp(then.id, nothing_type.id) == 0) {
+        *out_type = &nothing_type;
+        self->is_same_plugin = true;
+        return MRT_OK;
+    }
     mrt_result result = plugin_list_find(self->world.plugins, then.id, MRT_MAPPING, out_type, err);
     if (result < 0)
         return result;

@@ -1,0 +1,709 @@
+/* [main] Who performs: the face, the mapping, the inputs and how hands are measured. A change ends
+ * the performance that is recorded and begins another one. */
+#include "base/clock.h"
+#include "hand/calibration_file.h"
+#include "stage/identity.h"
+#include "stage/live/live_state.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const side_name[2] = {"left", "right"};
+
+static char *copy_of(const char *text)
+{
+    return text ? strdup(text) : NULL;
+}
+
+mrt_result live_check_free(const live *self, const char *what, error *err)
+{
+    if (!self->status.is_recording)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: not while a take is recorded: end it first", what);
+}
+
+/* ---- scenes ---- */
+
+void live_scene_destroy(live_scene *scene)
+{
+    if (!scene)
+        return;
+    performer_destroy(scene->performer);
+    live_board_destroy(&scene->board);
+    take_performance_finish(&scene->face);
+    free(scene->path);
+    free(scene);
+}
+
+mrt_result live_scene_create(live *self, const face_file *file, const char *path, double unit_mm,
+                             const csrbf_settings *solver, live_mapping_role *role,
+                             live_scene **out, error *err)
+{
+    *out = NULL;
+    live_scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    scene->file = file;
+    scene->unit_mm = unit_mm;
+    scene->solver = *solver;
+    scene->path = copy_of(path ? path : "");
+    mrt_result result = scene->path
+                            ? identity_of_face(&scene->face, file, scene->path, unit_mm, err)
+                            : error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    const performer_settings settings = {
+        .solver = *solver,
+        .side_length_mm = {self->length_mm[MRT_LEFT], self->length_mm[MRT_RIGHT]},
+        .rezero_pedal = self->rezero_pedal};
+    if (result >= 0)
+        result = performer_create(&scene->performer, file, &role->instance, &settings, err);
+    if (result >= 0)
+        result = live_board_create(&scene->board, performer_composer(scene->performer), err);
+    if (result < 0) {
+        live_scene_destroy(scene);
+        return result;
+    }
+    *out = scene;
+    return MRT_OK;
+}
+
+/* ---- what is recorded of it ---- */
+
+static uint32_t list_inputs(live *self, input *inputs[PLAYER_INPUTS_MAX],
+                            const char *text[PLAYER_INPUTS_MAX])
+{
+    inputs[0] = self->pointer;
+    text[0] = "pointer";
+    for (uint32_t i = 0; i < self->entry_count; ++i) {
+        inputs[i + 1] = self->entry[i].input;
+        text[i + 1] = self->entry[i].text;
+    }
+    return self->entry_count + 1;
+}
+
+static recorder_settings cast_settings(live *self, const live_scene *scene, live_mapping_role *role,
+                                       bool moves_face)
+{
+    uint32_t count = list_inputs(self, self->cast_input, self->cast_text);
+    return (recorder_settings){
+        .show = self->show,
+        .plugins = self->settings.plugins,
+        .log = self->settings.log,
+        .clock = CLOCK_REAL,
+        .journal_ns = (int64_t)(self->settings.journal_s * 1e9),
+        .inputs = self->cast_input,
+        .input_text = self->cast_text,
+        .input_count = count,
+        .calibration = {self->calibration_text[MRT_LEFT], self->calibration_text[MRT_RIGHT]},
+        .layer = performer_layer(scene->performer),
+        .mapping = live_mapping_now(role),
+        .performer = moves_face ? scene->performer : NULL,
+        .face_path = scene->path,
+        .face = scene->file,
+        .unit_mm = scene->unit_mm,
+        .rezero_pedal = self->rezero_pedal,
+        .state_bytes = (size_t)4 << 20};
+}
+
+recorder_settings live_cast_settings(live *self, bool moves_face)
+{
+    return cast_settings(self, self->scene, self->role, moves_face);
+}
+
+/* What goes to the frame thread with a change, and what comes back. */
+typedef struct change {
+    recorder_cast *cast; /* NULL: nothing is recorded */
+    live_scene *scene;
+    live_mapping_role *role;
+    layer_room *room;
+    instance *old;
+    input *add;
+    live_sample_board *heard;
+    uint32_t remove, side;
+    const hand_calibration *calibration;
+    hand_skeleton *skeleton;
+    uint32_t pedal;
+} change;
+
+static mrt_result prepare(live *self, const recorder_settings *as, change *out, error *err)
+{
+    return self->recorder ? recorder_prepare(self->recorder, as, &out->cast, err) : MRT_OK;
+}
+
+/* [frame] The recorder goes over, and time goes on, so that the performance begins here. */
+static mrt_result begin(live_stage *stage, change *c, error *err)
+{
+    if (c->cast) {
+        c->cast = recorder_change(stage->recorder, c->cast);
+        const char *rebuilt = stage->reload ? reload_identity(stage->reload) : "";
+        if (rebuilt[0])
+            recorder_change_mapping(stage->recorder, rebuilt);
+    }
+    return live_frame_tick(stage, err);
+}
+
+static void dismiss(live *self, change *c)
+{
+    if (self->recorder)
+        recorder_dismiss(self->recorder, c->cast);
+    c->cast = NULL;
+}
+
+static mrt_result begin_anew(live_stage *stage, void *data, error *err)
+{
+    return begin(stage, data, err);
+}
+
+mrt_result live_cast_anew(live *self, error *err)
+{
+    change c = {0};
+    const recorder_settings as = live_cast_settings(self, true);
+    mrt_result result = prepare(self, &as, &c, err);
+    if (result >= 0)
+        result = live_ask(self, begin_anew, &c, err);
+    dismiss(self, &c);
+    return result;
+}
+
+/* ---- inputs ---- */
+
+static mrt_result add_input(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    stage->heard[stage->input_count++] = c->heard;
+    player_add_input(stage->loop, c->add);
+    return begin(stage, c, err);
+}
+
+static mrt_result remove_input(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    player_remove_input(stage->loop, c->remove);
+    stage->input_count -= 1;
+    for (uint32_t i = c->remove; i < stage->input_count; ++i)
+        stage->heard[i] = stage->heard[i + 1];
+    return begin(stage, c, err);
+}
+
+static void finish_entry(live_input_entry *entry)
+{
+    input_destroy(entry->input);
+    free(entry->text);
+    free(entry->heard);
+}
+
+/* The entry is in the list; taken out again when it cannot be. */
+static mrt_result join_input(live *self, live_input_entry *entry, error *err)
+{
+    change c = {.add = entry->input, .heard = entry->heard};
+    const recorder_settings as = live_cast_settings(self, true);
+    mrt_result result = prepare(self, &as, &c, err);
+    input_set_wake(entry->input, player_wake(self->stage.loop));
+    if (result >= 0)
+        result = input_start(entry->input, err);
+    if (result >= 0)
+        result = live_ask(self, add_input, &c, err);
+    dismiss(self, &c);
+    return result;
+}
+
+mrt_result live_add_made(live *self, input *made, const char *text, error *err)
+{
+    mrt_result result = live_check_free(self, text, err);
+    if (result >= 0 && self->entry_count == LIVE_INPUTS_MAX)
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: %d inputs are open, more are not possible",
+                           text, LIVE_INPUTS_MAX);
+    live_input_entry entry = {
+        .input = made, .text = copy_of(text), .heard = calloc(1, sizeof(live_sample_board))};
+    if (result >= 0 && (!entry.text || !entry.heard))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for input %s", text);
+    if (result < 0) {
+        finish_entry(&entry);
+        return result;
+    }
+    slot_init(&entry.heard->slot);
+    self->entry[self->entry_count++] = entry;
+    result = join_input(self, &entry, err);
+    if (result < 0) {
+        self->entry_count -= 1;
+        finish_entry(&entry);
+    }
+    return result;
+}
+
+/* "PLUGIN[:ADDRESS][,key=value]" */
+typedef struct spec {
+    char plugin[LIVE_TEXT], address[LIVE_TEXT], params[LIVE_TEXT];
+} spec;
+
+static bool read_spec(spec *out, const char *text)
+{
+    size_t plugin = strcspn(text, ":,");
+    const char *rest = text + plugin;
+    const char *address = *rest == ':' ? rest + 1 : "";
+    size_t length = strcspn(address, ",");
+    const char *params = *rest == ':' ? address + length : rest;
+    if (*params == ',')
+        params += 1;
+    if (plugin == 0 || plugin >= LIVE_TEXT || length >= LIVE_TEXT || strlen(params) >= LIVE_TEXT)
+        return false;
+    snprintf(out->plugin, sizeof out->plugin, "%.*s", (int)plugin, text);
+    snprintf(out->address, sizeof out->address, "%.*s", (int)length, address);
+    snprintf(out->params, sizeof out->params, "%s", params);
+    return true;
+}
+
+mrt_result live_add_input(live *self, const char *text, error *err)
+{
+    spec s;
+    const mrt_plugin_type *type;
+    input *made;
+    if (!read_spec(&s, text))
+        return error_set(err, MRT_ERR_ARGUMENT, "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]",
+                         text);
+    mrt_result result = live_check_free(self, text, err);
+    if (result >= 0)
+        result = plugin_list_find(self->settings.plugins, s.plugin, MRT_INPUT, &type, err);
+    if (result >= 0)
+        result =
+            input_create(&made, type, s.address, s.params, CLOCK_REAL, self->settings.log, err);
+    return result < 0 ? result : live_add_made(self, made, text, err);
+}
+
+mrt_result live_remove_input(live *self, uint32_t index, error *err)
+{
+    if (index >= self->entry_count)
+        return error_set(err, MRT_ERR_ARGUMENT, "there is no input %u", index);
+    mrt_result result = live_check_free(self, self->entry[index].text, err);
+    if (result < 0)
+        return result;
+    live_input_entry gone = self->entry[index];
+    change c = {.remove = index + 1};
+    self->entry_count -= 1;
+    memmove(&self->entry[index], &self->entry[index + 1],
+            (self->entry_count - index) * sizeof *self->entry);
+    const recorder_settings as = live_cast_settings(self, true);
+    result = prepare(self, &as, &c, err);
+    error ignored = {""};
+    mrt_result removed = live_ask(self, remove_input, &c, result < 0 ? &ignored : err);
+    dismiss(self, &c);
+    finish_entry(&gone);
+    return result < 0 ? result : removed;
+}
+
+uint32_t live_input_count(const live *self)
+{
+    return self->entry_count;
+}
+
+input *live_input(live *self, uint32_t index)
+{
+    return index < self->entry_count ? self->entry[index].input : NULL;
+}
+
+const char *live_input_text(const live *self, uint32_t index)
+{
+    return index < self->entry_count ? self->entry[index].text : "";
+}
+
+bool live_input_sample(live *self, uint32_t index, mrt_sample *out)
+{
+    if (index >= self->entry_count)
+        return false;
+    live_sample_board *board = self->entry[index].heard;
+    (void)slot_take(&board->slot);
+    *out = board->sample[slot_front(&board->slot)];
+    return out->count > 0;
+}
+
+/* ---- how hands are measured ---- */
+
+static mrt_result recalibrate(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    player_calibrate(stage->loop, c->side, c->calibration);
+    c->skeleton =
+        hands_change(layer_hands(performer_layer(stage->scene->performer)), c->side, c->skeleton);
+    return begin(stage, c, err);
+}
+
+typedef struct measured { /* a calibration that was read */
+    char *path, *text;
+    hand_calibration *use;
+    double length_mm;
+} measured;
+
+static void finish_measured(measured *m)
+{
+    free(m->path);
+    free(m->text);
+    free(m->use);
+}
+
+static mrt_result read_calibration(measured *out, uint32_t side, const char *path, error *err)
+{
+    calibration_file *file = malloc(sizeof *file);
+    *out = (measured){.use = malloc(sizeof *out->use), .path = copy_of(path)};
+    mrt_result result = MRT_OK;
+    if (!file || !out->use || !out->path)
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    if (result >= 0)
+        result = calibration_file_read(file, path, err);
+    if (result >= 0) {
+        if (file->side != side)
+            result = error_set(err, MRT_ERR_ARGUMENT, "%s: is of the %s hand, not of the %s one",
+                               path, side_name[file->side % 2], side_name[side]);
+        calibration_file_use(file, out->use);
+        out->length_mm = file->hand_length_mm;
+        out->text = calibration_file_text(file);
+        if (!out->text && result >= 0)
+            result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+        calibration_file_finish(file);
+    }
+    free(file);
+    if (result < 0)
+        finish_measured(out);
+    return result;
+}
+
+/* What it was until now comes out in `m`. */
+static void put_on(live *self, uint32_t side, measured *m)
+{
+    const measured before = {self->calibration_path[side], self->calibration_text[side],
+                             self->calibration[side], self->length_mm[side]};
+    self->calibration_path[side] = m->path;
+    self->calibration_text[side] = m->text;
+    self->calibration[side] = m->use;
+    self->length_mm[side] = m->length_mm;
+    *m = before;
+}
+
+mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *err)
+{
+    measured m = {0};
+    if (side > MRT_RIGHT)
+        return error_set(err, MRT_ERR_ARGUMENT, "there is no hand %u", side);
+    mrt_result result = live_check_free(self, path ? path : "the calibration", err);
+    if (result >= 0 && path)
+        result = read_calibration(&m, side, path, err);
+    if (result < 0)
+        return result;
+    change c = {.side = side, .calibration = m.use};
+    double length_mm = m.length_mm > 0.0 ? m.length_mm : HAND_LENGTH_MM;
+    put_on(self, side, &m);
+    const recorder_settings as = live_cast_settings(self, true);
+    c.skeleton = hand_skeleton_create(side, length_mm);
+    if (!c.skeleton)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for a hand");
+    if (result >= 0)
+        result = prepare(self, &as, &c, err);
+    if (result >= 0)
+        result = live_ask(self, recalibrate, &c, err);
+    else
+        put_on(self, side, &m);
+    dismiss(self, &c);
+    hand_skeleton_destroy(c.skeleton);
+    finish_measured(&m);
+    return result;
+}
+
+const char *live_calibration(const live *self, uint32_t side)
+{
+    return side <= MRT_RIGHT ? self->calibration_path[side] : NULL;
+}
+
+static mrt_result rezero(live_stage *stage, void *data, error *err)
+{
+    (void)data, (void)err;
+    performer *p = stage->scene->performer;
+    const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        error why = {""};
+        if (!hand[side].present)
+            continue;
+        if (performer_rezero(p, side, &why) != MRT_OK)
+            log_pushf(stage->log, MRT_LOG_INFO, "stage", "%s hand not re-zeroed: %s",
+                      side_name[side], why.text);
+        else if (stage->recorder)
+            recorder_rezero(stage->recorder, side);
+    }
+    return MRT_OK;
+}
+
+void live_rezero(live *self)
+{
+    error ignored = {""};
+    (void)!live_ask(self, rezero, NULL, &ignored);
+}
+
+static mrt_result change_pedal(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    hands_set_rezero_pedal(layer_hands(performer_layer(stage->scene->performer)), c->pedal);
+    return begin(stage, c, err);
+}
+
+static void change_rezero_pedal(live *self)
+{
+    error err = {""};
+    change c = {.pedal = self->rezero_wanted};
+    self->rezero_pedal = self->rezero_wanted;
+    const recorder_settings as = live_cast_settings(self, true);
+    mrt_result result = prepare(self, &as, &c, &err);
+    if (result >= 0)
+        result = live_ask(self, change_pedal, &c, &err);
+    if (result < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
+    dismiss(self, &c);
+}
+
+void live_set_rezero_pedal(live *self, uint32_t pedal)
+{
+    self->rezero_wanted = pedal <= MRT_MAX_PEDALS ? pedal : 0;
+    live_cast_update(self);
+}
+
+/* ---- the mapping ---- */
+
+/* MRT_HOLD: one comes already; later. */
+static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    layer *of = performer_layer(stage->scene->performer);
+    if (layer_is_fading(of))
+        return MRT_HOLD;
+    c->old = layer_switch(of, &c->role->instance, c->room);
+    c->room = NULL;
+    stage->role = c->role;
+    stage->reload = NULL;
+    return begin(stage, c, err);
+}
+
+/* The one that comes is active on the face and begins anew. */
+static mrt_result activate(live *self, live_mapping_role *role, error *err)
+{
+    const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    error why = {""};
+    instance_listen(&role->instance, &why, NULL);
+    mrt_result result = functions->activate(role->instance.self, about);
+    instance_listen_end(&role->instance);
+    if (result < 0)
+        return error_set(err, result, "mapping %s cannot be used on this face%s%s",
+                         role->instance.type->id, why.text[0] ? ": " : "", why.text);
+    functions->reset(role->instance.self);
+    instance_latch(&role->instance);
+    return MRT_OK;
+}
+
+static void drop_coming(live *self)
+{
+    if (!self->coming)
+        return;
+    live_mapping_deactivate(live_mapping_now(self->coming));
+    live_mapping_destroy(self->coming);
+    self->coming = NULL;
+}
+
+/* MRT_HOLD: not yet. */
+static mrt_result let_come(live *self, error *err)
+{
+    change c = {.role = self->coming};
+    live_mapping_role *before = self->role;
+    const recorder_settings as = cast_settings(self, self->scene, self->coming, true);
+    c.room = layer_room_create(&self->coming->instance);
+    mrt_result result = c.room ? prepare(self, &as, &c, err)
+                               : error_set(err, MRT_ERR_MEMORY, "no memory for a mapping");
+    if (result >= 0)
+        result = live_ask(self, switch_mapping, &c, err);
+    dismiss(self, &c);
+    layer_room_destroy(c.room);
+    if (result == MRT_HOLD || !c.old)
+        return result;
+    self->role = self->coming;
+    self->coming = NULL;
+    live_mapping_deactivate(c.old);
+    live_mapping_destroy(before);
+    live_cast_watch(self);
+    return result;
+}
+
+mrt_result live_set_mapping(live *self, const char *text, error *err)
+{
+    live_mapping_role *role;
+    mrt_result result = live_check_free(self, text && text[0] ? text : "the mapping", err);
+    if (result >= 0)
+        result = live_mapping_create(&role, text, self->settings.plugins, self->settings.log, err);
+    if (result < 0)
+        return result;
+    result = activate(self, role, err);
+    if (result < 0) {
+        live_mapping_destroy(role);
+        return result;
+    }
+    drop_coming(self);
+    self->coming = role;
+    result = let_come(self, err);
+    if (result < 0)
+        drop_coming(self);
+    return result < 0 ? result : MRT_OK;
+}
+
+instance *live_mapping(live *self)
+{
+    live_mapping_role *role = self->coming ? self->coming : self->role;
+    return live_mapping_is_nothing(role) ? NULL : live_mapping_now(role);
+}
+
+/* ---- another face ---- */
+
+/* What a mapping was taught, for another instance of it. */
+typedef struct taught {
+    unsigned char *bytes;
+    size_t capacity, size;
+} taught;
+
+static mrt_result save_taught(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    taught *out = data;
+    instance *now = layer_mapping(performer_layer(stage->scene->performer));
+    const mrt_state *state = plugin_interface(now->type, MRT_STATE);
+    out->size = state ? state->save(now->self, out->bytes, out->capacity) : 0;
+    if (out->size > out->capacity)
+        out->size = 0;
+    return MRT_OK;
+}
+
+static mrt_result teach(live *self, live_mapping_role *role, error *err)
+{
+    taught t = {.capacity = (size_t)1 << 20};
+    t.bytes = malloc(t.capacity);
+    if (!t.bytes)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a mapping");
+    mrt_result result = live_ask(self, save_taught, &t, err);
+    const mrt_state *state = plugin_interface(role->instance.type, MRT_STATE);
+    if (result >= 0 && t.size > 0 && state && state->load(role->instance.self, t.bytes, t.size) < 0)
+        log_push(self->settings.log, MRT_LOG_WARNING, "stage",
+                 "the mapping does not take what it was taught over to this face");
+    free(t.bytes);
+    return result;
+}
+
+static mrt_result switch_scene(live_stage *stage, void *data, error *err)
+{
+    change *c = data;
+    if (stage->scene)
+        live_board_ease_from(&c->scene->board, &stage->scene->board, clock_now_ns());
+    stage->scene = c->scene;
+    stage->role = c->role;
+    stage->reload = NULL;
+    stage->is_dirty = true;
+    mrt_result result = begin(stage, c, err);
+    live_frame_publish(stage);
+    return result;
+}
+
+static void retire(live *self, live_scene *scene, live_mapping_role *role)
+{
+    performer_destroy(scene->performer);
+    scene->performer = NULL;
+    live_mapping_destroy(role);
+    if (self->old_scene)
+        live_scene_destroy(self->old_scene);
+    self->old_scene = scene;
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    for (int i = 0; i < 3; ++i)
+        scene->board.view[i].about = about;
+}
+
+static void publish_first(live_scene *scene)
+{
+    composer *of = performer_composer(scene->performer);
+    live_view *view = live_board_fill(&scene->board, of, clock_now_ns());
+    view->about = composer_about(of);
+    view->solver = composer_solver(of);
+    live_board_publish(&scene->board);
+}
+
+static mrt_result set_scene(live *self, const face_file *file, const char *path, double unit_mm,
+                            const csrbf_settings *solver, error *err)
+{
+    live_mapping_role *role;
+    live_scene *scene = NULL;
+    live_take_drop(self);
+    drop_coming(self);
+    mrt_result result = live_mapping_create(&role, self->role->text, self->settings.plugins,
+                                            self->settings.log, err);
+    if (result < 0)
+        return result;
+    live_mapping_copy_params(&role->instance, live_mapping_now(self->role));
+    result = teach(self, role, err);
+    if (result >= 0)
+        result = live_scene_create(self, file, path, unit_mm, solver, role, &scene, err);
+    change c = {.scene = scene, .role = role};
+    if (result >= 0) {
+        const recorder_settings as = cast_settings(self, scene, role, true);
+        result = prepare(self, &as, &c, err);
+    }
+    if (result < 0) {
+        live_scene_destroy(scene);
+        live_mapping_destroy(role);
+        return result;
+    }
+    publish_first(scene);
+    result = live_ask(self, switch_scene, &c, err);
+    live_scene *old_scene = self->scene;
+    live_mapping_role *old_role = self->role;
+    self->scene = scene;
+    self->role = role;
+    dismiss(self, &c);
+    retire(self, old_scene, old_role);
+    live_cast_watch(self);
+    return result;
+}
+
+mrt_result live_set_face(live *self, const face_file *file, const char *path, double unit_mm,
+                         error *err)
+{
+    mrt_result result = live_check_free(self, path ? path : "the face", err);
+    return result < 0 ? result : set_scene(self, file, path, unit_mm, &self->scene->solver, err);
+}
+
+mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
+{
+    mrt_result result = live_check_free(self, "the engine", err);
+    live_scene *now = self->scene;
+    return result < 0 ? result : set_scene(self, now->file, now->path, now->unit_mm, solver, err);
+}
+
+/* ---- now and then ---- */
+
+static mrt_result watch_role(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    stage->reload = data;
+    return MRT_OK;
+}
+
+void live_cast_watch(live *self)
+{
+    error err = {""};
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    mrt_result result = live_mapping_watch(self->role, about, self->settings.log, &err);
+    if (result >= 0)
+        result = live_ask(self, watch_role, self->role->reload, &err);
+    if (result < 0)
+        log_push(self->settings.log, MRT_LOG_WARNING, "stage", err.text);
+}
+
+void live_cast_update(live *self)
+{
+    error err = {""};
+    if (self->coming && let_come(self, &err) < 0) {
+        log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
+        drop_coming(self);
+    }
+    if (self->rezero_wanted != self->rezero_pedal && !self->status.is_recording)
+        change_rezero_pedal(self);
+}

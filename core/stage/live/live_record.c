@@ -1,0 +1,213 @@
+/* [main] Recording: everything, always, as long as there is a show; and takes of it. */
+#include "base/clock.h"
+#include "stage/live/live_state.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a show ---- */
+
+static void say_why_not(live *self, const char *text)
+{
+    snprintf(self->why_not, sizeof self->why_not, "%.255s", text);
+}
+
+static mrt_result take_recorder(live_stage *stage, void *data, error *err)
+{
+    stage->recorder = data;
+    return live_frame_tick(stage, err);
+}
+
+static mrt_result leave_recorder(live_stage *stage, void *data, error *err)
+{
+    (void)data, (void)err;
+    if (stage->recorder)
+        recorder_leave(stage->recorder);
+    stage->recorder = NULL;
+    return MRT_OK;
+}
+
+mrt_result live_record_start(live *self, error *err)
+{
+    say_why_not(self, "");
+    if (!self->show) {
+        say_why_not(self, "no show is open: open one or make one, and everything is recorded");
+        return MRT_OK;
+    }
+    if (!show_is_writable(self->show)) {
+        say_why_not(self, show_notice(self->show));
+        return MRT_OK;
+    }
+    const recorder_settings settings = live_cast_settings(self, true);
+    mrt_result result = recorder_start(&self->recorder, &settings, err);
+    if (result < 0) {
+        say_why_not(self, err->text);
+        return result;
+    }
+    self->session_ns = clock_now_ns();
+    return live_ask(self, take_recorder, self->recorder, err);
+}
+
+mrt_result live_record_stop(live *self, error *err)
+{
+    error ignored = {""};
+    mrt_result result = MRT_OK;
+    if (!self->recorder)
+        return MRT_OK;
+    if (self->status.is_recording)
+        result = live_record_end(self, err);
+    live_sound_stop(self);
+    (void)!live_ask(self, leave_recorder, NULL, &ignored);
+    mrt_result stopped = recorder_stop(self->recorder, result < 0 ? &ignored : err);
+    self->recorder = NULL;
+    return result < 0 ? result : stopped;
+}
+
+mrt_result live_set_show(live *self, show *s, error *err)
+{
+    live_take_drop(self);
+    self->place_count = 0;
+    mrt_result result = live_record_stop(self, err);
+    if (result < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
+    live_sound_drop(self);
+    self->show = s;
+    return live_record_start(self, err);
+}
+
+/* ---- takes ---- */
+
+static mrt_result check_recorder(const live *self, error *err)
+{
+    return self->recorder ? MRT_OK
+                          : error_set(err, MRT_ERR_ARGUMENT, "nothing is recorded: %s",
+                                      self->why_not[0] ? self->why_not : "no show is open");
+}
+
+typedef struct taking {
+    const writer_slate *slate;
+    double seconds;
+    const char *text;
+    int64_t take, time_ns;
+} taking;
+
+static mrt_result begin_take(live_stage *stage, void *data, error *err)
+{
+    taking *t = data;
+    recorder_take_next(stage->recorder, t->slate);
+    mrt_result result = live_frame_tick(stage, err);
+    t->take = recorder_take(stage->recorder);
+    t->time_ns = stage->now.last_ns;
+    live_frame_pulse(stage);
+    return result;
+}
+
+mrt_result live_record(live *self, const writer_slate *slate, error *err)
+{
+    taking t = {.slate = slate};
+    mrt_result result = check_recorder(self, err);
+    if (result >= 0)
+        result = live_check_free(self, "a take", err);
+    if (result >= 0)
+        result = live_ask(self, begin_take, &t, err);
+    if (result < 0)
+        return result;
+    self->status.is_recording = true;
+    self->status.take = t.take;
+    self->take_begun_ns = t.time_ns;
+    return MRT_OK;
+}
+
+static mrt_result end_take(live_stage *stage, void *data, error *err)
+{
+    taking *t = data;
+    mrt_result result = live_frame_tick(stage, err);
+    t->time_ns = stage->now.last_ns;
+    if (stage->mode == LIVE_OVERDUBS) {
+        live_time_end_over(stage, t->time_ns, err);
+        t->take = recorder_take(stage->recorder);
+        return result;
+    }
+    if (result >= 0)
+        result = recorder_take_end(stage->recorder, err);
+    t->take = recorder_take(stage->recorder);
+    live_frame_pulse(stage);
+    return result;
+}
+
+mrt_result live_record_end(live *self, error *err)
+{
+    taking t = {0};
+    if (!self->status.is_recording)
+        return error_set(err, MRT_ERR_ARGUMENT, "no take is recorded");
+    mrt_result result = live_ask(self, end_take, &t, err);
+    self->status.is_recording = false;
+    self->take_ended_ns = t.time_ns;
+    if (self->is_over) {
+        self->is_over = false;
+        self->is_over_done = true;
+        return result;
+    }
+    live_sound_take_ended(self, t.take);
+    return result;
+}
+
+static mrt_result keep(live_stage *stage, void *data, error *err)
+{
+    taking *t = data;
+    mrt_result result = live_frame_tick(stage, err);
+    if (result >= 0)
+        result = recorder_keep(stage->recorder, t->seconds, t->slate, &t->take, err);
+    return result;
+}
+
+mrt_result live_keep(live *self, double seconds, const writer_slate *slate, int64_t *out_take,
+                     error *err)
+{
+    taking t = {.slate = slate, .seconds = seconds};
+    *out_take = 0;
+    mrt_result result = check_recorder(self, err);
+    if (result >= 0)
+        result = live_ask(self, keep, &t, err);
+    *out_take = t.take;
+    return result;
+}
+
+static mrt_result mark(live_stage *stage, void *data, error *err)
+{
+    const taking *t = data;
+    return writer_mark(recorder_writer(stage->recorder), clock_now_ns(), t->text, err);
+}
+
+mrt_result live_mark(live *self, const char *text, error *err)
+{
+    taking t = {.text = text};
+    mrt_result result = check_recorder(self, err);
+    return result < 0 ? result : live_ask(self, mark, &t, err);
+}
+
+/* ---- now and then ---- */
+
+void live_record_update(live *self)
+{
+    live_status *status = &self->status;
+    status->can_record = self->recorder != NULL;
+    snprintf(status->why_not, sizeof status->why_not, "%s", self->why_not);
+    status->problem[0] = '\0';
+    status->writer = (writer_status){0};
+    int64_t now_ns = clock_now_ns();
+    int64_t until_ns = status->is_recording ? now_ns : self->take_ended_ns;
+    status->recorded_ns = self->take_begun_ns > 0 ? until_ns - self->take_begun_ns : 0;
+    status->journal_ns = 0;
+    if (!self->recorder)
+        return;
+    double journal_s = self->settings.journal_s > 0.0 ? self->settings.journal_s : 1800.0;
+    int64_t journal_ns = (int64_t)(journal_s * 1e9);
+    int64_t session_ns = now_ns - self->session_ns;
+    status->journal_ns = session_ns < journal_ns ? session_ns : journal_ns;
+    status->writer = writer_status_of(recorder_writer(self->recorder));
+    writer_message(recorder_writer(self->recorder), status->problem, sizeof status->problem);
+    if (!status->problem[0])
+        recorder_problem_copy(self->recorder, status->problem, sizeof status->problem);
+}

@@ -1,0 +1,228 @@
+/* live/live_state.h - what a live stage is made of: what the frame thread has (live_stage), what
+ * [main] has (struct live), and how [main] gives orders. For the files of this folder and live.c.
+ */
+#ifndef MAROTTE_STAGE_LIVE_STATE_H
+#define MAROTTE_STAGE_LIVE_STATE_H
+#include "stage/feed.h"
+#include "stage/live/live_board.h"
+#include "stage/live/live_mapping.h"
+#include "stage/overdub_run.h"
+#include "stage/player.h"
+#include "stage/recorder.h"
+#include "stage/sequencer.h"
+
+#include <pthread.h>
+
+/* How long the last face of an overdub stays before the take is shown without it. */
+#define LIVE_HOLD_NS INT64_C(500000000)
+
+enum {
+    LIVE_INPUTS_MAX = TAKE_TRACKS_MAX - 1, /* beside the pointer, which is the player's input 0 */
+    LIVE_LAGS = 512,
+    LIVE_PLACES = 64, /* takes whose last instant is remembered */
+    LIVE_TEXT = 512
+};
+
+/* A face and who moves it: made on [main], used by the frame thread. */
+typedef struct live_scene {
+    const face_file *file;
+    char *path;
+    double unit_mm;
+    csrbf_settings solver; /* radius 0: the rig's */
+    performer *performer;
+    live_board board;
+    take_performance face; /* what it is recorded as: for its hashes */
+} live_scene;
+
+/* A take on the stage. */
+typedef struct live_timeline {
+    show *show; /* its own handle */
+    sequencer *sequencer;
+    int64_t take;
+} live_timeline;
+
+/* The newest sample of an input. */
+typedef struct live_sample_board {
+    publish_slot slot;
+    mrt_sample sample[3];
+} live_sample_board;
+
+typedef struct live_pulse { /* how the frame thread does */
+    uint64_t sample_count;
+    performer_counts counts;
+    rezero_counts rezeros;
+    uint32_t frame_count, lag_count;
+    float frame_ms[LIVE_HISTORY], step_ms[LIVE_STEPS][LIVE_HISTORY]; /* rings */
+    float lag_ms[LIVE_LAGS];                                         /* a ring */
+    int64_t last_ns; /* host clock: of the newest sample performed */
+    live_mode mode;
+    bool is_taking; /* a take is recorded */
+    int64_t take;
+    uint64_t overs; /* how often a take was performed over */
+} live_pulse;
+
+typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an order or has ended */
+    player_loop *loop;
+    live_scene *scene;
+    live_mapping_role *role;
+    reload *reload;     /* of the role; NULL: it is not watched */
+    recorder *recorder; /* NULL: nothing is recorded */
+    log_queue *log;
+    live_sample_board *heard[PLAYER_INPUTS_MAX]; /* by the player's index; 0: NULL */
+    uint32_t input_count;
+    mrt_sample pointed; /* the pointer's last sample */
+
+    live_mode mode;
+    live_timeline *timeline;
+    publish_slot motion_slot; /* transports from [main] */
+    transport motion[3];
+    bool is_sought;        /* the transport has changed: sequencer_seek */
+    int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
+    sound *sound;          /* NULL: none */
+    overdub_run *over;     /* performed now, or not yet fetched */
+    uint8_t *owned;        /* of it */
+
+    bool is_dirty; /* the face is newer than what is shown */
+    int64_t sample_ns;
+    double step_ms[LIVE_STEPS]; /* since the last published face */
+    double min_determinant, penetration_mm;
+    int64_t metered_ns;
+
+    live_pulse now; /* as counted */
+    publish_slot pulse_slot;
+    live_pulse pulse[3];
+} live_stage;
+
+/* Something that [main] asks of the frame thread, which obeys between two samples while [main]
+ * waits. */
+typedef mrt_result live_order_run(live_stage *stage, void *data, error *err);
+typedef struct live_order {
+    live_order_run *run;
+    void *data;
+    error *err;
+    mrt_result result;
+} live_order;
+
+typedef struct live_input_entry {
+    input *input;
+    char *text;
+    live_sample_board *heard;
+} live_input_entry;
+
+struct live {
+    live_settings settings;
+    live_stage stage;
+    player_stage callbacks;
+    player_settings playing;
+    player_events events;
+    pthread_t thread;
+    bool has_thread;
+    _Atomic bool stop;
+    _Atomic(live_order *) order;
+    wake answered;
+
+    feed *pointer_feed;
+    input *pointer;
+    float pointed[POINTER_CHANNELS];
+    bool is_pointing;    /* it holds something */
+    bool moves;          /* its feed repeats */
+    int64_t rests_at_ns; /* when it may rest again; 0: not yet */
+    live_input_entry entry[LIVE_INPUTS_MAX];
+    input *cast_input[PLAYER_INPUTS_MAX]; /* the pointer and those: for the recorder */
+    const char *cast_text[PLAYER_INPUTS_MAX];
+    uint32_t entry_count;
+    char *calibration_path[2], *calibration_text[2];
+    hand_calibration *calibration[2];
+    double length_mm[2];
+    uint32_t rezero_pedal, rezero_wanted;
+
+    live_scene *scene, *old_scene;    /* old: its views may still be looked at */
+    live_mapping_role *role, *coming; /* coming: takes over as soon as nothing is between */
+
+    show *show; /* that is recorded into; NULL: none */
+    char why_not[256];
+    recorder *recorder;
+    int64_t session_ns, take_begun_ns, take_ended_ns;
+
+    live_timeline *timeline;
+    transport transport;
+    timecode_rate rate; /* of the take's frames */
+    bool is_shown;
+    take shown;        /* a copy */
+    take_layer own;    /* what is performed over it moves */
+    bool is_over;      /* recording over the take */
+    bool is_over_done; /* its edits have not been taken */
+    char note[1024];
+    struct {
+        int64_t take, at_ns;
+    } place[LIVE_PLACES];
+    uint32_t place_count;
+
+    sound *sound;
+    bool wants_sound; /* armed as long as it is wanted */
+    uint32_t sound_channels;
+    int64_t attach_take; /* its sound is on the way; 0: none */
+    int64_t edited_take; /* by the stage itself: live_take_edited */
+    uint64_t overs;
+
+    live_status status;
+    int64_t measured_ns; /* percentiles */
+};
+
+/* ---- live_order.c ---- */
+/* Waits until the frame thread has obeyed; before it runs, obeys itself. */
+CHECKED mrt_result live_ask(live *self, live_order_run *run, void *data, error *err);
+/* [frame] */
+void live_obey(live *self);
+
+/* ---- live_frame.c: the frame thread ---- */
+/* Its player, and then its thread. */
+CHECKED mrt_result live_frame_start(live *self, error *err);
+CHECKED mrt_result live_frame_run(live *self, error *err);
+void live_frame_stop(live *self);
+/* [frame, in an order] A sample of the pointer as it is, now: time goes on. */
+CHECKED mrt_result live_frame_tick(live_stage *stage, error *err);
+void live_frame_publish(live_stage *stage); /* the face as it is */
+void live_frame_pulse(live_stage *stage);
+
+/* ---- live_time.c: [frame] the timeline ---- */
+/* What is shown now, brought to its instant. */
+composer *live_time_shown(live_stage *stage, int64_t now_ns);
+CHECKED mrt_result live_time_sample(live_stage *stage, const channel_route *route,
+                                    const mrt_sample *sample, error *err);
+/* What is performed over the take ends here. */
+void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
+const transport *live_time_motion(const live_stage *stage);
+
+/* ---- live_cast.c: who performs ---- */
+CHECKED mrt_result live_scene_create(live *self, const face_file *file, const char *path,
+                                     double unit_mm, const csrbf_settings *solver,
+                                     live_mapping_role *role, live_scene **out, error *err);
+void live_scene_destroy(live_scene *scene);
+/* Who performs now, for the recorder; the layer alone: others move the face. */
+recorder_settings live_cast_settings(live *self, bool moves_face);
+/* Refuses while a take is recorded, with what cannot be done. */
+CHECKED mrt_result live_check_free(const live *self, const char *what, error *err);
+/* Another performance begins, as things are now. */
+CHECKED mrt_result live_cast_anew(live *self, error *err);
+void live_cast_watch(live *self); /* the mapping's library, if it has one */
+void live_cast_update(live *self);
+
+/* ---- live_record.c ---- */
+CHECKED mrt_result live_record_start(live *self, error *err);
+CHECKED mrt_result live_record_stop(live *self, error *err);
+void live_record_update(live *self);
+
+/* ---- live_sound.c ---- */
+CHECKED mrt_result live_sound_need(live *self, error *err);
+void live_sound_drop(live *self);
+void live_sound_take_ended(live *self, int64_t take_id);
+void live_sound_update(live *self);
+void live_sound_stop(live *self); /* what was recorded is with its take */
+
+/* ---- live_take.c: [main] the timeline ---- */
+void live_take_drop(live *self); /* none is shown any more */
+void live_take_update(live *self);
+void live_take_finish(live *self); /* what is left of it, when nothing runs any more */
+
+#endif

@@ -1,0 +1,583 @@
+/* [main] A take on the stage: shown, played, performed over. */
+#include "base/clock.h"
+#include "stage/live/live_state.h"
+#include "take/own.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- where each take stood ---- */
+
+static void remember_place(live *self)
+{
+    if (!self->timeline)
+        return;
+    int64_t at_ns = live_place(self).at_ns;
+    uint32_t i = 0;
+    while (i < self->place_count && self->place[i].take != self->timeline->take)
+        i += 1;
+    if (i == LIVE_PLACES) {
+        memmove(&self->place[0], &self->place[1], (LIVE_PLACES - 1) * sizeof self->place[0]);
+        i -= 1;
+    }
+    if (i >= self->place_count)
+        self->place_count = i + 1;
+    self->place[i].take = self->timeline->take;
+    self->place[i].at_ns = at_ns;
+}
+
+static int64_t place_of(const live *self, int64_t take_id)
+{
+    for (uint32_t i = 0; i < self->place_count; ++i)
+        if (self->place[i].take == take_id)
+            return self->place[i].at_ns;
+    return 0;
+}
+
+/* ---- made and unmade ---- */
+
+static void timeline_destroy(live_timeline *t)
+{
+    if (!t)
+        return;
+    sequencer_destroy(t->sequencer);
+    show_close(t->show);
+    free(t);
+}
+
+static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live_timeline **out,
+                                  error *err)
+{
+    *out = NULL;
+    live_timeline *made = calloc(1, sizeof *made);
+    if (!made)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a take");
+    made->take = t->id;
+    mrt_result result = show_open(&made->show, show_path(self->show), SHOW_READ, err);
+    const sequencer_settings settings = {.show = made->show,
+                                         .plugins = self->settings.plugins,
+                                         .log = self->settings.log,
+                                         .face = self->scene->file,
+                                         .solver = self->scene->solver};
+    if (result >= 0)
+        result = sequencer_create(&made->sequencer, &settings, t, err);
+    if (result >= 0)
+        result = sequencer_seek(made->sequencer, at_ns, err);
+    if (result < 0) {
+        timeline_destroy(made);
+        return result;
+    }
+    *out = made;
+    return MRT_OK;
+}
+
+/* ---- the face of a take ---- */
+
+static int64_t first_performance(const take *t)
+{
+    int64_t found = 0;
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t j = 0; j < t->layer[i].clip_count && found == 0; ++j)
+            if (own_layer_is_heard(t, i))
+                found = t->layer[i].clip[j].performance;
+    return found;
+}
+
+static bool has_contacts_in_common(const live *self, const char *rig_json)
+{
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    char quoted[80];
+    for (uint32_t i = 0; i < about->contact_count && rig_json; ++i) {
+        snprintf(quoted, sizeof quoted, "\"%.70s\"", about->contacts[i].name);
+        if (strstr(rig_json, quoted))
+            return true;
+    }
+    return false;
+}
+
+static mrt_result check_face(live *self, const take *t, error *err)
+{
+    show_performance of;
+    int64_t id = first_performance(t);
+    self->note[0] = '\0';
+    if (id == 0)
+        return MRT_OK; /* it shows nothing */
+    mrt_result result = show_performance_read(self->show, id, &of, err);
+    if (result < 0)
+        return result;
+    const take_performance *then = &of.performance, *now = &self->scene->face;
+    bool is_same_mesh = strcmp(then->mesh_hash, now->mesh_hash) == 0;
+    if (!is_same_mesh && !has_contacts_in_common(self, then->rig_json))
+        result =
+            error_set(err, MRT_ERR_UNSUPPORTED,
+                      "take %lld was performed on another face, %.300s: open that one to see it",
+                      (long long)t->id, then->rig);
+    else if (!is_same_mesh || strcmp(then->rig_hash, now->rig_hash) != 0)
+        snprintf(self->note, sizeof self->note,
+                 "%.300s is not as it was when take %lld was recorded: it is shown on this face\n",
+                 then->rig, (long long)t->id);
+    show_performance_finish(&of);
+    return result;
+}
+
+/* ---- shown ---- */
+
+typedef struct showing {
+    live_timeline *timeline, *old;
+    const take *take;
+} showing;
+
+static void fade_over(live_stage *stage)
+{
+    live_board_ease(&stage->scene->board, clock_now_ns());
+    stage->is_dirty = true;
+}
+
+static mrt_result put_timeline(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    showing *s = data;
+    s->old = stage->timeline;
+    if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
+        fade_over(stage);
+    stage->timeline = s->timeline;
+    stage->mode = LIVE_SHOWS;
+    stage->hold_until_ns = 0;
+    stage->is_sought = stage->is_dirty = true;
+    return MRT_OK;
+}
+
+static mrt_result change_take(live_stage *stage, void *data, error *err)
+{
+    const showing *s = data;
+    if (stage->mode == LIVE_PERFORMS)
+        fade_over(stage);
+    stage->mode = LIVE_SHOWS;
+    stage->hold_until_ns = 0;
+    stage->is_sought = stage->is_dirty = true;
+    return sequencer_set_take(stage->timeline->sequencer, s->take, err);
+}
+
+static mrt_result show_hands(live_stage *stage, void *data, error *err)
+{
+    (void)data, (void)err;
+    if (stage->mode != LIVE_PERFORMS)
+        fade_over(stage);
+    stage->mode = LIVE_PERFORMS;
+    stage->hold_until_ns = 0;
+    if (stage->sound) {
+        const sound_motion silent = {.host_ns = clock_now_ns()};
+        sound_move(stage->sound, &silent);
+    }
+    return MRT_OK;
+}
+
+static mrt_result drop_timeline(live_stage *stage, void *data, error *err)
+{
+    showing *s = data;
+    mrt_result result = show_hands(stage, NULL, err);
+    s->old = stage->timeline;
+    stage->timeline = NULL;
+    return result;
+}
+
+static mrt_result fetch_note(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    live *self = data;
+    size_t used = strlen(self->note);
+    snprintf(self->note + used, sizeof self->note - used, "%s",
+             sequencer_note(stage->timeline->sequencer));
+    return MRT_OK;
+}
+
+/* What the transport does from now on, for the frame thread. */
+static void tell_transport(live *self)
+{
+    live_stage *stage = &self->stage;
+    stage->motion[slot_back(&stage->motion_slot)] = self->transport;
+    slot_publish(&stage->motion_slot);
+    if (stage->loop)
+        wake_signal(player_wake(stage->loop));
+}
+
+static void load_sound(live *self, const take *t)
+{
+    error err = {""};
+    if (t->audio.audio == 0 && !self->sound)
+        return;
+    if (live_sound_need(self, &err) < 0 || sound_load(self->sound, &t->audio, &err) < 0)
+        log_pushf(self->settings.log, MRT_LOG_WARNING, "sound", "%.200s; the take is silent",
+                  err.text);
+}
+
+static void take_rate(live *self, const take *t)
+{
+    error ignored = {""};
+    self->rate = (timecode_rate){.num = 30, .den = 1};
+    if (t->fps > 0.0 && timecode_rate_of(&self->rate, t->fps, &ignored) < 0)
+        self->rate = (timecode_rate){.num = 30, .den = 1};
+}
+
+static mrt_result show_another(live *self, const take *t, error *err)
+{
+    int64_t at_ns = place_of(self, t->id);
+    showing s = {.take = t};
+    if (at_ns > t->duration_ns)
+        at_ns = t->duration_ns;
+    mrt_result result = timeline_create(self, t, at_ns, &s.timeline, err);
+    if (result < 0)
+        return result;
+    transport_init(&self->transport, t->duration_ns);
+    transport_seek(&self->transport, clock_now_ns(), at_ns);
+    tell_transport(self);
+    result = live_ask(self, put_timeline, &s, err);
+    self->timeline = s.timeline;
+    timeline_destroy(s.old);
+    return result;
+}
+
+static mrt_result show_again(live *self, const take *t, error *err)
+{
+    showing s = {.take = t};
+    int64_t now_ns = clock_now_ns();
+    transport_place place = transport_at(&self->transport, now_ns);
+    self->transport.end_ns = t->duration_ns;
+    if (place.at_ns > t->duration_ns)
+        transport_seek(&self->transport, now_ns, t->duration_ns);
+    tell_transport(self);
+    return live_ask(self, change_take, &s, err);
+}
+
+mrt_result live_show_take(live *self, const take *t, error *err)
+{
+    error ignored = {""};
+    if (!self->show)
+        return error_set(err, MRT_ERR_ARGUMENT, "no show is open");
+    if (self->is_over)
+        return error_set(err, MRT_ERR_ARGUMENT, "the take is performed over: end that first");
+    if (self->recorder) /* what it shows may be that new */
+        (void)!writer_flush(recorder_writer(self->recorder), &ignored);
+    mrt_result result = check_face(self, t, err);
+    if (result < 0)
+        return result;
+    bool is_same = self->timeline && self->timeline->take == t->id;
+    if (!is_same)
+        remember_place(self);
+    result = is_same ? show_again(self, t, err) : show_another(self, t, err);
+    if (result < 0)
+        return result;
+    self->is_shown = true;
+    take_rate(self, t);
+    take_finish(&self->shown);
+    result = take_copy(&self->shown, t, err);
+    load_sound(self, t);
+    (void)!live_ask(self, fetch_note, self, &ignored);
+    return result;
+}
+
+void live_show_hands(live *self)
+{
+    error ignored = {""};
+    if (self->is_over && live_record_end(self, &ignored) < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "recorder", ignored.text);
+    if (!self->is_shown)
+        return;
+    live_pause(self);
+    remember_place(self);
+    self->is_shown = false;
+    (void)!live_ask(self, show_hands, NULL, &ignored);
+}
+
+void live_take_drop(live *self)
+{
+    error ignored = {""};
+    showing s = {0};
+    live_show_hands(self);
+    (void)!live_ask(self, drop_timeline, &s, &ignored);
+    self->timeline = NULL;
+    timeline_destroy(s.old);
+    take_finish(&self->shown);
+    self->note[0] = '\0';
+}
+
+int64_t live_shown_take(const live *self)
+{
+    return self->is_shown ? self->timeline->take : 0;
+}
+
+const char *live_take_note(const live *self)
+{
+    return self->note;
+}
+
+/* ---- the transport ---- */
+
+const transport *live_transport(const live *self)
+{
+    return &self->transport;
+}
+
+transport_place live_place(const live *self)
+{
+    if (!self->is_over)
+        return transport_at(&self->transport, clock_now_ns());
+    const live_view *seen = &self->scene->board.view[slot_front(&self->scene->board.slot)];
+    return (transport_place){.at_ns = seen->at_ns, .pass = seen->pass};
+}
+
+static bool may_move(const live *self)
+{
+    return self->is_shown && !self->is_over;
+}
+
+void live_play(live *self)
+{
+    if (!may_move(self))
+        return;
+    /* So far ahead that the sound loses nothing of the beginning. */
+    int64_t lead_ns = self->sound && self->shown.audio.audio ? sound_lead_ns(self->sound) : 0;
+    transport_play(&self->transport, clock_now_ns() + lead_ns);
+    tell_transport(self);
+}
+
+void live_pause(live *self)
+{
+    if (!may_move(self))
+        return;
+    transport_pause(&self->transport, clock_now_ns());
+    tell_transport(self);
+}
+
+void live_seek(live *self, int64_t at_ns)
+{
+    if (!may_move(self))
+        return;
+    transport_seek(&self->transport, clock_now_ns(), at_ns);
+    tell_transport(self);
+}
+
+void live_set_speed(live *self, double speed)
+{
+    if (!may_move(self) || !transport_set_speed(&self->transport, clock_now_ns(), speed))
+        return;
+    tell_transport(self);
+}
+
+void live_set_loop(live *self, int64_t in_ns, int64_t out_ns)
+{
+    if (!may_move(self))
+        return;
+    if (in_ns >= out_ns || !transport_set_loop(&self->transport, clock_now_ns(), in_ns, out_ns))
+        transport_end_loop(&self->transport, clock_now_ns());
+    tell_transport(self);
+}
+
+void live_step_frames(live *self, int64_t frames)
+{
+    if (!may_move(self))
+        return;
+    transport_step_frames(&self->transport, clock_now_ns(), self->rate, frames);
+    tell_transport(self);
+}
+
+/* ---- over it ---- */
+
+typedef struct beginning {
+    recorder_cast *cast;
+    overdub_run *run;
+    uint8_t *owned;
+    const take_layer *own;
+    bool is_additive;
+    uint64_t overs;
+} beginning;
+
+/* [frame] What was performed before does not count: so the layer's samples alone say what is seen.
+ */
+static mrt_result begin_over(live_stage *stage, void *data, error *err)
+{
+    beginning *b = data;
+    sequencer *s = stage->timeline->sequencer;
+    layer *of = performer_layer(stage->scene->performer);
+    mrt_result result = sequencer_seek(s, b->run->start_ns, err);
+    if (result < 0)
+        return result;
+    sequencer_mark_owned(sequencer_composer(s), b->own, b->owned);
+    const sequencer_live performs = {of, b->owned, b->is_additive};
+    layer_reset(of);
+    sequencer_set_live(s, &performs);
+    sequencer_weigh_live(s, 0.0);
+    b->cast = recorder_change(stage->recorder, b->cast);
+    overdub_run_slate(b->run, stage->recorder);
+    stage->over = b->run;
+    stage->owned = b->owned;
+    stage->mode = LIVE_OVERDUBS;
+    b->overs = ++stage->now.overs;
+    stage->hold_until_ns = 0;
+    return live_frame_tick(stage, err);
+}
+
+static mrt_result fetch_over(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    beginning *b = data;
+    b->run = stage->over;
+    b->owned = stage->owned;
+    stage->over = NULL;
+    stage->owned = NULL;
+    return MRT_OK;
+}
+
+static mrt_result moves_something(live *self, const take_layer *own, error *err)
+{
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    bool any = own->own_count == 0;
+    for (uint32_t i = 0; i < about->contact_count && !any; ++i)
+        any = own_layer_owns(own, about->contacts[i].name);
+    for (uint32_t i = 0; i < about->dof_count && !any; ++i)
+        any = own_layer_owns(own, about->dofs[i].name);
+    if (any)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "the layer would move nothing: no contact or degree of freedom of this face "
+                     "is named \"%s\"",
+                     own->own[0]);
+}
+
+static void forget_over(live *self)
+{
+    error ignored = {""};
+    beginning b = {0};
+    (void)!live_ask(self, fetch_over, &b, &ignored);
+    if (b.run)
+        free(b.run->plan.own);
+    free(b.run);
+    free(b.owned);
+}
+
+static mrt_result plan_over(const live *self, const live_over *over, overdub_plan *out, error *err)
+{
+    *out = (overdub_plan){.own_count = over->own_count,
+                          .into_layer = over->into_layer,
+                          .in_ns = over->in_ns,
+                          .out_ns = over->out_ns,
+                          .fade_ns = over->fade_ns,
+                          .count_in_ns = over->count_in_ns,
+                          .preroll_ns = over->preroll_ns,
+                          .passes = over->passes,
+                          .speed = self->transport.speed};
+    snprintf(out->name, sizeof out->name, "%s", over->name);
+    if (over->passes == 0)
+        out->passes = over->out_ns > 0 ? OVERDUB_PASSES_MAX : 1;
+    out->own = calloc((size_t)over->own_count + 1, sizeof *out->own);
+    if (!out->own)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+    if (over->own_count > 0)
+        memcpy(out->own, over->own, over->own_count * sizeof *out->own);
+    mrt_result result = overdub_plan_check(out, &self->shown, err);
+    if (result < 0)
+        free(out->own);
+    return result;
+}
+
+static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *b, error *err)
+{
+    const take_layer *punched = overdub_punched(plan, &self->shown);
+    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    self->own = (take_layer){.own_count = plan->own_count, .own = plan->own};
+    b->own = punched ? punched : &self->own;
+    b->is_additive = punched && punched->is_additive;
+    b->run = calloc(1, sizeof *b->run);
+    b->owned = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
+    if (!b->run || !b->owned)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+    overdub_run_init(b->run, plan, &self->shown);
+    mrt_result result = moves_something(self, b->own, err);
+    const recorder_settings as = live_cast_settings(self, false);
+    return result < 0 ? result : recorder_prepare(self->recorder, &as, &b->cast, err);
+}
+
+mrt_result live_record_over(live *self, const live_over *over, error *err)
+{
+    overdub_plan plan;
+    beginning b = {0};
+    if (!self->is_shown)
+        return error_set(err, MRT_ERR_ARGUMENT, "no take is shown that could be performed over");
+    if (!self->recorder)
+        return error_set(err, MRT_ERR_ARGUMENT, "nothing is recorded: %s", self->why_not);
+    mrt_result result = live_check_free(self, "another recording", err);
+    if (result < 0)
+        return result;
+    live_pause(self);
+    forget_over(self);
+    self->is_over_done = false;
+    result = plan_over(self, over, &plan, err);
+    if (result < 0)
+        return result;
+    result = prepare_over(self, &plan, &b, err);
+    if (result >= 0)
+        result = live_ask(self, begin_over, &b, err);
+    recorder_dismiss(self->recorder, b.cast);
+    if (result < 0 && self->stage.over != b.run) {
+        free(plan.own);
+        free(b.run);
+        free(b.owned);
+        return result;
+    }
+    self->is_over = self->status.is_recording = true;
+    self->overs = b.overs;
+    self->take_begun_ns = clock_now_ns();
+    return result;
+}
+
+/* It stands where it was ended; hands perform as before. */
+static void after_over(live *self)
+{
+    error err = {""};
+    if (live_cast_anew(self, &err) < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err.text);
+    const live_view *seen = &self->scene->board.view[slot_front(&self->scene->board.slot)];
+    transport_seek(&self->transport, clock_now_ns(), seen->at_ns);
+    tell_transport(self);
+}
+
+bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err)
+{
+    beginning b = {0};
+    overdub_made made;
+    *out_edits = NULL;
+    *out_count = 0;
+    if (!self->is_over_done)
+        return false;
+    self->is_over_done = false;
+    after_over(self);
+    mrt_result result = live_ask(self, fetch_over, &b, err);
+    if (result >= 0)
+        result = writer_flush(recorder_writer(self->recorder), err);
+    const instance *mapping = live_mapping(self);
+    if (result >= 0)
+        result = overdub_run_edits(b.run, &self->shown, mapping ? mapping->type->name : "Pointer",
+                                   out_edits, out_count, &made, err);
+    if (b.run)
+        free(b.run->plan.own);
+    free(b.run);
+    free(b.owned);
+    return result >= 0;
+}
+
+void live_take_finish(live *self)
+{
+    forget_over(self);
+    take_finish(&self->shown);
+}
+
+void live_take_update(live *self)
+{
+    const live_pulse *pulse = &self->stage.pulse[slot_front(&self->stage.pulse_slot)];
+    if (!self->is_over || pulse->mode == LIVE_OVERDUBS || pulse->overs != self->overs)
+        return;
+    self->is_over = self->status.is_recording = false;
+    self->is_over_done = true;
+    self->take_ended_ns = clock_now_ns();
+}

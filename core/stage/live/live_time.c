@@ -1,0 +1,113 @@
+/* [frame] The timeline: a take that stands, is played, scrubbed, performed over. */
+#include "stage/live/live_state.h"
+
+#include <stdlib.h>
+
+static const transport still = {.speed = 1.0};
+
+const transport *live_time_motion(const live_stage *stage)
+{
+    if (stage->mode == LIVE_OVERDUBS)
+        return &stage->over->transport;
+    return stage->timeline ? &stage->motion[slot_front(&stage->motion_slot)] : &still;
+}
+
+static void tell_sound(live_stage *stage, int64_t now_ns)
+{
+    if (!stage->sound)
+        return;
+    sound_motion motion = sound_motion_of(live_time_motion(stage), now_ns);
+    sound_move(stage->sound, &motion);
+}
+
+static void tell_error(live_stage *stage, const error *err)
+{
+    log_push(stage->log, MRT_LOG_ERROR, "take", err->text);
+}
+
+/* However often it was sought: only the newest instant is gone to. */
+static void follow_transport(live_stage *stage, int64_t now_ns)
+{
+    error err = {""};
+    sequencer *s = stage->timeline->sequencer;
+    transport_place place = transport_at(live_time_motion(stage), now_ns);
+    mrt_result result = stage->is_sought ? sequencer_seek(s, place.at_ns, &err)
+                                         : sequencer_play_to(s, place.at_ns, &err);
+    stage->is_sought = false;
+    if (result < 0)
+        tell_error(stage, &err);
+}
+
+/* ---- over the take ---- */
+
+/* The last face of it stays until the take is shown with what was made of it. */
+static void end_over(live_stage *stage, int64_t now_ns)
+{
+    static const sequencer_live nobody = {NULL, NULL, false};
+    sequencer_set_live(stage->timeline->sequencer, &nobody);
+    stage->mode = LIVE_SHOWS;
+    stage->hold_until_ns = now_ns + LIVE_HOLD_NS;
+    stage->is_sought = true;
+}
+
+void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
+{
+    error why = {""};
+    if (overdub_run_end(stage->over, stage->recorder, &why) < 0) {
+        tell_error(stage, &why);
+        (void)error_set(err, MRT_ERR_IO, "%s", why.text);
+    }
+    end_over(stage, now_ns);
+}
+
+static mrt_result go_over(live_stage *stage, int64_t clock_ns, error *err)
+{
+    overdub_run *run = stage->over;
+    mrt_result result = overdub_run_go_to(run, stage->recorder, clock_ns, err);
+    if (result < 0 || run->is_over || clock_ns < run->rolling_ns)
+        return result;
+    return sequencer_play_to(stage->timeline->sequencer, run->at_ns, err);
+}
+
+mrt_result live_time_sample(live_stage *stage, const channel_route *route, const mrt_sample *sample,
+                            error *err)
+{
+    overdub_run *run = stage->over;
+    sequencer *s = stage->timeline->sequencer;
+    mrt_result result = go_over(stage, sample->time_ns, err);
+    if (result < 0)
+        tell_error(stage, err);
+    if (run->is_over) {
+        end_over(stage, sample->time_ns);
+        performer_sample(stage->scene->performer, route, sample);
+        return MRT_OK;
+    }
+    overdub_run_note(run, stage->recorder, sample->time_ns);
+    sequencer_weigh_live(s, overdub_run_weight(run));
+    sequencer_live_sample(s, route, sample);
+    return MRT_OK;
+}
+
+static composer *shown_over(live_stage *stage, int64_t now_ns)
+{
+    error err = {""};
+    if (go_over(stage, now_ns, &err) < 0)
+        tell_error(stage, &err);
+    if (stage->over->is_over)
+        end_over(stage, now_ns);
+    return sequencer_composer(stage->timeline->sequencer);
+}
+
+/* NULL: what is shown stays as it is. */
+composer *live_time_shown(live_stage *stage, int64_t now_ns)
+{
+    if (stage->mode == LIVE_PERFORMS || !stage->timeline)
+        return performer_composer(stage->scene->performer);
+    tell_sound(stage, now_ns);
+    if (stage->mode == LIVE_OVERDUBS)
+        return shown_over(stage, now_ns);
+    if (now_ns < stage->hold_until_ns)
+        return NULL;
+    follow_transport(stage, now_ns);
+    return sequencer_composer(stage->timeline->sequencer);
+}

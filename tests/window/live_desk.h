@@ -1,0 +1,219 @@
+/* A live stage for tests: a face, plugins, a show in a folder of its own; and what a test does with
+ * it: waits until something holds, drags the mouse, hashes what is seen. */
+#ifndef MAROTTE_TESTS_LIVE_DESK_H
+#define MAROTTE_TESTS_LIVE_DESK_H
+/* clang-format off */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+/* clang-format on */
+#include "base/clock.h"
+#include "stage/feed.h"
+#include "stage/live.h"
+#include "stage/plugins.h"
+#include "take/edit_store.h"
+#include "take/history.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { DESK_PATH = 512 };
+
+typedef struct live_desk {
+    char folder[DESK_PATH / 2], show_path[DESK_PATH], face_path[DESK_PATH];
+    plugin_list plugins;
+    log_queue *log;
+    face_file face;
+    show *show;
+    live *live;
+    const live_view *view; /* the newest that was looked at */
+    float *first;          /* the face at rest, as rows */
+} live_desk;
+
+static inline void desk_must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+typedef enum desk_record { DESK_NO_SHOW = 0, DESK_SHOW } desk_record;
+
+static inline void desk_start(live_desk *d, const char *name, const char *mapping,
+                              desk_record records)
+{
+    static const char *const libraries[] = {"log", "anchored", "unanchored", "one_hand"};
+    const char *temporary = getenv("TMPDIR");
+    char path[DESK_PATH];
+    error err = {""};
+    memset(d, 0, sizeof *d);
+    d->log = log_queue_create();
+    for (size_t i = 0; i < sizeof libraries / sizeof *libraries; ++i) {
+        snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, libraries[i]);
+        desk_must(plugin_list_add(&d->plugins, path, &err), &err);
+    }
+    snprintf(d->folder, sizeof d->folder, "%s/marotte_desk_XXXXXX", temporary ? temporary : "/tmp");
+    assert_non_null(mkdtemp(d->folder));
+    snprintf(d->show_path, sizeof d->show_path, "%s/desk.marotte", d->folder);
+    snprintf(d->face_path, sizeof d->face_path, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, name, name);
+    desk_must(face_file_read(&d->face, d->face_path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    if (records == DESK_SHOW)
+        desk_must(show_create(&d->show, d->show_path, &err), &err);
+    const live_settings settings = {.plugins = &d->plugins,
+                                    .log = d->log,
+                                    .show = d->show,
+                                    .face = &d->face,
+                                    .face_path = d->face_path,
+                                    .mapping = mapping};
+    desk_must(live_start(&d->live, &settings, &err), &err);
+    assert_true(live_look(d->live, &d->view));
+    size_t size = (size_t)d->view->vertex_count * 3 * sizeof *d->first;
+    d->first = malloc(size);
+    assert_non_null(d->first);
+    memcpy(d->first, d->view->position, size);
+}
+
+static inline void desk_stop_live(live_desk *d)
+{
+    error err = {""};
+    if (d->live)
+        desk_must(live_stop(d->live, &err), &err);
+    d->live = NULL;
+}
+
+static inline void desk_finish(live_desk *d)
+{
+    char path[DESK_PATH + 8];
+    static const char *const endings[] = {"", "-wal", "-shm", "-lock", ".lock"};
+    desk_stop_live(d);
+    show_close(d->show);
+    face_file_destroy(&d->face);
+    plugin_list_destroy(&d->plugins);
+    log_queue_destroy(d->log);
+    free(d->first);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
+        snprintf(path, sizeof path, "%s%s", d->show_path, endings[i]);
+        (void)unlink(path);
+    }
+    (void)rmdir(d->folder);
+}
+
+/* ---- time ---- */
+
+/* A drawn frame of the window. */
+static inline void desk_frame(live_desk *d)
+{
+    live_update(d->live);
+    (void)live_look(d->live, &d->view);
+    clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
+}
+
+typedef bool desk_condition(live_desk *d, void *data);
+
+/* Frames until it holds; false: it did not within 20 s. */
+static inline bool desk_until(live_desk *d, desk_condition *holds, void *data)
+{
+    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    while (!holds(d, data)) {
+        if (clock_now_ns() > until_ns)
+            return false;
+        desk_frame(d);
+    }
+    return true;
+}
+
+static inline void desk_pass(live_desk *d, double seconds)
+{
+    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    while (clock_now_ns() < until_ns)
+        desk_frame(d);
+}
+
+/* ---- the face ---- */
+
+static inline uint32_t desk_contact(const live_desk *d, const char *name)
+{
+    for (uint32_t i = 0; i < d->view->about->contact_count; ++i)
+        if (strcmp(d->view->about->contacts[i].name, name) == 0)
+            return i;
+    fail_msg("no contact %s", name);
+    return 0;
+}
+
+static inline vec3 desk_rest(const live_desk *d, uint32_t contact)
+{
+    mrt_vec3 r = d->view->about->contacts[contact].rest;
+    return (vec3){(double)r.x, (double)r.y, (double)r.z};
+}
+
+/* How far a contact is from its rest. */
+static inline double desk_moved_mm(const live_desk *d, uint32_t contact)
+{
+    return vec3_length(vec3_sub(d->view->contact[contact], desk_rest(d, contact)));
+}
+
+/* How far any vertex is from where it was in `rows`. */
+static inline double desk_apart_mm(const live_desk *d, const float *rows)
+{
+    double most = 0.0;
+    for (size_t v = 0; v < d->view->vertex_count; ++v) {
+        double sum = 0.0;
+        for (size_t k = 0; k < 3; ++k) {
+            double way = (double)d->view->position[3 * v + k] - (double)rows[3 * v + k];
+            sum += way * way;
+        }
+        most = fmax(most, sum);
+    }
+    return sqrt(most);
+}
+
+static inline uint64_t desk_hash(const float *rows, size_t count)
+{
+    const unsigned char *bytes = (const unsigned char *)rows;
+    uint64_t hash = 1469598103934665603u;
+    for (size_t i = 0; i < count * sizeof *rows; ++i)
+        hash = (hash ^ bytes[i]) * 1099511628211u;
+    return hash;
+}
+
+/* ---- the mouse ---- */
+
+static inline void desk_point(live_desk *d, pointer_grip grip, vec3 rest, vec3 at, bool stays)
+{
+    const float r[3] = {(float)rest.x, (float)rest.y, (float)rest.z};
+    const float a[3] = {(float)at.x, (float)at.y, (float)at.z};
+    live_point(d->live, grip, r, a, stays, 0.0);
+}
+
+static inline void desk_let_go(live_desk *d)
+{
+    const vec3 nowhere = {0, 0, 0};
+    desk_point(d, POINTER_AWAY, nowhere, nowhere, false);
+}
+
+/* Takes hold of a contact and pulls it so far, in steps. */
+static inline void desk_drag(live_desk *d, pointer_grip grip, uint32_t contact, vec3 way,
+                             bool stays)
+{
+    vec3 rest = desk_rest(d, contact), from = d->view->contact[contact];
+    desk_point(d, grip, rest, from, stays);
+    for (int i = 1; i <= 20; ++i) {
+        desk_frame(d);
+        desk_point(d, grip, rest, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
+    }
+    desk_pass(d, 0.1);
+}
+
+/* ---- takes ---- */
+
+static inline void desk_take(const live_desk *d, int64_t id, take *out)
+{
+    error err = {""};
+    desk_must(edit_store_take(out, d->show, id, &err), &err);
+}
+
+#endif

@@ -1,0 +1,169 @@
+/* The mouse on the face of a live stage: what is dragged moves, springs back, stays, is clay. */
+#include "window/live_desk.h"
+
+static const vec3 way = {0.0, 6.0, 4.0};
+
+static void start(live_desk *d, const char *mapping)
+{
+    desk_start(d, "puppet", mapping, DESK_NO_SHOW);
+}
+
+static bool is_at_rest(live_desk *d, void *data)
+{
+    (void)data;
+    return desk_apart_mm(d, d->first) < 1e-3;
+}
+
+static void stage_is_seen_before_any_sample(void **state)
+{
+    (void)state;
+    live_desk d;
+    start(&d, NULL);
+    assert_true(d.view->vertex_count > 1000);
+    assert_true(d.view->number >= 1);
+    assert_true(d.view->contact_count > 0);
+    assert_true(is_at_rest(&d, NULL));
+    desk_finish(&d);
+}
+
+static void dragged_contact_moves_by_the_drag(void **state)
+{
+    (void)state;
+    live_desk d;
+    start(&d, NULL);
+    uint32_t corner = desk_contact(&d, "mouth.corner.l");
+    desk_drag(&d, POINTER_PULLS, corner, way, false);
+    vec3 moved = vec3_sub(d.view->contact[corner], desk_rest(&d, corner));
+    assert_true(vec3_length(vec3_sub(moved, way)) < 0.05);
+    desk_let_go(&d);
+    assert_true(desk_until(&d, is_at_rest, NULL));
+    desk_finish(&d);
+}
+
+static void staying_contact_stays_until_it_is_let_go(void **state)
+{
+    (void)state;
+    live_desk d;
+    start(&d, NULL);
+    uint32_t left = desk_contact(&d, "mouth.corner.l"), right = desk_contact(&d, "mouth.corner.r");
+    desk_drag(&d, POINTER_PULLS, left, way, true);
+    desk_let_go(&d);
+    desk_pass(&d, 0.5);
+    assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
+    desk_drag(&d, POINTER_PULLS, right, way, true);
+    desk_let_go(&d);
+    desk_pass(&d, 0.5);
+    assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
+    assert_true(fabs(desk_moved_mm(&d, right) - vec3_length(way)) < 0.05);
+    const vec3 nowhere = {0, 0, 0};
+    desk_point(&d, POINTER_LETS_GO, nowhere, nowhere, false);
+    assert_true(desk_until(&d, is_at_rest, NULL));
+    desk_finish(&d);
+}
+
+static vec3 cheek(const live_desk *d)
+{
+    uint32_t corner = desk_contact(d, "mouth.corner.l");
+    vec3 near = vec3_add(desk_rest(d, corner), (vec3){6.0, 8.0, 0.0});
+    const float *nearest = d->first;
+    double least = INFINITY;
+    for (size_t v = 0; v < d->view->vertex_count; ++v) {
+        const float *p = d->first + 3 * v;
+        vec3 away = vec3_sub((vec3){(double)p[0], (double)p[1], (double)p[2]}, near);
+        if (vec3_dot(away, away) >= least)
+            continue;
+        least = vec3_dot(away, away);
+        nearest = p;
+    }
+    return (vec3){(double)nearest[0], (double)nearest[1], (double)nearest[2]};
+}
+
+static double moved_at(const live_desk *d, vec3 place, vec3 *out)
+{
+    for (size_t v = 0; v < d->view->vertex_count; ++v) {
+        const float *p = d->first + 3 * v, *q = d->view->position + 3 * v;
+        if ((double)p[0] == place.x && (double)p[1] == place.y && (double)p[2] == place.z) {
+            *out = (vec3){(double)q[0], (double)q[1], (double)q[2]};
+            return vec3_length(vec3_sub(*out, place));
+        }
+    }
+    return NAN;
+}
+
+static void drag_place(live_desk *d, pointer_grip grip, vec3 place, bool stays)
+{
+    vec3 from = place;
+    (void)moved_at(d, place, &from);
+    desk_point(d, grip, place, from, stays);
+    for (int i = 1; i <= 20; ++i) {
+        desk_frame(d);
+        desk_point(d, grip, place, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
+    }
+    desk_pass(d, 0.1);
+}
+
+static void place_of_the_skin_springs_back(void **state)
+{
+    (void)state;
+    live_desk d;
+    vec3 now;
+    start(&d, NULL);
+    vec3 place = cheek(&d);
+    drag_place(&d, POINTER_PULLS, place, false);
+    assert_true(fabs(moved_at(&d, place, &now) - vec3_length(way)) < 0.5);
+    desk_let_go(&d);
+    assert_true(desk_until(&d, is_at_rest, NULL));
+    desk_finish(&d);
+}
+
+static void place_that_stays_can_be_dragged_on(void **state)
+{
+    (void)state;
+    live_desk d;
+    vec3 now;
+    start(&d, NULL);
+    vec3 place = cheek(&d);
+    drag_place(&d, POINTER_PULLS, place, true);
+    desk_let_go(&d);
+    desk_pass(&d, 0.4);
+    double once = moved_at(&d, place, &now);
+    assert_true(fabs(once - vec3_length(way)) < 0.5);
+    drag_place(&d, POINTER_PULLS, place, true);
+    desk_let_go(&d);
+    desk_pass(&d, 0.4);
+    double twice = moved_at(&d, place, &now);
+    if (fabs(twice - 2.0 * vec3_length(way)) >= 1.0)
+        fail_msg("%g mm after one drag, %g mm after two", once, twice);
+    desk_finish(&d);
+}
+
+static void clay_stays_until_neutral(void **state)
+{
+    (void)state;
+    live_desk d;
+    vec3 now;
+    start(&d, NULL);
+    vec3 place = cheek(&d);
+    drag_place(&d, POINTER_KNEADS, place, false);
+    desk_let_go(&d);
+    desk_pass(&d, 0.5);
+    double moved_mm = moved_at(&d, place, &now);
+    if (moved_mm < 2.0)
+        fail_msg("clay moved by %g mm", moved_mm);
+    live_neutral(d.live);
+    assert_true(desk_until(&d, is_at_rest, NULL));
+    desk_finish(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stage_is_seen_before_any_sample),
+        cmocka_unit_test(dragged_contact_moves_by_the_drag),
+        cmocka_unit_test(staying_contact_stays_until_it_is_let_go),
+        cmocka_unit_test(place_of_the_skin_springs_back),
+        cmocka_unit_test(place_that_stays_can_be_dragged_on),
+        cmocka_unit_test(clay_stays_until_neutral),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
