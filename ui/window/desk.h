@@ -8,6 +8,7 @@
 typedef struct desk desk;
 CHECKED mrt_result desk_create(desk **out, studio *of, front *on, error *err);
 void desk_destroy(desk *self);
+struct ui *desk_ui(desk *self); /* for whoever pushes events, and looks at words */
 /* Events, update, panels, picture. False: it is to be closed. */
 bool desk_frame(desk *self);
 

@@ -1,0 +1,237 @@
+/* What is asked: how a take is to be exported, and what becomes of work that is not saved. */
+#include "window/desk_state.h"
+
+#include "take/timecode.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- export ---- */
+
+static const char export_dialog[] = "export";
+
+typedef struct format {
+    const char *name, *ending;
+} format;
+static const format formats[] = {
+    {"glTF, for Blender, Unity, Unreal (.glb)", ".glb"},
+    {"Video (.mp4)", ".mp4"},
+    {"Pictures, a folder of PNG", "/"},
+    {"Point cache 2 (.pc2)", ".pc2"},
+    {"Motion Designer (.mdd)", ".mdd"},
+    {"Table (.csv)", ".csv"},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+static const double rates[] = {0.0, 24.0, 25.0, 30.0, 50.0, 60.0};
+static const char *const rate_names[] = {"As the take says", "24", "25", "30", "50", "60"};
+enum { RATES = sizeof rates / sizeof rates[0] };
+
+/* The file's name gets the ending of the format, in place of another one's. */
+static void put_ending(desk_exporting *self)
+{
+    char *file = self->wish.file;
+    size_t length = strlen(file);
+    for (uint32_t i = 0; i < FORMATS; ++i) {
+        const size_t ending = strlen(formats[i].ending);
+        if (length > ending && strcmp(file + length - ending, formats[i].ending) == 0) {
+            file[length -= ending] = '\0';
+            break;
+        }
+    }
+    const char *wanted = formats[self->format].ending;
+    if (length > 0 && length + strlen(wanted) < sizeof self->wish.file)
+        (void)snprintf(file + length, sizeof self->wish.file - length, "%s", wanted);
+}
+
+/* Beside the show, called as the take: "night_1_a_3_ride". */
+static void put_name(desk *self)
+{
+    const studio_take_line *line;
+    const uint32_t count = studio_takes(self->studio, &line);
+    const char *of = studio_show(self->studio) ? show_path(studio_show(self->studio)) : "";
+    char *file = self->exporting.wish.file;
+    const char *dot = strrchr(of, '.');
+    size_t length = (size_t)snprintf(file, EXPORT_FILE / 2, "%.*s_",
+                                     dot ? (int)(dot - of) : (int)strlen(of), of);
+    if (length >= EXPORT_FILE / 2)
+        length = EXPORT_FILE / 2 - 1;
+    const size_t from = length;
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == studio_take_id(self->studio))
+            length += (size_t)snprintf(file + length, EXPORT_FILE / 4, "%s", line[i].title);
+    for (char *c = file + from; *c; ++c)
+        if (*c == '/' || *c == ' ')
+            *c = '_';
+}
+
+void desk_export_ask(desk *self)
+{
+    self->exporting.trouble[0] = '\0';
+    put_name(self);
+    put_ending(&self->exporting);
+    ui_dialog_open(self->ui, export_dialog);
+}
+
+static bool range_of(const desk *self, int64_t *out_in, int64_t *out_out)
+{
+    const transport *move = live_transport(studio_live(self->studio));
+    *out_in = move->loop_in_ns;
+    *out_out = move->loop_out_ns;
+    return live_shown_take(studio_live(self->studio)) == studio_take_id(self->studio) &&
+           *out_in < *out_out;
+}
+
+static void begin_export(desk *self)
+{
+    desk_exporting *exporting = &self->exporting;
+    export_wish *wish = &exporting->wish;
+    wish->fps = rates[exporting->rate];
+    wish->in_ns = wish->out_ns = 0;
+    if (exporting->only_range)
+        (void)range_of(self, &wish->in_ns, &wish->out_ns);
+    if (studio_export_take(self->studio, wish) >= 0) {
+        ui_dialog_close(self->ui);
+        return;
+    }
+    const news_list *news = studio_news(self->studio);
+    const uint32_t count = news_list_count(news);
+    (void)snprintf(exporting->trouble, sizeof exporting->trouble, "%s",
+                   count ? news_list_at(news, count - 1)->text : "");
+}
+
+static void draw_range(desk *self)
+{
+    int64_t in_ns, out_ns;
+    char words[96];
+    const bool has_range = range_of(self, &in_ns, &out_ns);
+    if (!has_range) {
+        self->exporting.only_range = false;
+        return;
+    }
+    (void)snprintf(words, sizeof words, "Only the range, %.1f to %.1f s", 1e-9 * (double)in_ns,
+                   1e-9 * (double)out_ns);
+    ui_space(self->ui, 2.0f);
+    (void)ui_check(self->ui, words, &self->exporting.only_range);
+}
+
+void desk_export_draw(desk *self)
+{
+    ui *on = self->ui;
+    desk_exporting *exporting = &self->exporting;
+    const char *names[FORMATS];
+    const float label = 110.0f;
+    if (!ui_dialog_begin(on, export_dialog, "Export the chosen take", 520.0f))
+        return;
+    for (uint32_t i = 0; i < FORMATS; ++i)
+        names[i] = formats[i].name;
+    if (ui_choice(on, "Format", label, names, FORMATS, &exporting->format))
+        put_ending(exporting);
+    (void)ui_choice(on, "Frames a second", label, rate_names, RATES, &exporting->rate);
+    ui_space(on, 2.0f);
+    ui_width(on, -1.0f);
+    (void)ui_input(on, "##file", "Path of the file", exporting->wish.file,
+                   sizeof exporting->wish.file);
+    draw_range(self);
+    if (exporting->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, exporting->trouble);
+    ui_space(on, 8.0f);
+    if (ui_button(on, "Export", UI_ACCENT))
+        begin_export(self);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
+/* ---- work that is not saved ---- */
+
+static const char unsaved_dialog[] = "unsaved";
+
+static void go_on(desk *self)
+{
+    const desk_leaving what = self->leaving;
+    self->leaving = DESK_STAYS;
+    if (what == DESK_QUITS)
+        self->is_over = true;
+    else if (what == DESK_CHANGES_FACE)
+        (void)!studio_open_face(self->studio, self->next_face);
+}
+
+static void leave(desk *self, desk_leaving what)
+{
+    self->leaving = what;
+    if (studio_unsaved_now(self->studio))
+        ui_dialog_open(self->ui, unsaved_dialog);
+    else
+        go_on(self);
+}
+
+void desk_quit(desk *self)
+{
+    if (self->leaving != DESK_QUITS)
+        leave(self, DESK_QUITS);
+}
+
+void desk_change_face(desk *self, const char *path)
+{
+    (void)snprintf(self->next_face, sizeof self->next_face, "%s", path);
+    leave(self, DESK_CHANGES_FACE);
+}
+
+static void stay(desk *self)
+{
+    self->leaving = DESK_STAYS;
+    studio_stay(self->studio);
+}
+
+static void save_and_go(desk *self, const studio_unsaved *unsaved)
+{
+    error err = {0};
+    if (unsaved->save(unsaved->owner, &err) >= 0) {
+        go_on(self);
+        return;
+    }
+    news_list_add(studio_news(self->studio), MRT_LOG_ERROR, "stage", err.text);
+    stay(self);
+}
+
+void desk_unsaved_draw(desk *self)
+{
+    ui *on = self->ui;
+    const studio_unsaved *now = studio_unsaved_now(self->studio);
+    char words[EDIT_TEXT + 40];
+    if (!ui_dialog_begin(on, unsaved_dialog, "Not saved yet", 440.0f)) {
+        if (self->leaving != DESK_STAYS && self->asks)
+            stay(self); /* Escape */
+        self->asks = false;
+        return;
+    }
+    self->asks = true;
+    (void)snprintf(words, sizeof words, "%s has changes that are not saved.",
+                   now ? now->words : "the rig");
+    words[0] = (char)(words[0] >= 'a' && words[0] <= 'z' ? words[0] - 'a' + 'A' : words[0]);
+    ui_text_wrapped(on, UI_STYLE_BODY, words);
+    ui_space(on, 8.0f);
+    const bool saves = ui_button(on, "Save", UI_ACCENT);
+    ui_same_line(on);
+    const bool leaves = ui_button(on, "Don't save", UI_PLAIN);
+    ui_same_line(on);
+    const bool stays = ui_button(on, "Stay", UI_PLAIN);
+    if (saves || leaves || stays) {
+        const studio_unsaved copy = now ? *now : (studio_unsaved){.owner = NULL};
+        self->asks = false;
+        ui_dialog_close(on);
+        if (stays)
+            stay(self);
+        else if (saves && copy.save)
+            save_and_go(self, &copy);
+        else {
+            if (leaves && copy.leave)
+                copy.leave(copy.owner);
+            go_on(self);
+        }
+    }
+    ui_dialog_end(on);
+}

@@ -1,0 +1,80 @@
+/* The newest news over the face, for a while; an error until it is clicked. */
+#include "window/desk_state.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SHOWN_S   6.0
+#define WARNING_S 12.0
+
+/* A calmer line does not push an error away. */
+static bool gives_way(const desk *self, const news_item *to)
+{
+    return self->news[0] == '\0' || self->news_level < MRT_LOG_ERROR || to->level >= MRT_LOG_ERROR;
+}
+
+static const news_item *newest(const desk *self)
+{
+    const news_list *list = studio_news(self->studio);
+    const uint32_t count = news_list_count(list);
+    return count ? news_list_at(list, count - 1) : NULL;
+}
+
+void desk_update_news(desk *self, double dt_s)
+{
+    const news_item *item = newest(self);
+    if (self->news_left_s > 0.0) {
+        self->news_left_s -= dt_s;
+        if (self->news_left_s <= 0.0)
+            self->news[0] = '\0';
+    }
+    if (!item || (item->utc_ms == self->news_utc_ms && strcmp(item->text, self->news_seen) == 0))
+        return;
+    self->news_utc_ms = item->utc_ms;
+    (void)snprintf(self->news_seen, sizeof self->news_seen, "%s", item->text);
+    if (!gives_way(self, item))
+        return;
+    (void)snprintf(self->news, sizeof self->news, "%s", item->text);
+    self->news_level = item->level;
+    self->news_left_s = item->level >= MRT_LOG_ERROR     ? -1.0
+                        : item->level >= MRT_LOG_WARNING ? WARNING_S
+                                                         : SHOWN_S;
+}
+
+void desk_draw_news(desk *self, ui_rectangle over)
+{
+    if (!self->news[0])
+        return;
+    ui *on = self->ui;
+    const ui_style style = self->news_level >= MRT_LOG_ERROR     ? UI_STYLE_BAD
+                           : self->news_level >= MRT_LOG_WARNING ? UI_STYLE_WARNING
+                                                                 : UI_STYLE_BODY;
+    const bool stays = self->news_left_s < 0.0;
+    const float padding = 12.0f, height = 32.0f, cross = stays ? 24.0f : 0.0f;
+    float width = ui_text_width(on, style, self->news) + 2.0f * padding + cross;
+    if (width > over.width - 24.0f)
+        width = over.width - 24.0f;
+    const ui_rectangle box = {over.x + 12.0f, over.y + over.height - height - 12.0f, width, height};
+    ui_canvas canvas;
+    ui_panel_begin(on, "news", box, UI_GROUND_NONE);
+    ui_canvas_begin(on, "line", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, box, THEME_PANEL, 5.0f);
+    const uint32_t colour = style == UI_STYLE_BAD       ? THEME_BAD
+                            : style == UI_STYLE_WARNING ? THEME_WARNING
+                                                        : THEME_TEXT;
+    const float y = box.y + 0.5f * (height - ui_text_height(on, UI_STYLE_BODY));
+    ui_draw_text(on, box.x + padding, y, UI_STYLE_BODY, colour,
+                 width - 2.0f * padding - cross + 1.0f, self->news);
+    if (stays) {
+        const float x = box.x + width - padding - 5.0f, middle = box.y + 0.5f * height;
+        ui_draw_line(on, x - 4.0f, middle - 4.0f, x + 4.0f, middle + 4.0f, THEME_DIM, 1.5f);
+        ui_draw_line(on, x - 4.0f, middle + 4.0f, x + 4.0f, middle - 4.0f, THEME_DIM, 1.5f);
+    }
+    if (canvas.is_hovered)
+        ui_set_cursor(on, UI_CURSOR_HAND);
+    if (canvas.is_pressed)
+        self->news[0] = '\0';
+    ui_canvas_end(on);
+    ui_hint(on, self->news); /* the line may have been cut */
+    ui_panel_end(on);
+}
