@@ -453,13 +453,27 @@ void stand_click_at(stand *s, float x, float y)
         stand_frame(s);
 }
 
-void stand_click(stand *s, const char *text)
+static void click_word(stand *s, const ui_word *word, const char *text)
 {
-    const ui_word *word = stand_word(s, text);
     if (!word)
         fail_msg("\"%s\" is not on the screen", text);
     stand_click_at(s, word->where.x + 0.5f * word->where.width,
                    word->where.y + 0.5f * word->where.height);
+}
+
+void stand_click(stand *s, const char *text)
+{
+    click_word(s, stand_word(s, text), text);
+}
+
+void stand_click_last(stand *s, const char *text)
+{
+    const ui_word *words, *last = NULL;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strcmp(words[i].text, text) == 0)
+            last = &words[i];
+    click_word(s, last, text);
 }
 
 void stand_key(stand *s, uint32_t key)
@@ -518,7 +532,8 @@ static void check_word(const ui_word *w, const char *const *may_be_cut)
         fail_msg("\"%s\" is cut at its side", w->text);
     const float one = luminance(w->colour), other = luminance(w->ground);
     const float contrast = (fmaxf(one, other) + 0.05f) / (fminf(one, other) + 0.05f);
-    if (w->ground != 0 && contrast < 4.5f)
+    bool is_on_mark = w->ground == THEME_ACCENT && w->colour == THEME_TEXT; /* a slider's, 2 px */
+    if (w->ground != 0 && !is_on_mark && contrast < 4.5f)
         fail_msg("\"%s\": contrast %.2f", w->text, (double)contrast);
 }
 

@@ -69,7 +69,8 @@ void stand_settle(stand *s);
 void stand_wait_for(stand *s, const char *words);
 bool stand_shows(const stand *s, const char *words);         /* somewhere, as a part of a text */
 const ui_word *stand_word(const stand *s, const char *text); /* exactly this; NULL */
-void stand_click(stand *s, const char *text);
+void stand_click(stand *s, const char *text);                /* the first of them */
+void stand_click_last(stand *s, const char *text); /* on top of others: of a list that is open */
 void stand_click_at(stand *s, float x, float y);
 void stand_drag(stand *s, float x0, float y0, float x1, float y1);
 void stand_key(stand *s, uint32_t key);

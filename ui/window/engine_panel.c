@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const float column = 112.0f;
+static const float column = 112.0f, p50_right = 212.0f, p99_right = 296.0f;
 static const double period_ms = 1000.0 / 60.0;
 static const char *const kernels[] = {"Wendland C2", "Wendland C0", "Wendland C4", "Wendland C6"};
 static const char *const polynomials[] = {"none: local", "constant", "linear: the paper's",
@@ -160,18 +160,31 @@ static void draw_meters(ui *on, const live_view *view)
     }
 }
 
+/* Figures end at the same place. */
+static void draw_figure(ui *on, float right, double ms)
+{
+    char words[32];
+    if (ms > 0.0)
+        (void)snprintf(words, sizeof words, "%.2f ms", ms);
+    else
+        (void)snprintf(words, sizeof words, "\xe2\x80\x94");
+    ui_same_line(on);
+    ui_at(on, right - ui_text_width(on, UI_STYLE_NUMBER, words));
+    ui_text(on, UI_STYLE_NUMBER, words);
+}
+
 static void draw_pair(ui *on, const char *label, double p50_ms, double p99_ms, const char *help)
 {
-    char words[2][32];
-    (void)snprintf(words[0], sizeof words[0], "%.2f", p50_ms);
-    (void)snprintf(words[1], sizeof words[1], "%.2f ms", p99_ms);
     ui_text(on, UI_STYLE_DIM, label);
     ui_hint(on, help);
-    for (int i = 0; i < 2; ++i) {
-        ui_same_line(on);
-        ui_at(on, i == 0 ? 148.0f : 212.0f);
-        ui_text(on, UI_STYLE_NUMBER, words[i]);
-    }
+    draw_figure(on, p50_right, p50_ms);
+    draw_figure(on, p99_right, p99_ms);
+}
+
+static void draw_heading(ui *on, float right, const char *words)
+{
+    ui_at(on, right - ui_text_width(on, UI_STYLE_DIM, words));
+    ui_text(on, UI_STYLE_DIM, words);
 }
 
 static void draw_times(const panel *self, ui *on, const live_status *status)
@@ -179,11 +192,10 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
     const studio_figures *figures = studio_figures_of(self->studio);
     engine_plot_draw(on, status, period_ms, 72.0f);
     ui_space(on, 2.0f);
-    ui_at(on, 148.0f);
-    ui_text(on, UI_STYLE_DIM, "p50");
+    ui_text(on, UI_STYLE_DIM, "");
+    draw_heading(on, p50_right, "p50");
     ui_same_line(on);
-    ui_at(on, 212.0f);
-    ui_text(on, UI_STYLE_DIM, "p99");
+    draw_heading(on, p99_right, "p99");
     for (int i = 0; i < LIVE_STEPS; ++i)
         draw_pair(on, step_name[i], status->step_p50_ms[i], status->step_p99_ms[i], step_help[i]);
     draw_pair(on, "Hand to picture", figures->latency_p50_ms, figures->latency_p99_ms,
@@ -191,10 +203,9 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
     draw_pair(on, "Window", figures->draw_p50_ms, figures->draw_p99_ms, "A whole drawn frame.");
     draw_pair(on, "Panels", figures->panels_p50_ms, figures->panels_p99_ms,
               "All panels of a drawn frame, without the face.");
-    char words[64];
-    (void)snprintf(words, sizeof words, "%.2f ms", status->lag_p99_ms);
-    ui_fact(on, "Sample to face, p99", 212.0f, UI_STYLE_NUMBER, words);
+    ui_text(on, UI_STYLE_DIM, "Sample performed");
     ui_hint(on, "From a sample measured to performed, over the last seconds.");
+    draw_figure(on, p99_right, status->lag_p99_ms);
 }
 
 static void draw_counters(const panel *self, ui *on, const live_status *status)
@@ -236,10 +247,10 @@ static void draw(panel *self, ui *on, ui_rectangle where)
         draw_meters(on, view);
     if (ui_section(on, "Time of a frame", true))
         draw_times(self, on, status);
-    if (ui_section(on, "Solver", true))
-        draw_solver(self, on, view);
     if (ui_section(on, "Counters", true))
         draw_counters(self, on, status);
+    if (ui_section(on, "Solver", true))
+        draw_solver(self, on, view);
     ui_scroll_end(on);
     ui_panel_end(on);
 }

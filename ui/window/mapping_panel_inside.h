@@ -27,7 +27,7 @@ typedef struct mapping_panel {
 
     char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
     char preset_name[PRESET_NAME];
-    bool is_naming;
+    bool is_naming, was_naming;
     char **presets; /* their names; one block */
     uint32_t preset_count;
 

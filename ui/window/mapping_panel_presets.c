@@ -53,10 +53,12 @@ static bool is_still(const mapping_panel *self, const instance *mapping)
 
 static void draw_naming(mapping_panel *self, ui *on, const instance *mapping)
 {
+    if (!self->was_naming)
+        ui_input_take_keys(on);
+    self->was_naming = true;
     ui_width(on, -132.0f);
-    bool is_ended = ui_input(on, "##preset name", "name of the preset", self->preset_name,
-                             sizeof self->preset_name);
-    (void)is_ended;
+    (void)ui_input(on, "##preset name", "name of the preset", self->preset_name,
+                   sizeof self->preset_name);
     ui_same_line(on);
     ui_width(on, 58.0f);
     char clean[PRESET_NAME];
@@ -102,11 +104,12 @@ void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
         return;
     }
     draw_list(self, on, mapping);
+    ui_text(on, UI_STYLE_DIM, "");
     ui_at(on, 66.0f);
     if (ui_button(on, "Save as\xe2\x80\xa6", UI_PLAIN)) {
         self->is_naming = true;
+        self->was_naming = false;
         (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
-        ui_input_take_keys(on);
     }
     if (!self->preset[0] ||
         !presets_kept(studio_settings(self->studio), mapping->type, self->preset))
