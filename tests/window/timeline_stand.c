@@ -440,7 +440,8 @@ void stand_list(stand *s, uint32_t count)
                                    .rating = i * 7 % 6,
                                    .duration_ns = (int64_t)(3 + i * 37 % 400) * NS_PER_S,
                                    .is_deleted = i % 11 == 10};
-        snprintf(line->title, sizeof line->title, "1/a %u %s", i + 1, names[i % 4]);
+        snprintf(line->title, sizeof line->title, "1/a %u%s%s", i + 1, names[i % 4][0] ? " " : "",
+                 names[i % 4]);
         snprintf(line->note, sizeof line->note, "%s", i % 3 == 0 ? "breath before the line" : "");
     }
 }

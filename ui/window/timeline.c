@@ -249,13 +249,21 @@ static void paint_region_choice(panel *self, ui *on, const ui_canvas *canvas)
                  self->comps && self->comps->count ? "what a swipe takes" : "no other takes");
 }
 
+/* Within a frame the ruler's labels do not say which: its left end does. */
 static void paint_corner(panel *self, ui *on, const take *t)
 {
-    (void)self;
-    if (!t)
+    timeline_code code = timeline_code_now(self);
+    char words[TIMECODE_TEXT];
+    float x = self->rows.x + 8.0f, width = TIMELINE_HEAD_WIDTH - 16.0f;
+    double frame_ns = 1e9 * code.rate.den / code.rate.num;
+    ui_draw_text(on, x, self->rows.y + 4.0f, UI_STYLE_STRONG, THEME_TEXT, width,
+                 t->name[0] ? t->name : "Layers");
+    if (frame_ns < 0.5 * self->axis.ns_per_point * (double)self->axis.width)
         return;
-    ui_draw_text(on, self->rows.x + 8.0f, self->rows.y + 4.0f, UI_STYLE_STRONG, THEME_TEXT,
-                 TIMELINE_HEAD_WIDTH - 16.0f, t->name[0] ? t->name : "Layers");
+    timeline_code_write(words, &code, self->axis.from_ns);
+    float own = ui_text_width(on, UI_STYLE_NUMBER, words);
+    ui_draw_text(on, x + width - own, self->rows.y + 21.0f, UI_STYLE_NUMBER, THEME_DIM, 0.0f,
+                 words);
 }
 
 static void paint_why(panel *self, ui *on)

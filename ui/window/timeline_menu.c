@@ -385,9 +385,9 @@ static void marker_dialog(panel *self, ui *on)
         ui_input_take_keys(on);
     self->is_asked_first = false;
     ui_width(on, -1.0f);
-    bool is_entered = ui_input(on, "##text", "what happens here", self->text, 96);
-    if (end_dialog(on, self->asked_marker < 0 ? "Add" : "Name", true) ||
-        (is_entered && ui_is_down(on, UI_KEY_ENTER))) {
+    (void)ui_input(on, "##text", "what happens here", self->text, 96);
+    bool is_entered = ui_input_is_entered(on);
+    if (end_dialog(on, self->asked_marker < 0 ? "Add" : "Name", true) || is_entered) {
         answer_marker(self);
         ui_dialog_close(on);
     }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#define AFAR_NS 400e6 /* of a bin */
 #define BASE    3.0f  /* of a curve, above the lower edge */
 #define HIGHEST 0.86f /* of a curve, as a share of the clip */
 
@@ -32,12 +33,16 @@ static float place(const panel *self, const take_layer *lane, const take_clip *c
     return timeline_axis_x(&self->axis, at_ns + lane->offset_ns);
 }
 
-static void flush(panel *self, ui *on, uint32_t count, look as)
+/* From afar a line would only be noise: how far it goes always is brighter. */
+static void flush(panel *self, ui *on, uint32_t count, look as, bool is_afar)
 {
     if (count < 2)
         return;
     ui_draw_area(on, self->column_x, self->column_low, self->column_high, count, as.fill);
-    ui_draw_lines(on, self->column_line, count, as.curve, 1.0f);
+    if (is_afar)
+        ui_draw_area(on, self->column_x, self->column_low, self->column_least, count, as.fill);
+    else
+        ui_draw_lines(on, self->column_line, count, as.curve, 1.0f);
 }
 
 static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer *lane,
@@ -50,7 +55,7 @@ static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer 
     uint32_t count = 0;
     for (uint32_t i = 0; i < strip->bin_count && count < TIMELINE_COLUMNS_MAX; ++i) {
         if (bin[i].least > bin[i].greatest) {
-            flush(self, on, count, as);
+            flush(self, on, count, as, step_ns > AFAR_NS);
             count = 0;
             continue;
         }
@@ -60,11 +65,12 @@ static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer 
         self->column_x[count] = x;
         self->column_low[count] = low;
         self->column_high[count] = y;
+        self->column_least[count] = low - high * height_of(bin[i].least * gain);
         self->column_line[2 * count] = x;
         self->column_line[2 * count + 1] = y;
         count += 1;
     }
-    flush(self, on, count, as);
+    flush(self, on, count, as, step_ns > AFAR_NS);
 }
 
 /* ---- fades: what they take away is dark ---- */
@@ -127,6 +133,8 @@ static void paint_words(panel *self, ui *on, timeline_box box, const take_clip *
     char words[96];
     float x = box.x < self->axis.x ? self->axis.x : box.x;
     float right = box.x + box.width, end = self->axis.x + self->axis.width;
+    float fade = box.x + (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
+    x = fade > x && clip->fade_in_ns > 0 ? fade : x;
     float width = (right < end ? right : end) - x - 18.0f;
     write_words(words, sizeof words, clip);
     if (words[0] && ui_text_width(on, UI_STYLE_BODY, words) < width)

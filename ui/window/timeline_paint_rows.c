@@ -19,11 +19,11 @@ static void paint_gain(panel *self, ui *on, const timeline_row *row, double gain
     char words[24];
     (void)snprintf(words, sizeof words, "%.0f %%", gain * 100.0);
     float width = ui_text_width(on, UI_STYLE_NUMBER, words);
-    ui_draw_box(on, (ui_rectangle){box.x, box.y, box.width, box.height}, THEME_WELL, 4.0f);
-    float share = (float)(gain / 2.0);
+    float share = (float)(gain / 2.0), y = box.y + box.height - 2.0f;
     share = share > 1.0f ? 1.0f : share;
-    ui_draw_box(on, (ui_rectangle){box.x, box.y, box.width * share, box.height}, THEME_RAISED,
-                4.0f);
+    ui_draw_box(on, (ui_rectangle){box.x, box.y, box.width, box.height}, THEME_WELL, 4.0f);
+    ui_draw_box(on, (ui_rectangle){box.x, y, box.width * share, 2.0f},
+                gain == 1.0 ? 0x4a5058ffu : THEME_ACCENT, 1.0f);
     ui_draw_text(on, box.x + box.width - width - 5.0f, box.y, UI_STYLE_NUMBER,
                  gain == 1.0 ? THEME_DIM : THEME_TEXT, 0.0f, words);
 }

@@ -82,7 +82,8 @@ struct panel {
     bool is_everything, is_asked_first;
     /* memory for drawing */
     float column_x[TIMELINE_COLUMNS_MAX], column_low[TIMELINE_COLUMNS_MAX],
-        column_high[TIMELINE_COLUMNS_MAX], column_line[2 * TIMELINE_COLUMNS_MAX];
+        column_high[TIMELINE_COLUMNS_MAX], column_least[TIMELINE_COLUMNS_MAX],
+        column_line[2 * TIMELINE_COLUMNS_MAX];
 };
 
 /* ---- what the files know of each other ---- */

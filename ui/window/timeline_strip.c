@@ -13,8 +13,8 @@ typedef struct pen { /* along the strip */
     panel *self;
     ui *on;
     const ui_canvas *canvas;
-    float x, y, end;
-    bool is_clicked;
+    float x, y, end, undo;        /* undo: where that begins */
+    bool is_clicked, is_receding; /* receding: what is on is not bright */
     const char *hint;
     char words[400]; /* of the hint */
 } pen;
@@ -51,6 +51,8 @@ static button place_button(pen *p, float width, bool is_on, bool can)
     else if (is_hovered && can)
         ui_draw_box(p->on, out.box, THEME_HOVER, 4.0f);
     out.ink = !can ? 0x5a5f66ffu : is_on ? THEME_ACCENT : THEME_TEXT;
+    if (p->is_receding)
+        out.ink = is_on ? THEME_TEXT : THEME_DIM;
     out.is_pressed = is_hovered && can && p->is_clicked;
     p->x += width + 2.0f;
     return out;
@@ -176,8 +178,10 @@ static void put_action_word(pen *p, action of, const char *word, bool is_on)
 static void put_switch(pen *p, const char *word, const char *help, bool *value)
 {
     float x = p->x;
+    p->is_receding = true;
     if (put_word(p, word, *value, true))
         *value = !*value;
+    p->is_receding = false;
     if (is_over(p, last_box(p, x)))
         say_hint(p, word, help, "", "");
 }
@@ -203,6 +207,27 @@ static void put_time(pen *p)
     p->x += (other > width ? other : width) + GAP;
 }
 
+/* Where there is no room only a speed that is not 1 is said: keys change it too. */
+static void put_speed(pen *p, double speed)
+{
+    char words[24];
+    float words_width = ui_text_width(p->on, UI_STYLE_BODY, "Keep 30 sMark") + 40.0f;
+    float width = ui_text_width(p->on, UI_STYLE_NUMBER, "0.25\u00d7");
+    bool has_room = p->x + width + 70.0f + words_width < p->undo;
+    if (!has_room && speed == 1.0)
+        return;
+    (void)snprintf(words, sizeof words, "%.3g\u00d7", speed);
+    float own = ui_text_width(p->on, UI_STYLE_NUMBER, words);
+    if (has_room)
+        put_action_word(p, ACTION_SLOWER, "\u2212", false);
+    ui_draw_text(p->on, p->x + 0.5f * (width - own), p->y + 7.0f, UI_STYLE_NUMBER,
+                 studio_take(p->self->studio) ? THEME_TEXT : THEME_DIM, 0.0f, words);
+    p->x += width + 2.0f;
+    if (has_room)
+        put_action_word(p, ACTION_FASTER, "+", false);
+    p->x += GAP - 4.0f;
+}
+
 static void put_transport(pen *p)
 {
     const live *stage = studio_live(p->self->studio);
@@ -216,18 +241,10 @@ static void put_transport(pen *p)
     put_action(p, ACTION_FRAME_FORWARD, sign_frame_on, false);
     put_action(p, ACTION_LOOP, sign_loop, move && move->is_looping);
     p->x += GAP - 6.0f;
-    char speed[24];
-    (void)snprintf(speed, sizeof speed, "%.3g\u00d7", move ? move->speed : 1.0);
-    put_action_word(p, ACTION_SLOWER, "\u2212", false);
-    float width = ui_text_width(p->on, UI_STYLE_NUMBER, "0.25\u00d7");
-    float own = ui_text_width(p->on, UI_STYLE_NUMBER, speed);
-    ui_draw_text(p->on, p->x + 0.5f * (width - own), p->y + 7.0f, UI_STYLE_NUMBER,
-                 studio_take(p->self->studio) ? THEME_TEXT : THEME_DIM, 0.0f, speed);
-    p->x += width + 2.0f;
-    put_action_word(p, ACTION_FASTER, "+", false);
-    p->x += GAP - 4.0f;
+    put_speed(p, move ? move->speed : 1.0);
     put_action_word(p, ACTION_KEEP, "Keep 30 s", false);
-    put_action_word(p, ACTION_MARK, "Mark", false);
+    if (p->x + ui_text_width(p->on, UI_STYLE_BODY, "Mark") + 16.0f < p->undo)
+        put_action_word(p, ACTION_MARK, "Mark", false);
 }
 
 static void ask_history(pen *p)
@@ -291,13 +308,13 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
              .end = where.x + where.width - 10.0f,
              .is_clicked = canvas.is_pressed && canvas.button == 0,
              .hint = ""};
-    float undo = p.end - undo_width(&p);
+    p.undo = p.end - undo_width(&p);
     put_time(&p);
     put_transport(&p);
     p.x += GAP - 4.0f;
-    put_tools(&p, undo - 8.0f);
-    put_undo_words(&p, undo);
-    p.x = undo;
+    put_tools(&p, p.undo - 8.0f);
+    put_undo_words(&p, p.undo);
+    p.x = p.undo;
     put_undo(&p);
     ui_canvas_end(on);
     ui_hint(on, p.hint);

@@ -25,6 +25,22 @@ static void paint_stars(ui *on, float x, float y, uint32_t rating)
             ui_draw_disc(on, x + (float)i * STAR_WIDTH + 5.5f, y + 9.0f, 1.5f, 0x565b62ffu);
 }
 
+/* All five where the pointer can choose among them, else how many. Returns where they begin. */
+static float paint_rating(ui *on, float right, float y, uint32_t rating, bool is_wide)
+{
+    char words[16];
+    if (is_wide) {
+        paint_stars(on, right - STARS_WIDTH, y, rating);
+        return right - STARS_WIDTH;
+    }
+    if (rating == 0)
+        return right;
+    (void)snprintf(words, sizeof words, "%u\u2605", rating);
+    float width = ui_text_width(on, UI_STYLE_BODY, words);
+    ui_draw_text(on, right - width, y, UI_STYLE_BODY, THEME_ACCENT, 0.0f, words);
+    return right - width;
+}
+
 static void paint_line(panel *self, ui *on, const studio_take_line *line, ui_rectangle where,
                        bool is_hovered)
 {
@@ -45,12 +61,12 @@ static void paint_line(panel *self, ui *on, const studio_take_line *line, ui_rec
     }
     float width = ui_text_width(on, UI_STYLE_NUMBER, time);
     ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
-    paint_stars(on, right - TIME_WIDTH - STARS_WIDTH - 4.0f, y, line->rating);
+    float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, line->rating, is_hovered);
     ui_draw_text(on, x, y, is_chosen ? UI_STYLE_STRONG : UI_STYLE_BODY,
                  is_chosen          ? THEME_ACCENT
                  : line->is_deleted ? THEME_DIM
                                     : THEME_TEXT,
-                 right - TIME_WIDTH - STARS_WIDTH - 10.0f - x, line->title);
+                 stars - 8.0f - x, line->title);
 }
 
 /* ---- what is done to it ---- */

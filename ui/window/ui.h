@@ -146,7 +146,8 @@ bool ui_slider_is_held(const ui *self); /* the last slider is being dragged */
 /* One line; true when it was ended (Enter, or another place was clicked) and has changed. */
 bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t capacity);
 bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float height);
-void ui_input_take_keys(ui *self); /* the next ui_input gets the keyboard */
+bool ui_input_is_entered(const ui *self); /* the last ui_input was ended with Enter, now */
+void ui_input_take_keys(ui *self);        /* the next ui_input gets the keyboard */
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
 bool ui_section(ui *self, const char *title, bool is_open_at_first); /* true: open, draw what is in
                                                                         it */

@@ -207,6 +207,13 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
     return is_ended;
 }
 
+bool ui_input_is_entered(const ui *self)
+{
+    (void)self;
+    return ImGui::IsItemDeactivated() &&
+           ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false);
+}
+
 bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float height)
 {
     ImRect box = put_label(self, id, 0.0f);

@@ -1,0 +1,126 @@
+/* What the inputs did lately, what of it is kept, and how long takes are called. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "base/clock.h"
+#include "window/timeline_journal.h"
+#include "window/timeline_takes.h"
+
+static const mrt_channel channels[2] = {{"a", "rad", 1, 1, 0, 2}, {"b", "rad", 2, 1, 0, 2}};
+
+static void note(timeline_journal *j, int64_t at_ms, float value)
+{
+    mrt_sample sample = {.count = 2, .value = {value, value}};
+    timeline_journal_note(j, 0, at_ms * NS_PER_MS, &sample, channels);
+}
+
+static float read(const timeline_journal *j, int64_t from_ms, int64_t to_ms)
+{
+    return timeline_journal_read(j, 0, from_ms * NS_PER_MS, to_ms * NS_PER_MS);
+}
+
+static void movement_is_seen_when_it_was_and_stillness_is_not(void **state)
+{
+    (void)state;
+    timeline_journal *j = timeline_journal_create();
+    assert_non_null(j);
+    assert_false(timeline_journal_knows(j, 0));
+    for (int64_t ms = 0; ms < 5000; ms += 16)
+        note(j, ms, ms >= 2000 && ms < 3000 ? (float)ms * 1e-3f : ms < 2000 ? 2.0f : 3.0f);
+    assert_true(timeline_journal_knows(j, 0));
+    assert_float_equal(read(j, 0, 1900), 0.0f, 1e-6f);
+    assert_true(read(j, 2000, 3000) > 0.3f);
+    assert_float_equal(read(j, 3200, 5000), 0.0f, 1e-6f);
+    assert_float_equal(read(j, 9000, 9900), 0.0f, 1e-6f);
+    timeline_journal_destroy(j);
+}
+
+static void it_keeps_half_an_hour_and_forgets_what_is_older(void **state)
+{
+    (void)state;
+    timeline_journal *j = timeline_journal_create();
+    assert_non_null(j);
+    note(j, 0, 0.0f);
+    note(j, 50, 1.0f);
+    note(j, 1799000, 1.0f);
+    assert_true(read(j, 0, 100) > 0.5f);
+    note(j, 1801000, 1.0f);
+    assert_float_equal(read(j, 0, 100), 0.0f, 1e-6f);
+    note(j, 99000000, 1.0f); /* a day later */
+    assert_float_equal(read(j, 0, 99000000), 0.0f, 1e-6f);
+    timeline_journal_destroy(j);
+}
+
+static void values_that_are_no_numbers_are_no_movement(void **state)
+{
+    (void)state;
+    timeline_journal *j = timeline_journal_create();
+    assert_non_null(j);
+    note(j, 0, 0.0f);
+    note(j, 10, 0.0f / (float)(j == NULL)); /* NaN */
+    note(j, 20, 0.0f);
+    assert_float_equal(read(j, 0, 100), 0.0f, 1e-6f);
+    timeline_journal_destroy(j);
+}
+
+static void a_span_that_is_swiped_is_kept(void **state)
+{
+    (void)state;
+    timeline_keep keep;
+    const int64_t s = NS_PER_S, now = 1000 * s, reach = 1800 * s;
+    assert_true(timeline_keep_span(&keep, now - 20 * s, now - 5 * s, now, reach));
+    assert_float_equal(keep.back_s, 20.0, 1e-9);
+    assert_int_equal(keep.out_ns, 15 * s);
+    assert_false(keep.is_whole);
+    assert_true(timeline_keep_span(&keep, now - 20 * s, now + 3 * s, now, reach));
+    assert_true(keep.is_whole);
+    assert_false(timeline_keep_span(&keep, now - 20 * s, now - 20 * s + 1000, now, reach));
+    assert_true(timeline_keep_span(&keep, now - 90 * s, now - 5 * s, now, 60 * s));
+    assert_float_equal(keep.back_s, 60.0, 1e-9);
+    assert_int_equal(keep.out_ns, 55 * s);
+}
+
+static void durations_are_short(void **state)
+{
+    (void)state;
+    static const struct {
+        int64_t ns;
+        const char *text;
+    } cases[] = {{0, "0.0 s"},
+                 {3450 * NS_PER_MS, "3.4 s"},
+                 {59999 * NS_PER_MS, "59.9 s"},
+                 {60 * NS_PER_S, "1:00"},
+                 {3599 * NS_PER_S, "59:59"},
+                 {3723 * NS_PER_S, "1:02:03"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[24];
+        timeline_takes_duration(text, sizeof text, cases[i].ns);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
+static void words_are_found_in_title_and_note_in_any_case(void **state)
+{
+    (void)state;
+    studio_take_line line = {.title = "1/a 3 Night Ride", .note = "breath before the line"};
+    assert_true(timeline_takes_matches(&line, ""));
+    assert_true(timeline_takes_matches(&line, "ride BREATH"));
+    assert_false(timeline_takes_matches(&line, "ride breathe"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(movement_is_seen_when_it_was_and_stillness_is_not),
+        cmocka_unit_test(it_keeps_half_an_hour_and_forgets_what_is_older),
+        cmocka_unit_test(values_that_are_no_numbers_are_no_movement),
+        cmocka_unit_test(a_span_that_is_swiped_is_kept),
+        cmocka_unit_test(durations_are_short),
+        cmocka_unit_test(words_are_found_in_title_and_note_in_any_case),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,472 @@
+/* The timeline under the pointer: what is pressed, dragged and double-clicked becomes edits, one
+ * step of undo each. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "take/edit_help.h"
+#include "timeline_stand.h"
+
+#include <math.h>
+
+/* Layers 'face' (clip 2: 0..10 s) and above it 'mouth' (clips 4: 1..4 s, 5: 4..7 s). */
+static take two_layers(void)
+{
+    take t = help_take();
+    t.fps = 25.0;
+    help_do(&t, "{'op':'layer.add','name':'mouth','own':['mouth']}");
+    help_do(&t, "{'op':'clip.add','layer':3,'performance':7,'source_ns':1000m,'start_ns':1000m,"
+                "'end_ns':7000m}");
+    help_do(&t, "{'op':'clip.split','clip':4,'at_ns':4000m}");
+    return t;
+}
+
+static stand *open_stand(void)
+{
+    static stand s;
+    stand_open(&s, 1280.0f, 300.0f, 1.0f);
+    stand_choose(&s, two_layers());
+    return &s;
+}
+
+static int64_t seek_ns(const stand *s)
+{
+    return transport_at(&s->transport, s->clock_ns).at_ns;
+}
+
+static void near_s(int64_t found_ns, double expected_s, double within_s)
+{
+    if (fabs((double)found_ns * 1e-9 - expected_s) > within_s)
+        fail_msg("%.4f s, expected %.4f s", (double)found_ns * 1e-9, expected_s);
+}
+
+/* ---- clips ---- */
+
+static void a_clip_is_dragged_in_time_in_one_step(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_drag(s, stand_x(s, 5.5), stand_y(s, 0), stand_x(s, 7.5), stand_y(s, 0));
+    assert_int_equal(s->step_count, 1);
+    assert_string_equal(s->edited[0], "clip.move");
+    assert_int_equal(s->last.clip, 5);
+    near_s(s->take.layer[1].clip[1].start_ns, 6.0, 0.05);
+    assert_int_equal(s->take.layer[1].clip[1].start_ns % (40 * help_ms), 0); /* a frame */
+    stand_close(s);
+}
+
+static void a_click_chooses_and_changes_nothing(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    assert_int_equal(s->step_count, 0);
+    assert_int_equal(s->choice.clip, 5);
+    assert_int_equal(s->choice.layer, 3);
+    stand_close(s);
+}
+
+static void escape_cancels_a_drag(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_move(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_button(s, 0, true);
+    stand_move(s, stand_x(s, 7.5), stand_y(s, 0));
+    near_s(timeline_take(s->panel)->layer[1].clip[1].start_ns, 6.0, 0.05); /* is shown */
+    assert_int_equal(s->take.layer[1].clip[1].start_ns, 4 * help_s);       /* is not made */
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_move(s, stand_x(s, 7.7), stand_y(s, 0));
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 0);
+    assert_ptr_equal(timeline_take(s->panel), &s->take);
+    stand_close(s);
+}
+
+static void edges_trim_and_with_alt_retime(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_drag(s, stand_x(s, 6.97), stand_y(s, 0), stand_x(s, 8.97), stand_y(s, 0));
+    assert_string_equal(s->edited[0], "clip.trim");
+    near_s(s->take.layer[1].clip[1].end_ns, 9.0, 0.05);
+    stand_key(s, UI_KEY_ALT, true);
+    stand_drag(s, stand_x(s, 8.97), stand_y(s, 0), stand_x(s, 6.5), stand_y(s, 0));
+    stand_key(s, UI_KEY_ALT, false);
+    assert_string_equal(s->edited[1], "clip.speed");
+    near_s(s->take.layer[1].clip[1].end_ns, 6.52, 0.05);
+    assert_int_equal(s->step_count, 2);
+    stand_close(s);
+}
+
+static void upper_corners_fade(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    float top = s->panel->rows.row[0].y + 6.0f;
+    stand_drag(s, stand_x(s, 1.06), top, stand_x(s, 2.06), top);
+    assert_string_equal(s->edited[0], "clip.fade");
+    near_s(s->take.layer[1].clip[0].fade_in_ns, 1.0, 0.06);
+    stand_close(s);
+}
+
+static void a_clip_goes_to_another_layer(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    help_do(&s->take, "{'op':'clip.trim','clip':2,'end_ns':3000m}");
+    s->edition += 1;
+    stand_drag(s, stand_x(s, 5.5), stand_y(s, 0), stand_x(s, 5.5), stand_y(s, 1));
+    assert_string_equal(s->edited[0], "clip.move");
+    assert_int_equal(s->take.layer[0].clip_count, 2);
+    assert_int_equal(s->take.layer[0].clip[1].start_ns, 4 * help_s);
+    stand_close(s);
+}
+
+static void what_is_not_possible_says_why_and_changes_nothing(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_drag(s, stand_x(s, 5.5), stand_y(s, 0), stand_x(s, 5.5), stand_y(s, 1));
+    assert_int_equal(s->edit_count, 0);
+    assert_int_equal(news_list_count(s->news), 1);
+    assert_non_null(strstr(news_list_at(s->news, 0)->text, "would lie within"));
+    stand_close(s);
+}
+
+static void an_edit_from_elsewhere_ends_a_drag(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_move(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_button(s, 0, true);
+    stand_move(s, stand_x(s, 7.5), stand_y(s, 0));
+    help_do(&s->take, "{'op':'clip.remove','clip':5}");
+    s->edition += 1;
+    stand_move(s, stand_x(s, 8.0), stand_y(s, 0));
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 0);
+    stand_close(s);
+}
+
+static void control_and_a_double_click_split(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_key(s, UI_KEY_CONTROL, true);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_key(s, UI_KEY_CONTROL, false);
+    assert_string_equal(s->edited[0], "clip.split");
+    near_s(s->last.at_ns, 5.5, 0.05);
+    assert_int_equal(s->step_count, 1);
+    stand_close(s);
+}
+
+/* ---- the ruler ---- */
+
+static void the_lower_ruler_and_empty_lanes_scrub(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    float y = s->panel->rows.y + 30.0f;
+    stand_drag(s, stand_x(s, 2.0), y, stand_x(s, 6.0), y);
+    near_s(seek_ns(s), 6.0, 0.02);
+    assert_true(s->seeks >= 4);
+    stand_click(s, stand_x(s, 8.5), stand_y(s, 0));
+    near_s(seek_ns(s), 8.5, 0.02);
+    assert_int_equal(s->choice.clip, 0);
+    stand_drag(s, stand_x(s, 8.5), y, stand_x(s, 99.0), y);
+    assert_int_equal(seek_ns(s), 10 * help_s);
+    assert_int_equal(s->edit_count, 0);
+    stand_close(s);
+}
+
+static void the_upper_ruler_makes_a_range_and_moves_its_ends(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    float y = s->panel->rows.y + 8.0f;
+    stand_drag(s, stand_x(s, 6.0), y, stand_x(s, 3.0), y);
+    near_s(s->transport.loop_in_ns, 3.0, 0.05);
+    near_s(s->transport.loop_out_ns, 6.0, 0.05);
+    stand_drag(s, stand_x(s, 6.0), y, stand_x(s, 8.0), y);
+    near_s(s->transport.loop_in_ns, 3.0, 0.05);
+    near_s(s->transport.loop_out_ns, 8.0, 0.05);
+    stand_close(s);
+}
+
+static void a_double_click_on_the_ruler_asks_for_a_marker(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_double_click(s, stand_x(s, 6.0), s->panel->rows.y + 8.0f);
+    stand_settle(s);
+    stand_type(s, "breath");
+    stand_click_word(s, "Add");
+    assert_string_equal(s->edited[0], "marker.add");
+    assert_string_equal(s->take.marker[0].text, "breath");
+    near_s(s->take.marker[0].at_ns, 6.0, 0.03);
+    assert_int_equal(s->step_count, 1);
+
+    stand_drag(s, stand_x(s, 6.0) + 4.0f, s->panel->rows.y + 8.0f, stand_x(s, 8.0) + 4.0f,
+               s->panel->rows.y + 8.0f);
+    assert_string_equal(s->edited[1], "marker.move");
+    near_s(s->take.marker[0].at_ns, 8.0, 0.03);
+    stand_close(s);
+}
+
+static void enter_names_a_marker_and_leaving_does_not(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_double_click(s, stand_x(s, 6.0), s->panel->rows.y + 8.0f);
+    stand_type(s, "no");
+    stand_click_word(s, "Leave it");
+    assert_int_equal(s->edit_count, 0);
+    assert_null(stand_word(s, "Leave it"));
+    stand_double_click(s, stand_x(s, 7.0), s->panel->rows.y + 8.0f);
+    stand_type(s, "yes");
+    stand_key(s, UI_KEY_ENTER, true);
+    stand_key(s, UI_KEY_ENTER, false);
+    assert_int_equal(s->edit_count, 1);
+    assert_string_equal(s->take.marker[0].text, "yes");
+    assert_null(stand_word(s, "Leave it"));
+    stand_close(s);
+}
+
+/* ---- heads ---- */
+
+static void click_switch(stand *s, uint32_t index)
+{
+    timeline_box box = timeline_switch_box(&s->panel->rows, &s->panel->rows.row[0], index);
+    stand_click(s, box.x + 8.0f, box.y + 8.0f);
+}
+
+static void switches_mute_solo_add_and_arm(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    click_switch(s, 0);
+    assert_true(s->take.layer[1].is_muted);
+    click_switch(s, 0);
+    assert_false(s->take.layer[1].is_muted);
+    click_switch(s, 1);
+    assert_true(s->take.layer[1].is_solo);
+    click_switch(s, 2);
+    assert_true(s->take.layer[1].is_additive);
+    click_switch(s, 3);
+    assert_int_equal(s->choice.armed, 3);
+    click_switch(s, 3);
+    assert_int_equal(s->choice.armed, 0);
+    assert_int_equal(s->step_count, 4);
+    stand_close(s);
+}
+
+static void gain_is_dragged_and_names_are_dragged_into_another_order(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    timeline_box box = timeline_gain_box(&s->panel->rows, &s->panel->rows.row[0]);
+    stand_drag(s, box.x + 40.0f, box.y + 8.0f, box.x + 10.0f, box.y + 8.0f);
+    assert_string_equal(s->edited[0], "layer.gain");
+    assert_float_equal(s->take.layer[1].gain, 0.75, 1e-9);
+    stand_drag(s, 280.0f, s->panel->rows.row[0].y + 8.0f, 280.0f, s->panel->rows.row[1].y + 20.0f);
+    assert_string_equal(s->edited[1], "layer.order");
+    assert_int_equal(s->take.layer[0].id, 3);
+    stand_close(s);
+}
+
+static void a_layer_is_renamed_and_given_parts(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_double_click(s, 280.0f, s->panel->rows.row[0].y + 8.0f);
+    stand_click_word(s, "jaw");
+    stand_click_word(s, "Change");
+    assert_string_equal(s->edited[0], "layer.own");
+    const own_part *mouth = own_part_of(OWN_MOUTH), *jaw = own_part_of(OWN_JAW);
+    /* "mouth" was the person's own pattern, not the region's: it stays */
+    assert_true(s->take.layer[1].own_count >= jaw->pattern_count);
+    assert_true(own_layer_owns(&s->take.layer[1], "jaw.open"));
+    assert_true(own_layer_owns(&s->take.layer[1], "mouth.corner.l"));
+    (void)mouth;
+    stand_close(s);
+}
+
+/* ---- the axis ---- */
+
+static void the_wheel_zooms_about_the_pointer_and_shift_pans(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    float x = stand_x(s, 3.0);
+    double before = s->panel->axis.ns_per_point;
+    stand_wheel(s, x, stand_y(s, 0), 2.0f);
+    assert_true(s->panel->axis.ns_per_point < before * 0.7);
+    assert_float_equal(stand_x(s, 3.0), x, 0.5f);
+    stand_key(s, UI_KEY_SHIFT, true);
+    stand_wheel(s, x, stand_y(s, 0), -1.0f);
+    stand_key(s, UI_KEY_SHIFT, false);
+    assert_float_equal(stand_x(s, 3.0), x - 60.0f, 0.5f);
+    s->asked = ACTION_TIMELINE_FIT;
+    stand_settle(s);
+    assert_float_equal((float)(s->panel->axis.ns_per_point / before), 1.0f, 1e-4f);
+    stand_close(s);
+}
+
+static void while_it_plays_the_page_turns(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    for (int i = 0; i < 8; ++i)
+        stand_wheel(s, stand_x(s, 0.5), stand_y(s, 0), 1.0f);
+    int64_t from_ns = s->panel->axis.from_ns, turns = 0;
+    transport_seek(&s->transport, s->clock_ns, from_ns < 0 ? 0 : from_ns);
+    transport_play(&s->transport, s->clock_ns);
+    for (int i = 0; i < 500; ++i) {
+        stand_frame(s);
+        turns += s->panel->axis.from_ns != from_ns;
+        from_ns = s->panel->axis.from_ns;
+        float x = timeline_axis_x(&s->panel->axis, timeline_head_ns(s->panel));
+        assert_true(x >= s->panel->axis.x - 1.0f);
+        assert_true(x <= s->panel->axis.x + s->panel->axis.width + 1.0f);
+    }
+    assert_in_range(turns, 2, 12);
+    stand_close(s);
+}
+
+/* ---- comping ---- */
+
+static void a_swipe_over_another_take_is_one_step(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    s->comps = calloc(1, sizeof *s->comps);
+    assert_non_null(s->comps);
+    s->comps->of = s->take.id;
+    s->comps->count = 1;
+    s->comps->take[0] = help_take();
+    s->comps->take[0].layer[0].clip[0].performance = 9;
+    stand_click_word(s, "Other takes");
+    assert_true(s->panel->has_comps);
+    stand_click_word(s, "B"); /* brows beside the mouth */
+    stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 3.0), stand_y(s, 2));
+    assert_int_equal(s->step_count, 1);
+    assert_int_equal(s->edit_count, 2);
+    assert_string_equal(s->edited[0], "comp");
+    const take_layer *top = &s->take.layer[s->take.layer_count - 1];
+    assert_string_equal(top->name, "brows");
+    assert_int_equal(top->clip[0].performance, 9);
+    near_s(top->clip[0].start_ns, 2.0, 0.02);
+    near_s(top->clip[0].end_ns, 3.0, 0.02);
+    stand_close(s);
+}
+
+/* ---- takes ---- */
+
+static void stars_are_given_with_a_click(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    stand_settle(s);
+    const ui_word *word = stand_word(s, "1/a 4 again");
+    assert_non_null(word);
+    float y = word->where.y + 8.0f;
+    float right = 250.0f - 8.0f - 8.0f - 50.0f - 4.0f; /* of the stars */
+    stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
+    assert_int_equal(s->rated_id, 4);
+    assert_int_equal(s->rated, 4);
+    assert_int_equal(s->line[3].rating, 4);
+    stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
+    assert_int_equal(s->line[3].rating, 3);
+    stand_close(s);
+}
+
+static void a_double_click_shows_a_take(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    stand_settle(s);
+    const ui_word *word = stand_word(s, "1/a 2");
+    assert_non_null(word);
+    float x = word->where.x + 8.0f, y = word->where.y + 8.0f;
+    stand_click(s, x, y);
+    assert_int_equal(s->done, ACTION_NONE);
+    stand_double_click(s, x, y);
+    assert_int_equal(s->rated_id, 2);
+    stand_close(s);
+}
+
+static void takes_are_found_by_words_stars_and_fate(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 5000);
+    stand_settle(s);
+    assert_int_equal(s->panel->takes.count, 5000 - 454);
+    stand_click_word(s, "Deleted");
+    assert_int_equal(s->panel->takes.count, 454);
+    stand_click_word(s, "3 stars +");
+    for (uint32_t i = 0; i < s->panel->takes.count; ++i)
+        assert_true(s->line[s->panel->takes.index[i]].rating >= 3);
+    stand_click_word(s, "All");
+    stand_click_word(s, "Search");
+    stand_type(s, "QUIET letter");
+    for (uint32_t i = 0; i < s->panel->takes.count; ++i)
+        assert_non_null(strstr(s->line[s->panel->takes.index[i]].title, "quiet"));
+    assert_in_range(s->panel->takes.count, 1000, 1250);
+    stand_close(s);
+}
+
+/* ---- the journal ---- */
+
+static void a_swipe_over_the_journal_keeps_that_span(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_choose(s, (take){0});
+    s->choice = (studio_choice){.marker = -1};
+    float x = s->panel->axis.x, width = s->panel->axis.width; /* 60 s */
+    stand_drag(s, x + width * 0.5f, 150.0f, x + width * 0.75f, 150.0f);
+    assert_true(s->kept_s > 29.0 && s->kept_s < 60.0);
+    assert_int_equal(s->last.kind, EDIT_RANGE_KEEP);
+    assert_int_equal(s->rated_id, 77);
+    near_s(s->last.out_ns, 15.0, 1.0);
+    stand_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
+        cmocka_unit_test(a_click_chooses_and_changes_nothing),
+        cmocka_unit_test(escape_cancels_a_drag),
+        cmocka_unit_test(edges_trim_and_with_alt_retime),
+        cmocka_unit_test(upper_corners_fade),
+        cmocka_unit_test(a_clip_goes_to_another_layer),
+        cmocka_unit_test(what_is_not_possible_says_why_and_changes_nothing),
+        cmocka_unit_test(an_edit_from_elsewhere_ends_a_drag),
+        cmocka_unit_test(control_and_a_double_click_split),
+        cmocka_unit_test(the_lower_ruler_and_empty_lanes_scrub),
+        cmocka_unit_test(the_upper_ruler_makes_a_range_and_moves_its_ends),
+        cmocka_unit_test(a_double_click_on_the_ruler_asks_for_a_marker),
+        cmocka_unit_test(enter_names_a_marker_and_leaving_does_not),
+        cmocka_unit_test(switches_mute_solo_add_and_arm),
+        cmocka_unit_test(gain_is_dragged_and_names_are_dragged_into_another_order),
+        cmocka_unit_test(a_layer_is_renamed_and_given_parts),
+        cmocka_unit_test(the_wheel_zooms_about_the_pointer_and_shift_pans),
+        cmocka_unit_test(while_it_plays_the_page_turns),
+        cmocka_unit_test(a_swipe_over_another_take_is_one_step),
+        cmocka_unit_test(stars_are_given_with_a_click),
+        cmocka_unit_test(a_double_click_shows_a_take),
+        cmocka_unit_test(takes_are_found_by_words_stars_and_fate),
+        cmocka_unit_test(a_swipe_over_the_journal_keeps_that_span),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
