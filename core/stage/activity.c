@@ -1,0 +1,362 @@
+#include "stage/activity.h"
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    BINS = 8192, /* of the finest level; a power of two */
+    LEVELS = 14, /* each of half as many; the last is one bin */
+    ALL = OWN_REGION_COUNT
+};
+static const int64_t first_bin_ns = 4 * NS_PER_MS;
+/* A drag of clay counts as the way that it goes in so long. */
+static const double drag_span_s = 0.1;
+
+typedef struct tower { /* of a lane: the finest level, and above it each bin covers two */
+    activity_bin bin[2 * BINS];
+} tower;
+
+struct activity {
+    source_world world;
+    int64_t performance, from_ns, to_ns; /* show time: as far as it was recorded when opened */
+    source *source;
+    int64_t known_ns; /* source time */
+    int64_t bin_ns;
+    tower *lane;                                 /* ACTIVITY_LANES */
+    uint32_t *region_of_contact, *region_of_dof; /* bits */
+    double unit_mm;                              /* a tenth of the face's height */
+    float held[ACTIVITY_LANES];                  /* since the last sample */
+    void *state;                                 /* while it is opened anew */
+    size_t state_capacity;
+};
+
+/* ---- towers ---- */
+
+static size_t level_start(uint32_t level)
+{
+    return level == 0 ? 0 : 2 * (size_t)BINS - (2 * (size_t)BINS >> level);
+}
+
+static activity_bin unknown(void)
+{
+    return (activity_bin){INFINITY, -INFINITY};
+}
+
+static activity_bin join(activity_bin a, activity_bin b)
+{
+    return (activity_bin){fminf(a.least, b.least), fmaxf(a.greatest, b.greatest)};
+}
+
+static void clear_from(tower *t, size_t first)
+{
+    for (size_t i = first; i < 2 * (size_t)BINS; ++i)
+        t->bin[i] = unknown();
+}
+
+static void add(tower *t, size_t bin, float value)
+{
+    const activity_bin one = {value, value};
+    for (uint32_t level = 0; level < LEVELS; ++level, bin /= 2) {
+        activity_bin *b = &t->bin[level_start(level) + bin];
+        *b = join(*b, one);
+    }
+}
+
+/* Every bin covers twice as much. */
+static void coarsen(tower *t)
+{
+    activity_bin *b = t->bin;
+    for (size_t i = 0; i < BINS / 2; ++i)
+        b[i] = join(b[2 * i], b[2 * i + 1]);
+    for (size_t i = BINS / 2; i < BINS; ++i)
+        b[i] = unknown();
+    for (uint32_t level = 1; level < LEVELS; ++level) {
+        size_t below = level_start(level - 1), at = level_start(level);
+        for (size_t i = 0; i < (size_t)BINS >> level; ++i)
+            b[at + i] = join(b[below + 2 * i], b[below + 2 * i + 1]);
+    }
+}
+
+/* What was held until this instant fills the bins up to it; from here on it is `value`. */
+static void note(activity *self, int64_t source_ns, const float *value)
+{
+    while (source_ns / self->bin_ns >= BINS) {
+        for (uint32_t i = 0; i < ACTIVITY_LANES; ++i)
+            coarsen(&self->lane[i]);
+        self->bin_ns *= 2;
+    }
+    size_t bin = (size_t)(source_ns / self->bin_ns);
+    for (uint32_t i = 0; i < ACTIVITY_LANES; ++i) {
+        size_t first = self->known_ns < 0 ? bin : (size_t)(self->known_ns / self->bin_ns) + 1;
+        for (size_t between = first; between < bin; ++between)
+            add(&self->lane[i], between, self->held[i]);
+        add(&self->lane[i], bin, value[i]);
+        self->held[i] = value[i];
+    }
+    self->known_ns = source_ns;
+}
+
+/* ---- what a pull does to each part ---- */
+
+static uint32_t regions_of(const char *name)
+{
+    uint32_t out = 1u << ALL;
+    for (uint32_t r = 0; r < OWN_REGION_COUNT; ++r) {
+        const own_part *part = own_part_of((own_region)r);
+        for (uint32_t i = 0; part && i < part->pattern_count; ++i)
+            if (own_matches(part->pattern[i], name))
+                out |= 1u << r;
+    }
+    return out;
+}
+
+static mrt_result list_regions(activity *self, error *err)
+{
+    const mrt_face *about = composer_about(self->world.scratch);
+    self->region_of_contact =
+        calloc((size_t)about->contact_count + 1, sizeof *self->region_of_contact);
+    self->region_of_dof = calloc((size_t)about->dof_count + 1, sizeof *self->region_of_dof);
+    if (!self->region_of_contact || !self->region_of_dof)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+    for (uint32_t i = 0; i < about->contact_count; ++i)
+        self->region_of_contact[i] = regions_of(about->contacts[i].name);
+    for (uint32_t i = 0; i < about->dof_count; ++i)
+        self->region_of_dof[i] = regions_of(about->dofs[i].name);
+    self->unit_mm = fmax(0.1 * ((double)about->high.y - (double)about->low.y), 1e-6);
+    return MRT_OK;
+}
+
+typedef struct sums {
+    double square[ACTIVITY_LANES];
+    uint32_t count[ACTIVITY_LANES];
+} sums;
+
+static void add_amount(sums *s, uint32_t regions, double amount)
+{
+    for (uint32_t i = 0; i < ACTIVITY_LANES; ++i) {
+        if (!(regions & (1u << i)))
+            continue;
+        s->square[i] += amount * amount;
+        s->count[i] += 1;
+    }
+}
+
+static double squared_mm(mrt_vec3 a, mrt_vec3 b)
+{
+    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y,
+           z = (double)a.z - (double)b.z;
+    return x * x + y * y + z * z;
+}
+
+/* A free point counts where the nearest contact is. */
+static uint32_t regions_at(const activity *self, mrt_vec3 place)
+{
+    const mrt_face *about = composer_about(self->world.scratch);
+    uint32_t out = 1u << ALL;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < about->contact_count; ++i) {
+        double away = squared_mm(about->contacts[i].rest, place);
+        if (away >= least)
+            continue;
+        least = away;
+        out = self->region_of_contact[i];
+    }
+    return out;
+}
+
+static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double dt_s)
+{
+    const mrt_face *about = composer_about(self->world.scratch);
+    double scale = 1.0 / self->unit_mm;
+    if (pull->mode == MRT_IDLE)
+        return;
+    if (pull->mode == MRT_UNANCHORED)
+        scale *= dt_s > 0.0 ? drag_span_s / dt_s : 0.0;
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        const mrt_vector *v = &pull->vector[i];
+        bool is_known = v->contact > 0 && v->contact <= about->contact_count;
+        uint32_t regions =
+            is_known ? self->region_of_contact[v->contact - 1] : regions_at(self, v->start);
+        add_amount(s, regions, scale * sqrt(squared_mm(v->end, v->start)));
+    }
+    for (uint32_t i = 0; i < about->dof_count; ++i) {
+        double value = (double)pull->dof[i];
+        double end = value < 0.0 ? (double)about->dofs[i].min : (double)about->dofs[i].max;
+        if (!isnan(value) && fabs(end) > 0.0)
+            add_amount(s, self->region_of_dof[i], value / end);
+    }
+}
+
+static void measure(const activity *self, float out[ACTIVITY_LANES])
+{
+    const layer *of = source_layer(self->source);
+    const pointer *finger = layer_pointer(of);
+    double dt_s = layer_frame(of)->dt_s;
+    sums s = {{0}, {0}};
+    add_pull(self, &s, layer_pull(of), dt_s);
+    add_pull(self, &s, &finger->pull, dt_s);
+    add_pull(self, &s, &finger->places, finger->is_fresh ? dt_s : 0.0);
+    for (uint32_t i = 0; i < ACTIVITY_LANES; ++i)
+        out[i] = s.count[i] > 0 ? (float)sqrt(s.square[i] / s.count[i]) : 0.0f;
+}
+
+/* ---- made ---- */
+
+static mrt_result open_source(activity *self, error *err)
+{
+    show_performance of;
+    mrt_result result = show_performance_read(self->world.show, self->performance, &of, err);
+    if (result < 0)
+        return result;
+    self->from_ns = of.from_ns;
+    self->to_ns = of.to_ns;
+    show_performance_finish(&of);
+    return source_open(&self->source, &self->world, self->performance, err);
+}
+
+mrt_result activity_create(activity **out, const source_world *world, int64_t performance,
+                           error *err)
+{
+    *out = NULL;
+    activity *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+    self->world = *world;
+    self->performance = performance;
+    self->known_ns = -1;
+    self->bin_ns = first_bin_ns;
+    self->lane = malloc(ACTIVITY_LANES * sizeof *self->lane);
+    mrt_result result = self->lane
+                            ? list_regions(self, err)
+                            : error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+    for (uint32_t i = 0; i < ACTIVITY_LANES && result >= 0; ++i)
+        clear_from(&self->lane[i], 0);
+    if (result >= 0)
+        result = open_source(self, err);
+    if (result >= 0) /* it need not begin at rest */
+        result = source_seek(self->source, self->from_ns, err);
+    if (result < 0) {
+        activity_destroy(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+void activity_destroy(activity *self)
+{
+    if (!self)
+        return;
+    source_close(self->source);
+    free(self->lane);
+    free(self->region_of_contact);
+    free(self->region_of_dof);
+    free(self->state);
+    free(self);
+}
+
+/* ---- performed ---- */
+
+static bool keep_state(activity *self, size_t *out_size)
+{
+    *out_size = source_save(self->source, NULL, 0);
+    if (*out_size > self->state_capacity) {
+        void *grown = realloc(self->state, *out_size);
+        if (!grown)
+            return false;
+        self->state = grown;
+        self->state_capacity = *out_size;
+    }
+    return *out_size > 0 && source_save(self->source, self->state, *out_size) == *out_size;
+}
+
+/* A performance that goes on has more samples, and more that was said, than when it was opened. */
+static mrt_result open_further(activity *self, error *err)
+{
+    size_t size;
+    bool is_kept = keep_state(self, &size);
+    source_close(self->source);
+    self->source = NULL;
+    mrt_result result = open_source(self, err);
+    if (result < 0)
+        return result;
+    return is_kept ? source_load(self->source, self->state, size, err)
+                   : source_seek(self->source, self->from_ns + self->known_ns + 1, err);
+}
+
+static mrt_result look_further(activity *self, bool *out_has_more, error *err)
+{
+    show_performance of;
+    *out_has_more = false;
+    mrt_result result = show_performance_read(self->world.show, self->performance, &of, err);
+    if (result < 0)
+        return result;
+    *out_has_more = of.to_ns > self->to_ns;
+    show_performance_finish(&of);
+    return *out_has_more ? open_further(self, err) : MRT_OK;
+}
+
+mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
+{
+    float value[ACTIVITY_LANES];
+    bool has_looked = false, has_more = true;
+    for (uint32_t n = 0; n < samples_max;) {
+        int64_t next_ns;
+        mrt_result result = self->source ? source_next_ns(self->source, &next_ns, err) : MRT_END;
+        if (result < 0)
+            return result;
+        if (result == MRT_END || next_ns == INT64_MAX) {
+            if (has_looked || !self->source)
+                return MRT_END;
+            has_looked = true;
+            result = look_further(self, &has_more, err);
+            if (result < 0 || !has_more)
+                return result < 0 ? result : MRT_END;
+            continue;
+        }
+        const mrt_pull *pull = layer_pull(source_layer(self->source));
+        source_step(self->source, composer_is_near(self->world.scratch, pull));
+        measure(self, value);
+        int64_t source_ns = source_now_ns(self->source) - self->from_ns;
+        note(self, source_ns > 0 ? source_ns : 0, value);
+        n += 1;
+    }
+    return MRT_OK;
+}
+
+/* ---- read ---- */
+
+static activity_bin read_bin(const activity *self, const tower *t, int64_t from_ns, int64_t to_ns)
+{
+    activity_bin out = unknown();
+    if (to_ns <= 0 || from_ns > self->known_ns)
+        return out;
+    uint32_t level = 0;
+    while (level + 1 < LEVELS && (self->bin_ns << (level + 1)) <= (to_ns - from_ns) / 2)
+        level += 1;
+    int64_t size_ns = self->bin_ns << level;
+    int64_t count = (int64_t)BINS >> level;
+    int64_t first = from_ns > 0 ? from_ns / size_ns : 0, last = (to_ns - 1) / size_ns;
+    last = last < first ? first : last;
+    for (int64_t i = first; i <= last && i < count; ++i)
+        out = join(out, t->bin[level_start(level) + (size_t)i]);
+    return out;
+}
+
+void activity_read(const activity *self, uint32_t lane, int64_t from_ns, int64_t to_ns,
+                   uint32_t count, activity_bin *out)
+{
+    double span_ns = (double)(to_ns - from_ns);
+    for (uint32_t i = 0; i < count; ++i) {
+        int64_t a = from_ns + (int64_t)(span_ns * (double)i / (double)count);
+        int64_t b = from_ns + (int64_t)(span_ns * (double)(i + 1) / (double)count);
+        out[i] = lane < ACTIVITY_LANES ? read_bin(self, &self->lane[lane], a, b) : unknown();
+    }
+}
+
+int64_t activity_known_ns(const activity *self)
+{
+    return self->known_ns > 0 ? self->known_ns : 0;
+}
