@@ -167,11 +167,19 @@ bool viewport_vector_shown(const viewport_scene_of *of, uint32_t index, float ou
 
 static void add_vectors(viewport_scene *out, const viewport_scene_of *of)
 {
-    overlay_item arrow = {.kind = OVERLAY_ARROW, .width_px = vector_points * of->px_per_point};
+    overlay_item arrow = {.kind = OVERLAY_ARROW}, shade = arrow; /* legible on every skin */
+    arrow.width_px = vector_points * of->px_per_point;
+    shade.width_px = (vector_points + 1.6f) * of->px_per_point;
     set_ink(arrow.rgba, THEME_ACCENT, 1.0f);
-    for (uint32_t i = 0; i < of->view->pull.count; ++i)
-        if (viewport_vector_shown(of, i, arrow.from, arrow.to))
-            viewport_scene_add(out, &arrow);
+    set_ink(shade.rgba, THEME_STAGE, 0.8f);
+    for (uint32_t i = 0; i < of->view->pull.count; ++i) {
+        if (!viewport_vector_shown(of, i, arrow.from, arrow.to))
+            continue;
+        memcpy(shade.from, arrow.from, sizeof shade.from);
+        memcpy(shade.to, arrow.to, sizeof shade.to);
+        viewport_scene_add(out, &shade);
+        viewport_scene_add(out, &arrow);
+    }
 }
 
 static void add_supports(viewport_scene *out, const viewport_scene_of *of)
@@ -232,7 +240,7 @@ static void add_arc(viewport_scene *out, const viewport_scene_of *of, const rig_
     if (!jaw->has_incisor || bones_init(&b, of->file->rig, jaw->incisor, NULL) < 0)
         return;
     overlay_item line = {.kind = OVERLAY_LINE, .width_px = line_points * of->px_per_point};
-    set_ink(line.rgba, 0xe09a8affu, 0.75f);
+    set_ink(line.rgba, 0xe09a8affu, 1.0f);
     vec3 last = {0, 0, 0};
     for (int i = 0; i <= ARC_PARTS; ++i) {
         double open = jaw->open_min_rad + (jaw->open_max_rad - jaw->open_min_rad) * i / ARC_PARTS;
