@@ -1,0 +1,389 @@
+/* scene.h - the whole window in a test, with no display: a fresh show in a folder of its own, the
+ * puppet (or another face), no settings, no inputs but those that are asked for; frames, events,
+ * words and pictures. Include after cmocka.h; link marotte_window and depend on the plugins:
+ *
+ *     static void space_plays_the_take(void **state)
+ *     {
+ *         scene s;
+ *         (void)state;
+ *         scene_open(&s, 1280, 720, 1.0f);    skips the test where nothing can be drawn
+ *         scene_key(&s, 'R', 0);              keys, clicks, drags: whole, frames included
+ *         scene_click_word(&s, "Mapping");
+ *         assert_true(scene_until(&s, is_recording, NULL)); a condition of yours; bounded
+ *         scene_check_words(&s);              none overlaps, is cut, is hard to read
+ *         scene_picture(&s, "playing");       BUILD_DIR/out/playing.png: look at it
+ *         scene_close(&s);
+ *     }
+ *
+ *     marotte_test(NAME USES marotte_window)
+ *     add_dependencies(test_window_NAME plugin_log plugin_one_hand plugin_anchored)
+ *
+ * s.studio, s.desk, s.ui and s.front are there for the rest. Units are points. */
+#ifndef TESTS_WINDOW_SCENE_H
+#define TESTS_WINDOW_SCENE_H
+#include "base/clock.h"
+#include "window/desk.h"
+#include "window/front_hidden.h"
+#include "window/studio.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { SCENE_PATIENCE_S = 30, SCENE_LET_CUT = 8 };
+
+typedef struct scene {
+    char folder[64], show[96];
+    front *front;
+    studio *studio;
+    desk *desk;
+    ui *ui;
+    float width, height; /* points */
+    bool is_over;        /* the desk wants to be closed */
+    const char *let_cut[SCENE_LET_CUT];
+} scene;
+
+typedef struct scene_options {
+    uint32_t width_px, height_px;
+    float scale;
+    const char *face;    /* NULL: the puppet; "moai", or a path */
+    const char *mapping; /* NULL: one_hand */
+    const char *const *inputs;
+    uint32_t input_count;
+    const char *settings_path; /* NULL: none */
+    const char *show_path;     /* NULL: a new one in the folder */
+} scene_options;
+
+/* ---- life ---- */
+
+static inline void scene_face_path(char out[512], const char *name)
+{
+    if (strchr(name, '/'))
+        (void)snprintf(out, 512, "%s", name);
+    else
+        (void)snprintf(out, 512, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, name, name);
+}
+
+static inline void scene_frame(scene *s)
+{
+    if (!desk_frame(s->desk))
+        s->is_over = true;
+}
+
+static inline void scene_frames(scene *s, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        scene_frame(s);
+}
+
+/* Until all events have been handed over, and what they opened has its size. */
+static inline void scene_settle(scene *s)
+{
+    for (uint32_t i = 0; i < 1000 && !ui_is_idle(s->ui); ++i)
+        scene_frame(s);
+    scene_frames(s, 3);
+}
+
+typedef bool scene_condition(scene *s, void *data);
+/* Draws until the condition holds; false: it did not within SCENE_PATIENCE_S. */
+static inline bool scene_until(scene *s, scene_condition *holds, void *data)
+{
+    const int64_t end_ns = clock_now_ns() + SCENE_PATIENCE_S * NS_PER_S;
+    do {
+        scene_frame(s);
+        if (holds(s, data))
+            return true;
+    } while (clock_now_ns() < end_ns);
+    return false;
+}
+
+static inline bool scene_has_face(scene *s, void *data)
+{
+    (void)data;
+    return studio_view(s->studio)->number > 0;
+}
+
+static inline void scene_close(scene *s)
+{
+    char command[96];
+    desk_destroy(s->desk);
+    studio_destroy(s->studio);
+    front_close(s->front);
+    (void)snprintf(command, sizeof command, "rm -rf %s", s->folder);
+    if (system(command) != 0)
+        print_message("%s stays\n", s->folder);
+}
+
+/* Only the studio and its desk: what is in the folder stays, for a test that opens it again. */
+static inline void scene_open_again(scene *s, const scene_options *options)
+{
+    static const char *const none[] = {NULL};
+    char path[512];
+    error err = {0};
+    scene_face_path(path, options->face ? options->face : "puppet");
+    const studio_options with = {
+        .show_path = options->show_path ? options->show_path : s->show,
+        .face_path = path,
+        .mapping = options->mapping ? options->mapping : "one_hand",
+        .inputs = options->inputs ? options->inputs : none,
+        .input_count = options->input_count,
+        .settings_path = options->settings_path ? options->settings_path : "",
+    };
+    if (studio_create(&s->studio, &with, &err) < 0)
+        fail_msg("%s", err.text);
+    if (desk_create(&s->desk, s->studio, s->front, &err) < 0)
+        fail_msg("%s", err.text);
+    s->ui = desk_ui(s->desk);
+    s->is_over = false;
+    ui_note_words(s->ui, true);
+    if (!scene_until(s, scene_has_face, NULL))
+        fail_msg("no face was drawn within %d s", SCENE_PATIENCE_S);
+    scene_frames(s, 3);
+}
+
+static inline void scene_open_with(scene *s, const scene_options *options)
+{
+    error err = {0};
+    *s = (scene){.width = (float)options->width_px / options->scale,
+                 .height = (float)options->height_px / options->scale};
+    (void)setenv("MAROTTE_PLUGIN_PATH", BUILD_DIR "/plugins", 1);
+    (void)snprintf(s->folder, sizeof s->folder, "/tmp/marotte_scene_XXXXXX");
+    if (front_open_hidden(&s->front, options->width_px, options->height_px, options->scale,
+                          1.0 / 60.0, &err) < 0) {
+        print_message("SKIPPED: %s\n", err.text);
+        skip();
+    }
+    assert_non_null(mkdtemp(s->folder));
+    (void)snprintf(s->show, sizeof s->show, "%s/night.marotte", s->folder);
+    scene_open_again(s, options);
+}
+
+static inline void scene_open(scene *s, uint32_t width_px, uint32_t height_px, float scale)
+{
+    const scene_options options = {.width_px = width_px, .height_px = height_px, .scale = scale};
+    scene_open_with(s, &options);
+}
+
+/* ---- events ---- */
+
+static inline void scene_push(scene *s, ui_event event)
+{
+    ui_push(s->ui, &event);
+}
+
+static inline void scene_move(scene *s, float x, float y)
+{
+    scene_push(s, (ui_event){.kind = UI_EVENT_MOVE, .x = x, .y = y});
+}
+
+static inline void scene_button(scene *s, uint32_t button, bool is_down)
+{
+    scene_push(s, (ui_event){.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down});
+}
+
+static inline void scene_hold_key(scene *s, uint32_t key, bool is_down)
+{
+    scene_push(s, (ui_event){.kind = UI_EVENT_KEY, .code = key, .is_down = is_down});
+}
+
+static inline void scene_modifiers(scene *s, uint32_t modifiers, bool is_down)
+{
+    static const uint32_t keys[][2] = {
+        {UI_SHIFT, UI_KEY_SHIFT}, {UI_CONTROL, UI_KEY_CONTROL}, {UI_ALT, UI_KEY_ALT}};
+    for (size_t i = 0; i < 3; ++i)
+        if (modifiers & keys[i][0])
+            scene_hold_key(s, keys[i][1], is_down);
+}
+
+static inline void scene_key(scene *s, uint32_t key, uint32_t modifiers)
+{
+    scene_modifiers(s, modifiers, true);
+    scene_hold_key(s, key, true);
+    scene_hold_key(s, key, false);
+    scene_modifiers(s, modifiers, false);
+    scene_settle(s);
+}
+
+static inline void scene_do(scene *s, action of)
+{
+    scene_key(s, action_of(of)->key, action_of(of)->modifiers);
+}
+
+static inline void scene_type(scene *s, const char *ascii)
+{
+    for (; *ascii; ++ascii)
+        scene_push(s, (ui_event){.kind = UI_EVENT_TEXT, .code = (uint32_t)(unsigned char)*ascii});
+    scene_settle(s);
+}
+
+static inline void scene_click_with(scene *s, float x, float y, uint32_t button)
+{
+    scene_move(s, x, y);
+    scene_settle(s); /* what is hovered shows itself first, as to a person */
+    scene_button(s, button, true);
+    scene_button(s, button, false);
+    scene_settle(s);
+}
+
+static inline void scene_click(scene *s, float x, float y)
+{
+    scene_click_with(s, x, y, 0);
+}
+
+static inline void scene_drag(scene *s, float x0, float y0, float x1, float y1, uint32_t steps)
+{
+    scene_move(s, x0, y0);
+    scene_settle(s);
+    scene_button(s, 0, true);
+    for (uint32_t i = 1; i <= steps; ++i) {
+        const float share = (float)i / (float)steps;
+        scene_move(s, x0 + share * (x1 - x0), y0 + share * (y1 - y0));
+        scene_frame(s);
+    }
+    scene_button(s, 0, false);
+    scene_settle(s);
+}
+
+/* ---- words ---- */
+
+/* The first of that text; NULL: it is not on the screen. Until the next frame. */
+static inline const ui_word *scene_word(scene *s, const char *text)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strcmp(words[i].text, text) == 0)
+            return &words[i];
+    return NULL;
+}
+
+/* Some word that contains it. */
+static inline const ui_word *scene_word_with(scene *s, const char *part)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strstr(words[i].text, part))
+            return &words[i];
+    return NULL;
+}
+
+static inline void scene_click_word(scene *s, const char *text)
+{
+    const ui_word *word = scene_word(s, text);
+    if (!word)
+        fail_msg("\"%s\" is not on the screen", text);
+    else
+        scene_click(s, word->where.x + 0.5f * word->where.width,
+                    word->where.y + 0.5f * word->where.height);
+}
+
+/* Words with this in them may end with an ellipsis: names and paths. The text must live on. */
+static inline void scene_let_cut(scene *s, const char *part)
+{
+    for (size_t i = 0; i < SCENE_LET_CUT; ++i)
+        if (!s->let_cut[i]) {
+            s->let_cut[i] = part;
+            return;
+        }
+}
+
+static inline float scene_channel(uint32_t colour, uint32_t shift)
+{
+    const float part = (float)(colour >> shift & 0xffu) / 255.0f;
+    return part <= 0.04045f ? part / 12.92f : powf((part + 0.055f) / 1.055f, 2.4f);
+}
+
+/* As WCAG 2 counts it. */
+static inline float scene_contrast(uint32_t a, uint32_t b)
+{
+    float light[2];
+    const uint32_t both[2] = {a, b};
+    for (size_t i = 0; i < 2; ++i)
+        light[i] = 0.2126f * scene_channel(both[i], 24) + 0.7152f * scene_channel(both[i], 16) +
+                   0.0722f * scene_channel(both[i], 8);
+    return (fmaxf(light[0], light[1]) + 0.05f) / (fminf(light[0], light[1]) + 0.05f);
+}
+
+static inline ui_rectangle scene_seen(const ui_word *word)
+{
+    const ui_rectangle a = word->where, b = word->clip;
+    const float x0 = fmaxf(a.x, b.x), y0 = fmaxf(a.y, b.y);
+    const float x1 = fminf(a.x + a.width, b.x + b.width),
+                y1 = fminf(a.y + a.height, b.y + b.height);
+    return (ui_rectangle){x0, y0, fmaxf(x1 - x0, 0.0f), fmaxf(y1 - y0, 0.0f)};
+}
+
+/* Of two words that touch by less than half a point nobody speaks. */
+static inline bool scene_overlap(ui_rectangle a, ui_rectangle b)
+{
+    return a.x + 0.5f < b.x + b.width && b.x + 0.5f < a.x + a.width &&
+           a.y + 0.5f < b.y + b.height && b.y + 0.5f < a.y + a.height;
+}
+
+static inline bool scene_may_be_cut(const scene *s, const ui_word *word)
+{
+    for (size_t i = 0; i < SCENE_LET_CUT && s->let_cut[i]; ++i)
+        if (strstr(word->text, s->let_cut[i]))
+            return true;
+    return false;
+}
+
+/* Each fault is told; returns how many there are. */
+static inline uint32_t scene_word_faults(scene *s)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    uint32_t faults = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const ui_word *word = &words[i];
+        const ui_rectangle seen = scene_seen(word);
+        if (seen.width <= 0.0f || seen.height <= 0.0f)
+            continue;
+        if (word->is_cut && !scene_may_be_cut(s, word)) {
+            print_message("cut: \"%s\"\n", word->text);
+            faults += 1;
+        }
+        if (seen.width + 0.6f < word->where.width && !scene_may_be_cut(s, word)) {
+            print_message("beyond its panel: \"%s\"\n", word->text);
+            faults += 1;
+        }
+        if (word->ground && scene_contrast(word->colour, word->ground) < 4.5f) {
+            print_message("contrast %.2f: \"%s\", #%08x on #%08x\n",
+                          (double)scene_contrast(word->colour, word->ground), word->text,
+                          word->colour, word->ground);
+            faults += 1;
+        }
+        for (uint32_t k = 0; k < i; ++k)
+            if (scene_overlap(seen, scene_seen(&words[k]))) {
+                print_message("\"%s\" overlaps \"%s\" at %.0f, %.0f\n", word->text, words[k].text,
+                              (double)seen.x, (double)seen.y);
+                faults += 1;
+            }
+    }
+    return faults;
+}
+
+static inline void scene_check_words(scene *s)
+{
+    const uint32_t faults = scene_word_faults(s);
+    if (faults)
+        fail_msg("%u faults of words", faults);
+}
+
+/* ---- pictures ---- */
+
+static inline void scene_picture(scene *s, const char *name)
+{
+    char path[512];
+    error err = {0};
+    (void)mkdir(BUILD_DIR "/out", 0777);
+    (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
+    if (front_picture(s->front, path, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+#endif
