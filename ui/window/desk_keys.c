@@ -50,6 +50,13 @@ static void escape(desk *self)
         looks->is_face_only = false;
 }
 
+/* The brush of the rig panel has these while it is on. */
+static bool is_of_brush(desk *self, const action_entry *entry)
+{
+    return studio_looks_of(self->studio)->is_painting && entry->modifiers == 0 &&
+           (entry->key == '[' || entry->key == ']');
+}
+
 void desk_dispatch_keys(desk *self)
 {
     const bool is_hand = studio_has_hand_keys(self->studio);
@@ -59,7 +66,7 @@ void desk_dispatch_keys(desk *self)
     }
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
         const action_entry *entry = action_of((action)i);
-        if (entry->key == 0 || (is_hand && !is_beside_hand(entry)))
+        if (entry->key == 0 || (is_hand && !is_beside_hand(entry)) || is_of_brush(self, entry))
             continue;
         if (is_wanted(self, entry))
             studio_do(self->studio, entry->id);

@@ -53,12 +53,13 @@ void viewport_paint(viewport *self, const float *rgb);
  * and normal vertex_count by 3, mm, as live_view's; the stage performs on. NULL: the stage's again.
  * Copied. */
 void viewport_stand_in(viewport *self, const float *position, const float *normal);
-/* Extra things in space (a gizmo): copied, until said again. */
+/* Extra things in space (a gizmo): copied, until said again. Their width_px are points here. */
 struct overlay_item;
 void viewport_add(viewport *self, const struct overlay_item *item, uint32_t count);
 /* The face alone as a texture for the output window. */
 uint32_t viewport_output(viewport *self, uint32_t width, uint32_t height);
-uint64_t viewport_drawn(const viewport *self); /* how often it drew the face: not while all is still */
+uint64_t
+viewport_drawn(const viewport *self); /* how often it drew the face: not while all is still */
 /* The one of the desk; NULL: none (a test of a panel alone). */
 viewport *studio_viewport(studio *self);
 void studio_set_viewport(studio *self, viewport *v);

@@ -3,9 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { ARC_STEPS = 12 };
+enum { ARC_STEPS = 12, LAYERS = 3 };
 static const float axis_rgba[4] = {0.95f, 0.45f, 0.70f, 0.95f};
 static const float end_rgba[4] = {0.90f, 0.42f, 0.66f, 1.0f};
+static const float rim_rgba[4] = {0.06f, 0.06f, 0.07f, 0.9f};
 static const float held_rgba[4] = {0.98f, 0.80f, 0.40f, 1.0f};
 static const float arc_rgba[4] = {0.95f, 0.75f, 0.45f, 0.85f};
 
@@ -94,12 +95,22 @@ static overlay_item line(vec3 from, vec3 to, float width_px, const float rgba[4]
     return out;
 }
 
-static overlay_item ball(vec3 at, double radius_mm, const float rgba[4])
+static overlay_item dot(vec3 at, float width_px, const float rgba[4])
 {
-    overlay_item out = {.kind = OVERLAY_BALL, .radius_mm = (float)radius_mm};
+    overlay_item out = {.kind = OVERLAY_DOT, .width_px = width_px};
     set_place(out.from, at);
     memcpy(out.rgba, rgba, sizeof out.rgba);
     return out;
+}
+
+static uint32_t draw_handle(overlay_item *out, vec3 at, float width_px, const float rgba[4])
+{
+    uint32_t count = 0;
+    for (int i = 0; i < LAYERS; ++i)
+        out[count++] = dot(at, width_px + 3.0f, rim_rgba);
+    for (int i = 0; i < LAYERS; ++i)
+        out[count++] = dot(at, width_px, rgba);
+    return count;
 }
 
 /* The incisor turned about the axis alone, from closed to wide open. */
@@ -117,20 +128,20 @@ static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
     return ARC_STEPS;
 }
 
-uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw, double size_mm,
-                        rig_handle held)
+uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw, rig_handle held)
 {
     uint32_t count = 0;
     vec3 place[RIG_HANDLES];
     rig_gizmo_places(place, jaw);
-    out[count++] = line(jaw->right, jaw->left, 2.5f, axis_rgba);
-    for (int i = 0; i < RIG_HANDLES; ++i) {
-        if (i == RIG_HANDLE_INCISOR && !jaw->has_incisor)
-            continue;
-        double part = i == RIG_HANDLE_INCISOR ? 0.6 : 1.0;
-        out[count++] = ball(place[i], part * size_mm, i == (int)held ? held_rgba : end_rgba);
-    }
+    for (int i = 0; i < LAYERS; ++i)
+        out[count++] = line(jaw->right, jaw->left, 3.0f, axis_rgba);
     if (jaw->has_incisor)
         count += draw_arc(out + count, jaw);
+    for (int i = 0; i < RIG_HANDLES; ++i) {
+        float width_px = i == RIG_HANDLE_INCISOR ? 11.0f : 16.0f;
+        if (i != RIG_HANDLE_INCISOR || jaw->has_incisor)
+            count +=
+                draw_handle(out + count, place[i], width_px, i == (int)held ? held_rgba : end_rgba);
+    }
     return count;
 }

@@ -28,10 +28,11 @@ void rig_gizmo_places(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw);
  * the incisor in the middle. */
 void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm);
 
-enum { RIG_GIZMO_ITEMS = 24 };
-/* The axis, its ends, the incisor and the way that it opens along; held: RIG_HANDLES: none. Returns
- * how many. */
-uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw, double size_mm,
+enum { RIG_GIZMO_ITEMS = 48 };
+/* The axis, its ends, the incisor and the way that it opens along; widths in points. Most of it is
+ * inside the head, where things are drawn faintly: so each is there several times. held:
+ * RIG_HANDLES: none. Returns how many. */
+uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw,
                         rig_handle held);
 
 #endif

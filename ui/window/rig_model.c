@@ -36,15 +36,19 @@ static mrt_result no_memory(error *err)
 
 /* ---- made ---- */
 
-/* "head.glb" gives "head.rig.json". */
+/* "head.glb" gives "head.rig.json", or where there is one already "head.2.rig.json": a draft never
+ * takes the place of somebody's rig. */
 static char *rig_path_for(const char *mesh_path)
 {
     const char *slash = strrchr(mesh_path, '/'), *dot = strrchr(mesh_path, '.');
     size_t length = dot && (!slash || dot > slash) ? (size_t)(dot - mesh_path) : strlen(mesh_path);
-    size_t size = length + sizeof ".rig.json";
+    size_t size = length + sizeof ".4294967295.rig.json";
     char *out = malloc(size);
-    if (out)
-        (void)snprintf(out, size, "%.*s.rig.json", (int)length, mesh_path);
+    if (!out)
+        return NULL;
+    (void)snprintf(out, size, "%.*s.rig.json", (int)length, mesh_path);
+    for (uint32_t number = 2; access(out, F_OK) == 0; ++number)
+        (void)snprintf(out, size, "%.*s.%u.rig.json", (int)length, mesh_path, number);
     return out;
 }
 

@@ -53,6 +53,8 @@ static void draw_finding(rig_panel *self, ui *on, const rig *r, const rig_findin
         [RIG_NOTE] = UI_STYLE_DIM, [RIG_WARNING] = UI_STYLE_WARNING, [RIG_ERROR] = UI_STYLE_BAD};
     char title[TITLE];
     title_of(r, finding, number, title, sizeof title);
+    if (title[0] >= 'a' && title[0] <= 'z')
+        title[0] = (char)(title[0] - 'a' + 'A');
     if (ui_row(on, title, false) != UI_ROW_NONE)
         go_to(self, r, finding);
     ui_text_wrapped(on, style[finding->severity], finding->text);

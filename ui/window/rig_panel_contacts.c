@@ -6,11 +6,18 @@
 #include <string.h>
 
 enum { BONE_ITEMS = RIG_BONES_MAX + 1 };
-static const float list_height = 220.0f, vertex_width = 62.0f;
+static const float vertex_width = 62.0f, vertex_end = 292.0f;
+static const float list_least = 130.0f, list_most = 480.0f, below_list = 175.0f; /* points high */
+
+static float list_height(const ui *on)
+{
+    float left = ui_available_height(on) - below_list;
+    return left < list_least ? list_least : left > list_most ? list_most : left;
+}
 
 static void draw_list(rig_panel *self, ui *on, const rig *r)
 {
-    ui_scroll_begin(on, "contacts", 0.0f, list_height);
+    ui_scroll_begin(on, "contacts", 0.0f, list_height(on));
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         char label[160], vertex[32];
         (void)snprintf(label, sizeof label, "%s##contact%u", r->contact[i].name, i);
@@ -19,6 +26,7 @@ static void draw_list(rig_panel *self, ui *on, const rig *r)
         if (ui_row(on, label, i == self->contact) != UI_ROW_NONE)
             rig_panel_choose(self, RIG_TAB_CONTACTS, i == self->contact ? RIG_NONE : i);
         ui_same_line(on);
+        ui_at(on, vertex_end - ui_text_width(on, UI_STYLE_DIM, vertex));
         ui_text(on, UI_STYLE_DIM, vertex);
     }
     if (r->contact_count == 0)
@@ -38,6 +46,9 @@ static void draw_name(rig_panel *self, ui *on, const rig *r)
         placing->name_of = self->contact;
         placing->name_number = number;
     }
+    ui_text(on, UI_STYLE_DIM, "Name");
+    ui_same_line(on);
+    ui_at(on, RIG_PANEL_LABEL);
     ui_width(on, -1.0f);
     if (!ui_input(on, "contact name", "name", placing->name, sizeof placing->name))
         return;
@@ -93,14 +104,14 @@ static void draw_chosen(rig_panel *self, ui *on, const rig *r)
 {
     const rig_contact *contact = &r->contact[self->contact];
     uint64_t number = rig_model_number(self->model);
-    ui_fact(on, "Mirror", RIG_PANEL_LABEL, UI_STYLE_BODY,
-            contact->mirror == RIG_NONE ? "none" : r->contact[contact->mirror].name);
     draw_name(self, on, r);
     if (number != rig_model_number(self->model))
         return;
     draw_bone(self, on, r);
     if (number != rig_model_number(self->model))
         return;
+    ui_fact(on, "Mirror", RIG_PANEL_LABEL, UI_STYLE_BODY,
+            contact->mirror == RIG_NONE ? "none" : r->contact[contact->mirror].name);
     if (ui_button(on, "Mirror it", UI_PLAIN))
         mirror(self);
     ui_hint(on,
@@ -115,7 +126,7 @@ void rig_panel_draw_contacts(rig_panel *self, ui *on)
     rig_placing *placing = &self->placing;
     draw_list(self, on, rig_model_rig(self->model));
     if (ui_button(on, placing->is_adding ? "Click on the face##add" : "Add a contact##add",
-                  placing->is_adding ? UI_ACCENT : UI_QUIET))
+                  placing->is_adding ? UI_ACCENT : UI_PLAIN))
         placing->is_adding = !placing->is_adding;
     ui_same_line(on);
     ui_at(on, 168.0f);

@@ -86,7 +86,7 @@ static void draw_try(rig_panel *self, ui *on)
             ui_slider(on, "Forward##try", RIG_PANEL_LABEL, &forward, &jawing->forward_mm) || is_new;
     (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
     ui_fact(on, "Teeth go", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
-    if (ui_button(on, "Close##try", UI_QUIET)) {
+    if (ui_button(on, "Close##try", UI_PLAIN)) {
         jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
         is_new = true;
     }

@@ -8,28 +8,45 @@
 #include <string.h>
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
-static const float list_height = 148.0f, chip_width = 8.0f, size_width = 62.0f;
+static const float chip_width = 8.0f, size_width = 62.0f, size_end = 292.0f;
+static const float list_least = 150.0f, list_most = 420.0f;         /* points high */
+static const float below_list = 235.0f, below_list_chosen = 405.0f; /* what comes below it */
 
 typedef enum region_kind { KIND_RIDES = 0, KIND_RIGID, KIND_MOBILITY } region_kind;
 static const char *const kind_items[] = {"rides on it", "rigid on it", "only mobility"};
 
 /* ---- the list ---- */
 
+static void say_share(char *out, size_t capacity, const char *what, double share)
+{
+    if (share < 1.0)
+        (void)snprintf(out, capacity, "%s %.0f %%", what, 100.0 * share);
+    else
+        (void)snprintf(out, capacity, "%s", what);
+}
+
+/* What it says: "jaw, rigid", "skull 50 %, mobile", "immobile". */
+static void say_region(const rig *r, const rig_region *region, char *out, size_t capacity)
+{
+    char rides[96] = "", mobile[32] = "";
+    const char *bone = region->bone == RIG_NONE ? "" : r->bone[region->bone].name;
+    if (region->is_rigid)
+        (void)snprintf(rides, sizeof rides, "%s, rigid", bone);
+    else if (!isnan(region->weight))
+        say_share(rides, sizeof rides, bone, region->weight);
+    if (!isnan(region->mobility) && region->mobility > 0.0)
+        say_share(mobile, sizeof mobile, "mobile", region->mobility);
+    else if (!isnan(region->mobility))
+        (void)snprintf(mobile, sizeof mobile, "immobile");
+    (void)snprintf(out, capacity, "%s%s%s", rides, rides[0] && mobile[0] ? ", " : "", mobile);
+}
+
 static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
 {
+    char words[140];
     const rig_region *region = &r->region[index];
-    const char *bone = region->bone == RIG_NONE ? "" : r->bone[region->bone].name;
-    if (region->name)
-        (void)snprintf(out, capacity, "%s##region%u", region->name, index);
-    else if (region->is_rigid)
-        (void)snprintf(out, capacity, "%s, rigid##region%u", bone, index);
-    else if (isnan(region->weight))
-        (void)snprintf(out, capacity, "mobility %.3g##region%u", region->mobility, index);
-    else if (isnan(region->mobility))
-        (void)snprintf(out, capacity, "%s %.3g##region%u", bone, region->weight, index);
-    else
-        (void)snprintf(out, capacity, "%s %.3g, mobility %.3g##region%u", bone, region->weight,
-                       region->mobility, index);
+    say_region(r, region, words, sizeof words);
+    (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
 }
 
 static void draw_chip(ui *on, uint32_t colour, uint32_t index)
@@ -52,12 +69,20 @@ static void draw_size(const rig_panel *self, ui *on, uint32_t index)
     if (rig_model_is_laid(self->model) && work->region_size && index < work->rig.region_count)
         (void)snprintf(text, sizeof text, "%u", work->region_size[index]);
     ui_same_line(on);
+    ui_at(on, size_end - ui_text_width(on, UI_STYLE_DIM, text));
     ui_text(on, UI_STYLE_DIM, text);
+}
+
+static float list_height(const rig_panel *self, const ui *on)
+{
+    float below = self->region == RIG_NONE ? below_list : below_list_chosen;
+    float left = ui_available_height(on) - below;
+    return left < list_least ? list_least : left > list_most ? list_most : left;
 }
 
 static void draw_list(rig_panel *self, ui *on, const rig *r)
 {
-    ui_scroll_begin(on, "regions", 0.0f, list_height);
+    ui_scroll_begin(on, "regions", 0.0f, list_height(self, on));
     for (uint32_t i = 0; i < r->region_count; ++i) {
         char label[160];
         label_of(r, i, label, sizeof label);
@@ -143,6 +168,9 @@ static void draw_name(rig_panel *self, ui *on, const rig_region *region)
         self->region_name_of = self->region;
         self->region_name_number = number;
     }
+    ui_text(on, UI_STYLE_DIM, "Name");
+    ui_same_line(on);
+    ui_at(on, RIG_PANEL_LABEL);
     ui_width(on, -1.0f);
     if (!ui_input(on, "region name", "no name", self->region_name, sizeof self->region_name))
         return;
@@ -271,7 +299,7 @@ void rig_panel_draw_regions(rig_panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     draw_list(self, on, r);
-    if (ui_button(on, "Add a region", UI_QUIET)) {
+    if (ui_button(on, "Add a region", UI_PLAIN)) {
         add(self);
         return;
     }

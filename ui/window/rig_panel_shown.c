@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ITEMS_MAX = 512 };
+enum { ITEMS_MAX = 900 };
 static const float dot_rgba[4] = {0.96f, 0.94f, 0.88f, 0.95f};
+static const float rim_rgba[4] = {0.06f, 0.06f, 0.07f, 0.8f};
 static const float chosen_rgba[4] = {0.98f, 0.74f, 0.28f, 1.0f};
-static const double handle_share = 1.0 / 55.0; /* of the face's height: a ball of the gizmo */
 
 /* ---- memory ---- */
 
@@ -209,21 +209,19 @@ static overlay_item dot_at(vec3 at, float width_px, const float rgba[4])
     return out;
 }
 
+/* Those behind something are drawn faintly: twice, so that they are found. */
 static uint32_t add_contacts(const rig_panel *self, overlay_item *out)
 {
-    uint32_t count = rig_model_rig(self->model)->contact_count;
-    count = count < ITEMS_MAX ? count : ITEMS_MAX;
-    for (uint32_t i = 0; i < count; ++i)
-        out[i] = i == self->contact ? dot_at(rig_panel_contact_at(self, i), 13.0f, chosen_rgba)
-                                    : dot_at(rig_panel_contact_at(self, i), 8.0f, dot_rgba);
+    uint32_t contacts = rig_model_rig(self->model)->contact_count, count = 0;
+    for (uint32_t i = 0; i < contacts && count + 4 <= ITEMS_MAX; ++i) {
+        bool is_chosen = i == self->contact;
+        vec3 at = rig_panel_contact_at(self, i);
+        float width_px = is_chosen ? 12.0f : 8.0f;
+        out[count++] = dot_at(at, width_px + 2.0f, rim_rgba);
+        out[count++] = dot_at(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
+        out[count++] = dot_at(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
+    }
     return count;
-}
-
-static double height_of(const mesh *m)
-{
-    float low[3], high[3];
-    mesh_bounds(m, low, high);
-    return (double)high[1] - (double)low[1];
 }
 
 static void tell_items(const rig_panel *self, viewport *view)
@@ -233,9 +231,7 @@ static void tell_items(const rig_panel *self, viewport *view)
     if (self->tab == RIG_TAB_CONTACTS)
         count = add_contacts(self, item);
     if (self->tab == RIG_TAB_JAW && rig_panel_jaw(rig_model_rig(self->model)) != RIG_NONE)
-        count = rig_gizmo_draw(item, &self->jawing.jaw,
-                               handle_share * height_of(rig_model_mesh(self->model)),
-                               self->jawing.held);
+        count = rig_gizmo_draw(item, &self->jawing.jaw, self->jawing.held);
     viewport_add(view, item, count);
 }
 
@@ -249,6 +245,7 @@ void rig_panel_show(rig_panel *self, viewport *view)
         return;
     }
     self->shown.is_released = false;
+    studio_looks_of(self->of)->is_painting = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
     tell_tint(self, view, r);
     tell_shape(self, view);
     tell_items(self, view);
@@ -259,6 +256,7 @@ void rig_panel_release(rig_panel *self, viewport *view)
     if (self->shown.is_released)
         return;
     rig_panel_end_stroke(self);
+    studio_looks_of(self->of)->is_painting = false;
     viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
     viewport_paint(view, NULL);
     viewport_stand_in(view, NULL, NULL);

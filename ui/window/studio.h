@@ -147,6 +147,7 @@ typedef struct studio_looks { /* how it is shown; kept between runs */
     bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw;
     bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
     bool has_output, is_output_mirrored;
+    bool is_painting; /* not kept: the brush is on, [ and ] are its size */
     studio_heat heat;
     studio_panel panel;
     float timeline_height, dock_width;

@@ -337,8 +337,11 @@ static void make_scene(viewport *self)
                             .contact_position = self->shape,
                             .stands_in = self->stands_in};
     viewport_scene_make(&self->scene, &of);
-    for (uint32_t i = 0; i < self->extra_count; ++i)
-        viewport_scene_add(&self->scene, &self->extra[i]);
+    for (uint32_t i = 0; i < self->extra_count; ++i) {
+        overlay_item item = self->extra[i];
+        item.width_px *= self->px_per_point;
+        viewport_scene_add(&self->scene, &item);
+    }
 }
 
 static uint32_t draw_picture(viewport *self)
