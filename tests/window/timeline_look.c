@@ -145,6 +145,18 @@ static void other_takes(void **state)
     s.panel->has_comps = true;
     seen(&s, "comps");
     stand_close(&s);
+    stand_open(&s, 950.0f, 250.0f, 1.0f);
+    stand_choose(&s, five_layers());
+    stand_click(&s, stand_x(&s, 10.0), stand_y(&s, 0));
+    stand_drag(&s, stand_x(&s, 22.0), stand_y(&s, 2), stand_x(&s, 19.0), stand_y(&s, 4));
+    seen(&s, "narrow");
+    stand_double_click(&s, stand_x(&s, 23.0), stand_y(&s, 2));
+    stand_picture(&s, "clip_dialog"); /* over what is below it */
+    stand_key(&s, UI_KEY_ESCAPE, true);
+    stand_key(&s, UI_KEY_ESCAPE, false);
+    stand_double_click(&s, 230.0f, s.panel->rows.row[3].y + 8.0f);
+    stand_picture(&s, "layer_dialog"); /* over what is below it */
+    stand_close(&s);
 }
 
 int main(void)

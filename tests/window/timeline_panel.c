@@ -27,7 +27,7 @@ static take two_layers(void)
 static stand *open_stand(void)
 {
     static stand s;
-    stand_open(&s, 1280.0f, 300.0f, 1.0f);
+    stand_open(&s, 1200.0f, 300.0f, 1.0f);
     stand_choose(&s, two_layers());
     return &s;
 }

@@ -221,51 +221,6 @@ static void follow_head(panel *self)
 
 /* ---- drawing ---- */
 
-static void paint_region_choice(panel *self, ui *on, const ui_canvas *canvas)
-{
-    bool is_clicked = canvas->is_pressed && canvas->button == 0;
-    float x = self->rows.x + 8.0f, y = self->rows.y + 3.0f;
-    float px = canvas->where.x + canvas->x, py = canvas->where.y + canvas->y;
-    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
-        /* a letter each, of its name */
-        static const char *const letter[OWN_REGION_COUNT] = {"M", "J", "B", "L",
-                                                             "E", "C", "N", "H"};
-        ui_rectangle box = {x, y, 19.0f, 18.0f};
-        bool is_on = (self->regions & 1u << region) != 0;
-        bool is_over = canvas->is_hovered && px >= box.x && px < box.x + box.width && py >= box.y &&
-                       py < box.y + box.height;
-        ui_draw_box(on, box, is_on ? THEME_ACCENT : is_over ? THEME_HOVER : THEME_RAISED, 4.0f);
-        float width = ui_text_width(on, UI_STYLE_BODY, letter[region]);
-        ui_draw_text(on, x + 0.5f * (box.width - width), y, UI_STYLE_BODY,
-                     is_on ? THEME_STAGE : THEME_DIM, 0.0f, letter[region]);
-        if (is_over)
-            self->hint = own_part_of((own_region)region)->name;
-        if (is_over && is_clicked && self->regions != 1u << region)
-            self->regions ^= 1u << region;
-        x += 21.0f;
-    }
-    ui_draw_text(on, self->rows.x + 8.0f, y + 20.0f, UI_STYLE_BODY, THEME_DIM,
-                 TIMELINE_HEAD_WIDTH - 16.0f,
-                 self->comps && self->comps->count ? "what a swipe takes" : "no other takes");
-}
-
-/* Within a frame the ruler's labels do not say which: its left end does. */
-static void paint_corner(panel *self, ui *on, const take *t)
-{
-    timeline_code code = timeline_code_now(self);
-    char words[TIMECODE_TEXT];
-    float x = self->rows.x + 8.0f, width = TIMELINE_HEAD_WIDTH - 16.0f;
-    double frame_ns = 1e9 * code.rate.den / code.rate.num;
-    ui_draw_text(on, x, self->rows.y + 4.0f, UI_STYLE_STRONG, THEME_TEXT, width,
-                 t->name[0] ? t->name : "Layers");
-    if (frame_ns < 0.5 * self->axis.ns_per_point * (double)self->axis.width)
-        return;
-    timeline_code_write(words, &code, self->axis.from_ns);
-    float own = ui_text_width(on, UI_STYLE_NUMBER, words);
-    ui_draw_text(on, x + width - own, self->rows.y + 21.0f, UI_STYLE_NUMBER, THEME_DIM, 0.0f,
-                 words);
-}
-
 static void paint_why(panel *self, ui *on)
 {
     const char *why = self->drag.why.text;
@@ -291,10 +246,7 @@ static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
     timeline_rows_lay(&self->rows, t, self->comps ? self->comps->count : 0, canvas->where.x,
                       canvas->where.y, canvas->where.width, canvas->where.height, self->scroll);
     timeline_paint_ruler(self, on);
-    if (self->has_comps)
-        paint_region_choice(self, on, canvas);
-    else
-        paint_corner(self, on, t);
+    timeline_paint_corner(self, on, canvas);
     timeline_paint_rows(self, on);
     timeline_paint_head(self, on);
     paint_why(self, on);

@@ -105,6 +105,8 @@ void timeline_history_dialog(panel *self, ui *on);
 /* timeline_paint_ruler.c */
 void timeline_paint_ruler(panel *self, ui *on);
 void timeline_paint_head(panel *self, ui *on); /* over everything */
+/* timeline_paint_corner.c */
+void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 /* timeline_paint_rows.c */
 void timeline_paint_rows(panel *self, ui *on);
 /* timeline_paint_clip.c */

@@ -13,8 +13,8 @@ typedef struct pen { /* along the strip */
     panel *self;
     ui *on;
     const ui_canvas *canvas;
-    float x, y, end, undo;        /* undo: where that begins */
-    bool is_clicked, is_receding; /* receding: what is on is not bright */
+    float x, y, end, undo; /* undo: where that begins */
+    bool is_clicked;
     const char *hint;
     char words[400]; /* of the hint */
 } pen;
@@ -51,8 +51,6 @@ static button place_button(pen *p, float width, bool is_on, bool can)
     else if (is_hovered && can)
         ui_draw_box(p->on, out.box, THEME_HOVER, 4.0f);
     out.ink = !can ? 0x5a5f66ffu : is_on ? THEME_ACCENT : THEME_TEXT;
-    if (p->is_receding)
-        out.ink = is_on ? THEME_TEXT : THEME_DIM;
     out.is_pressed = is_hovered && can && p->is_clicked;
     p->x += width + 2.0f;
     return out;
@@ -175,17 +173,6 @@ static void put_action_word(pen *p, action of, const char *word, bool is_on)
         studio_do(p->self->studio, of);
 }
 
-static void put_switch(pen *p, const char *word, const char *help, bool *value)
-{
-    float x = p->x;
-    p->is_receding = true;
-    if (put_word(p, word, *value, true))
-        *value = !*value;
-    p->is_receding = false;
-    if (is_over(p, last_box(p, x)))
-        say_hint(p, word, help, "", "");
-}
-
 /* ---- what stands there ---- */
 
 static void put_time(pen *p)
@@ -270,19 +257,6 @@ static void put_undo(pen *p)
         say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
 }
 
-static void put_tools(pen *p, float end)
-{
-    static const char *const snap_help =
-        "Drags are drawn to the play head, clips, markers and frames. Alt: not this one.";
-    float words = ui_text_width(p->on, UI_STYLE_BODY, "SnapFollowOther takes") + 48.0f;
-    if (p->x + words > end || !studio_take(p->self->studio))
-        return;
-    put_switch(p, "Snap", snap_help, &p->self->is_snapping);
-    put_switch(p, "Follow", "The page turns with the play head.", &p->self->is_following);
-    put_switch(p, "Other takes", "Takes of the same slate below: swipe over what is better there.",
-               &p->self->has_comps);
-}
-
 static void put_undo_words(pen *p, float end)
 {
     const char *words = studio_undo_words(p->self->studio);
@@ -312,7 +286,6 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
     put_time(&p);
     put_transport(&p);
     p.x += GAP - 4.0f;
-    put_tools(&p, p.undo - 8.0f);
     put_undo_words(&p, p.undo);
     p.x = p.undo;
     put_undo(&p);
