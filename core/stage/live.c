@@ -72,6 +72,9 @@ mrt_result live_start(live **out, const live_settings *settings, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     init(self, settings);
     mrt_result result = live_frame_start(self, err);
+    self->tap = tap_create();
+    if (result >= 0 && !self->tap)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the samples of an input");
     if (result >= 0)
         result = open_pointer(self, err);
     if (result >= 0)
@@ -111,6 +114,7 @@ static void destroy_inputs(live *self)
     }
     input_destroy(self->pointer);
     feed_destroy(self->pointer_feed);
+    tap_destroy(self->tap);
     for (int side = 0; side < 2; ++side) {
         free(self->calibration_path[side]);
         free(self->calibration_text[side]);

@@ -8,10 +8,10 @@ static const double span_s = 1.0, step_s = 1.0 / 36.0; /* less than LEARN_MOMENT
 static const float least_rad = 0.4f, clearly = 1.3f;
 
 enum { JOINTS = 3 };
-/* Of a hand, from thumb to little finger: roll, MPJ, IJ; then MPJ, PIJ and (where it is measured)
- * DIJ, which goes along with PIJ and says nothing more: MPJ counts twice instead. */
+/* Of a hand, from thumb to little finger: roll, MPJ, IJ; then MPJ and PIJ. DIJ is not measured by
+ * every glove. */
 static const int joint_of[5][JOINTS] = {
-    {0, 1, 2}, {4, 4, 5}, {7, 7, 8}, {11, 11, 12}, {15, 15, 16}};
+    {0, 1, 2}, {4, 5, -1}, {7, 8, -1}, {11, 12, -1}, {15, 16, -1}};
 
 const char *const learn_finger_name[LEARN_FINGERS] = {
     "right thumb", "right index", "right middle", "right ring", "right little",
@@ -44,7 +44,7 @@ static void measure(learn *self)
 {
     for (int finger = 0; finger < LEARN_FINGERS; ++finger) {
         self->travel_rad[finger] = 0.0f;
-        for (int i = 0; i < JOINTS; ++i)
+        for (int i = 0; i < JOINTS && joint_of[finger % 5][i] >= 0; ++i)
             self->travel_rad[finger] +=
                 travel_of_joint(self, side_of(finger), joint_of[finger % 5][i]);
     }

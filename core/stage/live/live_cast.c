@@ -316,6 +316,16 @@ bool live_input_sample(live *self, uint32_t index, mrt_sample *out)
     return out->count > 0;
 }
 
+void live_tap(live *self, uint32_t index)
+{
+    tap_listen(self->tap, index < self->entry_count ? index : UINT32_MAX);
+}
+
+bool live_take_tapped(live *self, mrt_sample *out)
+{
+    return tap_take(self->tap, out);
+}
+
 /* ---- how hands are measured ---- */
 
 static mrt_result recalibrate(live_stage *stage, void *data, error *err)

@@ -62,6 +62,8 @@ static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
         recorder_sample(stage->recorder, from, sample);
     if (from == 0)
         stage->pointed = *sample;
+    else
+        tap_offer(self->tap, from - 1, sample);
     hear(stage->heard[from], sample);
 }
 

@@ -10,6 +10,7 @@
 #include "stage/player.h"
 #include "stage/recorder.h"
 #include "stage/sequencer.h"
+#include "stage/tap.h"
 
 #include <pthread.h>
 
@@ -121,6 +122,7 @@ struct live {
     _Atomic(live_order *) order;
     wake answered;
 
+    tap *tap; /* by live's index of inputs */
     feed *pointer_feed;
     input *pointer;
     float pointed[POINTER_CHANNELS];

@@ -1,0 +1,246 @@
+/* The calibration of a glove at the desk, from the first pose to the file that is used. The glove's
+ * samples are the test's, in their own time: nothing waits. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "panel_stand.h"
+
+#include "hand/calibration_file.h"
+#include "hand/guide.h"
+#include "hand/sensor.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const int64_t period_ns = 6666667; /* 150 Hz */
+
+typedef struct desk {
+    stand stand;
+    char root[64];
+    int64_t time_ns;
+    uint32_t noise, sequence;
+    double pose[MRT_ANGLES]; /* degrees, where the hand is now */
+} desk;
+
+/* ---- a glove: raw = zero + counts * degrees ---- */
+
+static void give(desk *d)
+{
+    stand *s = &d->stand;
+    uint32_t count;
+    const mrt_channel *channel = input_channels(s->input[0], &count);
+    mrt_sample sample = {.time_ns = d->time_ns, .sequence = d->sequence++, .count = count};
+    for (uint32_t c = 0; c < count; ++c) {
+        uint32_t i = channel[c].semantic - MRT_CH_ANGLE;
+        if (i >= MRT_ANGLES)
+            continue;
+        bool is_spread = sensor_table[i].kind == SENSOR_SPREAD;
+        double zero = is_spread ? 190.0 - i : 60.0 + i, gain = is_spread ? -1.9 : 1.1;
+        d->noise = d->noise * 1664525u + 1013904223u;
+        double jitter = (double)(d->noise >> 24) / 256.0 - 0.5;
+        sample.value[c] = (float)floor(zero + gain * d->pose[i] + 0.5 + jitter);
+    }
+    d->time_ns += period_ns;
+    assert_true(s->tap_count < 4096);
+    s->tap[s->tap_count++] = sample;
+}
+
+static void set_finger(double *pose, int finger, double knuckle, double middle, double end)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        if (sensor_table[i].finger != finger)
+            continue;
+        if (sensor_table[i].kind == SENSOR_KNUCKLE)
+            pose[i] = knuckle;
+        if (sensor_table[i].kind == SENSOR_MIDDLE_JOINT)
+            pose[i] = middle;
+        if (sensor_table[i].kind == SENSOR_END_JOINT)
+            pose[i] = end;
+    }
+}
+
+/* The middle finger drags the ring finger's knuckle by half. */
+static void pose_of(double *pose, guide_step step)
+{
+    memset(pose, 0, MRT_ANGLES * sizeof *pose);
+    if (step == GUIDE_RELAXED) {
+        for (int finger = 1; finger < 5; ++finger)
+            set_finger(pose, finger, 30, 25, 10);
+        pose[SENSOR_THUMB_ROLL] = 40;
+    } else if (step == GUIDE_FIST) {
+        for (int finger = 1; finger < 5; ++finger)
+            set_finger(pose, finger, 90, 100, 80);
+    } else if (step == GUIDE_THUMB_ACROSS) {
+        set_finger(pose, 0, 50, 0, 80);
+        pose[SENSOR_THUMB_ROLL] = 80;
+    } else if (step == GUIDE_SPREAD) {
+        pose[SENSOR_THUMB_ABDUCTION] = 53;
+        pose[SENSOR_MIDDLE_INDEX_SPREAD] = 17;
+        pose[SENSOR_RING_MIDDLE_SPREAD] = 14;
+        pose[SENSOR_LITTLE_RING_SPREAD] = 32;
+    } else if (step >= GUIDE_THUMB_ALONE) {
+        set_finger(pose, (int)step - GUIDE_THUMB_ALONE, 80, 90, 60);
+        if (step == GUIDE_MIDDLE_ALONE)
+            pose[SENSOR_RING_MPJ] = 40;
+    }
+}
+
+/* Half a second of moving there, then a hold. */
+static void perform(desk *d, guide_step step, double hold_s)
+{
+    double from[MRT_ANGLES], to[MRT_ANGLES];
+    memcpy(from, d->pose, sizeof from);
+    pose_of(to, step);
+    d->stand.tap_count = d->stand.tap_taken = 0;
+    for (int k = 1; k <= 75; ++k) {
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            d->pose[i] = from[i] + (to[i] - from[i]) * k / 75.0;
+        give(d);
+    }
+    for (int k = 0; k < (int)(hold_s * 150.0); ++k)
+        give(d);
+    stand_settle(&d->stand);
+}
+
+/* ---- the desk ---- */
+
+static void open_desk(desk *d, float scale)
+{
+    char path[256], command[1024], text[512];
+    memset(d, 0, sizeof *d);
+    d->time_ns = 5000000000;
+    d->noise = 1;
+    (void)snprintf(d->root, sizeof d->root, "/tmp/panel_calibrate_XXXXXX");
+    assert_non_null(mkdtemp(d->root));
+    setenv("XDG_CONFIG_HOME", d->root, 1);
+    (void)snprintf(path, sizeof path, "%s/glove.csv", d->root);
+    (void)snprintf(command, sizeof command, "awk -f '%s/tests/e2e/calibrate_glove.awk' >'%s'",
+                   SOURCE_DIR, path);
+    assert_int_equal(system(command), 0);
+    stand_open(&d->stand, &panel_devices, scale);
+    stand_plugin(&d->stand, "plugins/log");
+    (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
+    stand_input(&d->stand, text);
+    stand_wait_for(&d->stand, "Calibrate\xe2\x80\xa6");
+    stand_click(&d->stand, "Calibrate\xe2\x80\xa6");
+    assert_true(stand_shows(&d->stand, "Calibrate the right hand"));
+    assert_int_equal(d->stand.tapped, 0);
+}
+
+static void close_desk(desk *d)
+{
+    char command[256];
+    stand_close(&d->stand);
+    (void)snprintf(command, sizeof command, "rm -r '%s'", d->root);
+    assert_int_equal(system(command), 0);
+}
+
+static void ten_poses_become_a_calibration_that_is_used(void **state)
+{
+    (void)state;
+    desk d;
+    open_desk(&d, 1.0f);
+    stand *s = &d.stand;
+    for (guide_step step = GUIDE_RELAXED; step < GUIDE_STEPS; ++step) {
+        assert_true(stand_shows(s, "pose "));
+        perform(&d, step, 1.5);
+        if (step == GUIDE_FIST) {
+            stand_check_words(s, NULL);
+            stand_picture(s, "panel_calibrate_pose");
+        }
+    }
+    assert_true(stand_shows(s, "All poses are done."));
+    assert_true(stand_shows(s, "ring knuckle moves along with middle knuckle: 50 %"));
+    stand_click(s, "right hand");
+    stand_type(s, "anna");
+    stand_key(s, UI_KEY_ENTER);
+    stand_check_words(s, NULL);
+    stand_picture(s, "panel_calibrate_result");
+    stand_click(s, "Save and use");
+    assert_false(stand_shows(s, "All poses are done."));
+    assert_int_equal(s->tapped, UINT32_MAX);
+    assert_non_null(strstr(s->calibration[MRT_RIGHT], "/marotte/calibrations/anna.json"));
+    calibration_file *file = calloc(1, sizeof *file);
+    error err = {""};
+    assert_int_equal(calibration_file_read(file, s->calibration[MRT_RIGHT], &err), MRT_OK);
+    assert_string_equal(file->name, "anna");
+    assert_int_equal(file->sensor[SENSOR_INDEX_MPJ].source, CALIBRATION_MEASURED);
+    calibration_file_finish(file);
+    free(file);
+    stand_wait_for(s, "anna, ");
+    close_desk(&d);
+}
+
+static void buttons_take_skip_and_go_back(void **state)
+{
+    (void)state;
+    desk d;
+    open_desk(&d, 1.0f);
+    stand *s = &d.stand;
+    perform(&d, GUIDE_RELAXED, 0.3); /* not long enough by itself */
+    assert_true(stand_shows(s, "pose 1 of 10"));
+    stand_click(s, "Take it now");
+    assert_true(stand_shows(s, "pose 2 of 10"));
+    stand_click(s, "Skip");
+    assert_true(stand_shows(s, "pose 2 of 10"));
+    assert_true(stand_shows(s, "the flat hand cannot be skipped"));
+    stand_click(s, "Back");
+    assert_true(stand_shows(s, "pose 1 of 10"));
+    stand_click(s, "Skip");
+    assert_true(stand_shows(s, "pose 2 of 10"));
+    perform(&d, GUIDE_FLAT, 0.3);
+    stand_key(s, UI_KEY_ENTER);
+    assert_true(stand_shows(s, "pose 3 of 10"));
+    close_desk(&d);
+}
+
+static void escape_leaves_and_keeps_nothing(void **state)
+{
+    (void)state;
+    desk d;
+    char path[256];
+    open_desk(&d, 2.0f);
+    stand *s = &d.stand;
+    perform(&d, GUIDE_RELAXED, 1.5);
+    stand_check_words(s, NULL);
+    stand_picture(s, "panel_calibrate_2x");
+    stand_key(s, UI_KEY_ESCAPE);
+    stand_settle(s);
+    assert_false(stand_shows(s, "pose "));
+    assert_int_equal(s->tapped, UINT32_MAX);
+    (void)snprintf(path, sizeof path, "%s/marotte/calibrations", d.root);
+    assert_int_not_equal(access(path, F_OK), 0);
+    assert_string_equal(s->calibration[MRT_RIGHT], "");
+    close_desk(&d);
+}
+
+static void a_glove_that_is_removed_closes_it(void **state)
+{
+    (void)state;
+    desk d;
+    error err = {""};
+    open_desk(&d, 1.0f);
+    assert_int_equal(live_remove_input(NULL, 0, &err), MRT_OK);
+    stand_settle(&d.stand);
+    stand_settle(&d.stand);
+    assert_false(stand_shows(&d.stand, "pose "));
+    close_desk(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ten_poses_become_a_calibration_that_is_used),
+        cmocka_unit_test(buttons_take_skip_and_go_back),
+        cmocka_unit_test(escape_leaves_and_keeps_nothing),
+        cmocka_unit_test(a_glove_that_is_removed_closes_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
