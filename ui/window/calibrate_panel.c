@@ -2,6 +2,7 @@
 
 #include "hand/sensor.h"
 #include "window/calibrate_panel_guide.h"
+#include "window/panel_label.h"
 #include "window/theme.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@
 #include <string.h>
 
 enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
-static const float width = 640.0f, bar_height = 17.0f, news_height = 44.0f;
+static const float width = 680.0f, bar_height = 17.0f, news_height = 44.0f;
 static const double degrees_per_rad = 57.29577951308232;
 static const char *const side_word[2] = {"left", "right"};
 static const char dialog[] = "calibrate";
@@ -160,7 +161,7 @@ static float share_of(const glove_channels *glove, float raw)
 static void draw_bar(const calibrate_guide *of, ui *on, int sensor, ui_rectangle at,
                      const float seen[2])
 {
-    const float label = 132.0f, number = 34.0f;
+    const float label = 150.0f, number = 34.0f;
     char words[24];
     ui_rectangle bar = {at.x + label, at.y + 4.0f, at.width - label - number - 6.0f, 9.0f};
     float low = share_of(&of->glove, seen[0]), high = share_of(&of->glove, seen[1]);
@@ -338,16 +339,12 @@ static void draw_result(calibrate_panel *self, ui *on)
     ui_space(on, 4.0f);
     draw_findings(self, on);
     ui_space(on, 4.0f);
-    ui_text(on, UI_STYLE_DIM, "Name");
-    ui_same_line(on);
-    ui_at(on, 130.0f);
-    ui_width(on, 240.0f);
+    panel_label(on, "name", 122.0f, THEME_DIM, "Name");
+    ui_width(on, 300.0f);
     (void)ui_input(on, "##name", "whose hand it is", self->name, sizeof self->name);
-    ui_text(on, UI_STYLE_DIM, "Hand length, mm");
-    ui_same_line(on);
-    ui_at(on, 130.0f);
-    ui_width(on, 240.0f);
-    (void)ui_input(on, "##length", "wrist to middle fingertip; may be empty", self->length,
+    panel_label(on, "length", 122.0f, THEME_DIM, "Hand length, mm");
+    ui_width(on, 300.0f);
+    (void)ui_input(on, "##length", "wrist to middle fingertip, if known", self->length,
                    sizeof self->length);
     ui_space(on, 4.0f);
     ui_scroll_begin(on, "trouble", 0.0f, 40.0f);

@@ -1,5 +1,7 @@
 #include "window/devices_panel_inside.h"
 #include "window/devices_panel_words.h"
+#include "window/panel_label.h"
+#include "window/theme.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -36,17 +38,16 @@ static void draw_device(devices_panel *self, ui *on, const device_found *found)
     char text[256];
     bool is_known = device->state >= MRT_DEVICE_READY && device->state <= MRT_DEVICE_UNSURE;
     bool can_open = device->state == MRT_DEVICE_READY || device->state == MRT_DEVICE_UNSURE;
-    float room = ui_available_width(on);
     ui_text(on, UI_STYLE_STRONG, device->name[0] ? device->name : device->address);
-    ui_text(on, can_open ? UI_STYLE_DIM : UI_STYLE_WARNING,
-            is_known ? state_words[device->state] : "not known");
+    const char *words = is_known ? state_words[device->state] : "not known";
     if (can_open && devices_input_text(found, text, sizeof text)) {
-        ui_same_line(on);
-        ui_at(on, room - button);
+        panel_label(on, "state", ui_available_width(on) - button - 8.0f, THEME_DIM, words);
         ui_width(on, button);
         if (ui_button(on, "Open", UI_PLAIN))
             devices_panel_add(self, text);
         ui_hint(on, text);
+    } else {
+        ui_text(on, UI_STYLE_WARNING, words);
     }
     if (device->advice[0])
         ui_text_wrapped(on, UI_STYLE_DIM, device->advice);

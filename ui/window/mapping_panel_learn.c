@@ -1,4 +1,5 @@
 #include "window/mapping_panel_inside.h"
+#include "window/panel_label.h"
 #include "window/panels.h"
 #include "window/theme.h"
 
@@ -47,18 +48,9 @@ static void draw_links(mapping_panel *self, ui *on, instance *mapping)
         const char *name = contact_name(self, contact);
         (void)snprintf(missing, sizeof missing, "contact %u: not there", contact);
         ui_id_begin(on, learn_finger_name[finger]);
-        ui_text(on, UI_STYLE_BODY, learn_finger_name[finger]);
-        ui_same_line(on);
-        ui_at(on, 96.0f);
-        ui_width(on, 80.0f);
-        float room = ui_available_width(on);
-        ui_canvas at;
-        ui_canvas_begin(on, "contact", room - 78.0f, ui_row_height(on), &at);
-        ui_draw_text(on, at.where.x, at.where.y + 0.5f * (at.where.height - 14.0f), UI_STYLE_BODY,
-                     name ? THEME_ACCENT : THEME_WARNING, at.where.width, name ? name : missing);
-        ui_canvas_end(on);
-        ui_hint(on, name ? name : "The face on the stage has no contact of that number.");
-        ui_same_line(on);
+        panel_label(on, "finger", 92.0f, THEME_TEXT, learn_finger_name[finger]);
+        panel_label(on, "contact", ui_available_width(on) - 80.0f,
+                    name ? THEME_ACCENT : THEME_WARNING, name ? name : missing);
         if (ui_button(on, "Remove", UI_QUIET))
             set_link(self, mapping, finger, 0);
         ui_id_end(on);
