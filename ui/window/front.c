@@ -137,6 +137,12 @@ mrt_result front_picture(front *self, const char *png_path, error *err)
     return self->type->picture(self, png_path, err);
 }
 
+void front_set_title(front *self, const char *title)
+{
+    if (self->type->set_title)
+        self->type->set_title(self, title);
+}
+
 uint32_t front_width_px(const front *self)
 {
     return self->width_px;

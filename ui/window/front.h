@@ -20,6 +20,7 @@ bool front_begin(front *self, ui *to, ui_screen *out_screen);
 void front_end(front *self, ui *from);
 /* RGBA, rows from the top, of what was shown last; to be freed. */
 CHECKED mrt_result front_picture(front *self, const char *png_path, error *err);
+void front_set_title(front *self, const char *title);
 uint32_t front_width_px(const front *self);
 uint32_t front_height_px(const front *self);
 

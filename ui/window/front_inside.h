@@ -9,6 +9,7 @@ typedef struct front_type {
     bool (*begin)(front *self, ui *to, ui_screen *out_screen);
     void (*end)(front *self, ui *from);
     mrt_result (*picture)(front *self, const char *png_path, error *err);
+    void (*set_title)(front *self, const char *title); /* NULL: there is nothing to write it on */
     bool (*read_gamepad)(front *self, front_gamepad *out);
     mrt_result (*open_output)(front *self, error *err);
     void (*close_output)(front *self);
