@@ -190,6 +190,8 @@ static void a_mesh_alone_can_be_drafted(void **state)
     rig_stand_frames(&s, 5);
     rig_stand_picture(&s, "rig_none");
     rig_stand_check_words(&s);
+    rig_stand_click_on(&s, "Open moai.rig.json");
+    assert_string_equal(s.opened, MOAI);
     rig_stand_click_on(&s, "Draft a rig");
     rig_stand_wait_for_change(&s, 1);
     assert_non_null(s.of.file.rig);

@@ -83,6 +83,13 @@ mrt_result studio_change_face(studio *self, face_file *file)
     return MRT_OK;
 }
 
+mrt_result studio_open_face(studio *self, const char *path)
+{
+    (void)self;
+    (void)snprintf(here->opened, sizeof here->opened, "%s", path);
+    return MRT_OK;
+}
+
 /* ---- opened and closed ---- */
 
 static const char *below_source(const char *path)

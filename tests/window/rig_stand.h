@@ -10,6 +10,7 @@ typedef struct rig_stand {
     panel *panel;
     ui_rectangle dock;
     char face_path[1024];
+    char opened[1024]; /* by the panel */
     live_status status;
     studio_step step[RIG_STAND_STEPS];
     uint32_t step_count;

@@ -15,6 +15,7 @@ struct rig_model {
     mesh mesh;
     topology topology;
     char *mesh_path, *path; /* path: where the rig is saved */
+    char *beside_path;      /* NULL: none */
     brush *brush;
     rig_history *history;
     rig *changing; /* between begin and commit; NULL: none */
@@ -37,8 +38,8 @@ static mrt_result no_memory(error *err)
 /* ---- made ---- */
 
 /* "head.glb" gives "head.rig.json", or where there is one already "head.2.rig.json": a draft never
- * takes the place of somebody's rig. */
-static char *rig_path_for(const char *mesh_path)
+ * takes the place of somebody's rig, which is *out_beside then. */
+static char *rig_path_for(const char *mesh_path, char **out_beside)
 {
     const char *slash = strrchr(mesh_path, '/'), *dot = strrchr(mesh_path, '.');
     size_t length = dot && (!slash || dot > slash) ? (size_t)(dot - mesh_path) : strlen(mesh_path);
@@ -47,6 +48,7 @@ static char *rig_path_for(const char *mesh_path)
     if (!out)
         return NULL;
     (void)snprintf(out, size, "%.*s.rig.json", (int)length, mesh_path);
+    *out_beside = access(out, F_OK) == 0 ? strdup(out) : NULL;
     for (uint32_t number = 2; access(out, F_OK) == 0; ++number)
         (void)snprintf(out, size, "%.*s.%u.rig.json", (int)length, mesh_path, number);
     return out;
@@ -63,7 +65,7 @@ static mrt_result copy_face(rig_model *self, const face_file *of, const char *pa
     if (result < 0)
         return result;
     self->mesh_path = strdup(of->rig ? of->rig->mesh_path : path);
-    self->path = of->rig ? strdup(path) : rig_path_for(path);
+    self->path = of->rig ? strdup(path) : rig_path_for(path, &self->beside_path);
     result = rig_history_create(&self->history, &first, err);
     return result >= 0 && (!self->mesh_path || !self->path) ? no_memory(err) : result;
 }
@@ -124,6 +126,7 @@ void rig_model_destroy(rig_model *self)
     topology_destroy(&self->topology);
     free(self->mesh_path);
     free(self->path);
+    free(self->beside_path);
     free(self);
 }
 
@@ -163,6 +166,11 @@ uint64_t rig_model_number(const rig_model *self)
 const char *rig_model_path(const rig_model *self)
 {
     return self->path;
+}
+
+const char *rig_model_beside(const rig_model *self)
+{
+    return self->beside_path;
 }
 
 bool rig_model_is_laid(const rig_model *self)

@@ -48,6 +48,8 @@ CHECKED mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t
 /* ---- files ---- */
 
 const char *rig_model_path(const rig_model *self); /* where it is saved: NAME.rig.json */
+/* Of a mesh alone: a rig that lies beside it. NULL: none did. */
+const char *rig_model_beside(const rig_model *self);
 bool rig_model_is_saved(const rig_model *self);
 CHECKED mrt_result rig_model_save(rig_model *self, error *err);
 /* Unsaved work of another time is there. */

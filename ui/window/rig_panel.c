@@ -271,6 +271,10 @@ static void update(panel *self_, double dt_s)
 static void draw_head(rig_panel *self, ui *on)
 {
     char text[128];
+    if (!rig_model_rig(self->model)) {
+        ui_text(on, UI_STYLE_TITLE, file_name(studio_face_path(self->of)));
+        return;
+    }
     bool is_saved = rig_model_is_saved(self->model);
     (void)snprintf(text, sizeof text, "%.80s%s", file_name(rig_model_path(self->model)),
                    is_saved ? "" : " \xe2\x97\x8f");
@@ -305,16 +309,10 @@ static void draw_kept(rig_panel *self, ui *on)
     ui_rule(on);
 }
 
-static void draw_without_rig(rig_panel *self, ui *on)
+static void draft(rig_panel *self)
 {
     uint64_t number;
     error err = {""};
-    ui_text_wrapped(on, UI_STYLE_BODY,
-                    "This mesh has no rig: all of it can be pulled, like clay. A rig gives it a "
-                    "skull, a jaw and places to pull at.");
-    ui_space(on, 6.0f);
-    if (!ui_button(on, "Draft a rig", UI_ACCENT))
-        return;
     char *confirm = NULL;
     mrt_result result = rig_model_draft(self->model, &confirm, &number, &err);
     rig_panel_say(self, result < 0 ? err.text : "");
@@ -324,6 +322,25 @@ static void draw_without_rig(rig_panel *self, ui *on)
     self->confirm = confirm;
     rig_panel_note_step(self, number, "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
+}
+
+static void draw_without_rig(rig_panel *self, ui *on)
+{
+    char label[128], path[1024];
+    const char *beside = rig_model_beside(self->model);
+    ui_text_wrapped(on, UI_STYLE_BODY,
+                    "This mesh has no rig: all of it can be pulled, like clay. A rig gives it a "
+                    "skull, a jaw and places to pull at.");
+    ui_space(on, 6.0f);
+    if (beside) {
+        (void)snprintf(label, sizeof label, "Open %.60s", file_name(beside));
+        (void)snprintf(path, sizeof path, "%s", beside);
+        if (ui_button(on, label, UI_ACCENT) && studio_open_face(self->of, path) >= 0)
+            return;
+        ui_same_line(on);
+    }
+    if (ui_button(on, "Draft a rig", beside ? UI_PLAIN : UI_ACCENT))
+        draft(self);
 }
 
 static void check_title(const rig_panel *self, char *out, size_t capacity)

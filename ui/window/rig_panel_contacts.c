@@ -46,9 +46,6 @@ static void draw_name(rig_panel *self, ui *on, const rig *r)
         placing->name_of = self->contact;
         placing->name_number = number;
     }
-    ui_text(on, UI_STYLE_DIM, "Name");
-    ui_same_line(on);
-    ui_at(on, RIG_PANEL_LABEL);
     ui_width(on, -1.0f);
     if (!ui_input(on, "contact name", "name", placing->name, sizeof placing->name))
         return;

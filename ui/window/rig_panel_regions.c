@@ -168,9 +168,6 @@ static void draw_name(rig_panel *self, ui *on, const rig_region *region)
         self->region_name_of = self->region;
         self->region_name_number = number;
     }
-    ui_text(on, UI_STYLE_DIM, "Name");
-    ui_same_line(on);
-    ui_at(on, RIG_PANEL_LABEL);
     ui_width(on, -1.0f);
     if (!ui_input(on, "region name", "no name", self->region_name, sizeof self->region_name))
         return;

@@ -105,6 +105,29 @@ static bool is_same_face(const viewport_face *a, const viewport_face *b)
            a->triangle == b->triangle && a->vertex_count == b->vertex_count;
 }
 
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const unsigned char *at = data;
+    for (size_t i = 0; i < size; ++i)
+        hash = (hash ^ at[i]) * 1099511628211u; /* FNV-1a */
+    return hash;
+}
+
+static uint64_t surface_of(const mesh *m)
+{
+    uint64_t hash = 14695981039346656037u;
+    size_t places = (size_t)m->vertex_count * 3, corners = (size_t)m->triangle_count * 3;
+    hash = hash_bytes(hash, m->position, places * sizeof *m->position);
+    hash = hash_bytes(hash, m->triangle, corners * sizeof *m->triangle);
+    if (m->normal)
+        hash = hash_bytes(hash, m->normal, places * sizeof *m->normal);
+    for (uint32_t i = 0; i < m->material_count; ++i)
+        hash = hash_bytes(hash, m->material[i].base_colour, sizeof m->material[i].base_colour);
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        hash = hash_bytes(hash, &m->part[i].first_triangle, 2 * sizeof(uint32_t));
+    return hash;
+}
+
 static bool take_face(viewport *self, const viewport_face *now, error *err)
 {
     drop_face(self);
@@ -134,6 +157,16 @@ static float aspect_of(const viewport *self)
     return (float)self->rectangle[2] / (float)self->rectangle[3];
 }
 
+/* Another rig on the surface that is shown: what is shown, and how, stays. */
+static void take_rig(viewport *self, const viewport_face *now)
+{
+    self->face = *now;
+    self->contact = 0;
+    viewport_heat_destroy(self->heat);
+    self->heat = NULL;
+    self->heat_shown = STUDIO_HEAT_NONE;
+}
+
 static void follow_face(viewport *self)
 {
     const face_file *file = studio_face(self->of);
@@ -144,9 +177,15 @@ static void follow_face(viewport *self)
     if (is_same_face(&now, &self->face))
         return;
     error err = {{0}};
+    uint64_t surface = file ? surface_of(&file->mesh) : 0;
+    if (file && self->has_face && surface == self->surface) {
+        take_rig(self, &now);
+        return;
+    }
     if (!file)
         drop_face(self);
     self->face = now;
+    self->surface = surface;
     self->has_face = file && take_face(self, &now, &err);
     if (file && !self->has_face)
         say(self, MRT_LOG_ERROR, err.text);

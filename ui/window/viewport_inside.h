@@ -36,6 +36,7 @@ struct viewport {
     draw_renderer *renderer;
     viewport_picture *picture, *output; /* output: the face alone; NULL: not asked for yet */
     viewport_face face;
+    uint64_t surface; /* a hash of all of the mesh that is drawn */
     bool has_face, output_has_face;
     float low[3], high[3]; /* mm: of the face at rest */
     virtual_hand *hand;
