@@ -14,8 +14,8 @@ typedef struct command {
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
 
-extern const command command_calibrate, command_deform, command_devices, command_perform,
-    command_plugin, command_rig, command_take;
+extern const command command_bench, command_calibrate, command_deform, command_devices,
+    command_perform, command_plugin, command_rig, command_take;
 
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,

@@ -9,7 +9,7 @@
 
 static const command *const commands[] = {&command_perform, &command_calibrate, &command_devices,
                                           &command_deform,  &command_plugin,    &command_rig,
-                                          &command_take};
+                                          &command_take,    &command_bench};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *stream)

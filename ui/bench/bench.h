@@ -1,0 +1,70 @@
+/* bench/bench.h - what the measurements of `marotte bench` share: a clock that is asked in turns,
+ * the machine's roofs, and rows of results. A time is the least of many rounds in which everything
+ * that is compared takes its turn: what else the machine does only adds to it, and ratios hold
+ * within the run. Leaves out what is measured. [main] */
+#ifndef MAROTTE_UI_BENCH_BENCH_H
+#define MAROTTE_UI_BENCH_BENCH_H
+#include "base/error.h"
+#include "facts.h"
+#include "progress.h"
+
+/* Something that is timed: called again and again, it does the same work each time. */
+typedef struct bench_work {
+    const char *name;
+    void (*run)(void *data);
+    void *data;
+    void (*before)(void *data); /* untimed, before each run: as for cold caches; NULL: run, for
+                                   hot ones */
+    double least_ns;            /* out */
+    double *took_ns;            /* out: each round's, in order; NULL, or room for all rounds */
+} bench_work;
+
+/* In turns, `rounds` times, after one turn that does not count; stops after `seconds`, but not
+ * before three rounds. Returns the rounds. */
+uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double seconds);
+/* Of values that it sorts: share 0.5 is the median. */
+double bench_quantile(double *value, uint32_t count, double share);
+
+/* What the machine can do, measured beside a row with as many bytes as it moves. */
+typedef struct bench_roof {
+    float *from, *to, *other;
+    size_t bytes; /* of each of the three: room for the largest */
+    size_t used;  /* bytes of one run, read and written */
+} bench_roof;
+CHECKED mrt_result bench_roof_create(bench_roof *out, size_t bytes, error *err);
+void bench_roof_destroy(bench_roof *self);
+/* Reads and writes half of `used` each. */
+void bench_roof_copy(void *roof);
+/* The same, from two streams into one (so a third each), around the caches where the machine can.
+ */
+void bench_roof_triad(void *roof);
+/* Square roots of BENCH_ROOTS floats that stay in the first cache. */
+enum { BENCH_ROOTS = 4096 };
+void bench_roof_roots(void *roof);
+/* Reads more than the second-level cache holds: what was in it is gone. */
+void bench_roof_flush(void *roof);
+
+typedef struct bench {
+    facts *told;
+    progress shown;
+    bool is_quick, is_json;
+    double seconds; /* for one comparison */
+    uint32_t rounds;
+    bench_roof roof;
+    double root_ns; /* of one square root: the best of the run */
+} bench;
+
+/* A title over rows, for a person. */
+void bench_title(const bench *self, const char *title);
+
+/* ---- the parts, in the order in which they are printed ---- */
+CHECKED mrt_result bench_machine(bench *self, error *err);
+CHECKED mrt_result bench_grid(bench *self, error *err);  /* the paper's Table 1, and larger */
+CHECKED mrt_result bench_bones(bench *self, error *err); /* fields with constraint centres */
+CHECKED mrt_result bench_normals(bench *self, error *err);
+CHECKED mrt_result bench_factor(bench *self, error *err); /* factorisation, up to 3 000 centres */
+CHECKED mrt_result bench_frame(bench *self, error *err);  /* the whole frame on the puppet */
+CHECKED mrt_result bench_stage(bench *self, error *err);  /* from a device to the face published */
+void bench_memory(bench *self);
+
+#endif

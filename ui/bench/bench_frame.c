@@ -1,0 +1,183 @@
+/* The whole frame of a puppet that is performed: from a sample to positions and normals in the
+ * file's order, step by step. */
+#include "base/clock.h"
+#include "bench/bench.h"
+#include "place.h"
+#include "stage/performer.h"
+#include "stage/plugins.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { STEP_MAP, STEP_CONSTRAIN, STEP_DEFORM, STEP_PUBLISH, STEP_ALL, STEPS };
+static const char *const step_name[STEPS] = {"3-5 hands, mapping, guard", "6 constrain",
+                                             "7 deform, normals", "8 publish", "3-8"};
+
+typedef struct scene {
+    bench *of;
+    face_file face;
+    log_queue *log;
+    plugin_list plugins;
+    instance mapping;
+    performer *performer;
+    channel_route route;
+    float *position, *normal; /* vertex_count by 3 */
+    points normals;           /* borrowed rows of the composer, for points_to_rows */
+    double *took_ms[STEPS];
+    uint32_t frame;
+} scene;
+
+/* A hand that talks, smiles and nods, 100 times a second. */
+static mrt_sample sample_of(uint32_t frame)
+{
+    mrt_sample out = {
+        .time_ns = (int64_t)frame * NS_PER_S / 100, .sequence = frame, .count = MRT_ANGLES};
+    double t = (double)frame / 100.0;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out.value[i] = (float)(0.3 + 0.28 * sin(t * (1.1 + 0.37 * i) + i));
+    return out;
+}
+
+static void route_hand(channel_route *out)
+{
+    mrt_channel channel[MRT_ANGLES];
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i)
+        channel[i] = (mrt_channel){.name = "angle",
+                                   .unit = "rad",
+                                   .semantic = MRT_CH_ANGLE + i,
+                                   .hand = MRT_RIGHT,
+                                   .min = -3.0f,
+                                   .max = 3.0f};
+    channel_route_init(out, channel, MRT_ANGLES);
+}
+
+static double lap_ms(int64_t *from_ns)
+{
+    int64_t now_ns = clock_now_ns();
+    double took_ms = (double)(now_ns - *from_ns) * 1e-6;
+    *from_ns = now_ns;
+    return took_ms;
+}
+
+static void publish(scene *self)
+{
+    composer *shown = performer_composer(self->performer);
+    const points_order *order = face_order(composer_face(shown));
+    points_to_rows(self->position, face_shown(composer_face(shown)), order);
+    points normals = {.x = (float *)(uintptr_t)composer_normal(shown, 0),
+                      .y = (float *)(uintptr_t)composer_normal(shown, 1),
+                      .z = (float *)(uintptr_t)composer_normal(shown, 2),
+                      .count = order->count};
+    points_to_rows(self->normal, &normals, order);
+}
+
+static void run_frame(scene *self, uint32_t round, bool is_cold)
+{
+    mrt_sample sample = sample_of(self->frame++);
+    layer *of = performer_layer(self->performer);
+    composer *shown = performer_composer(self->performer);
+    if (is_cold)
+        bench_roof_flush(&self->of->roof);
+    double took_ms[STEPS] = {0};
+    int64_t at_ns = clock_now_ns();
+    layer_sample(of, &self->route, &sample, composer_is_near(shown, layer_pull(of)));
+    took_ms[STEP_MAP] = lap_ms(&at_ns);
+    performer_move(of, shown);
+    took_ms[STEP_CONSTRAIN] = lap_ms(&at_ns);
+    composer_draw(shown);
+    took_ms[STEP_DEFORM] = lap_ms(&at_ns);
+    publish(self);
+    took_ms[STEP_PUBLISH] = lap_ms(&at_ns);
+    for (int i = 0; i < STEP_ALL; ++i)
+        took_ms[STEP_ALL] += took_ms[i];
+    for (int i = 0; i < STEPS; ++i)
+        self->took_ms[i][round] = took_ms[i];
+}
+
+static void tell(scene *self, const char *mapping, const char *caches, uint32_t count)
+{
+    for (int i = 0; i < STEPS; ++i) {
+        char label[48], line[128];
+        double p50 = bench_quantile(self->took_ms[i], count, 0.5);
+        double p99 = bench_quantile(self->took_ms[i], count, 0.99);
+        snprintf(label, sizeof label, "%s %s", mapping, caches);
+        snprintf(line, sizeof line, "%-26s p50 %7.3f ms   p99 %7.3f ms", step_name[i], p50, p99);
+        const facts_cell cells[] = {
+            {"mapping", mapping, 0.0, 0},   {"caches", caches, 0.0, 0},
+            {"step", step_name[i], 0.0, 0}, {"vertices", NULL, self->face.mesh.vertex_count, 0},
+            {"p50_ms", NULL, p50, 4},       {"p99_ms", NULL, p99, 4},
+        };
+        facts_row(self->of->told, "frame", label, line, cells, sizeof cells / sizeof cells[0]);
+    }
+}
+
+static mrt_result measure(scene *self, const char *mapping, error *err)
+{
+    const performer_settings settings = {.hand_length_mm = 0.0};
+    const mrt_plugin_type *type = NULL;
+    uint32_t hot = self->of->is_quick ? 300 : 2000, cold = self->of->is_quick ? 40 : 300;
+    mrt_result result = plugin_list_find(&self->plugins, mapping, MRT_MAPPING, &type, err);
+    if (result >= 0)
+        result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, self->log, err);
+    if (result >= 0)
+        result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
+    self->frame = 0;
+    for (uint32_t i = 0; i < 50 && result >= 0; ++i)
+        run_frame(self, 0, false);
+    for (uint32_t i = 0; i < hot && result >= 0; ++i)
+        run_frame(self, i, false);
+    if (result >= 0)
+        tell(self, mapping, "hot", hot);
+    for (uint32_t i = 0; i < cold && result >= 0; ++i)
+        run_frame(self, i, true);
+    if (result >= 0)
+        tell(self, mapping, "cold", cold);
+    performer_destroy(self->performer);
+    self->performer = NULL;
+    instance_destroy(&self->mapping);
+    self->mapping = (instance){0};
+    return result;
+}
+
+static mrt_result prepare(scene *self, error *err)
+{
+    char *path = place_face("puppet");
+    mrt_result result = path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0)
+        result = face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+    free(path);
+    if (result >= 0)
+        result = plugin_list_load(&self->plugins, err);
+    if (result < 0)
+        return result;
+    size_t floats = (size_t)self->face.mesh.vertex_count * 3;
+    self->log = log_queue_create();
+    self->position = malloc(floats * sizeof(float));
+    self->normal = malloc(floats * sizeof(float));
+    bool is_there = self->log && self->position && self->normal;
+    for (int i = 0; i < STEPS; ++i) {
+        self->took_ms[i] = calloc(2000, sizeof(double));
+        is_there = is_there && self->took_ms[i];
+    }
+    route_hand(&self->route);
+    return is_there ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the bench's frame");
+}
+
+mrt_result bench_frame(bench *self, error *err)
+{
+    static const char *const mappings[] = {"one_hand", "anchored", "unanchored"};
+    scene s = {.of = self};
+    bench_title(self, "The whole frame on the puppet, one thread; cold: after other work");
+    mrt_result result = prepare(&s, err);
+    for (size_t i = 0; i < sizeof mappings / sizeof mappings[0] && result >= 0; ++i)
+        result = measure(&s, mappings[i], err);
+    for (int i = 0; i < STEPS; ++i)
+        free(s.took_ms[i]);
+    free(s.position);
+    free(s.normal);
+    plugin_list_destroy(&s.plugins);
+    log_queue_destroy(s.log);
+    face_file_destroy(&s.face);
+    return result;
+}

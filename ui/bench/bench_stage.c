@@ -1,0 +1,142 @@
+/* From a sample to the face published, through the threads of the stage: what a window adds to is
+ * when it draws. */
+#include "base/clock.h"
+#include "bench/bench.h"
+#include "place.h"
+#include "stage/feed.h"
+#include "stage/live.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { SAMPLES_MAX = 1500 };
+static const double rate_hz = 150.0;
+
+typedef struct scene {
+    face_file face;
+    log_queue *log;
+    plugin_list plugins;
+    feed *hand;
+    live *live;
+    double took_ms[SAMPLES_MAX];
+    uint32_t count;
+} scene;
+
+static mrt_result open_hand(scene *self, error *err)
+{
+    mrt_channel channel[MRT_ANGLES];
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i)
+        channel[i] = (mrt_channel){.name = "angle",
+                                   .unit = "rad",
+                                   .semantic = MRT_CH_ANGLE + i,
+                                   .hand = MRT_RIGHT,
+                                   .min = -3.0f,
+                                   .max = 3.0f};
+    const feed_settings settings = {.id = "org.marotte.bench",
+                                    .name = "A hand of the bench",
+                                    .channels = channel,
+                                    .channel_count = MRT_ANGLES,
+                                    .rate_hz = 125.0};
+    input *made = NULL;
+    mrt_result result = feed_create(&self->hand, &settings, err);
+    if (result >= 0)
+        result = input_create(&made, feed_type(self->hand), "", "", CLOCK_REAL, self->log, err);
+    if (result >= 0)
+        result = live_add_made(self->live, made, "bench", err);
+    return result;
+}
+
+static void sleep_until(int64_t time_ns)
+{
+    struct timespec at = {(time_t)(time_ns / NS_PER_S), (long)(time_ns % NS_PER_S)};
+    (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL);
+}
+
+/* Looks as often as a window could at most, and gives the hand a new pose at its rate. */
+static void perform(scene *self, uint32_t samples)
+{
+    int64_t start_ns = clock_now_ns(), newest_ns = 0;
+    for (uint32_t i = 0; i < samples; ++i) {
+        float value[MRT_ANGLES];
+        int64_t due_ns = start_ns + (int64_t)((double)(i + 1) * 1e9 / rate_hz);
+        for (int k = 0; k < MRT_ANGLES; ++k)
+            value[k] = (float)(0.3 + 0.25 * sin((double)i / rate_hz * (2.0 + 0.3 * k)));
+        feed_give(self->hand, value, FEED_RESTS);
+        for (int64_t at_ns = clock_now_ns(); at_ns < due_ns; at_ns = clock_now_ns()) {
+            const live_view *view = NULL;
+            bool is_new = live_look(self->live, &view) && view->sample_ns > newest_ns;
+            if (is_new && self->count < SAMPLES_MAX) {
+                newest_ns = view->sample_ns;
+                self->took_ms[self->count++] =
+                    (double)(view->published_ns - view->sample_ns) * 1e-6;
+            }
+            sleep_until(at_ns + NS_PER_MS / 4);
+        }
+        live_update(self->live);
+    }
+}
+
+static void tell(bench *self, scene *s, uint32_t samples)
+{
+    char line[160];
+    double p50 = bench_quantile(s->took_ms, s->count, 0.5);
+    double p99 = bench_quantile(s->took_ms, s->count, 0.99);
+    live_status status;
+    live_status_of(s->live, &status);
+    snprintf(line, sizeof line, "p50 %6.3f ms   p99 %6.3f ms   of %u samples given, %ju performed",
+             p50, p99, samples, (uintmax_t)status.sample_count);
+    const facts_cell cells[] = {
+        {"rate_hz", NULL, rate_hz, 1}, {"samples", NULL, samples, 0}, {"faces", NULL, s->count, 0},
+        {"p50_ms", NULL, p50, 4},      {"p99_ms", NULL, p99, 4},
+    };
+    facts_row(self->told, "stage", "sample to face", line, cells, sizeof cells / sizeof cells[0]);
+}
+
+static mrt_result start(scene *self, error *err)
+{
+    char *path = place_face("puppet");
+    mrt_result result = path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0)
+        result = face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+    if (result >= 0)
+        result = plugin_list_load(&self->plugins, err);
+    self->log = log_queue_create();
+    if (result >= 0 && !self->log)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory");
+    const live_settings settings = {.plugins = &self->plugins,
+                                    .log = self->log,
+                                    .face = &self->face,
+                                    .face_path = path,
+                                    .mapping = "one_hand",
+                                    .fps = 60.0};
+    if (result >= 0)
+        result = live_start(&self->live, &settings, err);
+    free(path);
+    return result >= 0 ? open_hand(self, err) : result;
+}
+
+mrt_result bench_stage(bench *self, error *err)
+{
+    scene *s = calloc(1, sizeof *s);
+    error ignored = {""};
+    uint32_t samples = self->is_quick ? 150 : 600;
+    if (!s)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
+    bench_title(self,
+                "The stage: from a sample at 150 Hz to the face published (puppet, one_hand)");
+    mrt_result result = start(s, err);
+    if (result >= 0) {
+        perform(s, samples);
+        tell(self, s, samples);
+    }
+    if (s->live && live_stop(s->live, &ignored) < 0 && result >= 0)
+        result = error_set(err, MRT_ERR_IO, "%s", ignored.text);
+    feed_destroy(s->hand);
+    plugin_list_destroy(&s->plugins);
+    log_queue_destroy(s->log);
+    face_file_destroy(&s->face);
+    free(s);
+    return result;
+}
