@@ -351,7 +351,7 @@ static void a_swipe_over_another_take_is_one_step(void **state)
     s->comps->count = 1;
     s->comps->take[0] = help_take();
     s->comps->take[0].layer[0].clip[0].performance = 9;
-    stand_click_word(s, "Other takes");
+    stand_click_word(s, "Takes");
     assert_true(s->panel->has_comps);
     stand_click_word(s, "B"); /* brows beside the mouth */
     stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 3.0), stand_y(s, 2));

@@ -72,8 +72,9 @@ void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
                "Drags are drawn to the play head, clips, markers and frames. Alt: not this one.",
                &self->is_snapping);
     put_switch(self, &p, "Follow", "The page turns with the play head.", &self->is_following);
-    put_switch(self, &p, "Other takes",
-               "Takes of the same slate below: swipe over what is better there.", &self->has_comps);
+    put_switch(self, &p, "Takes",
+               "Other takes of the same slate below: swipe over what is better there.",
+               &self->has_comps);
     p.x = self->rows.x + 4.0f;
     p.y += HEIGHT + 2.0f;
     if (self->has_comps)
