@@ -221,6 +221,37 @@ static void a_glove_in_counts_is_read_with_a_calibration_of_its_hand(void **stat
     assert_int_equal(system(text), 0);
 }
 
+/* ---- what is plugged in ---- */
+
+static void what_is_plugged_in_is_opened_or_says_what_to_do(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    char path[] = "/tmp/panel_plugged_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    setenv("MAROTTE_FLAKY", path, 1);
+    stand_open(&s, &panel_devices, 1.0f);
+    stand_plugin(&s, "tests/plugin/flaky");
+    stand_wait_for(&s, "you may not open it");
+    stand_check_words(&s, NULL);
+    stand_picture(&s, "panel_devices_plugged");
+    uint32_t before = s.input_count;
+    stand_click(&s, "Open");
+    assert_int_equal(s.input_count, before + 1);
+    assert_true(strncmp(s.input_text[0], "flaky:", 6) == 0);
+    const char *address = strchr(s.input_text[0], ':') + 1;
+    const ui_word *words;
+    const uint32_t count = ui_words(s.ui, &words);
+    for (uint32_t i = 0; i < count; ++i) /* it is not offered twice */
+        assert_string_not_equal(words[i].text, address);
+    assert_int_equal(unlink(path), 0);
+    stand_wait_for(&s, "Nothing was found");
+    unsetenv("MAROTTE_FLAKY");
+    stand_close(&s);
+}
+
 static void many_inputs_scroll_and_stay_readable_at_scale_2(void **state)
 {
     (void)state;
@@ -253,6 +284,7 @@ int main(void)
         cmocka_unit_test(a_refused_rezero_says_why_until_one_works),
         cmocka_unit_test(the_rezero_pedal_is_kept_between_runs),
         cmocka_unit_test(a_glove_in_counts_is_read_with_a_calibration_of_its_hand),
+        cmocka_unit_test(what_is_plugged_in_is_opened_or_says_what_to_do),
         cmocka_unit_test(many_inputs_scroll_and_stay_readable_at_scale_2),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
