@@ -159,6 +159,7 @@ CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, err
 
 /* ---- recording ---- */
 
+/* slate NULL: none is said. */
 CHECKED mrt_result live_record(live *self, const writer_slate *slate, error *err);
 CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
 CHECKED mrt_result live_keep(live *self, double seconds, const writer_slate *slate,

@@ -85,6 +85,8 @@ static mrt_result check_recorder(const live *self, error *err)
                                       self->why_not[0] ? self->why_not : "no show is open");
 }
 
+static const writer_slate no_slate; /* for who gives none */
+
 typedef struct taking {
     const writer_slate *slate;
     double seconds;
@@ -105,7 +107,7 @@ static mrt_result begin_take(live_stage *stage, void *data, error *err)
 
 mrt_result live_record(live *self, const writer_slate *slate, error *err)
 {
-    taking t = {.slate = slate};
+    taking t = {.slate = slate ? slate : &no_slate};
     mrt_result result = check_recorder(self, err);
     if (result >= 0)
         result = live_check_free(self, "a take", err);
@@ -165,7 +167,7 @@ static mrt_result keep(live_stage *stage, void *data, error *err)
 mrt_result live_keep(live *self, double seconds, const writer_slate *slate, int64_t *out_take,
                      error *err)
 {
-    taking t = {.slate = slate, .seconds = seconds};
+    taking t = {.slate = slate ? slate : &no_slate, .seconds = seconds};
     *out_take = 0;
     mrt_result result = check_recorder(self, err);
     if (result >= 0)
