@@ -42,24 +42,9 @@ float *columns_row(const columns *c, uint32_t column)
     return c->value + column * c->stride;
 }
 
-static bool is_zero(const float *value)
-{
-    bool zero = true;
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        zero = zero & (value[i] == 0.0f);
-    return zero;
-}
-
 void columns_note(columns *c, uint32_t count)
 {
-    c->count = count;
-    memset(c->active_count, 0, c->block_count * sizeof *c->active_count);
-    for (uint32_t column = 0; column < count; ++column)
-        for (uint32_t block = 0; block < c->block_count; ++block)
-            if (!is_zero(columns_row(c, column) + (size_t)block * POINTS_BLOCK)) {
-                size_t slot = (size_t)block * c->capacity + c->active_count[block]++;
-                c->active[slot] = (uint16_t)column;
-            }
+    columns_note_groups(c, count, 1);
 }
 
 void columns_note_groups(columns *c, uint32_t count, uint32_t group)
@@ -67,9 +52,9 @@ void columns_note_groups(columns *c, uint32_t count, uint32_t group)
     c->count = count;
     memset(c->active_count, 0, c->block_count * sizeof *c->active_count);
     for (uint32_t column = 0; column < count; ++column) {
-        uint32_t last = column - column % group + group - 1;
+        const float *last = columns_row(c, column - column % group + group - 1);
         for (uint32_t block = 0; block < c->block_count; ++block)
-            if (!is_zero(columns_row(c, last) + (size_t)block * POINTS_BLOCK)) {
+            if (!c->lanes->is_zero(last + (size_t)block * POINTS_BLOCK)) {
                 size_t slot = (size_t)block * c->capacity + c->active_count[block]++;
                 c->active[slot] = (uint16_t)column;
             }

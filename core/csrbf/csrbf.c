@@ -184,6 +184,12 @@ double csrbf_max_slope(const csrbf_solver *solver, const points *at)
     return meter_max_slope(field_of(solver), at);
 }
 
+void csrbf_measure(const csrbf_solver *solver, const points *at, double *out_slope,
+                   double *out_determinant)
+{
+    meter_measure(field_of(solver), at, out_slope, out_determinant);
+}
+
 bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], const points *in,
                     uint32_t block)
 {

@@ -99,5 +99,8 @@ void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t 
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);
 /* Largest norm of grad d over the vertices. */
 double csrbf_max_slope(const csrbf_solver *solver, const points *at);
+/* Both in one pass. */
+void csrbf_measure(const csrbf_solver *solver, const points *at, double *out_slope,
+                   double *out_determinant);
 
 #endif

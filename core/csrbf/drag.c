@@ -3,7 +3,7 @@
  * Theory: a step with L < 1 is a homeomorphism, and so is any number of them. */
 #include "csrbf/drag.h"
 
-#include "csrbf/columns.h"
+#include "csrbf/lanes.h"
 
 #include <math.h>
 #include <string.h>
@@ -51,19 +51,39 @@ static mrt_result solve_step(const drag *d, error *err)
     return MRT_OK;
 }
 
-/* Number of equal substeps that the way in d->step asks for. The solvers are factored at the tips.
- */
-static mrt_result steps_wanted(const drag *d, double *out_steps, double *out_slope, error *err)
+/* How hard the fields bend space: the worst of all layers. */
+typedef struct bend {
+    double slope, determinant;
+} bend;
+
+static bend measure_fields(const drag *d)
 {
-    mrt_result result = solve_step(d, err);
-    if (result < 0)
-        return result;
-    *out_slope = 0.0;
-    for (uint32_t i = 0; i < d->layer_count; ++i)
-        *out_slope = fmax(*out_slope, csrbf_max_slope(d->layer[i].solver, d->moved));
-    double steps = ceil(safety * *out_slope / slope_per_step);
-    *out_steps = steps > 1.0 ? steps : 1.0;
-    return MRT_OK;
+    bend worst = {.slope = 0.0, .determinant = 1.0};
+    for (uint32_t i = 0; i < d->layer_count; ++i) {
+        bend own;
+        csrbf_measure(d->layer[i].solver, d->moved, &own.slope, &own.determinant);
+        worst.slope = fmax(worst.slope, own.slope);
+        if (i == 0 || own.determinant < worst.determinant)
+            worst.determinant = own.determinant;
+    }
+    return worst;
+}
+
+static double measure_determinant(const drag *d)
+{
+    double smallest = 1.0;
+    for (uint32_t i = 0; i < d->layer_count; ++i) {
+        double own = csrbf_min_determinant(d->layer[i].solver, d->moved);
+        smallest = i == 0 || own < smallest ? own : smallest;
+    }
+    return smallest;
+}
+
+/* Number of equal substeps that a way with this slope asks for. */
+static double steps_wanted(double slope)
+{
+    double steps = ceil(safety * slope / slope_per_step);
+    return steps > 1.0 ? steps : 1.0;
 }
 
 /* d->step := what is solved for on the way to the next tips, 1 / steps of what is left. */
@@ -85,44 +105,38 @@ static void advance_tips(const drag *d, const drag_way *way, double steps)
 }
 
 /* total += weight times the layer's field in one block. */
-static bool add_layer(const drag *d, const drag_layer *layer, float total[3][POINTS_BLOCK],
-                      uint32_t block)
+static bool add_layer(const drag *d, const lanes *l, const drag_layer *layer,
+                      float total[3][POINTS_BLOCK], uint32_t block)
 {
     _Alignas(64) float sum[3][POINTS_BLOCK];
     if ((layer->wanted && !layer->wanted[block]) ||
         !csrbf_in_block(layer->solver, sum, d->moved, block))
         return false;
-    const float *weight = layer->weight + (size_t)block * POINTS_BLOCK;
-    for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < POINTS_BLOCK; ++i)
-            total[axis][i] += weight[i] * sum[axis][i];
+    l->add_weighted(total, layer->weight + (size_t)block * POINTS_BLOCK, sum);
     return true;
 }
 
 static uint32_t move_by_layers(const drag *d)
 {
+    const lanes *l = lanes_now();
     uint32_t touched = 0;
     for (uint32_t block = 0; block < d->moved->block_count; ++block) {
-        float total[3][POINTS_BLOCK] = {{0.0f}};
+        _Alignas(64) float total[3][POINTS_BLOCK] = {{0.0f}};
         bool reached = false;
         for (uint32_t i = 0; i < d->layer_count; ++i)
-            reached = add_layer(d, &d->layer[i], total, block) || reached;
+            reached = add_layer(d, l, &d->layer[i], total, block) || reached;
         if (!reached)
             continue;
-        columns_add(d->moved, d->moved, total, block);
+        l->columns_add(d->moved, d->moved, total, block);
         ++touched;
     }
     return touched;
 }
 
-static mrt_result move_vertices(const drag *d, tally *t, error *err)
+static mrt_result move_vertices(const drag *d, tally *t, double determinant, error *err)
 {
-    for (uint32_t i = 0; i < d->layer_count; ++i) {
-        double determinant = csrbf_min_determinant(d->layer[i].solver, d->moved);
-        bool is_first = t->step.substeps == 0 && i == 0;
-        if (is_first || determinant < t->step.min_determinant)
-            t->step.min_determinant = determinant;
-    }
+    if (t->step.substeps == 0 || determinant < t->step.min_determinant)
+        t->step.min_determinant = determinant;
     t->touched += d->layer_count == 1 && !d->layer[0].weight
                       ? csrbf_move(d->layer[0].solver, d->moved, d->moved)
                       : move_by_layers(d);
@@ -136,20 +150,25 @@ static mrt_result move_vertices(const drag *d, tally *t, error *err)
 static mrt_result take_substep(const drag *d, const csrbf_settings *settings, const drag_way *way,
                                tally *t, double *out_steps, error *err)
 {
-    double slope = 0.0;
     mrt_result result = factor_at_tips(d, settings, err);
     if (result < 0)
         return result;
     shorten_step(d, way, 1.0);
-    result = steps_wanted(d, out_steps, &slope, err);
-    if (result >= 0 && *out_steps > 1.0) {
+    result = solve_step(d, err);
+    if (result < 0)
+        return result;
+    bend whole = measure_fields(d);
+    *out_steps = steps_wanted(whole.slope);
+    if (t->step.substeps == 0)
+        t->step.max_slope = whole.slope;
+    if (*out_steps > 1.0) {
         shorten_step(d, way, *out_steps);
         result = solve_step(d, err);
+        if (result < 0)
+            return result;
+        whole.determinant = measure_determinant(d);
     }
-    if (t->step.substeps == 0)
-        t->step.max_slope = slope;
-    if (result >= 0)
-        result = move_vertices(d, t, err);
+    result = move_vertices(d, t, whole.determinant, err);
     advance_tips(d, way, *out_steps);
     return result;
 }

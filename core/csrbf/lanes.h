@@ -31,6 +31,7 @@ typedef struct lanes {
                         uint32_t block);
     void (*columns_move)(const columns *c, points *out, const points *base, uint32_t first,
                          uint32_t end);
+    bool (*is_zero)(const float value[POINTS_BLOCK]); /* all over the block */
     /* total += weight times sum, by vertices. */
     void (*add_weighted)(float total[3][POINTS_BLOCK], const float *weight,
                          float sum[3][POINTS_BLOCK]);

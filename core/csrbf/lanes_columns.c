@@ -123,6 +123,14 @@ void LANES(columns_move)(const columns *c, points *out, const points *base, uint
     }
 }
 
+bool LANES(is_zero)(const float value[POINTS_BLOCK])
+{
+    int other = 0; /* counted, not asked one by one: so it runs on whole vectors */
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        other += value[i] != 0.0f;
+    return other == 0;
+}
+
 void LANES(add_weighted)(float total[3][POINTS_BLOCK], const float *weight,
                          float sum[3][POINTS_BLOCK])
 {

@@ -17,6 +17,7 @@
                                         float sum[3][POINTS_BLOCK], uint32_t block);               \
     void LANES_OF(columns_move, variant)(const columns *c, points *out, const points *base,        \
                                          uint32_t first, uint32_t end);                            \
+    bool LANES_OF(is_zero, variant)(const float value[POINTS_BLOCK]);                              \
     void LANES_OF(add_weighted, variant)(float total[3][POINTS_BLOCK], const float *weight,        \
                                          float sum[3][POINTS_BLOCK]);                              \
     bool LANES_OF(field_block, variant)(const field *f, float sum[3][POINTS_BLOCK],                \

@@ -21,22 +21,6 @@ static matrix3 lane_of(const gradient *from, uint32_t lane)
     return out;
 }
 
-double meter_min_determinant(const field *f, const points *at)
-{
-    double smallest = 1.0, determinant[POINTS_BLOCK];
-    bool first = true;
-    for (uint32_t block = 0; block < at->block_count; ++block) {
-        _Alignas(64) gradient slopes;
-        bool bent = gradient_of(f, &slopes, at, block);
-        f->lanes->determinants(determinant, &slopes);
-        for (uint32_t lane = 0; lane < (bent ? lanes_of_block(at, block) : 1); ++lane) {
-            smallest = first || determinant[lane] < smallest ? determinant[lane] : smallest;
-            first = false;
-        }
-    }
-    return smallest;
-}
-
 /* Square of the largest singular value. */
 static double norm_squared(const matrix3 *m)
 {
@@ -53,23 +37,33 @@ static double length(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static double vertex_slope(const field *f, const points *at)
+static double smallest_of(const double *value, uint32_t count)
 {
-    double largest = 0.0, square[POINTS_BLOCK]; /* squared */
-    for (uint32_t block = 0; block < at->block_count; ++block) {
-        _Alignas(64) gradient slopes;
-        uint32_t count = gradient_of(f, &slopes, at, block) ? lanes_of_block(at, block) : 0;
-        if (count > 0)
-            f->lanes->squares(square, &slopes);
-        for (uint32_t lane = 0; lane < count; ++lane) {
-            if (square[lane] <= largest)
-                continue; /* it bounds the norm from above */
-            matrix3 g = lane_of(&slopes, lane);
-            double squared = norm_squared(&g);
-            largest = squared > largest ? squared : largest;
-        }
+    double smallest = value[0];
+    for (uint32_t lane = 1; lane < count; ++lane)
+        smallest = value[lane] < smallest ? value[lane] : smallest;
+    return smallest;
+}
+
+/* The larger of `largest` and the squared norms of grad d at the block's vertices. The sum of
+ * squares bounds a norm from above, so only those are looked at that have more of it, the most
+ * first. */
+static double larger_norm(const field *f, const gradient *slopes, uint32_t count, double largest)
+{
+    double square[POINTS_BLOCK];
+    uint32_t most = 0;
+    f->lanes->squares(square, slopes);
+    for (uint32_t lane = 1; lane < count; ++lane)
+        most = square[lane] > square[most] ? lane : most;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t lane = (most + i) % count;
+        if (square[lane] <= largest)
+            continue;
+        matrix3 g = lane_of(slopes, lane);
+        double squared = norm_squared(&g);
+        largest = squared > largest ? squared : largest;
     }
-    return sqrt(largest);
+    return largest;
 }
 
 /* C0 is steepest at its tip, where a vertex usually is and the gradient does not exist. */
@@ -86,11 +80,47 @@ static double cone_slope(const field *f, const points *at)
     return largest;
 }
 
+static double determinant_in_block(const field *f, const gradient *slopes, uint32_t count)
+{
+    double determinant[POINTS_BLOCK];
+    f->lanes->determinants(determinant, slopes);
+    return smallest_of(determinant, count);
+}
+
+void meter_measure(const field *f, const points *at, double *out_slope, double *out_determinant)
+{
+    double smallest = 1.0, largest = 0.0;
+    for (uint32_t block = 0; block < at->block_count; ++block) {
+        _Alignas(64) gradient slopes;
+        uint32_t count = lanes_of_block(at, block);
+        double determinant = 1.0;
+        bool bent = gradient_of(f, &slopes, at, block);
+        if (bent && out_slope)
+            largest = larger_norm(f, &slopes, count, largest);
+        if (bent && out_determinant)
+            determinant = determinant_in_block(f, &slopes, count);
+        smallest = block == 0 || determinant < smallest ? determinant : smallest;
+    }
+    if (out_determinant)
+        *out_determinant = smallest;
+    if (!out_slope)
+        return;
+    double cone = f->settings.kernel == CSRBF_WENDLAND_C0 ? cone_slope(f, at) : 0.0;
+    *out_slope = cone > sqrt(largest) ? cone : sqrt(largest);
+}
+
+double meter_min_determinant(const field *f, const points *at)
+{
+    double determinant = 1.0;
+    meter_measure(f, at, NULL, &determinant);
+    return determinant;
+}
+
 double meter_max_slope(const field *f, const points *at)
 {
-    double slope = vertex_slope(f, at);
-    double cone = f->settings.kernel == CSRBF_WENDLAND_C0 ? cone_slope(f, at) : 0.0;
-    return cone > slope ? cone : slope;
+    double slope = 0.0;
+    meter_measure(f, at, &slope, NULL);
+    return slope;
 }
 
 /* Largest sum, over the centres that can meet the support of one, of what `weigh` gives each. */

@@ -1,7 +1,24 @@
 #include "mesh/normals.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
+
+/* Without branches, so that it runs on whole vectors. */
+static void normalise(float *restrict nx, float *restrict ny, float *restrict nz,
+                      uint32_t vertex_count)
+{
+    for (uint32_t v = 0; v < vertex_count; ++v) {
+        float x = nx[v], y = ny[v], z = nz[v];
+        float square = x * x + y * y + z * z;
+        bool good = (square > 1e-30f) & (square <= FLT_MAX);
+        float inverse = 1.0f / sqrtf(good ? square : 1.0f);
+        nx[v] = good ? x * inverse : 0.0f;
+        ny[v] = good ? y * inverse : 0.0f;
+        nz[v] = good ? z * inverse : 1.0f;
+    }
+}
 
 void normals_smooth(float *nx, float *ny, float *nz, const float *x, const float *y, const float *z,
                     uint32_t vertex_count, const uint32_t *triangle, uint32_t triangle_count)
@@ -23,17 +40,5 @@ void normals_smooth(float *nx, float *ny, float *nz, const float *x, const float
             nz[corner[k]] += cz;
         }
     }
-    for (uint32_t v = 0; v < vertex_count; ++v) {
-        float square = nx[v] * nx[v] + ny[v] * ny[v] + nz[v] * nz[v];
-        if (square > 1e-30f && isfinite(square)) {
-            float inverse = 1.0f / sqrtf(square);
-            nx[v] *= inverse;
-            ny[v] *= inverse;
-            nz[v] *= inverse;
-        } else {
-            nx[v] = 0.0f;
-            ny[v] = 0.0f;
-            nz[v] = 1.0f;
-        }
-    }
+    normalise(nx, ny, nz, vertex_count);
 }

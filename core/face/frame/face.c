@@ -6,34 +6,50 @@
 
 /* ---- columns of the bones ---- */
 
-/* w (x - c) for one axis, and w alone for NULL. */
-static void fill_column(float *out, const face *f, const face_field *field, const float *x,
-                        double centre)
+/* w (x - c) for one axis, in one block. */
+static void fill_block(float *restrict out, const float *restrict weight, const float *restrict x,
+                       double centre)
 {
-    for (uint32_t slot = 0; slot < f->rest.padded_count; ++slot) {
-        float weight = field->weight[slot];
-        out[slot] = x ? (float)((double)weight * ((double)x[slot] - centre)) : weight;
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        out[i] = (float)((double)weight[i] * ((double)x[i] - centre));
+}
+
+/* The four columns of a bone where it carries vertices: w (x - c) along each axis, and w. */
+static void fill_carried(face *f, const face_field *field)
+{
+    float *row[FACE_POSE_COLUMNS];
+    for (uint32_t i = 0; i < FACE_POSE_COLUMNS; ++i)
+        row[i] = columns_row(&f->columns, field->pose_column + i);
+    for (size_t block = 0; block < f->rest.block_count; ++block) {
+        size_t first = block * POINTS_BLOCK;
+        const float *weight = field->weight + first;
+        if (!field->carried[block])
+            continue;
+        fill_block(row[0] + first, weight, f->origin->x + first, field->pivot.x);
+        fill_block(row[1] + first, weight, f->origin->y + first, field->pivot.y);
+        fill_block(row[2] + first, weight, f->origin->z + first, field->pivot.z);
+        memcpy(row[3] + first, weight, POINTS_BLOCK * sizeof *weight);
     }
 }
 
 void face_pose_columns(face *f)
 {
     uint32_t column = f->control_column_count;
-    const points *at = f->origin;
+    bool is_pose_alone = column == 0, is_noted = is_pose_alone && f->is_pose_noted;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         face_field *field = &f->field[b];
         if (!f->bones.moves[b])
             continue;
         field->pose_column = column;
-        fill_column(columns_row(&f->columns, column++), f, field, at->x, field->pivot.x);
-        fill_column(columns_row(&f->columns, column++), f, field, at->y, field->pivot.y);
-        fill_column(columns_row(&f->columns, column++), f, field, at->z, field->pivot.z);
-        fill_column(columns_row(&f->columns, column++), f, field, NULL, 0.0);
+        column += FACE_POSE_COLUMNS;
+        if (!is_noted) /* where a bone has vertices does not change */
+            memset(columns_row(&f->columns, field->pose_column), 0,
+                   FACE_POSE_COLUMNS * f->columns.stride * sizeof(float));
+        fill_carried(f, field);
     }
-    bool is_pose_alone = f->control_column_count == 0;
     if (!is_pose_alone)
         columns_note(&f->columns, column);
-    else if (!f->is_pose_noted) /* where a bone has vertices does not change */
+    else if (!is_noted)
         columns_note_groups(&f->columns, column, FACE_POSE_COLUMNS);
     f->is_pose_noted = is_pose_alone;
     f->engagement += 1;

@@ -141,8 +141,10 @@ static mrt_result create_field(face *f, uint32_t bone, error *err)
     field->weight = create_stream(f);
     field->pull = create_stream(f);
     field->wanted = calloc((size_t)f->rest.block_count + 1, 1);
+    field->carried = calloc((size_t)f->rest.block_count + 1, 1);
     field->control = calloc((size_t)f->control_capacity + 1, sizeof *field->control);
-    if (!field->solver || !field->weight || !field->pull || !field->wanted || !field->control)
+    if (!field->solver || !field->weight || !field->pull || !field->wanted || !field->carried ||
+        !field->control)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the fields of %u bones",
                          f->bone_count);
     field->pivot = pivot_of(f, bone);
@@ -151,6 +153,8 @@ static mrt_result create_field(face *f, uint32_t bone, error *err)
     for (uint32_t slot = 0; slot < f->rest.padded_count; ++slot) {
         float pull = field->weight[slot] * f->mobility[slot];
         field->pull[slot] = pull < weight_least ? 0.0f : pull;
+        if (field->weight[slot] > 0.0f)
+            field->carried[slot / POINTS_BLOCK] = 1;
         if (field->pull[slot] > 0.0f)
             field->wanted[slot / POINTS_BLOCK] = 1;
         field->is_whole = field->is_whole && !(pull < 1.0f);
@@ -318,6 +322,7 @@ static void destroy_field(face_field *field)
     free(field->weight);
     free(field->pull);
     free(field->wanted);
+    free(field->carried);
     free(field->control);
 }
 

@@ -13,6 +13,7 @@ typedef struct face_field {
     float *weight;                    /* padded_count: w_b */
     float *pull;                      /* padded_count: w_b m */
     uint8_t *wanted;                  /* block_count: 1 where pull is not 0 all over */
+    uint8_t *carried;                 /* block_count: 1 where weight is not 0 all over */
     uint32_t *control, control_count; /* the controls that belong to it, ascending */
     uint32_t first_column;            /* of its controls */
     uint32_t pose_column;             /* the first of four, when the bone moves */
@@ -51,7 +52,8 @@ struct face {
     face_field field[RIG_BONES_MAX];
     columns columns;
     uint32_t control_column_count; /* those of controls, before those of bones */
-    bool is_pose_noted;            /* the columns are those of bones alone, and noted */
+    bool is_pose_noted;            /* the columns are those of bones alone, noted, and 0 where no
+                                    * vertex is carried */
     double *weight, *next_weight;  /* column capacity by 3 */
 
     csrbf_settings settings; /* of the engagement */
