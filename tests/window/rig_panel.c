@@ -200,7 +200,9 @@ static void a_mesh_alone_can_be_drafted(void **state)
     rig_stand_click_on(&s, "Regions");
     rig_stand_picture(&s, "rig_draft_regions");
     s.step[0].undo(s.step[0].owner, s.step[0].number);
-    rig_stand_frames(&s, 3);
+    rig_stand_wait_for_change(&s, 2);
+    assert_null(s.of.file.rig);
+    rig_stand_picture(&s, "rig_draft_undone");
     rig_stand_close(&s);
 }
 

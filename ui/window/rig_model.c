@@ -180,6 +180,19 @@ bool rig_model_is_laid(const rig_model *self)
 
 /* ---- laid on the mesh ---- */
 
+/* The draft was undone: the mesh alone is the face again. */
+static void offer_mesh_alone(rig_model *self)
+{
+    face_file *file = calloc(1, sizeof *file);
+    error err;
+    if (file && mesh_copy(&file->mesh, &self->mesh, &err) >= 0 &&
+        topology_copy(&file->topology, &self->topology, &err) >= 0) {
+        self->for_stage = file;
+        return;
+    }
+    free_file(file);
+}
+
 static void ask(rig_model *self)
 {
     rig copy;
@@ -187,7 +200,11 @@ static void ask(rig_model *self)
     const rig *now = rig_model_rig(self);
     bool keeps = now && !rig_model_is_saved(self);
     self->waits_s = -1.0;
-    if (!now || rig_copy(&copy, now, &err) < 0)
+    if (!now) {
+        offer_mesh_alone(self);
+        return;
+    }
+    if (rig_copy(&copy, now, &err) < 0)
         return;
     const char *keep_path = keeps ? rig_keep_begin(&self->keep) : NULL;
     if (rig_worker_ask(self->worker, &copy, self->edition, keep_path, &err) < 0)

@@ -1,7 +1,7 @@
 /* The rig panel: which vertex rides on what, where the face can be pulled, how the jaw turns, and
  * what is wrong with it. */
+#include "base/file.h"
 #include "window/rig_panel_inside.h"
-#include "window/theme.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -129,6 +129,7 @@ static void note_face(rig_panel *self)
     const char *path = studio_face_path(self->of);
     free(self->stage_path);
     self->stage_rig = file ? file->rig : NULL;
+    self->stage_rig_is_file = path && strcmp(file_extension_of(path).text, "json") == 0;
     self->stage_position = file ? file->mesh.position : NULL;
     self->stage_path = strdup(path ? path : "");
 }
@@ -185,6 +186,14 @@ static void give_to_stage(rig_panel *self)
 
 /* ---- the file ---- */
 
+/* The first rig of a mesh alone: from now on it is the face, so that the show names it. */
+static void open_saved(rig_panel *self, const char *path)
+{
+    char copy[RIG_PANEL_PATH];
+    (void)snprintf(copy, sizeof copy, "%s", path);
+    self->adopts = studio_open_face(self->of, copy) >= 0;
+}
+
 static mrt_result save(void *owner, error *err)
 {
     rig_panel *self = owner;
@@ -197,6 +206,8 @@ static mrt_result save(void *owner, error *err)
     (void)snprintf(text, sizeof text, "Saved %.400s", path);
     tell(self, text);
     self->trouble[0] = '\0';
+    if (!self->stage_rig_is_file)
+        open_saved(self, path);
     return result;
 }
 

@@ -15,7 +15,7 @@ typedef enum rig_tab {
     RIG_TABS
 } rig_tab;
 
-enum { RIG_PANEL_NAME = 64, RIG_PANEL_TROUBLE = 1024 };
+enum { RIG_PANEL_NAME = 64, RIG_PANEL_TROUBLE = 1024, RIG_PANEL_PATH = 4096 };
 
 typedef struct rig_painting { /* the brush */
     bool is_on;
@@ -58,8 +58,9 @@ typedef struct rig_panel {
     const rig *stage_rig;
     const float *stage_position; /* which face that is */
     char *stage_path;
-    bool adopts;    /* the next face of the stage is the model's own */
-    double known_s; /* since the face is known */
+    bool stage_rig_is_file; /* false: the stage's face is a mesh's file, its rig is new */
+    bool adopts;            /* the next face of the stage is the model's own */
+    double known_s;         /* since the face is known */
     bool is_seen, was_unsaved;
     uint32_t tab;
     char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
