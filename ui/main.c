@@ -1,5 +1,6 @@
 /* The program: finds the command and runs it. */
 #include "command.h"
+#include "stage.h"
 
 #include "base/isa.h"
 
@@ -7,15 +8,16 @@
 #include <stdio.h>
 #include <string.h>
 
-static const command *const commands[] = {&command_perform, &command_calibrate, &command_devices,
-                                          &command_deform,  &command_plugin,    &command_rig,
-                                          &command_take,    &command_bench};
+static const command *const commands[] = {&command_stage,   &command_perform, &command_calibrate,
+                                          &command_devices, &command_deform,  &command_plugin,
+                                          &command_rig,     &command_take,    &command_bench};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *stream)
 {
     fputs("marotte " MAROTTE_VERSION ": perform a face with your hands\n\n"
-          "  marotte COMMAND [OPTIONS]      (marotte COMMAND --help says more)\n\n",
+          "  marotte [SHOW.marotte] [OPTIONS]   the stage: a window; the same as marotte stage\n"
+          "  marotte COMMAND [OPTIONS]          (marotte COMMAND --help says more)\n\n",
           stream);
     for (int i = 0; i < COMMAND_COUNT; ++i)
         fprintf(stream, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
@@ -50,10 +52,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "marotte: %s\n", err.text);
         return COMMAND_USAGE;
     }
-    if (argc < 2) {
-        print_help(stderr);
-        return COMMAND_USAGE;
-    }
+    if (argc < 2)
+        return flushed(command_stage.run(argc, argv));
     const char *name = argv[1];
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
         print_help(stdout);
@@ -72,6 +72,8 @@ int main(int argc, char **argv)
         }
         return flushed(commands[i]->run(argc - 1, argv + 1));
     }
+    if (stage_is_meant(name))
+        return flushed(command_stage.run(argc, argv));
     fprintf(stderr, "marotte: there is no command \"%s\" (marotte --help)\n", name);
     return COMMAND_USAGE;
 }

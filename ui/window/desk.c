@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,6 +80,11 @@ void desk_destroy(desk *self)
 ui *desk_ui(desk *self)
 {
     return self->ui;
+}
+
+float desk_scale(const desk *self)
+{
+    return self->screen.scale > 0.0f ? self->screen.scale : 1.0f;
 }
 
 /* ---- where things are ---- */
@@ -290,6 +296,29 @@ static void note_face(desk *self)
     self->face_shown = view->number;
 }
 
+/* "night, puppet \u2022" */
+static void tell_title(desk *self)
+{
+    char title[600];
+    show *s = studio_show(self->studio);
+    const char *show_name = s ? strrchr(show_path(s), '/') : NULL;
+    const char *face_name = strrchr(studio_face_path(self->studio), '/');
+    (void)snprintf(title, sizeof title, "%.200s, %.200s%s - marotte",
+                   show_name ? show_name + 1 : "no show", face_name ? face_name + 1 : "a face",
+                   studio_unsaved_now(self->studio) ? " \xe2\x80\xa2" : "");
+    if (strcmp(title, self->title) == 0)
+        return;
+    (void)snprintf(self->title, sizeof self->title, "%s", title);
+    front_set_title(self->front, title);
+}
+
+static void keep_size(const desk *self)
+{
+    settings *kept = studio_settings(self->studio);
+    settings_set_number(kept, "window.width", floor((double)self->screen.width));
+    settings_set_number(kept, "window.height", floor((double)self->screen.height));
+}
+
 static void tell_figures(desk *self)
 {
     studio_figures out;
@@ -301,6 +330,8 @@ static void tell_figures(desk *self)
     figures_look(&self->draw_ms, &out.draw_p50_ms, &out.draw_p99_ms);
     figures_look(&self->latency_ms, &out.latency_p50_ms, &out.latency_p99_ms);
     studio_note_figures(self->studio, &out);
+    tell_title(self);
+    keep_size(self);
 }
 
 void desk_counted(const desk *self, desk_counts *out)

@@ -8,7 +8,8 @@
 typedef struct desk desk;
 CHECKED mrt_result desk_create(desk **out, studio *of, front *on, error *err);
 void desk_destroy(desk *self);
-struct ui *desk_ui(desk *self); /* for whoever pushes events, and looks at words */
+ui *desk_ui(desk *self);            /* for whoever pushes events, and looks at words */
+float desk_scale(const desk *self); /* pixels a point, of the last frame */
 /* Events, update, panels, picture. False: it is to be closed. */
 bool desk_frame(desk *self);
 

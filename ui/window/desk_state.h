@@ -59,6 +59,7 @@ struct desk {
     double held_s; /* of the key that repeats */
     uint32_t held_key;
 
+    char title[600];
     figures panels_ms, draw_ms, latency_ms;
     uint64_t frame_count, face_shown;
     double figures_wait_s, first_face_s;

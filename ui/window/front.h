@@ -9,7 +9,7 @@ typedef struct front front;
 
 CHECKED mrt_result front_open_window(front **out, uint32_t width, uint32_t height,
                                      const char *title, error *err);
-/* Time goes on by dt_s with each frame. scale: pixels a point. */
+/* Time goes on by dt_s with each frame; 0: as the clock goes. scale: pixels a point. */
 CHECKED mrt_result front_open_hidden(front **out, uint32_t width, uint32_t height, float scale,
                                      double dt_s, error *err);
 void front_close(front *self); /* NULL is fine */

@@ -1,4 +1,5 @@
 /* The stage with no window: framebuffers in a context without a display. */
+#include "base/clock.h"
 #include "draw/draw.h"
 #include "draw/gl.h"
 #include "window/front_hidden.h"
@@ -6,7 +7,7 @@
 
 #include <stdlib.h>
 
-enum { OUTPUT_WIDTH = 1280, OUTPUT_HEIGHT = 720 };
+enum { OUTPUT_WIDTH = 1280, OUTPUT_HEIGHT = 720, REAL_FPS = 60 };
 
 typedef struct sheet {
     GLuint framebuffer, colour;
@@ -19,7 +20,8 @@ typedef struct hidden {
     sheet stage, output;
     front_fill fill;
     float scale;
-    double dt_s;
+    double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
+    int64_t began_ns;
     bool has_output;
     front_gamepad gamepad;
     bool has_gamepad;
@@ -70,6 +72,17 @@ static void hidden_close(front *base)
     free(self);
 }
 
+static double real_dt_s(hidden *self)
+{
+    const int64_t next_ns = self->began_ns + NS_PER_S / REAL_FPS;
+    if (self->began_ns && clock_now_ns() < next_ns)
+        clock_sleep_until_ns(next_ns);
+    const int64_t now_ns = clock_now_ns();
+    const double dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0;
+    self->began_ns = now_ns;
+    return dt_s;
+}
+
 static bool hidden_begin(front *base, ui *to, ui_screen *out_screen)
 {
     hidden *self = hidden_of(base);
@@ -77,7 +90,7 @@ static bool hidden_begin(front *base, ui *to, ui_screen *out_screen)
     *out_screen = (ui_screen){.width = (float)base->width_px / self->scale,
                               .height = (float)base->height_px / self->scale,
                               .scale = self->scale,
-                              .dt_s = self->dt_s};
+                              .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self)};
     glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     front_clear(base->width_px, base->height_px);
     return true;

@@ -1,0 +1,384 @@
+/* marotte: the stage, in a window or without one. */
+#include "stage.h"
+
+#include "facts.h"
+#include "window/desk.h"
+#include "window/front.h"
+#include "window/script.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { INPUTS_MAX = 8, WIDTH = 1280, HEIGHT = 720, WARM_FRAMES = 120 };
+
+typedef struct stage_options {
+    studio_options studio;
+    const char *input[INPUTS_MAX];
+    uint32_t width, height; /* points; 0: as last time */
+    double scale, seconds;
+    const char *script, *picture;
+    bool is_hidden, is_json;
+} stage_options;
+
+typedef struct stage {
+    const stage_options *options;
+    studio *studio;
+    front *front;
+    desk *desk;
+    script *script;
+    uint64_t sample_count;
+    double warm_mb, end_mb;
+    struct timespec began;
+} stage;
+
+static _Atomic bool stop_asked;
+
+static void ask_stop(int number)
+{
+    (void)number;
+    atomic_store(&stop_asked, true);
+}
+
+static void catch_signals(void)
+{
+    struct sigaction how = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&how.sa_mask);
+    sigaction(SIGINT, &how, NULL);
+    sigaction(SIGTERM, &how, NULL);
+}
+
+/* ---- options ---- */
+
+enum {
+    OPTION_FACE = 256,
+    OPTION_MAP,
+    OPTION_INPUT,
+    OPTION_SIZE,
+    OPTION_SCALE,
+    OPTION_HIDDEN,
+    OPTION_SCRIPT,
+    OPTION_PICTURE,
+    OPTION_SECONDS,
+    OPTION_SETTINGS,
+    OPTION_JSON
+};
+
+static const struct option long_options[] = {{"face", required_argument, NULL, OPTION_FACE},
+                                             {"map", required_argument, NULL, OPTION_MAP},
+                                             {"input", required_argument, NULL, OPTION_INPUT},
+                                             {"size", required_argument, NULL, OPTION_SIZE},
+                                             {"scale", required_argument, NULL, OPTION_SCALE},
+                                             {"hidden", no_argument, NULL, OPTION_HIDDEN},
+                                             {"script", required_argument, NULL, OPTION_SCRIPT},
+                                             {"picture", required_argument, NULL, OPTION_PICTURE},
+                                             {"seconds", required_argument, NULL, OPTION_SECONDS},
+                                             {"settings", required_argument, NULL, OPTION_SETTINGS},
+                                             {"json", no_argument, NULL, OPTION_JSON},
+                                             {NULL, 0, NULL, 0}};
+
+static bool read_number(const char *text, double least, double most, double *out)
+{
+    char *end;
+    errno = 0;
+    *out = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*out) && *out >= least && *out <= most;
+}
+
+static bool read_size(const char *text, stage_options *out)
+{
+    char *end;
+    const unsigned long width = strtoul(text, &end, 10);
+    if (end == text || *end != 'x')
+        return false;
+    const char *second = end + 1;
+    const unsigned long height = strtoul(second, &end, 10);
+    if (end == second || *end || width < 320 || width > 8192 || height < 240 || height > 8192)
+        return false;
+    out->width = (uint32_t)width;
+    out->height = (uint32_t)height;
+    return true;
+}
+
+static int read_option(stage_options *out, int option, const char *value)
+{
+    switch (option) {
+    case OPTION_FACE:
+        out->studio.face_path = value;
+        return COMMAND_DONE;
+    case OPTION_MAP:
+        out->studio.mapping = value;
+        return COMMAND_DONE;
+    case OPTION_INPUT:
+        if (out->studio.input_count == INPUTS_MAX)
+            return command_usage(&command_stage, "at most %d inputs", INPUTS_MAX);
+        out->input[out->studio.input_count++] = value;
+        out->studio.inputs = out->input;
+        return COMMAND_DONE;
+    case OPTION_SIZE:
+        return read_size(value, out) ? COMMAND_DONE
+                                     : command_usage(&command_stage,
+                                                     "--size %s: expected WIDTHxHEIGHT in points, "
+                                                     "such as 1280x720",
+                                                     value);
+    case OPTION_SCALE:
+        return read_number(value, 0.5, 4.0, &out->scale)
+                   ? COMMAND_DONE
+                   : command_usage(&command_stage, "--scale %s: expected 0.5 to 4", value);
+    case OPTION_SECONDS:
+        return read_number(value, 0.0, 1e6, &out->seconds)
+                   ? COMMAND_DONE
+                   : command_usage(&command_stage, "--seconds %s: expected 0 to 1000000", value);
+    case OPTION_HIDDEN:
+        out->is_hidden = true;
+        return COMMAND_DONE;
+    case OPTION_SCRIPT:
+        out->script = value;
+        return COMMAND_DONE;
+    case OPTION_PICTURE:
+        out->picture = value;
+        return COMMAND_DONE;
+    case OPTION_SETTINGS:
+        out->studio.settings_path = value;
+        return COMMAND_DONE;
+    case OPTION_JSON:
+        out->is_json = true;
+        return COMMAND_DONE;
+    default:
+        return command_usage(&command_stage, "an option is not known, or lacks its value");
+    }
+}
+
+static int read_options(stage_options *out, int argc, char **argv)
+{
+    int option, code = COMMAND_DONE;
+    *out = (stage_options){.scale = 1.0};
+    opterr = 0;
+    optind = 1;
+    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, "", long_options, NULL)) != -1)
+        code = read_option(out, option, optarg);
+    if (code != COMMAND_DONE)
+        return code;
+    if (optind + 1 < argc)
+        return command_usage(&command_stage, "one show at a time: \"%s\" is too much",
+                             argv[optind + 1]);
+    if (optind < argc)
+        out->studio.show_path = argv[optind];
+    if (out->is_hidden && !out->studio.settings_path)
+        out->studio.settings_path = "";
+    if (out->is_hidden && !out->script && out->seconds <= 0.0)
+        return command_usage(&command_stage, "--hidden needs --script or --seconds");
+    return COMMAND_DONE;
+}
+
+/* ---- the stage ---- */
+
+static mrt_result open_front(stage *self, error *err)
+{
+    const stage_options *options = self->options;
+    const settings *kept = studio_settings(self->studio);
+    double width = settings_number(kept, "window.width", WIDTH);
+    double height = settings_number(kept, "window.height", HEIGHT);
+    if (options->width ||
+        !(width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0)) {
+        width = options->width ? options->width : WIDTH;
+        height = options->width ? options->height : HEIGHT;
+    }
+    if (options->is_hidden)
+        return front_open_hidden(&self->front, (uint32_t)lround(width * options->scale),
+                                 (uint32_t)lround(height * options->scale), (float)options->scale,
+                                 0.0, err);
+    return front_open_window(&self->front, (uint32_t)width, (uint32_t)height, "marotte", err);
+}
+
+static mrt_result open_stage(stage *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (self->options->script)
+        result = script_read(&self->script, self->options->script, err);
+    if (result >= 0)
+        result = studio_create(&self->studio, &self->options->studio, err);
+    if (result >= 0)
+        result = open_front(self, err);
+    if (result >= 0)
+        result = desk_create(&self->desk, self->studio, self->front, err);
+    if (result >= 0 && self->script)
+        ui_note_words(desk_ui(self->desk), true);
+    return result;
+}
+
+static void close_stage(stage *self)
+{
+    desk_destroy(self->desk);
+    studio_destroy(self->studio);
+    front_close(self->front);
+    script_destroy(self->script);
+}
+
+static double resident_mb(void)
+{
+    unsigned long size = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    const bool is_read = file && fscanf(file, "%lu %lu", &size, &resident) == 2;
+    if (file)
+        (void)fclose(file);
+    return is_read ? (double)resident * (double)sysconf(_SC_PAGESIZE) / 1e6 : 0.0;
+}
+
+static double seconds_since(const struct timespec *began)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - began->tv_sec) + 1e-9 * (double)(now.tv_nsec - began->tv_nsec);
+}
+
+/* MRT_END: the script is over. */
+static mrt_result step_script(stage *self, error *err)
+{
+    const uint32_t width = front_width_px(self->front), height = front_height_px(self->front);
+    const float scale = desk_scale(self->desk);
+    const script_stage on = {
+        .ui = desk_ui(self->desk),
+        .studio = self->studio,
+        .front = self->front,
+        .screen = {.width = (float)width / scale, .height = (float)height / scale, .scale = scale}};
+    return script_step(self->script, &on, err);
+}
+
+static mrt_result run(stage *self, error *err)
+{
+    uint64_t frames = 0;
+    mrt_result result = MRT_OK;
+    while (!atomic_load(&stop_asked)) {
+        if (!desk_frame(self->desk))
+            break;
+        if (++frames == WARM_FRAMES)
+            self->warm_mb = resident_mb();
+        if (self->script && frames > 2)
+            result = step_script(self, err);
+        if (result != MRT_OK)
+            break;
+        if (self->options->seconds > 0.0 && seconds_since(&self->began) >= self->options->seconds)
+            break;
+    }
+    self->end_mb = resident_mb();
+    self->sample_count = studio_status(self->studio)->sample_count;
+    if (result >= 0 && self->options->picture)
+        result = front_picture(self->front, self->options->picture, err);
+    return result < 0 ? result : MRT_OK;
+}
+
+/* ---- what it did ---- */
+
+static void tell(const stage *self)
+{
+    desk_counts counts;
+    struct rusage used;
+    facts *told = facts_create(self->options->is_json);
+    if (!told)
+        return;
+    desk_counted(self->desk, &counts);
+    facts_number(told, "frames", "frames", (double)counts.frame_count, 0, "");
+    facts_number(told, "samples", "samples performed", (double)self->sample_count, 0, "");
+    facts_number(told, "first_face_s", "first face", counts.first_face_s, 2, "s");
+    facts_number(told, "draw_p50_ms", "a frame", counts.draw_p50_ms, 2, "ms");
+    facts_number(told, "draw_p99_ms", "  99 %", counts.draw_p99_ms, 2, "ms");
+    facts_number(told, "panels_p50_ms", "panels", counts.panels_p50_ms, 3, "ms");
+    facts_number(told, "panels_p99_ms", "  99 %", counts.panels_p99_ms, 3, "ms");
+    facts_number(told, "latency_p50_ms", "hand to face", counts.latency_p50_ms, 2, "ms");
+    facts_number(told, "latency_p99_ms", "  99 %", counts.latency_p99_ms, 2, "ms");
+    if (self->warm_mb > 0.0) {
+        facts_number(told, "memory_warm_mb", "memory, warm", self->warm_mb, 1, "MB");
+        facts_number(told, "memory_end_mb", "memory, at the end", self->end_mb, 1, "MB");
+    }
+    if (getrusage(RUSAGE_SELF, &used) == 0)
+        facts_number(told, "memory_peak_mb", "memory, at most", (double)used.ru_maxrss * 1024e-6, 1,
+                     "MB");
+    facts_finish(told);
+}
+
+static int stage_run(int argc, char **argv)
+{
+    stage_options options;
+    error err = {0};
+    const int code = read_options(&options, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    stage self = {.options = &options};
+    (void)clock_gettime(CLOCK_MONOTONIC, &self.began);
+    catch_signals();
+    mrt_result result = open_stage(&self, &err);
+    if (result >= 0)
+        result = run(&self, &err);
+    if (result >= 0 && (options.is_json || options.is_hidden || options.script))
+        tell(&self);
+    close_stage(&self);
+    if (result >= 0)
+        return COMMAND_DONE;
+    fprintf(stderr, "marotte: %s\n", err.text);
+    return COMMAND_FAILED;
+}
+
+/* ---- is it meant ---- */
+
+bool stage_is_meant(const char *first)
+{
+    const size_t length = strlen(first), ending = sizeof ".marotte" - 1;
+    if (length > ending && strcmp(first + length - ending, ".marotte") == 0)
+        return true;
+    if (strncmp(first, "--", 2) != 0)
+        return false;
+    for (const struct option *o = long_options; o->name; ++o)
+        if (strncmp(first + 2, o->name, strcspn(first + 2, "=")) == 0 && first[2])
+            return true;
+    return false;
+}
+
+static void print_help(FILE *to)
+{
+    fputs("marotte [SHOW.marotte] [OPTIONS]\n"
+          "The stage: a window with a face that hands perform, live and over takes.\n"
+          "Without a show the last one is opened, or one of today is made in\n"
+          "$XDG_DOCUMENTS_DIR/marotte. ? in the window lists its keys.\n\n"
+          "  --face FILE      a rig, a mesh, or puppet, moai (the show's, or the last one)\n"
+          "  --map SPEC       who performs: one_hand,smile=8 (the last one)\n"
+          "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
+          "                   (those of last time, or what is plugged in)\n"
+          "  --size WxH       of the window, in points (as it was left)\n"
+          "  --settings FILE  instead of $XDG_CONFIG_HOME/marotte/window.json; \"\": none\n"
+          "                   (with --hidden: none)\n"
+          "\nWithout a person:\n"
+          "  --hidden         no window: needs no display\n"
+          "  --scale S        of a hidden one: pixels a point (1)\n"
+          "  --seconds N      ends after so long\n"
+          "  --script FILE    does what the file says, then ends\n"
+          "  --picture FILE   a PNG of the window at the end\n"
+          "  --json           what it did, for machines\n"
+          "\nA script has one command a line; # begins a comment:\n",
+          to);
+    fputs(script_help(), to);
+    fputs("random does what it likes to the show and the face: give it copies.\n", to);
+}
+
+static int run_with_help(int argc, char **argv)
+{
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            print_help(stdout);
+            return COMMAND_DONE;
+        }
+    return stage_run(argc, argv);
+}
+
+const command command_stage = {
+    .name = "stage",
+    .summary = "the window in which a face is performed; also marotte [SHOW.marotte]",
+    .run = run_with_help,
+};
