@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* MAP: side of the depth pictures in pixels. */
-enum { MAP = 512, VIEWS_MIN = 12, VIEWS_MAX = 64, SMOOTHING_PASSES = 2 };
+enum { MAP = 256, VIEWS_MIN = 12, VIEWS_MAX = 32, SMOOTHING_PASSES = 2 };
 static const uint32_t triangles_per_bake = 12u * 1000 * 1000;
 
 typedef struct bake {

@@ -134,8 +134,8 @@ static void ink_hold(const viewport *self, ui *on)
     const char *hint = self->grip.how == POINTER_KNEADS ? "Clay: it stays. Wheel: nearer, further"
                                                         : "Shift: it stays. Wheel: nearer, further";
     float width = ui_text_width(on, UI_STYLE_BODY, hint);
-    write_on_plate(on, self->where.x + 0.5f * (self->where.width - width),
-                   self->where.y + self->where.height - 28.0f, THEME_DIM, hint);
+    write_on_plate(on, self->where.x + 0.5f * (self->where.width - width), self->where.y + 12.0f,
+                   THEME_DIM, hint);
 }
 
 static void ink_pointer(const viewport *self, ui *on)
@@ -176,6 +176,11 @@ static void set_cursor(const viewport *self, ui *on)
 }
 
 /* ---- what the colours mean ---- */
+
+static float hand_keys_height(const ui *on)
+{
+    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 18.0f;
+}
 
 static uint32_t mixed(uint32_t a, uint32_t b, float share)
 {
@@ -236,7 +241,8 @@ static void ink_heat(const viewport *self, ui *on)
                                  : has_depth       ? 3.0f
                                                    : 2.0f);
     high += legend.bone_count ? 4.0f : 16.0f;
-    ui_rectangle box = {self->where.x + margin, self->where.y + margin, wide, high};
+    float below = virtual_hand_has_keys(self->hand) ? hand_keys_height(on) : 0.0f;
+    ui_rectangle box = {self->where.x + margin, self->where.y + margin + below, wide, high};
     ui_draw_box(on, box, plate, 4.0f);
     float x = box.x + 10.0f, y = box.y + 8.0f, inner = wide - 20.0f;
     ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_TEXT, inner, legend.title);
@@ -308,11 +314,11 @@ static void ink_hand_keys(const viewport *self, ui *on)
     bool is_left = virtual_hand_side(self->hand) == MRT_LEFT;
     const char *title = is_left ? "Left hand" : "Right hand";
     float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    float wide = 24.0f + ui_text_width(on, UI_STYLE_BODY, title), high = 2.0f * line + 18.0f;
+    float wide = 24.0f + ui_text_width(on, UI_STYLE_BODY, title), high = hand_keys_height(on);
     for (int i = 0; i < CELLS; ++i)
         wide += cell_gap + cell_width(on, &cells[i]);
-    ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide),
-                        self->where.y + self->where.height - high - margin, wide, high};
+    ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide), self->where.y + 8.0f,
+                        wide, high};
     ui_draw_box(on, box, plate | 0x20u, 5.0f);
     float x = box.x + 12.0f, y = box.y + 8.0f;
     ui_draw_text(on, x, y + 0.5f * line, UI_STYLE_BODY, is_left ? THEME_LEFT : THEME_RIGHT, 0.0f,

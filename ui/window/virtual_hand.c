@@ -12,6 +12,7 @@ static const double rate_hz = 125.0;
 static const double attach_s = 0.5; /* mappings take the first samples as the hand's neutral pose */
 static const char side_key[] = "virtual_hand.side";
 static const char *const feed_id[2] = {"org.marotte.virtual_left", "org.marotte.virtual_right"};
+static const char *const input_text[2] = {"virtual left hand", "virtual right hand"};
 static const char *const feed_name[2] = {"Virtual left hand", "Virtual right hand"};
 
 struct virtual_hand {
@@ -116,7 +117,7 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
         return result;
     virtual_hand_motion_begin(&self->motion);
     give(self, side, FEED_MOVES); /* before anybody reads it: a hand at rest */
-    result = live_add_made(studio_live(self->of), made, feed_id[side], err);
+    result = live_add_made(studio_live(self->of), made, input_text[side], err);
     if (result < 0)
         return result; /* the stage has destroyed it */
     self->made[side] = made;

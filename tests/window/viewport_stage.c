@@ -1,0 +1,235 @@
+/* The mouse and the virtual hand on a real stage: from events to vertices. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "window/panels.h"
+#include "window/scene.h"
+
+static scene s;
+
+static const live_view *view_now(void)
+{
+    return studio_view(s.studio);
+}
+
+static const viewport_stroke *stroke_at(float x, float y)
+{
+    scene_move(&s, x, y);
+    scene_settle(&s);
+    return viewport_stroke_now(studio_viewport(s.studio));
+}
+
+/* From the front the slope of the pointer's ray is linear in where it is on the screen. */
+typedef struct lens {
+    double eye[3], across, across_step, up, up_step; /* slopes at 0, and by the point */
+} lens;
+
+static lens find_lens(void)
+{
+    const float x[2] = {200, 400}, y[2] = {150, 300};
+    double across[2], up[2];
+    lens l = {.eye = {0}};
+    for (int i = 0; i < 2; ++i) {
+        const viewport_stroke *stroke = stroke_at(x[i], y[i]);
+        across[i] = (double)stroke->ray[0] / -(double)stroke->ray[2];
+        up[i] = (double)stroke->ray[1] / -(double)stroke->ray[2];
+        for (int k = 0; k < 3; ++k)
+            l.eye[k] = (double)stroke->eye[k];
+    }
+    l.across_step = (across[1] - across[0]) / (double)(x[1] - x[0]);
+    l.up_step = (up[1] - up[0]) / (double)(y[1] - y[0]);
+    l.across = across[0] - (double)x[0] * l.across_step;
+    l.up = up[0] - (double)y[0] * l.up_step;
+    return l;
+}
+
+static void screen_of(const lens *l, vec3 at, float *out_x, float *out_y)
+{
+    double depth = l->eye[2] - at.z;
+    *out_x = (float)round(((at.x - l->eye[0]) / depth - l->across) / l->across_step);
+    *out_y = (float)round(((at.y - l->eye[1]) / depth - l->up) / l->up_step);
+}
+
+static uint32_t contact_named(const char *name)
+{
+    const mrt_face *about = view_now()->about;
+    for (uint32_t i = 0; i < about->contact_count; ++i)
+        if (strcmp(about->contacts[i].name, name) == 0)
+            return i;
+    fail_msg("the puppet has no contact %s", name);
+    return 0;
+}
+
+static float dof_now(const char *name)
+{
+    const mrt_face *about = view_now()->about;
+    for (uint32_t i = 0; i < about->dof_count; ++i)
+        if (strcmp(about->dofs[i].name, name) == 0)
+            return view_now()->meter.dof[i];
+    fail_msg("the puppet has no %s", name);
+    return 0.0f;
+}
+
+typedef struct wait_for {
+    uint32_t contact;
+    vec3 at;          /* mm */
+    double within_mm; /* of it; < 0: further away than that */
+    const char *dof;
+    float more, less; /* than the other */
+} wait_for;
+
+static bool contact_is_there(scene *of, void *data)
+{
+    const wait_for *w = data;
+    double away = vec3_length(vec3_sub(studio_view(of->studio)->contact[w->contact], w->at));
+    return w->within_mm >= 0.0 ? away <= w->within_mm : away >= -w->within_mm;
+}
+
+static bool dof_is_so(scene *of, void *data)
+{
+    const wait_for *w = data;
+    (void)of;
+    float value = dof_now(w->dof);
+    return value > w->more && value < w->less;
+}
+
+static void a_drag_on_the_mouth_corner_moves_it_by_the_drag(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    uint32_t corner = contact_named("mouth.corner.l");
+    vec3 rest = view_now()->contact[corner];
+    const lens l = find_lens();
+    float x, y;
+    screen_of(&l, rest, &x, &y);
+    assert_int_equal(stroke_at(x, y)->contact, corner + 1);
+    scene_button(&s, 0, true);
+    scene_settle(&s);
+    (void)stroke_at(x + 22, y - 16);
+    double depth = l.eye[2] - rest.z;
+    vec3 way = {22.0 * l.across_step * depth, -16.0 * l.up_step * depth, 0.0};
+    wait_for there = {
+        .contact = corner, .at = vec3_add(rest, way), .within_mm = 0.1 * vec3_length(way)};
+    assert_true(scene_until(&s, contact_is_there, &there));
+    scene_picture(&s, "viewport_drag");
+    scene_let_cut(&s, "No takes yet");
+    scene_check_words(&s);
+    scene_button(&s, 0, false);
+    scene_settle(&s);
+    wait_for back = {.contact = corner, .at = rest, .within_mm = 0.5};
+    assert_true(scene_until(&s, contact_is_there, &back)); /* lightly pulled: it springs back */
+    scene_close(&s);
+}
+
+static void with_shift_it_stays_until_a_double_click(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    uint32_t chin = contact_named("chin");
+    vec3 rest = view_now()->contact[chin];
+    const lens l = find_lens();
+    float x, y;
+    screen_of(&l, rest, &x, &y);
+    (void)stroke_at(x, y);
+    scene_button(&s, 0, true);
+    scene_settle(&s);
+    (void)stroke_at(x, y + 15);
+    scene_hold_key(&s, UI_KEY_SHIFT, true);
+    scene_settle(&s);
+    scene_button(&s, 0, false);
+    scene_settle(&s);
+    scene_hold_key(&s, UI_KEY_SHIFT, false);
+    scene_frames(&s, 40);
+    vec3 stays = view_now()->contact[chin];
+    assert_true(vec3_length(vec3_sub(stays, rest)) > 3.0);
+    screen_of(&l, stays, &x, &y);
+    assert_int_equal(stroke_at(x, y)->contact, chin + 1);
+    for (int click = 0; click < 2; ++click) {
+        scene_button(&s, 0, true);
+        scene_frame(&s);
+        scene_button(&s, 0, false);
+        scene_frame(&s);
+    }
+    wait_for back = {.contact = chin, .at = rest, .within_mm = 0.5};
+    assert_true(scene_until(&s, contact_is_there, &back));
+    scene_close(&s);
+}
+
+static void hold_until(uint32_t key, const char *dof, float more, float less)
+{
+    scene_hold_key(&s, key, true);
+    wait_for w = {.dof = dof, .more = more, .less = less};
+    assert_true(scene_until(&s, dof_is_so, &w));
+}
+
+static void the_keys_move_a_hand_that_moves_the_face(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    uint32_t brow = contact_named("brow.mid.l"), corner = contact_named("mouth.corner.l");
+    vec3 brow_rest = view_now()->contact[brow], corner_rest = view_now()->contact[corner];
+    scene_do(&s, ACTION_HAND_KEYS);
+    assert_true(studio_has_hand_keys(s.studio));
+    scene_frames(&s, 60); /* the mapping takes the resting hand for its neutral pose */
+    assert_int_equal(live_input_count(studio_live(s.studio)), 1);
+    assert_true(vec3_length(vec3_sub(view_now()->contact[brow], brow_rest)) < 0.5);
+
+    hold_until(' ', "jaw.open", 0.25f, 9.0f); /* the thumb drops: the mouth opens */
+    scene_picture(&s, "viewport_hand_keys");
+    scene_let_cut(&s, "No takes yet");
+    scene_check_words(&s);
+    scene_hold_key(&s, ' ', false);
+    wait_for closed = {.dof = "jaw.open", .more = -9.0f, .less = 0.03f};
+    assert_true(scene_until(&s, dof_is_so, &closed));
+
+    scene_hold_key(&s, 'U', true); /* the index finger lifts: brows */
+    wait_for lifted = {.contact = brow, .at = brow_rest, .within_mm = -4.0};
+    assert_true(scene_until(&s, contact_is_there, &lifted));
+    scene_hold_key(&s, 'U', false);
+
+    scene_hold_key(&s, 'O', true); /* ring and little finger lift: a smile */
+    scene_hold_key(&s, 'P', true);
+    wait_for smiles = {.contact = corner, .at = corner_rest, .within_mm = -4.0};
+    assert_true(scene_until(&s, contact_is_there, &smiles));
+    scene_hold_key(&s, 'O', false);
+    scene_hold_key(&s, 'P', false);
+
+    hold_until('K', "lid_upper.l.close", 0.4f, 9.0f); /* the middle finger taps: a blink */
+    scene_hold_key(&s, 'K', false);
+    bool is_mirrored = studio_looks_of(s.studio)->is_mirrored; /* right is the picture's */
+    hold_until(UI_KEY_RIGHT, "skull.turn", is_mirrored ? -9.0f : 0.1f, is_mirrored ? -0.1f : 9.0f);
+    scene_hold_key(&s, UI_KEY_RIGHT, false);
+
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_false(studio_has_hand_keys(s.studio));
+    wait_for rests = {.contact = corner, .at = corner_rest, .within_mm = 1.0};
+    assert_true(scene_until(&s, contact_is_there, &rests));
+    scene_close(&s);
+}
+
+static void a_window_that_closes_while_a_take_is_recorded_with_it_keeps_the_take(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_HAND_KEYS);
+    scene_frames(&s, 40);
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    scene_do(&s, ACTION_RECORD);
+    scene_frames(&s, 30);
+    assert_true(studio_status(s.studio)->is_recording);
+    scene_close(&s); /* and nothing is left that the stage still reads */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_drag_on_the_mouth_corner_moves_it_by_the_drag),
+        cmocka_unit_test(with_shift_it_stays_until_a_double_click),
+        cmocka_unit_test(the_keys_move_a_hand_that_moves_the_face),
+        cmocka_unit_test(a_window_that_closes_while_a_take_is_recorded_with_it_keeps_the_take),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
