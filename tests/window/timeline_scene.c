@@ -1,0 +1,125 @@
+/* The timeline in the whole window: a performance is recorded, chosen, edited, undone, kept; and
+ * looked at. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+
+static bool has_take(scene *s, void *data)
+{
+    const studio_take_line *line;
+    uint32_t count = studio_takes(s->studio, &line);
+    return count == *(uint32_t *)data && !line[count - 1].is_recording;
+}
+
+static bool has_recorded(scene *s, void *data)
+{
+    (void)data;
+    return studio_status(s->studio)->is_recording &&
+           studio_status(s->studio)->recorded_ns > 2 * NS_PER_S;
+}
+
+static bool has_journal(scene *s, void *data)
+{
+    (void)data;
+    return studio_status(s->studio)->journal_ns > 3 * NS_PER_S;
+}
+
+static bool is_chosen(scene *s, void *data)
+{
+    (void)data;
+    return studio_take(s->studio) != NULL;
+}
+
+static bool has_clips(scene *s, void *data)
+{
+    const take *t = studio_take(s->studio);
+    return t && t->layer_count > 0 && t->layer[0].clip_count == *(uint32_t *)data;
+}
+
+static void open_hand(scene *s, float scale)
+{
+    static char hand[512];
+    static const char *const inputs[] = {hand};
+    (void)snprintf(hand, sizeof hand, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    const scene_options options = {.width_px = (uint32_t)(1280.0f * scale),
+                                   .height_px = (uint32_t)(720.0f * scale),
+                                   .scale = scale,
+                                   .inputs = inputs,
+                                   .input_count = 1};
+    scene_open_with(s, &options);
+    scene_let_cut(s, "demo_hand");
+    scene_let_cut(s, "No takes yet");
+    scene_let_cut(s, "(");
+}
+
+static void record_one(scene *s)
+{
+    uint32_t count = 1;
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_recorded, NULL));
+    scene_picture(s, "timeline_scene_recording");
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_take, &count));
+}
+
+static void choose_newest(scene *s)
+{
+    const studio_take_line *line;
+    uint32_t count = studio_takes(s->studio, &line);
+    assert_int_equal(studio_choose_take(s->studio, line[count - 1].id), MRT_OK);
+    assert_true(scene_until(s, is_chosen, NULL));
+}
+
+static void a_performance_is_recorded_chosen_split_and_undone(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t one = 1, two = 2;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    const take *t = studio_take(s.studio);
+    live_seek(studio_live(s.studio), t->duration_ns / 2);
+    studio_chosen(s.studio)->layer = t->layer[0].id;
+    studio_chosen(s.studio)->clip = t->layer[0].clip[0].id;
+    scene_do(&s, ACTION_SPLIT);
+    assert_true(scene_until(&s, has_clips, &two));
+    for (int i = 0; i < 120; ++i)
+        scene_frame(&s); /* the curve comes */
+    scene_picture(&s, "timeline_scene_split");
+    scene_check_words(&s);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, has_clips, &one));
+    scene_click_word(&s, "History");
+    scene_settle(&s);
+    scene_picture(&s, "timeline_scene_history");
+    assert_non_null(scene_word_with(&s, "split"));
+    scene_close(&s);
+}
+
+static void the_journal_is_seen_live_and_at_twice_the_size(void **state)
+{
+    (void)state;
+    for (int scale = 1; scale <= 2; ++scale) {
+        scene s;
+        open_hand(&s, (float)scale);
+        assert_true(scene_until(&s, has_journal, NULL));
+        scene_picture(&s, scale == 1 ? "timeline_scene_live" : "timeline_scene_live_2x");
+        scene_check_words(&s);
+        scene_close(&s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_performance_is_recorded_chosen_split_and_undone),
+        cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
