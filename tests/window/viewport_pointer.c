@@ -346,6 +346,30 @@ static void a_face_that_stands_in_is_shown_and_picked(void **state)
     stand_close(&s);
 }
 
+/* How often it is drawn once nothing moves any more. */
+static uint64_t drawn_after_an_orbit(double dt_s)
+{
+    stand_open_slow(&s, puppet, WIDTH, HEIGHT, dt_s);
+    stand_move(&s, 320, 240);
+    stand_button(&s, 1, true);
+    for (int i = 0; i < 10; ++i)
+        stand_move(&s, 320 + 6 * (float)i, 240);
+    stand_button(&s, 1, false);
+    stand_frame(&s);
+    uint64_t before = viewport_drawn(s.viewport);
+    stand_frames(&s, 40);
+    uint64_t after = viewport_drawn(s.viewport);
+    stand_close(&s);
+    return after - before;
+}
+
+static void a_slow_renderer_gets_fewer_pixels_until_all_is_still(void **state)
+{
+    (void)state;
+    assert_int_equal(drawn_after_an_orbit(1.0 / 60.0), 0);
+    assert_int_equal(drawn_after_an_orbit(0.070), 1); /* once more, with all pixels */
+}
+
 static void a_whole_performance_in_a_small_window_does_no_harm(void **state)
 {
     (void)state;
@@ -385,6 +409,7 @@ int main(void)
         cmocka_unit_test(whoever_paints_is_given_the_pointer),
         cmocka_unit_test(the_camera_is_kept),
         cmocka_unit_test(a_face_that_stands_in_is_shown_and_picked),
+        cmocka_unit_test(a_slow_renderer_gets_fewer_pixels_until_all_is_still),
         cmocka_unit_test(a_whole_performance_in_a_small_window_does_no_harm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -214,10 +214,11 @@ static void open_face(viewport_stand *s, const char *face_path)
 
 /* ---- opened and closed ---- */
 
-static void open_screen(viewport_stand *s, uint32_t width, uint32_t height, float scale)
+static void open_screen(viewport_stand *s, uint32_t width, uint32_t height, float scale,
+                        double dt_s)
 {
     error err = {{0}};
-    if (front_open_hidden(&s->front, width, height, scale, 1.0 / 60.0, &err) < 0) {
+    if (front_open_hidden(&s->front, width, height, scale, dt_s, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         skip();
     }
@@ -236,20 +237,32 @@ static void create_viewport(viewport_stand *s)
     stand_frames(s, 3);
 }
 
-void stand_open(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
-                float scale)
+static void open_all(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
+                     float scale, double dt_s)
 {
     error err = {{0}};
     char note[256];
     memset(s, 0, sizeof *s);
     here = s;
-    open_screen(s, width, height, scale);
+    open_screen(s, width, height, scale, dt_s);
     s->log = log_queue_create();
     s->news = news_list_create();
     assert_true(s->log && s->news);
     assert_int_equal(settings_open(&s->settings, "", note, sizeof note, &err), MRT_OK);
     open_face(s, face_path);
     create_viewport(s);
+}
+
+void stand_open(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
+                float scale)
+{
+    open_all(s, face_path, width, height, scale, 1.0 / 60.0);
+}
+
+void stand_open_slow(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
+                     double dt_s)
+{
+    open_all(s, face_path, width, height, 1.0f, dt_s);
 }
 
 void stand_reopen(viewport_stand *s)

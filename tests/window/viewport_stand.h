@@ -40,6 +40,9 @@ typedef struct viewport_stand {
 
 /* Skips the test where there is no OpenGL. face: "rigs/puppet/puppet.rig.json". */
 void stand_open(viewport_stand *s, const char *face, uint32_t width, uint32_t height, float scale);
+/* The same on a renderer that takes so long for a frame; else it is 1/60 s. */
+void stand_open_slow(viewport_stand *s, const char *face, uint32_t width, uint32_t height,
+                     double dt_s);
 void stand_close(viewport_stand *s);
 /* The viewport is made again, as when the program starts anew. */
 void stand_reopen(viewport_stand *s);
