@@ -43,7 +43,9 @@ static instance *follow_mapping(mapping_panel *self)
     instance *mapping = live_mapping(studio_live(self->studio));
     const mrt_plugin_type *type = mapping ? mapping->type : NULL;
     if (type != self->type) {
-        bool is_other = !type || !self->type || strcmp(type->id, self->type->id) != 0;
+        const char *id = type ? type->id : "";
+        bool is_other = strncmp(id, self->type_id, sizeof self->type_id - 1) != 0;
+        (void)snprintf(self->type_id, sizeof self->type_id, "%s", id);
         self->type = type;
         self->is_held = false;
         free(self->values);

@@ -16,7 +16,8 @@ typedef struct mapping_panel {
     char find[64]; /* a part of a parameter's name */
 
     /* Of the mapping that performs, made anew when its type changes. */
-    const mrt_plugin_type *type;
+    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
+    char type_id[128];           /* "": none */
     const char *group[MAPPING_GROUPS_MAX];
     uint32_t group_count;
     float label_width;

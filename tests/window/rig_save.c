@@ -1,0 +1,165 @@
+/* The rig in the whole window: painted while the stage performs, saved by its key, undone by its
+ * key, asked about at the end, offered again at the next start. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+#include "face/rig.h"
+#include "window/panels.h"
+
+static char folder[64];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    char command[512];
+    strcpy(folder, "/tmp/marotte_rig_XXXXXX");
+    if (!mkdtemp(folder))
+        return -1;
+    (void)snprintf(command, sizeof command, "cp %s/rigs/puppet/puppet.* %s/", SOURCE_DIR, folder);
+    return system(command);
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[128];
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    return system(command);
+}
+
+static void open_puppet(scene *s, bool is_again)
+{
+    static char face_path[128], kept[128];
+    (void)snprintf(face_path, sizeof face_path, "%s/puppet.rig.json", folder);
+    (void)snprintf(kept, sizeof kept, "%s/window.json", folder);
+    const scene_options options = {.width_px = 1280,
+                                   .height_px = 720,
+                                   .scale = 1.0f,
+                                   .face = face_path,
+                                   .settings_path = kept};
+    if (is_again)
+        scene_open_again(s, &options);
+    else
+        scene_open_with(s, &options);
+    scene_let_cut(s, "No takes yet"); /* of the timeline, where it is low */
+}
+
+static bool has_rig_panel(scene *s, void *data)
+{
+    (void)data;
+    return scene_word(s, "Regions") != NULL;
+}
+
+static bool stage_has_paint(scene *s, void *data)
+{
+    const rig *r = studio_face(s->studio)->rig;
+    (void)data;
+    for (uint32_t i = 0; i < r->region_count; ++i)
+        if (r->region[i].name && strcmp(r->region[i].name, "painted skull") == 0)
+            return true;
+    return false;
+}
+
+static bool stage_has_none(scene *s, void *data)
+{
+    return !stage_has_paint(s, data);
+}
+
+static bool is_unsaved(scene *s, void *data)
+{
+    (void)data;
+    return studio_unsaved_now(s->studio) != NULL;
+}
+
+static bool is_saved(scene *s, void *data)
+{
+    return !is_unsaved(s, data);
+}
+
+/* Over the middle of the picture's face. */
+static void paint(scene *s)
+{
+    scene_key(s, UI_KEY_F1 + 3, 0);
+    assert_true(scene_until(s, has_rig_panel, NULL));
+    scene_frames(s, 30);
+    scene_click_word(s, "Paint");
+    float x = 0.33f * s->width, y = 0.40f * s->height;
+    scene_drag(s, x, y, x + 60.0f, y + 20.0f, 6);
+    assert_true(scene_until(s, is_unsaved, NULL));
+}
+
+static rig read_saved(void)
+{
+    char path[128];
+    error err = {""};
+    rig r;
+    (void)snprintf(path, sizeof path, "%s/puppet.rig.json", folder);
+    if (rig_read(&r, path, &err) < 0)
+        fail_msg("%s", err.text);
+    return r;
+}
+
+static void what_is_painted_is_performed_undone_and_saved(void **state)
+{
+    scene s;
+    (void)state;
+    open_puppet(&s, false);
+    uint64_t inputs = live_input_count(studio_live(s.studio));
+    paint(&s);
+    assert_true(scene_until(&s, stage_has_paint, NULL));
+    assert_int_equal(live_input_count(studio_live(s.studio)), inputs);
+    scene_picture(&s, "rig_window");
+    scene_check_words(&s);
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_true(scene_until(&s, stage_has_none, NULL));
+    scene_key(&s, 'Z', UI_CONTROL | UI_SHIFT);
+    assert_true(scene_until(&s, stage_has_paint, NULL));
+    scene_key(&s, 'S', UI_CONTROL);
+    assert_true(scene_until(&s, is_saved, NULL));
+    rig r = read_saved();
+    assert_string_equal(r.region[r.region_count - 1].name, "painted skull");
+    rig_destroy(&r);
+    scene_close(&s);
+}
+
+static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
+{
+    scene s;
+    (void)state;
+    open_puppet(&s, false);
+    paint(&s);
+    assert_true(scene_until(&s, stage_has_paint, NULL));
+    scene_key(&s, 'Q', UI_CONTROL);
+    scene_frames(&s, 5);
+    assert_false(s.is_over);
+    scene_picture(&s, "rig_quit");
+    scene_check_words(&s);
+    desk_destroy(s.desk); /* as when it is killed: nothing was answered */
+    studio_destroy(s.studio);
+    open_puppet(&s, true);
+    scene_key(&s, UI_KEY_F1 + 3, 0);
+    assert_true(scene_until(&s, has_rig_panel, NULL));
+    scene_picture(&s, "rig_offer");
+    scene_check_words(&s);
+    scene_click_word(&s, "Take them up");
+    assert_true(scene_until(&s, is_unsaved, NULL));
+    scene_key(&s, 'S', UI_CONTROL);
+    assert_true(scene_until(&s, is_saved, NULL));
+    scene_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(what_is_painted_is_performed_undone_and_saved, make_folder,
+                                        remove_folder),
+        cmocka_unit_test_setup_teardown(what_is_not_saved_is_asked_about_and_offered_again,
+                                        make_folder, remove_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
