@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# soak.sh SECONDS [SEED]: the real window, clicked, dragged and typed at without sense, while a glove is
+# unplugged and plugged in again. It must not crash, leave nothing damaged, and its memory must not grow.
+# ./test runs it for a moment, ./test --long for an hour, and under the address sanitizer for ten minutes.
+seconds=${1:-20} seed=${2:-1}
+source "$(dirname "$0")/xvfb.sh"
+grown_mb_max=5 judged_from_s=600 # what is opened for the first time takes memory too
+emulator=$BUILD_DIR/tests/device/glove_emulator
+[ -x "$emulator" ] || { echo "SKIPPED: $emulator is not built"; exit 77; }
+trap '[ -z "$program_pid" ] || kill -9 "$program_pid" 2>/dev/null; [ -z "${hand_pid:-}" ] || kill "$hand_pid" 2>/dev/null; rm -rf "$scratch"' EXIT
+
+# A glove whose cable somebody pulls, every few seconds.
+pull_cable() {
+    RANDOM=$seed
+    while sleep $((4 + RANDOM % 12)); do
+        echo unplug
+        sleep $((1 + RANDOM % 4))
+        echo plug
+    done
+}
+pull_cable | "$emulator" --link "$scratch/glove" --control >/dev/null 2>glove.txt &
+hand_pid=$!
+until_true 30 test -e "$scratch/glove" || { echo "SKIPPED: no terminal for a glove: $(cat glove.txt)"; exit 77; }
+
+cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
+echo "random $seed $seconds" >script.txt
+ulimit -c 0
+open_window s.marotte --face "$scratch/puppet/puppet.rig.json" --map one_hand --settings "$scratch/window.json" \
+    --input "cyberglove:serial:$scratch/glove" --input "log:$demo,loop=1" --script script.txt
+
+resident_kb() {
+    awk '/^VmRSS/ { print $2 }' "/proc/$program_pid/status" 2>/dev/null
+}
+begun=$SECONDS
+while ! is_gone && [ $((SECONDS - begun)) -lt $((seconds + 120)) ]; do
+    kb=$(resident_kb)
+    [ -z "$kb" ] || echo "$((SECONDS - begun)) $kb" >>memory.txt
+    sleep 1
+done
+ends 0
+grep -E 'AddressSanitizer|LeakSanitizer|ThreadSanitizer|runtime error|Assertion' stderr.txt && fail "a sanitizer found something"
+"$MAROTTE" take check s.marotte >said 2>&1 || fail "the show: $(tail -n 5 said)"
+[ "$(json frames)" -gt $((seconds / 4)) ] || fail "only $(json frames) frames were drawn"
+[ "$(json samples)" -gt $((seconds * 50)) ] || fail "only $(json samples) samples were performed"
+
+# The least of a fifth of the time: what comes and goes is no leak.
+least() { # from to, shares of the time
+    awk -v from="$1" -v to="$2" -v all="$seconds" \
+        '$1 >= from * all && $1 < to * all && (!kb || $2 < kb) { kb = $2 } END { printf "%d\n", kb / 1000 }' memory.txt
+}
+warm=$(least 0.2 0.4) late=$(least 0.8 1.0)
+echo "$seconds s, seed $seed: $(json frames) frames, $(json samples) samples, memory $warm MB after a fifth, $late MB at the end"
+# The address sanitizer keeps what was freed.
+if [ "$seconds" -ge $judged_from_s ] && ! nm -D "$MAROTTE" 2>/dev/null | grep -q __asan_init; then
+    [ $((late - warm)) -lt $grown_mb_max ] || fail "memory grew by $((late - warm)) MB"
+fi
+[ -z "${MAROTTE_SOAK_KEEP:-}" ] || cp memory.txt stderr.txt facts.json "$MAROTTE_SOAK_KEEP"
+finish

@@ -1,0 +1,71 @@
+# What the scripts with a real window share: an X server of their own, the window in it, hands on its
+# keyboard and mouse. Sourced first, with the script's arguments; starts the script again within Xvfb.
+# shellcheck shell=bash
+for program in Xvfb xvfb-run xdotool; do
+    command -v "$program" >/dev/null && continue
+    echo "SKIPPED: $program is not installed (packages xvfb, xauth, xdotool)"
+    exit 77
+done
+if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then
+    MAROTTE_WITHIN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${MAROTTE_SCREEN:-1280x720x24} -nolisten tcp" bash "$0" "$@"
+fi
+source "$(dirname "$0")/../e2e/lib.sh"
+export HOME=$scratch XDG_DOCUMENTS_DIR=$scratch # what is left open there is nobody's
+cd "$scratch" || exit 1
+program_pid=
+trap '[ -z "$program_pid" ] || kill -9 "$program_pid" 2>/dev/null; rm -rf "$scratch"' EXIT
+
+# until SECONDS COMMAND...: asks ten times a second until it is so.
+until_true() {
+    local ends=$((SECONDS + $1))
+    shift
+    while ! "$@" >/dev/null 2>&1; do
+        [ $SECONDS -lt $ends ] || return 1
+        sleep 0.1
+    done
+}
+
+windows() { # of the program, those that are seen
+    xdotool search --onlyvisible --name '^marotte|marotte$' 2>/dev/null
+}
+has_windows() { # how many
+    [ "$(windows | wc -l)" -eq "$1" ]
+}
+is_gone() {
+    ! kill -0 "$program_pid" 2>/dev/null
+}
+
+# open_window ARGUMENTS...: the program in its window, with the keyboard.
+open_window() {
+    "$MAROTTE" stage --size 1280x720 --json "$@" >facts.json 2>stderr.txt &
+    program_pid=$!
+    if ! until_true 60 has_windows 1; then
+        fail "no window opens: $(cat stderr.txt)"
+        finish
+    fi
+    xdotool windowfocus "$(windows)"
+}
+
+# ends CODE: it ends by itself, with that code.
+ends() {
+    local code
+    until_true 60 is_gone || fail "it does not end"
+    is_gone || kill -9 "$program_pid"
+    wait "$program_pid"
+    code=$?
+    program_pid=
+    [ $code -eq "$1" ] || fail "exit $code: $(tail -c 2000 stderr.txt)"
+}
+
+json() { # the number of a fact
+    sed -nE "s/^ *\"$1\": ([-0-9.e+]+),?$/\1/p" facts.json | head -n 1
+}
+
+drag() { # X Y X Y STEPS
+    xdotool mousemove "$1" "$2" mousedown 1
+    for i in $(seq "$5"); do
+        xdotool mousemove $(($1 + ($3 - $1) * i / $5)) $(($2 + ($4 - $2) * i / $5))
+        sleep 0.03 # a hand takes its time
+    done
+    xdotool mouseup 1
+}
