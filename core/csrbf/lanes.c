@@ -8,6 +8,7 @@
         .columns_sum = LANES_OF(columns_sum, variant),                                             \
         .columns_add = LANES_OF(columns_add, variant),                                             \
         .columns_move = LANES_OF(columns_move, variant),                                           \
+        .packed_move = LANES_OF(packed_move, variant),                                             \
         .is_zero = LANES_OF(is_zero, variant),                                                     \
         .add_weighted = LANES_OF(add_weighted, variant),                                           \
         .field_block = LANES_OF(field_block, variant),                                             \

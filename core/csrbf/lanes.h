@@ -6,7 +6,7 @@
 #ifndef MAROTTE_CSRBF_LANES_H
 #define MAROTTE_CSRBF_LANES_H
 #include "base/isa.h"
-#include "csrbf/columns.h"
+#include "csrbf/columns_packed.h"
 #include "csrbf/envelope.h"
 #include "csrbf/field.h"
 #include "csrbf/gradient.h"
@@ -31,6 +31,9 @@ typedef struct lanes {
                         uint32_t block);
     void (*columns_move)(const columns *c, points *out, const points *base, uint32_t first,
                          uint32_t end);
+    /* The same of csrbf/columns_packed.h, with p->weight. */
+    void (*packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,
+                        uint32_t first, uint32_t end);
     bool (*is_zero)(const float value[POINTS_BLOCK]); /* all over the block */
     /* total += weight times sum, by vertices. */
     void (*add_weighted)(float total[3][POINTS_BLOCK], const float *weight,

@@ -123,6 +123,59 @@ void LANES(columns_move)(const columns *c, points *out, const points *base, uint
     }
 }
 
+/* ---- packed ---- */
+
+/* As ADD_COLUMNS. */
+#define ADD_PACKED(COUNT)                                                                          \
+    static void add_packed_##COUNT(float sum[3][POINTS_BLOCK], const int16_t *value,               \
+                                   size_t stride, const float *weight, const uint16_t *column)     \
+    {                                                                                              \
+        float *restrict x = sum[0], *restrict y = sum[1], *restrict z = sum[2];                    \
+        const int16_t *row[COUNT];                                                                 \
+        float gx[COUNT], gy[COUNT], gz[COUNT];                                                     \
+        for (size_t k = 0; k < COUNT; ++k) {                                                       \
+            const float *g = weight + (size_t)3 * column[k];                                       \
+            row[k] = value + column[k] * stride;                                                   \
+            gx[k] = g[0];                                                                          \
+            gy[k] = g[1];                                                                          \
+            gz[k] = g[2];                                                                          \
+        }                                                                                          \
+        for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
+            float sx = x[i], sy = y[i], sz = z[i];                                                 \
+            for (size_t k = 0; k < COUNT; ++k) {                                                   \
+                float one = (float)row[k][i];                                                      \
+                sx += one * gx[k];                                                                 \
+                sy += one * gy[k];                                                                 \
+                sz += one * gz[k];                                                                 \
+            }                                                                                      \
+            x[i] = sx;                                                                             \
+            y[i] = sy;                                                                             \
+            z[i] = sz;                                                                             \
+        }                                                                                          \
+    }
+ADD_PACKED(1)
+ADD_PACKED(2)
+ADD_PACKED(8)
+
+void LANES(packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,
+                        uint32_t first, uint32_t end)
+{
+    for (uint32_t block = first; block < end; ++block) {
+        _Alignas(64) float sum[3][POINTS_BLOCK];
+        const int16_t *value = p->value + (size_t)block * POINTS_BLOCK;
+        const uint16_t *column = c->active + (size_t)block * c->capacity;
+        uint32_t left = c->active_count[block];
+        memset(sum, 0, sizeof sum);
+        for (; left >= 8; left -= 8, column += 8)
+            add_packed_8(sum, value, p->stride, p->weight, column);
+        for (; left >= 2; left -= 2, column += 2)
+            add_packed_2(sum, value, p->stride, p->weight, column);
+        if (left > 0)
+            add_packed_1(sum, value, p->stride, p->weight, column);
+        LANES(columns_add)(out, base, sum, block);
+    }
+}
+
 bool LANES(is_zero)(const float value[POINTS_BLOCK])
 {
     int other = 0; /* counted, not asked one by one: so it runs on whole vectors */

@@ -17,6 +17,8 @@
                                         float sum[3][POINTS_BLOCK], uint32_t block);               \
     void LANES_OF(columns_move, variant)(const columns *c, points *out, const points *base,        \
                                          uint32_t first, uint32_t end);                            \
+    void LANES_OF(packed_move, variant)(const columns_packed *p, const columns *c, points *out,    \
+                                        const points *base, uint32_t first, uint32_t end);         \
     bool LANES_OF(is_zero, variant)(const float value[POINTS_BLOCK]);                              \
     void LANES_OF(add_weighted, variant)(float total[3][POINTS_BLOCK], const float *weight,        \
                                          float sum[3][POINTS_BLOCK]);                              \
