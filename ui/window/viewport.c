@@ -10,7 +10,7 @@ static const char *const camera_key[VIEWPORT_CAMERA_KEPT] = {
 static const char radius_key[] = "viewport.pointer_radius_mm";
 static const char output_key[] = "viewport.output_from_front"; /* 1: whatever the camera does */
 
-static void say(const viewport *self, int32_t level, const char *text)
+void viewport_say(const viewport *self, int32_t level, const char *text)
 {
     news_list_add(studio_news(self->of), level, "picture", text);
 }
@@ -56,22 +56,7 @@ viewport *viewport_create(studio *of, error *err)
     return self;
 }
 
-static void drop_face(viewport *self)
-{
-    float **arrays[] = {&self->shape, &self->normal, &self->stand_in, &self->rgb, &self->paint};
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
-        free(*arrays[i]);
-        *arrays[i] = NULL;
-    }
-    viewport_heat_destroy(self->heat);
-    self->heat = NULL;
-    self->has_face = self->output_has_face = self->has_paint = self->stands_in = false;
-    self->has_colours = self->is_on_face = false;
-    self->heat_shown = STUDIO_HEAT_NONE;
-    self->contact = 0;
-}
-
-static void keep_camera(viewport *self)
+void viewport_keep_camera(viewport *self)
 {
     double now[VIEWPORT_CAMERA_KEPT];
     viewport_camera_keep(&self->camera, now);
@@ -87,9 +72,9 @@ void viewport_destroy(viewport *self)
     if (!self)
         return;
     if (self->has_camera)
-        keep_camera(self);
+        viewport_keep_camera(self);
     virtual_hand_destroy(self->hand);
-    drop_face(self);
+    viewport_drop_face(self);
     viewport_picture_destroy(self->picture);
     viewport_picture_destroy(self->output);
     draw_renderer_destroy(self->renderer);
@@ -97,195 +82,9 @@ void viewport_destroy(viewport *self)
     free(self);
 }
 
-/* ---- which face ---- */
-
-static bool is_same_face(const viewport_face *a, const viewport_face *b)
-{
-    return a->file == b->file && a->rig == b->rig && a->position == b->position &&
-           a->triangle == b->triangle && a->vertex_count == b->vertex_count;
-}
-
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *at = data;
-    for (size_t i = 0; i < size; ++i)
-        hash = (hash ^ at[i]) * 1099511628211u; /* FNV-1a */
-    return hash;
-}
-
-static uint64_t surface_of(const mesh *m)
-{
-    uint64_t hash = 14695981039346656037u;
-    size_t places = (size_t)m->vertex_count * 3, corners = (size_t)m->triangle_count * 3;
-    hash = hash_bytes(hash, m->position, places * sizeof *m->position);
-    hash = hash_bytes(hash, m->triangle, corners * sizeof *m->triangle);
-    if (m->normal)
-        hash = hash_bytes(hash, m->normal, places * sizeof *m->normal);
-    for (uint32_t i = 0; i < m->material_count; ++i)
-        hash = hash_bytes(hash, m->material[i].base_colour, sizeof m->material[i].base_colour);
-    for (uint32_t i = 0; i < m->part_count; ++i)
-        hash = hash_bytes(hash, &m->part[i].first_triangle, 2 * sizeof(uint32_t));
-    return hash;
-}
-
-static bool take_face(viewport *self, const viewport_face *now, error *err)
-{
-    drop_face(self);
-    self->face = *now;
-    const mesh *m = &now->file->mesh;
-    size_t size = (size_t)m->vertex_count * 3 * sizeof(float);
-    self->shape = malloc(size + 1);
-    self->normal = calloc(1, size + 1);
-    self->stand_in = malloc(2 * size + 1);
-    self->rgb = malloc(size + 1);
-    self->paint = malloc(size + 1);
-    if (!self->shape || !self->normal || !self->stand_in || !self->rgb || !self->paint) {
-        error_set(err, MRT_ERR_MEMORY, "no memory to show the face");
-        return false;
-    }
-    if (viewport_picture_face(self->picture, m, err) < 0)
-        return false;
-    memcpy(self->shape, m->position, size);
-    if (m->normal)
-        memcpy(self->normal, m->normal, size);
-    mesh_bounds(m, self->low, self->high);
-    return true;
-}
-
-static float aspect_of(const viewport *self)
+float viewport_aspect(const viewport *self)
 {
     return (float)self->rectangle[2] / (float)self->rectangle[3];
-}
-
-/* Another rig on the surface that is shown: what is shown, and how, stays. */
-static void take_rig(viewport *self, const viewport_face *now)
-{
-    self->face = *now;
-    self->contact = 0;
-    viewport_heat_destroy(self->heat);
-    self->heat = NULL;
-    self->heat_shown = STUDIO_HEAT_NONE;
-}
-
-static void follow_face(viewport *self)
-{
-    const face_file *file = studio_face(self->of);
-    viewport_face now = {file, NULL, NULL, NULL, 0};
-    if (file)
-        now = (viewport_face){file, file->rig, file->mesh.position, file->mesh.triangle,
-                              file->mesh.vertex_count};
-    if (is_same_face(&now, &self->face))
-        return;
-    error err = {{0}};
-    uint64_t surface = file ? surface_of(&file->mesh) : 0;
-    if (file && self->has_face && surface == self->surface) {
-        take_rig(self, &now);
-        return;
-    }
-    if (!file)
-        drop_face(self);
-    self->face = now;
-    self->surface = surface;
-    self->has_face = file && take_face(self, &now, &err);
-    if (file && !self->has_face)
-        say(self, MRT_LOG_ERROR, err.text);
-    if (!self->has_face)
-        return;
-    if (self->has_camera)
-        keep_camera(self);
-    viewport_camera_init(&self->camera, self->low, self->high, aspect_of(self));
-    viewport_camera_recall(&self->camera, self->camera_kept);
-    self->has_camera = true;
-}
-
-/* ---- which shape ---- */
-
-static void follow_shape(viewport *self)
-{
-    const live_view *view = studio_view(self->of);
-    size_t count = (size_t)self->face.vertex_count * 3;
-    const float *position = view->position, *normal = view->normal;
-    if (self->stands_in) {
-        position = self->stand_in;
-        normal = self->stand_in + count;
-    } else if (view->vertex_count != self->face.vertex_count) {
-        return; /* the stage has not changed over to this face yet */
-    }
-    if (!position)
-        return;
-    viewport_picture_shape(self->picture, position, normal);
-    memcpy(self->shape, position, count * sizeof *position);
-    if (normal)
-        memcpy(self->normal, normal, count * sizeof *normal);
-}
-
-void viewport_stand_in(viewport *self, const float *position, const float *normal)
-{
-    self->stands_in = position && self->has_face;
-    if (!self->stands_in)
-        return;
-    size_t count = (size_t)self->face.vertex_count * 3;
-    memcpy(self->stand_in, position, count * sizeof *position);
-    memcpy(self->stand_in + count, normal ? normal : self->normal, count * sizeof *position);
-}
-
-/* ---- which colours ---- */
-
-static bool has_heat(viewport *self)
-{
-    if (self->heat)
-        return true;
-    error err = {{0}};
-    if (viewport_heat_create(&self->heat, self->face.file, &err) >= 0)
-        return true;
-    say(self, MRT_LOG_ERROR, err.text);
-    studio_looks_of(self->of)->heat = STUDIO_HEAT_NONE;
-    return false;
-}
-
-static void show_paint(viewport *self)
-{
-    if (self->is_painted_anew)
-        viewport_picture_colour(self->picture, self->paint);
-    self->is_painted_anew = false;
-    self->has_colours = true;
-    self->heat_shown = STUDIO_HEAT_NONE;
-}
-
-static void show_heat(viewport *self, studio_heat kind)
-{
-    uint64_t shown = viewport_picture_shapes(self->picture);
-    bool depends = !viewport_heat_is_fixed(kind);
-    if (kind == self->heat_shown && !(depends && shown != self->colours_of))
-        return;
-    viewport_heat_colour(self->heat, self->rgb, kind, self->shape, studio_view(self->of)->bone);
-    viewport_picture_colour(self->picture, self->rgb);
-    self->heat_shown = kind;
-    self->colours_of = shown;
-    self->has_colours = true;
-}
-
-static void follow_colours(viewport *self)
-{
-    studio_heat kind = studio_looks_of(self->of)->heat;
-    if (self->has_paint) {
-        show_paint(self);
-    } else if (kind != STUDIO_HEAT_NONE && kind < STUDIO_HEATS && has_heat(self)) {
-        show_heat(self, kind);
-    } else if (self->has_colours) {
-        viewport_picture_colour(self->picture, NULL);
-        self->has_colours = false;
-        self->heat_shown = STUDIO_HEAT_NONE;
-    }
-}
-
-void viewport_paint(viewport *self, const float *rgb)
-{
-    self->has_paint = rgb && self->has_face;
-    if (!self->has_paint)
-        return;
-    memcpy(self->paint, rgb, (size_t)self->face.vertex_count * 3 * sizeof *rgb);
-    self->is_painted_anew = true;
 }
 
 /* ---- the camera ---- */
@@ -355,13 +154,13 @@ static uint32_t pixels(float length)
 
 static void take_place(viewport *self, const ui_canvas *canvas, float scale)
 {
-    float before = self->rectangle[3] ? aspect_of(self) : 0.0f;
+    float before = self->rectangle[3] ? viewport_aspect(self) : 0.0f;
     self->where = canvas->where;
     self->px_per_point = scale;
     self->rectangle[2] = pixels(canvas->where.width * scale);
     self->rectangle[3] = pixels(canvas->where.height * scale);
-    if (self->has_camera && fabsf(aspect_of(self) - before) > 1e-3f)
-        viewport_camera_fit(&self->camera, self->low, self->high, aspect_of(self));
+    if (self->has_camera && fabsf(viewport_aspect(self) - before) > 1e-3f)
+        viewport_camera_fit(&self->camera, self->low, self->high, viewport_aspect(self));
 }
 
 static void make_scene(viewport *self)
@@ -371,7 +170,7 @@ static void make_scene(viewport *self)
                             .file = self->face.file,
                             .looks = looks,
                             .camera = &self->camera.now,
-                            .aspect = aspect_of(self),
+                            .aspect = viewport_aspect(self),
                             .px_per_point = self->px_per_point,
                             .contact_position = self->shape,
                             .stands_in = self->stands_in};
@@ -393,16 +192,16 @@ static uint32_t draw_picture(viewport *self)
     error err = {{0}};
     uint32_t texture = viewport_picture_draw(self->picture, &look, &err);
     if (!texture && !self->has_failed)
-        say(self, MRT_LOG_ERROR, err.text);
+        viewport_say(self, MRT_LOG_ERROR, err.text);
     self->has_failed = !texture;
     return texture;
 }
 
 static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
 {
-    follow_shape(self);
+    viewport_follow_shape(self);
     viewport_point(self, canvas);
-    follow_colours(self);
+    viewport_follow_colours(self);
     make_scene(self);
     uint32_t texture = draw_picture(self);
     if (texture)
@@ -411,7 +210,7 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
     bool is_moving = self->drag != VIEWPORT_DRAGS_NOTHING || self->camera.glided_s >= 0.0 ||
                      studio_looks_of(self->of)->is_turning;
     if (!is_moving)
-        keep_camera(self);
+        viewport_keep_camera(self);
 }
 
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
@@ -420,7 +219,7 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_panel_begin(on, "viewport", where, UI_GROUND_NONE);
     ui_canvas_begin(on, "face", 0.0f, 0.0f, &canvas);
     take_place(self, &canvas, scale);
-    follow_face(self);
+    viewport_follow_face(self);
     if (self->has_face)
         draw_face_in(self, on, &canvas);
     ui_canvas_end(on);

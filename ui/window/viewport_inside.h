@@ -78,9 +78,23 @@ struct viewport {
     viewport_stroke stroke;
 };
 
+/* ---- viewport.c ---- */
+
+float viewport_aspect(const viewport *self);
+void viewport_keep_camera(viewport *self);
+void viewport_say(const viewport *self, int32_t level, const char *text);
+
+/* ---- viewport_follow.c: which face, shape and colours are shown ---- */
+
+void viewport_drop_face(viewport *self);
+void viewport_follow_face(viewport *self);
+void viewport_follow_shape(viewport *self);
+void viewport_follow_colours(viewport *self);
+
 /* ---- viewport_pointer.c: what the pointer finds and does ---- */
 
 void viewport_point(viewport *self, const ui_canvas *canvas);
+void viewport_let_go(viewport *self); /* of whatever is held */
 /* Points from the canvas's top left; false: behind the eye. */
 bool viewport_to_points(const viewport *self, const float at[3], float *out_x, float *out_y);
 /* Where a contact is in the shape that is shown, and whether that side of it is seen. */

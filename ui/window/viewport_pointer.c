@@ -221,6 +221,14 @@ static void drag_hold(viewport *self, const ui_canvas *canvas)
     }
 }
 
+void viewport_let_go(viewport *self)
+{
+    if (self->drag == VIEWPORT_HOLDS && studio_live(self->of))
+        tell_stage(self, POINTER_AWAY, false);
+    viewport_grip_let_go(&self->grip);
+    self->drag = VIEWPORT_DRAGS_NOTHING;
+}
+
 /* All that stays goes back to rest. */
 static void let_go_of_all(viewport *self)
 {
@@ -300,6 +308,8 @@ void viewport_point(viewport *self, const ui_canvas *canvas)
 {
     self->is_off_stage = view_of(self)->mode == LIVE_SHOWS;
     take_pixel(self, canvas);
+    if (canvas->button < 0)
+        viewport_let_go(self); /* somebody else has the pointer now */
     turn_wheel(self, canvas);
     if (self->drag != VIEWPORT_HOLDS)
         find(self, canvas);
@@ -308,6 +318,6 @@ void viewport_point(viewport *self, const ui_canvas *canvas)
     if (canvas->is_dragging || canvas->is_released)
         move(self, canvas);
     tell_stroke(self, canvas);
-    if (canvas->is_released || canvas->button < 0)
+    if (canvas->is_released)
         self->drag = VIEWPORT_DRAGS_NOTHING;
 }
