@@ -212,6 +212,9 @@ static state_words state_of(studio *of)
         (void)snprintf(out.small, sizeof out.small, "Recording take %.150s",
                        title_of(of, status->take));
         out.ink = THEME_RECORD;
+    } else if (view->mode == LIVE_SHOWS && studio_looks_of(of)->has_timeline) {
+        (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
+        (void)snprintf(out.small, sizeof out.small, "L: back to the live hands");
     } else if (view->mode == LIVE_SHOWS) {
         write_time(out.large, sizeof out.large, live_place(studio_live(of)).at_ns);
         (void)snprintf(out.small, sizeof out.small, "Take %.150s", shown);
@@ -234,10 +237,11 @@ static float put_state(pen *p, float x)
     const state_words words = state_of(p->desk->studio);
     const float large = ui_text_height(p->on, UI_STYLE_LARGE), width = 132.0f;
     const float own = ui_text_width(p->on, UI_STYLE_LARGE, words.large);
-    const float wide = own > width ? own : width;
+    const float most = 0.24f * p->where.width;
+    const float wide = own > most ? most : own > width ? own : width;
     const bool is_warning = words.ink == THEME_WARNING;
     ui_draw_text(p->on, x, p->where.y + 0.5f * (p->where.height - large), UI_STYLE_LARGE,
-                 is_warning ? THEME_TEXT : words.ink, 0.0f, words.large);
+                 is_warning ? THEME_TEXT : words.ink, wide + 1.0f, words.large);
     x += wide + GAP;
     const float height = ui_text_height(p->on, UI_STYLE_BODY), room = 190.0f;
     const ui_rectangle box = {x, p->where.y, room, p->where.height};

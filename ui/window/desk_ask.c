@@ -121,7 +121,7 @@ void desk_export_draw(desk *self)
     ui *on = self->ui;
     desk_exporting *exporting = &self->exporting;
     const char *names[FORMATS];
-    const float label = 110.0f;
+    const float label = 124.0f;
     if (!ui_dialog_begin(on, export_dialog, "Export the chosen take", 520.0f))
         return;
     for (uint32_t i = 0; i < FORMATS; ++i)

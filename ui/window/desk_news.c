@@ -7,6 +7,12 @@
 #define SHOWN_S   6.0
 #define WARNING_S 12.0
 
+/* What plugins have to tell that is no trouble is in the log. */
+static bool is_for_everybody(const news_item *item)
+{
+    return item->level >= MRT_LOG_WARNING || strcmp(item->source, "stage") == 0;
+}
+
 /* A calmer line does not push an error away. */
 static bool gives_way(const desk *self, const news_item *to)
 {
@@ -32,7 +38,7 @@ void desk_update_news(desk *self, double dt_s)
         return;
     self->news_utc_ms = item->utc_ms;
     (void)snprintf(self->news_seen, sizeof self->news_seen, "%s", item->text);
-    if (!gives_way(self, item))
+    if (!is_for_everybody(item) || !gives_way(self, item))
         return;
     (void)snprintf(self->news, sizeof self->news, "%s", item->text);
     self->news_level = item->level;

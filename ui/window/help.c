@@ -70,12 +70,12 @@ static uint32_t put_actions(sheet *s, action_group group)
 }
 
 static const char *const mouse_lines[][2] = {
-    {"Drag", "On the face: pulls; it springs back"},
-    {"Shift", "held when it is let go: it stays"},
-    {"Wheel", "while pulling: nearer, farther"},
-    {"Ctrl+drag", "Clay: kneads, and stays"},
-    {"Double click", "A contact goes back to rest"},
-    {"Right drag", "Turns the view; also beside the face"},
+    {"Drag", "Pulls the face"},
+    {"Shift", "held at the end: it stays"},
+    {"Wheel", "Nearer, farther"},
+    {"Ctrl+drag", "Kneads, as clay"},
+    {"Double click", "Contact back to rest"},
+    {"Right drag", "Turns the view"},
     {"Middle drag", "Moves the view"},
     {"Alt+wheel", "How far a pull reaches"},
 };
@@ -110,6 +110,8 @@ static void put_all(sheet *s, studio *of)
         put_title(s, action_group_name[group]);
         (void)put_actions(s, (action_group)group);
     }
+    if (s->y + 3.0f + (MOUSE_LINES + MRT_MAX_PEDALS + 4) * s->row > s->bottom && s->y > s->top)
+        next_column(s);
     put_title(s, "Mouse");
     for (uint32_t i = 0; i < MOUSE_LINES; ++i)
         put_line(s, mouse_lines[i][0], mouse_lines[i][1]);
@@ -119,7 +121,7 @@ static void put_all(sheet *s, studio *of)
 /* So many lines in all, titles and gaps counted generously. */
 static float lines_in_all(void)
 {
-    float lines = (float)MOUSE_LINES + MRT_MAX_PEDALS + 3.5f * (ACTION_GROUPS + 2);
+    float lines = (float)MOUSE_LINES + MRT_MAX_PEDALS + 3.5f * (ACTION_GROUPS + 3);
     for (uint32_t group = 0; group < ACTION_GROUPS; ++group)
         lines += (float)put_actions(NULL, (action_group)group);
     return lines;

@@ -144,7 +144,7 @@ void studio_update(studio *self, double dt_s)
     live_status_of(self->live, &self->status);
     studio_record_update(self);
     hear_exports(self);
-    studio_takes_update(self);
+    studio_takes_update(self, dt_s);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         studio_keep_settings(self, dt_s);

@@ -55,14 +55,13 @@ void studio_keep(studio *self)
 {
     error err = {0};
     int64_t kept = 0;
-    mrt_result result = live_keep(self->live, KEEP_S, NULL, &kept, &err);
-    self->takes_are_stale = true;
-    if (studio_said(self, result, &err) < 0)
-        return;
-    studio_takes_update(self);
-    if (self->view->mode == LIVE_PERFORMS)
-        studio_heard(studio_pick_take(self, kept));
-    const studio_take_line *line = studio_line_of(self, kept);
+    if (studio_said(self, live_keep(self->live, KEEP_S, NULL, &kept, &err), &err) >= 0)
+        studio_await_take(self, kept, true);
+}
+
+void studio_tell_kept(studio *self, int64_t id)
+{
+    const studio_take_line *line = studio_line_of(self, id);
     if (line)
         studio_say(self, MRT_LOG_INFO, "kept the last %.1f s as take %s",
                    1e-9 * (double)line->duration_ns, line->title);
@@ -119,8 +118,6 @@ void studio_record_update(studio *self)
     self->was_recording = self->status.is_recording;
     if (self->over_take)
         take_over(self);
-    else if (has_ended && self->status.take) {
-        studio_takes_update(self);
-        studio_heard(studio_pick_take(self, self->status.take));
-    }
+    else if (has_ended && self->status.take)
+        studio_await_take(self, self->status.take, false);
 }

@@ -48,6 +48,9 @@ struct studio {
     int64_t chosen;
     uint64_t edition;
     studio_choice choice;
+    int64_t awaited;      /* a take that the writer has not got to yet; 0: none */
+    bool awaited_is_kept; /* from the journal; else it was recorded */
+    double awaited_s;
 
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     studio_done done[STUDIO_UNDO_MAX];
@@ -89,7 +92,9 @@ static inline void studio_heard(mrt_result result)
 
 /* ---- studio_takes.c ---- */
 
-void studio_takes_update(studio *self);
+void studio_takes_update(studio *self, double dt_s);
+/* It is chosen in the list as soon as all of it is in the show. */
+void studio_await_take(studio *self, int64_t id, bool is_kept);
 /* In the list alone: the stage stays what it is. */
 CHECKED mrt_result studio_pick_take(studio *self, int64_t id);
 void studio_drop_take(studio *self); /* none is chosen */
@@ -109,6 +114,8 @@ bool studio_can_redo(const studio *self);
 /* ---- studio_record.c ---- */
 
 void studio_record_update(studio *self);
+/* It is in the show. */
+void studio_tell_kept(studio *self, int64_t id);
 void studio_record_toggle(studio *self);
 void studio_keep(studio *self);
 void studio_mark(studio *self);

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+#define AWAITED_S 10.0
+
 /* ---- the list ---- */
 
 static mrt_result make_room(studio *self, size_t count, error *err)
@@ -86,6 +88,14 @@ static void read_list(studio *self)
     free(rows);
 }
 
+const studio_take_line *studio_line_of(const studio *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return &self->line[i];
+    return NULL;
+}
+
 /* The one that is being recorded grows. */
 static void follow_recording(studio *self)
 {
@@ -98,15 +108,56 @@ static void follow_recording(studio *self)
         }
 }
 
-void studio_takes_update(studio *self)
+/* It is in the show as soon as the writer has got to it. */
+static bool lacks_recording(const studio *self)
 {
-    if (self->takes_are_stale) {
+    return self->status.is_recording && self->status.take &&
+           !studio_line_of(self, self->status.take);
+}
+
+void studio_await_take(studio *self, int64_t id, bool is_kept)
+{
+    self->awaited = id;
+    self->awaited_is_kept = is_kept;
+    self->awaited_s = 0.0;
+}
+
+static bool is_whole(const studio *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return !self->key[i].is_recording;
+    return false;
+}
+
+/* A disk that is full lets it wait; it is in the list when it is there. */
+static void follow_awaited(studio *self, double dt_s)
+{
+    const int64_t id = self->awaited;
+    self->awaited_s += dt_s;
+    if (is_whole(self, id)) {
+        self->awaited = 0;
+        if (self->view->mode == LIVE_PERFORMS)
+            studio_heard(studio_pick_take(self, id));
+        if (self->awaited_is_kept)
+            studio_tell_kept(self, id);
+    } else if (self->awaited_s > AWAITED_S) {
+        self->awaited = 0;
+        studio_say(self, MRT_LOG_WARNING, "the take is not in the show yet: the disk is slow");
+    }
+}
+
+void studio_takes_update(studio *self, double dt_s)
+{
+    if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
         self->takes_are_stale = false;
         if (self->show)
             read_list(self);
         else
             self->line_count = 0;
     }
+    if (self->awaited)
+        follow_awaited(self, dt_s);
     if (self->status.take)
         follow_recording(self);
 }
@@ -115,14 +166,6 @@ uint32_t studio_takes(const studio *self, const studio_take_line **out)
 {
     *out = self->line;
     return self->line_count;
-}
-
-const studio_take_line *studio_line_of(const studio *self, int64_t id)
-{
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            return &self->line[i];
-    return NULL;
 }
 
 static void line_is_stale(studio *self, int64_t id)

@@ -143,8 +143,10 @@ static bool begin_modal(ui *self, const char *id, float width)
     ImGui::SetNextWindowSizeConstraints(ImVec2(ImFloor(wide), 0.0f),
                                         ImVec2(ImFloor(wide), 0.94f * screen.y));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 18.0f, 16.0f));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, ui_px(self, 8.0f));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, ui_px(self, 1.0f));
     const bool is_open = ImGui::BeginPopupModal(id, nullptr, flags);
-    ImGui::PopStyleVar();
+    ImGui::PopStyleVar(3);
     return is_open;
 }
 
