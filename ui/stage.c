@@ -180,16 +180,32 @@ static int read_options(stage_options *out, int argc, char **argv)
 
 /* ---- the stage ---- */
 
+/* As it was left; what is not there is not made. */
+static void remember_size(const stage_options *options, double *out_width, double *out_height)
+{
+    settings *kept = NULL;
+    char note[64];
+    error ignored;
+    if (settings_open(&kept, options->studio.settings_path, note, sizeof note, &ignored) < 0)
+        return;
+    const double width = settings_number(kept, "window.width", 0.0);
+    const double height = settings_number(kept, "window.height", 0.0);
+    if (width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0) {
+        *out_width = width;
+        *out_height = height;
+    }
+    settings_close(kept);
+}
+
 static mrt_result open_front(stage *self, error *err)
 {
     const stage_options *options = self->options;
-    const settings *kept = studio_settings(self->studio);
-    double width = settings_number(kept, "window.width", WIDTH);
-    double height = settings_number(kept, "window.height", HEIGHT);
-    if (options->width ||
-        !(width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0)) {
-        width = options->width ? options->width : WIDTH;
-        height = options->width ? options->height : HEIGHT;
+    double width = WIDTH, height = HEIGHT;
+    if (options->width) {
+        width = options->width;
+        height = options->height;
+    } else {
+        remember_size(options, &width, &height);
     }
     if (options->is_hidden)
         return front_open_hidden(&self->front, (uint32_t)lround(width * options->scale),
@@ -203,10 +219,10 @@ static mrt_result open_stage(stage *self, error *err)
     mrt_result result = MRT_OK;
     if (self->options->script)
         result = script_read(&self->script, self->options->script, err);
+    if (result >= 0) /* first: without a display nothing is left behind */
+        result = open_front(self, err);
     if (result >= 0)
         result = studio_create(&self->studio, &self->options->studio, err);
-    if (result >= 0)
-        result = open_front(self, err);
     if (result >= 0)
         result = desk_create(&self->desk, self->studio, self->front, err);
     if (result >= 0 && self->script)
