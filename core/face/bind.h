@@ -32,6 +32,8 @@ typedef struct binding {
  * rig: one bone, everything free (t may be NULL then). */
 CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t,
                                   error *err);
+/* contact_count: of the rig it was made for; 0: of none. */
+CHECKED mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err);
 void binding_destroy(binding *b);
 
 /* The fill alone (weights.c): fills the NaNs of marks over the surface into out->weight and

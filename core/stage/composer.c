@@ -15,11 +15,22 @@ static double to_double(float v)
 
 /* ---- made and unmade ---- */
 
+static mrt_result create_face(composer *self, const face_file *file, error *err)
+{
+    binding copy;
+    if (!file->bound || !file->rig)
+        return face_create(&self->face, file->rig, &file->mesh, &file->topology, MRT_MAX_VECTORS,
+                           err);
+    mrt_result result = binding_copy(&copy, file->bound, file->rig->contact_count, err);
+    return result < 0 ? result
+                      : face_create_bound(&self->face, file->rig, &file->mesh, &copy,
+                                          MRT_MAX_VECTORS, err);
+}
+
 static mrt_result create_surface(composer *self, const face_file *file, error *err)
 {
     const mesh *m = &file->mesh;
-    mrt_result result =
-        face_create(&self->face, file->rig, m, &file->topology, MRT_MAX_VECTORS, err);
+    mrt_result result = create_face(self, file, err);
     if (result < 0)
         return result;
     const points_order *order = face_order(self->face);

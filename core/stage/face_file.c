@@ -111,6 +111,9 @@ void face_file_destroy(face_file *f)
     free(f->rig);
     mesh_destroy(&f->mesh);
     topology_destroy(&f->topology);
+    if (f->bound)
+        binding_destroy(f->bound);
+    free(f->bound);
     free(f->note);
     *f = (face_file){0};
 }

@@ -2,6 +2,7 @@
  * face/face.h. [main] */
 #ifndef MAROTTE_STAGE_FACE_FILE_H
 #define MAROTTE_STAGE_FACE_FILE_H
+#include "face/bind.h"
 #include "face/rig.h"
 #include "io/mesh_file.h"
 #include "mesh/topology.h"
@@ -10,7 +11,8 @@ typedef struct face_file {
     rig *rig; /* NULL: a mesh alone, which is a valid face */
     mesh mesh;
     topology topology;
-    char *note; /* what a person should know of all three, lines ended by \n; NULL: nothing */
+    binding *bound; /* ready made by whoever had the time; NULL: made when it is needed */
+    char *note;     /* what a person should know of all three, lines ended by \n; NULL: nothing */
 } face_file;
 
 typedef enum face_file_strictness {

@@ -136,6 +136,18 @@ static void what_is_on_the_stage_already_is_not_given_to_it(void **state)
     assert_int_equal(kept_files(), 0);
 }
 
+static void assert_bound_as_it_would_be(const face_file *file)
+{
+    error err = {""};
+    binding b;
+    assert_non_null(file->bound);
+    must(binding_create(&b, file->rig, &file->mesh, &file->topology, &err), &err);
+    size_t count = b.vertex_count;
+    assert_memory_equal(b.weight, file->bound->weight, count * b.bone_count * sizeof *b.weight);
+    assert_memory_equal(b.mobility, file->bound->mobility, count * sizeof *b.mobility);
+    binding_destroy(&b);
+}
+
 static void a_change_is_laid_and_given_to_the_stage_once(void **state)
 {
     (void)state;
@@ -147,6 +159,7 @@ static void a_change_is_laid_and_given_to_the_stage_once(void **state)
     assert_int_equal(file->rig->contact[rig_find_contact(file->rig, "chin")].vertex, 794);
     assert_int_equal(file->mesh.vertex_count, rig_model_mesh(model)->vertex_count);
     assert_null(rig_model_take_face(model));
+    assert_bound_as_it_would_be(file);
     face_file_destroy(file);
     free(file);
     rig_model_leave(model);

@@ -47,6 +47,14 @@ void rig_work_destroy(rig_work *work)
 
 /* ---- the work [worker] ---- */
 
+/* So that the stage need not find it again. */
+static mrt_result copy_binding(face_file *file, const binding *b, error *err)
+{
+    file->bound = calloc(1, sizeof *file->bound);
+    return file->bound ? binding_copy(file->bound, b, file->rig->contact_count, err)
+                       : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+}
+
 static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *err)
 {
     face_file *file = calloc(1, sizeof *file);
@@ -58,7 +66,9 @@ static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *
     mrt_result result = rig_copy(copy, &work->rig, err);
     if (result >= 0)
         result = mesh_copy(&file->mesh, self->m, err);
-    return result < 0 ? result : topology_copy(&file->topology, self->t, err);
+    if (result >= 0)
+        result = topology_copy(&file->topology, self->t, err);
+    return result < 0 ? result : copy_binding(file, face_binding(work->face), err);
 }
 
 /* binding: taken over. */

@@ -1,6 +1,7 @@
 #include "face/bind.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static mrt_result allocate(binding *out, uint32_t bone_count, uint32_t vertex_count,
                            uint32_t contact_count, error *err)
@@ -103,6 +104,30 @@ mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topol
     if (result != MRT_OK)
         binding_destroy(out);
     return result;
+}
+
+static void *copy_of(const void *from, size_t size)
+{
+    void *out = from ? malloc(size + 1) : NULL;
+    if (out)
+        memcpy(out, from, size);
+    return out;
+}
+
+mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err)
+{
+    size_t count = b->vertex_count, contacts = contact_count * sizeof(vec3);
+    *out = *b;
+    out->weight = copy_of(b->weight, count * b->bone_count * sizeof *b->weight);
+    out->mobility = copy_of(b->mobility, count * sizeof *b->mobility);
+    out->contact_position = copy_of(b->contact_position, contacts);
+    out->contact_normal = copy_of(b->contact_normal, contacts);
+    if (out->weight && out->mobility && (out->contact_position || !b->contact_position) &&
+        (out->contact_normal || !b->contact_normal))
+        return MRT_OK;
+    binding_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to bind %u bones to %u vertices",
+                     b->bone_count, b->vertex_count);
 }
 
 void binding_destroy(binding *b)
