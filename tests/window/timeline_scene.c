@@ -53,7 +53,6 @@ static void open_hand(scene *s, float scale)
                                    .input_count = 1};
     scene_open_with(s, &options);
     scene_let_cut(s, "demo_hand");
-    scene_let_cut(s, "No takes yet");
     scene_let_cut(s, "(");
 }
 

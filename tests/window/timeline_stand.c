@@ -306,12 +306,14 @@ static float movement(double s, int64_t performance)
     double seed = (double)performance * 1.7;
     double phrase = fmax(0.0, sin(s * 0.9 + seed) + 0.35);
     double syllable = 0.5 + 0.5 * sin(s * 11.0 + 2.0 * sin(s * 1.3 + seed));
-    return (float)(phrase * (0.12 + 0.55 * syllable));
+    return (float)(phrase * (0.03 + 0.15 * syllable));
 }
 
 void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish)
 {
     timeline_seen *seen = &self->seen;
+    if (memcmp(wish, &self->wish, sizeof *wish) == 0)
+        return;
     self->wish = *wish;
     seen->strip_count = wish->strip_count;
     memcpy(seen->strip, wish->strip, sizeof seen->strip);
@@ -339,7 +341,7 @@ void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish)
     seen->wave.count = 0;
     for (int64_t f = seen->wave.first_frame; f < wish->audio_to && seen->wave.count < 4096;
          f += per_pair) {
-        float size = movement((double)f / 48000.0, 3) * 0.7f;
+        float size = movement((double)f / 48000.0, 3) * 2.5f;
         float tone = per_pair > 8 ? 1.0f : (float)sin((double)f * 0.05);
         seen->wave.pair[seen->wave.count++] =
             (waveform_pair){per_pair > 8 ? -size : size * tone, size * tone};

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SEEN_SHARE  8.0f /* of a range in a bin, times this: as high as a lane is */
+#define SEEN_SHARE  16.0f /* of a range in a bin, times this: as high as a lane is */
 #define SHORTEST_NS 200000000LL
 #define NOW_NS      300000000LL /* so near to now is now */
 

@@ -20,10 +20,10 @@ static look look_of(const take_clip *clip, bool is_heard)
 
 /* ---- the curve ---- */
 
-/* Small movements are seen, large ones fit. */
+/* Small movements are seen, large ones fit: a whole face that speaks is at 0.05 to 0.25. */
 static float height_of(float value)
 {
-    return 1.0f - expf(-1.6f * value);
+    return 1.0f - expf(-7.0f * value);
 }
 
 static float place(const panel *self, const take_layer *lane, const take_clip *clip,

@@ -10,7 +10,7 @@
 
 #define SPAN_LEAST_NS (10 * NS_PER_S)
 #define SPAN_MOST_NS  (1800 * NS_PER_S)
-#define LANE_MOST     40.0f
+#define LANE_MOST     56.0f
 #define TAKES_HEIGHT  22.0f
 
 typedef struct strip { /* of the journal */

@@ -160,14 +160,16 @@ static void paint_scrollbar(panel *self, ui *on, const ui_canvas *canvas)
 
 static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t count)
 {
-    const char *words = count == 0                            ? "No takes yet. R records one;"
-                        : self->takes.filter == TAKES_DELETED ? "Nothing was deleted."
-                                                              : "No take is like that.";
+    static const char *const first[] = {"No takes yet.", "R records one,",
+                                        "K keeps the last 30 s."};
+    const char *words =
+        self->takes.filter == TAKES_DELETED ? "Nothing was deleted." : "No take is like that.";
     float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
-    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, canvas->where.width - 16.0f, words);
-    if (count == 0)
-        ui_draw_text(on, x, y + 20.0f, UI_STYLE_BODY, THEME_DIM, canvas->where.width - 16.0f,
-                     "K keeps the last 30 s.");
+    float width = canvas->where.width - 16.0f;
+    if (count > 0)
+        ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, width, words);
+    for (uint32_t i = 0; count == 0 && i < 3; ++i)
+        ui_draw_text(on, x, y + 20.0f * (float)i, UI_STYLE_BODY, THEME_DIM, width, first[i]);
 }
 
 static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studio_take_line *line,
