@@ -66,11 +66,16 @@ void columns_packed_take(columns_packed *p, const columns *c)
     }
 }
 
+void columns_packed_weigh(columns_packed *p, uint32_t count, const double *weight)
+{
+    for (size_t i = 0; i < (size_t)3 * count; ++i)
+        p->weight[i] = (float)(weight[i] * (double)p->scale[i / 3]);
+}
+
 void columns_packed_move(columns_packed *p, const columns *c, points *out, const points *base,
                          const double *weight)
 {
-    for (size_t i = 0; i < (size_t)3 * c->count; ++i)
-        p->weight[i] = (float)(weight[i] * (double)p->scale[i / 3]);
+    columns_packed_weigh(p, c->count, weight);
     c->lanes->packed_move(p, c, out, base, 0, c->block_count);
 }
 

@@ -22,6 +22,8 @@ void columns_packed_take(columns_packed *p, const columns *c);
 /* The frame of the columns taken last; weight: count by 3, finite as float. out is not base. */
 void columns_packed_move(columns_packed *p, const columns *c, points *out, const points *base,
                          const double *weight);
+/* What a frame begins with: p->weight of these weights. */
+void columns_packed_weigh(columns_packed *p, uint32_t count, const double *weight);
 /* True when the columns in use, base and out take more than half of the last-level cache. */
 bool columns_packed_pays(const columns *c);
 

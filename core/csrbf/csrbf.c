@@ -1,5 +1,6 @@
 #include "csrbf/csrbf.h"
 
+#include "csrbf/columns.h"
 #include "csrbf/meter.h"
 #include "csrbf/response.h"
 
@@ -206,4 +207,18 @@ void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t 
                         const points *in, const uint8_t *wanted)
 {
     response_fill(&solver->saddle[solver->current], solver->rhs, out_response, stride, in, wanted);
+}
+
+bool csrbf_derivatives(const csrbf_solver *solver, columns *along_first, columns *along_second,
+                       const points *in, const points *first, const points *second)
+{
+    const saddle *s = &solver->saddle[solver->current];
+    if (s->field.settings.kernel == CSRBF_WENDLAND_C0 ||
+        s->field.settings.polynomial == CSRBF_WINDOWED)
+        return false;
+    if (first)
+        response_derive(s, solver->rhs, along_first, in, first);
+    if (second)
+        response_derive(s, solver->rhs, along_second, in, second);
+    return true;
 }

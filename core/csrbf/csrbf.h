@@ -95,6 +95,14 @@ void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t str
 void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t stride,
                         const points *in, const uint8_t *wanted);
 
+/* Rows like those of csrbf_responses, of the derivatives of B_k along `first` and `second`, which
+ * are directions at the vertices of `in`; NULL: only asks. False: the kernel or the polynomial has
+ * none (CSRBF_WENDLAND_C0, CSRBF_WINDOWED). */
+struct columns;
+bool csrbf_derivatives(const csrbf_solver *solver, struct columns *along_first,
+                       struct columns *along_second, const points *in, const points *first,
+                       const points *second);
+
 /* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. In float32. */
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);
 /* Largest norm of grad d over the vertices. */

@@ -108,6 +108,22 @@ static inline void kernel_values_f64(csrbf_kernel kernel, double *restrict out,
     }
 }
 
+static inline void kernel_slopes_f64(csrbf_kernel kernel, double *restrict out,
+                                     const double *restrict q, double inverse_radius,
+                                     double q_limit)
+{
+    switch (kernel) {
+    case CSRBF_WENDLAND_C0:
+        KERNEL_ROW(slope_c0_f64, double, sqrt);
+    case CSRBF_WENDLAND_C4:
+        KERNEL_ROW(slope_c4_f64, double, sqrt);
+    case CSRBF_WENDLAND_C6:
+        KERNEL_ROW(slope_c6_f64, double, sqrt);
+    case CSRBF_WENDLAND_C2:
+        KERNEL_ROW(slope_c2_f64, double, sqrt);
+    }
+}
+
 /* phi at distances over the radius up to 1. */
 #define KERNEL_ROW_AT(FORM)                                                                        \
     for (int i = 0; i < POINTS_BLOCK; ++i)                                                         \

@@ -16,6 +16,8 @@
         .determinants = LANES_OF(determinants, variant),                                           \
         .squares = LANES_OF(squares, variant),                                                     \
         .responses_block = LANES_OF(responses_block, variant),                                     \
+        .derivatives_block = LANES_OF(derivatives_block, variant),                                 \
+        .normals = LANES_OF(normals, variant),                                                     \
         .first_neighbour = LANES_OF(first_neighbour, variant),                                     \
         .kernel_row = LANES_OF(kernel_row, variant),                                               \
         .factor = LANES_OF(factor, variant),                                                       \

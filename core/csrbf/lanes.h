@@ -10,6 +10,7 @@
 #include "csrbf/envelope.h"
 #include "csrbf/field.h"
 #include "csrbf/gradient.h"
+#include "csrbf/tangents.h"
 
 /* Unit responses that are evaluated together: alpha is centre_count by `stride`, `count` columns of
  * it are used. */
@@ -51,6 +52,12 @@ typedef struct lanes {
     /* sum: count by POINTS_BLOCK, in double. */
     void (*responses_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
                             const points *in, uint32_t block);
+
+    /* The same of their derivatives along `direction`. */
+    void (*derivatives_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                              const points *in, const points *direction, uint32_t block);
+    /* As tangents_normals, with the weights of t->packed1 and t->packed2. */
+    void (*normals)(const tangents *t, float *const n[3]);
 
     /* The matrix of the centres: the first that `row` has in its support, or `row`; and phi of the
      * distances from `row` to those from `first` to row - 1. */

@@ -157,21 +157,27 @@ ADD_PACKED(1)
 ADD_PACKED(2)
 ADD_PACKED(8)
 
+void LANES(packed_sum)(const columns_packed *p, const columns *c, float sum[3][POINTS_BLOCK],
+                       uint32_t block)
+{
+    const int16_t *value = p->value + (size_t)block * POINTS_BLOCK;
+    const uint16_t *column = c->active + (size_t)block * c->capacity;
+    uint32_t left = c->active_count[block];
+    memset(sum, 0, 3 * sizeof *sum);
+    for (; left >= 8; left -= 8, column += 8)
+        add_packed_8(sum, value, p->stride, p->weight, column);
+    for (; left >= 2; left -= 2, column += 2)
+        add_packed_2(sum, value, p->stride, p->weight, column);
+    if (left > 0)
+        add_packed_1(sum, value, p->stride, p->weight, column);
+}
+
 void LANES(packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,
                         uint32_t first, uint32_t end)
 {
     for (uint32_t block = first; block < end; ++block) {
         _Alignas(64) float sum[3][POINTS_BLOCK];
-        const int16_t *value = p->value + (size_t)block * POINTS_BLOCK;
-        const uint16_t *column = c->active + (size_t)block * c->capacity;
-        uint32_t left = c->active_count[block];
-        memset(sum, 0, sizeof sum);
-        for (; left >= 8; left -= 8, column += 8)
-            add_packed_8(sum, value, p->stride, p->weight, column);
-        for (; left >= 2; left -= 2, column += 2)
-            add_packed_2(sum, value, p->stride, p->weight, column);
-        if (left > 0)
-            add_packed_1(sum, value, p->stride, p->weight, column);
+        LANES(packed_sum)(p, c, sum, block);
         LANES(columns_add)(out, base, sum, block);
     }
 }

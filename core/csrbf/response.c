@@ -35,8 +35,9 @@ static void solve_columns(const saddle *s, uint32_t first, uint32_t count, doubl
     }
 }
 
-void response_fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
-                   const uint8_t *wanted)
+/* Unit responses of all centres, or their derivatives along `direction`, some at a time. */
+static void fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
+                 const points *direction, const uint8_t *wanted)
 {
     uint32_t centres = s->field.centre_count;
     double *alpha = scratch, *half = scratch + (size_t)centres * LANES_RESPONSES;
@@ -48,11 +49,25 @@ void response_fill(const saddle *s, double *scratch, float *out, size_t stride, 
             .alpha = alpha, .stride = LANES_RESPONSES, .count = count, .beta = beta[0]};
         for (uint32_t block = 0; block < in->block_count; ++block) {
             _Alignas(64) double sum[LANES_RESPONSES][POINTS_BLOCK];
-            if (!wanted || wanted[block])
-                s->field.lanes->responses_block(&s->field, &r, sum, in, block);
-            else
+            if (wanted && !wanted[block])
                 memset(sum, 0, sizeof sum);
+            else if (direction)
+                s->field.lanes->derivatives_block(&s->field, &r, sum, in, direction, block);
+            else
+                s->field.lanes->responses_block(&s->field, &r, sum, in, block);
             store_block(&s->merge, first, count, sum, out, stride, block);
         }
     }
+}
+
+void response_fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
+                   const uint8_t *wanted)
+{
+    fill(s, scratch, out, stride, in, NULL, wanted);
+}
+
+void response_derive(const saddle *s, double *scratch, columns *out, const points *in,
+                     const points *direction)
+{
+    fill(s, scratch, out->value, out->stride, in, direction, NULL);
 }

@@ -5,6 +5,8 @@
 #include "base/clock.h"
 #include "csrbf/columns_packed.h"
 #include "csrbf/shape.h"
+#include "csrbf/tangents.h"
+#include "mesh/normals.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,6 +27,9 @@ typedef struct scene {
     double start[3 * CONTROLS], pull[3 * CONTROLS];
     shape shape;
     columns_packed packed;
+    tangents tangents;
+    uint32_t *triangle, triangle_count; /* in the engine's order */
+    float *normal[3];
     csrbf_solver *solver; /* of the same controls, solved: for direct evaluation */
     points out;
     float *from, *to; /* what is copied: as many bytes as a frame moves */
@@ -55,6 +60,42 @@ static void make_plane(scene *s, uint32_t quads)
                 s->xyz[3 * v + 1] = (float)((row + 0.5 * pass) * step - 0.5 * size);
                 s->xyz[3 * v + 2] = 0.0f;
             }
+}
+
+/* Four triangles a quad, around the vertex in its middle. */
+static void make_triangles(scene *s, uint32_t quads)
+{
+    static const uint32_t corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+    const uint32_t *slot = s->shape.order.slot_of_file;
+    s->triangle_count = 4 * quads * quads;
+    s->triangle = malloc((size_t)3 * s->triangle_count * sizeof *s->triangle);
+    must(s->triangle != NULL, "no memory for triangles");
+    uint32_t *out = s->triangle;
+    for (uint32_t row = 0; row < quads; ++row)
+        for (uint32_t column = 0; column < quads; ++column)
+            for (int side = 0; side < 4; ++side)
+                for (int end = 0; end < 3; ++end) {
+                    const uint32_t *at = corner[side + (end == 1)];
+                    uint32_t vertex = (row + at[1]) * (quads + 1) + column + at[0];
+                    if (end == 2)
+                        vertex = (quads + 1) * (quads + 1) + row * quads + column;
+                    *out++ = slot[vertex];
+                }
+}
+
+static void make_normals(scene *s, uint32_t quads)
+{
+    const points *p = &s->shape.base;
+    make_triangles(s, quads);
+    for (int axis = 0; axis < 3; ++axis) {
+        s->normal[axis] = calloc(p->padded_count, sizeof(float));
+        must(s->normal[axis] != NULL, "no memory for normals");
+    }
+    for (uint32_t i = 0; i < p->padded_count; ++i)
+        s->normal[2][i] = 1.0f;
+    const float *const rest[3] = {s->normal[0], s->normal[1], s->normal[2]};
+    must(tangents_create(&s->tangents, p, CONTROLS, NULL) >= 0, "no memory for tangents");
+    must(tangents_engage(&s->tangents, s->solver, p, rest, CONTROLS), "tangents");
 }
 
 static void place_controls(scene *s)
@@ -95,6 +136,7 @@ static void scene_create(scene *s, uint32_t quads, double radius)
         s->centre[i] = (float)s->start[i];
         s->alpha[i] = (float)s->pull[i]; /* of the size that counts: the cost is the same */
     }
+    make_normals(s, quads);
     s->copied = (size_t)s->count * 4 * (CONTROLS + 3 + 3) / 2;
     s->from = aligned_alloc(64, s->copied / 64 * 64 + 64);
     s->to = aligned_alloc(64, s->copied / 64 * 64 + 64);
@@ -106,6 +148,10 @@ static void scene_create(scene *s, uint32_t quads, double radius)
 static void scene_destroy(scene *s)
 {
     columns_packed_destroy(&s->packed);
+    tangents_destroy(&s->tangents);
+    free(s->triangle);
+    for (int axis = 0; axis < 3; ++axis)
+        free(s->normal[axis]);
     shape_destroy(&s->shape);
     csrbf_solver_destroy(s->solver);
     points_destroy(&s->out);
@@ -154,6 +200,20 @@ static void run_packed(void *data)
 {
     scene *s = data;
     columns_packed_move(&s->packed, &s->shape.response, &s->shape.shown, &s->shape.base, s->pull);
+}
+
+static void run_tangents(void *data)
+{
+    scene *s = data;
+    tangents_normals(&s->tangents, s->normal, s->pull);
+}
+
+static void run_triangles(void *data)
+{
+    const scene *s = data;
+    const points *p = &s->shape.shown;
+    normals_smooth(s->normal[0], s->normal[1], s->normal[2], p->x, p->y, p->z, p->count,
+                   s->triangle, s->triangle_count);
 }
 
 static void run_direct(void *data)
@@ -225,12 +285,18 @@ static void compare_plane(uint32_t quads, int rounds, bool cold, float *roots)
     scene r80, r10;
     scene_create(&r80, quads, 80.0);
     scene_create(&r10, quads, 10.0);
-    work all[] = {
-        {"copy of as many bytes", run_copy, &r80, 0}, {"columns R 80", run_columns, &r80, 0},
-        {"columns R 10", run_columns, &r10, 0},       {"packed R 80", run_packed, &r80, 0},
-        {"direct R 80", run_direct, &r80, 0},         {"direct R 10", run_direct, &r10, 0},
-        {"naive R 80", run_naive, &r80, 0},           {"naive R 10", run_naive, &r10, 0},
-        {"engage R 80", run_engage, &r80, 0},         {"4096 square roots", run_roots, roots, 0}};
+    work all[] = {{"copy of as many bytes", run_copy, &r80, 0},
+                  {"columns R 80", run_columns, &r80, 0},
+                  {"columns R 10", run_columns, &r10, 0},
+                  {"packed R 80", run_packed, &r80, 0},
+                  {"direct R 80", run_direct, &r80, 0},
+                  {"direct R 10", run_direct, &r10, 0},
+                  {"naive R 80", run_naive, &r80, 0},
+                  {"naive R 10", run_naive, &r10, 0},
+                  {"engage R 80", run_engage, &r80, 0},
+                  {"normals of triangles", run_triangles, &r80, 0},
+                  {"normals by tangents", run_tangents, &r80, 0},
+                  {"4096 square roots", run_roots, roots, 0}};
     enum {
         COPY,
         COLUMNS80,
@@ -241,6 +307,8 @@ static void compare_plane(uint32_t quads, int rounds, bool cold, float *roots)
         NAIVE80,
         NAIVE10,
         ENGAGE,
+        TRIANGLES,
+        TANGENTS,
         ROOT,
         COUNT
     };
@@ -253,14 +321,15 @@ static void compare_plane(uint32_t quads, int rounds, bool cold, float *roots)
     printf(
         "  columns: %.2f x copy, %.1f x naive R 80; direct: %.2f x roots, %.1f x naive R 80, "
         "%.1f x naive at R 10; R 10 %.1f x faster than R 80; columns %.2f x direct, packed %.2f x "
-        "direct\n",
+        "direct; tangents %.2f x triangles\n",
         all[COPY].least_ns / all[COLUMNS80].least_ns,
         all[NAIVE80].least_ns / all[COLUMNS80].least_ns, root / all[DIRECT80].least_ns,
         all[NAIVE80].least_ns / all[DIRECT80].least_ns,
         all[NAIVE10].least_ns / all[DIRECT10].least_ns,
         all[DIRECT80].least_ns / all[DIRECT10].least_ns,
         all[DIRECT80].least_ns / all[COLUMNS80].least_ns,
-        all[DIRECT80].least_ns / all[PACKED80].least_ns);
+        all[DIRECT80].least_ns / all[PACKED80].least_ns,
+        all[TRIANGLES].least_ns / all[TANGENTS].least_ns);
     scene_destroy(&r80);
     scene_destroy(&r10);
 }

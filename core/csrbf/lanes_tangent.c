@@ -1,0 +1,107 @@
+/* Derivatives of unit responses along tangents, in double, and normals by them. */
+#include "csrbf/lanes_variant.h"
+
+#include "csrbf/kernel_rows.h"
+#include "csrbf/lanes_reach.h"
+
+#include <float.h>
+#include <string.h>
+
+/* out := grad phi of one centre along the direction. */
+static void measure(double *restrict out, const field *f, uint32_t centre, const points *in,
+                    const points *direction, uint32_t block)
+{
+    const double cx = f->along[0][centre], cy = f->along[1][centre], cz = f->along[2][centre];
+    const double over_radius = 1.0 / f->settings.radius;
+    size_t first = (size_t)block * POINTS_BLOCK;
+    const float *x = in->x + first, *y = in->y + first, *z = in->z + first;
+    const float *tx = direction->x + first, *ty = direction->y + first, *tz = direction->z + first;
+    double q[POINTS_BLOCK], way[POINTS_BLOCK], slope[POINTS_BLOCK];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        double dx = (double)x[i] - cx, dy = (double)y[i] - cy, dz = (double)z[i] - cz;
+        q[i] = dx * dx + dy * dy + dz * dz;
+        way[i] = dx * (double)tx[i] + dy * (double)ty[i] + dz * (double)tz[i];
+    }
+    kernel_slopes_f64(f->settings.kernel, slope, q, over_radius, field_limit(f));
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        out[i] = slope[i] * over_radius * over_radius * way[i];
+}
+
+static void add_row(double *restrict sum, const double *restrict value, double weight)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        sum[i] += value[i] * weight;
+}
+
+/* The linear terms of the polynomial: their derivatives are those of the coordinates. */
+static void add_polynomial(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                           const points *direction, uint32_t block)
+{
+    for (uint32_t term = 1; term < f->term_count; ++term) {
+        const double *u = f->hull.axis.at[term - 1];
+        double way[POINTS_BLOCK];
+        for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+            double t[3];
+            points_at(t, direction, (size_t)block * POINTS_BLOCK + i);
+            way[i] = (u[0] * t[0] + u[1] * t[1] + u[2] * t[2]) / f->settings.radius;
+        }
+        for (uint32_t column = 0; column < r->count; ++column)
+            add_row(sum[column], way, r->beta[term * r->stride + column]);
+    }
+}
+
+void LANES(derivatives_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                              const points *in, const points *direction, uint32_t block)
+{
+    reach near = {.next = 0};
+    double value[POINTS_BLOCK];
+    memset(sum, 0, r->count * sizeof *sum);
+    while (reach_more(&near, f, &in->block[block]))
+        for (uint32_t k = 0; k < near.count; ++k) {
+            measure(value, f, near.centre[k], in, direction, block);
+            for (uint32_t column = 0; column < r->count; ++column)
+                add_row(sum[column], value, r->alpha[near.centre[k] * r->stride + column]);
+        }
+    add_polynomial(f, r, sum, direction, block);
+}
+
+/* ---- normals ---- */
+
+/* sum += the tangents at rest of one block: three rows. */
+static void add_rest(float sum[3][POINTS_BLOCK], const int16_t *restrict row)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < POINTS_BLOCK; ++i)
+            sum[axis][i] += (float)row[axis * POINTS_BLOCK + i] * (1.0f / TANGENTS_UNIT);
+}
+
+static void cross_block(float *restrict nx, float *restrict ny, float *restrict nz,
+                        float a[3][POINTS_BLOCK], float b[3][POINTS_BLOCK])
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float x = a[1][i] * b[2][i] - a[2][i] * b[1][i];
+        float y = a[2][i] * b[0][i] - a[0][i] * b[2][i];
+        float z = a[0][i] * b[1][i] - a[1][i] * b[0][i];
+        float square = x * x + y * y + z * z;
+        bool good = (square > 1e-20f) & (square <= FLT_MAX);
+        float inverse = 1.0f / sqrtf(good ? square : 1.0f);
+        nx[i] = good ? x * inverse : 0.0f;
+        ny[i] = good ? y * inverse : 0.0f;
+        nz[i] = good ? z * inverse : 1.0f;
+    }
+}
+
+void LANES(normals)(const tangents *t, float *const n[3])
+{
+    for (uint32_t block = 0; block < t->along1.block_count; ++block) {
+        _Alignas(64) float a[3][POINTS_BLOCK];
+        _Alignas(64) float b[3][POINTS_BLOCK];
+        size_t first = (size_t)block * POINTS_BLOCK;
+        const int16_t *rest = t->rest + 6 * first;
+        LANES(packed_sum)(&t->packed1, &t->along1, a, block);
+        LANES(packed_sum)(&t->packed2, &t->along2, b, block);
+        add_rest(a, rest);
+        add_rest(b, rest + (size_t)3 * POINTS_BLOCK);
+        cross_block(n[0] + first, n[1] + first, n[2] + first, a, b);
+    }
+}
