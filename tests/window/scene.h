@@ -149,7 +149,7 @@ static inline void scene_open_with(scene *s, const scene_options *options)
     error err = {0};
     *s = (scene){.width = (float)options->width_px / options->scale,
                  .height = (float)options->height_px / options->scale};
-    (void)setenv("MAROTTE_PLUGIN_PATH", BUILD_DIR "/plugins", 1);
+    (void)unsetenv("MAROTTE_PLUGIN_PATH"); /* they lie beside the test, as beside the program */
     (void)snprintf(s->folder, sizeof s->folder, "/tmp/marotte_scene_XXXXXX");
     if (front_open_hidden(&s->front, options->width_px, options->height_px, options->scale,
                           1.0 / 60.0, &err) < 0) {
@@ -157,6 +157,7 @@ static inline void scene_open_with(scene *s, const scene_options *options)
         skip();
     }
     assert_non_null(mkdtemp(s->folder));
+    (void)setenv("XDG_DATA_HOME", s->folder, 1); /* of whoever runs the test nothing is used */
     (void)snprintf(s->show, sizeof s->show, "%s/night.marotte", s->folder);
     scene_open_again(s, options);
 }

@@ -30,9 +30,10 @@ static const char puppet[] = SOURCE_DIR "/rigs/puppet/puppet.rig.json";
 
 static void make_room(room *r)
 {
-    (void)setenv("MAROTTE_PLUGIN_PATH", BUILD_DIR "/plugins", 1);
+    (void)unsetenv("MAROTTE_PLUGIN_PATH"); /* they lie beside the test, as beside the program */
     (void)snprintf(r->folder, sizeof r->folder, "/tmp/marotte_studio_XXXXXX");
     assert_non_null(mkdtemp(r->folder));
+    (void)setenv("XDG_DATA_HOME", r->folder, 1);
     (void)snprintf(r->show, sizeof r->show, "%s/night.marotte", r->folder);
     (void)snprintf(r->settings, sizeof r->settings, "%s/window.json", r->folder);
 }

@@ -1,11 +1,15 @@
 /* The bar at the top: what is open, what is being recorded and where one is, how fast it goes. */
 #include "window/desk_state.h"
 
+#include "base/clock.h"
+
 #include <stdio.h>
 #include <string.h>
 
 #define ICON 34.0f
 #define GAP  14.0f
+
+static const int64_t KEEP_NS = 30 * NS_PER_S;
 
 typedef struct pen { /* along the bar */
     desk *desk;
@@ -221,9 +225,9 @@ static state_words state_of(studio *of)
     } else if (!status->can_record) {
         (void)snprintf(out.small, sizeof out.small, "Nothing is recorded");
     } else {
-        char back[32];
-        write_time(back, sizeof back, status->journal_ns);
-        (void)snprintf(out.small, sizeof out.small, "%s can be kept", back);
+        const int back_s = status->journal_ns < KEEP_NS ? (int)(status->journal_ns / NS_PER_S)
+                                                        : (int)(KEEP_NS / NS_PER_S);
+        (void)snprintf(out.small, sizeof out.small, "K keeps the last %d s", back_s);
     }
     if (status->problem[0]) {
         (void)snprintf(out.small, sizeof out.small, "%.199s", status->problem);
@@ -295,8 +299,10 @@ static void put_right(pen *p)
         return;
     if (fast->latency_p50_ms > 0.0)
         (void)snprintf(words, sizeof words, "%.0f ms hand to face", fast->latency_p50_ms);
+    else if (fast->draw_p50_ms > 0.0)
+        (void)snprintf(words, sizeof words, "%.0f ms a frame", fast->draw_p50_ms);
     else
-        (void)snprintf(words, sizeof words, "%.1f ms a frame", fast->draw_p50_ms);
+        return;
     const float width = ui_text_width(p->on, UI_STYLE_NUMBER, words);
     const float y = p->where.y + 0.5f * (p->where.height - ui_text_height(p->on, UI_STYLE_NUMBER));
     const ui_rectangle box = {x - width, p->where.y, width, p->where.height};

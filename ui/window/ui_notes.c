@@ -129,11 +129,24 @@ static bool meet(ui_rectangle a, ui_rectangle b)
            b.y < a.y + a.height;
 }
 
+static bool is_within(ui_rectangle inner, ui_rectangle outer)
+{
+    return inner.x >= outer.x && inner.y >= outer.y &&
+           inner.x + inner.width <= outer.x + outer.width &&
+           inner.y + inner.height <= outer.y + outer.height;
+}
+
+/* By a popup, or by something opaque of a panel that lies over it. */
 static bool is_hidden(const ui_notes *self, uint32_t index)
 {
-    uint32_t on = self->word_surface[index];
+    const uint32_t on = self->word_surface[index];
+    const ui_rectangle where = self->word[index].where;
     for (uint32_t i = on + 1; i < self->surface_count; ++i)
-        if (self->surface[i].is_popup && meet(self->surface[i].where, self->word[index].where))
+        if (self->surface[i].is_popup && meet(self->surface[i].where, where))
+            return true;
+    for (uint32_t i = 0; i < self->box_count && !self->surface[on].is_popup; ++i)
+        if (self->box[i].surface > on && channel(self->box[i].colour, 0) == 255 &&
+            is_within(where, self->box[i].where))
             return true;
     return false;
 }
