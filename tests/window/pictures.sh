@@ -1,0 +1,95 @@
+#!/usr/bin/env bash
+# pictures.sh [FOLDER]: the README's pictures of the real window, into .github/ (or FOLDER): a live
+# performance, the timeline, a rig that is painted. Real recordings perform; the window is on an X server
+# of its own. Not a test: looked at, then committed.
+#   ninja -C build/release marotte-program && MAROTTE=build/release/marotte tests/window/pictures.sh
+here=$(cd "$(dirname "$0")/../.." && pwd)
+export SOURCE_DIR=$here
+MAROTTE=$(realpath "${MAROTTE:-$here/build/release/marotte}")
+folder=$(realpath "${1:-$here/.github}")
+export MAROTTE MAROTTE_SCREEN=1440x810x24
+source "$(dirname "$0")/xvfb.sh" "$folder"
+command -v ffmpeg >/dev/null || { echo "SKIPPED: ffmpeg is not installed"; exit 77; }
+
+# The demo hand up to a moment, which it then holds: so the picture is sharp on any machine.
+held() { # SECONDS FILE
+    awk -F, -v OFS=, -v stop="$1" '
+        /^#/ || !/^[0-9]/ || $1 <= stop { print; if (/^[0-9]/) last = $0; next }
+        END { n = split(last, v, ","); for (t = stop + 0.01; t < stop + 120; t += 0.01) { v[1] = sprintf("%.3f", t); line = v[1]; for (i = 2; i <= n; ++i) line = line OFS v[i]; print line } }' \
+        "$demo" >"$2"
+}
+work() { # words of marotte
+    "$MAROTTE" "$@" >/dev/null 2>stderr.txt || { fail "$*: $(cat stderr.txt)"; finish; }
+}
+# window PICTURE ARGUMENTS...: the script comes in; when it is done, what is on the screen is kept.
+window() {
+    local picture=$1
+    shift
+    { cat; echo "picture $scratch/now.png"; echo "wait 20"; } >script.txt
+    rm -f now.png
+    open_window "$@" --size 1440x810 --settings "" --script script.txt
+    until_true 120 test -s now.png || fail "the script of $picture does not end: $(cat stderr.txt)"
+    sleep 0.5
+    ffmpeg -v error -f x11grab -draw_mouse 0 -video_size 1440x810 -i "$DISPLAY" -frames:v 1 -y "$folder/$picture" </dev/null ||
+        fail "$picture"
+    kill -TERM "$program_pid"
+    ends 0
+}
+
+held 6.27 hand.csv
+window stage_live.png live.marotte --face "$puppet" --map one_hand,smile=8 --input log:hand.csv <<END
+do panel_mapping
+do view_three_quarter
+do record
+wait 14
+END
+
+# Three takes of a scene: the third with a voice, a second layer, marks.
+for shot in a a; do
+    work perform --face "$puppet" --input "log:$demo,end=9" --map one_hand --record night.marotte --scene 2 --shot $shot
+done
+work perform --face "$puppet" --input "log:$demo" --map one_hand,smile=8 --record night.marotte --scene 2 --shot b
+work take rate night.marotte 1 2
+work take rate night.marotte 3 5
+work take timecode night.marotte 3 --fps 25 --start 10:21:00:00
+work take record night.marotte 3 --input "log:$demo,start=9,end=17" --map one_hand,smile=12 --own brows --name brows --in 4 --out 12
+work take mark night.marotte 3 'looks up' --at 2.2
+work take mark night.marotte 3 'big laugh' --at 6.2
+work take mark night.marotte 3 'sigh' --at 13.3
+# A voice: syllables of a hum.
+ffmpeg -v error -f lavfi -i "aevalsrc='0.5*sin(2*PI*(140+20*sin(t*2.1))*t)*(0.5+0.5*sin(t*23))*(gt(sin(t*1.7),-0.3))*(0.4+0.6*abs(sin(t*3.1)))':s=16000:d=19" \
+    -y voice.wav </dev/null
+work take audio attach night.marotte 3 voice.wav --offset 0.4
+{
+    echo 'do panel_devices'
+    echo 'drag 700 590 700 470 20'
+    echo 'do take_before'
+    echo 'wait 2'
+    echo 'do take_before'
+    echo 'wait 2'
+    for _ in $(seq 17); do echo 'do second_forward'; done
+    echo 'move 700 300'
+    echo 'wait 10'
+} | window stage_timeline.png night.marotte --face "$puppet" --map one_hand --input log:hand.csv
+
+cp -r "$SOURCE_DIR/rigs/puppet" puppet # it is painted
+window stage_rig.png rig.marotte --face "$scratch/puppet/puppet.rig.json" --map one_hand <<END
+do panel_rig
+do timeline
+wait 1
+press Paint
+wait 8
+move 672 415
+down
+move 684 425
+frames 2
+move 696 440
+frames 2
+move 704 458
+frames 2
+up
+wait 6
+move 700 452
+wait 6
+END
+finish
