@@ -146,6 +146,35 @@ static void factors_of_many_centres_have_the_same_bits(void **state)
         }
 }
 
+/* A single vertex, no controls, controls that reach nothing: nothing moves, or just what should. */
+static void the_smallest_shapes_are_performed_on_every_instruction_set(void **state)
+{
+    (void)state;
+    const csrbf_settings settings = {.radius = 5.0};
+    const float alone[3] = {1.0f, 2.0f, 3.0f};
+    const double at[3] = {1.0, 2.0, 3.0}, far[3] = {900.0, 0.0, 0.0}, way[3] = {0.5, 0.0, -1.0};
+    for (int i = 0; i < ISA_COUNT; ++i) {
+        error err = {""};
+        shape s;
+        if (!isa_is_here((isa)i))
+            continue;
+        use((isa)i);
+        must(shape_create(&s, alone, 1, 2, &err), &err);
+        must(shape_engage(&s, &settings, at, 0, &err), &err);
+        must(shape_pull(&s, way, &err), &err);
+        assert_memory_equal(s.shown.x, s.rest.x, s.rest.padded_count * sizeof(float));
+        must(shape_engage(&s, &settings, far, 1, &err), &err);
+        must(shape_pull(&s, way, &err), &err);
+        assert_memory_equal(s.shown.x, s.rest.x, s.rest.padded_count * sizeof(float));
+        assert_int_equal(csrbf_move(s.solver, &s.shown, &s.rest), 0);
+        must(shape_engage(&s, &settings, at, 1, &err), &err);
+        must(shape_pull(&s, way, &err), &err);
+        assert_true(fabs((double)s.shown.x[0] - 1.5) < 1e-6);
+        assert_true(fabs((double)s.shown.z[0] - 2.0) < 1e-6);
+        shape_destroy(&s);
+    }
+}
+
 static int restore(void **state)
 {
     (void)state;
@@ -158,6 +187,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_instruction_sets_give_the_same_bits),
         cmocka_unit_test(factors_of_many_centres_have_the_same_bits),
+        cmocka_unit_test(the_smallest_shapes_are_performed_on_every_instruction_set),
     };
     printf("best: %s\n", isa_name(isa_best()));
     return cmocka_run_group_tests(tests, fill, restore);
