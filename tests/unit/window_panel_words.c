@@ -162,6 +162,19 @@ static void counters_that_are_zero_are_not_told(void **state)
     test_free(status);
 }
 
+static void times_take_three_digits(void **state)
+{
+    (void)state;
+    static const double ms[] = {0.351, 9.996, 12.34, 99.96, 404.7, 1e9};
+    static const char *const expected[] = {"0.35 ms", "10.0 ms", "12.3 ms",
+                                           "100 ms",  "405 ms",  "minutes"};
+    for (size_t i = 0; i < sizeof ms / sizeof ms[0]; ++i) {
+        char words[ENGINE_MS];
+        engine_ms(words, ms[i]);
+        assert_string_equal(words, expected[i]);
+    }
+}
+
 static void memory_is_known_here(void **state)
 {
     (void)state;
@@ -179,6 +192,7 @@ int main(void)
         cmocka_unit_test(pedal_parameters_are_known_by_name_and_range),
         cmocka_unit_test(a_pedal_says_all_that_it_does),
         cmocka_unit_test(counters_that_are_zero_are_not_told),
+        cmocka_unit_test(times_take_three_digits),
         cmocka_unit_test(memory_is_known_here),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

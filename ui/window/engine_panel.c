@@ -163,11 +163,9 @@ static void draw_meters(ui *on, const live_view *view)
 /* Figures end at the same place. */
 static void draw_figure(ui *on, float right, double ms)
 {
-    char words[32];
+    char words[ENGINE_MS] = "\xe2\x80\x94";
     if (ms > 0.0)
-        (void)snprintf(words, sizeof words, "%.2f ms", ms);
-    else
-        (void)snprintf(words, sizeof words, "\xe2\x80\x94");
+        engine_ms(words, ms);
     ui_same_line(on);
     ui_at(on, right - ui_text_width(on, UI_STYLE_NUMBER, words));
     ui_text(on, UI_STYLE_NUMBER, words);

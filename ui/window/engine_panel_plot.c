@@ -1,5 +1,6 @@
 #include "window/engine_panel_plot.h"
 
+#include "window/engine_panel_words.h"
 #include "window/theme.h"
 
 #include <math.h>
@@ -34,15 +35,16 @@ static void draw_frames(ui *on, const ui_rectangle *at, const live_status *statu
 
 static void draw_legend(ui *on, const ui_rectangle *at, const live_status *status, double period_ms)
 {
-    char words[3][48];
+    static const char *const label[3] = {"p50", "p99", "of"};
+    const double ms[3] = {status->frame_p50_ms, status->frame_p99_ms, period_ms};
     const uint32_t colour[3] = {THEME_TEXT, THEME_ACCENT, THEME_DIM};
     float x = at->x;
-    (void)snprintf(words[0], sizeof words[0], "p50 %.2f ms", status->frame_p50_ms);
-    (void)snprintf(words[1], sizeof words[1], "p99 %.2f ms", status->frame_p99_ms);
-    (void)snprintf(words[2], sizeof words[2], "there is %.1f ms", period_ms);
     for (int i = 0; i < 3; ++i) {
-        ui_draw_text(on, x, at->y, UI_STYLE_BODY, colour[i], 0.0f, words[i]);
-        x += ui_text_width(on, UI_STYLE_BODY, words[i]) + 14.0f;
+        char value[ENGINE_MS], words[ENGINE_MS + 8];
+        engine_ms(value, ms[i]);
+        (void)snprintf(words, sizeof words, "%s %s", label[i], value);
+        ui_draw_text(on, x, at->y, UI_STYLE_BODY, colour[i], 0.0f, words);
+        x += ui_text_width(on, UI_STYLE_BODY, words) + 14.0f;
     }
 }
 

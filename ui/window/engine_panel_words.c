@@ -15,6 +15,15 @@ const char *engine_fold_words(double min_determinant, ui_style *out_style)
     return min_determinant < nearly ? "nearly folds" : "nothing folds";
 }
 
+void engine_ms(char out[ENGINE_MS], double ms)
+{
+    int digits = ms < 9.995 ? 2 : ms < 99.95 ? 1 : 0;
+    if (ms < 99999.0)
+        (void)snprintf(out, ENGINE_MS, "%.*f ms", digits, ms);
+    else
+        (void)snprintf(out, ENGINE_MS, "minutes");
+}
+
 static uint32_t add(engine_counter *out, uint32_t count, uint64_t value, bool is_odd,
                     const char *label, const char *help)
 {

@@ -8,6 +8,10 @@
 /* "nothing folds", "nearly folds", "folds"; how it is to be drawn. */
 const char *engine_fold_words(double min_determinant, ui_style *out_style);
 
+/* "0.35 ms", "12.1 ms", "405 ms": as wide as three digits. */
+enum { ENGINE_MS = 24 };
+void engine_ms(char out[ENGINE_MS], double ms);
+
 enum { ENGINE_COUNTERS_MAX = 16 };
 typedef struct engine_counter {
     const char *label; /* "Held pulls" */

@@ -43,14 +43,12 @@ static instance *follow_mapping(mapping_panel *self)
     instance *mapping = live_mapping(studio_live(self->studio));
     const mrt_plugin_type *type = mapping ? mapping->type : NULL;
     if (type != self->type) {
-        const char *id = type ? type->id : "";
-        bool is_other = strncmp(id, self->type_id, sizeof self->type_id - 1) != 0;
-        (void)snprintf(self->type_id, sizeof self->type_id, "%s", id);
         self->type = type;
         self->is_held = false;
         free(self->values);
         self->values = type ? calloc((size_t)type->param_count + 1, sizeof(double)) : NULL;
-        if (is_other) {
+        if (type && strcmp(type->id, self->type_id) != 0) { /* not another version of it */
+            (void)snprintf(self->type_id, sizeof self->type_id, "%s", type->id);
             self->preset[0] = self->find[0] = '\0';
             self->is_naming = false;
         }
