@@ -10,6 +10,7 @@
 enum { CHANNELS = MRT_ANGLES + MRT_MAX_PEDALS };
 static const double rate_hz = 125.0;
 static const double attach_s = 0.5; /* mappings take the first samples as the hand's neutral pose */
+static const double settle_s = 1.0; /* filters and eases behind it come to rest with samples only */
 static const char side_key[] = "virtual_hand.side";
 static const char *const feed_id[2] = {"org.marotte.virtual_left", "org.marotte.virtual_right"};
 static const char *const input_text[2] = {"virtual left hand", "virtual right hand"};
@@ -22,6 +23,7 @@ struct virtual_hand {
     input *made[2];  /* live's; only to be compared */
     bool is_refused; /* said once: it could not join */
     double joined_s; /* since it joined the stage */
+    double still_s;  /* since it is at rest and nobody moves it */
     bool has_keys, gave;
     virtual_hand_wish wish;
     virtual_hand_motion motion;
@@ -197,9 +199,10 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const front_gamepad
     self->joined_s += dt_s;
     if (self->joined_s >= attach_s)
         virtual_hand_motion_step(&self->motion, goal, dt_s);
-    bool rests =
+    bool is_still =
         !is_used && self->joined_s >= attach_s && virtual_hand_motion_is_still(&self->motion, goal);
-    give(self, self->side, rests ? FEED_RESTS : FEED_MOVES);
+    self->still_s = is_still ? self->still_s + dt_s : 0.0;
+    give(self, self->side, self->still_s >= settle_s ? FEED_RESTS : FEED_MOVES);
 }
 
 bool virtual_hand_has_keys(const virtual_hand *self)
