@@ -51,13 +51,13 @@ static mrt_result draw_frame(playing *self, error *err)
                               err);
 }
 
-/* Frames that are late are left out: the next one is the first that is not due yet. */
+/* Frames that are late are left out: the next one is the first that is not due yet, however often
+ * it is drawn before because it is wanted. */
 static mrt_result draw_newest(playing *self, int64_t now_ns, error *err)
 {
     double behind_s = (double)(now_ns - self->start_ns) / 1e9;
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
-    if (due > self->report.frame_count)
-        self->report.frame_count = due;
+    self->report.frame_count = due;
     self->is_wanted = false;
     return draw_frame(self, err);
 }

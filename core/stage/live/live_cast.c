@@ -36,6 +36,21 @@ void live_scene_destroy(live_scene *scene)
     free(scene);
 }
 
+/* Its owner is the performer's face; whoever makes another face of it copies it. */
+static void lend_binding(live_scene *scene)
+{
+    const face *f = performer_face(scene->performer);
+    scene->ready = *scene->file;
+    if (!scene->ready.bound)
+        scene->ready.bound = (binding *)(uintptr_t)face_binding(f);
+}
+
+/* The same face again: as it is bound now. */
+static const face_file *bound_already(const live *self, const face_file *file)
+{
+    return self->scene && self->scene->file == file ? &self->scene->ready : file;
+}
+
 mrt_result live_scene_create(live *self, const face_file *file, const char *path, double unit_mm,
                              const csrbf_settings *solver, live_mapping_role *role,
                              live_scene **out, error *err)
@@ -56,7 +71,10 @@ mrt_result live_scene_create(live *self, const face_file *file, const char *path
         .side_length_mm = {self->length_mm[MRT_LEFT], self->length_mm[MRT_RIGHT]},
         .rezero_pedal = self->rezero_pedal};
     if (result >= 0)
-        result = performer_create(&scene->performer, file, &role->instance, &settings, err);
+        result = performer_create(&scene->performer, bound_already(self, file), &role->instance,
+                                  &settings, err);
+    if (result >= 0)
+        lend_binding(scene);
     if (result >= 0)
         result = live_board_create(&scene->board, performer_composer(scene->performer), err);
     if (result < 0) {

@@ -27,6 +27,7 @@ enum {
 /* A face and who moves it: made on [main], used by the frame thread. */
 typedef struct live_scene {
     const face_file *file;
+    face_file ready; /* the same with the performer's binding: others need not find it again */
     char *path;
     double unit_mm;
     csrbf_settings solver; /* radius 0: the rig's */
@@ -82,6 +83,7 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     sound *sound;          /* NULL: none */
     overdub_run *over;     /* performed now, or not yet fetched */
     uint8_t *owned;        /* of it */
+    int64_t over_ns;       /* clock: as far as it has come */
 
     bool is_dirty; /* the face is newer than what is shown */
     int64_t sample_ns;

@@ -58,7 +58,7 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
     const sequencer_settings settings = {.show = made->show,
                                          .plugins = self->settings.plugins,
                                          .log = self->settings.log,
-                                         .face = self->scene->file,
+                                         .face = &self->scene->ready,
                                          .solver = self->scene->solver};
     if (result >= 0)
         result = sequencer_create(&made->sequencer, &settings, t, err);
@@ -412,6 +412,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     overdub_run_slate(b->run, stage->recorder);
     stage->over = b->run;
     stage->owned = b->owned;
+    stage->over_ns = 0;
     stage->mode = LIVE_OVERDUBS;
     b->overs = ++stage->now.overs;
     stage->hold_until_ns = 0;

@@ -1,7 +1,11 @@
 /* [frame] The timeline: a take that stands, is played, scrubbed, performed over. */
+#include "base/clock.h"
 #include "stage/live/live_state.h"
 
 #include <stdlib.h>
+
+/* So long a drawn instant waits for samples that are on the way. */
+static const int64_t wait_ns = 30 * NS_PER_MS;
 
 static const transport still = {.speed = 1.0};
 
@@ -60,9 +64,13 @@ void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
     end_over(stage, now_ns);
 }
 
+/* Samples are measured a little before they come: what was shown does not go back for them. */
 static mrt_result go_over(live_stage *stage, int64_t clock_ns, error *err)
 {
     overdub_run *run = stage->over;
+    if (clock_ns < stage->over_ns)
+        clock_ns = stage->over_ns;
+    stage->over_ns = clock_ns;
     mrt_result result = overdub_run_go_to(run, stage->recorder, clock_ns, err);
     if (result < 0 || run->is_over || clock_ns < run->rolling_ns)
         return result;
@@ -91,7 +99,7 @@ mrt_result live_time_sample(live_stage *stage, const channel_route *route, const
 static composer *shown_over(live_stage *stage, int64_t now_ns)
 {
     error err = {""};
-    if (go_over(stage, now_ns, &err) < 0)
+    if (go_over(stage, now_ns - wait_ns, &err) < 0)
         tell_error(stage, &err);
     if (stage->over->is_over)
         end_over(stage, now_ns);

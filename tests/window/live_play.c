@@ -1,0 +1,301 @@
+/* A take on a live stage: shown, scrubbed, played, looped, performed over. */
+#include "window/live_desk.h"
+
+#include "stage/sequencer.h"
+
+static const writer_slate slate = {"1", "a", 0};
+
+/* A take of two seconds in which the mouse drags the left corner of the mouth. */
+static int64_t record_a_drag(live_desk *d, const char *name, vec3 way)
+{
+    error err = {""};
+    live_status status;
+    uint32_t contact = desk_contact(d, name);
+    desk_must(live_record(d->live, &slate, &err), &err);
+    desk_pass(d, 0.2);
+    desk_drag(d, POINTER_PULLS, contact, way, false);
+    desk_pass(d, 0.5);
+    desk_let_go(d);
+    desk_pass(d, 0.6);
+    desk_must(live_record_end(d->live, &err), &err);
+    live_status_of(d->live, &status);
+    return status.take;
+}
+
+static void show_take_on(live_desk *d, int64_t id, take *out)
+{
+    error err = {""};
+    desk_pass(d, 0.1);
+    desk_take(d, id, out);
+    desk_must(live_show_take(d->live, out, &err), &err);
+}
+
+static bool stands_at(live_desk *d, void *data)
+{
+    const int64_t *at_ns = data;
+    return d->view->mode == LIVE_SHOWS && d->view->at_ns == *at_ns;
+}
+
+static uint64_t hash_at(live_desk *d, int64_t at_ns)
+{
+    live_seek(d->live, at_ns);
+    assert_true(desk_until(d, stands_at, &at_ns));
+    desk_pass(d, 0.35); /* what eases over has eased */
+    return desk_hash(d->view->position, (size_t)d->view->vertex_count * 3);
+}
+
+typedef struct projector { /* the take by itself, apart from the stage */
+    show *show;
+    sequencer *plays;
+    float *rows;
+} projector;
+
+static void project(live_desk *d, const take *t, projector *out)
+{
+    error err = {""};
+    desk_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
+    const sequencer_settings settings = {
+        .show = out->show, .plugins = &d->plugins, .log = d->log, .face = &d->face};
+    desk_must(sequencer_create(&out->plays, &settings, t, &err), &err);
+    out->rows = malloc((size_t)d->view->vertex_count * 3 * sizeof *out->rows);
+}
+
+static uint64_t projected(live_desk *d, projector *of, int64_t at_ns)
+{
+    error err = {""};
+    composer *shown = sequencer_composer(of->plays);
+    desk_must(sequencer_play_to(of->plays, at_ns, &err), &err);
+    composer_draw(shown);
+    points_to_rows(of->rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
+    return desk_hash(of->rows, (size_t)d->view->vertex_count * 3);
+}
+
+static void pack_up(projector *of)
+{
+    sequencer_destroy(of->plays);
+    show_close(of->show);
+    free(of->rows);
+}
+
+static void shown_take_stands_where_it_is_sought(void **state)
+{
+    (void)state;
+    live_desk d;
+    take t = {0};
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    show_take_on(&d, id, &t);
+    assert_int_equal(live_shown_take(d.live), id);
+    const int64_t instants[] = {t.duration_ns / 2, t.duration_ns / 4, t.duration_ns * 3 / 4, 0};
+    projector alone;
+    project(&d, &t, &alone);
+    for (size_t i = 0; i < 4; ++i)
+        assert_true(hash_at(&d, instants[i]) == projected(&d, &alone, instants[i]));
+    pack_up(&alone);
+    for (int64_t i = 0; i <= 100; ++i) /* scrubbing: only the last one counts */
+        live_seek(d.live, t.duration_ns * i / 100);
+    assert_true(desk_until(&d, stands_at, &t.duration_ns));
+    live_show_hands(d.live);
+    desk_pass(&d, 0.4);
+    assert_int_equal(d.view->mode, LIVE_PERFORMS);
+    assert_true(desk_apart_mm(&d, d.first) < 1e-3);
+    assert_int_equal(live_shown_take(d.live), 0);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+static void take_plays_to_its_end_and_loops(void **state)
+{
+    (void)state;
+    live_desk d;
+    take t = {0};
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    show_take_on(&d, id, &t);
+    uint32_t corner = desk_contact(&d, "mouth.corner.l");
+    double most_mm = 0.0;
+    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    live_play(d.live);
+    while (!live_place(d.live).has_stopped && clock_now_ns() < until_ns) {
+        desk_frame(&d);
+        most_mm = fmax(most_mm, desk_moved_mm(&d, corner));
+    }
+    assert_true(live_place(d.live).has_stopped);
+    assert_true(most_mm > 5.0);
+    int64_t in_ns = t.duration_ns / 4, out_ns = t.duration_ns / 2;
+    live_set_loop(d.live, in_ns, out_ns);
+    live_seek(d.live, in_ns);
+    live_play(d.live);
+    while (live_place(d.live).pass < 2 && clock_now_ns() < until_ns) {
+        desk_frame(&d);
+        assert_true(live_place(d.live).at_ns < out_ns);
+    }
+    assert_true(live_place(d.live).pass >= 2);
+    live_set_loop(d.live, 0, 0);
+    live_pause(d.live);
+    live_seek(d.live, 0);
+    live_step_frames(d.live, 3);
+    int64_t third_ns = 100 * NS_PER_MS;
+    assert_true(desk_until(&d, stands_at, &third_ns));
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+static void hands_are_recorded_while_a_take_is_shown(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0}, kept = {0};
+    int64_t kept_id;
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    show_take_on(&d, id, &t);
+    desk_pass(&d, 0.4);
+    uint64_t shown = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+    uint32_t right = desk_contact(&d, "mouth.corner.r");
+    desk_drag(&d, POINTER_PULLS, right, (vec3){0, -5, 0}, false);
+    assert_true(shown == desk_hash(d.view->position, (size_t)d.view->vertex_count * 3));
+    desk_must(live_keep(d.live, 0.1, &slate, &kept_id, &err), &err);
+    desk_let_go(&d);
+    desk_pass(&d, 0.5);
+    desk_take(&d, kept_id, &kept);
+    projector alone;
+    project(&d, &kept, &alone);
+    assert_true(projected(&d, &alone, kept.duration_ns - 1) != shown);
+    pack_up(&alone);
+    take_finish(&kept);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+/* ---- over it ---- */
+
+typedef struct film_frame {
+    int64_t at_ns;
+    uint64_t hash;
+} film_frame;
+enum { FRAMES_MAX = 4096 };
+
+static void apply_edits(live_desk *d, take *t, edit *edits, uint32_t count)
+{
+    error err = {""};
+    for (uint32_t i = 0; i < count; ++i) {
+        desk_must(edit_apply(t, &edits[i], &err), &err);
+        edit_finish(&edits[i]);
+    }
+    free(edits);
+    (void)d;
+}
+
+static void what_is_performed_over_plays_as_it_was_seen(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    edit *edits;
+    uint32_t count, frames = 0, compared = 0;
+    film_frame *frame = calloc(FRAMES_MAX, sizeof *frame);
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    /* something stays on the live face: it is not to be in what is performed over the take */
+    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "chin"), (vec3){0, -3, 0}, true);
+    desk_let_go(&d);
+    show_take_on(&d, id, &t);
+    desk_pass(&d, 0.4); /* what eases over has eased */
+    const live_over over = {.passes = 1};
+    desk_must(live_record_over(d.live, &over, &err), &err);
+    uint32_t right = desk_contact(&d, "mouth.corner.r");
+    vec3 rest = desk_rest(&d, right);
+    int64_t until_ns = clock_now_ns() + 1300 * NS_PER_MS;
+    double step = 0.0;
+    while (clock_now_ns() < until_ns) {
+        step = fmin(step + 0.1, 6.0);
+        if (step > 1.0)
+            desk_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-step, step, 0}), false);
+        desk_frame(&d);
+        bool is_new = frames == 0 || frame[frames - 1].at_ns != d.view->at_ns;
+        if (d.view->mode != LIVE_OVERDUBS || !is_new || frames == FRAMES_MAX)
+            continue;
+        frame[frames].at_ns = d.view->at_ns;
+        frame[frames++].hash = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+    }
+    live_status status;
+    live_status_of(d.live, &status);
+    assert_true(status.is_recording);
+    desk_must(live_record_end(d.live, &err), &err);
+    desk_let_go(&d);
+    if (!live_take_over(d.live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    assert_true(count >= 2);
+    apply_edits(&d, &t, edits, count);
+    assert_int_equal(t.layer_count, 2);
+    projector alone;
+    project(&d, &t, &alone);
+    for (uint32_t i = 0; i < frames; ++i) {
+        if (frame[i].at_ns < t.layer[1].clip[0].start_ns ||
+            frame[i].at_ns >= t.layer[1].clip[0].end_ns)
+            continue;
+        compared += 1;
+        if (projected(&d, &alone, frame[i].at_ns) != frame[i].hash)
+            fail_msg("face %u of %u, at %.4f s, is another one", i, frames,
+                     (double)frame[i].at_ns / 1e9);
+    }
+    pack_up(&alone);
+    assert_true(compared > frames / 2);
+    assert_false(live_take_over(d.live, &edits, &count, &err));
+    desk_must(live_show_take(d.live, &t, &err), &err);
+    desk_pass(&d, 0.1);
+    assert_int_equal(d.view->mode, LIVE_SHOWS);
+    free(frame);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+static void recording_over_ends_by_itself_at_its_out(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    edit *edits = NULL;
+    uint32_t count = 0;
+    live_status status;
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    show_take_on(&d, id, &t);
+    const live_over over = {
+        .in_ns = 200 * NS_PER_MS, .out_ns = 600 * NS_PER_MS, .passes = 2, .name = "again"};
+    desk_must(live_record_over(d.live, &over, &err), &err);
+    uint32_t right = desk_contact(&d, "mouth.corner.r");
+    vec3 rest = desk_rest(&d, right);
+    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    do {
+        desk_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-4, 4, 0}), false);
+        desk_frame(&d);
+        live_status_of(d.live, &status);
+    } while (status.is_recording && clock_now_ns() < until_ns);
+    assert_false(status.is_recording);
+    if (!live_take_over(d.live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    apply_edits(&d, &t, edits, count);
+    assert_int_equal(t.layer_count, 3);
+    assert_string_equal(t.layer[2].name, "again 2");
+    assert_true(t.layer[1].is_muted);
+    assert_false(t.layer[2].is_muted);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shown_take_stands_where_it_is_sought),
+        cmocka_unit_test(take_plays_to_its_end_and_loops),
+        cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
+        cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
+        cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
