@@ -2,7 +2,8 @@
 #include <Eigen/Dense>
 #include <chrono>
 
-namespace {
+namespace
+{
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ColumnMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic>;
 using Rows3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -28,9 +29,13 @@ double form_ns(const float *rest, const float *response, const float *pull, unsi
 {
     Basis basis = Eigen::Map<const RowMajor>(response, count, 10);
     Points from = Eigen::Map<const RowMajor>(rest, count, 3);
-    Eigen::Matrix<float, 10, 3> by = Eigen::Map<const Eigen::Matrix<float, 10, 3, Eigen::RowMajor>>(pull);
+    Eigen::Matrix<float, 10, 3> by =
+        Eigen::Map<const Eigen::Matrix<float, 10, 3, Eigen::RowMajor>>(pull);
     Points to(count, 3);
-    return least_ns(rounds, [&] { to.noalias() = from; to.noalias() += basis * by; });
+    return least_ns(rounds, [&] {
+        to.noalias() = from;
+        to.noalias() += basis * by;
+    });
 }
 
 template <class Basis, class Points>
@@ -39,7 +44,8 @@ double lazy_ns(const float *rest, const float *response, const float *pull, unsi
 {
     Basis basis = Eigen::Map<const RowMajor>(response, count, 10);
     Points from = Eigen::Map<const RowMajor>(rest, count, 3);
-    Eigen::Matrix<float, 10, 3> by = Eigen::Map<const Eigen::Matrix<float, 10, 3, Eigen::RowMajor>>(pull);
+    Eigen::Matrix<float, 10, 3> by =
+        Eigen::Map<const Eigen::Matrix<float, 10, 3, Eigen::RowMajor>>(pull);
     Points to(count, 3);
     return least_ns(rounds, [&] { to = from + basis.lazyProduct(by); });
 }
