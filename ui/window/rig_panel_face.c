@@ -287,16 +287,15 @@ static void turn_jaw(rig_panel *self, viewport *view)
 
 void rig_panel_face(rig_panel *self, viewport *view)
 {
-    bool paints = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
+    bool has_rig = rig_model_rig(self->model) != NULL;
+    bool paints = has_rig && self->tab == RIG_TAB_REGIONS && self->painting.is_on;
     if (!paints)
         rig_panel_end_stroke(self);
-    if (!rig_model_rig(self->model))
-        viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
-    else if (paints)
+    if (paints)
         paint(self, view);
-    else if (self->tab == RIG_TAB_CONTACTS)
+    else if (has_rig && self->tab == RIG_TAB_CONTACTS)
         place(self, view);
-    else if (self->tab == RIG_TAB_JAW)
+    else if (has_rig && self->tab == RIG_TAB_JAW)
         turn_jaw(self, view);
     else
         viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
