@@ -35,7 +35,6 @@ static void open_with_hand(scene *s, uint32_t width, uint32_t height, float scal
     assert_true(scene_until(s, performs, NULL));
     scene_let_cut(s, "demo_hand");
     scene_let_cut(s, "panel_swing");
-    scene_let_cut(s, "No takes yet"); /* the list of takes is narrow */
 }
 
 static void each_panel_can_be_read_while_a_hand_performs(void **state)
