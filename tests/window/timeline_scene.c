@@ -101,6 +101,39 @@ static void a_performance_is_recorded_chosen_split_and_undone(void **state)
     scene_close(&s);
 }
 
+static void a_take_is_named_and_deleted_in_the_list(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    scene_frames(&s, 10);
+    const ui_word *word = scene_word(&s, "1");
+    assert_non_null(word);
+    float x = word->where.x + 4.0f, y = word->where.y + 6.0f;
+    scene_click_with(&s, x, y, 1);
+    scene_picture(&s, "timeline_scene_menu");
+    scene_click_word(&s, "Name, slate, note \u2026");
+    scene_settle(&s);
+    scene_picture(&s, "timeline_scene_take");
+    const ui_word *label = scene_word(&s, "Name");
+    assert_non_null(label);
+    scene_click(&s, label->where.x + 120.0f, label->where.y + 6.0f);
+    scene_type(&s, "night ride");
+    scene_click_word(&s, "Change");
+    scene_frames(&s, 10);
+    assert_string_equal(studio_take(s.studio)->name, "night ride");
+    assert_int_equal(history_last(studio_history(s.studio)), 1);
+    scene_click_with(&s, x, y, 1);
+    scene_click_word(&s, "Delete");
+    scene_frames(&s, 10);
+    scene_click_word(&s, "Deleted");
+    scene_frames(&s, 5);
+    assert_non_null(scene_word_with(&s, "night ride"));
+    scene_close(&s);
+}
+
 static void the_journal_is_seen_live_and_at_twice_the_size(void **state)
 {
     (void)state;
@@ -118,6 +151,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_performance_is_recorded_chosen_split_and_undone),
+        cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -15,14 +15,15 @@ typedef struct timeline_journal timeline_journal;
 timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
 void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
 void timeline_journal_clear(timeline_journal *self);
-/* The newest sample of an input, seen at now_ns; its channels say what a whole movement is. */
-void timeline_journal_note(timeline_journal *self, uint32_t lane, int64_t now_ns,
+/* The newest sample of an input (index: below JOURNAL_LANES), seen at now_ns; its channels say what
+ * a whole movement is. */
+void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_ns,
                            const mrt_sample *sample, const mrt_channel *channel);
 /* The greatest movement between two instants, 0..1: of a lane's channels, as a mean share of their
  * range in a tenth of a second, made visible. 0 where nothing is known. */
-float timeline_journal_read(const timeline_journal *self, uint32_t lane, int64_t from_ns,
+float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_t from_ns,
                             int64_t to_ns);
-bool timeline_journal_knows(const timeline_journal *self, uint32_t lane);
+bool timeline_journal_knows(const timeline_journal *self, uint32_t index);
 
 /* A span of it that somebody swiped, as what is kept: so many seconds back from now, and what of
  * that take is then left. False: too short. The journal reaches back reach_ns. */

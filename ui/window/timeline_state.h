@@ -38,6 +38,10 @@ typedef enum timeline_gesture {
     GESTURE_KEEP   /* over the journal */
 } timeline_gesture;
 
+typedef struct timeline_slip { /* what a take is called, as it is typed */
+    char name[TAKE_NAME], scene[TAKE_NAME], shot[TAKE_NAME], number[8], note[512];
+} timeline_slip;
+
 enum { TIMELINE_COLUMNS_MAX = 8192 };
 
 struct panel {
@@ -75,8 +79,8 @@ struct panel {
     uint32_t asked_layer, asked_clip;
     int32_t asked_marker;
     int64_t asked_take;
-    char text[512], take_name[TAKE_NAME], take_scene[TAKE_NAME], take_shot[TAKE_NAME],
-        take_number[8];
+    char text[512];
+    timeline_slip slip, slip_before;
     double number[5];
     uint32_t asked_regions;
     bool is_everything, is_asked_first;
@@ -110,9 +114,9 @@ void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 /* timeline_paint_rows.c */
 void timeline_paint_rows(panel *self, ui *on);
 /* timeline_paint_clip.c */
-void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *layer,
+void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *lane,
                          const take_clip *clip, uint32_t owner, bool is_heard);
-void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *layer);
+void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *lane);
 /* timeline_paint_wave.c */
 void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t);
 /* timeline_mouse.c */
@@ -120,8 +124,8 @@ void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas);
 timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas);
 /* timeline_menu.c */
 void timeline_menu(panel *self, ui *on);
-void timeline_ask_layer(panel *self, ui *on, uint32_t layer);
-void timeline_ask_clip(panel *self, ui *on, uint32_t clip);
+void timeline_ask_layer(panel *self, ui *on, uint32_t id); /* 0: a new one */
+void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
 /* timeline_paint_journal.c */
@@ -130,7 +134,7 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_takes_dialog(panel *self, ui *on);
 /* timeline_words.c */
-void timeline_own_words(const take_layer *layer, char *out, size_t capacity);
-uint32_t timeline_own_regions(const take_layer *layer); /* bits; those whose patterns it has */
+void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
+uint32_t timeline_own_regions(const take_layer *lane); /* bits; those whose patterns it has */
 
 #endif

@@ -2,6 +2,7 @@
  */
 #include "window/timeline_state.h"
 
+#include "base/text.h"
 #include "take/edit_store.h"
 
 #include <stdio.h>
@@ -219,11 +220,14 @@ static void ask_take(panel *self, ui *on, int64_t id)
         return;
     }
     self->asked_take = id;
-    (void)snprintf(self->take_name, sizeof self->take_name, "%s", t.name);
-    (void)snprintf(self->take_scene, sizeof self->take_scene, "%s", t.scene);
-    (void)snprintf(self->take_shot, sizeof self->take_shot, "%s", t.shot);
-    (void)snprintf(self->take_number, sizeof self->take_number, "%u", t.number);
-    (void)snprintf(self->text, sizeof self->text, "%s", t.note);
+    timeline_slip *slip = &self->slip;
+    memset(slip, 0, sizeof *slip);
+    memcpy(slip->name, t.name, sizeof slip->name);
+    memcpy(slip->scene, t.scene, sizeof slip->scene);
+    memcpy(slip->shot, t.shot, sizeof slip->shot);
+    memcpy(slip->note, t.note, sizeof slip->note);
+    (void)snprintf(slip->number, sizeof slip->number, "%u", t.number % 100000);
+    self->slip_before = *slip;
     take_finish(&t);
     ui_dialog_open(on, "timeline_take");
 }
@@ -255,21 +259,47 @@ static void menu(panel *self, ui *on, const studio_take_line *line, uint32_t cou
     ui_menu_end(on);
 }
 
+static bool read_number(const timeline_slip *slip, uint32_t *out)
+{
+    int64_t number;
+    text_view word = text_trim(text_view_of(slip->number, strlen(slip->number)));
+    if (!text_int(word, &number) || number < 1 || number > 99999)
+        return false;
+    *out = (uint32_t)number;
+    return true;
+}
+
+static bool is_same_slate(const timeline_slip *a, const timeline_slip *b)
+{
+    return strcmp(a->scene, b->scene) == 0 && strcmp(a->shot, b->shot) == 0 &&
+           strcmp(a->number, b->number) == 0;
+}
+
+/* Only what was changed; of the chosen take one step of undo. */
 static void answer_take(panel *self)
 {
-    edit e;
-    unsigned number = 0;
-    edit_init(&e, EDIT_TAKE_RENAME);
-    (void)snprintf(e.name, sizeof e.name, "%s", self->take_name);
-    edit_take(self, self->asked_take, &e);
-    edit_init(&e, EDIT_TAKE_NOTE);
-    (void)snprintf(e.note, sizeof e.note, "%.511s", self->text);
-    edit_take(self, self->asked_take, &e);
-    edit_init(&e, EDIT_TAKE_SLATE);
-    (void)snprintf(e.scene, sizeof e.scene, "%s", self->take_scene);
-    (void)snprintf(e.shot, sizeof e.shot, "%s", self->take_shot);
-    e.number = sscanf(self->take_number, "%5u", &number) == 1 && number > 0 ? number : 1;
-    edit_take(self, self->asked_take, &e);
+    const timeline_slip *slip = &self->slip, *before = &self->slip_before;
+    edit name, note, slate;
+    const edit *list[3];
+    uint32_t count = 0;
+    edit_init(&name, EDIT_TAKE_RENAME);
+    edit_init(&note, EDIT_TAKE_NOTE);
+    edit_init(&slate, EDIT_TAKE_SLATE);
+    memcpy(name.name, slip->name, sizeof name.name);
+    memcpy(note.note, slip->note, sizeof note.note);
+    memcpy(slate.scene, slip->scene, sizeof slate.scene);
+    memcpy(slate.shot, slip->shot, sizeof slate.shot);
+    if (strcmp(slip->name, before->name) != 0)
+        list[count++] = &name;
+    if (strcmp(slip->note, before->note) != 0)
+        list[count++] = &note;
+    if (!is_same_slate(slip, before) && read_number(slip, &slate.number))
+        list[count++] = &slate;
+    if (count && studio_take_id(self->studio) == self->asked_take)
+        (void)!studio_edit_all(self->studio, list, count);
+    else
+        for (uint32_t i = 0; i < count; ++i)
+            (void)!studio_edit_take(self->studio, self->asked_take, list[i]);
 }
 
 static void ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
@@ -283,21 +313,25 @@ static void ask_line(ui *on, const char *label, const char *id, char *text, size
 
 void timeline_takes_dialog(panel *self, ui *on)
 {
+    timeline_slip *slip = &self->slip;
+    uint32_t number;
     if (!ui_dialog_begin(on, "timeline_take", "Take", 420.0f))
         return;
-    ask_line(on, "Name", "##name", self->take_name, sizeof self->take_name, -1.0f);
-    ask_line(on, "Scene", "##scene", self->take_scene, sizeof self->take_scene, 120.0f);
-    ask_line(on, "Shot", "##shot", self->take_shot, sizeof self->take_shot, 120.0f);
-    ask_line(on, "Number", "##number", self->take_number, sizeof self->take_number, 60.0f);
+    ask_line(on, "Name", "##name", slip->name, sizeof slip->name, -1.0f);
+    ask_line(on, "Scene", "##scene", slip->scene, sizeof slip->scene, 120.0f);
+    ask_line(on, "Shot", "##shot", slip->shot, sizeof slip->shot, 120.0f);
+    ask_line(on, "Number", "##number", slip->number, sizeof slip->number, 60.0f);
     ui_text(on, UI_STYLE_DIM, "Note");
     ui_at(on, 70.0f);
     ui_width(on, -1.0f);
-    (void)ui_input_lines(on, "##note", self->text, 512, 70.0f);
+    (void)ui_input_lines(on, "##note", slip->note, sizeof slip->note, 70.0f);
     ui_space(on, 8.0f);
+    ui_disabled_begin(on, !read_number(slip, &number));
     if (ui_button(on, "Change", UI_ACCENT)) {
         answer_take(self);
         ui_dialog_close(on);
     }
+    ui_disabled_end(on);
     ui_same_line(on);
     if (ui_button(on, "Leave it", UI_QUIET))
         ui_dialog_close(on);

@@ -44,7 +44,8 @@ static step choose(const step *steps, size_t count, double unit_points, double l
 
 static uint32_t nominal(timecode_rate rate)
 {
-    return (rate.num + rate.den - 1) / rate.den;
+    uint32_t frames = rate.den ? (rate.num + rate.den - 1) / rate.den : 0;
+    return frames ? frames : 1;
 }
 
 /* ---- labels as frames ---- */
