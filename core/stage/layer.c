@@ -178,6 +178,14 @@ static bool holds_elsewhere(const mrt_pull *a, const mrt_pull *b)
     return a->count != b->count;
 }
 
+static bool drives_bones(const mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        if (!isnan(pull->dof[i]))
+            return true;
+    return false;
+}
+
 /* The first pull of the new one says how it comes. While it is idle the shape stays as it is. */
 static void begin_fade(layer *self)
 {
@@ -194,7 +202,13 @@ static void begin_fade(layer *self)
     if (c->is_leaving) {
         c->side = 1 - c->side;
         c->anchor_shift = 0;
-    } else if (stays && new->anchor + c->anchor_shift == c->leaving.anchor) {
+        return;
+    }
+    if (stays) { /* the skin; bones do not */
+        c->leaving.count = 0;
+        c->is_leaving = drives_bones(&c->leaving);
+    }
+    if (stays && new->anchor + c->anchor_shift == c->leaving.anchor) {
         c->anchor_shift += 1;
     }
 }

@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct mrt_plugin {
-    char unused;
-};
+/* So long after a reset bones are brought back; then they are left to whoever pulls. */
+static const double settles_s = 0.5;
 
-static const unsigned char state[4] = {'n', 'o', 't', 'h'}; /* it has none */
+struct mrt_plugin {
+    double since_s; /* a reset */
+};
 
 static mrt_plugin *create(const mrt_host *host)
 {
@@ -32,32 +33,42 @@ static void do_nothing(mrt_plugin *self)
     (void)self;
 }
 
+static void reset(mrt_plugin *self)
+{
+    self->since_s = 0.0;
+}
+
 /* Anchored, so that what was pulled before leaves; idle would keep it. */
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
-    (void)self, (void)frame;
+    self->since_s = fmin(self->since_s + frame->dt_s, settles_s);
     *pull = (mrt_pull){.mode = MRT_ANCHORED};
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
-        pull->dof[i] = NAN;
+        pull->dof[i] = self->since_s < settles_s ? 0.0f : NAN;
     return MRT_OK;
 }
 
 static size_t save(mrt_plugin *self, void *out, size_t capacity)
 {
-    (void)self;
-    if (out && capacity >= sizeof state)
-        memcpy(out, state, sizeof state);
-    return sizeof state;
+    if (out && capacity >= sizeof *self)
+        memcpy(out, self, sizeof *self);
+    return sizeof *self;
 }
 
 static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    (void)self;
-    return size == sizeof state && memcmp(bytes, state, size) == 0 ? MRT_OK : MRT_ERR_FORMAT;
+    mrt_plugin then;
+    if (size != sizeof then)
+        return MRT_ERR_FORMAT;
+    memcpy(&then, bytes, sizeof then);
+    if (!(then.since_s >= 0.0 && then.since_s <= settles_s))
+        return MRT_ERR_FORMAT;
+    *self = then;
+    return MRT_OK;
 }
 
 static const mrt_mapping mapping = {
-    .activate = activate, .deactivate = do_nothing, .reset = do_nothing, .process = process};
+    .activate = activate, .deactivate = do_nothing, .reset = reset, .process = process};
 static const mrt_resume resume = {.save = save, .load = load};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};

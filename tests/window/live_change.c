@@ -1,0 +1,278 @@
+/* Mapping, face, inputs and engine are changed while a live stage performs: nothing jumps, nothing
+ * else stops. */
+#include "window/live_desk.h"
+
+/* What an ease of a quarter of a second moves a vertex in 20 ms at most, of how far it has to go:
+ * the hand is held still. */
+static const double step_share = 0.16;
+
+/* A right hand that is held still, bent. */
+typedef struct still_hand {
+    feed *feed;
+    float angle[MRT_ANGLES];
+    double moved_mm; /* the face, by it */
+} still_hand;
+
+/* From straight to bent, slowly: mappings take the first pose that they see as neutral. */
+static void bend(live_desk *d, still_hand *h)
+{
+    for (int n = 0; n <= 20; ++n) {
+        for (uint32_t i = 0; i < 18; ++i)
+            h->angle[i] = 0.03f * (float)n * (i % 4 == 0 ? 1.0f : -0.5f);
+        feed_give(h->feed, h->angle, FEED_MOVES);
+        desk_pass(d, n == 0 ? 0.4 : 0.02);
+    }
+    desk_pass(d, 0.7);
+    h->moved_mm = desk_apart_mm(d, d->first);
+}
+
+static void hold(live_desk *d, still_hand *h)
+{
+    error err = {""};
+    input *in;
+    mrt_channel channel[MRT_ANGLES];
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i)
+        channel[i] = (mrt_channel){"angle", "rad", MRT_CH_ANGLE + i, MRT_RIGHT, -2.0f, 2.0f};
+    memset(h, 0, sizeof *h);
+    const feed_settings settings = {.id = "org.marotte.test.hand",
+                                    .name = "hand",
+                                    .channels = channel,
+                                    .channel_count = MRT_ANGLES,
+                                    .rate_hz = 150.0};
+    desk_must(feed_create(&h->feed, &settings, &err), &err);
+    desk_must(input_create(&in, feed_type(h->feed), "", "", CLOCK_REAL, d->log, &err), &err);
+    desk_must(live_add_made(d->live, in, "hand", &err), &err);
+    bend(d, h);
+}
+
+static void end(live_desk *d, still_hand *h)
+{
+    desk_finish(d);
+    feed_destroy(h->feed);
+}
+
+typedef struct track {
+    float *last;
+    int64_t sample_ns;
+    double most_mm; /* of any vertex between two faces, per 20 ms of samples */
+} track;
+
+static void look_on(live_desk *d, track *t, double seconds)
+{
+    size_t size = (size_t)d->view->vertex_count * 3;
+    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    if (!t->last) {
+        t->last = malloc(size * sizeof *t->last);
+        assert_non_null(t->last);
+        memcpy(t->last, d->view->position, size * sizeof *t->last);
+        t->sample_ns = d->view->sample_ns;
+    }
+    while (clock_now_ns() < until_ns) {
+        desk_frame(d);
+        double passed_s = (double)(d->view->sample_ns - t->sample_ns) / 1e9;
+        double frames = fmax(passed_s / 0.02, 1.0);
+        t->most_mm = fmax(t->most_mm, desk_apart_mm(d, t->last) / frames);
+        memcpy(t->last, d->view->position, size * sizeof *t->last);
+        t->sample_ns = d->view->sample_ns;
+    }
+}
+
+static void is_smooth(const track *t, const char *what, double moved_mm)
+{
+    double step_mm = step_share * moved_mm;
+    print_message("%s: at most %.2f mm in 20 ms of %.1f mm\n", what, t->most_mm, moved_mm);
+    if (t->most_mm > step_mm)
+        fail_msg("%s: a vertex jumps by %.2f mm", what, t->most_mm);
+}
+
+static void add_demo(live_desk *d)
+{
+    error err = {""};
+    char text[DESK_PATH];
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=3,loop=1", SOURCE_DIR);
+    desk_must(live_add_input(d->live, text, &err), &err);
+}
+
+static void relax(live_desk *d, still_hand *h)
+{
+    memset(h->angle, 0, sizeof h->angle);
+    feed_give(h->feed, h->angle, FEED_MOVES);
+    desk_pass(d, 0.5);
+}
+
+static void change_mapping(live_desk *d, still_hand *hand, const char *from, const char *to)
+{
+    error err = {""};
+    char what[DESK_PATH];
+    track t = {0};
+    relax(d, hand);
+    desk_must(live_set_mapping(d->live, from, &err), &err);
+    desk_pass(d, 0.6);
+    bend(d, hand);
+    look_on(d, &t, 0.0);
+    desk_must(live_set_mapping(d->live, to, &err), &err);
+    assert_true((live_mapping(d->live) != NULL) == (to[0] != '\0'));
+    look_on(d, &t, 0.8);
+    snprintf(what, sizeof what, "from \"%s\" to \"%s\"", from, to);
+    is_smooth(&t, what, hand->moved_mm);
+    free(t.last);
+}
+
+static void mapping_changes_without_a_jump(void **state)
+{
+    (void)state;
+    live_desk d;
+    still_hand hand;
+    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    hold(&d, &hand);
+    assert_true(hand.moved_mm > 3.0);
+    change_mapping(&d, &hand, "one_hand", "");
+    change_mapping(&d, &hand, "one_hand", "one_hand,smile=8");
+    change_mapping(&d, &hand, "one_hand", "anchored");
+    change_mapping(&d, &hand, "anchored", "one_hand");
+    end(&d, &hand);
+}
+
+static void mapping_of_nothing_lets_the_face_rest(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    add_demo(&d);
+    desk_pass(&d, 0.5);
+    assert_true(desk_apart_mm(&d, d.first) > 0.5);
+    desk_must(live_set_mapping(d.live, NULL, &err), &err);
+    assert_null(live_mapping(d.live));
+    desk_pass(&d, 0.8);
+    assert_true(desk_apart_mm(&d, d.first) < 1e-3);
+    assert_true(live_set_mapping(d.live, "no_such_mapping", &err) < 0);
+    assert_true(live_set_mapping(d.live, "one_hand,no_such=1", &err) < 0);
+    desk_finish(&d);
+}
+
+static void inputs_come_and_go_while_it_performs(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    mrt_sample sample;
+    live_status before, after;
+    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    add_demo(&d);
+    desk_pass(&d, 0.4);
+    track t = {0};
+    for (int i = 0; i < 3; ++i) {
+        add_demo(&d);
+        assert_int_equal(live_input_count(d.live), 2);
+        look_on(&d, &t, 0.1);
+        desk_must(live_remove_input(d.live, 0, &err), &err);
+        look_on(&d, &t, 0.1);
+    }
+    free(t.last);
+    assert_int_equal(live_input_count(d.live), 1);
+    desk_pass(&d, 0.1);
+    assert_true(live_input_sample(d.live, 0, &sample));
+    live_status_of(d.live, &before);
+    desk_pass(&d, 0.3);
+    live_status_of(d.live, &after);
+    assert_true(after.sample_count > before.sample_count);
+    desk_must(live_remove_input(d.live, 0, &err), &err);
+    assert_false(live_input_sample(d.live, 0, &sample));
+    assert_true(live_remove_input(d.live, 0, &err) < 0);
+    assert_true(live_add_input(d.live, "no_such_plugin", &err) < 0);
+    assert_true(live_add_input(d.live, "log:/no/such/file.csv", &err) < 0);
+    assert_true(live_add_input(d.live, ":", &err) < 0);
+    assert_int_equal(live_input_count(d.live), 0);
+    desk_finish(&d);
+}
+
+static void eight_inputs_are_too_many(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    char text[DESK_PATH];
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    for (int i = 0; i < 7; ++i)
+        add_demo(&d);
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv", SOURCE_DIR);
+    assert_true(live_add_input(d.live, text, &err) < 0);
+    assert_true(strstr(err.text, "7 inputs are open") != NULL);
+    desk_pass(&d, 0.1);
+    desk_finish(&d);
+}
+
+static void face_and_engine_change_while_it_performs(void **state)
+{
+    (void)state;
+    live_desk d;
+    still_hand hand;
+    error err = {""};
+    face_file moai = {0};
+    char path[DESK_PATH];
+    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    hold(&d, &hand);
+    csrbf_settings solver = d.view->solver;
+    solver.radius *= 1.5;
+    track t = {0};
+    look_on(&d, &t, 0.05);
+    desk_must(live_set_solver(d.live, &solver, &err), &err);
+    look_on(&d, &t, 0.6);
+    is_smooth(&t, "another radius", hand.moved_mm);
+    free(t.last);
+    assert_true(fabs(d.view->solver.radius - solver.radius) < 1e-9);
+    uint32_t of_puppet = d.view->vertex_count;
+    snprintf(path, sizeof path, "%s/rigs/moai/moai.rig.json", SOURCE_DIR);
+    desk_must(face_file_read(&moai, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    const live_view *before = d.view;
+    desk_must(live_set_face(d.live, &moai, path, 0.0, &err), &err);
+    assert_true(isfinite(before->position[3 * of_puppet - 1])); /* still there until it is looked */
+    assert_true(live_look(d.live, &d.view));
+    assert_int_not_equal(d.view->vertex_count, of_puppet);
+    desk_pass(&d, 0.5);
+    assert_true(d.view->number > 2);
+    desk_must(live_set_face(d.live, &d.face, d.face_path, 0.0, &err), &err);
+    desk_pass(&d, 0.2);
+    assert_int_equal(d.view->vertex_count, of_puppet);
+    face_file_destroy(&moai);
+    end(&d, &hand);
+}
+
+static void grip_of_a_moving_face_does_not_jump(void **state)
+{
+    (void)state;
+    live_desk d;
+    still_hand hand;
+    static const char *const contacts[] = {"mouth.corner.l", "chin", "brow.mid.l", "cheek.l",
+                                           "nose.tip"};
+    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    hold(&d, &hand);
+    for (size_t i = 0; i < sizeof contacts / sizeof *contacts; ++i) {
+        uint32_t contact = desk_contact(&d, contacts[i]);
+        vec3 rest = desk_rest(&d, contact), at = d.view->contact[contact];
+        track t = {0};
+        look_on(&d, &t, 0.1);
+        at = d.view->contact[contact];
+        desk_point(&d, POINTER_PULLS, rest, at, false);
+        look_on(&d, &t, 0.3);
+        desk_let_go(&d);
+        look_on(&d, &t, 0.6);
+        is_smooth(&t, contacts[i], hand.moved_mm);
+        free(t.last);
+    }
+    end(&d, &hand);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mapping_changes_without_a_jump),
+        cmocka_unit_test(mapping_of_nothing_lets_the_face_rest),
+        cmocka_unit_test(inputs_come_and_go_while_it_performs),
+        cmocka_unit_test(eight_inputs_are_too_many),
+        cmocka_unit_test(face_and_engine_change_while_it_performs),
+        cmocka_unit_test(grip_of_a_moving_face_does_not_jump),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
