@@ -8,6 +8,7 @@
 static const double settles_s = 0.5;
 
 struct mrt_plugin {
+    bool has_begun;
     double since_s; /* a reset */
 };
 
@@ -35,12 +36,16 @@ static void do_nothing(mrt_plugin *self)
 
 static void reset(mrt_plugin *self)
 {
+    self->has_begun = false;
     self->since_s = 0.0;
 }
 
 /* Anchored, so that what was pulled before leaves; idle would keep it. */
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
+    if (!self->has_begun && !(frame->dt_s > 0.0)) /* nobody was there before */
+        self->since_s = settles_s;
+    self->has_begun = true;
     self->since_s = fmin(self->since_s + frame->dt_s, settles_s);
     *pull = (mrt_pull){.mode = MRT_ANCHORED};
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
@@ -50,20 +55,21 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
 static size_t save(mrt_plugin *self, void *out, size_t capacity)
 {
-    if (out && capacity >= sizeof *self)
-        memcpy(out, self, sizeof *self);
-    return sizeof *self;
+    const double kept[2] = {self->has_begun ? 1.0 : 0.0, self->since_s};
+    if (out && capacity >= sizeof kept)
+        memcpy(out, kept, sizeof kept);
+    return sizeof kept;
 }
 
 static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    mrt_plugin then;
-    if (size != sizeof then)
+    double kept[2];
+    if (size != sizeof kept)
         return MRT_ERR_FORMAT;
-    memcpy(&then, bytes, sizeof then);
-    if (!(then.since_s >= 0.0 && then.since_s <= settles_s))
+    memcpy(kept, bytes, sizeof kept);
+    if (!(kept[1] >= 0.0 && kept[1] <= settles_s))
         return MRT_ERR_FORMAT;
-    *self = then;
+    *self = (mrt_plugin){.has_begun = kept[0] > 0.0, .since_s = kept[1]};
     return MRT_OK;
 }
 

@@ -1,0 +1,108 @@
+/* What the lanes of a timeline show of a performance: where it moves the face, and when. */
+#include "window/live_desk.h"
+
+#include "stage/activity.h"
+#include "stage/sequencer.h"
+
+static const writer_slate slate = {"1", "a", 0};
+
+typedef struct lanes {
+    show *show;
+    composer *scratch;
+    source_world world;
+    activity *of;
+} lanes;
+
+static void open_lanes(live_desk *d, lanes *out, int64_t performance)
+{
+    error err = {""};
+    const csrbf_settings of_rig = {.radius = 0.0};
+    desk_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
+    desk_must(composer_create(&out->scratch, &d->face, &of_rig, &err), &err);
+    out->world = (source_world){out->show, &d->plugins, d->log, out->scratch};
+    desk_must(activity_create(&out->of, &out->world, performance, &err), &err);
+}
+
+static void close_lanes(lanes *l)
+{
+    activity_destroy(l->of);
+    composer_destroy(l->scratch);
+    show_close(l->show);
+}
+
+static uint32_t step_all(lanes *l)
+{
+    error err = {""};
+    uint32_t steps = 0;
+    mrt_result result;
+    while ((result = activity_step(l->of, 16, &err)) == MRT_OK)
+        steps += 1;
+    desk_must(result, &err);
+    return steps;
+}
+
+static float greatest(const lanes *l, uint32_t lane, int64_t from_ns, int64_t to_ns)
+{
+    activity_bin bin[50];
+    float out = -INFINITY;
+    activity_read(l->of, lane, from_ns, to_ns, 50, bin);
+    for (int i = 0; i < 50; ++i)
+        if (bin[i].least <= bin[i].greatest)
+            out = fmaxf(out, bin[i].greatest);
+    return out;
+}
+
+static void lanes_tell_when_and_where(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    live_status status;
+    lanes l;
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    desk_must(live_record(d.live, &slate, &err), &err);
+    desk_pass(&d, 0.5);
+    int64_t drag_ns = clock_now_ns();
+    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "mouth.corner.l"), (vec3){0, 6, 0}, false);
+    int64_t go_ns = clock_now_ns();
+    desk_let_go(&d);
+    desk_pass(&d, 0.6);
+    desk_must(live_record_end(d.live, &err), &err);
+    int64_t end_ns = clock_now_ns();
+    desk_pass(&d, 0.2);
+    live_status_of(d.live, &status);
+    desk_take(&d, status.take, &t);
+    open_lanes(&d, &l, t.layer[0].clip[0].performance);
+    assert_true(step_all(&l) >= 2);
+    int64_t known_ns = activity_known_ns(l.of);
+    /* by the clock, back from its end */
+    int64_t from_ns = known_ns - (end_ns - drag_ns), to_ns = known_ns - (end_ns - go_ns);
+    int64_t slack_ns = NS_PER_S / 20;
+    assert_true(greatest(&l, OWN_MOUTH, from_ns, to_ns) > 0.1f);
+    assert_true(greatest(&l, OWN_REGION_COUNT, from_ns, to_ns) > 0.1f);
+    assert_true(greatest(&l, OWN_MOUTH, 0, from_ns - slack_ns) < 1e-3f);
+    assert_true(greatest(&l, OWN_MOUTH, known_ns - slack_ns, known_ns) < 1e-3f);
+    assert_true(greatest(&l, OWN_BROWS, 0, known_ns) < 1e-3f);
+    activity_bin beyond;
+    activity_read(l.of, OWN_MOUTH, known_ns + NS_PER_S, known_ns + 2 * NS_PER_S, 1, &beyond);
+    assert_true(beyond.least > beyond.greatest);
+    /* it goes on when the performance does */
+    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "brow.mid.l"), (vec3){0, 6, 0}, false);
+    desk_let_go(&d);
+    desk_pass(&d, 0.5);
+    (void)step_all(&l);
+    assert_true(activity_known_ns(l.of) > known_ns);
+    assert_true(greatest(&l, OWN_BROWS, known_ns, activity_known_ns(l.of)) > 0.1f);
+    close_lanes(&l);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lanes_tell_when_and_where),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
