@@ -17,7 +17,7 @@ typedef struct rig_stand {
     studio_unsaved unsaved;
     bool has_unsaved;
     uint32_t change_count;     /* faces that came from the panel */
-    double update_ms, draw_ms; /* the longest of a frame, of the panel alone */
+    double update_ms, draw_ms; /* CPU of the panel alone, the most of a frame */
     bool is_panel_seen;
 } rig_stand;
 
