@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "scene.h"
 
-enum { SAMPLES = 900, RATE_HZ = 150, FACES_A_PICTURE = 4 };
+enum { SAMPLES = 900, RATE_HZ = 150, FACES_A_PICTURE = 3, PATIENCE_S = 100 };
 static const int64_t drawing_ns = NS_PER_S / 5;
 
 static double angle_at(int sample)
@@ -85,12 +85,17 @@ static void at_five_pictures_a_second_every_sample_is_performed(void **state)
     write_log(path);
     (void)snprintf(spec, sizeof spec, "log:%s", path);
     const char *const inputs[] = {spec};
-    const scene_options options = {
-        .width_px = 640, .height_px = 360, .scale = 1.0f, .inputs = inputs, .input_count = 1};
+    const scene_options options = {.width_px = 640,
+                                   .height_px = 360,
+                                   .scale = 1.0f,
+                                   .face = SOURCE_DIR "/rigs/moai/moai.glb",
+                                   .mapping = "anchored",
+                                   .inputs = inputs,
+                                   .input_count = 1};
     scene_open_with(&s, &options);
 
     uint64_t first_face = studio_view(s.studio)->number, pictures = 0;
-    const int64_t end_ns = clock_now_ns() + SCENE_PATIENCE_S * NS_PER_S;
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
     live_status status;
     do {
         draw_slowly(&s);
