@@ -91,8 +91,9 @@ static void durations_are_short(void **state)
         int64_t ns;
         const char *text;
     } cases[] = {{0, "0.0 s"},
-                 {3450 * NS_PER_MS, "3.4 s"},
-                 {59999 * NS_PER_MS, "59.9 s"},
+                 {3440 * NS_PER_MS, "3.4 s"},
+                 {19990 * NS_PER_MS, "20.0 s"},
+                 {59999 * NS_PER_MS, "1:00"},
                  {60 * NS_PER_S, "1:00"},
                  {3599 * NS_PER_S, "59:59"},
                  {3723 * NS_PER_S, "1:02:03"}};

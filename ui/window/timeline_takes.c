@@ -82,7 +82,9 @@ void timeline_takes_finish(timeline_takes *self)
 
 void timeline_takes_duration(char *out, size_t capacity, int64_t duration_ns)
 {
-    int64_t tenths = duration_ns < 0 ? 0 : duration_ns / (NS_PER_S / 10), s = tenths / 10;
+    const int64_t tenth_ns = NS_PER_S / 10;
+    const int64_t tenths = duration_ns < 0 ? 0 : (duration_ns + tenth_ns / 2) / tenth_ns;
+    const int64_t s = tenths / 10;
     if (s < 60)
         (void)snprintf(out, capacity, "%d.%d s", (int)s, (int)(tenths % 10));
     else if (s < 3600)

@@ -193,7 +193,7 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studi
         paint_line(self, on, of, where, hovered == (int64_t)i);
         if (hovered != (int64_t)i)
             continue;
-        self->hint = of->note;
+        self->hint = of->note[0] ? of->note : "A double click shows it, a right click does more.";
         if (canvas->is_pressed || canvas->is_double_clicked)
             click_line(self, of, canvas, where);
     }

@@ -222,6 +222,8 @@ static void set_scale(ui *self, float scale)
     ImGui_ImplOpenGL3_DestroyDeviceObjects(); /* with the texture of the old fonts */
 }
 
+static constexpr float double_click_s = 0.3f;
+
 void ui_begin(ui *self, const ui_screen *screen)
 {
     ImGui::SetCurrentContext(self->context);
@@ -230,6 +232,8 @@ void ui_begin(ui *self, const ui_screen *screen)
     set_scale(self, screen->scale > 0.25f ? screen->scale : 0.25f);
     io.DisplaySize = ui_px2(self, screen->width, screen->height);
     io.DeltaTime = screen->dt_s > 1e-5 ? static_cast<float>(screen->dt_s) : 1e-5f;
+    /* Each click takes two frames (ui_queue.h): where they are slow, a hand is not. */
+    io.MouseDoubleClickTime = double_click_s + 3.0f * io.DeltaTime;
     hand_over(self);
     self->cursor = UI_CURSOR_ARROW;
     self->panel_count = self->popup_depth = 0;
