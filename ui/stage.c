@@ -49,10 +49,13 @@ static void ask_stop(int number)
 
 static void catch_signals(void)
 {
-    struct sigaction how = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction how = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND}, before;
     sigemptyset(&how.sa_mask);
     sigaction(SIGINT, &how, NULL);
     sigaction(SIGTERM, &how, NULL);
+    /* the terminal it was started from is closed, unless nohup let it outlive that */
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGHUP, &how, NULL);
 }
 
 /* ---- options ---- */

@@ -354,12 +354,8 @@ mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *sla
         return error_set(err, MRT_ERR_ARGUMENT, "%g s cannot be kept", seconds);
     if (!self->has_begun)
         return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed yet");
-    mrt_result result =
-        writer_keep(self->writer, self->last_ns - (int64_t)(seconds * (double)NS_PER_S),
-                    self->last_ns + 1, slate, out_take, err);
-    if (result >= 0)
-        self->take = *out_take;
-    return result;
+    return writer_keep(self->writer, self->last_ns - (int64_t)(seconds * (double)NS_PER_S),
+                       self->last_ns + 1, slate, out_take, err);
 }
 
 int64_t recorder_performance(const recorder *self)

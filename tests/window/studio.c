@@ -193,6 +193,61 @@ static void what_nobody_recorded_can_be_kept(void **state)
     close_room(&r);
 }
 
+static bool has_two_takes(studio *of)
+{
+    return count_takes(of) == 2;
+}
+
+/* Whole, both of them, and as long as they were. */
+static bool has_two_whole_takes(studio *of)
+{
+    const studio_take_line *line;
+    return studio_takes(of, &line) == 2 && !line[0].is_recording && !line[1].is_recording &&
+           line[0].duration_ns > 200 * NS_PER_MS && line[1].duration_ns > 200 * NS_PER_MS;
+}
+
+static void keeping_while_recording_leaves_the_recording_alone(void **state)
+{
+    room r;
+    const studio_take_line *line;
+    (void)state;
+    open_room(&r, true);
+    assert_true(until(&r, has_samples));
+    studio_do(r.studio, ACTION_RECORD);
+    assert_true(until(&r, is_recorded));
+    studio_do(r.studio, ACTION_KEEP);
+    assert_true(until(&r, has_two_takes));
+    assert_true(until(&r, is_recording));
+    (void)studio_takes(r.studio, &line);
+    assert_true(line[0].is_recording);
+    studio_do(r.studio, ACTION_RECORD);
+    assert_true(until(&r, has_two_whole_takes));
+    close_room(&r);
+}
+
+static bool has_a_third_beside_whole_ones(studio *of)
+{
+    const studio_take_line *line;
+    const uint32_t count = studio_takes(of, &line);
+    assert_false(line[0].is_recording || line[1].is_recording);
+    return count == 3;
+}
+
+static void what_is_performed_over_a_take_leaves_others_in_the_list(void **state)
+{
+    room r;
+    (void)state;
+    open_room(&r, true);
+    record_a_take(&r);
+    studio_do(r.studio, ACTION_KEEP);
+    assert_true(until(&r, has_two_whole_takes));
+    studio_do(r.studio, ACTION_TAKE_BEFORE);
+    assert_true(until(&r, shows_take));
+    studio_do(r.studio, ACTION_RECORD);
+    assert_true(until(&r, has_a_third_beside_whole_ones));
+    close_room(&r);
+}
+
 /* ---- playing ---- */
 
 static void space_shows_the_chosen_take_and_plays_it(void **state)
@@ -591,6 +646,8 @@ int main(void)
         cmocka_unit_test(a_take_that_ends_is_chosen_and_the_stage_stays_live),
         cmocka_unit_test(a_take_that_is_recorded_is_in_the_list_while_it_grows),
         cmocka_unit_test(closing_while_recording_keeps_the_take),
+        cmocka_unit_test(keeping_while_recording_leaves_the_recording_alone),
+        cmocka_unit_test(what_is_performed_over_a_take_leaves_others_in_the_list),
         cmocka_unit_test(what_nobody_recorded_can_be_kept),
         cmocka_unit_test(space_shows_the_chosen_take_and_plays_it),
         cmocka_unit_test(what_cannot_be_done_says_why),

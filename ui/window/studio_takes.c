@@ -96,11 +96,12 @@ const studio_take_line *studio_line_of(const studio *self, int64_t id)
     return NULL;
 }
 
-/* The one that is being recorded grows. */
+/* The one that is being recorded grows. What begins over a take is not said yet for some frames:
+ * the one before it is whole, and stays as it is. */
 static void follow_recording(studio *self)
 {
     for (uint32_t i = self->line_count; i > 0; --i)
-        if (self->line[i - 1].id == self->status.take) {
+        if (self->line[i - 1].id == self->status.take && self->key[i - 1].is_recording) {
             self->line[i - 1].is_recording = self->status.is_recording;
             if (self->status.is_recording)
                 self->line[i - 1].duration_ns = self->status.recorded_ns;
