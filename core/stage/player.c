@@ -27,8 +27,9 @@ struct player_loop {
     bool started;
     int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
     int64_t start_ns, last_ns;
-    int64_t work_ns; /* since the last drawn frame */
-    bool is_wanted;  /* goes on: to be drawn as soon as no sample waits */
+    int64_t work_ns;  /* since the last drawn frame */
+    int64_t shown_ns; /* samples come behind it */
+    bool is_wanted;   /* goes on: to be drawn as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const playing *self, uint32_t index)
@@ -129,6 +130,8 @@ static mrt_sample in_order(const playing *self, const mrt_sample *sample)
     mrt_sample out = *sample;
     if (self->report.sample_count > 0 && out.time_ns <= self->last_ns)
         out.time_ns = self->last_ns + 1;
+    if (out.time_ns <= self->shown_ns)
+        out.time_ns = self->shown_ns + 1;
     return out;
 }
 
@@ -327,6 +330,12 @@ mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *samp
     return play_sample(self, (int)index, sample, err);
 }
 
+void player_show_until(player_loop *self, int64_t time_ns)
+{
+    if (time_ns > self->shown_ns)
+        self->shown_ns = time_ns;
+}
+
 uint64_t player_sample_count(const player_loop *self)
 {
     return self->report.sample_count;
@@ -361,6 +370,7 @@ mrt_result player_create(player_loop **out, const player_stage *stage,
     self->stage = stage;
     self->settings = *settings;
     self->settings.goes_on = true;
+    self->shown_ns = INT64_MIN;
     self->events = *events;
     wake_init(&self->signal);
     *out = self;
@@ -414,8 +424,11 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
     mrt_result result = check_fps(settings, err);
     if (result < 0)
         return result;
-    playing self = {
-        .stage = stage, .input_count = input_count, .settings = *settings, .events = *events};
+    playing self = {.stage = stage,
+                    .input_count = input_count,
+                    .settings = *settings,
+                    .events = *events,
+                    .shown_ns = INT64_MIN};
     memcpy(self.inputs, inputs, input_count * sizeof(input *));
     wake_init(&self.signal);
     self.begin_ns = settings->clock == CLOCK_REAL ? clock_now_ns() : 0;

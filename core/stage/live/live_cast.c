@@ -27,13 +27,15 @@ mrt_result live_check_free(const live *self, const char *what, error *err)
 
 void live_scene_destroy(live_scene *scene)
 {
-    if (!scene)
-        return;
-    performer_destroy(scene->performer);
-    live_board_destroy(&scene->board);
-    take_performance_finish(&scene->face);
-    free(scene->path);
-    free(scene);
+    while (scene) {
+        live_scene *before = scene->before;
+        performer_destroy(scene->performer);
+        live_board_destroy(&scene->board);
+        take_performance_finish(&scene->face);
+        free(scene->path);
+        free(scene);
+        scene = before;
+    }
 }
 
 /* Its owner is the performer's face; whoever makes another face of it copies it. */
@@ -295,18 +297,23 @@ mrt_result live_remove_input(live *self, uint32_t index, error *err)
     mrt_result result = live_check_free(self, self->entry[index].text, err);
     if (result < 0)
         return result;
-    live_input_entry gone = self->entry[index];
+    live_input_entry gone = self->entry[index], *at = &self->entry[index];
     change c = {.remove = index + 1};
     self->entry_count -= 1;
-    memmove(&self->entry[index], &self->entry[index + 1],
-            (self->entry_count - index) * sizeof *self->entry);
+    size_t behind = (self->entry_count - index) * sizeof *at;
+    memmove(at, at + 1, behind);
     const recorder_settings as = live_cast_settings(self, true);
     result = prepare(self, &as, &c, err);
-    error ignored = {""};
-    mrt_result removed = live_ask(self, remove_input, &c, result < 0 ? &ignored : err);
+    if (result < 0) { /* it is recorded with the others: it stays */
+        memmove(at + 1, at, behind);
+        *at = gone;
+        self->entry_count += 1;
+        return result;
+    }
+    result = live_ask(self, remove_input, &c, err);
     dismiss(self, &c);
     finish_entry(&gone);
-    return result < 0 ? result : removed;
+    return result;
 }
 
 uint32_t live_input_count(const live *self)
@@ -637,12 +644,12 @@ static void retire(live *self, live_scene *scene, live_mapping_role *role)
     performer_destroy(scene->performer);
     scene->performer = NULL;
     live_mapping_destroy(role);
-    if (self->old_scene)
-        live_scene_destroy(self->old_scene);
+    scene->before = self->old_scene;
     self->old_scene = scene;
     const mrt_face *about = composer_about(performer_composer(self->scene->performer));
-    for (int i = 0; i < 3; ++i)
-        scene->board.view[i].about = about;
+    for (; scene; scene = scene->before)
+        for (int i = 0; i < 3; ++i)
+            scene->board.view[i].about = about;
 }
 
 static void publish_first(live_scene *scene)
@@ -657,16 +664,17 @@ static void publish_first(live_scene *scene)
 static mrt_result set_scene(live *self, const face_file *file, const char *path, double unit_mm,
                             const csrbf_settings *solver, error *err)
 {
-    live_mapping_role *role;
+    live_mapping_role *role, *last = self->coming ? self->coming : self->role;
     live_scene *scene = NULL;
     live_take_drop(self);
-    drop_coming(self);
-    mrt_result result = live_mapping_create(&role, self->role->text, self->settings.plugins,
-                                            self->settings.log, err);
+    mrt_result result =
+        live_mapping_create(&role, last->text, self->settings.plugins, self->settings.log, err);
     if (result < 0)
         return result;
-    live_mapping_copy_params(&role->instance, live_mapping_now(self->role));
-    result = teach(self, role, err);
+    live_mapping_copy_params(&role->instance, live_mapping_now(last));
+    if (last == self->role)
+        result = teach(self, role, err);
+    drop_coming(self);
     if (result >= 0)
         result = live_scene_create(self, file, path, unit_mm, solver, role, &scene, err);
     change c = {.scene = scene, .role = role};

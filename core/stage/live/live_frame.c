@@ -119,7 +119,8 @@ static void meter(live_stage *stage, const face *f, int64_t now_ns)
 static void describe_face(live_stage *stage, live_view *view, composer *of)
 {
     const face *f = composer_face(of);
-    view->about = composer_about(of);
+    /* A take's face is the same, but goes when another take is shown: the view outlives it. */
+    view->about = composer_about(performer_composer(stage->scene->performer));
     view->contact_count = view->about->contact_count < LIVE_CONTACTS_MAX
                               ? view->about->contact_count
                               : LIVE_CONTACTS_MAX;

@@ -68,11 +68,14 @@ mrt_result live_set_show(live *self, show *s, error *err)
 {
     live_take_drop(self);
     self->place_count = 0;
+    self->is_over_done = false;
     mrt_result result = live_record_stop(self, err);
     if (result < 0)
         log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
     live_sound_drop(self);
     self->show = s;
+    self->status.take = 0;
+    self->take_begun_ns = self->take_ended_ns = 0;
     return live_record_start(self, err);
 }
 

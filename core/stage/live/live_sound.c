@@ -36,6 +36,7 @@ void live_sound_drop(live *self)
     sound_destroy(self->sound);
     self->sound = NULL;
     self->wants_sound = false;
+    self->attach_take = self->edited_take = 0;
 }
 
 mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err)

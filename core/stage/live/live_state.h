@@ -34,6 +34,7 @@ typedef struct live_scene {
     performer *performer;
     live_board board;
     take_performance face; /* what it is recorded as: for its hashes */
+    struct live_scene *before;
 } live_scene;
 
 /* A take on the stage. */
@@ -140,7 +141,7 @@ struct live {
     double length_mm[2];
     uint32_t rezero_pedal, rezero_wanted;
 
-    live_scene *scene, *old_scene;    /* old: its views may still be looked at */
+    live_scene *scene, *old_scene;    /* old: its views, and those before, may be looked at */
     live_mapping_role *role, *coming; /* coming: takes over as soon as nothing is between */
 
     show *show; /* that is recorded into; NULL: none */
@@ -202,7 +203,7 @@ const transport *live_time_motion(const live_stage *stage);
 CHECKED mrt_result live_scene_create(live *self, const face_file *file, const char *path,
                                      double unit_mm, const csrbf_settings *solver,
                                      live_mapping_role *role, live_scene **out, error *err);
-void live_scene_destroy(live_scene *scene);
+void live_scene_destroy(live_scene *scene); /* and those before it */
 /* Who performs now, for the recorder; the layer alone: others move the face. */
 recorder_settings live_cast_settings(live *self, bool moves_face);
 /* Refuses while a take is recorded, with what cannot be done. */

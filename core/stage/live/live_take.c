@@ -124,9 +124,20 @@ static mrt_result check_face(live *self, const take *t, error *err)
 /* ---- shown ---- */
 
 typedef struct showing {
+    live *live;
     live_timeline *timeline, *old;
     const take *take;
 } showing;
+
+/* What the transport does from now on, for the frame thread. */
+static void tell_transport(live *self)
+{
+    live_stage *stage = &self->stage;
+    stage->motion[slot_back(&stage->motion_slot)] = self->transport;
+    slot_publish(&stage->motion_slot);
+    if (stage->loop)
+        wake_signal(player_wake(stage->loop));
+}
 
 static void fade_over(live_stage *stage)
 {
@@ -134,10 +145,12 @@ static void fade_over(live_stage *stage)
     stage->is_dirty = true;
 }
 
+/* The take and its transport change in one: no other take is seen at its instant. */
 static mrt_result put_timeline(live_stage *stage, void *data, error *err)
 {
     (void)err;
     showing *s = data;
+    tell_transport(s->live);
     s->old = stage->timeline;
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
@@ -151,12 +164,16 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
 static mrt_result change_take(live_stage *stage, void *data, error *err)
 {
     const showing *s = data;
+    mrt_result result = sequencer_set_take(stage->timeline->sequencer, s->take, err);
+    if (result < 0)
+        return result;
     if (stage->mode == LIVE_PERFORMS)
         fade_over(stage);
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
     stage->is_sought = stage->is_dirty = true;
-    return sequencer_set_take(stage->timeline->sequencer, s->take, err);
+    tell_transport(s->live);
+    return MRT_OK;
 }
 
 static mrt_result show_hands(live_stage *stage, void *data, error *err)
@@ -192,16 +209,6 @@ static mrt_result fetch_note(live_stage *stage, void *data, error *err)
     return MRT_OK;
 }
 
-/* What the transport does from now on, for the frame thread. */
-static void tell_transport(live *self)
-{
-    live_stage *stage = &self->stage;
-    stage->motion[slot_back(&stage->motion_slot)] = self->transport;
-    slot_publish(&stage->motion_slot);
-    if (stage->loop)
-        wake_signal(player_wake(stage->loop));
-}
-
 static void load_sound(live *self, const take *t)
 {
     error err = {""};
@@ -223,7 +230,7 @@ static void take_rate(live *self, const take *t)
 static mrt_result show_another(live *self, const take *t, error *err)
 {
     int64_t at_ns = place_of(self, t->id);
-    showing s = {.take = t};
+    showing s = {.live = self, .take = t};
     if (at_ns > t->duration_ns)
         at_ns = t->duration_ns;
     mrt_result result = timeline_create(self, t, at_ns, &s.timeline, err);
@@ -231,7 +238,6 @@ static mrt_result show_another(live *self, const take *t, error *err)
         return result;
     transport_init(&self->transport, t->duration_ns);
     transport_seek(&self->transport, clock_now_ns(), at_ns);
-    tell_transport(self);
     result = live_ask(self, put_timeline, &s, err);
     self->timeline = s.timeline;
     timeline_destroy(s.old);
@@ -240,13 +246,12 @@ static mrt_result show_another(live *self, const take *t, error *err)
 
 static mrt_result show_again(live *self, const take *t, error *err)
 {
-    showing s = {.take = t};
+    showing s = {.live = self, .take = t};
     int64_t now_ns = clock_now_ns();
     transport_place place = transport_at(&self->transport, now_ns);
     self->transport.end_ns = t->duration_ns;
     if (place.at_ns > t->duration_ns)
         transport_seek(&self->transport, now_ns, t->duration_ns);
-    tell_transport(self);
     return live_ask(self, change_take, &s, err);
 }
 
@@ -520,7 +525,7 @@ mrt_result live_record_over(live *self, const live_over *over, error *err)
     if (result >= 0)
         result = live_ask(self, begin_over, &b, err);
     recorder_dismiss(self->recorder, b.cast);
-    if (result < 0 && self->stage.over != b.run) {
+    if (result < 0 && (!b.run || self->stage.over != b.run)) {
         free(plan.own);
         free(b.run);
         free(b.owned);
@@ -552,6 +557,12 @@ bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *er
     if (!self->is_over_done)
         return false;
     self->is_over_done = false;
+    if (!self->recorder || self->shown.id == 0) {
+        forget_over(self);
+        (void)error_set(err, MRT_ERR_ARGUMENT,
+                        "what was performed over the take is a take by itself");
+        return false;
+    }
     after_over(self);
     mrt_result result = live_ask(self, fetch_over, &b, err);
     if (result >= 0)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 /* So long a drawn instant waits for samples that are on the way. */
-static const int64_t wait_ns = 30 * NS_PER_MS;
+static const int64_t wait_ns = 15 * NS_PER_MS;
 
 static const transport still = {.speed = 1.0};
 
@@ -101,6 +101,7 @@ static composer *shown_over(live_stage *stage, int64_t now_ns)
     error err = {""};
     if (go_over(stage, now_ns - wait_ns, &err) < 0)
         tell_error(stage, &err);
+    player_show_until(stage->loop, stage->over_ns);
     if (stage->over->is_over)
         end_over(stage, now_ns);
     return sequencer_composer(stage->timeline->sequencer);
