@@ -288,6 +288,23 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
     desk_finish(&d);
 }
 
+/* What is seen of a take stays when the take goes. */
+static void seen_face_is_described_by_the_stage_alone(void **state)
+{
+    (void)state;
+    live_desk d;
+    take t = {0};
+    int64_t start_ns = 0;
+    desk_start(&d, "puppet", "", DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){4, 3, 2});
+    const mrt_face *about = d.view->about;
+    show_take_on(&d, id, &t);
+    assert_true(desk_until(&d, stands_at, &start_ns));
+    assert_ptr_equal(d.view->about, about);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -296,6 +313,7 @@ int main(void)
         cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
+        cmocka_unit_test(seen_face_is_described_by_the_stage_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
