@@ -90,6 +90,7 @@ void studio_destroy(studio *self)
     if (self->keeps_settings)
         studio_keep_settings_now(self);
     studio_export_destroy(self->exports);
+    studio_record_finish_over(self);
     studio_drop_take(self);
     end_live(self);
     show_close(self->show);
@@ -107,19 +108,21 @@ void studio_destroy(studio *self)
 
 /* ---- each frame ---- */
 
+/* None joins a take that is being recorded: it comes when that has ended. */
 static void take_inputs(studio *self)
 {
     studio_input_opened one;
-    while (self->inputs && studio_inputs_take(self->inputs, &one)) {
+    if (!self->inputs)
+        return;
+    live_status_of(self->live, &self->status);
+    while (!self->status.is_recording && studio_inputs_take(self->inputs, &one)) {
         error err = {0};
         if (!one.input)
             (void)studio_said(self, MRT_ERR_IO, &one.err);
-        else if (live_add_made(self->live, one.input, one.text, &err) < 0) {
-            (void)studio_said(self, MRT_ERR_IO, &err);
-            input_destroy(one.input);
-        }
+        else
+            (void)studio_said(self, live_add_made(self->live, one.input, one.text, &err), &err);
     }
-    if (self->inputs && studio_inputs_are_done(self->inputs)) {
+    if (studio_inputs_are_done(self->inputs)) {
         studio_inputs_destroy(self->inputs);
         self->inputs = NULL;
     }

@@ -87,13 +87,18 @@ mrt_result studio_open_show(studio *self, const char *path)
     mrt_result result = open_or_make(&opened, path, &err);
     if (result < 0)
         return studio_said(self, result, &err);
+    studio_record_finish_over(self);
     studio_drop_take(self);
     studio_forget_steps(self, NULL);
+    self->awaited = 0;
     result = live_set_show(self->live, opened, &err);
-    if (result < 0) {
+    if (result < 0) { /* back to the one before */
+        error again = {0};
+        (void)studio_said(self, result, &err);
+        (void)studio_said(self, live_set_show(self->live, self->show, &again), &again);
         show_close(opened);
         self->takes_are_stale = true;
-        return studio_said(self, result, &err);
+        return result;
     }
     show_close(self->show);
     self->show = opened;

@@ -91,8 +91,11 @@ static void take_over(studio *self)
     uint32_t count = 0;
     error err = {0};
     if (!live_take_over(self->live, &edits, &count, &err)) {
-        if (err.text[0])
-            (void)studio_said(self, MRT_ERR_IO, &err);
+        if (!err.text[0])
+            return; /* it goes on */
+        self->over_take = 0;
+        self->takes_are_stale = true;
+        (void)studio_said(self, MRT_ERR_IO, &err);
         return;
     }
     const edit **list = calloc(count ? count : 1, sizeof *list);
@@ -108,6 +111,19 @@ static void take_over(studio *self)
     free(list);
     self->over_take = 0;
     self->takes_are_stale = true;
+}
+
+void studio_record_finish_over(studio *self)
+{
+    error err = {0};
+    if (!self->over_take)
+        return;
+    live_status_of(self->live, &self->status);
+    if (self->status.is_recording)
+        (void)studio_said(self, live_record_end(self->live, &err), &err);
+    live_status_of(self->live, &self->status);
+    take_over(self);
+    self->over_take = 0;
 }
 
 void studio_record_update(studio *self)

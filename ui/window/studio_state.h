@@ -36,7 +36,6 @@ struct studio {
     live *live;
     const live_view *view;
     live_status status;
-    uint64_t view_number;
 
     /* ---- takes ---- */
     studio_take_line *line;
@@ -58,7 +57,6 @@ struct studio {
 
     /* ---- recording and playing ---- */
     bool was_recording;
-    live_mode recorded_in; /* when it began */
     int64_t over_take;     /* that is performed over; 0: none */
     int64_t played_from_ns;
 
@@ -114,6 +112,8 @@ bool studio_can_redo(const studio *self);
 /* ---- studio_record.c ---- */
 
 void studio_record_update(studio *self);
+/* What is performed over a take ends, and becomes a part of it while its show is there. */
+void studio_record_finish_over(studio *self);
 /* It is in the show. */
 void studio_tell_kept(studio *self, int64_t id);
 void studio_record_toggle(studio *self);

@@ -1,0 +1,204 @@
+/* What is opened, ended and closed in the middle of something else: nothing of it is lost. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "base/clock.h"
+#include "window/studio.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PATIENCE_S = 30, MANY = 8 };
+
+typedef struct room {
+    char folder[64], show[96], other[96];
+    studio *studio;
+    int64_t take;
+} room;
+
+static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1";
+
+static void open_room(room *r, uint32_t input_count)
+{
+    const char *inputs[MANY];
+    error err = {0};
+    for (uint32_t i = 0; i < MANY; ++i)
+        inputs[i] = demo;
+    const studio_options with = {.show_path = r->show,
+                                 .face_path = SOURCE_DIR "/rigs/puppet/puppet.rig.json",
+                                 .mapping = "one_hand",
+                                 .settings_path = "",
+                                 .inputs = inputs,
+                                 .input_count = input_count};
+    if (studio_create(&r->studio, &with, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+static void make_room(room *r, uint32_t input_count)
+{
+    memset(r, 0, sizeof *r);
+    (void)unsetenv("MAROTTE_PLUGIN_PATH"); /* they lie beside the test, as beside the program */
+    (void)snprintf(r->folder, sizeof r->folder, "/tmp/marotte_studio_XXXXXX");
+    assert_non_null(mkdtemp(r->folder));
+    (void)setenv("XDG_DATA_HOME", r->folder, 1);
+    (void)snprintf(r->show, sizeof r->show, "%s/night.marotte", r->folder);
+    (void)snprintf(r->other, sizeof r->other, "%s/other.marotte", r->folder);
+    open_room(r, input_count);
+}
+
+static void close_room(room *r)
+{
+    char command[96];
+    studio_destroy(r->studio);
+    (void)snprintf(command, sizeof command, "rm -rf %s", r->folder);
+    assert_int_equal(system(command), 0);
+}
+
+typedef bool condition(room *r);
+static void until(room *r, condition *holds)
+{
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    do {
+        studio_update(r->studio, 0.005);
+        if (holds(r))
+            return;
+        clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
+    } while (clock_now_ns() < end_ns);
+    fail_msg("it did not come about in %d s", PATIENCE_S);
+}
+
+static bool has_samples(room *r)
+{
+    return studio_status(r->studio)->sample_count > 100;
+}
+
+static bool is_recorded(room *r)
+{
+    const live_status *now = studio_status(r->studio);
+    return now->is_recording && now->recorded_ns > 300 * NS_PER_MS;
+}
+
+static bool is_chosen(room *r)
+{
+    r->take = studio_take_id(r->studio);
+    return !studio_status(r->studio)->is_recording && r->take != 0;
+}
+
+static bool is_shown(room *r)
+{
+    return studio_view(r->studio)->mode == LIVE_SHOWS;
+}
+
+static bool is_performed_over(room *r)
+{
+    const live_view *seen = studio_view(r->studio);
+    return seen->mode == LIVE_OVERDUBS && seen->is_recording_over && seen->at_ns > 200 * NS_PER_MS;
+}
+
+static bool has_one_input(room *r)
+{
+    return live_input_count(studio_live(r->studio)) == 1;
+}
+
+static bool was_said(room *r, const char *part)
+{
+    const news_list *news = studio_news(r->studio);
+    for (uint32_t i = 0; i < news_list_count(news); ++i)
+        if (strstr(news_list_at(news, i)->text, part))
+            return true;
+    return false;
+}
+
+static bool is_refused(room *r)
+{
+    return was_said(r, "more are not possible");
+}
+
+static void perform_over_a_take(room *r)
+{
+    until(r, has_samples);
+    studio_do(r->studio, ACTION_RECORD);
+    until(r, is_recorded);
+    studio_do(r->studio, ACTION_RECORD);
+    until(r, is_chosen);
+    assert_int_equal(studio_choose_take(r->studio, r->take), MRT_OK);
+    until(r, is_shown);
+    assert_int_equal(studio_take(r->studio)->layer_count, 1);
+    studio_do(r->studio, ACTION_RECORD);
+    until(r, is_performed_over);
+}
+
+static void the_take_has_another_layer(room *r)
+{
+    assert_int_equal(studio_choose_take(r->studio, r->take), MRT_OK);
+    assert_int_equal(studio_take(r->studio)->layer_count, 2);
+}
+
+static void another_show_opened_while_performing_over_keeps_the_layer(void **state)
+{
+    const studio_take_line *line;
+    room r;
+    (void)state;
+    make_room(&r, 1);
+    perform_over_a_take(&r);
+    assert_int_equal(studio_open_show(r.studio, r.other), MRT_OK);
+    studio_update(r.studio, 0.01);
+    assert_int_equal(studio_takes(r.studio, &line), 0);
+    assert_false(studio_status(r.studio)->is_recording);
+    assert_int_equal(studio_open_show(r.studio, r.show), MRT_OK);
+    the_take_has_another_layer(&r);
+    close_room(&r);
+}
+
+static void closing_while_performing_over_keeps_the_layer(void **state)
+{
+    room r;
+    (void)state;
+    make_room(&r, 1);
+    perform_over_a_take(&r);
+    studio_destroy(r.studio);
+    open_room(&r, 0);
+    the_take_has_another_layer(&r);
+    close_room(&r);
+}
+
+static void more_inputs_than_are_possible_are_said(void **state)
+{
+    room r;
+    (void)state;
+    make_room(&r, MANY);
+    until(&r, is_refused);
+    assert_int_equal(live_input_count(studio_live(r.studio)), MANY - 1);
+    close_room(&r);
+}
+
+/* Devices open slowly; somebody may record before. */
+static void an_input_that_opens_during_a_take_joins_behind_it(void **state)
+{
+    room r;
+    (void)state;
+    make_room(&r, 1);
+    studio_do(r.studio, ACTION_RECORD);
+    until(&r, is_recorded);
+    studio_do(r.studio, ACTION_RECORD);
+    until(&r, has_one_input);
+    assert_false(was_said(&r, "end it first"));
+    close_room(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(another_show_opened_while_performing_over_keeps_the_layer),
+        cmocka_unit_test(closing_while_performing_over_keeps_the_layer),
+        cmocka_unit_test(more_inputs_than_are_possible_are_said),
+        cmocka_unit_test(an_input_that_opens_during_a_take_joins_behind_it),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
