@@ -294,7 +294,8 @@ static void put_right(pen *p)
     char words[80];
     float x = p->where.x + p->where.width - 10.0f;
     x = put_word(p, x, ACTION_HELP, "?", studio_looks_of(of)->is_helping) - 4.0f;
-    x = put_word(p, x, ACTION_OUTPUT, "Output", studio_looks_of(of)->has_output) - 12.0f;
+    x = put_word(p, x, ACTION_OUTPUT, "Output", studio_looks_of(of)->has_output) - 4.0f;
+    x = put_word(p, x, ACTION_SOUND_ARM, "Mic", studio_status(of)->is_sound_armed) - 12.0f;
     if (p->where.width < 1000.0f)
         return;
     if (fast->latency_p50_ms > 0.0)

@@ -14,6 +14,7 @@
 #define DOCK_LEAST      300.0f
 #define DOCK_MOST       560.0f
 #define FACE_LEAST      160.0f
+#define STRIP_LEAST     900.0f /* what the timeline's transport needs */
 #define FIGURES_EVERY_S 0.5
 
 static const panel_type *const dock_types[STUDIO_PANELS] = {
@@ -117,9 +118,12 @@ static desk_places lay_out(const desk *self)
     out.has_bar = out.has_dock = true;
     out.has_timeline = looks->has_timeline;
     out.bar = (ui_rectangle){0.0f, 0.0f, width, bar};
-    out.dock = (ui_rectangle){width - dock, bar, dock, below};
+    /* The dock is as high as the window; in a narrow one the timeline goes below it. */
+    const bool is_narrow = width - dock < STRIP_LEAST;
+    out.dock = (ui_rectangle){width - dock, bar, dock, is_narrow ? below - timeline : below};
     out.face = (ui_rectangle){0.0f, bar, width - dock, below - timeline};
-    out.timeline = (ui_rectangle){0.0f, height - timeline, width - dock, timeline};
+    out.timeline =
+        (ui_rectangle){0.0f, height - timeline, is_narrow ? width : width - dock, timeline};
     return out;
 }
 

@@ -154,16 +154,17 @@ static void draw_list(desk *self)
 
 static void draw_shipped(desk *self)
 {
-    ui_text(self->ui, UI_STYLE_DIM, "Comes with marotte:");
     for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
+        const bool is_pressed = ui_button(self->ui, shipped[i], UI_PLAIN);
         ui_same_line(self->ui);
-        if (!ui_button(self->ui, shipped[i], UI_PLAIN))
+        if (!is_pressed)
             continue;
         char *path = place_face(shipped[i]);
         if (path)
             open_path(self, path);
         free(path);
     }
+    ui_text(self->ui, UI_STYLE_DIM, "come with marotte");
 }
 
 static void draw_buttons(desk *self)
