@@ -274,6 +274,38 @@ static void space_shows_the_chosen_take_and_plays_it(void **state)
     close_room(&r);
 }
 
+static bool performs_over(studio *of)
+{
+    return studio_view(of)->is_recording_over && studio_view(of)->at_ns > 150 * NS_PER_MS;
+}
+
+static bool has_two_layers(studio *of)
+{
+    return studio_take(of) && studio_take(of)->layer_count == 2;
+}
+
+static void what_is_performed_over_a_take_becomes_a_layer_in_one_step(void **state)
+{
+    room r;
+    (void)state;
+    open_room(&r, true);
+    record_a_take(&r);
+    const int64_t id = studio_take_id(r.studio);
+    assert_int_equal(studio_take(r.studio)->layer_count, 1);
+    assert_int_equal(studio_choose_take(r.studio, id), MRT_OK);
+    assert_true(until(&r, shows_take));
+    studio_do(r.studio, ACTION_RECORD);
+    assert_true(until(&r, performs_over));
+    studio_do(r.studio, ACTION_RECORD);
+    assert_true(until(&r, has_two_layers));
+    assert_int_equal(studio_take_id(r.studio), id);
+    studio_do(r.studio, ACTION_UNDO);
+    assert_int_equal(studio_take(r.studio)->layer_count, 1);
+    studio_do(r.studio, ACTION_REDO);
+    assert_int_equal(studio_take(r.studio)->layer_count, 2);
+    close_room(&r);
+}
+
 static void what_cannot_be_done_says_why(void **state)
 {
     room r;
@@ -650,6 +682,7 @@ int main(void)
         cmocka_unit_test(what_is_performed_over_a_take_leaves_others_in_the_list),
         cmocka_unit_test(what_nobody_recorded_can_be_kept),
         cmocka_unit_test(space_shows_the_chosen_take_and_plays_it),
+        cmocka_unit_test(what_is_performed_over_a_take_becomes_a_layer_in_one_step),
         cmocka_unit_test(what_cannot_be_done_says_why),
         cmocka_unit_test(edits_are_undone_and_done_again),
         cmocka_unit_test(undo_goes_on_with_what_an_earlier_run_did),

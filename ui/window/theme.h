@@ -9,12 +9,12 @@
 #define THEME_PANEL   0x1c1f23ffu
 #define THEME_WELL    0x131518ffu /* fields, lanes */
 #define THEME_RAISED  0x2a2e34ffu /* buttons, clips */
-#define THEME_HOVER   0x363b42ffu
+#define THEME_HOVER   0x31363dffu
 #define THEME_RULE    0x33383fffu
 #define THEME_TEXT    0xe6e3dcffu
 #define THEME_DIM     0xa5a49effu
 #define THEME_ACCENT  0xd9a441ffu /* felt and brass: what is chosen */
-#define THEME_RECORD  0xff6a5effu
+#define THEME_RECORD  0xff7268ffu
 #define THEME_GOOD    0x7fc48affu
 #define THEME_WARNING 0xe6b450ffu
 #define THEME_BAD     0xff8a80ffu
