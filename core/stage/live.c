@@ -288,7 +288,7 @@ void live_update(live *self)
 {
     (void)slot_take(&self->stage.pulse_slot);
     let_pointer_rest(self);
-    live_take_update(self);
+    live_over_update(self);
     live_cast_update(self);
     live_sound_update(self);
 }

@@ -208,10 +208,34 @@ void live_scene_destroy(live_scene *scene); /* and those before it */
 recorder_settings live_cast_settings(live *self, bool moves_face);
 /* Refuses while a take is recorded, with what cannot be done. */
 CHECKED mrt_result live_check_free(const live *self, const char *what, error *err);
+/* What goes to the frame thread with a change, and what comes back. */
+typedef struct live_change {
+    recorder_cast *cast; /* NULL: nothing is recorded */
+    live_scene *scene;
+    live_mapping_role *role;
+    layer_room *room;
+    instance *old;
+    input *add;
+    live_sample_board *heard;
+    uint32_t remove, side;
+    const hand_calibration *calibration;
+    hand_skeleton *skeleton;
+    uint32_t pedal;
+} live_change;
+
+/* What is recorded from the change on. */
+CHECKED mrt_result live_cast_prepare(live *self, const recorder_settings *as, live_change *out,
+                                     error *err);
+/* [frame] The recorder goes over, and time goes on, so that the performance begins here. */
+CHECKED mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err);
+void live_cast_dismiss(live *self, live_change *c); /* what has ended, or was not needed */
 /* Another performance begins, as things are now. */
 CHECKED mrt_result live_cast_anew(live *self, error *err);
 void live_cast_watch(live *self); /* the mapping's library, if it has one */
 void live_cast_update(live *self);
+
+/* ---- live_inputs.c ---- */
+void live_inputs_change_pedal(live *self); /* to the one that is wanted */
 
 /* ---- live_record.c ---- */
 CHECKED mrt_result live_record_start(live *self, error *err);
@@ -226,8 +250,12 @@ void live_sound_update(live *self);
 void live_sound_stop(live *self); /* what was recorded is with its take */
 
 /* ---- live_take.c: [main] the timeline ---- */
-void live_take_drop(live *self); /* none is shown any more */
-void live_take_update(live *self);
-void live_take_finish(live *self); /* what is left of it, when nothing runs any more */
+void live_take_drop(live *self);           /* none is shown any more */
+void live_take_tell_transport(live *self); /* the frame thread: what it does from now on */
+void live_take_finish(live *self);         /* what is left of it, when nothing runs any more */
+
+/* ---- live_over.c ---- */
+void live_over_update(live *self);
+void live_over_forget(live *self); /* what was performed and not taken */
 
 #endif
