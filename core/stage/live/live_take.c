@@ -150,7 +150,7 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
 {
     (void)err;
     showing *s = data;
-    tell_transport(s->live);
+    live_take_tell_transport(s->live);
     s->old = stage->timeline;
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
@@ -172,7 +172,7 @@ static mrt_result change_take(live_stage *stage, void *data, error *err)
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
     stage->is_sought = stage->is_dirty = true;
-    tell_transport(s->live);
+    live_take_tell_transport(s->live);
     return MRT_OK;
 }
 
