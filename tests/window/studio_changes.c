@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
+#include "take/sound_help.h"
 #include "window/studio.h"
 
 #include <stdio.h>
@@ -20,6 +21,8 @@ typedef struct room {
     char folder[64], show[96], other[96];
     studio *studio;
     int64_t take;
+    fake_host host; /* its microphone, once it is there */
+    sound_backend backend;
 } room;
 
 static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1";
@@ -34,6 +37,7 @@ static void open_room(room *r, uint32_t input_count)
                                  .face_path = SOURCE_DIR "/rigs/puppet/puppet.rig.json",
                                  .mapping = "one_hand",
                                  .settings_path = "",
+                                 .sound = r->backend.open ? &r->backend : NULL,
                                  .inputs = inputs,
                                  .input_count = input_count};
     if (studio_create(&r->studio, &with, &err) < 0)
@@ -42,7 +46,6 @@ static void open_room(room *r, uint32_t input_count)
 
 static void make_room(room *r, uint32_t input_count)
 {
-    memset(r, 0, sizeof *r);
     (void)unsetenv("MAROTTE_PLUGIN_PATH"); /* they lie beside the test, as beside the program */
     (void)snprintf(r->folder, sizeof r->folder, "/tmp/marotte_studio_XXXXXX");
     assert_non_null(mkdtemp(r->folder));
@@ -60,11 +63,29 @@ static void close_room(room *r)
     assert_int_equal(system(command), 0);
 }
 
+static void plug_in_a_microphone(room *r)
+{
+    r->host.device[SOUND_IN] =
+        (fake_device){.is_there = true,
+                      .rate_hz = 48000,
+                      .channel_count = 1,
+                      .clock = {.start_ns = clock_now_ns(), .rate_hz = 48000}};
+    r->backend = fake_backend(&r->host);
+}
+
+static void speak(room *r)
+{
+    fake_device *in = &r->host.device[SOUND_IN];
+    while (r->backend.open && fake_told_ns(&in->clock, in->frame) < clock_now_ns())
+        fake_run(in, SOUND_IN);
+}
+
 typedef bool condition(room *r);
 static void until(room *r, condition *holds)
 {
     const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
     do {
+        speak(r);
         studio_update(r->studio, 0.005);
         if (holds(r))
             return;
@@ -143,7 +164,7 @@ static void the_take_has_another_layer(room *r)
 static void another_show_opened_while_performing_over_keeps_the_layer(void **state)
 {
     const studio_take_line *line;
-    room r;
+    room r = {0};
     (void)state;
     make_room(&r, 1);
     perform_over_a_take(&r);
@@ -158,7 +179,7 @@ static void another_show_opened_while_performing_over_keeps_the_layer(void **sta
 
 static void closing_while_performing_over_keeps_the_layer(void **state)
 {
-    room r;
+    room r = {0};
     (void)state;
     make_room(&r, 1);
     perform_over_a_take(&r);
@@ -170,7 +191,7 @@ static void closing_while_performing_over_keeps_the_layer(void **state)
 
 static void more_inputs_than_are_possible_are_said(void **state)
 {
-    room r;
+    room r = {0};
     (void)state;
     make_room(&r, MANY);
     until(&r, is_refused);
@@ -181,7 +202,7 @@ static void more_inputs_than_are_possible_are_said(void **state)
 /* Devices open slowly; somebody may record before. */
 static void an_input_that_opens_during_a_take_joins_behind_it(void **state)
 {
-    room r;
+    room r = {0};
     (void)state;
     make_room(&r, 1);
     studio_do(r.studio, ACTION_RECORD);
@@ -192,6 +213,36 @@ static void an_input_that_opens_during_a_take_joins_behind_it(void **state)
     close_room(&r);
 }
 
+static bool listens(room *r)
+{
+    return studio_status(r->studio)->is_sound_armed;
+}
+
+static bool has_its_sound(room *r)
+{
+    const take *t = studio_take(r->studio);
+    return t && t->audio.audio != 0;
+}
+
+/* It is written after the take has ended, and chosen. */
+static void the_sound_of_a_take_is_in_it_when_it_came(void **state)
+{
+    room r = {0};
+    (void)state;
+    plug_in_a_microphone(&r);
+    make_room(&r, 1);
+    until(&r, has_samples);
+    studio_do(r.studio, ACTION_SOUND_ARM);
+    until(&r, listens);
+    studio_do(r.studio, ACTION_RECORD);
+    until(&r, is_recorded);
+    studio_do(r.studio, ACTION_RECORD);
+    until(&r, is_chosen);
+    until(&r, has_its_sound);
+    assert_int_equal(studio_take_id(r.studio), r.take);
+    close_room(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -199,6 +250,7 @@ int main(void)
         cmocka_unit_test(closing_while_performing_over_keeps_the_layer),
         cmocka_unit_test(more_inputs_than_are_possible_are_said),
         cmocka_unit_test(an_input_that_opens_during_a_take_joins_behind_it),
+        cmocka_unit_test(the_sound_of_a_take_is_in_it_when_it_came),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -50,14 +50,15 @@ struct studio {
     int64_t awaited;      /* a take that the writer has not got to yet; 0: none */
     bool awaited_is_kept; /* from the journal; else it was recorded */
     double awaited_s;
+    int64_t noted; /* what is not as it was recorded has been said of it */
 
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     studio_done done[STUDIO_UNDO_MAX];
     uint32_t done_count, all_count;
 
     /* ---- recording and playing ---- */
-    bool was_recording;
-    int64_t over_take;     /* that is performed over; 0: none */
+    bool was_recording, had_problem;
+    int64_t over_take; /* that is performed over; 0: none */
     int64_t played_from_ns;
 
     /* ---- looks and wishes ---- */
@@ -112,6 +113,8 @@ bool studio_can_redo(const studio *self);
 /* ---- studio_record.c ---- */
 
 void studio_record_update(studio *self);
+/* Of a show whose file was taken away under it all is saved beside; closes it. NULL is fine. */
+void studio_close_show(studio *self, show *of);
 /* What is performed over a take ends, and becomes a part of it while its show is there. */
 void studio_record_finish_over(studio *self);
 /* It is in the show. */

@@ -148,8 +148,50 @@ static void follow_awaited(studio *self, double dt_s)
     }
 }
 
+static void line_is_stale(studio *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            self->key[i].is_stale = true;
+    self->takes_are_stale = true;
+}
+
+/* The stage itself has changed it: its sound was written, and is in it. */
+static void follow_stage_edit(studio *self)
+{
+    const int64_t id = live_take_edited(self->live);
+    const studio_choice choice = self->choice;
+    if (id == 0)
+        return;
+    line_is_stale(self, id);
+    if (id != self->chosen)
+        return;
+    studio_drop_take(self); /* it is read anew */
+    if (studio_pick_take(self, id) < 0)
+        return;
+    self->choice = choice;
+    if (live_shown_take(self->live) == id)
+        studio_heard(studio_show_chosen(self));
+}
+
+/* What is not as it was recorded, once for each take that comes on the stage. */
+static void tell_note(studio *self)
+{
+    const int64_t shown = live_shown_take(self->live);
+    if (shown == self->noted)
+        return;
+    self->noted = shown;
+    for (const char *line = live_take_note(self->live); shown && *line;) {
+        const size_t length = strcspn(line, "\n");
+        studio_say(self, MRT_LOG_WARNING, "%.*s", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
 void studio_takes_update(studio *self, double dt_s)
 {
+    follow_stage_edit(self);
+    tell_note(self);
     if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
         self->takes_are_stale = false;
         if (self->show)
@@ -167,14 +209,6 @@ uint32_t studio_takes(const studio *self, const studio_take_line **out)
 {
     *out = self->line;
     return self->line_count;
-}
-
-static void line_is_stale(studio *self, int64_t id)
-{
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            self->key[i].is_stale = true;
-    self->takes_are_stale = true;
 }
 
 /* ---- the one that is chosen ---- */
