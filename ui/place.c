@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* From the folder of the program: installed, and in the build folder. */
@@ -47,12 +48,18 @@ bool place_prefix(char out[PLACE_LENGTH])
     return fits;
 }
 
+static bool is_file(const char *path)
+{
+    struct stat about;
+    return stat(path, &about) == 0 && !S_ISDIR(about.st_mode);
+}
+
 char *place_face(const char *given)
 {
     char file[PLACE_LENGTH], found[PLACE_LENGTH];
     int length = snprintf(file, sizeof file, "%s/%s.rig.json", given, given);
     bool is_name = given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
-    if (is_name && access(given, F_OK) != 0 && length > 0 && length < PLACE_LENGTH &&
+    if (is_name && !is_file(given) && length > 0 && length < PLACE_LENGTH &&
         find(found, rigs, file))
         return realpath(found, NULL);
     return strdup(given);

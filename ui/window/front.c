@@ -39,6 +39,34 @@ static void turn_over(uint8_t *rgba, uint32_t width, uint32_t height)
         rgba[i] = 255;
 }
 
+mrt_result front_sheet_init(front_sheet *out, uint32_t width, uint32_t height, error *err)
+{
+    *out = (front_sheet){.width_px = width, .height_px = height};
+    glGenTextures(1, &out->colour);
+    glBindTexture(GL_TEXTURE_2D, out->colour);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)width, (GLsizei)height, 0, GL_RGBA,
+                 GL_UNSIGNED_BYTE, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    glGenFramebuffers(1, &out->framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, out->framebuffer);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, out->colour, 0);
+    mrt_result result = gl_check_error("a picture", err);
+    if (result == MRT_OK && glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "a picture of %u x %u pixels cannot be drawn here", width, height);
+    return result;
+}
+
+void front_sheet_finish(front_sheet *self)
+{
+    if (self->framebuffer)
+        glDeleteFramebuffers(1, &self->framebuffer);
+    if (self->colour)
+        glDeleteTextures(1, &self->colour);
+    *self = (front_sheet){0};
+}
+
 mrt_result front_write_picture(uint32_t width_px, uint32_t height_px, const char *png_path,
                                error *err)
 {

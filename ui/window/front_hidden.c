@@ -9,15 +9,10 @@
 
 enum { OUTPUT_WIDTH = 1280, OUTPUT_HEIGHT = 720, REAL_FPS = 60 };
 
-typedef struct sheet {
-    GLuint framebuffer, colour;
-    uint32_t width_px, height_px;
-} sheet;
-
 typedef struct hidden {
     front base;
     draw_context *context;
-    sheet stage, output;
+    front_sheet stage, output;
     front_fill fill;
     float scale;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
@@ -32,41 +27,13 @@ static hidden *hidden_of(front *self)
     return (hidden *)self;
 }
 
-static mrt_result sheet_init(sheet *out, uint32_t width, uint32_t height, error *err)
-{
-    *out = (sheet){.width_px = width, .height_px = height};
-    glGenTextures(1, &out->colour);
-    glBindTexture(GL_TEXTURE_2D, out->colour);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)width, (GLsizei)height, 0, GL_RGBA,
-                 GL_UNSIGNED_BYTE, NULL);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glBindTexture(GL_TEXTURE_2D, 0);
-    glGenFramebuffers(1, &out->framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, out->framebuffer);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, out->colour, 0);
-    mrt_result result = gl_check_error("a picture", err);
-    if (result == MRT_OK && glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "a picture of %u x %u pixels cannot be drawn here", width, height);
-    return result;
-}
-
-static void sheet_finish(sheet *self)
-{
-    if (self->framebuffer)
-        glDeleteFramebuffers(1, &self->framebuffer);
-    if (self->colour)
-        glDeleteTextures(1, &self->colour);
-    *self = (sheet){0};
-}
-
 static void hidden_close(front *base)
 {
     hidden *self = hidden_of(base);
     if (self->context) {
         front_fill_finish(&self->fill);
-        sheet_finish(&self->output);
-        sheet_finish(&self->stage);
+        front_sheet_finish(&self->output);
+        front_sheet_finish(&self->stage);
     }
     draw_context_destroy(self->context);
     free(self);
@@ -120,17 +87,17 @@ static mrt_result hidden_open_output(front *base, error *err)
     hidden *self = hidden_of(base);
     mrt_result result = self->fill.program ? MRT_OK : front_fill_init(&self->fill, err);
     if (result == MRT_OK)
-        result = sheet_init(&self->output, OUTPUT_WIDTH, OUTPUT_HEIGHT, err);
+        result = front_sheet_init(&self->output, OUTPUT_WIDTH, OUTPUT_HEIGHT, err);
     glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     self->has_output = result == MRT_OK;
     if (!self->has_output)
-        sheet_finish(&self->output);
+        front_sheet_finish(&self->output);
     return result;
 }
 
 static void hidden_close_output(front *base)
 {
-    sheet_finish(&hidden_of(base)->output);
+    front_sheet_finish(&hidden_of(base)->output);
     hidden_of(base)->has_output = false;
 }
 
@@ -186,7 +153,7 @@ mrt_result front_open_hidden(front **out, uint32_t width, uint32_t height, float
     self->dt_s = dt_s;
     self->context = draw_context_create(err);
     mrt_result result =
-        self->context ? sheet_init(&self->stage, width, height, err) : MRT_ERR_UNSUPPORTED;
+        self->context ? front_sheet_init(&self->stage, width, height, err) : MRT_ERR_UNSUPPORTED;
     if (result < 0) {
         hidden_close(&self->base);
         return result;

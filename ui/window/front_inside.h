@@ -23,6 +23,14 @@ struct front { /* the first member of either */
     uint32_t width_px, height_px;
 };
 
+/* A framebuffer that a frame is drawn into: it can be read whatever a display does with its own. */
+typedef struct front_sheet {
+    uint32_t framebuffer, colour; /* a texture */
+    uint32_t width_px, height_px;
+} front_sheet;
+CHECKED mrt_result front_sheet_init(front_sheet *out, uint32_t width, uint32_t height, error *err);
+void front_sheet_finish(front_sheet *self); /* accepts zeroed */
+
 /* The framebuffer that is bound, cleared to the colour behind the face. */
 void front_clear(uint32_t width_px, uint32_t height_px);
 /* Rows of the framebuffer that is bound for reading, as a PNG. */

@@ -24,6 +24,7 @@ typedef struct window {
     front_output *output;
     GLFWcursor *cursor[CURSORS];
     ui_cursor cursor_now;
+    front_sheet sheet;            /* what is drawn before it is shown */
     float scale, pixels_per_unit; /* a unit of the desktop's coordinates */
     int64_t began_ns, frame_ns;
     bool is_iconified;
@@ -169,6 +170,32 @@ static void keep_pace(window *self)
         clock_sleep_until_ns(next_ns);
 }
 
+/* Of the window's size; where the card has no room for it, the display's own is drawn into. */
+static void fit_sheet(window *self)
+{
+    error ignored = {""};
+    const front *base = &self->base;
+    if (self->sheet.width_px == base->width_px && self->sheet.height_px == base->height_px)
+        return;
+    front_sheet_finish(&self->sheet);
+    if (front_sheet_init(&self->sheet, base->width_px, base->height_px, &ignored) < 0) {
+        front_sheet_finish(&self->sheet);
+        self->sheet.width_px = base->width_px;
+        self->sheet.height_px = base->height_px;
+    }
+}
+
+static void show_sheet(const window *self)
+{
+    const GLint width = (GLint)self->sheet.width_px, height = (GLint)self->sheet.height_px;
+    if (self->sheet.framebuffer == 0)
+        return;
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, self->sheet.framebuffer);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 static bool window_begin(front *base, ui *to, ui_screen *out_screen)
 {
     window *self = window_of(base);
@@ -187,7 +214,8 @@ static bool window_begin(front *base, ui *to, ui_screen *out_screen)
                     .scale = self->scale,
                     .dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0};
     self->began_ns = now_ns;
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    fit_sheet(self);
+    glBindFramebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
     front_clear(base->width_px, base->height_px);
     return !glfwWindowShouldClose(self->glfw);
 }
@@ -212,16 +240,14 @@ static void window_end(front *base, ui *from)
     window *self = window_of(base);
     show_cursor(self, ui_cursor_wanted(from));
     glfwSetWindowShouldClose(self->glfw, GLFW_FALSE); /* the desk has heard it */
+    show_sheet(self);
     glfwSwapBuffers(self->glfw);
 }
 
 static mrt_result window_picture(front *base, const char *png_path, error *err)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glReadBuffer(GL_FRONT);
-    mrt_result result = front_write_picture(base->width_px, base->height_px, png_path, err);
-    glReadBuffer(GL_BACK);
-    return result;
+    glBindFramebuffer(GL_FRAMEBUFFER, window_of(base)->sheet.framebuffer);
+    return front_write_picture(base->width_px, base->height_px, png_path, err);
 }
 
 static void window_set_title(front *base, const char *title)
@@ -308,6 +334,8 @@ static void window_close(front *base)
 {
     window *self = window_of(base);
     front_output_destroy(self->output);
+    if (self->glfw)
+        front_sheet_finish(&self->sheet);
     for (uint32_t i = 0; i < CURSORS; ++i)
         if (self->cursor[i])
             glfwDestroyCursor(self->cursor[i]);
