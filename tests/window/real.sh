@@ -67,4 +67,10 @@ has_takes 3 || fail "the take that was being recorded is gone"
 "$MAROTTE" take show "$show" 3 --hash >said 2>&1 || fail "the take that was being recorded: $(cat said)"
 "$MAROTTE" take check "$show" >said 2>&1 || fail "the show: $(cat said)"
 [ "$(json samples)" -gt 20 ] || fail "$(json samples) samples were performed"
+
+# ---- a picture of it is of what was drawn ----
+printf 'frames 3\npicture window.png\n' >script.txt
+open_window "$show" --face "$puppet" --settings "" --input "log:$demo,loop=1" --script script.txt
+ends 0
+[ "$(stat -c %s window.png)" -gt 60000 ] || fail "a picture of the window has nothing on it" # a black one: 18 KB
 finish
