@@ -265,11 +265,6 @@ recorder *overdub_recorder(overdub *self)
     return self->recorder;
 }
 
-layer *overdub_layer(overdub *self)
-{
-    return self->layer;
-}
-
 int64_t overdub_at_ns(const overdub *self)
 {
     return self->run.at_ns;
@@ -283,9 +278,4 @@ const transport *overdub_transport(const overdub *self)
 const take *overdub_take(const overdub *self)
 {
     return &self->take;
-}
-
-const char *overdub_note(const overdub *self)
-{
-    return sequencer_note(self->sequencer);
 }

@@ -54,14 +54,12 @@ void overdub_destroy(overdub *self); /* NULL is fine; what was recorded stays */
 player_stage overdub_stage(overdub *self);
 composer *overdub_composer(overdub *self);
 recorder *overdub_recorder(overdub *self);
-layer *overdub_layer(overdub *self);
 /* Where the timeline is now, and whether what is performed is kept. */
 int64_t overdub_at_ns(const overdub *self);
 bool overdub_is_recording(const overdub *self);
 /* What the timeline does, by the inputs' clock; NULL: it has not begun. */
 const transport *overdub_transport(const overdub *self);
 const take *overdub_take(const overdub *self); /* that is performed over, as it was before */
-const char *overdub_note(const overdub *self); /* of the sequencer */
 
 typedef struct overdub_result {
     uint32_t layer_count;   /* made or punched */

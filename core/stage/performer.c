@@ -164,11 +164,6 @@ face *performer_face(performer *self)
     return composer_face(self->composer);
 }
 
-const float *performer_normal(const performer *self, uint32_t axis)
-{
-    return composer_normal(self->composer, axis);
-}
-
 csrbf_settings performer_solver(const performer *self)
 {
     return composer_solver(self->composer);

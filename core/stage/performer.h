@@ -56,7 +56,6 @@ CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *b
 
 /* The face; its shape is that of performer_draw, in the engine's order. */
 face *performer_face(performer *self);
-const float *performer_normal(const performer *self, uint32_t axis); /* engine's order */
 /* How the fields are solved when the pull does not say; radius > 0. */
 csrbf_settings performer_solver(const performer *self);
 /* What the mapping pulls, after the guard. */

@@ -336,19 +336,6 @@ void player_show_until(player_loop *self, int64_t time_ns)
         self->shown_ns = time_ns;
 }
 
-uint64_t player_sample_count(const player_loop *self)
-{
-    return self->report.sample_count;
-}
-
-uint32_t player_lost_count(const player_loop *self)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        count += input_dropped(self->inputs[i]) + input_refused(self->inputs[i]);
-    return count;
-}
-
 static mrt_result check_fps(const player_settings *settings, error *err)
 {
     if (settings->fps > 0 && settings->fps <= 1000)

@@ -86,9 +86,6 @@ CHECKED mrt_result player_give(player_loop *self, uint32_t index, const mrt_samp
 /* What was drawn shows this instant: samples that come now are performed behind it, whenever they
  * were measured, and are recorded so. */
 void player_show_until(player_loop *self, int64_t time_ns);
-uint64_t player_sample_count(const player_loop *self);
-uint32_t
-player_lost_count(const player_loop *self); /* dropped or refused, of the inputs there are */
 
 /* ---- one that ends with its inputs ---- */
 

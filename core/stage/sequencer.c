@@ -483,11 +483,6 @@ composer *sequencer_composer(sequencer *self)
     return self->composer;
 }
 
-const take *sequencer_take(const sequencer *self)
-{
-    return &self->take;
-}
-
 const char *sequencer_note(const sequencer *self)
 {
     return self->note;

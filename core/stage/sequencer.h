@@ -39,7 +39,6 @@ uint64_t sequencer_sample_count(const sequencer *self); /* performed since creat
 
 /* The face shown: composer_draw it. */
 composer *sequencer_composer(sequencer *self);
-const take *sequencer_take(const sequencer *self);
 /* What is not as it was when it was recorded, lines ended by \n; "" nothing. */
 const char *sequencer_note(const sequencer *self);
 

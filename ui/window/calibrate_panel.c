@@ -73,11 +73,6 @@ bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, 
     return true;
 }
 
-bool calibrate_panel_is_open(const calibrate_panel *self)
-{
-    return self->glove != NULL;
-}
-
 const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
 {
     if (!self->has_kept)

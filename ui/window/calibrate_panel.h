@@ -16,7 +16,6 @@ bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, 
 void calibrate_panel_update(calibrate_panel *self);
 /* Each frame of the panel that it belongs to. */
 void calibrate_panel_draw(calibrate_panel *self, ui *on);
-bool calibrate_panel_is_open(const calibrate_panel *self);
 /* Once after one was kept: its path, until the next call; NULL: none. */
 const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side);
 

@@ -252,14 +252,6 @@ face_file *rig_model_take_face(rig_model *self)
     return out;
 }
 
-void rig_model_return_face(rig_model *self, face_file *file)
-{
-    if (self->for_stage)
-        free_file(file);
-    else
-        self->for_stage = file;
-}
-
 /* ---- changes ---- */
 
 static void has_changed(rig_model *self)

@@ -29,8 +29,6 @@ const rig_work *rig_model_work(const rig_model *self);
 bool rig_model_is_laid(const rig_model *self); /* that is the newest state */
 /* The face for the stage, once for each state that can be performed; the caller's. NULL: none. */
 face_file *rig_model_take_face(rig_model *self);
-/* Back, where the stage could not take it: it is offered again. */
-void rig_model_return_face(rig_model *self, face_file *file);
 
 /* ---- changes ---- */
 

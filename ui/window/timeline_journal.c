@@ -30,11 +30,6 @@ void timeline_journal_destroy(timeline_journal *self)
     free(self);
 }
 
-void timeline_journal_clear(timeline_journal *self)
-{
-    memset(self, 0, sizeof *self);
-}
-
 /* ---- written ---- */
 
 /* Up to a bin, those that nobody saw are still. */

@@ -14,7 +14,6 @@ typedef struct timeline_journal timeline_journal;
 
 timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
 void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
-void timeline_journal_clear(timeline_journal *self);
 /* The newest sample of an input (index: below JOURNAL_LANES), seen at now_ns; its channels say what
  * a whole movement is. */
 void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_ns,

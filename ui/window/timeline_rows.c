@@ -46,14 +46,6 @@ void timeline_rows_lay(timeline_rows *out, const take *t, uint32_t comp_count, f
         out->row[i].y += out->lanes_y - out->scroll;
 }
 
-const timeline_row *timeline_rows_of_layer(const timeline_rows *rows, uint32_t index)
-{
-    for (uint32_t i = 0; i < rows->count; ++i)
-        if (rows->row[i].kind == TIMELINE_LAYER && rows->row[i].index == index)
-            return &rows->row[i];
-    return NULL;
-}
-
 timeline_box timeline_switch_box(const timeline_rows *rows, const timeline_row *row, uint32_t index)
 {
     return (timeline_box){rows->x + 8.0f + (float)index * (TIMELINE_SWITCH_SIZE + 4.0f),

@@ -39,7 +39,6 @@ typedef struct timeline_rows {
  */
 void timeline_rows_lay(timeline_rows *out, const take *t, uint32_t comp_count, float x, float y,
                        float width, float height, float scroll);
-const timeline_row *timeline_rows_of_layer(const timeline_rows *rows, uint32_t index); /* NULL */
 
 /* ---- what is under the pointer ---- */
 

@@ -457,12 +457,6 @@ bool ui_is_typing(const ui *self)
     return ImGui::GetIO().WantTextInput;
 }
 
-bool ui_is_dragging(const ui *self)
-{
-    const bool *button = self->input->button;
-    return ImGui::IsAnyItemActive() && (button[0] || button[1] || button[2]);
-}
-
 /* ---- what was drawn ---- */
 
 void ui_note_words(ui *self, bool is_noting)

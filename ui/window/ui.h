@@ -175,8 +175,6 @@ bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers);
 bool ui_is_down(const ui *self, uint32_t key); /* the same, held */
 uint32_t ui_modifiers(const ui *self);
 bool ui_is_typing(const ui *self);
-/* The last widget or canvas that is dragged keeps the pointer; true while some does. */
-bool ui_is_dragging(const ui *self);
 
 /* ---- a canvas: a rectangle of the panel to draw on and to drag in ---- */
 
