@@ -160,18 +160,15 @@ static bool is_same_text(const char *a, const char *b)
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-/* The track that an input has already; false: none that goes on as it is. */
-static bool keep_track(recorder_cast *now, recorder_cast *cast, uint32_t i)
+/* An input has a track already, which goes on: which one by then, share_tracks says. [main], while
+ * the frame thread may change `now`'s tracks. */
+static bool keeps_track(const recorder_cast *now, const recorder_cast *cast, uint32_t i)
 {
     bool is_calibrated_alike = is_same_text(now->calibration[0], cast->calibration[0]) &&
                                is_same_text(now->calibration[1], cast->calibration[1]);
-    for (uint32_t j = 0; j < now->input_count && is_calibrated_alike; ++j) {
-        if (now->inputs[j] != cast->inputs[i])
-            continue;
-        cast->track[i] = now->track[j];
-        cast->version[i] = now->version[j];
-        return true;
-    }
+    for (uint32_t j = 0; j < now->input_count && is_calibrated_alike; ++j)
+        if (now->inputs[j] == cast->inputs[i])
+            return true;
     return false;
 }
 
@@ -199,7 +196,7 @@ static mrt_result cast_create(recorder *self, const recorder_settings *of, recor
     for (uint32_t i = 0; i < of->input_count && result >= 0; ++i) {
         cast->inputs[i] = of->inputs[i];
         cast->input_text[i] = of->input_text[i];
-        cast->is_kept[i] = self->cast && keep_track(self->cast, cast, i);
+        cast->is_kept[i] = self->cast && keeps_track(self->cast, cast, i);
         if (!cast->is_kept[i])
             result = add_track(self, cast, i, 0, err);
     }
