@@ -226,16 +226,16 @@ static void enter_names_a_marker_and_leaving_does_not(void **state)
     stand *s = open_stand();
     stand_double_click(s, stand_x(s, 6.0), s->panel->rows.y + 8.0f);
     stand_type(s, "no");
-    stand_click_word(s, "Leave it");
+    stand_click_word(s, "Cancel");
     assert_int_equal(s->edit_count, 0);
-    assert_null(stand_word(s, "Leave it"));
+    assert_null(stand_word(s, "Cancel"));
     stand_double_click(s, stand_x(s, 7.0), s->panel->rows.y + 8.0f);
     stand_type(s, "yes");
     stand_key(s, UI_KEY_ENTER, true);
     stand_key(s, UI_KEY_ENTER, false);
     assert_int_equal(s->edit_count, 1);
     assert_string_equal(s->take.marker[0].text, "yes");
-    assert_null(stand_word(s, "Leave it"));
+    assert_null(stand_word(s, "Cancel"));
     stand_close(s);
 }
 

@@ -423,6 +423,31 @@ static void text_that_does_not_fit_ends_with_an_ellipsis(void **state)
     close_bench(&b);
 }
 
+/* Dear ImGui would break lines behind any point. */
+static void a_number_is_not_broken_in_two(void **state)
+{
+    (void)state;
+    bench b;
+    open_bench(&b, 1.0f);
+    for (float width = 60.0f; width < 200.0f; width += 1.0f) {
+        ui_screen screen;
+        const ui_word *words;
+        assert_true(front_begin(b.front, b.ui, &screen));
+        ui_begin(b.ui, &screen);
+        ui_panel_begin(b.ui, "narrow", (ui_rectangle){0, 0, width, 300}, UI_GROUND_PANEL);
+        ui_text_wrapped(b.ui, UI_STYLE_BODY, "left and right: x = 0.25 mm");
+        ui_panel_end(b.ui);
+        ui_end(b.ui);
+        front_end(b.front, b.ui);
+        const uint32_t count = ui_words(b.ui, &words);
+        uint32_t whole = 0;
+        for (uint32_t i = 0; i < count; ++i)
+            whole += strstr(words[i].text, "0.25") != NULL;
+        assert_int_equal(whole, 1);
+    }
+    close_bench(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -437,6 +462,7 @@ int main(void)
         cmocka_unit_test(a_double_click_is_one_however_slowly_it_is_drawn),
         cmocka_unit_test(what_is_drawn_can_be_read_at_each_scale),
         cmocka_unit_test(text_that_does_not_fit_ends_with_an_ellipsis),
+        cmocka_unit_test(a_number_is_not_broken_in_two),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

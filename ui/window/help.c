@@ -71,7 +71,7 @@ static uint32_t put_actions(sheet *s, action_group group)
 
 static const char *const mouse_lines[][2] = {
     {"Drag", "Pulls the face"},
-    {"Shift", "held at the end: it stays"},
+    {"Drag, Shift", "Pulls it, and it stays so"},
     {"Wheel", "Nearer, farther"},
     {"Ctrl+drag", "Kneads, as clay"},
     {"Double click", "Contact back to rest"},
@@ -79,7 +79,15 @@ static const char *const mouse_lines[][2] = {
     {"Middle drag", "Moves the view"},
     {"Alt+wheel", "How far a pull reaches"},
 };
-enum { MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0] };
+static const char *const timeline_lines[][2] = {
+    {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
+    {"Alt+drag", "An end: slower, faster"},        {"Drag on top", "A range, above the time"},
+    {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
+};
+enum {
+    MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0],
+    TIMELINE_LINES = sizeof timeline_lines / sizeof timeline_lines[0]
+};
 
 static void put_pedals(sheet *s, studio *of)
 {
@@ -110,18 +118,23 @@ static void put_all(sheet *s, studio *of)
         put_title(s, action_group_name[group]);
         (void)put_actions(s, (action_group)group);
     }
-    if (s->y + 3.0f + (MOUSE_LINES + MRT_MAX_PEDALS + 4) * s->row > s->bottom && s->y > s->top)
+    const uint32_t others = MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS + 6;
+    if (s->y + 3.0f + (float)others * s->row > s->bottom && s->y > s->top)
         next_column(s);
-    put_title(s, "Mouse");
+    put_title(s, "Mouse on the face");
     for (uint32_t i = 0; i < MOUSE_LINES; ++i)
         put_line(s, mouse_lines[i][0], mouse_lines[i][1]);
+    put_title(s, "Mouse on the timeline");
+    for (uint32_t i = 0; i < TIMELINE_LINES; ++i)
+        put_line(s, timeline_lines[i][0], timeline_lines[i][1]);
     put_pedals(s, of);
 }
 
 /* So many lines in all, titles and gaps counted generously. */
 static float lines_in_all(void)
 {
-    float lines = (float)MOUSE_LINES + MRT_MAX_PEDALS + 3.5f * (ACTION_GROUPS + 3);
+    float lines =
+        (float)(MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS) + 3.5f * (ACTION_GROUPS + 4);
     for (uint32_t group = 0; group < ACTION_GROUPS; ++group)
         lines += (float)put_actions(NULL, (action_group)group);
     return lines;

@@ -71,6 +71,7 @@ static void draw_size(const rig_panel *self, ui *on, uint32_t index)
     ui_same_line(on);
     ui_at(on, size_end - ui_text_width(on, UI_STYLE_DIM, text));
     ui_text(on, UI_STYLE_DIM, text);
+    ui_hint(on, "How many vertices it has.");
 }
 
 static float list_height(const rig_panel *self, const ui *on)
@@ -240,8 +241,10 @@ static void draw_bone(rig_panel *self, ui *on, const rig *r, const rig_edit_says
 /* A slider that is a step of undo once it is let go. True: it is held. */
 static bool draw_share(ui *on, const char *label, double *value)
 {
-    static const ui_range range = {0.0, 1.0, "", 2, false, 1.0};
-    (void)ui_slider(on, label, RIG_PANEL_LABEL, &range, value);
+    static const ui_range range = {0.0, 100.0, "%", 0, false, 100.0};
+    double percent = 100.0 * *value;
+    if (ui_slider(on, label, RIG_PANEL_LABEL, &range, &percent))
+        *value = percent / 100.0;
     return ui_slider_is_held(on);
 }
 

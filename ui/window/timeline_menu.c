@@ -233,7 +233,7 @@ static bool end_dialog(ui *on, const char *yes, bool can)
         is_done = true;
     ui_disabled_end(on);
     ui_same_line(on);
-    if (ui_button(on, "Leave it", UI_QUIET) || is_done)
+    if (ui_button(on, "Cancel", UI_QUIET) || is_done)
         ui_dialog_close(on);
     return is_done;
 }

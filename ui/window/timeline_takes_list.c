@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "take/edit_store.h"
+#include "window/panel_label.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #define STAR_WIDTH  12.0f
 #define STARS_WIDTH (5.0f * STAR_WIDTH)
 #define TIME_WIDTH  50.0f
+#define ASK_LABEL   70.0f
 enum { STARS = 5 };
 
 /* ---- a line ---- */
@@ -305,8 +307,8 @@ static void answer_take(panel *self)
 static void ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
                      float width)
 {
-    ui_text(on, UI_STYLE_DIM, label);
-    ui_at(on, 70.0f);
+    panel_label(on, label, ASK_LABEL, THEME_DIM, label);
+    ui_at(on, ASK_LABEL);
     ui_width(on, width);
     (void)ui_input(on, id, "", text, capacity);
 }
@@ -321,8 +323,8 @@ void timeline_takes_dialog(panel *self, ui *on)
     ask_line(on, "Scene", "##scene", slip->scene, sizeof slip->scene, 120.0f);
     ask_line(on, "Shot", "##shot", slip->shot, sizeof slip->shot, 120.0f);
     ask_line(on, "Number", "##number", slip->number, sizeof slip->number, 60.0f);
-    ui_text(on, UI_STYLE_DIM, "Note");
-    ui_at(on, 70.0f);
+    panel_label(on, "note", ASK_LABEL, THEME_DIM, "Note");
+    ui_at(on, ASK_LABEL);
     ui_width(on, -1.0f);
     (void)ui_input_lines(on, "##note", slip->note, sizeof slip->note, 70.0f);
     ui_space(on, 8.0f);
@@ -333,7 +335,7 @@ void timeline_takes_dialog(panel *self, ui *on)
     }
     ui_disabled_end(on);
     ui_same_line(on);
-    if (ui_button(on, "Leave it", UI_QUIET))
+    if (ui_button(on, "Cancel", UI_QUIET))
         ui_dialog_close(on);
     ui_dialog_end(on);
 }

@@ -148,6 +148,19 @@ void ui_text(ui *self, ui_style style, const char *text)
              text + std::strlen(text));
 }
 
+/* Where a line ends: at a blank, for Dear ImGui breaks "0.5" too; within a word that has no room.
+ */
+static const char *line_stop(const ImFont *font, const char *text, const char *end, float room)
+{
+    const char *stop = font->CalcWordWrapPositionA(1.0f, text, end, room);
+    const char *blank = stop;
+    if (stop == end || *stop == ' ' || *stop == '\n')
+        return stop;
+    while (blank > text && blank[-1] != ' ' && blank[-1] != '\n')
+        --blank;
+    return blank > text ? blank : stop;
+}
+
 void ui_text_wrapped(ui *self, ui_style style, const char *text)
 {
     const char *end = text + std::strlen(text);
@@ -157,7 +170,7 @@ void ui_text_wrapped(ui *self, ui_style style, const char *text)
     ImGui::BeginGroup();
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(look.ItemSpacing.x, 0.0f));
     do {
-        const char *stop = font->CalcWordWrapPositionA(1.0f, text, end, room);
+        const char *stop = line_stop(font, text, end, room);
         const char *line_end =
             static_cast<const char *>(std::memchr(text, '\n', static_cast<size_t>(stop - text)));
         if (line_end)

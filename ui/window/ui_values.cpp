@@ -104,9 +104,34 @@ static float share_of(const ui_range *range, double value)
     return span > 0.0 ? ImSaturate(static_cast<float>((value - range->min) / span)) : 0.0f;
 }
 
+/* What the slider has written in its middle. */
+static void write_value(char (&out)[64], const ui_range *range, double value)
+{
+    const int digits = range->is_whole ? 0 : static_cast<int>(ImMin(range->digits, 9u));
+    const char *unit = range->unit ? range->unit : "";
+    std::snprintf(out, sizeof out, "%.*f%s%s", digits, value, unit[0] ? " " : "", unit);
+}
+
+/* Where it stands; above and below the number where it would cross that. */
+static void put_mark(ui *self, const ImRect &at, const ImRect &words, uint32_t colour)
+{
+    if (at.Max.x < words.Min.x || at.Min.x > words.Max.x) {
+        ui_put_box(self, at, colour, 0.0f);
+        return;
+    }
+    ui_put_box(self, ImRect(at.Min, ImVec2(at.Max.x, words.Min.y)), colour, 0.0f);
+    ui_put_box(self, ImRect(ImVec2(at.Min.x, words.Max.y), at.Max), colour, 0.0f);
+}
+
 static void put_track(ui *self, const ImRect &box, const ui_range *range, double value)
 {
     const float rounding = ImGui::GetStyle().FrameRounding, mark = ui_whole_px(self, 2.0f);
+    char text[64];
+    write_value(text, range, value);
+    const ImVec2 size = ui_measure(self->font[UI_FONT_BODY], text, nullptr);
+    const ImVec2 half(0.5f * size.x + 2.0f * mark,
+                      ImMin(0.5f * size.y, 0.5f * box.GetHeight() - 2.0f * mark));
+    const ImRect words(ImFloor(box.GetCenter() - half), ImFloor(box.GetCenter() + half));
     ImRect full = box, at = box;
     full.Max.x = ImFloor(box.Min.x + share_of(range, value) * box.GetWidth());
     at.Min.x = ImClamp(full.Max.x - mark, box.Min.x, box.Max.x - mark);
@@ -114,16 +139,13 @@ static void put_track(ui *self, const ImRect &box, const ui_range *range, double
     ui_put_box(self, box, THEME_WELL, rounding);
     if (full.GetWidth() > 1.0f)
         ui_put_box(self, full, THEME_RAISED, rounding);
-    ui_put_box(self, at, self->disabled_depth ? THEME_RULE : THEME_ACCENT, 0.0f);
+    put_mark(self, at, words, self->disabled_depth ? THEME_RULE : THEME_ACCENT);
 }
 
-/* What the slider has written in its middle. */
 static void note_value(ui *self, const ImRect &box, const ui_range *range, double value)
 {
     char text[64];
-    const int digits = range->is_whole ? 0 : static_cast<int>(ImMin(range->digits, 9u));
-    const char *unit = range->unit ? range->unit : "";
-    std::snprintf(text, sizeof text, "%.*f%s%s", digits, value, unit[0] ? " " : "", unit);
+    write_value(text, range, value);
     ImFont *font = self->font[UI_FONT_BODY];
     const char *end = text + std::strlen(text);
     const ImVec2 size = ui_measure(font, text, end);
