@@ -3,7 +3,7 @@
 #ifndef MAROTTE_UI_CALIBRATE_GUIDE_H
 #define MAROTTE_UI_CALIBRATE_GUIDE_H
 #include "hand/calibration_file.h"
-#include "spec.h"
+#include "stage/spec.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
 #ifndef MAROTTE_UI_DEVICES_H
 #define MAROTTE_UI_DEVICES_H
 #include "command.h"
-#include "spec.h"
+#include "stage/spec.h"
 #include "stage/device_list.h"
 #include "stage/input.h"
 

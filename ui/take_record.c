@@ -4,7 +4,7 @@
 #include "news.h"
 #include "perform_hands.h"
 #include "perform_record.h"
-#include "spec.h"
+#include "stage/spec.h"
 #include "stage/overdub.h"
 #include "stage/sound.h"
 #include "take_change.h"

@@ -3,7 +3,7 @@
 #include "base/text.h"
 #include "hand/calibration_file.h"
 #include "news.h"
-#include "spec.h"
+#include "stage/spec.h"
 #include "stage/identity.h"
 #include "take/edit_store.h"
 #include "take_play.h"

@@ -2,6 +2,7 @@
 
 #include "base/ring.h"
 #include "stage/device_list.h"
+#include "stage/spec.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -22,38 +23,22 @@ struct studio_inputs {
     bool has_thread;
 };
 
-/* "plugin:address,key=value" in its three parts; they are cut out of the copy. */
-typedef struct parts {
-    char copy[STUDIO_INPUT_TEXT];
-    const char *plugin, *address, *params;
-} parts;
-
-static void split(parts *out, const char *text)
-{
-    (void)snprintf(out->copy, sizeof out->copy, "%s", text);
-    char *comma = strchr(out->copy, ','), *colon = strchr(out->copy, ':');
-    if (colon && comma && comma < colon)
-        colon = NULL;
-    if (comma)
-        *comma++ = '\0';
-    if (colon)
-        *colon++ = '\0';
-    out->plugin = out->copy;
-    out->address = colon ? colon : "";
-    out->params = comma ? comma : "";
-}
-
 static bool open_one(studio_inputs *self, const char *text)
 {
     studio_input_opened one = {.input = NULL};
-    parts of;
+    plugin_spec of;
     const mrt_plugin_type *type;
-    split(&of, text);
     (void)snprintf(one.text, sizeof one.text, "%s", text);
-    mrt_result result = plugin_list_find(self->plugins, of.plugin, MRT_INPUT, &type, &one.err);
+    mrt_result result = MRT_OK;
+    if (!spec_read(&of, text))
+        result = error_set(&one.err, MRT_ERR_ARGUMENT,
+                           "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+    if (result >= 0)
+        result = plugin_list_find(self->plugins, of.plugin, MRT_INPUT, &type, &one.err);
     if (result >= 0)
         result = input_create_stoppable(&one.input, type, of.address, of.params, CLOCK_REAL,
                                         self->log, &self->stop, &one.err);
+    spec_finish(&of);
     if (result < 0)
         one.input = NULL;
     if (!ring_push(self->opened, &one))

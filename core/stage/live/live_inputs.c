@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "hand/calibration_file.h"
 #include "stage/live/live_state.h"
+#include "stage/spec.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,42 +81,21 @@ mrt_result live_add_made(live *self, input *made, const char *text, error *err)
     return result;
 }
 
-/* "PLUGIN[:ADDRESS][,key=value]" */
-typedef struct spec {
-    char plugin[LIVE_TEXT], address[LIVE_TEXT], params[LIVE_TEXT];
-} spec;
-
-static bool read_spec(spec *out, const char *text)
-{
-    size_t plugin = strcspn(text, ":,");
-    const char *rest = text + plugin;
-    const char *address = *rest == ':' ? rest + 1 : "";
-    size_t length = strcspn(address, ",");
-    const char *params = *rest == ':' ? address + length : rest;
-    if (*params == ',')
-        params += 1;
-    if (plugin == 0 || plugin >= LIVE_TEXT || length >= LIVE_TEXT || strlen(params) >= LIVE_TEXT)
-        return false;
-    snprintf(out->plugin, sizeof out->plugin, "%.*s", (int)plugin, text);
-    snprintf(out->address, sizeof out->address, "%.*s", (int)length, address);
-    snprintf(out->params, sizeof out->params, "%s", params);
-    return true;
-}
-
 mrt_result live_add_input(live *self, const char *text, error *err)
 {
-    spec s;
+    plugin_spec spec;
     const mrt_plugin_type *type;
     input *made;
-    if (!read_spec(&s, text))
-        return error_set(err, MRT_ERR_ARGUMENT, "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]",
-                         text);
     mrt_result result = live_check_free(self, text, err);
+    if (!spec_read(&spec, text) && result >= 0)
+        result = error_set(err, MRT_ERR_ARGUMENT, "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]",
+                           text);
     if (result >= 0)
-        result = plugin_list_find(self->settings.plugins, s.plugin, MRT_INPUT, &type, err);
+        result = plugin_list_find(self->settings.plugins, spec.plugin, MRT_INPUT, &type, err);
     if (result >= 0)
-        result =
-            input_create(&made, type, s.address, s.params, CLOCK_REAL, self->settings.log, err);
+        result = input_create(&made, type, spec.address, spec.params, CLOCK_REAL,
+                              self->settings.log, err);
+    spec_finish(&spec);
     return result < 0 ? result : live_add_made(self, made, text, err);
 }
 

@@ -20,8 +20,7 @@
 enum {
     LIVE_INPUTS_MAX = TAKE_TRACKS_MAX - 1, /* beside the pointer, which is the player's input 0 */
     LIVE_LAGS = 512,
-    LIVE_PLACES = 64, /* takes whose last instant is remembered */
-    LIVE_TEXT = 512
+    LIVE_PLACES = 64 /* takes whose last instant is remembered */
 };
 
 /* A face and who moves it: made on [main], used by the frame thread. */

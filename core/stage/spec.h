@@ -1,6 +1,6 @@
-/* spec.h - "PLUGIN:ADDRESS,key=value,..." on a command line, taken apart. [main] */
-#ifndef MAROTTE_UI_SPEC_H
-#define MAROTTE_UI_SPEC_H
+/* stage/spec.h - "PLUGIN:ADDRESS,key=value,..." as people write it, taken apart. [any] */
+#ifndef MAROTTE_STAGE_SPEC_H
+#define MAROTTE_STAGE_SPEC_H
 #include <stdbool.h>
 
 typedef struct plugin_spec {
