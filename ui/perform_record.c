@@ -154,32 +154,17 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
     return MRT_OK;
 }
 
-enum { RESCUE_NAMES = 100 };
-
 void perform_record_rescue(show *of)
 {
     char path[4096];
     error err = {""};
-    if (!of || !show_is_missing(of))
-        return;
-    const char *name = show_path(of);
-    size_t extension = strlen(file_extension_of(name).text);
-    int stem = (int)(strlen(name) - (extension ? extension + 1 : 0));
-    mrt_result result = MRT_ERR_IO;
-    for (int n = 1; n <= RESCUE_NAMES; ++n) {
-        snprintf(path, sizeof path, n > 1 ? "%.*s.rescued-%d.marotte" : "%.*s.rescued.marotte",
-                 stem, name, n);
-        if (access(path, F_OK) != 0) {
-            result = show_rescue(of, path, &err);
-            break;
-        }
-    }
-    if (result >= 0)
+    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
+    if (result < 0)
+        fprintf(stderr, "error: %s: was deleted, moved or replaced, and is lost: %s\n",
+                show_path(of), err.text);
+    else if (result != MRT_END)
         fprintf(stderr, "warning: %s: was deleted, moved or replaced: all of it is in %s\n",
                 show_path(of), path);
-    else
-        fprintf(stderr, "error: %s: was deleted, moved or replaced, and is lost: %s\n",
-                show_path(of), err.text[0] ? err.text : "too many copies lie beside it");
 }
 
 void perform_record_finish(perform_record *self)

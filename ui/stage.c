@@ -37,6 +37,7 @@ typedef struct stage {
     uint64_t sample_count;
     double warm_mb, end_mb;
     struct timespec began;
+    char settings_note[1024]; /* of the first time they were read */
 } stage;
 
 static _Atomic bool stop_asked;
@@ -183,13 +184,14 @@ static int read_options(stage_options *out, int argc, char **argv)
 
 /* ---- the stage ---- */
 
-/* As it was left; what is not there is not made. */
-static void remember_size(const stage_options *options, double *out_width, double *out_height)
+/* As it was left; what is not there is not made. Damaged settings are set aside here already: the
+ * studio finds none, and is told. */
+static void remember_size(stage *self, double *out_width, double *out_height)
 {
     settings *kept = NULL;
-    char note[64];
     error ignored;
-    if (settings_open(&kept, options->studio.settings_path, note, sizeof note, &ignored) < 0)
+    if (settings_open(&kept, self->options->studio.settings_path, self->settings_note,
+                      sizeof self->settings_note, &ignored) < 0)
         return;
     const double width = settings_number(kept, "window.width", 0.0);
     const double height = settings_number(kept, "window.height", 0.0);
@@ -208,7 +210,7 @@ static mrt_result open_front(stage *self, error *err)
         width = options->width;
         height = options->height;
     } else {
-        remember_size(options, &width, &height);
+        remember_size(self, &width, &height);
     }
     if (options->is_hidden)
         return front_open_hidden(&self->front, (uint32_t)lround(width * options->scale),
@@ -224,8 +226,10 @@ static mrt_result open_stage(stage *self, error *err)
         result = script_read(&self->script, self->options->script, err);
     if (result >= 0) /* first: without a display nothing is left behind */
         result = open_front(self, err);
+    studio_options with = self->options->studio;
+    with.note = self->settings_note;
     if (result >= 0)
-        result = studio_create(&self->studio, &self->options->studio, err);
+        result = studio_create(&self->studio, &with, err);
     if (result >= 0)
         result = desk_create(&self->desk, self->studio, self->front, err);
     if (result >= 0 && self->script)

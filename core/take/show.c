@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { RESCUE_NAMES = 100 };
+
 /* ---- what kind of file it is ---- */
 
 typedef struct identity {
@@ -459,4 +461,24 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     if (result < 0)
         (void)unlink(out_path);
     return result;
+}
+
+mrt_result show_rescue_beside(show *self, char *out_path, size_t capacity, error *err)
+{
+    out_path[0] = '\0';
+    if (!show_is_missing(self))
+        return MRT_END;
+    const char *name = show_path(self);
+    const size_t extension = strlen(file_extension_of(name).text);
+    const int stem = (int)(strlen(name) - (extension ? extension + 1 : 0));
+    for (int n = 1; n <= RESCUE_NAMES; ++n) {
+        const int length =
+            n > 1 ? snprintf(out_path, capacity, "%.*s.rescued-%d.marotte", stem, name, n)
+                  : snprintf(out_path, capacity, "%.*s.rescued.marotte", stem, name);
+        if (length < 0 || (size_t)length >= capacity)
+            return error_set(err, MRT_ERR_ARGUMENT, "%s: the name of its copy is too long", name);
+        if (access(out_path, F_OK) != 0)
+            return show_rescue(self, out_path, err);
+    }
+    return error_set(err, MRT_ERR_IO, "%s: too many copies lie beside it", name);
 }

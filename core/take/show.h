@@ -32,6 +32,9 @@ const char *show_notice(const show *self); /* "", or one line for the person in 
 bool show_is_missing(const show *self);
 /* A whole copy of what is committed, as a new file, while recording goes on. */
 CHECKED mrt_result show_rescue(show *self, const char *out_path, error *err);
+/* The same beside where it lay, under the first name that is free: night.rescued.marotte,
+ * night.rescued-2.marotte; out_path tells which. MRT_END: it is not missing. */
+CHECKED mrt_result show_rescue_beside(show *self, char *out_path, size_t capacity, error *err);
 /* Reads everything, and says the first thing that is not whole. Takes as long as reading the file.
  */
 CHECKED mrt_result show_check(show *self, error *err);

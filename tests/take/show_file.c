@@ -426,7 +426,16 @@ static void recording_goes_on_into_a_deleted_file_and_can_be_rescued(void **stat
     scene_flush(&r);
     scene_expect(got, r.track, 0, 300);
     scene_stop(&r);
+    char beside[2][SCENE_PATH];
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(show_rescue_beside(got, beside[i], sizeof beside[i], &err), MRT_OK);
+        assert_int_equal(access(beside[i], F_OK), 0);
+    }
+    assert_string_not_equal(beside[0], beside[1]);
     show_close(got);
+    scene_must(show_open(&rescued, beside[1], SHOW_WRITE, &err), &err);
+    scene_expect(rescued, r.track, 0, 300);
+    show_close(rescued);
     scene_must(show_open(&rescued, copy, SHOW_WRITE, &err), &err);
     scene_expect(rescued, r.track, 0, 200);
     show_close(rescued);

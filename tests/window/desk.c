@@ -264,7 +264,11 @@ static void an_error_stays_until_it_is_clicked(void **state)
             break;
     }
     assert_null(scene_word(&s, "all is well"));
-    news_list_add(news, MRT_LOG_ERROR, "stage", "the disk is gone");
+    news_list_add(news, MRT_LOG_WARNING, "stage", "it is written by another program");
+    news_list_add(news, MRT_LOG_INFO, "stage", "a face was opened");
+    news_list_add(news, MRT_LOG_INFO, "a plugin", "27 contacts"); /* the newest says no more */
+    scene_frames(&s, 2);
+    assert_non_null(scene_word(&s, "it is written by another program"));
     news_list_add(news, MRT_LOG_INFO, "stage", "all is well again");
     scene_frames(&s, 2);
     assert_non_null(scene_word(&s, "all is well again"));

@@ -19,26 +19,31 @@ static bool gives_way(const desk *self, const news_item *to)
     return self->news[0] == '\0' || self->news_level < MRT_LOG_ERROR || to->level >= MRT_LOG_ERROR;
 }
 
-static const news_item *newest(const desk *self)
+/* What is said in one frame is one: of that the most serious is shown, the newest of several. */
+static const news_item *most_serious_of_new(desk *self)
 {
     const news_list *list = studio_news(self->studio);
     const uint32_t count = news_list_count(list);
-    return count ? news_list_at(list, count - 1) : NULL;
+    const uint64_t total = news_list_said(list), fresh = total - self->news_seen;
+    const news_item *best = NULL;
+    self->news_seen = total;
+    for (uint32_t i = fresh < count ? count - (uint32_t)fresh : 0; i < count; ++i) {
+        const news_item *item = news_list_at(list, i);
+        if (is_for_everybody(item) && (!best || item->level >= best->level))
+            best = item;
+    }
+    return best;
 }
 
 void desk_update_news(desk *self, double dt_s)
 {
-    const news_item *item = newest(self);
+    const news_item *item = most_serious_of_new(self);
     if (self->news_left_s > 0.0) {
         self->news_left_s -= dt_s;
         if (self->news_left_s <= 0.0)
             self->news[0] = '\0';
     }
-    if (!item || (item->utc_ms == self->news_utc_ms && strcmp(item->text, self->news_seen) == 0))
-        return;
-    self->news_utc_ms = item->utc_ms;
-    (void)snprintf(self->news_seen, sizeof self->news_seen, "%s", item->text);
-    if (!is_for_everybody(item) || !gives_way(self, item))
+    if (!item || !gives_way(self, item))
         return;
     (void)snprintf(self->news, sizeof self->news, "%s", item->text);
     self->news_level = item->level;

@@ -52,9 +52,7 @@ struct desk {
     int32_t news_level; /* of the line that is shown */
     char news[1200];
     double news_left_s; /* < 0: until it is clicked */
-    int64_t news_utc_ms;
-    char news_seen[1200];
-    uint32_t news_seen_count;
+    uint64_t news_seen; /* of news_list_said */
 
     double held_s; /* of the key that repeats */
     uint32_t held_key;

@@ -8,6 +8,7 @@
 struct news_list {
     news_item item[NEWS_MAX]; /* a ring */
     uint32_t first, count;
+    uint64_t said;
 };
 
 /* Layers of one take say the same of their mapping; so does a device that comes and goes. */
@@ -60,6 +61,7 @@ void news_list_add(news_list *self, int32_t level, const char *source, const cha
     copy_line(item.text, sizeof item.text, text);
     if (is_said_again(self, &item))
         return;
+    self->said += 1;
     if (self->count == NEWS_MAX)
         self->first = (self->first + 1) % NEWS_MAX;
     else
@@ -86,6 +88,11 @@ void news_list_update(news_list *self, log_queue *from, double dt_s)
 uint32_t news_list_count(const news_list *self)
 {
     return self->count;
+}
+
+uint64_t news_list_said(const news_list *self)
+{
+    return self->said;
 }
 
 const news_item *news_list_at(const news_list *self, uint32_t index)

@@ -19,6 +19,7 @@ void news_list_add(news_list *self, int32_t level, const char *source, const cha
 /* Takes everything that is in the queue, and lets time pass. */
 void news_list_update(news_list *self, log_queue *from, double dt_s);
 uint32_t news_list_count(const news_list *self);
+uint64_t news_list_said(const news_list *self); /* how many there were, also those not kept */
 const news_item *news_list_at(const news_list *self, uint32_t index); /* 0: the oldest kept */
 
 #endif

@@ -45,6 +45,8 @@ static mrt_result make_parts(studio *self, const studio_options *options, error 
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         studio_say(self, MRT_LOG_WARNING, "%s", note);
+    if (options->note && options->note[0])
+        studio_say(self, MRT_LOG_WARNING, "%s", options->note);
     studio_looks_read(self);
     return MRT_OK;
 }
@@ -93,7 +95,7 @@ void studio_destroy(studio *self)
     studio_record_finish_over(self);
     studio_drop_take(self);
     end_live(self);
-    show_close(self->show);
+    studio_close_show(self, self->show);
     face_file_destroy(self->face);
     free(self->face);
     free(self->face_path);

@@ -18,6 +18,7 @@ typedef struct studio_options {
     const char *const *inputs; /* NULL: what is plugged in */
     uint32_t input_count;
     const char *settings_path;  /* NULL: the user's; "": none is read or written */
+    const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
 } studio_options;
 

@@ -100,12 +100,14 @@ mrt_result studio_open_show(studio *self, const char *path)
         self->takes_are_stale = true;
         return result;
     }
-    show_close(self->show);
+    show *before = self->show;
     self->show = opened;
     self->takes_are_stale = true;
     self->was_recording = false;
     keep_show_path(self);
+    self->had_problem = false;
     studio_say(self, MRT_LOG_INFO, "%s is open", path);
+    studio_close_show(self, before);
     return MRT_OK;
 }
 

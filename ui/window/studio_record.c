@@ -1,6 +1,7 @@
 /* Recording: what begins and ends it, and what becomes of what was performed over a take. */
 #include "window/studio_state.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -126,8 +127,38 @@ void studio_record_finish_over(studio *self)
     self->over_take = 0;
 }
 
+/* The bar has room for its first words only. */
+static void say_problem(studio *self)
+{
+    const bool has_problem = self->status.problem[0] != '\0';
+    if (has_problem && !self->had_problem)
+        studio_say(self, MRT_LOG_ERROR, "%s", self->status.problem);
+    else if (!has_problem && self->had_problem)
+        studio_say(self, MRT_LOG_INFO, "all that is performed is recorded again");
+    self->had_problem = has_problem;
+}
+
+/* Said in a terminal too: the window may be gone. */
+void studio_close_show(studio *self, show *of)
+{
+    char path[4096];
+    error err = {0};
+    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
+    if (result < 0)
+        studio_say(self, MRT_LOG_ERROR, "%s was deleted, moved or replaced, and is lost: %s",
+                   show_path(of), err.text);
+    else if (result != MRT_END)
+        studio_say(self, MRT_LOG_WARNING, "%s was deleted, moved or replaced: all of it is in %s",
+                   show_path(of), path);
+    if (result != MRT_END)
+        fprintf(stderr, "marotte: %s\n",
+                news_list_at(self->news, news_list_count(self->news) - 1)->text);
+    show_close(of);
+}
+
 void studio_record_update(studio *self)
 {
+    say_problem(self);
     const bool has_ended = self->was_recording && !self->status.is_recording;
     if (self->was_recording != self->status.is_recording)
         self->takes_are_stale = true;
