@@ -69,7 +69,7 @@ static const char *advice(sqlite_trouble trouble)
     case SQLITE_TROUBLE_READONLY:
         return ": copy it to a place where you may write";
     case SQLITE_TROUBLE_DAMAGED:
-        return ": it is not a show or it is damaged; it can be recovered into a new file";
+        return ": it is not a show or it is damaged; what can be read of it: marotte take recover";
     default:
         return "";
     }

@@ -187,7 +187,8 @@ static inline void scene_rig(face_scene *s)
                               .turn_count = 1};
     s->bone[LID].turn[0] = (rig_turn){close, {1, 0, 0}, -0.1, 0.5};
     for (uint32_t i = 0; i < SCENE_CONTACTS; ++i)
-        s->contact[i] = (rig_contact){names[i], RIG_NONE, vertices[i], RIG_NONE};
+        s->contact[i] = (rig_contact){
+            .name = names[i], .bone = RIG_NONE, .vertex = vertices[i], .mirror = RIG_NONE};
     s->rig = (rig){.path = path,
                    .name = skull,
                    .mm_per_unit = 1.0,

@@ -224,6 +224,12 @@ static void draw_params(devices_panel *self, ui *on, input *of)
             draw_param(self, on, of, i);
 }
 
+/* What the program itself gives (the keyboard as a hand) is silent whenever nothing moves it. */
+static bool is_made(const devices_panel *self, const input *of)
+{
+    return !plugin_list_path_of(studio_plugins(self->studio), input_plugin(of));
+}
+
 bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
 {
     live *stage = studio_live(self->studio);
@@ -235,7 +241,11 @@ bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
     char state[DEVICES_WORDS], why[DEVICES_WORDS];
     input_health(of, &health);
     devices_light light = devices_words_state(&health, state, why);
-    bool stays = draw_head(on, input_name(of), light);
+    if (is_made(self, of) && light == DEVICES_WAITS) {
+        light = DEVICES_WELL;
+        (void)snprintf(state, sizeof state, "at rest");
+    }
+    bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light);
     draw_state(on, &health, light, state, why);
     bool has_sample = live_input_sample(stage, index, &sample);
     draw_strip(on, channels, count, has_sample ? &sample : NULL);

@@ -185,7 +185,7 @@ static void put_time(pen *p)
     int64_t at_ns = t ? timeline_head_ns(p->self) : status->recorded_ns;
     timeline_code_write(words, &code, t || status->is_recording ? at_ns : 0);
     if (!t && !status->is_recording)
-        (void)snprintf(words, sizeof words, "Live");
+        words[0] = '\0'; /* the bar above says that the hands are live */
     float height = ui_text_height(p->on, UI_STYLE_LARGE);
     ui_draw_text(p->on, p->x, p->y + 0.5f * (ICON_HEIGHT - height), UI_STYLE_LARGE, ink, 0.0f,
                  words);
