@@ -27,9 +27,10 @@ struct player_loop {
     bool started;
     int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
     int64_t start_ns, last_ns;
-    int64_t work_ns;  /* since the last drawn frame */
-    int64_t shown_ns; /* samples come behind it */
-    bool is_wanted;   /* goes on: to be drawn as soon as no sample waits */
+    int64_t work_ns;           /* since the last drawn frame */
+    int64_t shown_ns;          /* samples come behind it */
+    int64_t drawn_ns, draw_ns; /* goes on: when it was drawn last, and how long that took */
+    bool is_wanted;            /* goes on: to be drawn as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const playing *self, uint32_t index)
@@ -60,7 +61,10 @@ static mrt_result draw_newest(playing *self, int64_t now_ns, error *err)
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
     self->report.frame_count = due;
     self->is_wanted = false;
-    return draw_frame(self, err);
+    mrt_result result = draw_frame(self, err);
+    self->drawn_ns = clock_now_ns();
+    self->draw_ns = self->drawn_ns - now_ns;
+    return result;
 }
 
 /* Draws the frames whose time is before time_ns: a frame shows every sample up to its own time. */
@@ -257,8 +261,14 @@ static int64_t next_frame_ns(const playing *self)
     return frame_time_ns(self, self->report.frame_count);
 }
 
-/* Samples come first; with none waiting the stage is drawn when it is wanted, else when it is due.
- */
+/* While samples wait, drawing gets a quarter of the time: what is slow to draw is drawn seldom, and
+ * every sample is performed in time. */
+static bool may_be_drawn(const playing *self, bool has_samples, int64_t now_ns)
+{
+    return !has_samples || now_ns - self->drawn_ns >= 3 * self->draw_ns;
+}
+
+/* With no sample waiting the stage is drawn when it is wanted, else when it is due. */
 static mrt_result go_on(playing *self, error *err)
 {
     mrt_sample sample;
@@ -271,7 +281,8 @@ static mrt_result go_on(playing *self, error *err)
     if (from >= 0)
         result = take_sample(self, from, &sample, version, err);
     int64_t now_ns = clock_now_ns();
-    if (result >= 0 && (now_ns >= next_frame_ns(self) || (from < 0 && self->is_wanted)))
+    bool is_time = now_ns >= next_frame_ns(self) || (from < 0 && self->is_wanted);
+    if (result >= 0 && is_time && may_be_drawn(self, from >= 0, now_ns))
         return draw_newest(self, now_ns, err);
     if (from < 0 && result >= 0)
         wake_wait_until_ns(&self->signal, seen, next_frame_ns(self));

@@ -20,9 +20,9 @@ static void bend(live_desk *d, still_hand *h)
         for (uint32_t i = 0; i < 18; ++i)
             h->angle[i] = 0.03f * (float)n * (i % 4 == 0 ? 1.0f : -0.5f);
         feed_give(h->feed, h->angle, FEED_MOVES);
-        desk_pass(d, n == 0 ? 0.4 : 0.02);
+        desk_perform(d, n == 0 ? 0.4 : 0.01);
     }
-    desk_pass(d, 0.7);
+    desk_perform(d, 0.7);
     h->moved_mm = desk_apart_mm(d, d->first);
 }
 
@@ -67,7 +67,7 @@ static void look_on(live_desk *d, track *t, double seconds)
         memcpy(t->last, d->view->position, size * sizeof *t->last);
         t->sample_ns = d->view->sample_ns;
     }
-    while (clock_now_ns() < until_ns) {
+    while (clock_now_ns() < until_ns || d->view->sample_ns < until_ns) {
         desk_frame(d);
         double passed_s = (double)(d->view->sample_ns - t->sample_ns) / 1e9;
         double frames = fmax(passed_s / 0.02, 1.0);
@@ -97,7 +97,7 @@ static void relax(live_desk *d, still_hand *h)
 {
     memset(h->angle, 0, sizeof h->angle);
     feed_give(h->feed, h->angle, FEED_MOVES);
-    desk_pass(d, 0.5);
+    desk_perform(d, 0.5);
 }
 
 static void change_mapping(live_desk *d, still_hand *hand, const char *from, const char *to)
@@ -107,7 +107,7 @@ static void change_mapping(live_desk *d, still_hand *hand, const char *from, con
     track t = {0};
     relax(d, hand);
     desk_must(live_set_mapping(d->live, from, &err), &err);
-    desk_pass(d, 0.6);
+    desk_perform(d, 0.6);
     bend(d, hand);
     look_on(d, &t, 0.0);
     desk_must(live_set_mapping(d->live, to, &err), &err);
@@ -133,6 +133,12 @@ static void mapping_changes_without_a_jump(void **state)
     end(&d, &hand);
 }
 
+static bool is_moved(live_desk *d, void *data)
+{
+    (void)data;
+    return desk_apart_mm(d, d->first) > 0.5;
+}
+
 static void mapping_of_nothing_lets_the_face_rest(void **state)
 {
     (void)state;
@@ -140,12 +146,10 @@ static void mapping_of_nothing_lets_the_face_rest(void **state)
     error err = {""};
     desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
     add_demo(&d);
-    desk_pass(&d, 0.5);
-    assert_true(desk_apart_mm(&d, d.first) > 0.5);
+    assert_true(desk_until(&d, is_moved, NULL));
     desk_must(live_set_mapping(d.live, NULL, &err), &err);
     assert_null(live_mapping(d.live));
-    desk_pass(&d, 0.8);
-    assert_true(desk_apart_mm(&d, d.first) < 1e-3);
+    assert_true(desk_until(&d, desk_is_at_rest, NULL));
     assert_true(live_set_mapping(d.live, "no_such_mapping", &err) < 0);
     assert_true(live_set_mapping(d.live, "one_hand,no_such=1", &err) < 0);
     desk_finish(&d);
@@ -160,7 +164,7 @@ static void inputs_come_and_go_while_it_performs(void **state)
     live_status before, after;
     desk_start(&d, "puppet", "one_hand", DESK_SHOW);
     add_demo(&d);
-    desk_pass(&d, 0.4);
+    desk_perform(&d, 0.4);
     track t = {0};
     for (int i = 0; i < 3; ++i) {
         add_demo(&d);
@@ -171,10 +175,10 @@ static void inputs_come_and_go_while_it_performs(void **state)
     }
     free(t.last);
     assert_int_equal(live_input_count(d.live), 1);
-    desk_pass(&d, 0.1);
+    desk_perform(&d, 0.1);
     assert_true(live_input_sample(d.live, 0, &sample));
     live_status_of(d.live, &before);
-    desk_pass(&d, 0.3);
+    desk_perform(&d, 0.3);
     live_status_of(d.live, &after);
     assert_true(after.sample_count > before.sample_count);
     desk_must(live_remove_input(d.live, 0, &err), &err);
@@ -231,7 +235,7 @@ static void face_and_engine_change_while_it_performs(void **state)
     assert_true(isfinite(before->position[3 * of_puppet - 1])); /* still there until it is looked */
     assert_true(live_look(d.live, &d.view));
     assert_int_not_equal(d.view->vertex_count, of_puppet);
-    desk_pass(&d, 0.5);
+    desk_perform(&d, 0.3);
     assert_true(d.view->number > 2);
     desk_must(live_set_face(d.live, &d.face, d.face_path, 0.0, &err), &err);
     desk_pass(&d, 0.2);
@@ -257,7 +261,7 @@ static void grip_of_a_moving_face_does_not_jump(void **state)
         at = d.view->contact[contact];
         desk_point(&d, POINTER_PULLS, rest, at, false);
         look_on(&d, &t, 0.3);
-        desk_let_go(&d);
+        desk_point(&d, POINTER_AWAY, rest, at, false);
         look_on(&d, &t, 0.6);
         is_smooth(&t, contacts[i], hand.moved_mm);
         free(t.last);

@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "stage/feed.h"
 #include "stage/live.h"
+#include "stage/live/live_state.h"
 #include "stage/plugins.h"
 #include "take/edit_store.h"
 #include "take/history.h"
@@ -114,10 +115,10 @@ static inline void desk_frame(live_desk *d)
 
 typedef bool desk_condition(live_desk *d, void *data);
 
-/* Frames until it holds; false: it did not within 20 s. */
+/* Frames until it holds; false: it did not within a minute. */
 static inline bool desk_until(live_desk *d, desk_condition *holds, void *data)
 {
-    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    int64_t until_ns = clock_now_ns() + 60 * NS_PER_S;
     while (!holds(d, data)) {
         if (clock_now_ns() > until_ns)
             return false;
@@ -131,6 +132,20 @@ static inline void desk_pass(live_desk *d, double seconds)
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
     while (clock_now_ns() < until_ns)
         desk_frame(d);
+}
+
+static inline bool desk_is_performed(live_desk *d, void *data)
+{
+    const int64_t *until_ns = data;
+    return d->view->sample_ns >= *until_ns;
+}
+
+/* Until a sample is seen that was measured so much later than now; something must move. */
+static inline void desk_perform(live_desk *d, double seconds)
+{
+    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    if (!desk_until(d, desk_is_performed, &until_ns))
+        fail_msg("no sample was performed for a minute");
 }
 
 /* ---- the face ---- */
@@ -180,6 +195,12 @@ static inline uint64_t desk_hash(const float *rows, size_t count)
     return hash;
 }
 
+static inline bool desk_is_at_rest(live_desk *d, void *data)
+{
+    (void)data;
+    return desk_apart_mm(d, d->first) < 1e-3;
+}
+
 /* ---- the mouse ---- */
 
 static inline void desk_point(live_desk *d, pointer_grip grip, vec3 rest, vec3 at, bool stays)
@@ -189,10 +210,12 @@ static inline void desk_point(live_desk *d, pointer_grip grip, vec3 rest, vec3 a
     live_point(d->live, grip, r, a, stays, 0.0);
 }
 
+/* What springs back has done so. */
 static inline void desk_let_go(live_desk *d)
 {
     const vec3 nowhere = {0, 0, 0};
     desk_point(d, POINTER_AWAY, nowhere, nowhere, false);
+    desk_perform(d, 0.3);
 }
 
 /* Takes hold of a contact and pulls it so far, in steps. */
@@ -205,7 +228,7 @@ static inline void desk_drag(live_desk *d, pointer_grip grip, uint32_t contact, 
         desk_frame(d);
         desk_point(d, grip, rest, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
     }
-    desk_pass(d, 0.1);
+    desk_perform(d, 0.0);
 }
 
 /* ---- takes ---- */
@@ -213,6 +236,8 @@ static inline void desk_drag(live_desk *d, pointer_grip grip, uint32_t contact, 
 static inline void desk_take(const live_desk *d, int64_t id, take *out)
 {
     error err = {""};
+    if (d->live && d->live->recorder)
+        desk_must(writer_flush(recorder_writer(d->live->recorder), &err), &err);
     desk_must(edit_store_take(out, d->show, id, &err), &err);
 }
 

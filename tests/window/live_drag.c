@@ -8,12 +8,6 @@ static void start(live_desk *d, const char *mapping)
     desk_start(d, "puppet", mapping, DESK_NO_SHOW);
 }
 
-static bool is_at_rest(live_desk *d, void *data)
-{
-    (void)data;
-    return desk_apart_mm(d, d->first) < 1e-3;
-}
-
 static void stage_is_seen_before_any_sample(void **state)
 {
     (void)state;
@@ -22,7 +16,7 @@ static void stage_is_seen_before_any_sample(void **state)
     assert_true(d.view->vertex_count > 1000);
     assert_true(d.view->number >= 1);
     assert_true(d.view->contact_count > 0);
-    assert_true(is_at_rest(&d, NULL));
+    assert_true(desk_is_at_rest(&d, NULL));
     desk_finish(&d);
 }
 
@@ -36,7 +30,7 @@ static void dragged_contact_moves_by_the_drag(void **state)
     vec3 moved = vec3_sub(d.view->contact[corner], desk_rest(&d, corner));
     assert_true(vec3_length(vec3_sub(moved, way)) < 0.05);
     desk_let_go(&d);
-    assert_true(desk_until(&d, is_at_rest, NULL));
+    assert_true(desk_until(&d, desk_is_at_rest, NULL));
     desk_finish(&d);
 }
 
@@ -48,16 +42,14 @@ static void staying_contact_stays_until_it_is_let_go(void **state)
     uint32_t left = desk_contact(&d, "mouth.corner.l"), right = desk_contact(&d, "mouth.corner.r");
     desk_drag(&d, POINTER_PULLS, left, way, true);
     desk_let_go(&d);
-    desk_pass(&d, 0.5);
     assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
     desk_drag(&d, POINTER_PULLS, right, way, true);
     desk_let_go(&d);
-    desk_pass(&d, 0.5);
     assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
     assert_true(fabs(desk_moved_mm(&d, right) - vec3_length(way)) < 0.05);
     const vec3 nowhere = {0, 0, 0};
     desk_point(&d, POINTER_LETS_GO, nowhere, nowhere, false);
-    assert_true(desk_until(&d, is_at_rest, NULL));
+    assert_true(desk_until(&d, desk_is_at_rest, NULL));
     desk_finish(&d);
 }
 
@@ -99,7 +91,7 @@ static void drag_place(live_desk *d, pointer_grip grip, vec3 place, bool stays)
         desk_frame(d);
         desk_point(d, grip, place, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
     }
-    desk_pass(d, 0.1);
+    desk_perform(d, 0.0);
 }
 
 static void place_of_the_skin_springs_back(void **state)
@@ -112,7 +104,7 @@ static void place_of_the_skin_springs_back(void **state)
     drag_place(&d, POINTER_PULLS, place, false);
     assert_true(fabs(moved_at(&d, place, &now) - vec3_length(way)) < 0.5);
     desk_let_go(&d);
-    assert_true(desk_until(&d, is_at_rest, NULL));
+    assert_true(desk_until(&d, desk_is_at_rest, NULL));
     desk_finish(&d);
 }
 
@@ -125,12 +117,10 @@ static void place_that_stays_can_be_dragged_on(void **state)
     vec3 place = cheek(&d);
     drag_place(&d, POINTER_PULLS, place, true);
     desk_let_go(&d);
-    desk_pass(&d, 0.4);
     double once = moved_at(&d, place, &now);
     assert_true(fabs(once - vec3_length(way)) < 0.5);
     drag_place(&d, POINTER_PULLS, place, true);
     desk_let_go(&d);
-    desk_pass(&d, 0.4);
     double twice = moved_at(&d, place, &now);
     if (fabs(twice - 2.0 * vec3_length(way)) >= 1.0)
         fail_msg("%g mm after one drag, %g mm after two", once, twice);
@@ -146,12 +136,11 @@ static void clay_stays_until_neutral(void **state)
     vec3 place = cheek(&d);
     drag_place(&d, POINTER_KNEADS, place, false);
     desk_let_go(&d);
-    desk_pass(&d, 0.5);
     double moved_mm = moved_at(&d, place, &now);
     if (moved_mm < 2.0)
         fail_msg("clay moved by %g mm", moved_mm);
     live_neutral(d.live);
-    assert_true(desk_until(&d, is_at_rest, NULL));
+    assert_true(desk_until(&d, desk_is_at_rest, NULL));
     desk_finish(&d);
 }
 

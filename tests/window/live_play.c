@@ -14,9 +14,8 @@ static int64_t record_a_drag(live_desk *d, const char *name, vec3 way)
     desk_must(live_record(d->live, &slate, &err), &err);
     desk_pass(d, 0.2);
     desk_drag(d, POINTER_PULLS, contact, way, false);
-    desk_pass(d, 0.5);
+    desk_perform(d, 0.8);
     desk_let_go(d);
-    desk_pass(d, 0.6);
     desk_must(live_record_end(d->live, &err), &err);
     live_status_of(d->live, &status);
     return status.take;
@@ -25,7 +24,6 @@ static int64_t record_a_drag(live_desk *d, const char *name, vec3 way)
 static void show_take_on(live_desk *d, int64_t id, take *out)
 {
     error err = {""};
-    desk_pass(d, 0.1);
     desk_take(d, id, out);
     desk_must(live_show_take(d->live, out, &err), &err);
 }
@@ -34,14 +32,6 @@ static bool stands_at(live_desk *d, void *data)
 {
     const int64_t *at_ns = data;
     return d->view->mode == LIVE_SHOWS && d->view->at_ns == *at_ns;
-}
-
-static uint64_t hash_at(live_desk *d, int64_t at_ns)
-{
-    live_seek(d->live, at_ns);
-    assert_true(desk_until(d, stands_at, &at_ns));
-    desk_pass(d, 0.35); /* what eases over has eased */
-    return desk_hash(d->view->position, (size_t)d->view->vertex_count * 3);
 }
 
 typedef struct projector { /* the take by itself, apart from the stage */
@@ -70,6 +60,37 @@ static uint64_t projected(live_desk *d, projector *of, int64_t at_ns)
     return desk_hash(of->rows, (size_t)d->view->vertex_count * 3);
 }
 
+typedef struct expected {
+    int64_t at_ns;
+    uint64_t hash;
+} expected;
+
+static bool shows(live_desk *d, void *data)
+{
+    const expected *e = data;
+    return d->view->mode == LIVE_SHOWS && d->view->at_ns == e->at_ns &&
+           desk_hash(d->view->position, (size_t)d->view->vertex_count * 3) == e->hash;
+}
+
+static bool performs_at_rest(live_desk *d, void *data)
+{
+    return d->view->mode == LIVE_PERFORMS && desk_is_at_rest(d, data);
+}
+
+static bool has_eased(live_desk *d, void *data)
+{
+    const int64_t *from_ns = data;
+    return d->view->published_ns > *from_ns + NS_PER_S * 3 / 10 ||
+           clock_now_ns() > *from_ns + 2 * NS_PER_S;
+}
+
+/* What eases over, from a change of now, has eased. */
+static void ease(live_desk *d)
+{
+    int64_t now_ns = clock_now_ns();
+    assert_true(desk_until(d, has_eased, &now_ns));
+}
+
 static void pack_up(projector *of)
 {
     sequencer_destroy(of->plays);
@@ -89,16 +110,18 @@ static void shown_take_stands_where_it_is_sought(void **state)
     const int64_t instants[] = {t.duration_ns / 2, t.duration_ns / 4, t.duration_ns * 3 / 4, 0};
     projector alone;
     project(&d, &t, &alone);
-    for (size_t i = 0; i < 4; ++i)
-        assert_true(hash_at(&d, instants[i]) == projected(&d, &alone, instants[i]));
+    for (size_t i = 0; i < 4; ++i) {
+        expected e = {instants[i], projected(&d, &alone, instants[i])};
+        live_seek(d.live, instants[i]);
+        if (!desk_until(&d, shows, &e))
+            fail_msg("instant %u of the take is not shown as it was recorded", (unsigned)i);
+    }
     pack_up(&alone);
     for (int64_t i = 0; i <= 100; ++i) /* scrubbing: only the last one counts */
         live_seek(d.live, t.duration_ns * i / 100);
     assert_true(desk_until(&d, stands_at, &t.duration_ns));
     live_show_hands(d.live);
-    desk_pass(&d, 0.4);
-    assert_int_equal(d.view->mode, LIVE_PERFORMS);
-    assert_true(desk_apart_mm(&d, d.first) < 1e-3);
+    assert_true(desk_until(&d, performs_at_rest, NULL));
     assert_int_equal(live_shown_take(d.live), 0);
     take_finish(&t);
     desk_finish(&d);
@@ -151,14 +174,13 @@ static void hands_are_recorded_while_a_take_is_shown(void **state)
     desk_start(&d, "puppet", NULL, DESK_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
-    desk_pass(&d, 0.4);
+    ease(&d);
     uint64_t shown = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
     uint32_t right = desk_contact(&d, "mouth.corner.r");
     desk_drag(&d, POINTER_PULLS, right, (vec3){0, -5, 0}, false);
     assert_true(shown == desk_hash(d.view->position, (size_t)d.view->vertex_count * 3));
     desk_must(live_keep(d.live, 0.1, &slate, &kept_id, &err), &err);
     desk_let_go(&d);
-    desk_pass(&d, 0.5);
     desk_take(&d, kept_id, &kept);
     projector alone;
     project(&d, &kept, &alone);
@@ -203,14 +225,14 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     desk_drag(&d, POINTER_PULLS, desk_contact(&d, "chin"), (vec3){0, -3, 0}, true);
     desk_let_go(&d);
     show_take_on(&d, id, &t);
-    desk_pass(&d, 0.4); /* what eases over has eased */
+    ease(&d);
     const live_over over = {.passes = 1};
     desk_must(live_record_over(d.live, &over, &err), &err);
     uint32_t right = desk_contact(&d, "mouth.corner.r");
     vec3 rest = desk_rest(&d, right);
     int64_t until_ns = clock_now_ns() + 1300 * NS_PER_MS;
     double step = 0.0;
-    while (clock_now_ns() < until_ns) {
+    while (clock_now_ns() < until_ns || frames < 10) {
         step = fmin(step + 0.1, 6.0);
         if (step > 1.0)
             desk_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-step, step, 0}), false);
@@ -225,7 +247,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     live_status_of(d.live, &status);
     assert_true(status.is_recording);
     desk_must(live_record_end(d.live, &err), &err);
-    desk_let_go(&d);
+    desk_point(&d, POINTER_AWAY, rest, rest, false);
     if (!live_take_over(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     assert_true(count >= 2);
@@ -246,7 +268,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     assert_true(compared > frames / 2);
     assert_false(live_take_over(d.live, &edits, &count, &err));
     desk_must(live_show_take(d.live, &t, &err), &err);
-    desk_pass(&d, 0.1);
+    ease(&d);
     assert_int_equal(d.view->mode, LIVE_SHOWS);
     free(frame);
     take_finish(&t);
