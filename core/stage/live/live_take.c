@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* For instants of a take that are kept to scrub from: two minutes of clay on the puppet, hours of
+ * anything else. */
+static const size_t scrub_bytes = (size_t)64 << 20;
+
 /* ---- where each take stood ---- */
 
 static void remember_place(live *self)
@@ -59,7 +63,8 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
                                          .plugins = self->settings.plugins,
                                          .log = self->settings.log,
                                          .face = &self->scene->ready,
-                                         .solver = self->scene->solver};
+                                         .solver = self->scene->solver,
+                                         .checkpoint_bytes = scrub_bytes};
     if (result >= 0)
         result = sequencer_create(&made->sequencer, &settings, t, err);
     if (result >= 0)
