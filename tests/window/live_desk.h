@@ -44,8 +44,8 @@ static inline void desk_must(mrt_result result, const error *err)
 
 typedef enum desk_record { DESK_NO_SHOW = 0, DESK_SHOW } desk_record;
 
-static inline void desk_start(live_desk *d, const char *name, const char *mapping,
-                              desk_record records)
+static inline void desk_start_heard(live_desk *d, const char *name, const char *mapping,
+                                    desk_record records, const sound_backend *backend)
 {
     static const char *const libraries[] = {"log", "anchored", "unanchored", "one_hand"};
     const char *temporary = getenv("TMPDIR");
@@ -69,13 +69,20 @@ static inline void desk_start(live_desk *d, const char *name, const char *mappin
                                     .show = d->show,
                                     .face = &d->face,
                                     .face_path = d->face_path,
-                                    .mapping = mapping};
+                                    .mapping = mapping,
+                                    .sound = backend};
     desk_must(live_start(&d->live, &settings, &err), &err);
     assert_true(live_look(d->live, &d->view));
     size_t size = (size_t)d->view->vertex_count * 3 * sizeof *d->first;
     d->first = malloc(size);
     assert_non_null(d->first);
     memcpy(d->first, d->view->position, size);
+}
+
+static inline void desk_start(live_desk *d, const char *name, const char *mapping,
+                              desk_record records)
+{
+    desk_start_heard(d, name, mapping, records, NULL);
 }
 
 static inline void desk_stop_live(live_desk *d)
