@@ -255,7 +255,7 @@ static void run_mapping(layer *self, const mrt_sample *sample)
     instance_latch(self->mapping);
     tell_params(self, sample);
     self->frame.params = self->mapping->params;
-    if (self->seam && !layer_is_between(self) &&
+    if (self->seam && !layer_is_fading(self) &&
         self->seam->take_turn(self->mapping->self, &self->pull))
         layer_cut(self);
     mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
@@ -296,7 +296,7 @@ static void read_pointer(layer *self, const channel_route *route, const mrt_samp
 
 static void begin_anew(layer *self)
 {
-    if (!self->resets || layer_is_between(self))
+    if (!self->resets || layer_is_fading(self))
         return;
     self->resets = false;
     layer_cut(self);

@@ -38,7 +38,7 @@ hands *layer_hands(layer *self);
 
 #define LAYER_FADE_S 0.25
 
-/* Before a sample, not while is_between: what the mapping gives from its first pull on is another's
+/* Before a sample, not while is_fading: what the mapping gives from its first pull on is another's
  * than before. What was pulled last leaves while the new comes, over LAYER_FADE_S of the samples'
  * time; an anchored pull with free points elsewhere stays in the shape instead, as when a mapping
  * takes hold anew. */

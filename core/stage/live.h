@@ -109,7 +109,7 @@ typedef struct live_status {
 } live_status;
 void live_status_of(live *self, live_status *out);
 
-/* ---- inputs: at most PLAYER_INPUTS_MAX, and the pointer, which is always there ---- */
+/* ---- inputs: at most 7, and the pointer, which is always there ---- */
 
 /* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1". The others go on. Refused while a take is
  * recorded. */
@@ -154,7 +154,8 @@ void live_neutral(live *self);
 
 CHECKED mrt_result live_set_face(live *self, const face_file *face, const char *path,
                                  double unit_mm, error *err);
-/* Kernel and polynomial, radius 0: the rig's. */
+/* Kernel and polynomial, radius 0: the rig's. Shows do not keep it: whoever plays a take elsewhere
+ * does so with its rig's. */
 CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err);
 
 /* ---- recording ---- */

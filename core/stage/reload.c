@@ -319,7 +319,7 @@ bool reload_step(reload *self, layer *of)
     uint32_t step = atomic_load(&self->step);
     if (step == STEP_SAVE)
         save_state(self);
-    if (step != STEP_TAKE || layer_is_between(of))
+    if (step != STEP_TAKE || layer_is_fading(of))
         return false;
     version *v = self->next;
     self->is_state_lost = !hand_over(self, v);

@@ -375,11 +375,21 @@ mrt_result live_set_face(live *self, const face_file *file, const char *path, do
     return result < 0 ? result : set_scene(self, file, path, unit_mm, &self->scene->solver, err);
 }
 
+/* A take that is shown goes on being shown, as it is with this engine. */
 mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
 {
+    const live_scene *now = self->scene;
+    take shown = {0};
+    bool is_shown = self->is_shown;
     mrt_result result = live_check_free(self, "the engine", err);
-    live_scene *now = self->scene;
-    return result < 0 ? result : set_scene(self, now->file, now->path, now->unit_mm, solver, err);
+    if (result >= 0 && is_shown)
+        result = take_copy(&shown, &self->shown, err);
+    if (result >= 0)
+        result = set_scene(self, now->file, now->path, now->unit_mm, solver, err);
+    if (result >= 0 && is_shown)
+        result = live_show_take(self, &shown, err);
+    take_finish(&shown);
+    return result;
 }
 
 /* ---- now and then ---- */
