@@ -67,7 +67,8 @@ static uint32_t compare(live_desk *d, int64_t take_id, const seen *s)
     size_t size = (size_t)d->view->vertex_count * 3;
     float *rows = malloc(size * sizeof *rows);
     int64_t start_ns = d->live->take_begun_ns;
-    for (uint32_t i = 0; i < s->count; ++i) {
+    for (uint32_t n = 0; n < 2 * s->count; ++n) { /* on, and then back, by what was kept */
+        uint32_t i = n < s->count ? n : 2 * s->count - 1 - n;
         int64_t at_ns = s->sample_ns[i] - start_ns;
         if (at_ns < 0 || at_ns >= t.duration_ns)
             continue;
@@ -75,9 +76,10 @@ static uint32_t compare(live_desk *d, int64_t take_id, const seen *s)
         composer_draw(shown);
         points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
         if (desk_hash(rows, size) != s->hash[i])
-            fail_msg("face %u of %u, at %.4f s of %.4f s, is another one", i, s->count,
-                     (double)at_ns / 1e9, (double)t.duration_ns / 1e9);
-        compared += 1;
+            fail_msg("face %u of %u, at %.4f s of %.4f s, is another one%s", i, s->count,
+                     (double)at_ns / 1e9, (double)t.duration_ns / 1e9,
+                     n < s->count ? "" : " when it is sought");
+        compared += n < s->count;
     }
     free(rows);
     sequencer_destroy(plays);
