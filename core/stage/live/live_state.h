@@ -86,6 +86,7 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     int64_t over_ns;       /* clock: as far as it has come */
 
     bool is_dirty; /* the face is newer than what is shown */
+    int64_t published_ns;
     int64_t sample_ns;
     double step_ms[LIVE_STEPS]; /* since the last published face */
     double min_determinant, penetration_mm;
