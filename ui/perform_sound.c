@@ -5,7 +5,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 static const int64_t patience_ns = 3 * NS_PER_S;
 
@@ -48,34 +47,6 @@ void perform_sound_stop(perform_sound *self)
     }
 }
 
-static int64_t utc_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / NS_PER_MS;
-}
-
-static mrt_result attach(perform_sound *self, int64_t take_id, const show_audio *audio, error *err)
-{
-    edit_store *store = NULL;
-    history *h = NULL;
-    edit e;
-    mrt_result result = edit_store_open(&store, self->show, take_id, utc_ms, err);
-    if (result < 0)
-        return result;
-    history_store list = edit_store_list(store);
-    const take *bare = edit_store_bare(store);
-    result = history_open(&h, bare, &list, err);
-    edit_init(&e, EDIT_AUDIO_ATTACH);
-    e.audio = audio->id;
-    e.offset_ns = audio->start_ns - bare->start_ns;
-    if (result >= 0)
-        result = history_do(h, &e, err);
-    history_close(h);
-    edit_store_close(store);
-    return result;
-}
-
 mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told, error *err)
 {
     sound_in_status status;
@@ -89,7 +60,7 @@ mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *tol
     }
     mrt_result result = show_audio_info(self->show, status.record.audio, &audio, err);
     if (result >= 0)
-        result = attach(self, take_id, &audio, err);
+        result = edit_store_attach_audio(self->show, take_id, &audio, clock_utc_ms, err);
     if (result < 0)
         return result;
     facts_text(told, "sound", "sound", audio.name);

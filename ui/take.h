@@ -159,6 +159,5 @@ typedef struct take_name {
 } take_name;
 take_name take_slate_text(const char *scene, const char *shot,
                           uint32_t number); /* "1/a/2"; without what is "" */
-int64_t take_utc_ms(void);
 
 #endif

@@ -1,4 +1,5 @@
 #include "take_change.h"
+#include "base/clock.h"
 
 #include "base/text.h"
 #include "take/own.h"
@@ -100,7 +101,7 @@ mrt_result take_change_run(take_call *call,
     history *of;
     mrt_result result = take_find(call, call->word[1], &id, err);
     if (result >= 0)
-        result = edit_store_open(&store, call->show, id, take_utc_ms, err);
+        result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(store);

@@ -1,6 +1,7 @@
 /* Subcommands of a show as a whole: what is in it, what is made of what was not recorded on
  * purpose, and what can be saved of a damaged one. */
 #include "take/edit_store.h"
+#include "base/clock.h"
 #include "take_play.h"
 
 #include <stdio.h>
@@ -139,7 +140,7 @@ static mrt_result run_keep(take_call *call, error *err)
         return result;
     result = keep_newest(call, seconds, ids, count, &kept, err);
     free(ids);
-    const show_new_take made = {.created_ns = take_utc_ms() * 1000000,
+    const show_new_take made = {.created_ns = clock_utc_ms() * 1000000,
                                 .start_ns = kept.from_ns,
                                 .end_ns = kept.to_ns,
                                 .scene = call->text[TAKE_SCENE] ? call->text[TAKE_SCENE] : "",

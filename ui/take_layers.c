@@ -1,5 +1,6 @@
 /* Subcommands that edit the layers of a take, and what they take from other takes. */
 #include "take/own.h"
+#include "base/clock.h"
 #include "take_change.h"
 
 #include <math.h>
@@ -265,7 +266,7 @@ static mrt_result with_history(take_call *call, int what, error *err)
     history *of;
     mrt_result result = take_find(call, call->word[1], &id, err);
     if (result >= 0)
-        result = edit_store_open(&store, call->show, id, take_utc_ms, err);
+        result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(store);

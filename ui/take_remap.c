@@ -1,6 +1,7 @@
 /* marotte take remap: the tracks of a take through another mapping, calibration, filter, or onto
  * another face, as a new take. */
 #include "base/text.h"
+#include "base/clock.h"
 #include "hand/calibration_file.h"
 #include "news.h"
 #include "stage/spec.h"
@@ -258,7 +259,7 @@ static mrt_result make_take(remap *self, int64_t *out_id, error *err)
     (void)snprintf(origin, sizeof origin, "take %lld through %.60s", (long long)self->old.id,
                    self->mapping.type ? self->mapping.type->id : "its own mapping, anew");
     const show_new_take made = {
-        .created_ns = take_utc_ms() * 1000000,
+        .created_ns = clock_utc_ms() * 1000000,
         .start_ns = self->made.start_ns,
         .end_ns = self->made.end_ns,
         .scene = call->text[TAKE_SCENE] ? call->text[TAKE_SCENE] : self->old.scene,
@@ -268,7 +269,7 @@ static mrt_result make_take(remap *self, int64_t *out_id, error *err)
         .span_count = self->span_count,
         .base_edits = (const char *const *)self->json,
         .base_edit_count = self->json_count,
-        .utc_ms = take_utc_ms()};
+        .utc_ms = clock_utc_ms()};
     return show_take_create(call->show, &made, out_id, err);
 }
 

@@ -1,5 +1,6 @@
 /* marotte take show: what a take is made of. */
 #include "take/edit_store.h"
+#include "base/clock.h"
 #include "take/hash.h"
 #include "take_play.h"
 #include "take_stage.h"
@@ -143,7 +144,7 @@ static mrt_result tell_edits(take_call *call, int64_t id, error *err)
 {
     edit_store *store;
     history *of;
-    mrt_result result = edit_store_open(&store, call->show, id, take_utc_ms, err);
+    mrt_result result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(store);

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 struct overdub {
     overdub_settings settings;
@@ -199,13 +198,6 @@ player_stage overdub_stage(overdub *self)
 
 /* ---- it becomes a part of the take ---- */
 
-static int64_t utc_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / NS_PER_MS;
-}
-
 static mrt_result make_edits(const overdub *self, history *h, overdub_result *out, error *err)
 {
     edit *edits;
@@ -239,7 +231,7 @@ mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
         return result;
     edit_store *store = NULL;
     history *h = NULL;
-    result = edit_store_open(&store, self->settings.show, self->settings.take, utc_ms, err);
+    result = edit_store_open(&store, self->settings.show, self->settings.take, clock_utc_ms, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(store);

@@ -143,3 +143,24 @@ mrt_result edit_store_take(take *out, show *s, int64_t take_id, error *err)
     edit_store_close(self);
     return result;
 }
+
+mrt_result edit_store_attach_audio(show *s, int64_t take_id, const show_audio *audio,
+                                   int64_t (*utc_ms)(void), error *err)
+{
+    edit_store *self = NULL;
+    history *h = NULL;
+    edit e;
+    mrt_result result = edit_store_open(&self, s, take_id, utc_ms, err);
+    if (result < 0)
+        return result;
+    history_store list = edit_store_list(self);
+    result = history_open(&h, &self->bare, &list, err);
+    edit_init(&e, EDIT_AUDIO_ATTACH);
+    e.audio = audio->id;
+    e.offset_ns = audio->start_ns - self->bare.start_ns;
+    if (result >= 0)
+        result = history_do(h, &e, err);
+    history_close(h);
+    edit_store_close(self);
+    return result;
+}

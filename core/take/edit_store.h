@@ -21,4 +21,8 @@ void edit_store_close(edit_store *self); /* its history first; accepts NULL */
 history_store edit_store_list(edit_store *self);
 const take *edit_store_bare(const edit_store *self); /* as it was made, until close */
 
+/* What was recorded beside a take becomes its sound, where it was: one edit. */
+CHECKED mrt_result edit_store_attach_audio(show *s, int64_t take_id, const show_audio *audio,
+                                           int64_t (*utc_ms)(void), error *err);
+
 #endif

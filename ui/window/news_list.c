@@ -1,9 +1,10 @@
 #include "window/news_list.h"
 
+#include "base/clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 struct news_list {
     news_item item[NEWS_MAX]; /* a ring */
@@ -22,13 +23,6 @@ news_list *news_list_create(void)
 void news_list_destroy(news_list *self)
 {
     free(self);
-}
-
-static int64_t utc_ms_now(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
 static news_item *at(news_list *self, uint32_t index)
@@ -56,7 +50,7 @@ static void copy_line(char *out, size_t capacity, const char *text)
 
 void news_list_add(news_list *self, int32_t level, const char *source, const char *text)
 {
-    news_item item = {.level = level, .utc_ms = utc_ms_now()};
+    news_item item = {.level = level, .utc_ms = clock_utc_ms()};
     copy_line(item.source, sizeof item.source, source);
     copy_line(item.text, sizeof item.text, text);
     if (is_said_again(self, &item))

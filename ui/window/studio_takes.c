@@ -1,10 +1,11 @@
 /* The list of takes, and the one that is chosen with its edits. */
 #include "window/studio_state.h"
 
+#include "base/clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define AWAITED_S 10.0
 
@@ -213,13 +214,6 @@ uint32_t studio_takes(const studio *self, const studio_take_line **out)
 
 /* ---- the one that is chosen ---- */
 
-static int64_t utc_ms_now(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
-}
-
 void studio_drop_take(studio *self)
 {
     history_close(self->history);
@@ -241,7 +235,7 @@ mrt_result studio_pick_take(studio *self, int64_t id)
         return MRT_OK;
     if (!self->show)
         return studio_said(self, error_set(&err, MRT_ERR_ARGUMENT, "no show is open"), &err);
-    mrt_result result = edit_store_open(&self->store, self->show, id, utc_ms_now, &err);
+    mrt_result result = edit_store_open(&self->store, self->show, id, clock_utc_ms, &err);
     if (result >= 0) {
         const history_store list = edit_store_list(self->store);
         result = history_open(&self->history, edit_store_bare(self->store), &list, &err);

@@ -3,7 +3,6 @@
 #include "stage/live/live_state.h"
 #include "take/edit_store.h"
 
-#include <time.h>
 
 /* How long the end of a recording may take when the program ends. */
 static const int64_t patience_ns = 3 * NS_PER_S;
@@ -62,34 +61,6 @@ void live_disarm_sound(live *self)
 
 /* ---- it becomes the take's ---- */
 
-static int64_t utc_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / NS_PER_MS;
-}
-
-static mrt_result attach_audio(live *self, int64_t take_id, const show_audio *audio, error *err)
-{
-    edit_store *store = NULL;
-    history *h = NULL;
-    edit e;
-    mrt_result result = edit_store_open(&store, self->show, take_id, utc_ms, err);
-    if (result < 0)
-        return result;
-    history_store list = edit_store_list(store);
-    const take *bare = edit_store_bare(store);
-    result = history_open(&h, bare, &list, err);
-    edit_init(&e, EDIT_AUDIO_ATTACH);
-    e.audio = audio->id;
-    e.offset_ns = audio->start_ns - bare->start_ns;
-    if (result >= 0)
-        result = history_do(h, &e, err);
-    history_close(h);
-    edit_store_close(store);
-    return result;
-}
-
 static void attach(live *self)
 {
     sound_in_status status;
@@ -104,7 +75,7 @@ static void attach(live *self)
     if (result >= 0)
         result = show_audio_info(self->show, status.record.audio, &audio, &err);
     if (result >= 0)
-        result = attach_audio(self, take_id, &audio, &err);
+        result = edit_store_attach_audio(self->show, take_id, &audio, clock_utc_ms, &err);
     if (result < 0)
         log_pushf(self->settings.log, MRT_LOG_ERROR, "sound", "not attached to its take: %.200s",
                   err.text);
