@@ -3,7 +3,6 @@
 #include "stage/live/live_state.h"
 #include "take/edit_store.h"
 
-
 /* How long the end of a recording may take when the program ends. */
 static const int64_t patience_ns = 3 * NS_PER_S;
 
