@@ -3,6 +3,7 @@
 #include "stage.h"
 
 #include "base/isa.h"
+#include "base/memory.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -47,6 +48,7 @@ int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
+    memory_give_back();
     error err = {""};
     if (isa_check(&err) < 0) {
         fprintf(stderr, "marotte: %s\n", err.text);

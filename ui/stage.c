@@ -1,6 +1,7 @@
 /* marotte: the stage, in a window or without one. */
 #include "stage.h"
 
+#include "base/memory.h"
 #include "facts.h"
 #include "window/desk.h"
 #include "window/front.h"
@@ -247,12 +248,7 @@ static void close_stage(stage *self)
 
 static double resident_mb(void)
 {
-    unsigned long size = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    const bool is_read = file && fscanf(file, "%lu %lu", &size, &resident) == 2;
-    if (file)
-        (void)fclose(file);
-    return is_read ? (double)resident * (double)sysconf(_SC_PAGESIZE) / 1e6 : 0.0;
+    return (double)memory_resident() / 1e6;
 }
 
 static double seconds_since(const struct timespec *began)
@@ -311,12 +307,14 @@ static void tell(const stage *self)
     facts_number(told, "frames", "frames", (double)counts.frame_count, 0, "");
     facts_number(told, "samples", "samples performed", (double)self->sample_count, 0, "");
     facts_number(told, "first_face_s", "first face", counts.first_face_s, 2, "s");
-    facts_number(told, "draw_p50_ms", "a frame", counts.draw_p50_ms, 2, "ms");
-    facts_number(told, "draw_p99_ms", "  99 %", counts.draw_p99_ms, 2, "ms");
-    facts_number(told, "panels_p50_ms", "panels", counts.panels_p50_ms, 3, "ms");
-    facts_number(told, "panels_p99_ms", "  99 %", counts.panels_p99_ms, 3, "ms");
-    facts_number(told, "latency_p50_ms", "hand to face", counts.latency_p50_ms, 2, "ms");
-    facts_number(told, "latency_p99_ms", "  99 %", counts.latency_p99_ms, 2, "ms");
+    facts_number(told, "interval_p50_ms", "a frame every", counts.fast.interval_p50_ms, 2, "ms");
+    facts_number(told, "interval_p99_ms", "  99 %", counts.fast.interval_p99_ms, 2, "ms");
+    facts_number(told, "draw_p50_ms", "drawing it", counts.fast.draw_p50_ms, 2, "ms");
+    facts_number(told, "draw_p99_ms", "  99 %", counts.fast.draw_p99_ms, 2, "ms");
+    facts_number(told, "panels_p50_ms", "panels", counts.fast.panels_p50_ms, 3, "ms");
+    facts_number(told, "panels_p99_ms", "  99 %", counts.fast.panels_p99_ms, 3, "ms");
+    facts_number(told, "latency_p50_ms", "hand to face", counts.fast.latency_p50_ms, 2, "ms");
+    facts_number(told, "latency_p99_ms", "  99 %", counts.fast.latency_p99_ms, 2, "ms");
     if (self->warm_mb > 0.0) {
         facts_number(told, "memory_warm_mb", "memory, warm", self->warm_mb, 1, "MB");
         facts_number(told, "memory_end_mb", "memory, at the end", self->end_mb, 1, "MB");

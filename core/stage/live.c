@@ -209,6 +209,7 @@ void live_status_of(live *self, live_status *out)
     status->sample_count = pulse->sample_count;
     status->counts = pulse->counts;
     status->rezeros = pulse->rezeros;
+    status->kept_bytes = pulse->kept_bytes;
     if (pulse->take > 0)
         status->take = pulse->take;
     measure(self, pulse);

@@ -93,6 +93,7 @@ typedef struct live_status {
     int64_t take;        /* that is being, or was last, recorded; 0: none */
     int64_t recorded_ns; /* how long it is by now */
     int64_t journal_ns;  /* how far back live_keep reaches now */
+    size_t kept_bytes;   /* of the take on the stage, to scrub from: at most 64 MiB */
     uint64_t sample_count;
     performer_counts counts;
     rezero_counts rezeros;

@@ -478,6 +478,11 @@ uint64_t sequencer_sample_count(const sequencer *self)
     return self->sample_count;
 }
 
+size_t sequencer_kept_bytes(const sequencer *self)
+{
+    return self->moment_bytes;
+}
+
 composer *sequencer_composer(sequencer *self)
 {
     return self->composer;

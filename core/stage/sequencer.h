@@ -36,6 +36,7 @@ CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err)
 CHECKED mrt_result sequencer_step(sequencer *self, error *err);
 int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first instant */
 uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */
+size_t sequencer_kept_bytes(const sequencer *self);     /* of checkpoints */
 
 /* The face shown: composer_draw it. */
 composer *sequencer_composer(sequencer *self);

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "base/memory.h"
 #include "stage/input.h"
 #include "window/devices_panel_words.h"
 #include "window/engine_panel_words.h"
@@ -178,7 +179,7 @@ static void times_take_three_digits(void **state)
 static void memory_is_known_here(void **state)
 {
     (void)state;
-    assert_true(engine_memory() > 1000000);
+    assert_true(memory_resident() > 1000000);
 }
 
 int main(void)

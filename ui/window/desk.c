@@ -323,6 +323,14 @@ static void keep_size(const desk *self)
     settings_set_number(kept, "window.height", floor((double)self->screen.height));
 }
 
+static void look_at_figures(const desk *self, studio_figures *out)
+{
+    figures_look(&self->panels_ms, &out->panels_p50_ms, &out->panels_p99_ms);
+    figures_look(&self->interval_ms, &out->interval_p50_ms, &out->interval_p99_ms);
+    figures_look(&self->draw_ms, &out->draw_p50_ms, &out->draw_p99_ms);
+    figures_look(&self->latency_ms, &out->latency_p50_ms, &out->latency_p99_ms);
+}
+
 static void tell_figures(desk *self)
 {
     studio_figures out;
@@ -330,9 +338,7 @@ static void tell_figures(desk *self)
     if (self->figures_wait_s > 0.0)
         return;
     self->figures_wait_s = FIGURES_EVERY_S;
-    figures_look(&self->panels_ms, &out.panels_p50_ms, &out.panels_p99_ms);
-    figures_look(&self->draw_ms, &out.draw_p50_ms, &out.draw_p99_ms);
-    figures_look(&self->latency_ms, &out.latency_p50_ms, &out.latency_p99_ms);
+    look_at_figures(self, &out);
     studio_note_figures(self->studio, &out);
     tell_title(self);
     keep_size(self);
@@ -341,9 +347,7 @@ static void tell_figures(desk *self)
 void desk_counted(const desk *self, desk_counts *out)
 {
     *out = (desk_counts){.frame_count = self->frame_count, .first_face_s = self->first_face_s};
-    figures_look(&self->panels_ms, &out->panels_p50_ms, &out->panels_p99_ms);
-    figures_look(&self->draw_ms, &out->draw_p50_ms, &out->draw_p99_ms);
-    figures_look(&self->latency_ms, &out->latency_p50_ms, &out->latency_p99_ms);
+    look_at_figures(self, &out->fast);
 }
 
 /* ---- a frame ---- */
@@ -378,8 +382,11 @@ bool desk_frame(desk *self)
     draw(self);
     ui_end(self->ui);
     note_face(self);
-    if (self->frame_count > 1) /* the first ones make what all use */
+    if (self->frame_count > 1) { /* the first ones make what all use */
         figures_add(&self->draw_ms, ms_between(began_ns, clock_now_ns()));
+        figures_add(&self->interval_ms, ms_between(self->began_ns, began_ns));
+    }
+    self->began_ns = began_ns;
     front_end(self->front, self->ui);
     show_output(self);
     tell_figures(self);

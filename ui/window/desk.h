@@ -15,10 +15,8 @@ bool desk_frame(desk *self);
 
 typedef struct desk_counts {
     uint64_t frame_count;
-    double panels_p50_ms, panels_p99_ms;   /* CPU time of all panels, without the face */
-    double draw_p50_ms, draw_p99_ms;       /* the whole frame */
-    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted */
-    double first_face_s;                   /* since the program started */
+    studio_figures fast;
+    double first_face_s; /* since the program started */
 } desk_counts;
 void desk_counted(const desk *self, desk_counts *out);
 

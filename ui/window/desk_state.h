@@ -58,10 +58,10 @@ struct desk {
     uint32_t held_key;
 
     char title[600];
-    figures panels_ms, draw_ms, latency_ms;
+    figures panels_ms, interval_ms, draw_ms, latency_ms;
     uint64_t frame_count, face_shown;
     double figures_wait_s, first_face_s;
-    int64_t began_ns;
+    int64_t began_ns; /* the last drawn frame */
 };
 
 /* ---- parts of the screen; each a room of its own ---- */

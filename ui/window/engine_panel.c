@@ -1,4 +1,5 @@
 /* The engine panel: how the face is solved, how near it is to a fold, and what time it takes. */
+#include "base/memory.h"
 #include "window/engine_panel_plot.h"
 #include "window/engine_panel_words.h"
 #include "window/panels.h"
@@ -198,7 +199,10 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
         draw_pair(on, step_name[i], status->step_p50_ms[i], status->step_p99_ms[i], step_help[i]);
     draw_pair(on, "Hand to picture", figures->latency_p50_ms, figures->latency_p99_ms,
               "From a sample measured to its face handed to the screen.");
-    draw_pair(on, "Window", figures->draw_p50_ms, figures->draw_p99_ms, "A whole drawn frame.");
+    draw_pair(on, "Window", figures->interval_p50_ms, figures->interval_p99_ms,
+              "From one drawn frame to the next.");
+    draw_pair(on, "Drawing", figures->draw_p50_ms, figures->draw_p99_ms,
+              "A drawn frame, until it is handed to the screen.");
     draw_pair(on, "Panels", figures->panels_p50_ms, figures->panels_p99_ms,
               "All panels of a drawn frame, without the face.");
     ui_text(on, UI_STYLE_DIM, "Sample performed");
@@ -258,7 +262,7 @@ static void update(panel *self, double dt_s)
     self->memory_s += dt_s;
     if (self->memory > 0 && self->memory_s < 1.0)
         return;
-    self->memory = engine_memory();
+    self->memory = memory_resident();
     self->memory_s = 0.0;
 }
 

@@ -1,7 +1,6 @@
 #include "window/engine_panel_words.h"
 
 #include <stdio.h>
-#include <unistd.h>
 
 static const double nearly = 0.15;
 
@@ -55,16 +54,4 @@ uint32_t engine_counters(const live_status *status, engine_counter out[ENGINE_CO
     n = add(out, n, of->commits, false, "Commits", "How often the shape shown became the base.");
     n = add(out, n, of->substeps, false, "Substeps", "Clay: parts in which steps were made.");
     return n;
-}
-
-uint64_t engine_memory(void)
-{
-    unsigned long long total = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file)
-        return 0;
-    int read = fscanf(file, "%llu %llu", &total, &resident);
-    fclose(file);
-    long page = sysconf(_SC_PAGESIZE);
-    return read == 2 && page > 0 ? resident * (unsigned long long)page : 0;
 }

@@ -1,5 +1,5 @@
 /* window/engine_panel_words.h - what the engine's counters mean, and how near to a fold the face
- * is, in words. Pure but for engine_memory. */
+ * is, in words. Pure. */
 #ifndef MAROTTE_UI_WINDOW_ENGINE_PANEL_WORDS_H
 #define MAROTTE_UI_WINDOW_ENGINE_PANEL_WORDS_H
 #include "stage/live.h"
@@ -21,8 +21,5 @@ typedef struct engine_counter {
 } engine_counter;
 /* Those that are not zero. Returns how many. */
 uint32_t engine_counters(const live_status *status, engine_counter out[ENGINE_COUNTERS_MAX]);
-
-/* Bytes of memory that the program holds now; 0: not known. Reads a file of the system. */
-uint64_t engine_memory(void);
 
 #endif

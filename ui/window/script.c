@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "window/script_keys.h"
 #include "window/script_random.h"
@@ -26,6 +27,7 @@ typedef enum command_kind {
     COMMAND_WAIT,
     COMMAND_FRAMES,
     COMMAND_PICTURE,
+    COMMAND_MEMORY,
     COMMAND_RANDOM,
     COMMAND_KINDS
 } command_kind;
@@ -51,6 +53,8 @@ static const struct {
     [COMMAND_WAIT] = {"wait", 1, REST_NONE, "wait SECONDS          of real time"},
     [COMMAND_FRAMES] = {"frames", 1, REST_NONE, "frames N              so many are drawn"},
     [COMMAND_PICTURE] = {"picture", 0, REST_TEXT, "picture FILE.png      of the window"},
+    [COMMAND_MEMORY] = {"memory", 0, REST_TEXT,
+                        "memory WORDS          prints what the program has, and what of it can go"},
     [COMMAND_RANDOM] = {"random", 2, REST_NONE,
                         "random SEED SECONDS   clicks, drags, keys; never ends the program"},
 };
@@ -302,6 +306,13 @@ static mrt_result do_time(script *self, const command *c, const script_stage *on
     return MRT_OK;
 }
 
+/* For tests: to where errors go, so that the facts of --json stay alone. */
+static void tell_memory(const command *c, const script_stage *on)
+{
+    fprintf(stderr, "memory %s: %.1f MB, kept to scrub from: %.1f MB\n", c->text,
+            (double)memory_resident() / 1e6, (double)studio_status(on->studio)->kept_bytes / 1e6);
+}
+
 /* MRT_END: this command is done. */
 static mrt_result do_one(script *self, const command *c, const script_stage *on, error *err)
 {
@@ -341,6 +352,9 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
     case COMMAND_PICTURE:
         result = front_picture(on->front, c->text, err);
         return result < 0 ? result : MRT_END;
+    case COMMAND_MEMORY:
+        tell_memory(c, on);
+        return MRT_END;
     case COMMAND_KINDS:
         break;
     }

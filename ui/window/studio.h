@@ -119,8 +119,9 @@ studio_choice *studio_chosen(studio *self);
  */
 
 typedef struct studio_figures {
-    double panels_p50_ms, panels_p99_ms;   /* CPU time of all panels, without the face */
-    double draw_p50_ms, draw_p99_ms;       /* the whole frame */
+    double panels_p50_ms, panels_p99_ms;     /* CPU time of all panels, without the face */
+    double interval_p50_ms, interval_p99_ms; /* from one drawn frame to the next */
+    double draw_p50_ms, draw_p99_ms;         /* of that: until it is handed to the screen */
     double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
 } studio_figures;
 void studio_note_figures(studio *self, const studio_figures *figures);

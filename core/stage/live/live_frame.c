@@ -197,6 +197,7 @@ void live_frame_pulse(live_stage *stage)
     now->counts = *performer_counted(p);
     now->rezeros = *performer_rezeros(p);
     now->mode = stage->mode;
+    now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
     now->is_taking = stage->recorder && recorder_is_taking(stage->recorder);
     now->take = stage->recorder ? recorder_take(stage->recorder) : 0;
     stage->pulse[slot_back(&stage->pulse_slot)] = *now;

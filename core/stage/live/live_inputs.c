@@ -2,7 +2,6 @@
 #include "base/clock.h"
 #include "hand/calibration_file.h"
 #include "stage/live/live_state.h"
-#include "stage/spec.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,7 +56,7 @@ static mrt_result join_input(live *self, live_input_entry *entry, error *err)
     return result;
 }
 
-mrt_result live_add_made(live *self, input *made, const char *text, error *err)
+mrt_result live_add_input(live *self, input *made, const char *text, error *err)
 {
     mrt_result result = live_check_free(self, text, err);
     if (result >= 0 && self->entry_count == LIVE_INPUTS_MAX)
@@ -79,24 +78,6 @@ mrt_result live_add_made(live *self, input *made, const char *text, error *err)
         finish_entry(&entry);
     }
     return result;
-}
-
-mrt_result live_add_input(live *self, const char *text, error *err)
-{
-    plugin_spec spec;
-    const mrt_plugin_type *type;
-    input *made;
-    mrt_result result = live_check_free(self, text, err);
-    if (!spec_read(&spec, text) && result >= 0)
-        result = error_set(err, MRT_ERR_ARGUMENT, "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]",
-                           text);
-    if (result >= 0)
-        result = plugin_list_find(self->settings.plugins, spec.plugin, MRT_INPUT, &type, err);
-    if (result >= 0)
-        result = input_create(&made, type, spec.address, spec.params, CLOCK_REAL,
-                              self->settings.log, err);
-    spec_finish(&spec);
-    return result < 0 ? result : live_add_made(self, made, text, err);
 }
 
 mrt_result live_remove_input(live *self, uint32_t index, error *err)

@@ -60,7 +60,8 @@ typedef struct live_pulse { /* how the frame thread does */
     live_mode mode;
     bool is_taking; /* a take is recorded */
     int64_t take;
-    uint64_t overs; /* how often a take was performed over */
+    uint64_t overs;    /* how often a take was performed over */
+    size_t kept_bytes; /* of the take on the stage, to scrub from */
 } live_pulse;
 
 typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an order or has ended */

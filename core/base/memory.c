@@ -1,0 +1,26 @@
+#include "base/memory.h"
+
+#include <malloc.h>
+#include <stdio.h>
+#include <unistd.h>
+
+enum { LARGE_BYTES = 128 << 10 };
+
+uint64_t memory_resident(void)
+{
+    unsigned long long total = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (!file)
+        return 0;
+    int read = fscanf(file, "%llu %llu", &total, &resident);
+    fclose(file);
+    long page = sysconf(_SC_PAGESIZE);
+    return read == 2 && page > 0 ? resident * (unsigned long long)page : 0;
+}
+
+void memory_give_back(void)
+{
+#ifdef M_MMAP_THRESHOLD /* glibc raises it with use unless it is set */
+    (void)mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
+#endif
+}
