@@ -10,12 +10,13 @@
 #include <unistd.h>
 
 static const char help[] =
-    "marotte bench [--quick] [--json] [--only PART]\n\n"
+    "marotte bench [--quick] [--gate] [--json] [--only PART]\n\n"
     "Measures the engine on this machine, one thread unless it says more: every time beside the\n"
     "bandwidth of a plain copy, the rate of square roots and naive code, measured in turns in the\n"
     "same run. Times are the least of many rounds; ratios hold within a run. What a paper of 2005\n"
     "printed stands beside it for context: another computer, display included.\n\n"
     "  --quick      under 20 s: fewer rounds, cold caches only where they matter\n"
+    "  --gate       fails when a ratio is not even half of what is promised\n"
     "  --only PART  grid, bones, normals, factor, frame, stage\n"
     "  --json       one object for machines\n\n"
     "MAROTTE_ISA=generic|v2|v3|v4 makes the engine use that instruction set.\n";
@@ -104,6 +105,8 @@ static bool read_options(bench *self, int argc, char **argv, const part **out_on
             self->is_quick = true;
         } else if (strcmp(argv[i], "--json") == 0) {
             self->is_json = true;
+        } else if (strcmp(argv[i], "--gate") == 0) {
+            self->is_gate = true;
         } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
             ++i;
             for (int k = 0; k < PARTS; ++k)
@@ -131,8 +134,10 @@ static mrt_result measure(bench *self, const part *only, error *err)
     for (int i = 0; i < PARTS && result >= 0; ++i)
         if (!only || only == &parts[i])
             result = parts[i].run(self, err);
-    if (result >= 0)
+    if (result >= 0) {
         bench_memory(self);
+        self->broken_count = bench_promises(self);
+    }
     bench_roof_destroy(&self->roof);
     return result;
 }
@@ -158,7 +163,11 @@ static int run(int argc, char **argv)
     progress_end(&self.shown);
     if (result >= 0) {
         facts_finish(self.told);
-        return COMMAND_DONE;
+        if (!self.is_gate || self.broken_count == 0)
+            return COMMAND_DONE;
+        fprintf(stderr, "marotte bench: %u of the ratios are not even half of what is promised\n",
+                self.broken_count);
+        return COMMAND_FAILED;
     }
     facts_abandon(self.told);
     return command_failed(&command_bench, &err);

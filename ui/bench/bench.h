@@ -44,18 +44,38 @@ void bench_roof_roots(void *roof);
 /* Reads more than the second-level cache holds: what was in it is gone. */
 void bench_roof_flush(void *roof);
 
+typedef struct bench_promise {
+    const char *what, *unit; /* static */
+    double measured, promised;
+    bool is_most; /* promised: at most; else at least */
+    bool is_gated;
+} bench_promise;
+enum { BENCH_PROMISES = 48 };
+
 typedef struct bench {
     facts *told;
     progress shown;
-    bool is_quick, is_json;
+    bool is_quick, is_json, is_gate;
     double seconds; /* for one comparison */
     uint32_t rounds;
     bench_roof roof;
     double root_ns; /* of one square root: the best of the run */
+    bench_promise promise[BENCH_PROMISES];
+    uint32_t promise_count, broken_count; /* broken: not even half kept */
 } bench;
 
 /* A title over rows, for a person. */
 void bench_title(const bench *self, const char *title);
+
+/* ---- promises: told by the parts, printed together at the end ---- */
+
+/* Ratios of this run. `what` is static, and fits on half a line. */
+void bench_at_least(bench *self, const char *what, double measured, double promised);
+void bench_at_most(bench *self, const char *what, double measured, double promised);
+/* A time: it is said how it came out, but no gate asks for it. */
+void bench_at_most_ms(bench *self, const char *what, double measured_ms, double promised_ms);
+/* Prints them. Returns how many ratios are not even half of what is promised. */
+uint32_t bench_promises(bench *self);
 
 /* ---- the parts, in the order in which they are printed ---- */
 CHECKED mrt_result bench_machine(bench *self, error *err);
