@@ -7,19 +7,63 @@
 
 enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of two */
 
+static uint32_t words_of(uint32_t count)
+{
+    return (count + COLUMNS_WORD - 1) / COLUMNS_WORD;
+}
+
+/* ---- weights ---- */
+
+bool columns_weights_create(columns_weights *out, uint32_t capacity)
+{
+    size_t words = words_of(capacity);
+    *out = (columns_weights){.value = calloc((size_t)3 * capacity + 1, sizeof *out->value),
+                             .live = calloc(words + 1, sizeof *out->live),
+                             .word = calloc(words + 1, sizeof *out->word)};
+    if (out->value && out->live && out->word)
+        return true;
+    columns_weights_destroy(out);
+    return false;
+}
+
+void columns_weights_destroy(columns_weights *w)
+{
+    free(w->value);
+    free(w->live);
+    free(w->word);
+    *w = (columns_weights){0};
+}
+
+void columns_weights_note(columns_weights *w, uint32_t count, uint32_t capacity)
+{
+    memset(w->live, 0, words_of(capacity) * sizeof *w->live);
+    for (uint32_t column = 0; column < count; ++column) {
+        const float *g = w->value + (size_t)3 * column;
+        uint64_t counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
+        w->live[column / COLUMNS_WORD] |= counts << column % COLUMNS_WORD;
+    }
+    w->word_count = 0;
+    for (uint32_t word = 0; word < words_of(count); ++word)
+        if (w->live[word] != 0)
+            w->word[w->word_count++] = (uint16_t)word;
+}
+
+/* ---- columns ---- */
+
 mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err)
 {
-    *out = (columns){.capacity = capacity, .block_count = like->block_count, .lanes = lanes_now()};
+    *out = (columns){.capacity = capacity,
+                     .block_count = like->block_count,
+                     .mark_words = words_of(capacity),
+                     .lanes = lanes_now()};
     size_t rows = capacity;
     out->stride = (size_t)like->padded_count + STAGGER;
     if (capacity <= COLUMNS_CAPACITY && rows < SIZE_MAX / sizeof(float) / out->stride - 1) {
-        size_t marks = rows * out->block_count + 1;
+        size_t marks = (size_t)out->mark_words * out->block_count;
         out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
-        out->active = malloc(marks * sizeof *out->active);
-        out->active_count = calloc((size_t)out->block_count + 1, sizeof *out->active_count);
-        out->weight = calloc(3 * rows + 1, sizeof *out->weight);
+        out->mark = calloc(marks + 1, sizeof *out->mark);
     }
-    if (out->value && out->active && out->active_count && out->weight)
+    if (out->value && out->mark && columns_weights_create(&out->weights, capacity))
         return MRT_OK;
     columns_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory for %u columns of %u vertices", capacity,
@@ -31,9 +75,8 @@ void columns_destroy(columns *c)
     if (!c)
         return;
     free(c->value);
-    free(c->active);
-    free(c->active_count);
-    free(c->weight);
+    free(c->mark);
+    columns_weights_destroy(&c->weights);
     *c = (columns){0};
 }
 
@@ -50,21 +93,36 @@ void columns_note(columns *c, uint32_t count)
 void columns_note_groups(columns *c, uint32_t count, uint32_t group)
 {
     c->count = count;
-    memset(c->active_count, 0, c->block_count * sizeof *c->active_count);
+    memset(c->mark, 0, (size_t)c->block_count * c->mark_words * sizeof *c->mark);
     for (uint32_t column = 0; column < count; ++column) {
         const float *last = columns_row(c, column - column % group + group - 1);
-        for (uint32_t block = 0; block < c->block_count; ++block)
-            if (!c->lanes->is_zero(last + (size_t)block * POINTS_BLOCK)) {
-                size_t slot = (size_t)block * c->capacity + c->active_count[block]++;
-                c->active[slot] = (uint16_t)column;
-            }
+        uint64_t *mark = c->mark + column / COLUMNS_WORD;
+        for (uint32_t block = 0; block < c->block_count; ++block, mark += c->mark_words)
+            if (!c->lanes->is_zero(last + (size_t)block * POINTS_BLOCK))
+                *mark |= (uint64_t)1 << column % COLUMNS_WORD;
     }
 }
 
-void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], const float *weight, uint32_t block,
-                 uint32_t first, uint32_t end)
+uint32_t columns_marked(const columns *c, uint32_t block)
 {
-    c->lanes->columns_sum(c, sum, weight, block, first, end);
+    uint32_t marked = 0;
+    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
+    for (uint32_t word = 0; word < c->mark_words; ++word)
+        for (uint64_t left = mark[word]; left != 0; left &= left - 1)
+            ++marked;
+    return marked;
+}
+
+void columns_weigh(columns *c, const double *weight, uint32_t count)
+{
+    for (size_t i = 0; i < (size_t)3 * count; ++i)
+        c->weights.value[i] = (float)weight[i];
+    columns_weights_note(&c->weights, count, c->capacity);
+}
+
+void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    c->lanes->columns_sum(c, sum, block);
 }
 
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block)
@@ -72,9 +130,21 @@ void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], ui
     lanes_of(ISA_GENERIC)->columns_add(out, base, sum, block);
 }
 
+uint32_t columns_move_blocks(const columns *c, points *out, const points *base, uint8_t *moved,
+                             uint32_t first, uint32_t end)
+{
+    return c->lanes->columns_move(c, out, base, moved, first, end);
+}
+
 void columns_move(columns *c, points *out, const points *base, const double *weight)
 {
-    for (size_t i = 0; i < (size_t)3 * c->count; ++i)
-        c->weight[i] = (float)weight[i];
-    c->lanes->columns_move(c, out, base, 0, c->block_count);
+    columns_weigh(c, weight, c->count);
+    (void)columns_move_blocks(c, out, base, NULL, 0, c->block_count);
+}
+
+uint32_t columns_move_live(columns *c, points *out, const points *base, const double *weight,
+                           uint8_t *moved)
+{
+    columns_weigh(c, weight, c->count);
+    return columns_move_blocks(c, out, base, moved, 0, c->block_count);
 }

@@ -1,23 +1,39 @@
 /* csrbf/columns.h - what an anchored frame is made of: out = base + sum_j column_j weight_j, a
  * column being one number per vertex and a weight a vector. By blocks of 64 vertices, columns
- * ascending, in float32; a column that is zero all over a block costs nothing there, a column whose
- * weight is zero costs nothing at all, and a vertex that nothing moves keeps the bits of its base.
+ * ascending, in float32. A frame costs what it moves: a column that is zero all over a block costs
+ * nothing there, a column whose weight is zero costs nothing at all, however many there are, and a
+ * vertex that nothing moves keeps the bits of its base.
  * [frame] all but create/destroy: no allocation. */
 #ifndef MAROTTE_CSRBF_COLUMNS_H
 #define MAROTTE_CSRBF_COLUMNS_H
 #include "csrbf/points.h"
 
+enum { COLUMNS_CAPACITY = 65535, COLUMNS_WORD = 64 };
+
+/* The weights of a frame, and which of them count. Bits are in words of COLUMNS_WORD columns. */
+typedef struct columns_weights {
+    float *value;   /* capacity by 3 */
+    uint64_t *live; /* words: columns whose weight is not zero */
+    uint16_t *word; /* the words of `live` that are not zero, ascending */
+    uint32_t word_count;
+} columns_weights;
+
 typedef struct columns {
     float *value; /* capacity rows of `stride`, in the order of the points */
     size_t stride;
     uint32_t capacity, count, block_count;
-    uint16_t *active;       /* block_count by capacity: columns that are not zero in the block */
-    uint16_t *active_count; /* block_count */
-    float *weight;          /* capacity by 3: scratch of a frame */
+    uint32_t mark_words; /* of a block */
+    uint64_t *mark;      /* block_count by mark_words: columns that are not zero in the block */
+    columns_weights weights;
     const struct lanes *lanes;
 } columns;
 
-enum { COLUMNS_CAPACITY = 65535 };
+/* What columns_move_live says of a block. */
+typedef enum columns_block {
+    COLUMNS_STILL = 0,   /* out is base, and was before: not written */
+    COLUMNS_MOVED = 1,   /* written; out may differ from base */
+    COLUMNS_RESTORED = 2 /* written: out is base again */
+} columns_block;
 
 /* Room for `capacity` columns over the points `like`. */
 CHECKED mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err);
@@ -30,16 +46,39 @@ void columns_note(columns *c, uint32_t count);
 /* The same where `group` columns in a row have values only where the last of them has: it need not
  * be said again when only the others change. count: a multiple of group. */
 void columns_note_groups(columns *c, uint32_t count, uint32_t group);
+/* How many of the columns are not zero all over the block. */
+uint32_t columns_marked(const columns *c, uint32_t block);
 
-/* sum: 3 by POINTS_BLOCK := sum over the columns first .. end - 1 of column_j weight_j in one
- * block. weight: 3 floats for each column from 0 on. */
-void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], const float *weight, uint32_t block,
-                 uint32_t first, uint32_t end);
+/* The frame. weight: count by 3, finite as float. out is not base. */
+void columns_move(columns *c, points *out, const points *base, const double *weight);
+/* The frame where only what moves is written. moved: block_count. In: COLUMNS_MOVED where out may
+ * differ from base (everywhere at first, and wherever anything else has written out or base since);
+ * out: a columns_block each, so that what is not COLUMNS_STILL has been written by this call.
+ * Blocks that are still and that no live column reaches are not touched. Returns how many were
+ * written. The result has the bits of columns_move. */
+uint32_t columns_move_live(columns *c, points *out, const points *base, const double *weight,
+                           uint8_t *moved);
+
+/* ---- the same in parts ---- */
+
+/* What a frame begins with. weight: `count` by 3; the columns from `count` on weigh nothing. */
+void columns_weigh(columns *c, const double *weight, uint32_t count);
+/* columns_move_live in the blocks first .. end - 1 with the weights taken last; moved may be NULL:
+ * all of them are written. [any] at the same time for parts that share no block. */
+uint32_t columns_move_blocks(const columns *c, points *out, const points *base, uint8_t *moved,
+                             uint32_t first, uint32_t end);
+/* sum: 3 by POINTS_BLOCK := sum over the columns of column_j weight_j in one block, with the
+ * weights taken last. */
+void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
 /* out = base + sum; where sum is zero the bits of base. Keeps the bounds of out. out may be base.
  */
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block);
 
-/* The frame. weight: count by 3, finite as float. out is not base. */
-void columns_move(columns *c, points *out, const points *base, const double *weight);
+/* ---- weights; inside the room ---- */
+
+bool columns_weights_create(columns_weights *out, uint32_t capacity); /* false: no memory */
+void columns_weights_destroy(columns_weights *w);
+/* After value has been set for `count` columns of `capacity`: which of them count. */
+void columns_weights_note(columns_weights *w, uint32_t count, uint32_t capacity);
 
 #endif

@@ -17,9 +17,8 @@ mrt_result columns_packed_create(columns_packed *out, const columns *like, error
     if (rows < SIZE_MAX / out->stride / sizeof *out->value - 1) {
         out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
         out->scale = calloc(rows + 1, sizeof *out->scale);
-        out->weight = calloc(3 * rows + 1, sizeof *out->weight);
     }
-    if (out->value && out->scale && out->weight)
+    if (out->value && out->scale && columns_weights_create(&out->weights, like->capacity))
         return MRT_OK;
     columns_packed_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory to pack %u columns", like->capacity);
@@ -31,7 +30,7 @@ void columns_packed_destroy(columns_packed *p)
         return;
     free(p->value);
     free(p->scale);
-    free(p->weight);
+    columns_weights_destroy(&p->weights);
     *p = (columns_packed){0};
 }
 
@@ -66,16 +65,17 @@ void columns_packed_take(columns_packed *p, const columns *c)
     }
 }
 
-void columns_packed_weigh(columns_packed *p, uint32_t count, const double *weight)
+void columns_packed_weigh(columns_packed *p, const columns *c, const double *weight)
 {
-    for (size_t i = 0; i < (size_t)3 * count; ++i)
-        p->weight[i] = (float)(weight[i] * (double)p->scale[i / 3]);
+    for (size_t i = 0; i < (size_t)3 * c->count; ++i)
+        p->weights.value[i] = (float)(weight[i] * (double)p->scale[i / 3]);
+    columns_weights_note(&p->weights, c->count, c->capacity);
 }
 
 void columns_packed_move(columns_packed *p, const columns *c, points *out, const points *base,
                          const double *weight)
 {
-    columns_packed_weigh(p, c->count, weight);
+    columns_packed_weigh(p, c, weight);
     c->lanes->packed_move(p, c, out, base, 0, c->block_count);
 }
 
@@ -87,6 +87,6 @@ bool columns_packed_pays(const columns *c)
 #endif
     size_t rows = 6 * (size_t)c->block_count; /* base and out */
     for (uint32_t block = 0; block < c->block_count; ++block)
-        rows += c->active_count[block];
+        rows += columns_marked(c, block);
     return cache > 0 && rows * POINTS_BLOCK * sizeof(float) > (size_t)cache / 2;
 }

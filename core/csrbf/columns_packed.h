@@ -11,7 +11,8 @@
 typedef struct columns_packed {
     int16_t *value; /* capacity rows of `stride` */
     size_t stride;
-    float *scale, *weight; /* capacity; by 3: scratch of a frame */
+    float *scale; /* capacity */
+    columns_weights weights;
 } columns_packed;
 
 CHECKED mrt_result columns_packed_create(columns_packed *out, const columns *like, error *err);
@@ -22,8 +23,8 @@ void columns_packed_take(columns_packed *p, const columns *c);
 /* The frame of the columns taken last; weight: count by 3, finite as float. out is not base. */
 void columns_packed_move(columns_packed *p, const columns *c, points *out, const points *base,
                          const double *weight);
-/* What a frame begins with: p->weight of these weights. */
-void columns_packed_weigh(columns_packed *p, uint32_t count, const double *weight);
+/* What a frame begins with: p->weights of these weights. */
+void columns_packed_weigh(columns_packed *p, const columns *c, const double *weight);
 /* True when the columns in use, base and out take more than half of the last-level cache. */
 bool columns_packed_pays(const columns *c);
 

@@ -1,5 +1,6 @@
 #include "csrbf/csrbf.h"
 
+#include "base/pool.h"
 #include "csrbf/columns.h"
 #include "csrbf/meter.h"
 #include "csrbf/response.h"
@@ -53,6 +54,7 @@ csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
     csrbf_solver *solver = calloc(1, sizeof *solver);
     if (!solver)
         return NULL;
+    pool_hold();
     size_t room = centre_capacity;
     solver->centre_capacity = centre_capacity;
     solver->order_scratch = calloc(2 * room + 1, sizeof *solver->order_scratch);
@@ -74,6 +76,7 @@ void csrbf_solver_destroy(csrbf_solver *solver)
     free(solver->order_scratch);
     free(solver->rhs);
     free(solver);
+    pool_release();
 }
 
 static saddle *in_use(csrbf_solver *solver)
@@ -135,11 +138,16 @@ mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings, co
     return result;
 }
 
+mrt_result csrbf_check(const csrbf_solver *solver, const double *g, error *err)
+{
+    const saddle *s = &solver->saddle[solver->current];
+    return check_rows("displacement", g, s->merge.control_count, err);
+}
+
 mrt_result csrbf_solve(csrbf_solver *solver, const double *g, error *err)
 {
-    saddle *s = in_use(solver);
-    mrt_result result = check_rows("displacement", g, s->merge.control_count, err);
-    return result < 0 ? result : saddle_solve(s, solver->rhs, g, err);
+    mrt_result result = csrbf_check(solver, g, err);
+    return result < 0 ? result : saddle_solve(in_use(solver), solver->rhs, g, err);
 }
 
 void csrbf_limit_gain(csrbf_solver *solver, const points *at, double limit)
@@ -195,6 +203,11 @@ bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], cons
                     uint32_t block)
 {
     return field_in_block(field_of(solver), sum, in, block);
+}
+
+double csrbf_cost_ns(const csrbf_solver *solver, const points *in)
+{
+    return field_cost_ns(field_of(solver), in->block_count);
 }
 
 void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t stride,

@@ -55,6 +55,8 @@ CHECKED mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *sett
 /* Solves for displacements g (count by 3, in the caller's order, as given to csrbf_factor); the
  * solver then holds the field. Non-finite g is an error and leaves the last field. */
 CHECKED mrt_result csrbf_solve(csrbf_solver *solver, const double *g, error *err);
+/* Refuses what csrbf_solve refuses for being not finite and within POINTS_REACH; no more. */
+CHECKED mrt_result csrbf_check(const csrbf_solver *solver, const double *g, error *err);
 
 /* Guards against nearly flat sets of controls, which throw vertices far from them: drops the
  * flattest direction of the polynomial until the polynomial moves no corner of the box around the
@@ -84,6 +86,8 @@ uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in);
  * zero all over the block; sum may not be set then. */
 bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], const points *in,
                     uint32_t block);
+/* Estimated time of csrbf_in_block in all blocks, if every centre reached them (base/pool.h). */
+double csrbf_cost_ns(const csrbf_solver *solver, const points *in);
 
 /* Unit responses (theory section 6): d(x) = sum_k B_k(x) g_k for the factored centres. Row k of
  * out_response (stride floats apart, >= in->padded_count) holds B_k at the vertices of `in`, in

@@ -24,15 +24,13 @@ typedef struct lanes_responses {
 enum { LANES_RESPONSES = 32 }; /* at most so many columns together */
 
 typedef struct lanes {
-    /* csrbf/columns.h says what the first three do. move: blocks first .. end - 1 of the frame with
-     * c->weight. */
-    void (*columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], const float *weight,
-                        uint32_t block, uint32_t first, uint32_t end);
+    /* csrbf/columns.h says what these three do; move: columns_move_blocks. */
+    void (*columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
     void (*columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK],
                         uint32_t block);
-    void (*columns_move)(const columns *c, points *out, const points *base, uint32_t first,
-                         uint32_t end);
-    /* The same of csrbf/columns_packed.h, with p->weight. */
+    uint32_t (*columns_move)(const columns *c, points *out, const points *base, uint8_t *moved,
+                             uint32_t first, uint32_t end);
+    /* Blocks first .. end - 1 of csrbf/columns_packed.h, with p->weights. */
     void (*packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,
                         uint32_t first, uint32_t end);
     bool (*is_zero)(const float value[POINTS_BLOCK]); /* all over the block */

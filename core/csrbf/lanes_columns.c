@@ -55,28 +55,49 @@ static void add_columns(float sum[3][POINTS_BLOCK], const float *value, size_t s
         add_1(sum, value, stride, weight, column);
 }
 
-enum { CHOSEN = 64 };
+/* ---- which columns count in a block ---- */
 
-/* Of the block's columns those from first to end - 1 whose weight is not zero. */
-void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], const float *weight,
-                        uint32_t block, uint32_t first, uint32_t end)
+typedef struct chosen {
+    uint16_t column[2 * COLUMNS_WORD];
+    uint32_t count;
+} chosen;
+
+static void choose_word(chosen *to, uint64_t bits, uint32_t word)
 {
-    const uint16_t *active = c->active + (size_t)block * c->capacity;
-    const float *value = c->value + (size_t)block * POINTS_BLOCK;
-    uint32_t count = c->active_count[block], chosen = 0;
-    uint16_t column[CHOSEN + 1];
-    memset(sum, 0, 3 * sizeof *sum);
-    for (uint32_t i = 0; i < count; ++i) {
-        const float *g = weight + (size_t)3 * active[i];
-        bool counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
-        column[chosen] = active[i];
-        chosen += counts & (active[i] >= first) & (active[i] < end);
-        if (chosen == CHOSEN) {
-            add_columns(sum, value, c->stride, weight, column, chosen);
-            chosen = 0;
-        }
+    for (; bits != 0; bits &= bits - 1)
+        to->column[to->count++] = (uint16_t)(word * COLUMNS_WORD + (uint32_t)__builtin_ctzll(bits));
+}
+
+/* Goes on until there may be no more room. False: all words of the weights have been asked. */
+static bool choose_more(chosen *to, uint32_t *next_word, const columns_weights *w,
+                        const uint64_t *mark)
+{
+    to->count = 0;
+    while (*next_word < w->word_count && to->count <= COLUMNS_WORD) {
+        uint32_t word = w->word[(*next_word)++];
+        choose_word(to, mark[word] & w->live[word], word);
     }
-    add_columns(sum, value, c->stride, weight, column, chosen);
+    return to->count > 0;
+}
+
+static bool is_reached(const columns *c, const columns_weights *w, uint32_t block)
+{
+    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
+    for (uint32_t i = 0; i < w->word_count; ++i)
+        if ((mark[w->word[i]] & w->live[w->word[i]]) != 0)
+            return true;
+    return false;
+}
+
+void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    const float *value = c->value + (size_t)block * POINTS_BLOCK;
+    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
+    uint32_t next_word = 0;
+    chosen some;
+    memset(sum, 0, 3 * sizeof *sum);
+    while (choose_more(&some, &next_word, &c->weights, mark))
+        add_columns(sum, value, c->stride, c->weights.value, some.column, some.count);
 }
 
 static void add_row(float *out, const float *base, const float *restrict sum)
@@ -96,31 +117,35 @@ void LANES(columns_add)(points *out, const points *base, float sum[3][POINTS_BLO
     points_range_of_block(out, block);
 }
 
-static bool some_weigh_nothing(const columns *c)
+static void restore_block(points *out, const points *base, uint32_t block)
 {
-    bool some = false;
-    for (size_t i = 0; i < c->count; ++i) {
-        const float *g = c->weight + 3 * i;
-        some = some | ((g[0] == 0.0f) & (g[1] == 0.0f) & (g[2] == 0.0f));
-    }
-    return some;
+    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+    memcpy(out->x + first, base->x + first, size);
+    memcpy(out->y + first, base->y + first, size);
+    memcpy(out->z + first, base->z + first, size);
+    out->block[block] = base->block[block];
 }
 
-void LANES(columns_move)(const columns *c, points *out, const points *base, uint32_t first,
-                         uint32_t end)
+uint32_t LANES(columns_move)(const columns *c, points *out, const points *base, uint8_t *moved,
+                             uint32_t first, uint32_t end)
 {
-    bool choose = some_weigh_nothing(c);
+    uint32_t written = 0;
     for (uint32_t block = first; block < end; ++block) {
-        _Alignas(64) float sum[3][POINTS_BLOCK];
-        if (choose) {
-            LANES(columns_sum)(c, sum, c->weight, block, 0, c->count);
-        } else {
-            memset(sum, 0, sizeof sum);
-            add_columns(sum, c->value + (size_t)block * POINTS_BLOCK, c->stride, c->weight,
-                        c->active + (size_t)block * c->capacity, c->active_count[block]);
+        columns_block now = COLUMNS_STILL;
+        if (is_reached(c, &c->weights, block)) {
+            _Alignas(64) float sum[3][POINTS_BLOCK];
+            LANES(columns_sum)(c, sum, block);
+            LANES(columns_add)(out, base, sum, block);
+            now = COLUMNS_MOVED;
+        } else if (!moved || moved[block] == COLUMNS_MOVED) {
+            restore_block(out, base, block);
+            now = COLUMNS_RESTORED;
         }
-        LANES(columns_add)(out, base, sum, block);
+        if (moved)
+            moved[block] = (uint8_t)now;
+        written += now != COLUMNS_STILL;
     }
+    return written;
 }
 
 /* ---- packed ---- */
@@ -157,19 +182,29 @@ ADD_PACKED(1)
 ADD_PACKED(2)
 ADD_PACKED(8)
 
+static void add_packed(float sum[3][POINTS_BLOCK], const columns_packed *p, uint32_t block,
+                       const chosen *some)
+{
+    const int16_t *value = p->value + (size_t)block * POINTS_BLOCK;
+    const uint16_t *column = some->column;
+    uint32_t left = some->count;
+    for (; left >= 8; left -= 8, column += 8)
+        add_packed_8(sum, value, p->stride, p->weights.value, column);
+    for (; left >= 2; left -= 2, column += 2)
+        add_packed_2(sum, value, p->stride, p->weights.value, column);
+    if (left > 0)
+        add_packed_1(sum, value, p->stride, p->weights.value, column);
+}
+
 void LANES(packed_sum)(const columns_packed *p, const columns *c, float sum[3][POINTS_BLOCK],
                        uint32_t block)
 {
-    const int16_t *value = p->value + (size_t)block * POINTS_BLOCK;
-    const uint16_t *column = c->active + (size_t)block * c->capacity;
-    uint32_t left = c->active_count[block];
+    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
+    uint32_t next_word = 0;
+    chosen some;
     memset(sum, 0, 3 * sizeof *sum);
-    for (; left >= 8; left -= 8, column += 8)
-        add_packed_8(sum, value, p->stride, p->weight, column);
-    for (; left >= 2; left -= 2, column += 2)
-        add_packed_2(sum, value, p->stride, p->weight, column);
-    if (left > 0)
-        add_packed_1(sum, value, p->stride, p->weight, column);
+    while (choose_more(&some, &next_word, &p->weights, mark))
+        add_packed(sum, p, block, &some);
 }
 
 void LANES(packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,

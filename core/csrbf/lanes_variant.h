@@ -11,12 +11,11 @@
 
 #define LANES_DECLARE(variant)                                                                     \
     void LANES_OF(columns_sum, variant)(const columns *c, float sum[3][POINTS_BLOCK],              \
-                                        const float *weight, uint32_t block, uint32_t first,       \
-                                        uint32_t end);                                             \
+                                        uint32_t block);                                           \
     void LANES_OF(columns_add, variant)(points * out, const points *base,                          \
                                         float sum[3][POINTS_BLOCK], uint32_t block);               \
-    void LANES_OF(columns_move, variant)(const columns *c, points *out, const points *base,        \
-                                         uint32_t first, uint32_t end);                            \
+    uint32_t LANES_OF(columns_move, variant)(const columns *c, points *out, const points *base,    \
+                                             uint8_t *moved, uint32_t first, uint32_t end);        \
     void LANES_OF(packed_move, variant)(const columns_packed *p, const columns *c, points *out,    \
                                         const points *base, uint32_t first, uint32_t end);         \
     bool LANES_OF(is_zero, variant)(const float value[POINTS_BLOCK]);                              \

@@ -114,7 +114,7 @@ mrt_result shape_pull(shape *s, const double *displacement, error *err)
 {
     if (s->control_count == 0)
         return MRT_OK;
-    mrt_result result = csrbf_solve(s->solver, displacement, err);
+    mrt_result result = csrbf_check(s->solver, displacement, err);
     if (result < 0)
         return result;
     columns_move(&s->response, &s->shown, &s->base, displacement);

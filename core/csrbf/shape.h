@@ -37,8 +37,9 @@ bool shape_is_near(const points *p, const double *point, uint32_t count, double 
  * does not change. On error nothing has changed. count 0 ends the engagement. */
 CHECKED mrt_result shape_engage(shape *s, const csrbf_settings *settings, const double *start,
                                 uint32_t count, error *err);
-/* shown := base + B (displacement, control_count by 3). Non-finite: error, shown is kept. Without
- * an engagement nothing happens. */
+/* shown := base + B (displacement, control_count by 3): no solve, so what it costs does not depend
+ * on controls that are held. Non-finite: error, shown is kept. Without an engagement nothing
+ * happens. */
 CHECKED mrt_result shape_pull(shape *s, const double *displacement, error *err);
 /* Base := shown; the engagement ends. */
 void shape_commit(shape *s);
@@ -57,7 +58,7 @@ void shape_leak(shape *s, double rate_per_s, double dt_s);
 void shape_ease(points *p, const points *towards, double rate_per_s, double dt_s);
 
 /* Smallest determinant of an anchored pull, over the vertices of base; the exact meter, not for
- * every frame. The cheap bound is in csrbf_diagnose after shape_pull. -INFINITY when the
+ * every frame. The cheap bound is shape_slope_bound. -INFINITY when the
  * displacements are refused; 1 without an engagement. The solver then holds their field. */
 double shape_min_determinant(const shape *s, const double *displacement);
 /* Upper bound of the norm of grad d for these displacements (theory B2), without touching a vertex:

@@ -116,7 +116,7 @@ bool tangents_engage(tangents *t, const csrbf_solver *solver, const points *base
 
 void tangents_normals(tangents *t, float *const n[3], const double *displacement)
 {
-    columns_packed_weigh(&t->packed1, t->along1.count, displacement);
-    columns_packed_weigh(&t->packed2, t->along2.count, displacement);
+    columns_packed_weigh(&t->packed1, &t->along1, displacement);
+    columns_packed_weigh(&t->packed2, &t->along2, displacement);
     t->along1.lanes->normals(t, n);
 }

@@ -66,7 +66,8 @@ static bool raise_stand(stand *s, const csrbf_settings *settings)
     if (shape_create(&s->shape, vertex[0], VERTICES, CONTROLS, &err) < 0 ||
         tangents_create(&s->tangents, &s->shape.rest, CONTROLS, &err) < 0 ||
         shape_engage(&s->shape, settings, start[0], CONTROLS, &err) < 0 ||
-        shape_pull(&s->shape, pull[0], &err) < 0)
+        shape_pull(&s->shape, pull[0], &err) < 0 ||
+        csrbf_solve(s->shape.solver, pull[0], &err) < 0) /* for exact_normal */
         fail_msg("%s", err.text);
     for (uint32_t slot = 0; slot < s->shape.rest.padded_count; ++slot) {
         double n[3];

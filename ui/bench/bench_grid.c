@@ -160,7 +160,7 @@ static uint64_t bytes_of(const cell *self, bool is_direct)
     const columns *c = &self->shape.response;
     uint64_t bytes = (uint64_t)6 * sizeof(float) * self->plane->vertex_count;
     for (uint32_t block = 0; block < c->block_count && !is_direct; ++block)
-        bytes += (uint64_t)c->active_count[block] * POINTS_BLOCK * sizeof(float);
+        bytes += (uint64_t)columns_marked(c, block) * POINTS_BLOCK * sizeof(float);
     return bytes;
 }
 

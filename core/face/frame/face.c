@@ -111,11 +111,10 @@ void face_bake(face *f, points *out)
 {
     columns *c = &f->columns;
     bool posed = is_posed(f);
-    for (size_t i = 0; i < (size_t)3 * f->control_column_count; ++i)
-        c->weight[i] = (float)f->weight[i];
+    columns_weigh(c, f->weight, f->control_column_count);
     for (uint32_t block = 0; block < c->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
-        columns_sum(c, sum, c->weight, block, 0, f->control_column_count);
+        columns_sum(c, sum, block);
         if (posed)
             unpose_block(f, sum, block);
         columns_add(out, f->origin, sum, block);
