@@ -3,9 +3,11 @@
  * Theory: a step with L < 1 is a homeomorphism, and so is any number of them. */
 #include "csrbf/drag.h"
 
+#include "base/pool.h"
 #include "csrbf/lanes.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 static const double safety = 1.2; /* the slope is sampled at the vertices only */
@@ -116,11 +118,18 @@ static bool add_layer(const drag *d, const lanes *l, const drag_layer *layer,
     return true;
 }
 
-static uint32_t move_by_layers(const drag *d)
+typedef struct layers_work {
+    const drag *d;
+    _Atomic uint32_t touched; /* blocks */
+} layers_work;
+
+static void move_blocks(void *data, uint32_t first, uint32_t end)
 {
+    layers_work *w = data;
+    const drag *d = w->d;
     const lanes *l = lanes_now();
     uint32_t touched = 0;
-    for (uint32_t block = 0; block < d->moved->block_count; ++block) {
+    for (uint32_t block = first; block < end; ++block) {
         _Alignas(64) float total[3][POINTS_BLOCK] = {{0.0f}};
         bool reached = false;
         for (uint32_t i = 0; i < d->layer_count; ++i)
@@ -130,7 +139,18 @@ static uint32_t move_by_layers(const drag *d)
         l->columns_add(d->moved, d->moved, total, block);
         ++touched;
     }
-    return touched;
+    atomic_fetch_add_explicit(&w->touched, touched, memory_order_relaxed);
+}
+
+static uint32_t move_by_layers(const drag *d)
+{
+    layers_work w = {.d = d};
+    pool_work work = {
+        .run = move_blocks, .data = &w, .part_count = d->moved->block_count, .grain = FIELD_GRAIN};
+    for (uint32_t i = 0; i < d->layer_count; ++i)
+        work.cost_ns += csrbf_cost_ns(d->layer[i].solver, d->moved);
+    pool_run(&work);
+    return atomic_load(&w.touched);
 }
 
 static mrt_result move_vertices(const drag *d, tally *t, double determinant, error *err)

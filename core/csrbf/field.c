@@ -1,9 +1,11 @@
 #include "csrbf/field.h"
 
+#include "base/pool.h"
 #include "csrbf/kernel.h"
 #include "csrbf/lanes.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -187,17 +189,43 @@ bool field_in_block(const field *f, float sum[3][POINTS_BLOCK], const points *in
                            : f->lanes->field_block(f, sum, in, block);
 }
 
-uint32_t field_move(const field *f, points *out, const points *in)
+typedef struct move_work {
+    const field *f;
+    points *out;
+    const points *in;
+    _Atomic uint32_t moved; /* blocks */
+} move_work;
+
+static void move_blocks(void *data, uint32_t first, uint32_t end)
 {
+    move_work *w = data;
     uint32_t moved = 0;
-    for (uint32_t block = 0; block < in->block_count; ++block) {
+    for (uint32_t block = first; block < end; ++block) {
         _Alignas(64) float sum[3][POINTS_BLOCK];
-        if (field_in_block(f, sum, in, block)) {
-            f->lanes->columns_add(out, in, sum, block);
+        if (field_in_block(w->f, sum, w->in, block)) {
+            w->f->lanes->columns_add(w->out, w->in, sum, block);
             ++moved;
-        } else if (out->x != in->x) {
-            copy_block(out, in, block);
+        } else if (w->out->x != w->in->x) {
+            copy_block(w->out, w->in, block);
         }
     }
-    return moved;
+    atomic_fetch_add_explicit(&w->moved, moved, memory_order_relaxed);
+}
+
+double field_cost_ns(const field *f, uint32_t block_count)
+{
+    double each_ns = f->needs_double ? 6.0 : 0.3;
+    return each_ns * POINTS_BLOCK * block_count * f->centre_count;
+}
+
+uint32_t field_move(const field *f, points *out, const points *in)
+{
+    move_work w = {.f = f, .out = out, .in = in};
+    const pool_work work = {.run = move_blocks,
+                            .data = &w,
+                            .part_count = in->block_count,
+                            .grain = FIELD_GRAIN,
+                            .cost_ns = field_cost_ns(f, in->block_count)};
+    pool_run(&work);
+    return atomic_load(&w.moved);
 }

@@ -43,6 +43,10 @@ void field_move_f64(const field *f, double *x, uint32_t count);
 bool field_in_block(const field *f, float sum[3][POINTS_BLOCK], const points *in, uint32_t block);
 /* Returns how many blocks were touched. out may be in. */
 uint32_t field_move(const field *f, points *out, const points *in);
+/* Estimated time to find d in so many blocks that all centres reach, on one thread; and how many
+ * blocks threads take at a time (base/pool.h). */
+double field_cost_ns(const field *f, uint32_t block_count);
+enum { FIELD_GRAIN = 16 };
 
 /* False when the block lies out of the centre's support, or only touches it. */
 bool field_reaches(const field *f, uint32_t centre, const points_bounds *block);

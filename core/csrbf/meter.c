@@ -1,10 +1,14 @@
 #include "csrbf/meter.h"
 
+#include "base/pool.h"
 #include "csrbf/gradient.h"
 #include "csrbf/kernel.h"
 #include "csrbf/lanes.h"
 
 #include <math.h>
+#include <stdatomic.h>
+
+static const double rounding = 1e-9; /* far more than that of norm_squared */
 
 static uint32_t lanes_of_block(const points *at, uint32_t block)
 {
@@ -46,8 +50,8 @@ static double smallest_of(const double *value, uint32_t count)
 }
 
 /* The larger of `largest` and the squared norms of grad d at the block's vertices. The sum of
- * squares bounds a norm from above, so only those are looked at that have more of it, the most
- * first. */
+ * squares bounds a norm from above, but for rounding, so only those are looked at that may have
+ * more of it, the most first: the result depends on no order. */
 static double larger_norm(const field *f, const gradient *slopes, uint32_t count, double largest)
 {
     double square[POINTS_BLOCK];
@@ -57,7 +61,7 @@ static double larger_norm(const field *f, const gradient *slopes, uint32_t count
         most = square[lane] > square[most] ? lane : most;
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t lane = (most + i) % count;
-        if (square[lane] <= largest)
+        if (square[lane] * (1.0 + rounding) <= largest)
             continue;
         matrix3 g = lane_of(slopes, lane);
         double squared = norm_squared(&g);
@@ -87,26 +91,66 @@ static double determinant_in_block(const field *f, const gradient *slopes, uint3
     return smallest_of(determinant, count);
 }
 
+typedef struct measure_work {
+    const field *f;
+    const points *at;
+    bool wants_norm, wants_determinant;
+    _Atomic double largest, smallest; /* squared norm; determinant */
+} measure_work;
+
+static void keep_larger(_Atomic double *kept, double value)
+{
+    double old = atomic_load(kept);
+    while (value > old && !atomic_compare_exchange_weak(kept, &old, value))
+        continue;
+}
+
+static void keep_smaller(_Atomic double *kept, double value)
+{
+    double old = atomic_load(kept);
+    while (value < old && !atomic_compare_exchange_weak(kept, &old, value))
+        continue;
+}
+
+static void measure_blocks(void *data, uint32_t first, uint32_t end)
+{
+    measure_work *w = data;
+    double smallest = (double)INFINITY, largest = atomic_load(&w->largest);
+    for (uint32_t block = first; block < end; ++block) {
+        _Alignas(64) gradient slopes;
+        uint32_t count = lanes_of_block(w->at, block);
+        double determinant = 1.0;
+        bool bent = gradient_of(w->f, &slopes, w->at, block);
+        if (bent && w->wants_norm)
+            largest = larger_norm(w->f, &slopes, count, largest);
+        if (bent && w->wants_determinant)
+            determinant = determinant_in_block(w->f, &slopes, count);
+        smallest = determinant < smallest ? determinant : smallest;
+    }
+    keep_larger(&w->largest, largest);
+    keep_smaller(&w->smallest, smallest);
+}
+
 void meter_measure(const field *f, const points *at, double *out_slope, double *out_determinant)
 {
-    double smallest = 1.0, largest = 0.0;
-    for (uint32_t block = 0; block < at->block_count; ++block) {
-        _Alignas(64) gradient slopes;
-        uint32_t count = lanes_of_block(at, block);
-        double determinant = 1.0;
-        bool bent = gradient_of(f, &slopes, at, block);
-        if (bent && out_slope)
-            largest = larger_norm(f, &slopes, count, largest);
-        if (bent && out_determinant)
-            determinant = determinant_in_block(f, &slopes, count);
-        smallest = block == 0 || determinant < smallest ? determinant : smallest;
-    }
+    measure_work w = {.f = f,
+                      .at = at,
+                      .wants_norm = out_slope != NULL,
+                      .wants_determinant = out_determinant != NULL,
+                      .smallest = (double)INFINITY};
+    const pool_work work = {.run = measure_blocks,
+                            .data = &w,
+                            .part_count = at->block_count,
+                            .grain = FIELD_GRAIN,
+                            .cost_ns = 2.0 * field_cost_ns(f, at->block_count)};
+    pool_run(&work);
     if (out_determinant)
-        *out_determinant = smallest;
+        *out_determinant = at->block_count > 0 ? atomic_load(&w.smallest) : 1.0;
     if (!out_slope)
         return;
     double cone = f->settings.kernel == CSRBF_WENDLAND_C0 ? cone_slope(f, at) : 0.0;
-    *out_slope = cone > sqrt(largest) ? cone : sqrt(largest);
+    double slope = sqrt(atomic_load(&w.largest));
+    *out_slope = cone > slope ? cone : slope;
 }
 
 double meter_min_determinant(const field *f, const points *at)

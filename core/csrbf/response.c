@@ -1,5 +1,6 @@
 #include "csrbf/response.h"
 
+#include "base/pool.h"
 #include "csrbf/lanes.h"
 
 #include <string.h>
@@ -35,39 +36,72 @@ static void solve_columns(const saddle *s, uint32_t first, uint32_t count, doubl
     }
 }
 
-/* Unit responses of all centres, or their derivatives along `direction`, some at a time. */
-static void fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
-                 const points *direction, const uint8_t *wanted)
+/* Unit responses of the centres first .. r->count - 1 in all blocks, or their derivatives along
+ * `direction`. */
+typedef struct fill_work {
+    const saddle *s;
+    lanes_responses responses;
+    uint32_t first;
+    float *out;
+    size_t stride;
+    const points *in, *direction;
+    const uint8_t *wanted;
+} fill_work;
+
+static void fill_blocks(void *data, uint32_t first, uint32_t end)
 {
-    uint32_t centres = s->field.centre_count;
+    const fill_work *w = data;
+    const field *f = &w->s->field;
+    for (uint32_t block = first; block < end; ++block) {
+        _Alignas(64) double sum[LANES_RESPONSES][POINTS_BLOCK];
+        if (w->wanted && !w->wanted[block])
+            memset(sum, 0, sizeof sum);
+        else if (w->direction)
+            f->lanes->derivatives_block(f, &w->responses, sum, w->in, w->direction, block);
+        else
+            f->lanes->responses_block(f, &w->responses, sum, w->in, block);
+        store_block(&w->s->merge, w->first, w->responses.count, sum, w->out, w->stride, block);
+    }
+}
+
+/* Each centre's kernel at each vertex, and what it adds to each column. */
+static double cost_ns(const fill_work *w)
+{
+    double each_ns = 1.0 + 0.15 * w->responses.count;
+    return each_ns * POINTS_BLOCK * w->in->block_count * w->s->field.centre_count;
+}
+
+/* All centres, some at a time. */
+static void fill(fill_work *w, double *scratch)
+{
+    uint32_t centres = w->s->field.centre_count;
     double *alpha = scratch, *half = scratch + (size_t)centres * LANES_RESPONSES;
-    for (uint32_t first = 0; first < centres; first += LANES_RESPONSES) {
-        uint32_t left = centres - first, count = left < LANES_RESPONSES ? left : LANES_RESPONSES;
+    for (w->first = 0; w->first < centres; w->first += LANES_RESPONSES) {
+        uint32_t left = centres - w->first, count = left < LANES_RESPONSES ? left : LANES_RESPONSES;
         double beta[4][LANES_RESPONSES];
-        solve_columns(s, first, count, alpha, half, beta);
-        const lanes_responses r = {
+        solve_columns(w->s, w->first, count, alpha, half, beta);
+        w->responses = (lanes_responses){
             .alpha = alpha, .stride = LANES_RESPONSES, .count = count, .beta = beta[0]};
-        for (uint32_t block = 0; block < in->block_count; ++block) {
-            _Alignas(64) double sum[LANES_RESPONSES][POINTS_BLOCK];
-            if (wanted && !wanted[block])
-                memset(sum, 0, sizeof sum);
-            else if (direction)
-                s->field.lanes->derivatives_block(&s->field, &r, sum, in, direction, block);
-            else
-                s->field.lanes->responses_block(&s->field, &r, sum, in, block);
-            store_block(&s->merge, first, count, sum, out, stride, block);
-        }
+        const pool_work work = {.run = fill_blocks,
+                                .data = w,
+                                .part_count = w->in->block_count,
+                                .grain = FIELD_GRAIN,
+                                .cost_ns = cost_ns(w)};
+        pool_run(&work);
     }
 }
 
 void response_fill(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
                    const uint8_t *wanted)
 {
-    fill(s, scratch, out, stride, in, NULL, wanted);
+    fill(&(fill_work){.s = s, .out = out, .stride = stride, .in = in, .wanted = wanted}, scratch);
 }
 
 void response_derive(const saddle *s, double *scratch, columns *out, const points *in,
                      const points *direction)
 {
-    fill(s, scratch, out->value, out->stride, in, direction, NULL);
+    fill(
+        &(fill_work){
+            .s = s, .out = out->value, .stride = out->stride, .in = in, .direction = direction},
+        scratch);
 }

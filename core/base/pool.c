@@ -1,0 +1,307 @@
+#include "base/pool.h"
+
+#include "base/clock.h"
+#include "base/cpu.h"
+
+#include <fenv.h>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+
+enum { SPIN_NS = 60000, SPINS_PER_LOOK = 32, SPINS_BEFORE_YIELD = 256 };
+
+/* The gate says all about the piece in hand: its number (upper half), whether workers may still
+ * enter, and how many are inside. Workers read `work` and `environment` only inside. */
+#define GATE_OPEN   (UINT64_C(1) << 31)
+#define GATE_ENDING (UINT64_C(1) << 30)
+#define GATE_INSIDE (GATE_ENDING - 1)
+#define GATE_NUMBER 32
+
+/* The one state of a process that is no constant table: there is one pool. */
+static struct {
+    pthread_once_t once;
+    pthread_mutex_t holding; /* holder_count, and starting and ending */
+    uint32_t holder_count;
+
+    _Atomic double worth_ns;
+    _Atomic bool is_taken; /* by who has a piece in hand, or starts or ends the workers */
+    uint32_t worker_count; /* of the taker, as all up to `next` */
+    pthread_t worker[POOL_THREADS_MAX - 1];
+    int caller_cpu; /* that workers are kept off */
+    const pool_work *work;
+    fenv_t environment;
+
+    _Atomic uint32_t next; /* part */
+    _Atomic uint64_t gate;
+    _Atomic uint64_t shared_count;
+
+    pthread_mutex_t sleeping; /* a worker looks at the gate once more under it */
+    pthread_cond_t wake;
+    _Atomic uint32_t asleep_count;
+} pool = {.once = PTHREAD_ONCE_INIT,
+          .worth_ns = POOL_WORTH_NS,
+          .holding = PTHREAD_MUTEX_INITIALIZER,
+          .caller_cpu = CPU_UNKNOWN,
+          .sleeping = PTHREAD_MUTEX_INITIALIZER,
+          .wake = PTHREAD_COND_INITIALIZER};
+
+static uint64_t number_of(uint64_t gate)
+{
+    return gate >> GATE_NUMBER;
+}
+
+static void pause_briefly(void)
+{
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* ---- workers ---- */
+
+/* Parts as long as there are any, `grain` at a time. */
+static void take_parts(const pool_work *work)
+{
+    for (;;) {
+        uint32_t first = atomic_load_explicit(&pool.next, memory_order_relaxed);
+        uint32_t left, taken;
+        do {
+            left = work->part_count - first;
+            taken = left < work->grain ? left : work->grain;
+        } while (taken > 0 && !atomic_compare_exchange_weak_explicit(
+                                  &pool.next, &first, first + taken, memory_order_relaxed,
+                                  memory_order_relaxed));
+        if (taken == 0)
+            return;
+        work->run(work->data, first, first + taken);
+    }
+}
+
+/* False: the piece that `gate` tells of is over. */
+static bool enter(uint64_t gate)
+{
+    uint64_t number = number_of(gate);
+    while ((gate & GATE_OPEN) && number_of(gate) == number)
+        if (atomic_compare_exchange_weak(&pool.gate, &gate, gate + 1))
+            return true;
+    return false;
+}
+
+static void leave(void)
+{
+    atomic_fetch_sub(&pool.gate, 1);
+}
+
+static void sleep_while(uint64_t number)
+{
+    pthread_mutex_lock(&pool.sleeping);
+    atomic_fetch_add(&pool.asleep_count, 1);
+    while (number_of(atomic_load(&pool.gate)) == number)
+        pthread_cond_wait(&pool.wake, &pool.sleeping);
+    atomic_fetch_sub(&pool.asleep_count, 1);
+    pthread_mutex_unlock(&pool.sleeping);
+}
+
+/* The gate of a later piece than `number`. */
+static uint64_t wait_after(uint64_t number)
+{
+    int64_t end_ns = clock_now_ns() + SPIN_NS;
+    uint64_t gate = atomic_load(&pool.gate);
+    while (number_of(gate) == number) {
+        for (int i = 0; i < SPINS_PER_LOOK && number_of(gate) == number; ++i) {
+            pause_briefly();
+            gate = atomic_load_explicit(&pool.gate, memory_order_acquire);
+        }
+        if (number_of(gate) == number && clock_now_ns() > end_ns) {
+            sleep_while(number);
+            gate = atomic_load(&pool.gate);
+        }
+    }
+    return gate;
+}
+
+static void *serve(void *unused)
+{
+    (void)unused;
+    uint64_t gate = atomic_load(&pool.gate);
+    while (!(gate & GATE_ENDING)) {
+        if (enter(gate)) {
+            (void)fesetenv(&pool.environment);
+            take_parts(pool.work);
+            leave();
+        }
+        gate = wait_after(number_of(gate));
+    }
+    return NULL;
+}
+
+static void wake_workers(void)
+{
+    if (atomic_load(&pool.asleep_count) == 0)
+        return;
+    int cpu = cpu_now();
+    if (cpu != pool.caller_cpu)
+        cpu_keep_off(pool.worker, pool.worker_count, cpu);
+    pool.caller_cpu = cpu;
+    pthread_mutex_lock(&pool.sleeping);
+    pthread_cond_broadcast(&pool.wake);
+    pthread_mutex_unlock(&pool.sleeping);
+}
+
+/* ---- starting and ending ---- */
+
+static bool take(void)
+{
+    return !atomic_exchange_explicit(&pool.is_taken, true, memory_order_acquire);
+}
+
+static void give_back(void)
+{
+    atomic_store_explicit(&pool.is_taken, false, memory_order_release);
+}
+
+static void wait_to_take(void)
+{
+    while (!take())
+        sched_yield();
+}
+
+static void before_fork(void)
+{
+    pthread_mutex_lock(&pool.holding);
+}
+
+static void after_fork(void)
+{
+    pthread_mutex_unlock(&pool.holding);
+}
+
+/* In the child there are no workers, and whoever had the pool in hand is not there either. */
+static void in_child(void)
+{
+    pool.holding = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
+    pool.sleeping = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
+    pool.wake = (pthread_cond_t)PTHREAD_COND_INITIALIZER;
+    pool.worker_count = 0;
+    atomic_store(&pool.asleep_count, 0);
+    atomic_store(&pool.gate, number_of(atomic_load(&pool.gate)) << GATE_NUMBER);
+    atomic_store(&pool.is_taken, false);
+}
+
+static void watch_forks(void)
+{
+    (void)pthread_atfork(before_fork, after_fork, in_child);
+}
+
+/* As many as can be had. They take no signals: those are for the program's own threads. */
+static void start_workers(uint32_t wanted)
+{
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    while (pool.worker_count < wanted &&
+           pthread_create(&pool.worker[pool.worker_count], NULL, serve, NULL) == 0)
+        ++pool.worker_count;
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+    pool.caller_cpu = CPU_UNKNOWN;
+}
+
+static void end_workers(void)
+{
+    uint64_t number = number_of(atomic_load(&pool.gate)) + 1;
+    atomic_store(&pool.gate, number << GATE_NUMBER | GATE_ENDING);
+    wake_workers();
+    for (uint32_t i = 0; i < pool.worker_count; ++i)
+        pthread_join(pool.worker[i], NULL);
+    pool.worker_count = 0;
+    atomic_store(&pool.gate, number << GATE_NUMBER);
+}
+
+void pool_hold(void)
+{
+    pthread_once(&pool.once, watch_forks);
+    pthread_mutex_lock(&pool.holding);
+    if (pool.holder_count++ == 0) {
+        wait_to_take();
+        start_workers(pool_threads() - 1);
+        give_back();
+    }
+    pthread_mutex_unlock(&pool.holding);
+}
+
+void pool_release(void)
+{
+    pthread_mutex_lock(&pool.holding);
+    if (--pool.holder_count == 0) {
+        wait_to_take();
+        end_workers();
+        give_back();
+    }
+    pthread_mutex_unlock(&pool.holding);
+}
+
+/* ---- work ---- */
+
+/* Whoever is inside finishes; nobody enters any more. */
+static void close_gate(void)
+{
+    uint64_t gate = atomic_fetch_and(&pool.gate, ~GATE_OPEN);
+    for (uint32_t spins = 1; gate & GATE_INSIDE; ++spins) {
+        if (spins % SPINS_BEFORE_YIELD == 0)
+            sched_yield();
+        else
+            pause_briefly();
+        gate = atomic_load(&pool.gate);
+    }
+}
+
+static void share(const pool_work *work)
+{
+    uint64_t number = number_of(atomic_load(&pool.gate)) + 1;
+    pool.work = work;
+    (void)fegetenv(&pool.environment);
+    atomic_store_explicit(&pool.next, 0, memory_order_relaxed);
+    atomic_store(&pool.gate, number << GATE_NUMBER | GATE_OPEN);
+    wake_workers();
+    take_parts(work);
+    close_gate();
+    atomic_fetch_add_explicit(&pool.shared_count, 1, memory_order_relaxed);
+}
+
+void pool_share_from(double cost_ns)
+{
+    atomic_store_explicit(&pool.worth_ns, cost_ns, memory_order_relaxed);
+}
+
+static bool is_worth_it(const pool_work *work)
+{
+    return work->part_count > work->grain &&
+           work->cost_ns >= atomic_load_explicit(&pool.worth_ns, memory_order_relaxed);
+}
+
+void pool_run(const pool_work *work)
+{
+    if (!is_worth_it(work) || !take()) {
+        if (work->part_count > 0)
+            work->run(work->data, 0, work->part_count);
+        return;
+    }
+    if (pool.worker_count > 0)
+        share(work);
+    else
+        work->run(work->data, 0, work->part_count);
+    give_back();
+}
+
+pool_state pool_state_now(void)
+{
+    pthread_mutex_lock(&pool.holding);
+    wait_to_take();
+    pool_state now = {.worker_count = pool.worker_count,
+                      .asleep_count = atomic_load(&pool.asleep_count),
+                      .shared_count = atomic_load(&pool.shared_count)};
+    give_back();
+    pthread_mutex_unlock(&pool.holding);
+    return now;
+}
