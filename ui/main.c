@@ -4,6 +4,7 @@
 
 #include "base/isa.h"
 #include "base/memory.h"
+#include "base/pool.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -50,7 +51,7 @@ int main(int argc, char **argv)
     signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
     memory_give_back();
     error err = {""};
-    if (isa_check(&err) < 0) {
+    if (isa_check(&err) < 0 || pool_check(&err) < 0) {
         fprintf(stderr, "marotte: %s\n", err.text);
         return COMMAND_USAGE;
     }

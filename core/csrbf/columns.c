@@ -1,11 +1,14 @@
 #include "csrbf/columns.h"
 
+#include "base/pool.h"
 #include "csrbf/lanes.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of two */
+enum { SHARED_FROM_BLOCKS = 131072 / POINTS_BLOCK, GRAIN = 64 }; /* base/pool.h */
 
 static uint32_t words_of(uint32_t count)
 {
@@ -136,15 +139,54 @@ uint32_t columns_move_blocks(const columns *c, points *out, const points *base, 
     return c->lanes->columns_move(c, out, base, moved, first, end);
 }
 
+typedef struct move_work {
+    const columns *c;
+    points *out;
+    const points *base;
+    uint8_t *moved;
+    _Atomic uint32_t written; /* blocks */
+} move_work;
+
+static void move_part(void *data, uint32_t first, uint32_t end)
+{
+    move_work *w = data;
+    uint32_t written = columns_move_blocks(w->c, w->out, w->base, w->moved, first, end);
+    atomic_fetch_add_explicit(&w->written, written, memory_order_relaxed);
+}
+
+/* Of a frame on one thread. It waits for memory more than it computes: below SHARED_FROM_BLOCKS a
+ * second thread only makes it slower. */
+static double cost_ns(const columns *c)
+{
+    uint32_t live = 0;
+    for (uint32_t i = 0; i < c->weights.word_count; ++i)
+        for (uint64_t left = c->weights.live[c->weights.word[i]]; left != 0; left &= left - 1)
+            ++live;
+    double each_ns = 0.2 + 0.1 * live;
+    return c->block_count < SHARED_FROM_BLOCKS ? 0.0 : each_ns * POINTS_BLOCK * c->block_count;
+}
+
+static uint32_t move_weighed(const columns *c, points *out, const points *base, uint8_t *moved)
+{
+    move_work w = {.c = c, .out = out, .base = base, .moved = moved};
+    const pool_work work = {.run = move_part,
+                            .data = &w,
+                            .part_count = c->block_count,
+                            .grain = GRAIN,
+                            .cost_ns = cost_ns(c)};
+    pool_run(&work);
+    return atomic_load(&w.written);
+}
+
 void columns_move(columns *c, points *out, const points *base, const double *weight)
 {
     columns_weigh(c, weight, c->count);
-    (void)columns_move_blocks(c, out, base, NULL, 0, c->block_count);
+    (void)move_weighed(c, out, base, NULL);
 }
 
 uint32_t columns_move_live(columns *c, points *out, const points *base, const double *weight,
                            uint8_t *moved)
 {
     columns_weigh(c, weight, c->count);
-    return columns_move_blocks(c, out, base, moved, 0, c->block_count);
+    return move_weighed(c, out, base, moved);
 }

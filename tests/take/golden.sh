@@ -38,6 +38,16 @@ for isa in generic v2 v3 v4; do
     [ "$found" = "$(sed -n 's/^1 //p' "$golden/SHA256")" ] ||
         fail "MAROTTE_ISA=$isa: take 1 plays otherwise: $found ($(grep -v performs "$scratch/stderr"))"
 done
+# Nor on the number of threads.
+for threads in 1 2 3; do
+    found=$(MAROTTE_THREADS=$threads sum_of 1)
+    [ "$found" = "$(sed -n 's/^1 //p' "$golden/SHA256")" ] ||
+        fail "MAROTTE_THREADS=$threads: take 1 plays otherwise: $found ($(cat "$scratch/stderr"))"
+done
+if MAROTTE_THREADS=0 "$MAROTTE" --version >"$scratch/stdout" 2>"$scratch/stderr"; then
+    fail "MAROTTE_THREADS=0 is taken"
+fi
+grep -q 'from 1 to 16' "$scratch/stderr" || fail "MAROTTE_THREADS=0: $(cat "$scratch/stderr")"
 # A test that cannot fail would be none.
 [ "$(sum_of 1)" != "$(sum_of 2)" ] || fail "two takes have one sum"
 finish
