@@ -81,7 +81,7 @@ static void one_take(void **state)
     stand_open(&s, 950.0f, 250.0f, 1.0f);
     stand_list(&s, 4);
     stand_choose(&s, named_take(12.0));
-    live_seek(NULL, 4 * help_s);
+    studio_seek(NULL, 4 * help_s);
     seen(&s, "one");
     stand_close(&s);
 }
@@ -95,8 +95,8 @@ static void five_layers_with_everything(void **state)
     stand_choose(&s, five_layers());
     s.choice.layer = 6;
     s.choice.clip = 7;
-    live_seek(NULL, 11 * help_s);
-    live_set_loop(NULL, 8 * help_s, 17 * help_s);
+    studio_seek(NULL, 11 * help_s);
+    studio_set_range(NULL, 8 * help_s, 17 * help_s);
     seen(&s, "five");
     stand_close(&s);
     stand_open(&s, 950.0f, 330.0f, 2.0f);

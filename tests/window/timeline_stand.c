@@ -203,14 +203,14 @@ transport_place live_place(const live *self)
     return transport_at(&here->transport, here->clock_ns);
 }
 
-void live_seek(live *self, int64_t at_ns)
+void studio_seek(studio *self, int64_t at_ns)
 {
     (void)self;
     here->seeks += 1;
     transport_seek(&here->transport, here->clock_ns, at_ns);
 }
 
-void live_set_loop(live *self, int64_t in_ns, int64_t out_ns)
+void studio_set_range(studio *self, int64_t in_ns, int64_t out_ns)
 {
     (void)self;
     if (!transport_set_loop(&here->transport, here->clock_ns, in_ns, out_ns))

@@ -70,7 +70,11 @@ int64_t studio_take_id(const studio *self);                              /* 0: n
 CHECKED mrt_result studio_choose_take(studio *self,
                                       int64_t id); /* 0: none; shows it on the stage */
 const take *studio_take(const studio *self);       /* NULL: none; until the next edit */
-uint64_t studio_take_edition(const studio *self);  /* grows with each change of it */
+/* Of the chosen take, which comes to the stage if it is not there. Nothing while one is recorded.
+ */
+void studio_seek(studio *self, int64_t at_ns);
+void studio_set_range(studio *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
+uint64_t studio_take_edition(const studio *self); /* grows with each change of it */
 /* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
 const history *studio_history(const studio *self);
 /* Undoes or redoes until its edit `head` is the last in force; 0: as it was recorded. */

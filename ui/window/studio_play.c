@@ -14,6 +14,18 @@ static bool show_it(studio *self)
     return studio_show_chosen(self) >= 0;
 }
 
+void studio_seek(studio *self, int64_t at_ns)
+{
+    if (self->history && !self->status.is_recording && show_it(self))
+        live_seek(self->live, at_ns);
+}
+
+void studio_set_range(studio *self, int64_t in_ns, int64_t out_ns)
+{
+    if (self->history && !self->status.is_recording && show_it(self))
+        live_set_loop(self->live, in_ns, out_ns);
+}
+
 static void play_or_pause(studio *self)
 {
     if (!show_it(self))

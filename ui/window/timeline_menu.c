@@ -97,7 +97,7 @@ static void ruler_menu(panel *self, ui *on)
     if (ui_menu_item(on, "Marker here \u2026", "", true))
         timeline_ask_marker(self, on, -1);
     if (ui_menu_item(on, "No range", "", has_range))
-        live_set_loop(studio_live(self->studio), 0, 0);
+        studio_set_range(self->studio, 0, 0);
     if (ui_menu_item(on, "Keep the range only", "", has_range))
         cut_range(self, EDIT_RANGE_KEEP, false);
     if (ui_menu_item(on, "Cut the range, close the gap", "", has_range))

@@ -81,7 +81,7 @@ static void scrub(panel *self, int64_t at_ns)
     int64_t most_ns = t ? t->duration_ns : 0;
     at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
     if (at_ns != timeline_head_ns(self))
-        live_seek(studio_live(self->studio), at_ns);
+        studio_seek(self->studio, at_ns);
 }
 
 static void press_left(panel *self, const ui_canvas *canvas, timeline_hit hit)
@@ -293,7 +293,7 @@ static void end_range(panel *self)
         out_ns = self->span_from_ns;
     }
     if (in_ns < out_ns)
-        live_set_loop(studio_live(self->studio), in_ns < 0 ? 0 : in_ns, out_ns);
+        studio_set_range(self->studio, in_ns < 0 ? 0 : in_ns, out_ns);
 }
 
 static void end_swipe(panel *self)

@@ -231,6 +231,7 @@ static void ask_take(panel *self, ui *on, int64_t id)
     (void)snprintf(slip->number, sizeof slip->number, "%u", t.number % 100000);
     self->slip_before = *slip;
     take_finish(&t);
+    self->is_asked_first = true;
     ui_dialog_open(on, "timeline_take");
 }
 
@@ -304,13 +305,29 @@ static void answer_take(panel *self)
             (void)!studio_edit_take(self->studio, self->asked_take, list[i]);
 }
 
-static void ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
+/* True: it was ended with Enter. */
+static bool ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
                      float width)
 {
     panel_label(on, label, ASK_LABEL, THEME_DIM, label);
     ui_at(on, ASK_LABEL);
     ui_width(on, width);
     (void)ui_input(on, id, "", text, capacity);
+    return ui_input_is_entered(on);
+}
+
+/* True: one of them was ended with Enter. */
+static bool ask_lines(panel *self, ui *on)
+{
+    timeline_slip *slip = &self->slip;
+    if (self->is_asked_first)
+        ui_input_take_keys(on);
+    self->is_asked_first = false;
+    bool is_entered = ask_line(on, "Name", "##name", slip->name, sizeof slip->name, -1.0f);
+    is_entered |= ask_line(on, "Scene", "##scene", slip->scene, sizeof slip->scene, 120.0f);
+    is_entered |= ask_line(on, "Shot", "##shot", slip->shot, sizeof slip->shot, 120.0f);
+    return ask_line(on, "Number", "##number", slip->number, sizeof slip->number, 60.0f) ||
+           is_entered;
 }
 
 void timeline_takes_dialog(panel *self, ui *on)
@@ -319,17 +336,14 @@ void timeline_takes_dialog(panel *self, ui *on)
     uint32_t number;
     if (!ui_dialog_begin(on, "timeline_take", "Take", 420.0f))
         return;
-    ask_line(on, "Name", "##name", slip->name, sizeof slip->name, -1.0f);
-    ask_line(on, "Scene", "##scene", slip->scene, sizeof slip->scene, 120.0f);
-    ask_line(on, "Shot", "##shot", slip->shot, sizeof slip->shot, 120.0f);
-    ask_line(on, "Number", "##number", slip->number, sizeof slip->number, 60.0f);
+    bool is_entered = ask_lines(self, on);
     panel_label(on, "note", ASK_LABEL, THEME_DIM, "Note");
     ui_at(on, ASK_LABEL);
     ui_width(on, -1.0f);
     (void)ui_input_lines(on, "##note", slip->note, sizeof slip->note, 70.0f);
     ui_space(on, 8.0f);
     ui_disabled_begin(on, !read_number(slip, &number));
-    if (ui_button(on, "Change", UI_ACCENT)) {
+    if (ui_button(on, "Change", UI_ACCENT) || (is_entered && read_number(slip, &number))) {
         answer_take(self);
         ui_dialog_close(on);
     }
