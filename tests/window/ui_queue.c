@@ -148,6 +148,66 @@ static void letters_and_keys_that_change_them_stay_in_order(void **state)
     assert_int_equal(now.text[0], 'b');
 }
 
+/* As fast as hands write, where a frame takes a third of a second. */
+static void a_word_is_typed_within_one_frame(void **state)
+{
+    (void)state;
+    static const char word[] = "Mississippi";
+    now.is_typing = true;
+    for (const char *c = word; *c; ++c) {
+        const uint32_t of = (uint32_t)(*c >= 'a' ? *c - 'a' + 'A' : *c);
+        if (*c < 'a')
+            key(UI_KEY_SHIFT, true);
+        key(of, true);
+        text((uint32_t)*c);
+        key(of, false);
+        if (*c < 'a')
+            key(UI_KEY_SHIFT, false);
+    }
+    key(UI_KEY_BACKSPACE, true);
+    ui_queue_take(&queue, &now);
+    assert_int_equal(now.text_count, strlen(word));
+    for (uint32_t i = 0; i < now.text_count; ++i)
+        assert_int_equal(now.text[i], word[i]);
+    assert_false(now.key['I'] || now.key[UI_KEY_SHIFT] || now.key[UI_KEY_BACKSPACE]);
+    ui_queue_take(&queue, &now);
+    assert_true(now.pressed[UI_KEY_BACKSPACE]);
+}
+
+static void a_shortcut_in_a_text_has_a_frame_of_its_own(void **state)
+{
+    (void)state;
+    now.is_typing = true;
+    text('x');
+    key(UI_KEY_CONTROL, true);
+    key('A', true);
+    key('A', false);
+    key(UI_KEY_CONTROL, false);
+    key('B', true);
+    text('b');
+    ui_queue_take(&queue, &now);
+    assert_true(now.key['A'] && now.key[UI_KEY_CONTROL]);
+    ui_queue_take(&queue, &now);
+    assert_false(now.key['A']);
+    assert_int_equal(now.text_count, 0);
+    ui_queue_take(&queue, &now);
+    assert_false(now.key[UI_KEY_CONTROL]);
+    assert_int_equal(now.text[0], 'b');
+}
+
+/* What ends the typing does so before the next key is looked at. */
+static void a_key_after_enter_waits(void **state)
+{
+    (void)state;
+    now.is_typing = true;
+    key(UI_KEY_ENTER, true);
+    key(UI_KEY_ENTER, false);
+    key('R', true);
+    key('R', false);
+    ui_queue_take(&queue, &now);
+    assert_false(now.pressed['R']);
+}
+
 static void all_goes_up_when_the_window_is_left(void **state)
 {
     (void)state;
@@ -197,6 +257,9 @@ int main(void)
         cmocka_unit_test_setup(what_is_dragged_arrives_before_it_is_let_go, fresh),
         cmocka_unit_test_setup(moves_become_one, fresh),
         cmocka_unit_test_setup(letters_and_keys_that_change_them_stay_in_order, fresh),
+        cmocka_unit_test_setup(a_word_is_typed_within_one_frame, fresh),
+        cmocka_unit_test_setup(a_shortcut_in_a_text_has_a_frame_of_its_own, fresh),
+        cmocka_unit_test_setup(a_key_after_enter_waits, fresh),
         cmocka_unit_test_setup(all_goes_up_when_the_window_is_left, fresh),
         cmocka_unit_test_setup(a_flood_forgets_and_lets_go, fresh),
         cmocka_unit_test_setup(nonsense_is_refused, fresh),

@@ -193,6 +193,7 @@ static void hand_over(ui *self)
 {
     ImGuiIO &io = ImGui::GetIO();
     ui_frame_input *input = self->input;
+    input->is_typing = io.WantTextInput;
     ui_queue_take(self->queue, input);
     read_question_mark(input);
     io.MousePos =

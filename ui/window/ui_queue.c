@@ -71,6 +71,13 @@ static bool is_editing(uint32_t key)
     return key > UI_KEY_ESCAPE - 1 && !is_modifier(key);
 }
 
+/* A key that does nothing but write what comes as UI_EVENT_TEXT. */
+static bool only_writes(const ui_frame_input *input, uint32_t key)
+{
+    return input->is_typing && !is_editing(key) && key != UI_KEY_CONTROL && key != UI_KEY_ALT &&
+           !input->key[UI_KEY_CONTROL] && !input->key[UI_KEY_ALT];
+}
+
 /* Whether the event has to wait for the next frame. */
 static bool waits(const taken *t, const ui_frame_input *input, const ui_event *event)
 {
@@ -81,6 +88,8 @@ static bool waits(const taken *t, const ui_frame_input *input, const ui_event *e
         /* What is dragged goes to its last place before it is let go. */
         return t->button[event->code] || (t->any_move && !event->is_down);
     case UI_EVENT_KEY:
+        if (only_writes(input, event->code))
+            return t->any_editing_key || t->any_button;
         if (is_modifier(event->code))
             return t->any_key || t->any_button || t->any_wheel;
         return t->key[event->code] || (t->any_text && is_editing(event->code));

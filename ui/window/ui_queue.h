@@ -1,7 +1,7 @@
 /* window/ui_queue.h - events in the order in which they came, handed over a frame's worth at a
  * time: of one key or button at most one change, nothing moved between a press and what it is
- * pressed on, so that no tap is lost however slowly frames are drawn. Pure but for its own memory;
- * one thread. */
+ * pressed on, so that no tap is lost however slowly frames are drawn. Letters that are typed into a
+ * text come as many as there are: they are no taps. Pure but for its own memory; one thread. */
 #ifndef MAROTTE_UI_WINDOW_UI_QUEUE_H
 #define MAROTTE_UI_WINDOW_UI_QUEUE_H
 #include "window/ui.h"
@@ -17,6 +17,7 @@ typedef struct ui_frame_input { /* what a frame sees */
     uint32_t text[UI_QUEUE_TEXT]; /* code points typed in this frame */
     uint32_t text_count;
     bool has_pointer; /* it was somewhere */
+    bool is_typing;   /* letters go into a text: whoever takes a frame says so before */
 } ui_frame_input;
 
 typedef struct ui_queue {
