@@ -9,12 +9,12 @@
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 
-static void name_input(input *self, const char *address)
+void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char *address)
 {
-    const char *dot = strrchr(self->plugin.type->id, '.');
+    const char *dot = strrchr(type->id, '.');
     const char *slash = strrchr(address, '/');
-    snprintf(self->name, sizeof self->name, "%.31s%s%.63s", dot ? dot + 1 : self->plugin.type->id,
-             address[0] ? " " : "", slash ? slash + 1 : address);
+    snprintf(out, INPUT_NAME, "%.31s%s%.63s", dot ? dot + 1 : type->id, address[0] ? " " : "",
+             slash ? slash + 1 : address);
 }
 
 /* "" found some device: the name says which. */
@@ -25,7 +25,7 @@ static void name_found(input *self)
     if (self->address[0] || !devices || !devices->current(self->plugin.self, &found))
         return;
     found.address[sizeof found.address - 1] = '\0';
-    name_input(self, found.address);
+    input_name_of(self->name, self->plugin.type, found.address);
 }
 
 static mrt_result allocate(input *self, error *err)
@@ -58,7 +58,7 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     if (result < 0)
         goto fail;
     self->plugin.can_restart = true;
-    name_input(self, address);
+    input_name_of(self->name, type, address);
     result = instance_set_list(&self->plugin, params, err);
     if (result >= 0)
         result = allocate(self, err);

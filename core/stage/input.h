@@ -39,6 +39,9 @@ CHECKED mrt_result input_create_stoppable(input **out, const mrt_plugin_type *ty
                                           const char *address, const char *params,
                                           instance_clock clock, log_queue *log,
                                           const _Atomic bool *stop, error *err);
+enum { INPUT_NAME = 96 };
+/* [any] "log demo_hand.csv": what an input of that type and address will be called. */
+void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char *address);
 void input_destroy(input *self); /* stops its thread first; NULL is fine */
 
 const char *input_name(const input *self); /* "log demo_hand.csv"; until destroy */

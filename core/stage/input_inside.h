@@ -7,7 +7,7 @@
 #include "stage/channel_table.h"
 #include "stage/input.h"
 
-enum { INPUT_NAME = 96, INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
+enum { INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
 
 typedef struct input_record {
     mrt_sample sample;

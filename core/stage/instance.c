@@ -12,6 +12,9 @@
 
 enum { KEY_LENGTH = 128 };
 
+/* How long a wait may take before the caller's `stop` is looked at. */
+static const int64_t look_span_ns = 50 * NS_PER_MS;
+
 static bool is_listening(const instance *self)
 {
     return atomic_load(&self->listener) == (uintptr_t)pthread_self();
@@ -45,14 +48,17 @@ int64_t instance_wait_until_ns(instance *self, int64_t time_ns)
             self->virtual_ns = time_ns;
         return self->virtual_ns;
     }
-    struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
-                             .tv_nsec = (long)(time_ns % NS_PER_S)};
+    int64_t now_ns;
     pthread_mutex_lock(&self->mutex);
-    while (!is_to_stop(self) && clock_now_ns() < time_ns)
-        if (pthread_cond_timedwait(&self->wake, &self->mutex, &until) == ETIMEDOUT)
-            break;
+    while ((now_ns = clock_now_ns()) < time_ns && !is_to_stop(self)) {
+        const int64_t until_ns =
+            self->stop && time_ns - now_ns > look_span_ns ? now_ns + look_span_ns : time_ns;
+        const struct timespec until = {.tv_sec = (time_t)(until_ns / NS_PER_S),
+                                       .tv_nsec = (long)(until_ns % NS_PER_S)};
+        (void)pthread_cond_timedwait(&self->wake, &self->mutex, &until);
+    }
     pthread_mutex_unlock(&self->mutex);
-    return clock_now_ns();
+    return now_ns;
 }
 
 static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)

@@ -112,11 +112,9 @@ void live_status_of(live *self, live_status *out);
 
 /* ---- inputs: at most 7, and the pointer, which is always there ---- */
 
-/* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1". The others go on. Refused while a take is
- * recorded. */
-CHECKED mrt_result live_add_input(live *self, const char *text, error *err);
-/* One that the program made (a feed): `text` names it in the show. It becomes live's. */
-CHECKED mrt_result live_add_made(live *self, input *made, const char *text, error *err);
+/* It becomes live's, also when it is refused; `text` names it in the show, as it was opened. The
+ * others go on. Refused while a take is recorded. */
+CHECKED mrt_result live_add_input(live *self, input *made, const char *text, error *err);
 CHECKED mrt_result live_remove_input(live *self, uint32_t index, error *err);
 uint32_t live_input_count(const live *self);
 input *live_input(live *self, uint32_t index); /* for its name, health, channels, input_set */

@@ -25,6 +25,7 @@ enum {
     PARAM_LEAP,
     PARAM_RESTART,
     PARAM_LEARN,
+    PARAM_FIRST,
     PARAM_COUNT
 };
 enum { BACK_SAME = 0, BACK_FEWER, BACK_LEFT };
@@ -79,9 +80,9 @@ static mrt_result flaky_open(mrt_plugin *self, const char *address, const double
     snprintf(self->address, sizeof self->address, "%s", address[0] ? address : "first");
     self->open_count += 1;
     say(self, MRT_LOG_DEBUG, "looking");
-    int64_t until_ns = self->host->now_ns(self->host) + ns_of(params[PARAM_OPEN]);
-    if (self->open_count > 1 && params[PARAM_OPEN] > 0 &&
-        self->host->wait_until_ns(self->host, until_ns) < until_ns)
+    double takes_s = params[self->open_count > 1 ? PARAM_OPEN : PARAM_FIRST];
+    int64_t until_ns = self->host->now_ns(self->host) + ns_of(takes_s);
+    if (takes_s > 0 && self->host->wait_until_ns(self->host, until_ns) < until_ns)
         return refuse(self, "given up: the host is stopping");
     if (self->open_count == 1 && params[PARAM_FAIL] > 0.5)
         return refuse(self, "no such device: plug it in");
@@ -246,6 +247,8 @@ static const mrt_param params[PARAM_COUNT] = {
     [PARAM_RESTART] = {12, 0, "restart", "Device", "s", "Asks to be restarted, then is left", 0,
                        1e4, 0, NULL},
     [PARAM_LEARN] = {13, MRT_PARAM_TRIGGER, "learn", "Device", "", "Learns a switch", 0, 1, 0,
+                     NULL},
+    [PARAM_FIRST] = {14, 0, "first", "Device", "s", "How long the first open takes", 0, 100, 0,
                      NULL},
 };
 

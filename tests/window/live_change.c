@@ -41,7 +41,7 @@ static void hold(live_desk *d, still_hand *h)
                                     .rate_hz = 150.0};
     desk_must(feed_create(&h->feed, &settings, &err), &err);
     desk_must(input_create(&in, feed_type(h->feed), "", "", CLOCK_REAL, d->log, &err), &err);
-    desk_must(live_add_made(d->live, in, "hand", &err), &err);
+    desk_must(live_add_input(d->live, in, "hand", &err), &err);
     bend(d, h);
 }
 
@@ -90,7 +90,7 @@ static void add_demo(live_desk *d)
     error err = {""};
     char text[DESK_PATH];
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=3,loop=1", SOURCE_DIR);
-    desk_must(live_add_input(d->live, text, &err), &err);
+    desk_must(desk_add_input(d, text, &err), &err);
 }
 
 static void relax(live_desk *d, still_hand *h)
@@ -184,9 +184,9 @@ static void inputs_come_and_go_while_it_performs(void **state)
     desk_must(live_remove_input(d.live, 0, &err), &err);
     assert_false(live_input_sample(d.live, 0, &sample));
     assert_true(live_remove_input(d.live, 0, &err) < 0);
-    assert_true(live_add_input(d.live, "no_such_plugin", &err) < 0);
-    assert_true(live_add_input(d.live, "log:/no/such/file.csv", &err) < 0);
-    assert_true(live_add_input(d.live, ":", &err) < 0);
+    assert_true(desk_add_input(&d, "no_such_plugin", &err) < 0);
+    assert_true(desk_add_input(&d, "log:/no/such/file.csv", &err) < 0);
+    assert_true(desk_add_input(&d, ":", &err) < 0);
     assert_int_equal(live_input_count(d.live), 0);
     desk_finish(&d);
 }
@@ -201,7 +201,7 @@ static void eight_inputs_are_too_many(void **state)
     for (int i = 0; i < 7; ++i)
         add_demo(&d);
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv", SOURCE_DIR);
-    assert_true(live_add_input(d.live, text, &err) < 0);
+    assert_true(desk_add_input(&d, text, &err) < 0);
     assert_true(strstr(err.text, "7 inputs are open") != NULL);
     desk_pass(&d, 0.1);
     desk_finish(&d);

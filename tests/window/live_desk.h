@@ -14,6 +14,7 @@
 #include "stage/live.h"
 #include "stage/live/live_state.h"
 #include "stage/plugins.h"
+#include "stage/spec.h"
 #include "take/edit_store.h"
 #include "take/history.h"
 
@@ -108,6 +109,25 @@ static inline void desk_finish(live_desk *d)
         (void)unlink(path);
     }
     (void)rmdir(d->folder);
+}
+
+/* ---- inputs ---- */
+
+/* Opens it and brings it onto the stage. */
+static inline mrt_result desk_add_input(live_desk *d, const char *text, error *err)
+{
+    input *made = NULL;
+    plugin_spec of;
+    const mrt_plugin_type *type;
+    mrt_result result = MRT_OK;
+    if (!spec_read(&of, text))
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s names no plugin", text);
+    if (result >= 0)
+        result = plugin_list_find(&d->plugins, of.plugin, MRT_INPUT, &type, err);
+    if (result >= 0)
+        result = input_create(&made, type, of.address, of.params, CLOCK_REAL, d->log, err);
+    spec_finish(&of);
+    return result < 0 ? result : live_add_input(d->live, made, text, err);
 }
 
 /* ---- time ---- */

@@ -14,7 +14,7 @@ static void performing_allocates_nothing(void **state)
         skip();
     desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=3", SOURCE_DIR);
-    desk_must(live_add_input(d.live, text, &err), &err);
+    desk_must(desk_add_input(&d, text, &err), &err);
     uint32_t corner = desk_contact(&d, "mouth.corner.l");
     vec3 rest = desk_rest(&d, corner);
     desk_pass(&d, 0.5);

@@ -126,7 +126,7 @@ static void slow_window_loses_no_sample(void **state)
     const float bent[1] = {0.5f};
     desk_must(feed_create(&hand, &settings, &err), &err);
     desk_must(input_create(&in, feed_type(hand), "", "", CLOCK_REAL, d.log, &err), &err);
-    desk_must(live_add_made(d.live, in, "hand", &err), &err);
+    desk_must(live_add_input(d.live, in, "hand", &err), &err);
     live_status_of(d.live, &before);
     feed_give(hand, bent, FEED_MOVES);
     int64_t until_ns = clock_now_ns() + 2 * NS_PER_S;
@@ -180,7 +180,7 @@ static void recorded_hand_plays_as_it_was_seen(void **state)
     seen *s = calloc(1, sizeof *s);
     desk_start(&d, "puppet", "one_hand", DESK_SHOW);
     demo_input(text, sizeof text, ",start=2,end=4");
-    desk_must(live_add_input(d.live, text, &err), &err);
+    desk_must(desk_add_input(&d, text, &err), &err);
     desk_pass(&d, 0.2); /* it does not begin at rest */
     desk_must(live_record(d.live, &slate, &err), &err);
     watch(&d, s, 2.2); /* to the end of the record, and a little more */
@@ -315,14 +315,14 @@ static void changes_are_refused_while_a_take_is_recorded(void **state)
     desk_start(&d, "puppet", "one_hand", DESK_SHOW);
     demo_input(text, sizeof text, "");
     desk_must(live_record(d.live, &slate, &err), &err);
-    assert_true(live_add_input(d.live, text, &err) < 0);
+    assert_true(desk_add_input(&d, text, &err) < 0);
     assert_true(strstr(err.text, "not while a take is recorded") != NULL);
     assert_true(live_set_mapping(d.live, "anchored", &err) < 0);
     assert_true(live_set_face(d.live, &d.face, d.face_path, 0.0, &err) < 0);
     assert_true(live_calibrate(d.live, MRT_LEFT, NULL, &err) < 0);
     assert_true(live_record(d.live, &slate, &err) < 0);
     (void)record_end(&d);
-    desk_must(live_add_input(d.live, text, &err), &err);
+    desk_must(desk_add_input(&d, text, &err), &err);
     desk_finish(&d);
 }
 

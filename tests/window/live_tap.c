@@ -7,7 +7,7 @@ static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1"
 static void add(live_desk *d)
 {
     error err = {""};
-    desk_must(live_add_input(d->live, demo, &err), &err);
+    desk_must(desk_add_input(d, demo, &err), &err);
 }
 
 typedef struct heard {

@@ -103,7 +103,7 @@ static void device_that_goes_away_holds_the_pose(void **state)
     desk_start(&d, "puppet", "one_hand", DESK_SHOW);
     desk_must(input_create(&in, &device_type, "", "", CLOCK_REAL, d.log, &err), &err);
     input_set_patience_ns(in, 20 * NS_PER_MS, 20 * NS_PER_MS);
-    desk_must(live_add_made(d.live, in, "device", &err), &err);
+    desk_must(live_add_input(d.live, in, "device", &err), &err);
     desk_perform(&d, 1.2);
     size_t size = (size_t)d.view->vertex_count * 3;
     assert_true(desk_apart_mm(&d, d.first) > 1.0);

@@ -23,6 +23,10 @@ typedef struct stand {
     mrt_sample sample[STAND_INPUTS];
     bool has_sample[STAND_INPUTS];
     uint32_t input_count;
+    studio_opening opening[STUDIO_OPENINGS_MAX];
+    uint32_t opening_count;
+    const char *opening_trouble; /* "": none */
+    uint64_t given_up;
     const char *refusal; /* of the next thing that is asked of live; NULL: it works */
     char calibration[2][1024];
     uint32_t rezero_pedal;

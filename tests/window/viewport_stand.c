@@ -107,7 +107,7 @@ input *live_input(live *self, uint32_t index)
     return index == 0 ? here->made : NULL;
 }
 
-mrt_result live_add_made(live *self, input *made, const char *text, error *err)
+mrt_result live_add_input(live *self, input *made, const char *text, error *err)
 {
     (void)self;
     (void)text;

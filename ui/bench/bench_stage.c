@@ -44,7 +44,7 @@ static mrt_result open_hand(scene *self, error *err)
     if (result >= 0)
         result = input_create(&made, feed_type(self->hand), "", "", CLOCK_REAL, self->log, err);
     if (result >= 0)
-        result = live_add_made(self->live, made, "bench", err);
+        result = live_add_input(self->live, made, "bench", err);
     return result;
 }
 

@@ -52,8 +52,25 @@ void desk_update_news(desk *self, double dt_s)
                                                          : SHOWN_S;
 }
 
+/* Where a text that is too long for one line is broken: at its last blank that fits. */
+static size_t first_line(const ui *on, ui_style style, const char *text, float width)
+{
+    char part[sizeof((desk *)NULL)->news];
+    size_t fits = 0;
+    if (ui_text_width(on, style, text) <= width)
+        return strlen(text);
+    for (const char *c = strchr(text, ' '); c; c = strchr(c + 1, ' ')) {
+        (void)snprintf(part, sizeof part, "%.*s", (int)(c - text), text);
+        if (ui_text_width(on, style, part) > width)
+            break;
+        fits = (size_t)(c - text);
+    }
+    return fits ? fits : strlen(text);
+}
+
 void desk_draw_news(desk *self, ui_rectangle over)
 {
+    char first[sizeof self->news];
     if (!self->news[0])
         return;
     ui *on = self->ui;
@@ -61,10 +78,15 @@ void desk_draw_news(desk *self, ui_rectangle over)
                            : self->news_level >= MRT_LOG_WARNING ? UI_STYLE_WARNING
                                                                  : UI_STYLE_BODY;
     const bool stays = self->news_left_s < 0.0;
-    const float padding = 12.0f, height = 32.0f, cross = stays ? 24.0f : 0.0f;
+    const float padding = 12.0f, line = 20.0f, cross = stays ? 24.0f : 0.0f;
     float width = ui_text_width(on, style, self->news) + 2.0f * padding + cross;
     if (width > over.width - 24.0f)
         width = over.width - 24.0f;
+    const float room = width - 2.0f * padding - cross + 1.0f;
+    const size_t break_at = first_line(on, style, self->news, room);
+    const char *rest = self->news + break_at + (self->news[break_at] == ' ');
+    const float height = rest[0] ? 32.0f + line : 32.0f;
+    (void)snprintf(first, sizeof first, "%.*s", (int)break_at, self->news);
     const ui_rectangle box = {over.x + 12.0f, over.y + over.height - height - 12.0f, width, height};
     ui_canvas canvas;
     ui_panel_begin(on, "news", box, UI_GROUND_NONE);
@@ -73,9 +95,10 @@ void desk_draw_news(desk *self, ui_rectangle over)
     const uint32_t colour = style == UI_STYLE_BAD       ? THEME_BAD
                             : style == UI_STYLE_WARNING ? THEME_WARNING
                                                         : THEME_TEXT;
-    const float y = box.y + 0.5f * (height - ui_text_height(on, UI_STYLE_BODY));
-    ui_draw_text(on, box.x + padding, y, UI_STYLE_BODY, colour,
-                 width - 2.0f * padding - cross + 1.0f, self->news);
+    const float y = box.y + 0.5f * (32.0f - ui_text_height(on, UI_STYLE_BODY));
+    ui_draw_text(on, box.x + padding, y, UI_STYLE_BODY, colour, room, first);
+    if (rest[0])
+        ui_draw_text(on, box.x + padding, y + line, UI_STYLE_BODY, colour, room, rest);
     if (stays) {
         const float x = box.x + width - padding - 5.0f, middle = box.y + 0.5f * height;
         ui_draw_line(on, x - 4.0f, middle - 4.0f, x + 4.0f, middle + 4.0f, THEME_DIM, 1.5f);

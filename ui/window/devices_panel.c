@@ -27,11 +27,8 @@ void devices_panel_say(devices_panel *self, const char *text)
 
 void devices_panel_add(devices_panel *self, const char *text)
 {
-    error err = {""};
-    mrt_result result = live_add_input(studio_live(self->studio), text, &err);
-    devices_panel_say(self, result < 0 ? err.text : "");
-    if (self->search)
-        devices_search_again(self->search);
+    self->trouble[0] = '\0';
+    (void)!studio_open_input(self->studio, text); /* says itself why it failed */
 }
 
 static void remove_input(devices_panel *self, uint32_t index)
@@ -39,8 +36,6 @@ static void remove_input(devices_panel *self, uint32_t index)
     error err = {""};
     mrt_result result = live_remove_input(studio_live(self->studio), index, &err);
     devices_panel_say(self, result < 0 ? err.text : "");
-    if (self->search)
-        devices_search_again(self->search);
 }
 
 void devices_panel_calibrate(devices_panel *self, uint32_t side, const char *path)
@@ -108,6 +103,15 @@ static void draw_rezero(devices_panel *self, ui *on)
 
 /* ---- the panel ---- */
 
+/* What was opened beside the window, or closed: what is plugged in is looked at anew. */
+static void follow_inputs(devices_panel *self)
+{
+    const uint32_t count = live_input_count(studio_live(self->studio));
+    if (count != self->input_count && self->search)
+        devices_search_again(self->search);
+    self->input_count = count;
+}
+
 static void draw_inputs(devices_panel *self, ui *on)
 {
     live *stage = studio_live(self->studio);
@@ -123,13 +127,32 @@ static void draw_inputs(devices_panel *self, ui *on)
         ui_rule(on);
         ui_space(on, 2.0f);
     }
-    if (live_input_count(stage) == 0) {
+    for (uint32_t i = 0; i < self->opening_count; ++i) {
+        (void)snprintf(id, sizeof id, "opening %u", i);
+        ui_id_begin(on, id);
+        if (!devices_card_draw_opening(on, &self->opening[i]))
+            studio_give_up_opening(self->studio, self->opening[i].id);
+        ui_id_end(on);
+        ui_space(on, 2.0f);
+        ui_rule(on);
+        ui_space(on, 2.0f);
+    }
+    if (live_input_count(stage) == 0 && self->opening_count == 0) {
         ui_text_wrapped(on, UI_STYLE_DIM,
                         "No hand yet. Drag the face with the mouse, or open something below.");
         ui_space(on, 4.0f);
     }
     if (removed != UINT32_MAX)
         remove_input(self, removed);
+}
+
+static void draw_trouble(const devices_panel *self, ui *on)
+{
+    const char *words = self->trouble[0] ? self->trouble : studio_opening_trouble(self->studio);
+    if (!words[0])
+        return;
+    ui_space(on, 4.0f);
+    ui_text_wrapped(on, UI_STYLE_BAD, words);
 }
 
 static void draw(panel *self_, ui *on, ui_rectangle where)
@@ -142,14 +165,12 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
         devices_search_want(self->search);
         self->seen = devices_search_look(self->search);
     }
+    self->opening_count = studio_openings(self->studio, self->opening);
     ui_panel_begin(on, "devices", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     draw_inputs(self, on);
     draw_rezero(self, on);
-    if (self->trouble[0]) {
-        ui_space(on, 4.0f);
-        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
-    }
+    draw_trouble(self, on);
     ui_space(on, 6.0f);
     ui_rule(on);
     devices_open_draw(self, on);
@@ -164,6 +185,7 @@ static void update(panel *self_, double dt_s)
     uint32_t side;
     (void)dt_s;
     follow_rezeros(self);
+    follow_inputs(self);
     calibrate_panel_update(self->calibrate);
     const char *kept = calibrate_panel_take_kept(self->calibrate, &side);
     if (!kept)

@@ -21,7 +21,9 @@ static const ui_style light_style[] = {[DEVICES_OVER] = UI_STYLE_DIM,
 
 /* ---- head ---- */
 
-static bool draw_head(ui *on, const char *name, devices_light light)
+/* False: the button at its end was pressed. */
+static bool draw_head(ui *on, const char *name, devices_light light, const char *button,
+                      const char *hint)
 {
     ui_canvas at;
     const float remove = 74.0f;
@@ -34,8 +36,8 @@ static bool draw_head(ui *on, const char *name, devices_light light)
     ui_hint(on, name);
     ui_same_line(on);
     ui_width(on, -0.001f);
-    bool stays = !ui_button(on, "Remove", UI_QUIET);
-    ui_hint(on, "Closes this input. What it has performed stays recorded.");
+    bool stays = !ui_button(on, button, UI_QUIET);
+    ui_hint(on, hint);
     return stays;
 }
 
@@ -245,7 +247,8 @@ bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
         light = DEVICES_WELL;
         (void)snprintf(state, sizeof state, "at rest");
     }
-    bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light);
+    bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light,
+                           "Remove", "Closes this input. What it has performed stays recorded.");
     draw_state(on, &health, light, state, why);
     bool has_sample = live_input_sample(stage, index, &sample);
     draw_strip(on, channels, count, has_sample ? &sample : NULL);
@@ -256,5 +259,13 @@ bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
         draw_details(on, &health, channels, count);
     if (has_params(input_plugin(of)) && ui_section(on, "Settings", false))
         draw_params(self, on, of);
+    return stays;
+}
+
+bool devices_card_draw_opening(ui *on, const studio_opening *one)
+{
+    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Does not open it after all.");
+    ui_text(on, UI_STYLE_DIM,
+            one->is_open ? "open: joins when the take has ended" : "opening\u2026");
     return stays;
 }

@@ -15,19 +15,21 @@ typedef struct devices_panel {
     calibrate_panel *calibrate;
     devices_seen seen; /* of this frame */
     char path[DEVICES_PATH], osc[128];
+    studio_opening opening[STUDIO_OPENINGS_MAX]; /* of this frame */
+    uint32_t opening_count, input_count;
     bool repeats;          /* a recording begins again at its end */
     char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
     rezero_counts rezeros; /* as of the frame before */
     bool was_refused;
-    char wanted_calibration[2][DEVICES_PATH];
-    bool is_calibration_due; /* those of the settings are still to be used */
 } devices_panel;
 
 /* devices_panel_card.c: an input that is open; returns false when it is to be removed. */
 bool devices_card_draw(devices_panel *self, ui *on, uint32_t index);
+/* One that is being opened; returns false when it is to be given up. */
+bool devices_card_draw_opening(ui *on, const studio_opening *one);
 /* devices_panel_open.c: what could be opened. */
 void devices_open_draw(devices_panel *self, ui *on);
-/* Opens it, or says why not. */
+/* Opens it beside the window. */
 void devices_panel_add(devices_panel *self, const char *text);
 void devices_panel_say(devices_panel *self, const char *text); /* in the panel and in the news */
 /* path "": shipped defaults. */

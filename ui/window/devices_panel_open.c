@@ -21,6 +21,9 @@ static bool is_open(const devices_panel *self, const device_found *device, bool 
     for (uint32_t i = 0; i < live_input_count(stage); ++i)
         if (devices_is_open(live_input_text(stage, i), device, is_first))
             return true;
+    for (uint32_t i = 0; i < self->opening_count; ++i)
+        if (devices_is_open(self->opening[i].text, device, is_first))
+            return true;
     return false;
 }
 

@@ -41,7 +41,8 @@ static mrt_result make_parts(studio *self, const studio_options *options, error 
     self->log = log_queue_create();
     self->news = news_list_create();
     self->exports = studio_export_create();
-    if (!self->log || !self->news || !self->exports)
+    self->inputs = self->log ? studio_inputs_create(&self->plugins, self->log) : NULL;
+    if (!self->log || !self->news || !self->exports || !self->inputs)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         studio_say(self, MRT_LOG_WARNING, "%s", note);
@@ -88,9 +89,9 @@ void studio_destroy(studio *self)
 {
     if (!self)
         return;
-    studio_inputs_destroy(self->inputs);
     if (self->keeps_settings)
         studio_keep_settings_now(self);
+    studio_inputs_destroy(self->inputs);
     studio_export_destroy(self->exports);
     studio_record_finish_over(self);
     studio_drop_take(self);
@@ -114,19 +115,13 @@ void studio_destroy(studio *self)
 static void take_inputs(studio *self)
 {
     studio_input_opened one;
-    if (!self->inputs)
-        return;
     live_status_of(self->live, &self->status);
     while (!self->status.is_recording && studio_inputs_take(self->inputs, &one)) {
-        error err = {0};
-        if (!one.input)
-            (void)studio_said(self, MRT_ERR_IO, &one.err);
-        else
-            (void)studio_said(self, live_add_made(self->live, one.input, one.text, &err), &err);
-    }
-    if (studio_inputs_are_done(self->inputs)) {
-        studio_inputs_destroy(self->inputs);
-        self->inputs = NULL;
+        mrt_result result = MRT_ERR_IO;
+        if (one.input)
+            result = live_add_input(self->live, one.input, one.text, &one.err);
+        self->input_trouble = result < 0 ? one.err : (error){""};
+        (void)studio_said(self, result, &one.err);
     }
 }
 
@@ -153,6 +148,31 @@ void studio_update(studio *self, double dt_s)
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         studio_keep_settings(self, dt_s);
+}
+
+/* ---- inputs ---- */
+
+mrt_result studio_open_input(studio *self, const char *text)
+{
+    self->input_trouble = (error){""};
+    const mrt_result result =
+        studio_inputs_open(self->inputs, &text, 1, false, &self->input_trouble);
+    return studio_said(self, result, &self->input_trouble);
+}
+
+uint32_t studio_openings(studio *self, studio_opening out[STUDIO_OPENINGS_MAX])
+{
+    return studio_inputs_going(self->inputs, out);
+}
+
+void studio_give_up_opening(studio *self, uint64_t id)
+{
+    studio_inputs_give_up(self->inputs, id);
+}
+
+const char *studio_opening_trouble(const studio *self)
+{
+    return self->input_trouble.text;
 }
 
 /* ---- what there is ---- */

@@ -8,6 +8,7 @@
 #include "window/action.h"
 #include "window/news_list.h"
 #include "window/settings.h"
+#include "window/studio_inputs.h"
 
 typedef struct studio studio;
 
@@ -48,6 +49,15 @@ CHECKED mrt_result studio_open_face(studio *self, const char *path);
 /* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
  * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
 CHECKED mrt_result studio_change_face(studio *self, face_file *face);
+
+/* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1": opened beside the window; it joins the stage
+ * when it is open, behind a take that is being recorded. What goes wrong then is said in the news
+ * and by studio_opening_trouble. */
+CHECKED mrt_result studio_open_input(studio *self, const char *text);
+uint32_t studio_openings(studio *self, studio_opening out[STUDIO_OPENINGS_MAX]);
+void studio_give_up_opening(studio *self, uint64_t id);
+/* Why the last one that came did not join; "" it did. */
+const char *studio_opening_trouble(const studio *self);
 
 /* As a file for other programs, in a process beside the window; the news say how it ended. */
 struct export_wish;

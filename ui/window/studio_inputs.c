@@ -10,116 +10,293 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const uint32_t nothing = UINT32_MAX;
+
+typedef struct opened { /* from the thread to [main] */
+    studio_input_opened what;
+    uint32_t index; /* of the wishes */
+} opened;
+
+typedef struct wish {
+    char text[STUDIO_INPUT_TEXT];
+    plugin_spec spec;
+    const mrt_plugin_type *type; /* NULL: there is none, and err says why */
+    error err;
+} wish;
+
+typedef struct opening_job { /* some inputs, one after the other, on a thread of their own */
+    const plugin_list *plugins;
+    log_queue *log;
+    uint64_t number;
+    wish wish[STUDIO_INPUTS_MAX]; /* those that were told do not change */
+    uint32_t asked;
+    uint32_t count; /* the thread's: with those that it found */
+    bool looks_further;
+    device_list found;
+    ring *opened;
+    _Atomic bool given_up[STUDIO_INPUTS_MAX], is_stopping, is_over;
+    _Atomic uint32_t at; /* the wish that is, or will be, opened next; or nothing */
+    pthread_t thread;
+} opening_job;
+
 struct studio_inputs {
     plugin_list *plugins;
     log_queue *log;
-    char text[STUDIO_INPUTS_MAX][STUDIO_INPUT_TEXT];
-    uint32_t count;
-    bool looks_further;
-    device_list found;
-    ring *opened; /* studio_input_opened, to [main] */
-    _Atomic bool stop, is_done;
-    pthread_t thread;
-    bool has_thread;
+    uint64_t number; /* of the newest job */
+    opening_job *job[STUDIO_OPENINGS_MAX];
 };
 
-static bool open_one(studio_inputs *self, const char *text)
+/* ---- the thread ---- */
+
+static bool open_one(opening_job *self, uint32_t index)
 {
-    studio_input_opened one = {.input = NULL};
-    plugin_spec of;
-    const mrt_plugin_type *type;
-    (void)snprintf(one.text, sizeof one.text, "%s", text);
-    mrt_result result = MRT_OK;
-    if (!spec_read(&of, text))
-        result = error_set(&one.err, MRT_ERR_ARGUMENT,
-                           "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]", text);
-    if (result >= 0)
-        result = plugin_list_find(self->plugins, of.plugin, MRT_INPUT, &type, &one.err);
-    if (result >= 0)
-        result = input_create_stoppable(&one.input, type, of.address, of.params, CLOCK_REAL,
-                                        self->log, &self->stop, &one.err);
-    spec_finish(&of);
-    if (result < 0)
-        one.input = NULL;
+    const wish *of = &self->wish[index];
+    opened one = {.index = index, .what.err = of->err};
+    memcpy(one.what.text, of->text, sizeof one.what.text);
+    atomic_store(&self->at, index);
+    if (of->type &&
+        input_create_stoppable(&one.what.input, of->type, of->spec.address, of->spec.params,
+                               CLOCK_REAL, self->log, &self->given_up[index], &one.what.err) < 0)
+        one.what.input = NULL;
     if (!ring_push(self->opened, &one))
-        input_destroy(one.input);
-    return result >= 0;
+        input_destroy(one.what.input);
+    atomic_store(&self->at, index + 1 < self->asked ? index + 1 : nothing);
+    return one.what.input != NULL;
 }
 
-/* The plugin's first device is opened by its plugin's name alone when it is the only one. */
-static void open_what_is_ready(studio_inputs *self)
+static void wish_for(wish *out, const device_found *found)
+{
+    (void)snprintf(out->text, sizeof out->text, "%.48s:%s", device_list_plugin_name(found->type),
+                   found->device.address);
+    if (spec_read(&out->spec, out->text))
+        out->type = found->type;
+    else
+        (void)error_set(&out->err, MRT_ERR_MEMORY, "no memory for input %.200s", out->text);
+}
+
+static void open_what_is_ready(opening_job *self)
 {
     error err = {0};
-    uint32_t opened = 0;
     if (device_list_look(&self->found, self->plugins, self->log, NULL, &err) < 0) {
         log_push(self->log, MRT_LOG_WARNING, "devices", err.text);
         return;
     }
-    for (uint32_t i = 0; i < self->found.count && opened < STUDIO_INPUTS_MAX && !self->stop; ++i) {
+    for (uint32_t i = 0; i < self->found.count && !self->is_stopping; ++i) {
         const device_found *one = &self->found.one[i];
-        char text[STUDIO_INPUT_TEXT];
-        if (one->device.state != MRT_DEVICE_READY)
+        if (one->device.state != MRT_DEVICE_READY || self->count == STUDIO_INPUTS_MAX)
             continue;
-        (void)snprintf(text, sizeof text, "%.48s:%s", device_list_plugin_name(one->type),
-                       one->device.address);
-        opened += open_one(self, text);
+        wish_for(&self->wish[self->count], one);
+        (void)open_one(self, self->count++);
     }
 }
 
 static void *run(void *data)
 {
-    studio_inputs *self = data;
-    uint32_t opened = 0;
-    for (uint32_t i = 0; i < self->count && !self->stop; ++i)
-        opened += open_one(self, self->text[i]);
-    if (opened == 0 && self->looks_further && !self->stop)
+    opening_job *self = data;
+    uint32_t open_count = 0;
+    for (uint32_t i = 0; i < self->asked && !self->is_stopping; ++i)
+        open_count += open_one(self, i);
+    if (open_count == 0 && self->looks_further && !self->is_stopping)
         open_what_is_ready(self);
-    self->is_done = true;
+    atomic_store(&self->is_over, true);
     return NULL;
 }
 
-studio_inputs *studio_inputs_start(plugin_list *plugins, log_queue *log, const char *const *texts,
-                                   uint32_t count, bool looks_further)
+/* ---- a job ---- */
+
+static void free_job(opening_job *job)
+{
+    opened left;
+    while (job->opened && ring_pop(job->opened, &left))
+        input_destroy(left.what.input);
+    ring_destroy(job->opened);
+    for (uint32_t i = 0; i < STUDIO_INPUTS_MAX; ++i)
+        spec_finish(&job->wish[i].spec);
+    free(job);
+}
+
+/* Libraries are loaded here, on [main]: others look at the list. */
+static void read_wish(wish *out, plugin_list *plugins, const char *text)
+{
+    mrt_result result = MRT_OK;
+    (void)snprintf(out->text, sizeof out->text, "%s", text);
+    if (!spec_read(&out->spec, text))
+        result = error_set(&out->err, MRT_ERR_ARGUMENT,
+                           "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+    if (result >= 0)
+        result = plugin_list_find(plugins, out->spec.plugin, MRT_INPUT, &out->type, &out->err);
+    if (result < 0)
+        out->type = NULL;
+}
+
+static opening_job *start_job(studio_inputs *self, const char *const *texts, uint32_t count,
+                              bool looks_further)
+{
+    opening_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return NULL;
+    job->plugins = self->plugins;
+    job->log = self->log;
+    job->number = ++self->number;
+    atomic_init(&job->at, count ? 0 : nothing);
+    job->asked = job->count = count < STUDIO_INPUTS_MAX ? count : STUDIO_INPUTS_MAX;
+    for (uint32_t i = 0; i < job->asked; ++i)
+        read_wish(&job->wish[i], self->plugins, texts[i]);
+    job->looks_further = looks_further;
+    job->opened = ring_create(sizeof(opened), STUDIO_INPUTS_MAX);
+    if (job->opened && pthread_create(&job->thread, NULL, run, job) == 0)
+        return job;
+    free_job(job);
+    return NULL;
+}
+
+static void stop_job(opening_job *job)
+{
+    atomic_store(&job->is_stopping, true);
+    for (uint32_t i = 0; i < STUDIO_INPUTS_MAX; ++i)
+        atomic_store(&job->given_up[i], true);
+}
+
+static void end_job(opening_job *job)
+{
+    (void)pthread_join(job->thread, NULL);
+    free_job(job);
+}
+
+/* What was given up is closed on the way. */
+static bool peek(opening_job *job, opened *out)
+{
+    while (ring_peek(job->opened, out)) {
+        if (!job->given_up[out->index])
+            return true;
+        (void)ring_pop(job->opened, out);
+        input_destroy(out->what.input);
+    }
+    return false;
+}
+
+/* Everything that is still wanted of it has been taken; what was given up may hang. */
+static bool is_done(opening_job *job)
+{
+    opened next;
+    const bool is_over = job->is_over; /* before the last look */
+    const uint32_t at = job->at;
+    if (peek(job, &next))
+        return false;
+    return is_over || (!job->looks_further && at + 1 == job->asked && job->given_up[at]);
+}
+
+/* ---- all of them ---- */
+
+static const uint64_t places = 2 * STUDIO_INPUTS_MAX; /* more than a job has texts */
+
+studio_inputs *studio_inputs_create(plugin_list *plugins, log_queue *log)
 {
     studio_inputs *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
     self->plugins = plugins;
     self->log = log;
-    self->count = count < STUDIO_INPUTS_MAX ? count : STUDIO_INPUTS_MAX;
-    for (uint32_t i = 0; i < self->count; ++i)
-        (void)snprintf(self->text[i], sizeof self->text[i], "%s", texts[i]);
-    self->looks_further = looks_further;
-    self->opened = ring_create(sizeof(studio_input_opened), 2 * STUDIO_INPUTS_MAX);
-    self->has_thread = self->opened && pthread_create(&self->thread, NULL, run, self) == 0;
-    if (self->has_thread)
-        return self;
-    studio_inputs_destroy(self);
-    return NULL;
+    return self;
 }
 
 void studio_inputs_destroy(studio_inputs *self)
 {
-    studio_input_opened left;
     if (!self)
         return;
-    self->stop = true;
-    if (self->has_thread)
-        (void)pthread_join(self->thread, NULL);
-    while (self->opened && ring_pop(self->opened, &left))
-        input_destroy(left.input);
-    ring_destroy(self->opened);
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i)
+        if (self->job[i])
+            stop_job(self->job[i]);
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i)
+        if (self->job[i])
+            end_job(self->job[i]);
     free(self);
+}
+
+mrt_result studio_inputs_open(studio_inputs *self, const char *const *texts, uint32_t count,
+                              bool looks_further, error *err)
+{
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i) {
+        if (self->job[i])
+            continue;
+        self->job[i] = start_job(self, texts, count, looks_further);
+        return self->job[i] ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for an input");
+    }
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "%d inputs are being opened: wait for one of them, or cancel it",
+                     STUDIO_OPENINGS_MAX);
 }
 
 bool studio_inputs_take(studio_inputs *self, studio_input_opened *out)
 {
-    return ring_pop(self->opened, out);
+    opened one;
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i) {
+        opening_job *job = self->job[i];
+        if (!job)
+            continue;
+        const bool is_over = job->is_over; /* before the last look */
+        if (peek(job, &one)) {
+            (void)ring_pop(job->opened, &one);
+            *out = one.what;
+            return true;
+        }
+        if (!is_over)
+            continue;
+        end_job(job);
+        self->job[i] = NULL;
+    }
+    return false;
 }
 
 bool studio_inputs_are_done(studio_inputs *self)
 {
-    studio_input_opened next;
-    const bool is_done = self->is_done;
-    return is_done && !ring_peek(self->opened, &next);
+    bool are_done = true;
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i)
+        are_done = are_done && (!self->job[i] || is_done(self->job[i]));
+    return are_done;
+}
+
+static void name_opening(studio_opening *out, const wish *of)
+{
+    memcpy(out->text, of->text, sizeof out->text);
+    if (of->type)
+        input_name_of(out->name, of->type, of->spec.address);
+    else
+        (void)snprintf(out->name, sizeof out->name, "%.*s", INPUT_NAME - 1, of->text);
+}
+
+static uint32_t list(opening_job *job, studio_opening out[2])
+{
+    opened next;
+    uint32_t count = 0;
+    if (peek(job, &next)) {
+        out[count] = (studio_opening){.id = job->number * places + next.index, .is_open = true};
+        name_opening(&out[count++], &job->wish[next.index]);
+    }
+    const uint32_t at = job->at;
+    if (at == nothing || job->given_up[at])
+        return count;
+    out[count] = (studio_opening){.id = job->number * places + at};
+    name_opening(&out[count++], &job->wish[at]);
+    return count;
+}
+
+uint32_t studio_inputs_going(studio_inputs *self, studio_opening out[STUDIO_OPENINGS_MAX])
+{
+    studio_opening of_job[2];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i) {
+        const uint32_t found = self->job[i] ? list(self->job[i], of_job) : 0;
+        for (uint32_t k = 0; k < found && count < STUDIO_OPENINGS_MAX; ++k)
+            out[count++] = of_job[k];
+    }
+    return count;
+}
+
+void studio_inputs_give_up(studio_inputs *self, uint64_t id)
+{
+    const uint64_t index = id % places;
+    for (uint32_t i = 0; i < STUDIO_OPENINGS_MAX; ++i)
+        if (self->job[i] && self->job[i]->number == id / places && index < STUDIO_INPUTS_MAX)
+            atomic_store(&self->job[i]->given_up[index], true);
 }

@@ -121,7 +121,7 @@ void studio_keep_settings_now(studio *self)
     keep_looks(self);
     if (self->live) {
         keep_mapping(self);
-        if (!self->inputs)
+        if (studio_inputs_are_done(self->inputs))
             keep_inputs(self);
     }
     const mrt_result result = settings_write(self->settings, &err);

@@ -288,10 +288,13 @@ static void start_inputs(studio *self, const studio_options *options)
 {
     const char *kept[STUDIO_INPUTS_MAX];
     uint32_t count = 0;
+    error err = {0};
     if (options->inputs) {
         if (options->input_count)
-            self->inputs = studio_inputs_start(&self->plugins, self->log, options->inputs,
-                                               options->input_count, false);
+            (void)studio_said(self,
+                              studio_inputs_open(self->inputs, options->inputs,
+                                                 options->input_count, false, &err),
+                              &err);
         return;
     }
     for (uint32_t i = 0; i < STUDIO_INPUTS_MAX; ++i) {
@@ -300,7 +303,7 @@ static void start_inputs(studio *self, const studio_options *options)
         kept[count] = settings_text(self->settings, key, NULL);
         count += kept[count] != NULL;
     }
-    self->inputs = studio_inputs_start(&self->plugins, self->log, kept, count, true);
+    (void)studio_said(self, studio_inputs_open(self->inputs, kept, count, true, &err), &err);
 }
 
 static mrt_result load_face_and_plugins(studio *self, const studio_options *options, error *err)

@@ -5,7 +5,6 @@
 #include "window/panels.h"
 #include "window/studio.h"
 #include "window/studio_export.h"
-#include "window/studio_inputs.h"
 
 enum { STUDIO_UNDO_MAX = 256, STUDIO_PATH = 4096 };
 
@@ -72,7 +71,8 @@ struct studio {
     double settings_wait_s;
     bool settings_failed; /* it was said */
 
-    studio_inputs *inputs; /* that are being opened; NULL: done */
+    studio_inputs *inputs; /* that are being opened */
+    error input_trouble;
     studio_export *exports;
 };
 

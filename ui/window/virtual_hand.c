@@ -119,7 +119,7 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
         return result;
     virtual_hand_motion_begin(&self->motion);
     give(self, side, FEED_MOVES); /* before anybody reads it: a hand at rest */
-    result = live_add_made(studio_live(self->of), made, input_text[side], err);
+    result = live_add_input(studio_live(self->of), made, input_text[side], err);
     if (result < 0)
         return result; /* the stage has destroyed it */
     self->made[side] = made;

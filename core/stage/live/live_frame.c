@@ -91,9 +91,8 @@ static void on_incident(void *data, const input *from, const input_incident *wha
         if (player_input(stage->loop, i) == from)
             recorder_incident(stage->recorder, i, what);
     if (what->kind == INPUT_WENT)
-        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from),
-                  "went away%s%.120s%s; the pose is held", what->text[0] ? " (" : "", what->text,
-                  what->text[0] ? ")" : "");
+        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from), "%s; the pose is held",
+                  what->text[0] ? what->text : "the device went away");
     else
         log_pushf(stage->log, MRT_LOG_INFO, input_name(from), "is back after %.1f s",
                   (double)what->away_ns / 1e9);
