@@ -106,6 +106,9 @@ static mrt_result measure_pins(bench *self, scene *plain, scene *held, uint32_t 
                              {.name = "held", .run = run_held, .data = held}};
         bench_measure(work, 2, 4 * self->rounds, self->seconds);
         tell(self, "field held by pins", pins, work[1].least_ns, work[0].least_ns);
+        if (pins == PINS_MAX || self->is_quick)
+            bench_at_most(self, "a field held by pins, over one without",
+                          work[1].least_ns / work[0].least_ns, 1.05);
     }
     shape_destroy(&held->held);
     held->held = (shape){0};
@@ -131,6 +134,7 @@ static mrt_result measure(bench *self, scene *plain, scene *held, error *err)
                          {.name = "fourteen", .run = run_bone, .data = plain}};
     bench_measure(work, 2, 4 * self->rounds, self->seconds);
     tell(self, "ten columns and a bone", 0, work[1].least_ns, work[0].least_ns);
+    bench_at_most(self, "fourteen columns, over ten", work[1].least_ns / work[0].least_ns, 1.5);
     for (size_t i = 0; i < sizeof pins / sizeof pins[0] && result >= 0; ++i)
         if (!self->is_quick || pins[i] < PINS_MAX)
             result = measure_pins(self, plain, held, pins[i], err);

@@ -42,11 +42,9 @@ uint32_t bench_promises(bench *self)
         char line[160];
         bool is_broken = p->is_gated && !is_kept(p, gate_share);
         broken += is_broken;
-        snprintf(line, sizeof line, "%9.3f%s, at %s %g%s: %s", p->measured, p->unit,
-                 p->is_most ? "most" : "least", p->promised, p->unit,
-                 is_kept(p, 1.0) ? "kept"
-                 : is_broken     ? "not even half of it"
-                                 : "missed");
+        const char *verdict = is_kept(p, 1.0) ? "kept" : is_broken ? "far missed" : "missed";
+        snprintf(line, sizeof line, "%-40s %9.3f%s, promised at %s %g%s", p->what, p->measured,
+                 p->unit, p->is_most ? "most" : "least", p->promised, p->unit);
         const facts_cell cells[] = {
             {"what", p->what, 0.0, 0},
             {"measured", NULL, p->measured, 6},
@@ -55,7 +53,7 @@ uint32_t bench_promises(bench *self)
             {"is_half_kept", NULL, is_kept(p, gate_share), -1},
             {"is_gated", NULL, p->is_gated, -1},
         };
-        facts_row(self->told, "promises", p->what, line, cells, sizeof cells / sizeof cells[0]);
+        facts_row(self->told, "promises", verdict, line, cells, sizeof cells / sizeof cells[0]);
     }
     return broken;
 }
