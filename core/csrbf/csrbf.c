@@ -13,7 +13,7 @@ struct csrbf_solver {
     uint32_t centre_capacity;
     saddle saddle[2]; /* the one in use, and one to factor into */
     uint32_t current;
-    order_item *order_scratch; /* 2 by centre_capacity */
+    order_item *order_scratch; /* 3 by centre_capacity */
     double *rhs;               /* centre_capacity by RESPONSE_SCRATCH */
 };
 
@@ -57,7 +57,7 @@ csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
     pool_hold();
     size_t room = centre_capacity;
     solver->centre_capacity = centre_capacity;
-    solver->order_scratch = calloc(2 * room + 1, sizeof *solver->order_scratch);
+    solver->order_scratch = calloc(3 * room + 1, sizeof *solver->order_scratch);
     solver->rhs = calloc(room * RESPONSE_SCRATCH + 1, sizeof *solver->rhs);
     bool first_made = saddle_create(&solver->saddle[0], centre_capacity);
     bool second_made = saddle_create(&solver->saddle[1], centre_capacity);

@@ -2,8 +2,8 @@
  * functions, d(x) = sum_i alpha_i phi(|x - c_i| / R) + p(x) with d(c_i) = g_i.
  * Formulas: research on the method, Wendland 1995 (kernels), Kojekine/Savchenko 2002 (the solve).
  * Settings and solver; what is done with a field over time is in shape.h.
- * Solve in float64, centres in canonical (Morton) order: results do not depend on the order of the
- * controls, and have the same bits on every build. Pure but for the solver's own memory;
+ * Solve in float64, centres in a canonical order (merge.h): results do not depend on the order of
+ * the controls, and have the same bits on every build. Pure but for the solver's own memory;
  * [frame] everything except create/destroy. */
 #ifndef MAROTTE_CSRBF_CSRBF_H
 #define MAROTTE_CSRBF_CSRBF_H

@@ -213,28 +213,151 @@ bool LANES(factor)(envelope *e, double smallest_pivot, uint32_t *out_row)
     return true;
 }
 
-/* ---- solves ---- */
+/* ---- solves: the loops over lanes stay loops, or gcc would take several k together and shuffle
+ * more than it sums ---- */
 
-static inline void solve(const envelope *e, double *restrict rhs, const int width)
+/* sum -= value[k] times side k. */
+static inline void subtract_sides(double *restrict sum, const double *restrict value,
+                                  const double *restrict side, uint32_t count, const int width)
 {
-    for (uint32_t i = 0; i < e->row_count; ++i) {
-        const double *value = e->value + e->start[i];
-        double *row = rhs + (size_t)i * (size_t)width;
-        for (uint32_t k = e->first[i]; k < i; ++k, ++value)
-            for (int lane = 0; lane < width; ++lane)
-                row[lane] -= *value * rhs[(size_t)k * (size_t)width + (size_t)lane];
+    for (uint32_t k = 0; k < count; ++k, side += width)
         for (int lane = 0; lane < width; ++lane)
-            row[lane] /= *value;
-    }
-    for (uint32_t i = e->row_count; i-- > 0;) {
-        const double *value = e->value + e->start[i];
-        double *row = rhs + (size_t)i * (size_t)width;
+            sum[lane] -= value[k] * side[lane];
+}
+
+/* Row i of L y = b, which has its products up to column `from`. */
+static inline void finish_forward(const envelope *e, double *rhs, uint32_t i, uint32_t from,
+                                  const int width)
+{
+    double sum[ENVELOPE_MANY], *row = rhs + (size_t)i * (size_t)width;
+    const double pivot = *factor_at(e, i, i);
+    memcpy(sum, row, (size_t)width * sizeof *sum);
+    subtract_sides(sum, factor_at(e, i, from), rhs + (size_t)from * (size_t)width, i - from, width);
+    for (int lane = 0; lane < width; ++lane)
+        row[lane] = sum[lane] / pivot;
+}
+
+/* Row i of L^T x = y is divided by its pivot and taken from those from `from` on. */
+static inline void begin_backward(const envelope *e, double *rhs, uint32_t i, uint32_t from,
+                                  const int width)
+{
+    double *row = rhs + (size_t)i * (size_t)width, *side = rhs + (size_t)from * (size_t)width;
+    const double *value = factor_at(e, i, from), pivot = *factor_at(e, i, i);
+    for (int lane = 0; lane < width; ++lane)
+        row[lane] /= pivot;
+    for (uint32_t k = from; k < i; ++k, ++value, side += width)
         for (int lane = 0; lane < width; ++lane)
-            row[lane] /= value[i - e->first[i]];
-        for (uint32_t k = e->first[i]; k < i; ++k, ++value)
-            for (int lane = 0; lane < width; ++lane)
-                rhs[(size_t)k * (size_t)width + (size_t)lane] -= *value * row[lane];
-    }
+            side[lane] -= *value * row[lane];
+}
+
+enum { ROWS = 4 }; /* of the factor, worked on together: the sides are read once for all */
+
+/* The column from which on all of rows i .. i + ROWS - 1 have entries; at most i. */
+static uint32_t common_first(const envelope *e, uint32_t i)
+{
+    uint32_t common = 0;
+    for (uint32_t row = i; row < i + ROWS; ++row)
+        common = larger(common, e->first[row]);
+    return lesser(common, i);
+}
+
+static inline void load_rows(double *const out[ROWS], const double *row, const int width)
+{
+    for (int i = 0; i < ROWS; ++i)
+        memcpy(out[i], row + i * width, (size_t)width * sizeof *row);
+}
+
+/* Rows i .. i + ROWS - 1 get their products of the columns from `common` to i - 1. */
+static inline void forward_tile(const envelope *e, double *rhs, uint32_t i, uint32_t common,
+                                const int width)
+{
+    const double *fa = factor_at(e, i, common), *fb = factor_at(e, i + 1, common);
+    const double *fc = factor_at(e, i + 2, common), *fd = factor_at(e, i + 3, common);
+    const double *side = rhs + common * (size_t)width;
+    double *row = rhs + i * (size_t)width;
+    double a[ENVELOPE_MANY], b[ENVELOPE_MANY], c[ENVELOPE_MANY], d[ENVELOPE_MANY];
+    double *const sum[ROWS] = {a, b, c, d};
+    load_rows(sum, row, width);
+    for (uint32_t k = 0; k < i - common; ++k, side += width)
+#pragma GCC unroll 1
+        for (int lane = 0; lane < width; ++lane) {
+            a[lane] -= fa[k] * side[lane];
+            b[lane] -= fb[k] * side[lane];
+            c[lane] -= fc[k] * side[lane];
+            d[lane] -= fd[k] * side[lane];
+        }
+    for (int k = 0; k < ROWS; ++k)
+        memcpy(row + k * width, sum[k], (size_t)width * sizeof *row);
+}
+
+/* Rows i .. i + ROWS - 1 are taken from the columns from `common` to i - 1, the last first. */
+static inline void backward_tile(const envelope *e, double *rhs, uint32_t i, uint32_t common,
+                                 const int width)
+{
+    const double *fa = factor_at(e, i, common), *fb = factor_at(e, i + 1, common);
+    const double *fc = factor_at(e, i + 2, common), *fd = factor_at(e, i + 3, common);
+    double *side = rhs + common * (size_t)width;
+    double a[ENVELOPE_MANY], b[ENVELOPE_MANY], c[ENVELOPE_MANY], d[ENVELOPE_MANY];
+    double *const taken[ROWS] = {a, b, c, d};
+    load_rows(taken, rhs + i * (size_t)width, width);
+    for (uint32_t k = 0; k < i - common; ++k, side += width)
+#pragma GCC unroll 1
+        for (int lane = 0; lane < width; ++lane) {
+            double left = side[lane] - fd[k] * d[lane];
+            left -= fc[k] * c[lane];
+            left -= fb[k] * b[lane];
+            side[lane] = left - fa[k] * a[lane];
+        }
+}
+
+static inline void forward_rows(const envelope *e, double *rhs, uint32_t i, const int width)
+{
+    const uint32_t common = common_first(e, i);
+    const size_t step = (size_t)width;
+    for (uint32_t row = i; row < i + ROWS; ++row)
+        if (e->first[row] < common)
+            subtract_sides(rhs + row * step, factor_at(e, row, e->first[row]),
+                           rhs + e->first[row] * step, common - e->first[row], width);
+    if (common < i)
+        forward_tile(e, rhs, i, common, width);
+    for (uint32_t row = i; row < i + ROWS; ++row)
+        finish_forward(e, rhs, row, larger(i, e->first[row]), width);
+}
+
+static inline void backward_rows(const envelope *e, double *rhs, uint32_t i, const int width)
+{
+    const uint32_t common = common_first(e, i);
+    const size_t step = (size_t)width;
+    for (uint32_t row = i + ROWS; row-- > i;)
+        begin_backward(e, rhs, row, larger(i, e->first[row]), width);
+    if (common < i)
+        backward_tile(e, rhs, i, common, width);
+    for (uint32_t row = i + ROWS; row-- > i;)
+        for (uint32_t k = e->first[row]; k < common; ++k)
+            for (size_t lane = 0; lane < step; ++lane)
+                rhs[k * step + lane] -= *factor_at(e, row, k) * rhs[row * step + lane];
+}
+
+/* The first row whose sides are not all zero: above it y is zero too. */
+static inline uint32_t first_side(const envelope *e, const double *rhs, const int width)
+{
+    size_t entries = (size_t)e->row_count * (size_t)width, entry = 0;
+    while (entry < entries && rhs[entry] == 0.0)
+        ++entry;
+    return (uint32_t)(entry / (size_t)width);
+}
+
+static inline void solve(const envelope *e, double *rhs, const int width)
+{
+    uint32_t whole = e->row_count / ROWS * ROWS, i = first_side(e, rhs, width) / ROWS * ROWS;
+    for (; i < whole; i += ROWS)
+        forward_rows(e, rhs, i, width);
+    for (i = larger(i, whole); i < e->row_count; ++i)
+        finish_forward(e, rhs, i, e->first[i], width);
+    for (i = e->row_count; i > whole; --i)
+        begin_backward(e, rhs, i - 1, e->first[i - 1], width);
+    for (; i > 0; i -= ROWS)
+        backward_rows(e, rhs, i - ROWS, width);
 }
 
 void LANES(solve_few)(const envelope *e, double *rhs)

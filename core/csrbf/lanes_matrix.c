@@ -19,11 +19,29 @@ static void measure(double *restrict out, const field *f, uint32_t row, uint32_t
     }
 }
 
+/* Cheaper than to measure: true whenever one of them is in the support of `row`, and seldom when
+ * none is. */
+static bool may_reach(const field *f, uint32_t row, uint32_t first, uint32_t count)
+{
+    const double *restrict x = f->along[0] + first, *restrict y = f->along[1] + first;
+    const double *restrict z = f->along[2] + first;
+    const double cx = f->along[0][row], cy = f->along[1][row], cz = f->along[2][row];
+    const double limit = f->settings.radius * f->settings.radius * (1.0 + 0x1p-40);
+    int within = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        double dx = cx - x[i], dy = cy - y[i], dz = cz - z[i];
+        within |= dx * dx + dy * dy + dz * dz < limit;
+    }
+    return within != 0;
+}
+
 uint32_t LANES(first_neighbour)(const field *f, uint32_t row)
 {
     double r[BATCH];
     for (uint32_t first = 0; first < row; first += BATCH) {
         uint32_t count = row - first < BATCH ? row - first : BATCH;
+        if (!may_reach(f, row, first, count))
+            continue;
         measure(r, f, row, first, count);
         for (uint32_t i = 0; i < count; ++i)
             if (r[i] < 1.0)

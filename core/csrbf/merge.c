@@ -26,16 +26,33 @@ void merge_destroy(merge *m)
     *m = (merge){0};
 }
 
-static void sort_controls(merge *m, order_item *scratch, const double *centre)
+/* Those of one class, from item[first] on; returns where they end. */
+static uint32_t sort_class(order_item *item, uint32_t first, const merge *m, const double *centre,
+                           const csrbf_class *class, csrbf_class wanted)
 {
-    uint32_t count = m->control_count;
-    for (uint32_t i = 0; i < count; ++i) {
-        scratch[i].row = i;
-        memcpy(scratch[i].at, centre + (size_t)3 * i, sizeof scratch[i].at);
-    }
-    order_sort(scratch, scratch + count, count);
-    for (uint32_t i = 0; i < count; ++i)
-        m->sorted[i] = scratch[i].row;
+    uint32_t end = first;
+    for (uint32_t control = 0; control < m->control_count; ++control)
+        if ((class ? class[control] : CSRBF_TIP) == wanted) {
+            item[end].row = control;
+            memcpy(item[end].at, centre + (size_t)3 * control, sizeof item[end].at);
+            ++end;
+        }
+    order_item *scratch = item + m->control_count;
+    if (end - first <= MRT_MAX_VECTORS) /* as many as a mapping can pull at */
+        order_sort(item + first, scratch, end - first);
+    else
+        order_sort_along(item + first, scratch, end - first);
+    return end;
+}
+
+static void sort_controls(merge *m, order_item *item, const double *centre,
+                          const csrbf_class *class)
+{
+    uint32_t end = sort_class(item, 0, m, centre, class, CSRBF_SKULL);
+    end = sort_class(item, end, m, centre, class, CSRBF_JAW);
+    end = sort_class(item, end, m, centre, class, CSRBF_TIP);
+    for (uint32_t i = 0; i < end; ++i)
+        m->sorted[i] = item[i].row;
 }
 
 /* While components are joined, group[] holds for each place in the order an earlier place of its
@@ -49,24 +66,39 @@ static uint32_t root_of(uint32_t *group, uint32_t place)
     return place;
 }
 
-static void join_close(merge *m, const order_item *item, double distance)
+static void join(uint32_t *group, uint32_t place, uint32_t other)
 {
-    double limit = distance * distance;
-    for (uint32_t i = 0; i < m->control_count; ++i) {
-        m->group[i] = i;
-        for (uint32_t j = 0; j < i; ++j) {
-            double dx = item[i].at[0] - item[j].at[0];
-            double dy = item[i].at[1] - item[j].at[1];
-            double dz = item[i].at[2] - item[j].at[2];
-            if (dx * dx + dy * dy + dz * dz > limit)
-                continue;
-            uint32_t a = root_of(m->group, i), b = root_of(m->group, j);
-            if (a < b)
-                m->group[b] = a;
-            else
-                m->group[a] = b;
-        }
+    uint32_t a = root_of(group, place), b = root_of(group, other);
+    if (a < b)
+        group[b] = a;
+    else
+        group[a] = b;
+}
+
+static bool is_close(const order_item *a, const order_item *b, double limit)
+{
+    double dx = a->at[0] - b->at[0], dy = a->at[1] - b->at[1], dz = a->at[2] - b->at[2];
+    return dx * dx + dy * dy + dz * dz <= limit;
+}
+
+/* Looks along the longest axis: of each one backwards, as far as any can be close. */
+static void join_close(merge *m, const order_item *item, order_item *scratch, double distance)
+{
+    const double limit = distance * distance;
+    for (uint32_t place = 0; place < m->control_count; ++place) {
+        m->group[place] = place;
+        scratch[place] = item[place];
+        scratch[place].row = place;
     }
+    int axis = order_sort_along(scratch, scratch + m->control_count, m->control_count);
+    for (uint32_t i = 0; i < m->control_count; ++i)
+        for (uint32_t k = i; k-- > 0;) {
+            double way = scratch[i].at[axis] - scratch[k].at[axis];
+            if (way * way > limit)
+                break;
+            if (is_close(&scratch[i], &scratch[k], limit))
+                join(m->group, scratch[i].row, scratch[k].row);
+        }
 }
 
 /* Group numbers by the place of their roots; item[].key becomes the group of each control. */
@@ -105,8 +137,8 @@ void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf
                 uint32_t count, double distance)
 {
     m->control_count = count;
-    sort_controls(m, scratch, centre);
-    join_close(m, scratch, distance);
+    sort_controls(m, scratch, centre, class);
+    join_close(m, scratch, scratch + count, distance);
     number_groups(m, scratch);
     share_out(m, scratch, class);
 }

@@ -24,24 +24,62 @@ static uint64_t cell(double offset, double extent)
     return position < last ? (uint64_t)position : (uint64_t)last;
 }
 
-static void compute_keys(order_item *item, uint32_t count)
+typedef struct extent {
+    double low[3], size[3];
+} extent;
+
+static extent extent_of(const order_item *item, uint32_t count)
 {
-    double low[3], extent = 0.0;
+    extent out;
     for (int axis = 0; axis < 3; ++axis) {
-        double high = item[0].at[axis];
-        low[axis] = high;
+        double low = item[0].at[axis], high = low;
         for (uint32_t i = 1; i < count; ++i) {
             double at = item[i].at[axis];
-            low[axis] = at < low[axis] ? at : low[axis];
+            low = at < low ? at : low;
             high = at > high ? at : high;
         }
-        extent = high - low[axis] > extent ? high - low[axis] : extent;
+        out.low[axis] = low;
+        out.size[axis] = high - low;
     }
+    return out;
+}
+
+static int longest_axis(const extent *e)
+{
+    int longest = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        longest = e->size[axis] > e->size[longest] ? axis : longest;
+    return longest;
+}
+
+static void compute_curve_keys(order_item *item, uint32_t count)
+{
+    const extent e = extent_of(item, count);
+    const double side = e.size[longest_axis(&e)];
     for (uint32_t i = 0; i < count; ++i) {
         item[i].key = 0;
-        for (int axis = 0; axis < 3 && extent > 0.0; ++axis)
-            item[i].key |= spread_bits(cell(item[i].at[axis] - low[axis], extent)) << axis;
+        for (int axis = 0; axis < 3 && side > 0.0; ++axis)
+            item[i].key |= spread_bits(cell(item[i].at[axis] - e.low[axis], side)) << axis;
     }
+}
+
+/* Numbers in the order of the doubles. */
+static uint64_t rank_of(double value)
+{
+    const uint64_t sign = UINT64_C(1) << 63;
+    uint64_t bits;
+    value += 0.0; /* there is one zero */
+    memcpy(&bits, &value, sizeof bits);
+    return bits & sign ? ~bits : bits | sign;
+}
+
+static int compute_axis_keys(order_item *item, uint32_t count)
+{
+    const extent e = extent_of(item, count);
+    const int axis = longest_axis(&e);
+    for (uint32_t i = 0; i < count; ++i)
+        item[i].key = rank_of(item[i].at[axis]);
+    return axis;
 }
 
 static bool comes_before(const order_item *a, const order_item *b)
@@ -69,11 +107,8 @@ static uint32_t smaller(uint64_t a, uint64_t b)
     return (uint32_t)(a < b ? a : b);
 }
 
-void order_sort(order_item *item, order_item *scratch, uint32_t count)
+static void sort_by_keys(order_item *item, order_item *scratch, uint32_t count)
 {
-    if (count < 2)
-        return;
-    compute_keys(item, count);
     order_item *from = item, *to = scratch;
     for (uint64_t run = 1; run < count; run *= 2) {
         for (uint64_t at = 0; at < count; at += 2 * run) {
@@ -87,4 +122,21 @@ void order_sort(order_item *item, order_item *scratch, uint32_t count)
     }
     if (from != item)
         memcpy(item, from, (size_t)count * sizeof *item);
+}
+
+void order_sort(order_item *item, order_item *scratch, uint32_t count)
+{
+    if (count < 2)
+        return;
+    compute_curve_keys(item, count);
+    sort_by_keys(item, scratch, count);
+}
+
+int order_sort_along(order_item *item, order_item *scratch, uint32_t count)
+{
+    if (count < 2)
+        return 0;
+    int axis = compute_axis_keys(item, count);
+    sort_by_keys(item, scratch, count);
+    return axis;
 }

@@ -21,7 +21,7 @@ typedef struct saddle {
 bool saddle_create(saddle *out, uint32_t centre_capacity); /* false: no memory */
 void saddle_destroy(saddle *s);
 
-/* Arguments checked by the caller. scratch: two times count items. On error `s` is useless until
+/* Arguments checked by the caller. scratch: three times count items. On error `s` is useless until
  * it is factored again. */
 CHECKED mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *settings,
                                  const double *centre, const csrbf_class *class, uint32_t count,
