@@ -59,11 +59,13 @@ static void draw_naming(mapping_panel *self, ui *on, const instance *mapping)
     ui_width(on, -132.0f);
     (void)ui_input(on, "##preset name", "name of the preset", self->preset_name,
                    sizeof self->preset_name);
+    const bool is_entered = ui_input_is_entered(on);
     ui_same_line(on);
     ui_width(on, 58.0f);
     char clean[PRESET_NAME];
-    ui_disabled_begin(on, !presets_clean_name(clean, self->preset_name));
-    if (ui_button(on, "Save", UI_ACCENT))
+    const bool is_name = presets_clean_name(clean, self->preset_name);
+    ui_disabled_begin(on, !is_name);
+    if (ui_button(on, "Save", UI_ACCENT) || (is_entered && is_name))
         save(self, mapping);
     ui_disabled_end(on);
     ui_same_line(on);
