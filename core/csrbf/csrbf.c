@@ -131,8 +131,8 @@ mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings, co
             result = error_set(err, MRT_ERR_ARGUMENT, "control %u: class %d is unknown", i,
                                (int)class[i]);
     if (result >= 0)
-        result = saddle_factor(&solver->saddle[1 - solver->current], solver->order_scratch,
-                               settings, centre, class, count, err);
+        result = saddle_factor(&solver->saddle[1 - solver->current], in_use(solver),
+                               solver->order_scratch, settings, centre, class, count, err);
     if (result >= 0)
         solver->current = 1 - solver->current;
     return result;

@@ -48,7 +48,9 @@ void csrbf_solver_destroy(csrbf_solver *solver);
  * Errors (not finite and within POINTS_REACH, radius <= 0, too many, not positive definite) leave
  * the last factorisation and its field; afterwards the field is zero until csrbf_solve.
  * count 0 is a field that is zero everywhere. A linear or windowed polynomial is restricted to the
- * affine hull of the centres: an extent below 1/1000 of the largest counts as flat. */
+ * affine hull of the centres: an extent below 1/1000 of the largest counts as flat.
+ * Pins that stay where they were are not factored again: what changes behind them, tips behind the
+ * jaw and the jaw behind the skull, costs what it is itself. The bits are those of a new solver. */
 CHECKED mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings,
                                 const double *centre, const csrbf_class *class, uint32_t count,
                                 error *err);

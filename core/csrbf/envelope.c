@@ -3,6 +3,7 @@
 #include "csrbf/lanes.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 bool envelope_create(envelope *out, uint32_t row_capacity)
 {
@@ -29,10 +30,20 @@ void envelope_destroy(envelope *e)
     *e = (envelope){0};
 }
 
-void envelope_clear(envelope *e)
+void envelope_keep(envelope *e, uint32_t row_count)
 {
-    e->row_count = 0;
+    e->row_count = row_count;
+    e->factored_count = row_count;
     e->start[0] = 0;
+}
+
+void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count)
+{
+    const size_t begin = from->start[first], end = from->start[row_count];
+    memcpy(e->first + first, from->first + first, (row_count - first) * sizeof *e->first);
+    memcpy(e->start + first, from->start + first, (row_count - first + 1) * sizeof *e->start);
+    memcpy(e->value + begin, from->value + begin, (end - begin) * sizeof *e->value);
+    envelope_keep(e, row_count);
 }
 
 double *envelope_add_row(envelope *e, uint32_t first)
@@ -45,7 +56,10 @@ double *envelope_add_row(envelope *e, uint32_t first)
 
 bool envelope_factor(envelope *e, double smallest_pivot, uint32_t *out_row)
 {
-    return e->lanes->factor(e, smallest_pivot, out_row);
+    if (!e->lanes->factor(e, smallest_pivot, out_row))
+        return false;
+    e->factored_count = e->row_count;
+    return true;
 }
 
 void envelope_solve_few(const envelope *e, double *rhs)

@@ -14,21 +14,26 @@ enum { ENVELOPE_LANES = 32 }; /* rows of a group: group[ENVELOPE_LANES * column 
 
 typedef struct envelope {
     uint32_t row_capacity, row_count;
-    uint32_t *first; /* of each row: column of its first entry */
-    size_t *start;   /* of each row: where it begins in value; row_capacity + 1 */
-    double *value;   /* the matrix, then its factor */
-    double *group;   /* scratch of the factorisation: row_capacity by ENVELOPE_LANES */
+    uint32_t factored_count; /* rows whose values are those of the factor */
+    uint32_t *first;         /* of each row: column of its first entry */
+    size_t *start;           /* of each row: where it begins in value; row_capacity + 1 */
+    double *value;           /* the matrix, then its factor */
+    double *group;           /* scratch of the factorisation: row_capacity by ENVELOPE_LANES */
     const struct lanes *lanes;
 } envelope;
 
 bool envelope_create(envelope *out, uint32_t row_capacity); /* false: no memory */
 void envelope_destroy(envelope *e);
 
-void envelope_clear(envelope *e);
+/* The first `row_count` rows stay, which have been factored; the others go. */
+void envelope_keep(envelope *e, uint32_t row_count);
+/* The same of those of `from`, whose rows before `first` are these. */
+void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count);
 /* The next row, from column `first` to the diagonal, for the caller to fill. */
 double *envelope_add_row(envelope *e, uint32_t first);
 
-/* False when a pivot is not above `smallest_pivot`; its row is then in out_row. */
+/* Of the rows that are not factored yet. False when a pivot is not above `smallest_pivot`; its row
+ * is then in out_row. */
 bool envelope_factor(envelope *e, double smallest_pivot, uint32_t *out_row);
 
 /* Solves in place; rhs: row_count by ENVELOPE_FEW or by ENVELOPE_MANY. */

@@ -201,7 +201,7 @@ static bool group_finish(envelope *e, uint32_t low, uint32_t row, uint32_t row_c
 
 bool LANES(factor)(envelope *e, double smallest_pivot, uint32_t *out_row)
 {
-    for (uint32_t row = 0; row < e->row_count; row += LANES) {
+    for (uint32_t row = e->factored_count; row < e->row_count; row += LANES) {
         uint32_t left = e->row_count - row, row_count = left < LANES ? left : LANES;
         uint32_t low = group_first(e, row, row_count);
         group_load(e, low, row, row_count);

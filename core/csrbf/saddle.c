@@ -12,12 +12,13 @@ static const double merge_ratio = 1e-3;
 bool saddle_create(saddle *out, uint32_t centre_capacity)
 {
     size_t room = (size_t)centre_capacity * ENVELOPE_FEW + 1;
-    *out =
-        (saddle){.basis = calloc(room, sizeof(double)), .resolved = calloc(room, sizeof(double))};
+    *out = (saddle){.basis = calloc(room, sizeof(double)),
+                    .resolved = calloc(room, sizeof(double)),
+                    .factored = calloc((size_t)3 * centre_capacity + 1, sizeof(double))};
     bool merge_made = merge_create(&out->merge, centre_capacity);
     bool field_made = field_create(&out->field, centre_capacity);
     bool matrix_made = envelope_create(&out->matrix, centre_capacity);
-    if (merge_made && field_made && matrix_made && out->basis && out->resolved)
+    if (merge_made && field_made && matrix_made && out->basis && out->resolved && out->factored)
         return true;
     saddle_destroy(out);
     return false;
@@ -32,6 +33,7 @@ void saddle_destroy(saddle *s)
     envelope_destroy(&s->matrix);
     free(s->basis);
     free(s->resolved);
+    free(s->factored);
     *s = (saddle){0};
 }
 
@@ -48,17 +50,52 @@ static uint32_t first_of_rows(const field *f, uint32_t i)
     return first;
 }
 
+/* The rows behind those that the matrix has; those begin some that are alike. */
 static void assemble(saddle *s)
 {
     const field *f = &s->field;
     uint32_t first = 0;
-    envelope_clear(&s->matrix);
-    for (uint32_t i = 0; i < f->centre_count; ++i) {
+    for (uint32_t i = s->matrix.row_count; i < f->centre_count; ++i) {
         first = i % ALIKE == 0 ? first_of_rows(f, i) : first;
         double *row = envelope_add_row(&s->matrix, first);
         f->lanes->kernel_row(f, row, i, first);
         row[i - first] = 1.0 + f->settings.ridge;
     }
+}
+
+/* How many rows of the field's matrix are among those that `held` has factored. */
+static uint32_t rows_held(const saddle *held, const field *f)
+{
+    const csrbf_settings *a = &held->factored_for, *b = &f->settings;
+    uint32_t count = 0;
+    if (a->kernel != b->kernel || a->radius != b->radius || a->ridge != b->ridge)
+        return 0;
+    while (count < held->matrix.factored_count && count < f->centre_count &&
+           memcmp(held->factored + (size_t)3 * count, f->centre + (size_t)3 * count,
+                  3 * sizeof *f->centre) == 0)
+        ++count;
+    return count / ALIKE * ALIKE;
+}
+
+/* Leaves in the matrix what need not be factored again. */
+static void reuse_rows(saddle *s, const saddle *other)
+{
+    uint32_t own = rows_held(s, &s->field), lent = rows_held(other, &s->field);
+    if (own >= lent)
+        envelope_keep(&s->matrix, own);
+    else
+        envelope_take(&s->matrix, &other->matrix, own, lent);
+}
+
+/* False: singular; out_row is the row where it shows. */
+static bool factor_matrix(saddle *s, const saddle *other, uint32_t *out_row)
+{
+    const field *f = &s->field;
+    reuse_rows(s, other);
+    s->factored_for = f->settings;
+    memcpy(s->factored, f->centre, (size_t)3 * f->centre_count * sizeof *s->factored);
+    assemble(s);
+    return envelope_factor(&s->matrix, smallest_pivot, out_row);
 }
 
 /* A control of the group, for messages. */
@@ -110,8 +147,9 @@ static mrt_result factor_polynomial(saddle *s, error *err)
     return MRT_OK;
 }
 
-mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *settings,
-                         const double *centre, const csrbf_class *class, uint32_t count, error *err)
+mrt_result saddle_factor(saddle *s, const saddle *other, order_item *scratch,
+                         const csrbf_settings *settings, const double *centre,
+                         const csrbf_class *class, uint32_t count, error *err)
 {
     field *f = &s->field;
     merge_find(&s->merge, scratch, centre, class, count, merge_ratio * settings->radius);
@@ -125,9 +163,8 @@ mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *s
     s->gain = 0.0;
     s->merged_apart = false;
     field_begin(f);
-    assemble(s);
     uint32_t row = 0;
-    if (!envelope_factor(&s->matrix, smallest_pivot, &row))
+    if (!factor_matrix(s, other, &row))
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "control %u is too close to the others for radius %g: the system is "
                          "singular; use a smaller radius, or spread the controls",

@@ -16,16 +16,20 @@ typedef struct saddle {
     double schur[4][4]; /* lower Cholesky factor of S */
     double gain;        /* of saddle_limit_gain; 0 when never asked */
     bool merged_apart;
+    double *factored; /* centre_count by 3: of the rows that `matrix` has factored */
+    csrbf_settings factored_for;
 } saddle;
 
 bool saddle_create(saddle *out, uint32_t centre_capacity); /* false: no memory */
 void saddle_destroy(saddle *s);
 
-/* Arguments checked by the caller. scratch: three times count items. On error `s` is useless until
- * it is factored again. */
-CHECKED mrt_result saddle_factor(saddle *s, order_item *scratch, const csrbf_settings *settings,
-                                 const double *centre, const csrbf_class *class, uint32_t count,
-                                 error *err);
+/* Arguments checked by the caller. scratch: three times count items. Where the first centres in
+ * canonical order are those that `s` or `other` has factored with the same kernel, radius and
+ * ridge, their rows are not factored again: so pins cost nothing while only tips change. The result
+ * has the same bits. On error `s` is useless until it is factored again. */
+CHECKED mrt_result saddle_factor(saddle *s, const saddle *other, order_item *scratch,
+                                 const csrbf_settings *settings, const double *centre,
+                                 const csrbf_class *class, uint32_t count, error *err);
 
 /* rhs: scratch of centre_count by ENVELOPE_FEW. On error the last solution stays. */
 CHECKED mrt_result saddle_solve(saddle *s, double *rhs, const double *g, error *err);

@@ -413,11 +413,12 @@ static void check_system(const scene *s, uint64_t *seed)
     (void)seed;
     error err = {""};
     saddle system;
-    order_item scratch[2 * SCENE_TIPS];
+    order_item scratch[3 * SCENE_TIPS];
     double rhs[SCENE_TIPS * ENVELOPE_FEW], alpha[SCENE_TIPS * ENVELOPE_MANY];
     double beta[4][ENVELOPE_MANY], sum = 0.0;
     assert_true(saddle_create(&system, SCENE_TIPS));
-    if (saddle_factor(&system, scratch, &s->settings, s->tip[0], NULL, s->tip_count, &err) < 0 ||
+    if (saddle_factor(&system, &system, scratch, &s->settings, s->tip[0], NULL, s->tip_count,
+                      &err) < 0 ||
         saddle_solve(&system, rhs, s->g[0], &err) < 0)
         fail_msg("%s", err.text);
     const field *f = &system.field;
