@@ -5,13 +5,14 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "base/pool.h"
 #include "csrbf/shape.h"
 #include "unit/allocation_count.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDE = 20, VERTICES = SIDE * SIDE, TIPS = 5 };
+enum { SIDE = 40, VERTICES = SIDE * SIDE, TIPS = 5 };
 
 static const double tip[TIPS][3] = {
     {-1, -1, 0}, {1, -1, 0.25}, {1, 1, -0.25}, {-1, 1, 0}, {0, 0, 0.5}};
@@ -36,6 +37,9 @@ static void frames_allocate_nothing(void **state)
     for (int i = 0; i < TIPS; ++i)
         for (int axis = 0; axis < 3; ++axis)
             to[i][axis] = tip[i][axis] + pull[i][axis];
+    setenv("MAROTTE_THREADS", "3", 1);
+    pool_share_from(0.0);
+    const uint64_t shared_before = pool_state_now().shared_count;
     allocation_count = 0;
     assert_int_equal(shape_create(&s, row[0], VERTICES, TIPS, &err), MRT_OK);
     assert_true(allocation_count > 10); /* the counting works */
@@ -65,7 +69,10 @@ static void frames_allocate_nothing(void **state)
             assert_true(results[3] == MRT_ERR_ARGUMENT);
             assert_true(bound > 0.0 && determinant < 1.0 && near);
         }
+    assert_true(pool_state_now().shared_count > shared_before); /* threads took part */
     shape_destroy(&s);
+    pool_share_from(POOL_WORTH_NS);
+    unsetenv("MAROTTE_THREADS");
 }
 
 int main(void)
