@@ -6,8 +6,10 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of two */
+enum { FAR_BYTES_MAX = 32 << 20 };     /* of a last-level cache, which others use too */
 enum { SHARED_FROM_BLOCKS = 131072 / POINTS_BLOCK, GRAIN = 64 }; /* base/pool.h */
 
 static uint32_t words_of(uint32_t count)
@@ -37,14 +39,17 @@ void columns_weights_destroy(columns_weights *w)
     *w = (columns_weights){0};
 }
 
-void columns_weights_note(columns_weights *w, uint32_t count, uint32_t capacity)
+void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, size_t value_size)
 {
-    memset(w->live, 0, words_of(capacity) * sizeof *w->live);
+    size_t streams = (size_t)6 * c->block_count * sizeof(float), filled = 0; /* base and out */
+    memset(w->live, 0, words_of(c->capacity) * sizeof *w->live);
     for (uint32_t column = 0; column < count; ++column) {
         const float *g = w->value + (size_t)3 * column;
         uint64_t counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
         w->live[column / COLUMNS_WORD] |= counts << column % COLUMNS_WORD;
+        filled += counts ? c->filled[column] : 0;
     }
+    w->bytes = (streams + filled * value_size) * POINTS_BLOCK;
     w->word_count = 0;
     for (uint32_t word = 0; word < words_of(count); ++word)
         if (w->live[word] != 0)
@@ -53,11 +58,22 @@ void columns_weights_note(columns_weights *w, uint32_t count, uint32_t capacity)
 
 /* ---- columns ---- */
 
+/* From half of the last-level cache on a frame leaves nothing in it that is read again. */
+static size_t far_from_bytes(void)
+{
+    long half = -1;
+#ifdef _SC_LEVEL3_CACHE_SIZE
+    half = sysconf(_SC_LEVEL3_CACHE_SIZE) / 2;
+#endif
+    return half > 0 && half < FAR_BYTES_MAX ? (size_t)half : FAR_BYTES_MAX;
+}
+
 mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err)
 {
     *out = (columns){.capacity = capacity,
                      .block_count = like->block_count,
                      .mark_words = words_of(capacity),
+                     .far_from_bytes = far_from_bytes(),
                      .lanes = lanes_now()};
     size_t rows = capacity;
     out->stride = (size_t)like->padded_count + STAGGER;
@@ -65,8 +81,9 @@ mrt_result columns_create(columns *out, const points *like, uint32_t capacity, e
         size_t marks = (size_t)out->mark_words * out->block_count;
         out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
         out->mark = calloc(marks + 1, sizeof *out->mark);
+        out->filled = calloc(rows + 1, sizeof *out->filled);
     }
-    if (out->value && out->mark && columns_weights_create(&out->weights, capacity))
+    if (out->value && out->mark && out->filled && columns_weights_create(&out->weights, capacity))
         return MRT_OK;
     columns_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory for %u columns of %u vertices", capacity,
@@ -79,6 +96,7 @@ void columns_destroy(columns *c)
         return;
     free(c->value);
     free(c->mark);
+    free(c->filled);
     columns_weights_destroy(&c->weights);
     *c = (columns){0};
 }
@@ -100,27 +118,20 @@ void columns_note_groups(columns *c, uint32_t count, uint32_t group)
     for (uint32_t column = 0; column < count; ++column) {
         const float *last = columns_row(c, column - column % group + group - 1);
         uint64_t *mark = c->mark + column / COLUMNS_WORD;
-        for (uint32_t block = 0; block < c->block_count; ++block, mark += c->mark_words)
-            if (!c->lanes->is_zero(last + (size_t)block * POINTS_BLOCK))
-                *mark |= (uint64_t)1 << column % COLUMNS_WORD;
+        c->filled[column] = 0;
+        for (uint32_t block = 0; block < c->block_count; ++block, mark += c->mark_words) {
+            uint64_t is_filled = !c->lanes->is_zero(last + (size_t)block * POINTS_BLOCK);
+            *mark |= is_filled << column % COLUMNS_WORD;
+            c->filled[column] += (uint32_t)is_filled;
+        }
     }
-}
-
-uint32_t columns_marked(const columns *c, uint32_t block)
-{
-    uint32_t marked = 0;
-    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
-    for (uint32_t word = 0; word < c->mark_words; ++word)
-        for (uint64_t left = mark[word]; left != 0; left &= left - 1)
-            ++marked;
-    return marked;
 }
 
 void columns_weigh(columns *c, const double *weight, uint32_t count)
 {
     for (size_t i = 0; i < (size_t)3 * count; ++i)
         c->weights.value[i] = (float)weight[i];
-    columns_weights_note(&c->weights, count, c->capacity);
+    columns_weights_note(&c->weights, c, count, sizeof *c->value);
 }
 
 void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)

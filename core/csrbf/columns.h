@@ -16,6 +16,7 @@ typedef struct columns_weights {
     uint64_t *live; /* words: columns whose weight is not zero */
     uint16_t *word; /* the words of `live` that are not zero, ascending */
     uint32_t word_count;
+    size_t bytes; /* that the frame reads and writes */
 } columns_weights;
 
 typedef struct columns {
@@ -24,7 +25,9 @@ typedef struct columns {
     uint32_t capacity, count, block_count;
     uint32_t mark_words; /* of a block */
     uint64_t *mark;      /* block_count by mark_words: columns that are not zero in the block */
+    uint32_t *filled;    /* capacity: blocks in which the column is not zero */
     columns_weights weights;
+    size_t far_from_bytes; /* frames of more than that are written around the caches */
     const struct lanes *lanes;
 } columns;
 
@@ -46,8 +49,6 @@ void columns_note(columns *c, uint32_t count);
 /* The same where `group` columns in a row have values only where the last of them has: it need not
  * be said again when only the others change. count: a multiple of group. */
 void columns_note_groups(columns *c, uint32_t count, uint32_t group);
-/* How many of the columns are not zero all over the block. */
-uint32_t columns_marked(const columns *c, uint32_t block);
 
 /* The frame. weight: count by 3, finite as float. out is not base. */
 void columns_move(columns *c, points *out, const points *base, const double *weight);
@@ -78,7 +79,8 @@ void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], ui
 
 bool columns_weights_create(columns_weights *out, uint32_t capacity); /* false: no memory */
 void columns_weights_destroy(columns_weights *w);
-/* After value has been set for `count` columns of `capacity`: which of them count. */
-void columns_weights_note(columns_weights *w, uint32_t count, uint32_t capacity);
+/* After value has been set for `count` columns of c, which are kept in numbers of value_size bytes:
+ * which of them count. */
+void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, size_t value_size);
 
 #endif

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { ALIGNMENT = 64, STAGGER = 32 }; /* numbers between two rows: no power of two */
 static const float steps = 32767.0f;
@@ -69,7 +68,7 @@ void columns_packed_weigh(columns_packed *p, const columns *c, const double *wei
 {
     for (size_t i = 0; i < (size_t)3 * c->count; ++i)
         p->weights.value[i] = (float)(weight[i] * (double)p->scale[i / 3]);
-    columns_weights_note(&p->weights, c->count, c->capacity);
+    columns_weights_note(&p->weights, c, c->count, sizeof *p->value);
 }
 
 void columns_packed_move(columns_packed *p, const columns *c, points *out, const points *base,
@@ -77,16 +76,4 @@ void columns_packed_move(columns_packed *p, const columns *c, points *out, const
 {
     columns_packed_weigh(p, c, weight);
     c->lanes->packed_move(p, c, out, base, 0, c->block_count);
-}
-
-bool columns_packed_pays(const columns *c)
-{
-    long cache = -1;
-#ifdef _SC_LEVEL3_CACHE_SIZE
-    cache = sysconf(_SC_LEVEL3_CACHE_SIZE);
-#endif
-    size_t rows = 6 * (size_t)c->block_count; /* base and out */
-    for (uint32_t block = 0; block < c->block_count; ++block)
-        rows += columns_marked(c, block);
-    return cache > 0 && rows * POINTS_BLOCK * sizeof(float) > (size_t)cache / 2;
 }

@@ -25,7 +25,5 @@ void columns_packed_move(columns_packed *p, const columns *c, points *out, const
                          const double *weight);
 /* What a frame begins with: p->weights of these weights. */
 void columns_packed_weigh(columns_packed *p, const columns *c, const double *weight);
-/* True when the columns in use, base and out take more than half of the last-level cache. */
-bool columns_packed_pays(const columns *c);
 
 #endif

@@ -54,8 +54,9 @@ typedef struct lanes {
     /* The same of their derivatives along `direction`. */
     void (*derivatives_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
                               const points *in, const points *direction, uint32_t block);
-    /* As tangents_normals, with the weights of t->packed1 and t->packed2. */
-    void (*normals)(const tangents *t, float *const n[3]);
+    /* As tangents_normals_blocks. */
+    void (*normals)(const tangents *t, float *const n[3], const uint8_t *wanted, uint32_t first,
+                    uint32_t end);
 
     /* The matrix of the centres: the first that `row` has in its support, or `row`; and phi of the
      * distances from `row` to those from `first` to row - 1. */

@@ -1,10 +1,9 @@
-/* Derivatives of unit responses along tangents, in double, and normals by them. */
+/* Derivatives of unit responses along tangents, in double. */
 #include "csrbf/lanes_variant.h"
 
 #include "csrbf/kernel_rows.h"
 #include "csrbf/lanes_reach.h"
 
-#include <float.h>
 #include <string.h>
 
 /* out := grad phi of one centre along the direction. */
@@ -63,45 +62,4 @@ void LANES(derivatives_block)(const field *f, const lanes_responses *r, double s
                 add_row(sum[column], value, r->alpha[near.centre[k] * r->stride + column]);
         }
     add_polynomial(f, r, sum, direction, block);
-}
-
-/* ---- normals ---- */
-
-/* sum += the tangents at rest of one block: three rows. */
-static void add_rest(float sum[3][POINTS_BLOCK], const int16_t *restrict row)
-{
-    for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < POINTS_BLOCK; ++i)
-            sum[axis][i] += (float)row[axis * POINTS_BLOCK + i] * (1.0f / TANGENTS_UNIT);
-}
-
-static void cross_block(float *restrict nx, float *restrict ny, float *restrict nz,
-                        float a[3][POINTS_BLOCK], float b[3][POINTS_BLOCK])
-{
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float x = a[1][i] * b[2][i] - a[2][i] * b[1][i];
-        float y = a[2][i] * b[0][i] - a[0][i] * b[2][i];
-        float z = a[0][i] * b[1][i] - a[1][i] * b[0][i];
-        float square = x * x + y * y + z * z;
-        bool good = (square > 1e-20f) & (square <= FLT_MAX);
-        float inverse = 1.0f / sqrtf(good ? square : 1.0f);
-        nx[i] = good ? x * inverse : 0.0f;
-        ny[i] = good ? y * inverse : 0.0f;
-        nz[i] = good ? z * inverse : 1.0f;
-    }
-}
-
-void LANES(normals)(const tangents *t, float *const n[3])
-{
-    for (uint32_t block = 0; block < t->along1.block_count; ++block) {
-        _Alignas(64) float a[3][POINTS_BLOCK];
-        _Alignas(64) float b[3][POINTS_BLOCK];
-        size_t first = (size_t)block * POINTS_BLOCK;
-        const int16_t *rest = t->rest + 6 * first;
-        LANES(packed_sum)(&t->packed1, &t->along1, a, block);
-        LANES(packed_sum)(&t->packed2, &t->along2, b, block);
-        add_rest(a, rest);
-        add_rest(b, rest + (size_t)3 * POINTS_BLOCK);
-        cross_block(n[0] + first, n[1] + first, n[2] + first, a, b);
-    }
 }

@@ -33,9 +33,8 @@
     void LANES_OF(derivatives_block, variant)(const field *f, const lanes_responses *r,            \
                                               double sum[][POINTS_BLOCK], const points *in,        \
                                               const points *direction, uint32_t block);            \
-    void LANES_OF(packed_sum, variant)(const columns_packed *p, const columns *c,                  \
-                                       float sum[3][POINTS_BLOCK], uint32_t block);                \
-    void LANES_OF(normals, variant)(const tangents *t, float *const n[3]);                         \
+    void LANES_OF(normals, variant)(const tangents *t, float *const n[3], const uint8_t *wanted,   \
+                                    uint32_t first, uint32_t end);                                 \
     uint32_t LANES_OF(first_neighbour, variant)(const field *f, uint32_t row);                     \
     void LANES_OF(kernel_row, variant)(const field *f, double *out, uint32_t row, uint32_t first); \
     bool LANES_OF(factor, variant)(envelope * e, double smallest_pivot, uint32_t *out_row);        \

@@ -114,9 +114,20 @@ bool tangents_engage(tangents *t, const csrbf_solver *solver, const points *base
     return true;
 }
 
-void tangents_normals(tangents *t, float *const n[3], const double *displacement)
+void tangents_weigh(tangents *t, const double *displacement)
 {
     columns_packed_weigh(&t->packed1, &t->along1, displacement);
     columns_packed_weigh(&t->packed2, &t->along2, displacement);
-    t->along1.lanes->normals(t, n);
+}
+
+void tangents_normals_blocks(const tangents *t, float *const n[3], const uint8_t *wanted,
+                             uint32_t first, uint32_t end)
+{
+    t->along1.lanes->normals(t, n, wanted, first, end);
+}
+
+void tangents_normals(tangents *t, float *const n[3], const double *displacement)
+{
+    tangents_weigh(t, displacement);
+    tangents_normals_blocks(t, n, NULL, 0, t->along1.block_count);
 }

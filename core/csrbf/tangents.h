@@ -33,4 +33,15 @@ bool tangents_engage(tangents *t, const csrbf_solver *solver, const points *base
  * the frame squashes the surface. */
 void tangents_normals(tangents *t, float *const n[3], const double *displacement);
 
+/* ---- the same in parts ---- */
+
+/* What a frame begins with. displacement: count by 3. */
+void tangents_weigh(tangents *t, const double *displacement);
+/* tangents_normals in the blocks first .. end - 1 with the displacements taken last; wanted
+ * (block_count; NULL: all are): where it is 0 n is left alone. What columns_move_live says of
+ * blocks can be given as it is: n is then kept beside `out`, once a call for all blocks has begun
+ * it. [any] at the same time for parts that share no block. */
+void tangents_normals_blocks(const tangents *t, float *const n[3], const uint8_t *wanted,
+                             uint32_t first, uint32_t end);
+
 #endif

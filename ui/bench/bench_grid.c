@@ -181,14 +181,11 @@ static void promise(cell *self, const row *r)
     }
 }
 
-/* Of each vertex: base read, shown written, and the columns; or no column. */
-static uint64_t bytes_of(const cell *self, bool is_direct)
+/* Base read, shown written, and the columns; or no column. */
+static uint64_t bytes_of(cell *self, bool is_direct)
 {
-    const columns *c = &self->shape.response;
-    uint64_t bytes = (uint64_t)6 * sizeof(float) * self->plane->vertex_count;
-    for (uint32_t block = 0; block < c->block_count && !is_direct; ++block)
-        bytes += (uint64_t)columns_marked(c, block) * POINTS_BLOCK * sizeof(float);
-    return bytes;
+    columns_weigh(&self->shape.response, self->pull, is_direct ? 0 : BENCH_CONTROLS);
+    return self->shape.response.weights.bytes;
 }
 
 static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t which, error *err)

@@ -1,0 +1,273 @@
+/* csrbf/lanes_move.h - anchored frames: out = base + sum of columns by weights, for columns of any
+ * kind of number: the file that includes this has said `typedef ... column_value` before. Columns
+ * are summed in ascending order, vertex by vertex. Inline: each file that includes it gets it for
+ * its own instruction set. Inside the room. Pure; any thread. */
+#ifndef MAROTTE_CSRBF_LANES_MOVE_H
+#define MAROTTE_CSRBF_LANES_MOVE_H
+#include "csrbf/lanes_choose.h"
+#include "csrbf/lanes_stream.h"
+#include "csrbf/points_range.h"
+
+#include <string.h>
+
+/* Columns to be summed: rows of `stride`, and where they are not zero. */
+typedef struct source {
+    const column_value *value;
+    size_t stride;
+    const columns_weights *weights;
+    const columns *marked;
+} source;
+
+static inline bool is_far(const source *s)
+{
+    return s->weights->bytes > s->marked->far_from_bytes;
+}
+
+/* Some of them, at a vertex. */
+enum { FEW = 16 };
+typedef struct group {
+    const column_value *row[FEW];
+    float x[FEW], y[FEW], z[FEW];
+} group;
+
+/* Vertices in a row, before they are moved. */
+typedef struct span {
+    const float *x, *y, *z;
+    size_t count;
+} span;
+
+static inline void gather(group *g, const source *s, const uint16_t *column, uint32_t count,
+                          uint32_t block)
+{
+    for (size_t k = 0; k < count; ++k) {
+        const float *weight = s->weights->value + (size_t)3 * column[k];
+        g->row[k] = s->value + column[k] * s->stride + (size_t)block * POINTS_BLOCK;
+        g->x[k] = weight[0];
+        g->y[k] = weight[1];
+        g->z[k] = weight[2];
+    }
+}
+
+/* ---- few columns: one pass, no sum in memory ---- */
+
+#define MOVE_COLUMNS(COUNT)                                                                        \
+    static void move_##COUNT(float *restrict x, float *restrict y, float *restrict z,              \
+                             const span *restrict from, const group *restrict g)                   \
+    {                                                                                              \
+        const float *restrict from_x = from->x, *restrict from_y = from->y;                        \
+        const float *restrict from_z = from->z;                                                    \
+        for (size_t i = 0; i < from->count; ++i) {                                                 \
+            float sx = 0.0f, sy = 0.0f, sz = 0.0f;                                                 \
+            for (size_t k = 0; k < COUNT; ++k) {                                                   \
+                float value = (float)g->row[k][i];                                                 \
+                sx += value * g->x[k];                                                             \
+                sy += value * g->y[k];                                                             \
+                sz += value * g->z[k];                                                             \
+            }                                                                                      \
+            float moved_x = from_x[i] + sx, moved_y = from_y[i] + sy, moved_z = from_z[i] + sz;    \
+            x[i] = sx == 0.0f ? from_x[i] : moved_x;                                               \
+            y[i] = sy == 0.0f ? from_y[i] : moved_y;                                               \
+            z[i] = sz == 0.0f ? from_z[i] : moved_z;                                               \
+        }                                                                                          \
+    }
+MOVE_COLUMNS(1)
+MOVE_COLUMNS(2)
+MOVE_COLUMNS(3)
+MOVE_COLUMNS(4)
+MOVE_COLUMNS(5)
+MOVE_COLUMNS(6)
+MOVE_COLUMNS(7)
+MOVE_COLUMNS(8)
+MOVE_COLUMNS(9)
+MOVE_COLUMNS(10)
+MOVE_COLUMNS(11)
+MOVE_COLUMNS(12)
+MOVE_COLUMNS(13)
+MOVE_COLUMNS(14)
+MOVE_COLUMNS(15)
+MOVE_COLUMNS(16)
+
+typedef void move_function(float *restrict x, float *restrict y, float *restrict z,
+                           const span *restrict from, const group *restrict g);
+static move_function *const move_few[FEW] = {move_1,  move_2,  move_3,  move_4,  move_5,  move_6,
+                                             move_7,  move_8,  move_9,  move_10, move_11, move_12,
+                                             move_13, move_14, move_15, move_16};
+
+/* ---- any number of them ---- */
+
+/* sum += COUNT columns, in their order. */
+#define ADD_COLUMNS(COUNT)                                                                         \
+    static void add_##COUNT(float *restrict x, float *restrict y, float *restrict z,               \
+                            const group *restrict g)                                               \
+    {                                                                                              \
+        for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
+            float sx = x[i], sy = y[i], sz = z[i];                                                 \
+            for (size_t k = 0; k < COUNT; ++k) {                                                   \
+                float value = (float)g->row[k][i];                                                 \
+                sx += value * g->x[k];                                                             \
+                sy += value * g->y[k];                                                             \
+                sz += value * g->z[k];                                                             \
+            }                                                                                      \
+            x[i] = sx;                                                                             \
+            y[i] = sy;                                                                             \
+            z[i] = sz;                                                                             \
+        }                                                                                          \
+    }
+ADD_COLUMNS(1)
+ADD_COLUMNS(2)
+ADD_COLUMNS(4)
+ADD_COLUMNS(8)
+typedef void add_function(float *restrict x, float *restrict y, float *restrict z,
+                          const group *restrict g);
+
+static inline void add_chosen(float sum[3][POINTS_BLOCK], const source *s, const chosen *some,
+                              uint32_t block)
+{
+    static add_function *const add[4] = {add_8, add_4, add_2, add_1};
+    uint32_t done = 0;
+    for (int step = 0; step < 4; ++step) {
+        uint32_t count = 8u >> step;
+        for (; some->count - done >= count; done += count) {
+            group g;
+            gather(&g, s, some->column + done, count, block);
+            add[step](sum[0], sum[1], sum[2], &g);
+        }
+    }
+}
+
+static inline void sum_block(const source *s, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    chosen some = {.next = 0};
+    memset(sum, 0, 3 * sizeof *sum);
+    while (choose_more(&some, s->weights, marks_of(s->marked, block)))
+        add_chosen(sum, s, &some, block);
+}
+
+/* out may be base, or sum. */
+static inline void add_row(float *out, const float *base, const float *sum)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float moved = base[i] + sum[i];
+        out[i] = sum[i] == 0.0f ? base[i] : moved;
+    }
+}
+
+static inline void add_block(points *out, const points *base, float sum[3][POINTS_BLOCK],
+                             uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK;
+    add_row(out->x + first, base->x + first, sum[0]);
+    add_row(out->y + first, base->y + first, sum[1]);
+    add_row(out->z + first, base->z + first, sum[2]);
+    points_range_of_block(out, block);
+}
+
+/* ---- runs: blocks in a row in which the same columns count ---- */
+
+enum { RUN = 8 }; /* at most: what one writes is still in the first cache for its bounds */
+
+static inline uint32_t end_of_run(const source *s, uint32_t first, uint32_t end)
+{
+    const uint64_t *mark = marks_of(s->marked, first);
+    uint32_t block = first + 1;
+    while (block < end && block - first < RUN &&
+           choose_the_same(s->weights, mark, marks_of(s->marked, block)))
+        ++block;
+    return block;
+}
+
+static inline void move_run_near(points *out, const points *base, const group *g, uint32_t count,
+                                 uint32_t first, uint32_t end)
+{
+    size_t at = (size_t)first * POINTS_BLOCK;
+    const span from = {.x = base->x + at,
+                       .y = base->y + at,
+                       .z = base->z + at,
+                       .count = (size_t)(end - first) * POINTS_BLOCK};
+    move_few[count - 1](out->x + at, out->y + at, out->z + at, &from, g);
+    for (uint32_t block = first; block < end; ++block)
+        points_range_of_block(out, block);
+}
+
+/* The same around the caches. */
+static inline void move_run_far(points *out, const points *base, group *g, uint32_t count,
+                                uint32_t first, uint32_t end)
+{
+    float *const to[3] = {out->x, out->y, out->z};
+    for (uint32_t block = first; block < end; ++block) {
+        _Alignas(64) float tile[3][POINTS_BLOCK];
+        size_t at = (size_t)block * POINTS_BLOCK;
+        const span from = {
+            .x = base->x + at, .y = base->y + at, .z = base->z + at, .count = POINTS_BLOCK};
+        points_bounds *bounds = &out->block[block];
+        move_few[count - 1](tile[0], tile[1], tile[2], &from, g);
+        for (int axis = 0; axis < 3; ++axis) {
+            range_of(&bounds->low[axis], &bounds->high[axis], tile[axis]);
+            stream_block(to[axis] + at, tile[axis]);
+        }
+        for (uint32_t k = 0; k < count; ++k)
+            g->row[k] += POINTS_BLOCK;
+    }
+}
+
+static inline void move_run(const source *s, points *out, const points *base, const chosen *some,
+                            uint32_t first, uint32_t end)
+{
+    group g;
+    if (some->count > FEW) {
+        for (uint32_t block = first; block < end; ++block) {
+            _Alignas(64) float sum[3][POINTS_BLOCK];
+            sum_block(s, sum, block);
+            add_block(out, base, sum, block);
+        }
+        return;
+    }
+    gather(&g, s, some->column, some->count, first);
+    if (is_far(s))
+        move_run_far(out, base, &g, some->count, first, end);
+    else
+        move_run_near(out, base, &g, some->count, first, end);
+}
+
+/* ---- the frame ---- */
+
+static inline void restore_block(points *out, const points *base, uint32_t block, bool far)
+{
+    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+    float *const to[3] = {out->x, out->y, out->z};
+    const float *const from[3] = {base->x, base->y, base->z};
+    for (int axis = 0; axis < 3; ++axis)
+        if (far)
+            stream_block(to[axis] + first, from[axis] + first);
+        else
+            memcpy(to[axis] + first, from[axis] + first, size);
+    out->block[block] = base->block[block];
+}
+
+/* As columns_move_blocks. */
+static inline uint32_t move_blocks(const source *s, points *out, const points *base, uint8_t *moved,
+                                   uint32_t first, uint32_t end)
+{
+    uint32_t written = 0;
+    for (uint32_t block = first, next; block < end; block = next) {
+        chosen some = {.next = 0};
+        columns_block now = COLUMNS_STILL;
+        next = block + 1;
+        if (choose_more(&some, s->weights, marks_of(s->marked, block))) {
+            next = end_of_run(s, block, end);
+            move_run(s, out, base, &some, block, next);
+            now = COLUMNS_MOVED;
+        } else if (!moved || moved[block] == COLUMNS_MOVED) {
+            restore_block(out, base, block, is_far(s));
+            now = COLUMNS_RESTORED;
+        }
+        if (moved)
+            memset(moved + block, (int)now, next - block);
+        written += now == COLUMNS_STILL ? 0 : next - block;
+    }
+    if (is_far(s))
+        stream_end();
+    return written;
+}
+
+#endif
