@@ -11,9 +11,11 @@
  * bits. */
 #ifndef MAROTTE_FACE_FACE_H
 #define MAROTTE_FACE_FACE_H
+#include "base/stamps.h"
 #include "csrbf/shape.h"
 #include "face/bind.h"
 #include "face/bones.h"
+#include "mesh/shading.h"
 
 typedef struct face face;
 
@@ -28,6 +30,11 @@ void face_destroy(face *f); /* NULL is fine */
 
 const points_order *face_order(const face *f);
 const points *face_shown(const face *f);
+/* Which blocks of it have been written since a reader looked last. What nothing moves, or moves as
+ * it did in the frame before, is not written: the bits are those of a whole frame all the same. */
+const stamps *face_written(const face *f);
+/* The same for its normals, with what the bones carry as it is at rest; until the next frame. */
+shading_shape face_shading(const face *f);
 const points *face_rest(const face *f);
 const binding *face_binding(const face *f);
 const bones *face_bones(const face *f); /* dof_count 0 without a rig */

@@ -1,5 +1,4 @@
 #include "stage/composer_state.h"
-#include "mesh/normals.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,21 +26,34 @@ static mrt_result create_face(composer *self, const face_file *file, error *err)
                                           MRT_MAX_VECTORS, err);
 }
 
-static mrt_result create_surface(composer *self, const face_file *file, error *err)
+static mrt_result create_shading(composer *self, const mesh *m, error *err)
 {
-    const mesh *m = &file->mesh;
-    mrt_result result = create_face(self, file, err);
-    if (result < 0)
-        return result;
     const points_order *order = face_order(self->face);
-    self->triangle_count = m->triangle_count;
-    self->triangle = malloc((size_t)m->triangle_count * 3 * sizeof *self->triangle + 1);
-    self->normal = calloc((size_t)face_rest(self->face)->padded_count * 3, sizeof *self->normal);
-    if (!self->triangle || !self->normal)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the surface");
-    for (size_t i = 0; i < (size_t)m->triangle_count * 3; ++i)
-        self->triangle[i] = order->slot_of_file[m->triangle[i]];
-    return MRT_OK;
+    const points *rest = face_rest(self->face);
+    const float *const at[3] = {rest->x, rest->y, rest->z};
+    size_t corners = (size_t)m->triangle_count * 3;
+    uint32_t *triangle = malloc(corners * sizeof *triangle + 1);
+    if (!triangle)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for its normals");
+    for (size_t i = 0; i < corners; ++i)
+        triangle[i] = order->slot_of_file[m->triangle[i]];
+    mrt_result result =
+        shading_create(&self->shading, at, rest->count, triangle, m->triangle_count, err);
+    free(triangle);
+    return result;
+}
+
+double composer_radius_of(const face_file *file)
+{
+    float low[3], high[3];
+    if (file->rig && file->rig->solver.radius > 0)
+        return file->rig->solver.radius;
+    mesh_bounds(&file->mesh, low, high);
+    double size = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
+    double height = to_double(high[1]) - to_double(low[1]);
+    return 0.25 * (height > 0 ? height : fmax(size, 1.0));
 }
 
 /* How large the face is, and the radius of a pull that names none. */
@@ -61,10 +73,7 @@ static void measure_face(composer *self, const face_file *file, const csrbf_sett
     self->solver = *solver;
     if (!(self->solver.radius > 0) && file->rig)
         self->solver = file->rig->solver;
-    if (!(self->solver.radius > 0)) {
-        double height = to_double(high[1]) - to_double(low[1]);
-        self->solver.radius = 0.25 * (height > 0 ? height : fmax(size, 1.0));
-    }
+    self->solver.radius = self->solver.radius > 0 ? self->solver.radius : composer_radius_of(file);
 }
 
 /* What mappings may pull and drive. */
@@ -87,7 +96,9 @@ mrt_result composer_create(composer **out, const face_file *file, const csrbf_se
         return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
     self->counts.min_determinant = 1.0;
     measure_face(self, file, solver);
-    mrt_result result = create_surface(self, file, err);
+    mrt_result result = create_face(self, file, err);
+    if (result >= 0)
+        result = create_shading(self, &file->mesh, err);
     if (result < 0) {
         composer_destroy(self);
         return result;
@@ -103,8 +114,7 @@ void composer_destroy(composer *self)
     if (!self)
         return;
     face_destroy(self->face);
-    free(self->triangle);
-    free(self->normal);
+    shading_destroy(self->shading);
     free(self);
 }
 
@@ -388,10 +398,8 @@ bool composer_is_near(const composer *self, const mrt_pull *pull)
 void composer_draw(composer *self)
 {
     composer_show(self);
-    const points *p = face_shown(self->face);
-    size_t stride = p->padded_count;
-    normals_smooth(self->normal, self->normal + stride, self->normal + 2 * stride, p->x, p->y, p->z,
-                   p->count, self->triangle, self->triangle_count);
+    const shading_shape now = face_shading(self->face);
+    shading_update(self->shading, &now);
 }
 
 /* ---- what others see ---- */
@@ -422,9 +430,9 @@ csrbf_settings composer_solver(const composer *self)
     return self->solver;
 }
 
-const float *composer_normal(const composer *self, uint32_t axis)
+const shading *composer_shading(const composer *self)
 {
-    return self->normal + (size_t)axis * face_shown(self->face)->padded_count;
+    return self->shading;
 }
 
 bool composer_is_anchored(const composer *self)

@@ -15,6 +15,7 @@
 #ifndef MAROTTE_STAGE_COMPOSER_H
 #define MAROTTE_STAGE_COMPOSER_H
 #include "face/face.h"
+#include "mesh/shading.h"
 #include "stage/face_file.h"
 
 enum { COMPOSER_PARTS_MAX = 64 };
@@ -59,10 +60,12 @@ void composer_reset(composer *self);
 
 /* The face; its shape is that of composer_draw, in the engine's order. */
 face *composer_face(composer *self);
-const float *composer_normal(const composer *self, uint32_t axis); /* engine's order */
+const shading *composer_shading(const composer *self); /* its normals, in the engine's order */
 /* What all pulled in the last step, weighed, not blended; as for exports. */
 const mrt_pull *composer_pull(const composer *self);
 csrbf_settings composer_solver(const composer *self); /* radius > 0 */
+/* The radius of pulls that name none on that face, mm: its rig's, or a quarter of its height. */
+double composer_radius_of(const face_file *file);
 /* True while the frames are anchored: face_columns_now tells them exactly. */
 bool composer_is_anchored(const composer *self);
 

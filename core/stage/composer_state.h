@@ -42,9 +42,7 @@ struct composer {
     csrbf_settings solver;
     double reach_mm;
     vec3 centre;
-    uint32_t *triangle; /* in the engine's order */
-    uint32_t triangle_count;
-    float *normal; /* 3 streams of padded_count */
+    shading *shading;
 
     voice voice[COMPOSER_PARTS_MAX];
     uint32_t order[COMPOSER_PARTS_MAX]; /* slots of the parts of this step, bottom first */

@@ -25,11 +25,12 @@ typedef struct live_settings { /* all must outlive it */
                    live_look says why */
     const face_file *face;
     const char *face_path;
-    double unit_mm;             /* of a mesh alone; 0: guessed */
-    const char *mapping;        /* "one_hand,smile=8"; NULL or "": none, only the pointer */
-    const sound_backend *sound; /* NULL: PortAudio */
-    double fps;                 /* of frames while nothing is measured; 60 */
-    double journal_s;           /* 0: 30 min */
+    double unit_mm;               /* of a mesh alone; 0: guessed */
+    const csrbf_settings *solver; /* as live_set_solver */
+    const char *mapping;          /* "one_hand,smile=8"; NULL or "": none, only the pointer */
+    const sound_backend *sound;   /* NULL: PortAudio */
+    double fps;                   /* of frames while nothing is measured; 60 */
+    double journal_s;             /* 0: 30 min */
 } live_settings;
 
 CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);
@@ -47,10 +48,11 @@ typedef enum live_mode {
     LIVE_OVERDUBS      /* a take plays, and the hands perform over it */
 } live_mode;
 
-enum { LIVE_CONTACTS_MAX = 256 };
+enum { LIVE_CONTACTS_MAX = 256, LIVE_ROWS = 64 };
 typedef struct live_view {
     uint64_t number;                /* +1 with each published face */
     const float *position, *normal; /* vertex_count by 3, mm; the mesh file's order */
+    const stamps *changed;          /* which of them have: LIVE_ROWS vertices each */
     uint32_t vertex_count;
     const mrt_face *about;
     uint32_t contact_count;
@@ -153,8 +155,8 @@ void live_neutral(live *self);
 
 CHECKED mrt_result live_set_face(live *self, const face_file *face, const char *path,
                                  double unit_mm, error *err);
-/* Kernel and polynomial, radius 0: the rig's. Shows do not keep it: whoever plays a take elsewhere
- * does so with its rig's. */
+/* radius 0: the rig's, whatever the face; NULL: all of it is the rig's. Takes do not keep it:
+ * whoever plays one elsewhere does so with its rig's. */
 CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err);
 
 /* ---- recording ---- */

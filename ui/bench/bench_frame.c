@@ -66,9 +66,10 @@ static void publish(scene *self)
     composer *shown = performer_composer(self->performer);
     const points_order *order = face_order(composer_face(shown));
     points_to_rows(self->position, face_shown(composer_face(shown)), order);
-    points normals = {.x = (float *)(uintptr_t)composer_normal(shown, 0),
-                      .y = (float *)(uintptr_t)composer_normal(shown, 1),
-                      .z = (float *)(uintptr_t)composer_normal(shown, 2),
+    const shading *s = composer_shading(shown);
+    points normals = {.x = (float *)(uintptr_t)shading_normal(s, 0),
+                      .y = (float *)(uintptr_t)shading_normal(s, 1),
+                      .z = (float *)(uintptr_t)shading_normal(s, 2),
                       .count = order->count};
     points_to_rows(self->normal, &normals, order);
 }

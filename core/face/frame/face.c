@@ -14,8 +14,9 @@ static void fill_block(float *restrict out, const float *restrict weight, const 
         out[i] = (float)((double)weight[i] * ((double)x[i] - centre));
 }
 
-/* The four columns of a bone where it carries vertices: w (x - c) along each axis, and w. */
-static void fill_carried(face *f, const face_field *field)
+/* The four columns of a bone where it carries vertices: w (x - c) along each axis, and w. wanted:
+ * the blocks to fill; NULL: all. */
+static void fill_carried(face *f, const face_field *field, const uint8_t *wanted)
 {
     float *row[FACE_POSE_COLUMNS];
     for (uint32_t i = 0; i < FACE_POSE_COLUMNS; ++i)
@@ -23,7 +24,7 @@ static void fill_carried(face *f, const face_field *field)
     for (size_t block = 0; block < f->rest.block_count; ++block) {
         size_t first = block * POINTS_BLOCK;
         const float *weight = field->weight + first;
-        if (!field->carried[block])
+        if (!field->carried[block] || (wanted && !wanted[block]))
             continue;
         fill_block(row[0] + first, weight, f->origin->x + first, field->pivot.x);
         fill_block(row[1] + first, weight, f->origin->y + first, field->pivot.y);
@@ -36,6 +37,8 @@ void face_pose_columns(face *f)
 {
     uint32_t column = f->control_column_count;
     bool is_pose_alone = column == 0, is_noted = is_pose_alone && f->is_pose_noted;
+    if (!is_noted)
+        face_forget_columns(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         face_field *field = &f->field[b];
         if (!f->bones.moves[b])
@@ -45,7 +48,8 @@ void face_pose_columns(face *f)
         if (!is_noted) /* where a bone has vertices does not change */
             memset(columns_row(&f->columns, field->pose_column), 0,
                    FACE_POSE_COLUMNS * f->columns.stride * sizeof(float));
-        fill_carried(f, field);
+        /* where the origin has changed since they were filled the shape shown is stale too */
+        fill_carried(f, field, is_noted ? f->blocks.is_stale : NULL);
     }
     if (!is_pose_alone)
         columns_note(&f->columns, column);
@@ -107,6 +111,15 @@ static void unpose_block(const face *f, float sum[3][POINTS_BLOCK], uint32_t blo
     }
 }
 
+static void copy_block(points *out, const points *from, uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+    memcpy(out->x + first, from->x + first, size);
+    memcpy(out->y + first, from->y + first, size);
+    memcpy(out->z + first, from->z + first, size);
+    out->block[block] = from->block[block];
+}
+
 void face_bake(face *f, points *out)
 {
     columns *c = &f->columns;
@@ -114,23 +127,20 @@ void face_bake(face *f, points *out)
     columns_weigh(c, f->weight, f->control_column_count);
     for (uint32_t block = 0; block < c->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
+        if (!face_reaches(c, c->weights.live, block)) {
+            if (out != f->origin)
+                copy_block(out, f->origin, block);
+            continue;
+        }
         columns_sum(c, sum, block);
         if (posed)
             unpose_block(f, sum, block);
         columns_add(out, f->origin, sum, block);
+        face_touch(f, block, out);
     }
 }
 
 /* ---- frames ---- */
-
-void face_show(face *f)
-{
-    columns_move(&f->columns, &f->shown, f->origin, f->weight);
-    projection_report report = projection_apply(&f->projection, &f->shown, f->pose);
-    f->meter.penetration_mm = report.depth_mm;
-    f->meter.projected_count = report.moved_count;
-    f->is_exact = report.moved_count == 0;
-}
 
 void face_take_pose(face *f, const float *dof, const rigid *pose)
 {
@@ -164,11 +174,10 @@ void face_reset(face *f)
         pose[b] = rigid_identity();
     face_take_pose(f, still, pose);
     points_copy(&f->base, &f->rest);
-    points_copy(&f->shown, &f->rest);
+    f->origin = &f->base;
+    face_touch_all(f);
     release_controls(f);
-    f->meter.penetration_mm = 0.0;
-    f->meter.projected_count = 0;
-    f->is_exact = true;
+    face_show_rest(f);
 }
 
 /* ---- what happened ---- */

@@ -281,6 +281,8 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
         result = projection_create(&f->projection, f->rig, &f->rest, f->mobility, err);
     if (result >= 0)
         result = face_skin_create(f, m, err);
+    if (result >= 0)
+        result = face_shown_create(f, err);
     return result;
 }
 
@@ -341,6 +343,7 @@ void face_destroy(face *f)
         destroy_field(&f->field[bone]);
     binding_destroy(&f->binding);
     projection_destroy(&f->projection);
+    face_shown_destroy(f);
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);
     free(f->mobility);
@@ -357,11 +360,6 @@ void face_destroy(face *f)
 const points_order *face_order(const face *f)
 {
     return &f->order;
-}
-
-const points *face_shown(const face *f)
-{
-    return &f->shown;
 }
 
 const points *face_rest(const face *f)

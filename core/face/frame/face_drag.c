@@ -115,6 +115,8 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     face_assign(f, f->next_grip, count);
     f->control_column_count = 0;
     result = drag_free(f, settings, count, out_step, err);
+    if (result >= 0 && out_step->substeps > 0)
+        face_touch_changed(f, &f->free, &f->before);
     if (result < 0) {
         show_free(f);
         return result;
@@ -129,10 +131,17 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     return MRT_OK;
 }
 
+static void ease(face *f, const points *towards, double rate_per_s, double dt_s)
+{
+    points_copy(&f->before, &f->free);
+    shape_ease(&f->free, towards, rate_per_s, dt_s);
+    face_touch_changed(f, &f->free, &f->before);
+}
+
 void face_leak(face *f, double rate_per_s, double dt_s)
 {
     let_go(f);
-    shape_ease(&f->free, &f->base, rate_per_s, dt_s);
+    ease(f, &f->base, rate_per_s, dt_s);
     show_free(f);
 }
 
@@ -140,7 +149,7 @@ void face_restore(face *f, double part)
 {
     double amount = part < 1.0 ? part / (1.0 - part) : 1e300;
     let_go(f);
-    shape_ease(&f->free, &f->rest, amount, 1.0);
+    ease(f, &f->rest, amount, 1.0);
     shape_ease(&f->base, &f->rest, amount, 1.0);
     show_free(f);
 }

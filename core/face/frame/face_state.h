@@ -32,6 +32,18 @@ typedef struct face_grip {
     bool is_dropped;  /* it can move nothing */
 } face_grip;
 
+/* Of each block of vertices, and of the frame shown last: face_shown.c. */
+typedef struct face_blocks {
+    uint8_t *is_stale;       /* 1: the next frame writes it, whatever changes */
+    uint8_t *is_rest;        /* 1: the origin has the bits of rest there */
+    uint8_t *carrier, *bone; /* shading_shape.carrier: now, and while nothing else moves it */
+    float *weight;           /* column capacity by 3: in the last frame; 0 where columns are new */
+    uint64_t *changed;       /* scratch: columns, as columns.mark */
+    uint64_t *of_controls;   /* scratch: those of controls that weigh something */
+    rigid pose[RIG_BONES_MAX];
+    stamps written;
+} face_blocks;
+
 struct face {
     const rig *rig; /* or NULL */
     binding binding;
@@ -43,6 +55,7 @@ struct face {
     const points *origin; /* what the columns move: base, or free */
     points before;        /* drag: what is restored on an error */
     float *mobility;      /* padded_count */
+    face_blocks blocks;
 
     mrt_contact *contact;
     uint32_t *contact_slot;
@@ -107,6 +120,22 @@ CHECKED mrt_result face_hold(face *f, error *err);
 /* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */
 CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
                                      error *err);
+
+/* ---- face_shown.c ---- */
+
+CHECKED mrt_result face_shown_create(face *f, error *err);
+void face_shown_destroy(face *f);
+/* A block of the origin, or of what is to be the origin, has been written. */
+void face_touch(face *f, uint32_t block, const points *origin);
+void face_touch_all(face *f);
+/* Where it is not what it was before. */
+void face_touch_changed(face *f, const points *now, const points *before);
+/* The columns that are noted are about to become others. */
+void face_forget_columns(face *f);
+/* Some of the columns are not zero all over the block; some: as columns.mark. */
+bool face_reaches(const columns *c, const uint64_t *some, uint32_t block);
+/* The shape shown becomes the rest shape, with its bones at rest; the origin is that already. */
+void face_show_rest(face *f);
 
 /* ---- face_skin.c ---- */
 

@@ -196,6 +196,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     if (in.failed)
         goto damaged;
     f->origin = is_free ? &f->free : &f->base;
+    face_touch_all(f);
     bones_pose(pose, &f->bones, dof);
     face_take_pose(f, dof, pose);
     if (!take_controls(&in, f) || in.at != in.end)

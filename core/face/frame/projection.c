@@ -8,14 +8,6 @@ enum { FLOOR_PASSES = 6 };
 static const double floor_part = 0.4, floor_most_mm = 2.0, band_most_mm = 3.0;
 static const float part_least = 1e-6f; /* 1e-4 mm at 100 mm from the centre: less is not moved */
 
-/* From the face to the scaled space of a proxy on its bone: q = row x. The way along q is, in the
- * face, the way from the centre. */
-typedef struct proxy_frame {
-    double row[3][4];
-    vec3 centre; /* in the face */
-    float narrow_row[3][4], narrow_centre[3];
-} proxy_frame;
-
 static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
 {
     const rigid *on = &pose[proxy->bone];
@@ -166,52 +158,80 @@ static uint32_t project_block(const proxy_frame *f, const projection_block *b, p
     return moved;
 }
 
-/* Moves what is to be moved, by all proxies in turn. */
-static projection_report ease_all(projection *p, points *shown, const rigid *pose)
+/* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
+static uint32_t ease_in_turn(projection *p, points *shown, uint32_t first, uint32_t end)
 {
-    projection_report report = {0};
-    proxy_frame f;
-    memset(p->touched, 0, shown->block_count);
-    for (uint32_t i = 0; i < p->block_count; ++i) {
-        const projection_block *b = &p->block[i];
-        if (i == 0 || b->proxy != p->block[i - 1].proxy)
-            f = frame_of(&p->proxy[b->proxy], pose);
-        uint32_t moved = project_block(&f, b, shown, EASED, &report.depth_mm);
-        report.moved_count += moved;
-        if (moved > 0)
-            p->touched[b->block] = (uint8_t)(1 + b->proxy);
+    uint32_t moved_by = 0;
+    for (uint32_t i = first; i < end; ++i) {
+        projection_block *b = &p->block[i];
+        b->depth_mm = 0.0;
+        b->moved_count = project_block(&p->frame[b->proxy], b, shown, EASED, &b->depth_mm);
+        if (b->moved_count > 0)
+            moved_by = 1 + b->proxy;
     }
-    return report;
+    return moved_by;
 }
 
-/* Puts back onto each floor what a later proxy has pushed below it; false: there was nothing. */
-static bool floor_all(projection *p, points *shown, const rigid *pose)
+/* Puts back onto each floor what another proxy has pushed below it; returns who did so last, or
+ * moved_by: there was nothing. */
+static uint32_t floor_in_turn(projection *p, points *shown, uint32_t first, uint32_t end,
+                              uint32_t moved_by, bool *out_any)
 {
-    bool any = false;
-    proxy_frame f;
-    for (uint32_t i = 0; i < p->block_count; ++i) {
+    *out_any = false;
+    for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
         double depth_mm = 0.0;
-        if (i == 0 || b->proxy != p->block[i - 1].proxy)
-            f = frame_of(&p->proxy[b->proxy], pose);
-        if (p->touched[b->block] == 0 || p->touched[b->block] == 1 + b->proxy)
+        if (moved_by == 1 + b->proxy ||
+            project_block(&p->frame[b->proxy], b, shown, FLOORED, &depth_mm) == 0)
             continue;
-        if (project_block(&f, b, shown, FLOORED, &depth_mm) == 0)
-            continue;
-        p->touched[b->block] = (uint8_t)(1 + b->proxy);
-        any = true;
+        moved_by = 1 + b->proxy;
+        *out_any = true;
     }
-    return any;
+    return moved_by;
 }
 
-projection_report projection_apply(projection *p, points *shown, const rigid *pose)
+bool projection_apply(projection *p, points *shown, uint32_t block)
 {
-    if (p->block_count == 0)
-        return (projection_report){0};
-    projection_report report = ease_all(p, shown, pose);
-    bool again = p->proxy_count > 1 && report.moved_count > 0;
+    uint32_t first = p->block_count > 0 ? p->first[block] : 0;
+    uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
+    uint32_t moved_by = ease_in_turn(p, shown, first, end);
+    bool is_moved = moved_by != 0, again = is_moved && end - first > 1;
     for (int i = 0; again && i < FLOOR_PASSES; ++i)
-        again = floor_all(p, shown, pose);
+        moved_by = floor_in_turn(p, shown, first, end, moved_by, &again);
+    return is_moved;
+}
+
+void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)
+{
+    bool has_moved[PROJECTION_PROXIES_MAX];
+    for (uint32_t i = 0; i < p->proxy_count; ++i) {
+        const rigid *now = &pose[p->proxy[i].bone];
+        has_moved[i] = memcmp(&p->posed[i], now, sizeof *now) != 0;
+        if (!has_moved[i])
+            continue;
+        p->posed[i] = *now;
+        p->frame[i] = frame_of(&p->proxy[i], pose);
+    }
+    for (uint32_t i = 0; i < p->block_count; ++i)
+        if (has_moved[p->block[i].proxy])
+            is_stale[p->block[i].block] = 1;
+}
+
+void projection_rest(projection *p)
+{
+    for (uint32_t i = 0; i < p->block_count; ++i) {
+        p->block[i].depth_mm = 0.0;
+        p->block[i].moved_count = 0;
+    }
+}
+
+projection_report projection_reported(const projection *p)
+{
+    projection_report report = {0};
+    for (uint32_t i = 0; i < p->block_count; ++i) {
+        report.depth_mm = fmax(report.depth_mm, p->block[i].depth_mm);
+        report.moved_count += p->block[i].moved_count;
+    }
     return report;
 }
 
@@ -296,24 +316,29 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     out->proxy_count = r->proxy_count;
     size_t room = (size_t)r->proxy_count * rest->block_count;
     out->block = malloc((room + 1) * sizeof *out->block);
-    out->touched = calloc((size_t)rest->block_count + 1, 1);
-    if (!out->block || !out->touched) {
+    out->first = calloc((size_t)rest->block_count + 1, sizeof *out->first);
+    if (!out->block || !out->first) {
         projection_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u skull proxies", r->proxy_count);
     }
-    for (uint32_t proxy = 0; proxy < r->proxy_count; ++proxy) {
-        mrt_result result = check_proxy(r, proxy, err);
+    for (uint32_t i = 0; i < r->proxy_count; ++i) {
+        mrt_result result = check_proxy(r, i, err);
         if (result < 0) {
             projection_destroy(out);
             return result;
         }
-        proxy_frame f = frame_of(&r->proxy[proxy], still);
-        for (uint32_t block = 0; block < rest->block_count; ++block) {
+        out->posed[i] = still[0];
+        out->frame[i] = frame_of(&r->proxy[i], still);
+    }
+    for (uint32_t block = 0; block < rest->block_count; ++block) {
+        out->first[block] = out->block_count;
+        for (uint32_t i = 0; i < r->proxy_count; ++i) {
             projection_block *b = &out->block[out->block_count];
-            *b = (projection_block){.proxy = proxy, .block = block};
-            out->block_count += fill_block(b, &f, rest, mobility);
+            *b = (projection_block){.proxy = i, .block = block};
+            out->block_count += fill_block(b, &out->frame[i], rest, mobility);
         }
     }
+    out->first[rest->block_count] = out->block_count;
     return MRT_OK;
 }
 
@@ -322,6 +347,6 @@ void projection_destroy(projection *p)
     if (!p)
         return;
     free(p->block);
-    free(p->touched);
+    free(p->first);
     *p = (projection){0};
 }

@@ -16,8 +16,19 @@
 #define PROJECTION_REACH_MM 60.0
 enum { PROJECTION_PROXIES_MAX = 32 };
 
+/* From the face to the scaled space of a proxy on its bone: q = row x. The way along q is, in the
+ * face, the way from the centre. */
+typedef struct proxy_frame {
+    double row[3][4];
+    vec3 centre; /* in the face */
+    float narrow_row[3][4], narrow_centre[3];
+} proxy_frame;
+
 typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
     uint32_t proxy, block;
+    /* of the last frame in which the block was written */
+    uint32_t moved_count;
+    double depth_mm;
     float floor[POINTS_BLOCK];  /* c */
     float band[POINTS_BLOCK];   /* e; 0: left alone */
     float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is within the band */
@@ -26,8 +37,10 @@ typedef struct projection_block { /* of one proxy: a block of vertices of which 
 typedef struct projection {
     const rig_proxy *proxy;
     uint32_t proxy_count, block_count;
-    projection_block *block; /* by proxy, then by block */
-    uint8_t *touched; /* scratch: of each block of vertices, what a pass moved: 1 + the proxy; 0 */
+    projection_block *block; /* by block, then by proxy */
+    uint32_t *first; /* of each block of vertices, and the end: where in `block` it begins */
+    rigid posed[PROJECTION_PROXIES_MAX]; /* of the bone of each proxy, and what follows from it */
+    proxy_frame frame[PROJECTION_PROXIES_MAX];
 } projection;
 
 typedef struct projection_report {
@@ -40,8 +53,15 @@ CHECKED mrt_result projection_create(projection *out, const rig *r, const points
                                      const float *mobility, error *err);
 void projection_destroy(projection *p);
 
-/* pose: of each bone. Keeps the bounds of shown. */
-projection_report projection_apply(projection *p, points *shown, const rigid *pose);
+/* A frame begins, pose: of each bone. Marks the blocks in reach of a proxy that has moved: the
+ * vertices shown there have to be written anew, and projected. */
+void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
+/* One block of vertices, just written. Keeps the bounds of shown. True: it has moved some. */
+bool projection_apply(projection *p, points *shown, uint32_t block);
+/* Nothing is projected: the shape shown is that at rest. */
+void projection_rest(projection *p);
+/* Of all blocks, as they were written last. */
+projection_report projection_reported(const projection *p);
 /* How deep the deepest vertex is below its floor, mm. */
 double projection_depth_mm(const projection *p, const points *shown, const rigid *pose);
 

@@ -11,6 +11,15 @@ static size_t row_floats(const live_board *self)
     return (size_t)self->vertex_count * 3;
 }
 
+static mrt_result create_changes(live_board *out, error *err)
+{
+    uint32_t parts = out->vertex_count / LIVE_ROWS + (out->vertex_count % LIVE_ROWS != 0);
+    mrt_result result = stamps_create(&out->changed, parts, err);
+    for (int i = 0; i < 3 && result >= 0; ++i)
+        result = stamps_create(&out->changed_in[i], parts, err);
+    return result;
+}
+
 mrt_result live_board_create(live_board *out, const composer *of, error *err)
 {
     *out = (live_board){.number = 0};
@@ -26,40 +35,92 @@ mrt_result live_board_create(live_board *out, const composer *of, error *err)
         good &= out->rows[i] != NULL;
     }
     out->from = calloc(size, sizeof *out->from);
-    if (good && out->from)
-        return MRT_OK;
-    live_board_destroy(out);
-    return error_set(err, MRT_ERR_MEMORY, "no memory for the faces that are shown");
+    mrt_result result = good && out->from ? create_changes(out, err)
+                                          : error_set(err, MRT_ERR_MEMORY,
+                                                      "no memory for the faces that are shown");
+    if (result < 0)
+        live_board_destroy(out);
+    return result;
 }
 
 void live_board_destroy(live_board *self)
 {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
         free(self->rows[i]);
+        stamps_destroy(&self->changed_in[i]);
+    }
+    stamps_destroy(&self->changed);
     free(self->from);
     memset(self, 0, sizeof *self);
 }
 
 /* ---- [frame] ---- */
 
-static void copy_rows(const live_board *self, float *out, composer *of)
+/* What is published of a composer's face: positions, or normals. */
+typedef struct board_source {
+    const float *stream[3]; /* in the engine's order */
+    const stamps *written;  /* blocks of it */
+    const points_order *order;
+} board_source;
+
+static uint32_t end_of_block(const points_order *order, uint32_t block)
 {
-    const face *f = composer_face(of);
-    const points_order *order = face_order(f);
-    const float *x = composer_normal(of, 0), *y = composer_normal(of, 1),
-                *z = composer_normal(of, 2);
-    float *normal = out + row_floats(self);
-    points_to_rows(out, face_shown(f), order);
-    for (uint32_t slot = 0; slot < order->count; ++slot) {
-        float *row = normal + (size_t)order->file_of_slot[slot] * 3;
-        row[0] = x[slot];
-        row[1] = y[slot];
-        row[2] = z[slot];
+    uint32_t end = (block + 1) * POINTS_BLOCK;
+    return end < order->count ? end : order->count;
+}
+
+/* Into rows in the file's order. */
+static void write_block(float *out, const board_source *from, uint32_t block)
+{
+    uint32_t end = end_of_block(from->order, block);
+    for (uint32_t slot = block * POINTS_BLOCK; slot < end; ++slot) {
+        float *row = out + (size_t)from->order->file_of_slot[slot] * 3;
+        row[0] = from->stream[0][slot];
+        row[1] = from->stream[1][slot];
+        row[2] = from->stream[2][slot];
     }
 }
 
-static void ease(live_board *self, float *rows, int64_t now_ns)
+static void mark_block(stamps *changed, const points_order *order, uint32_t block)
 {
+    uint32_t end = end_of_block(order, block);
+    for (uint32_t slot = block * POINTS_BLOCK; slot < end; ++slot)
+        stamps_mark(changed, order->file_of_slot[slot] / LIVE_ROWS);
+}
+
+/* What has changed since the buffer was filled goes into it; what has since any was is noted. */
+static void take_rows(live_board *self, float *out, const board_source *from, stamps_reader *taken,
+                      stamps_reader *noted)
+{
+    for (uint32_t block = 0; block < from->written->count; ++block) {
+        if (stamps_is_new(taken, from->written, block))
+            write_block(out, from, block);
+        if (stamps_is_new(noted, from->written, block))
+            mark_block(&self->changed, from->order, block);
+    }
+    stamps_read(taken, from->written);
+    stamps_read(noted, from->written);
+}
+
+static void take_face(live_board *self, uint32_t back, composer *of)
+{
+    const face *f = composer_face(of);
+    const points *p = face_shown(f);
+    const shading *s = composer_shading(of);
+    const board_source position = {{p->x, p->y, p->z}, face_written(f), face_order(f)};
+    const board_source normal = {{shading_normal(s, 0), shading_normal(s, 1), shading_normal(s, 2)},
+                                 shading_written(s),
+                                 face_order(f)};
+    float *rows = self->rows[back];
+    live_taken *taken = &self->taken[back], *noted = &self->noted;
+    take_rows(self, rows, &position, &taken->position, &noted->position);
+    take_rows(self, rows + row_floats(self), &normal, &taken->normal, &noted->normal);
+}
+
+/* The buffer has what no composer shows: nothing of it is kept. */
+static void ease(live_board *self, uint32_t back, int64_t now_ns)
+{
+    float *rows = self->rows[back];
     double s = (double)(now_ns - self->eases_from_ns) / (double)ease_ns;
     if (s >= 1.0) {
         self->is_easing = false;
@@ -68,6 +129,8 @@ static void ease(live_board *self, float *rows, int64_t now_ns)
     float left = s > 0.0 ? (float)(1.0 - s * s * (3.0 - 2.0 * s)) : 1.0f;
     for (size_t i = 0; i < row_floats(self) * 2; ++i)
         rows[i] += left * (self->from[i] - rows[i]);
+    self->taken[back] = self->noted = (live_taken){.position = {.seen = 0}};
+    stamps_mark_all(&self->changed);
 }
 
 live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns)
@@ -75,13 +138,16 @@ live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns)
     uint32_t back = slot_back(&self->slot);
     float *rows = self->rows[back];
     live_view *view = &self->view[back];
-    copy_rows(self, rows, of);
+    stamps_begin(&self->changed);
+    take_face(self, back, of);
     if (self->is_easing)
-        ease(self, rows, now_ns);
+        ease(self, back, now_ns);
+    stamps_copy(&self->changed_in[back], &self->changed);
     memset(view, 0, sizeof *view);
     view->number = ++self->number;
     view->position = rows;
     view->normal = rows + row_floats(self);
+    view->changed = &self->changed_in[back];
     view->vertex_count = self->vertex_count;
     view->min_determinant = 1.0;
     return view;

@@ -1,14 +1,24 @@
 /* live/live_board.h - where faces are published: the frame thread fills, [main] takes the newest,
- * and neither waits. Made for one face. */
+ * and neither waits. Only what has changed is written, into the buffers and for those who look.
+ * Made for one face. */
 #ifndef MAROTTE_STAGE_LIVE_BOARD_H
 #define MAROTTE_STAGE_LIVE_BOARD_H
 #include "base/slot.h"
 #include "stage/live.h"
 
+/* What of a composer's face has been taken over. */
+typedef struct live_taken {
+    stamps_reader position, normal;
+} live_taken;
+
 typedef struct live_board {
     publish_slot slot;
     live_view view[3];
-    float *rows[3]; /* of each: positions, then normals: vertex_count by 3 */
+    float *rows[3];       /* of each: positions, then normals: vertex_count by 3 */
+    live_taken taken[3];  /* into each */
+    stamps changed_in[3]; /* of each: `changed` as it was filled, for the one who looks */
+    live_taken noted;     /* in `changed` */
+    stamps changed;       /* of LIVE_ROWS vertices each, positions and normals alike */
     uint32_t vertex_count;
     uint64_t number;
     _Atomic bool is_taken; /* the newest was; also before any */

@@ -1,0 +1,218 @@
+/* The shape shown, by blocks: which hold from the frame before, which have to be written anew. A
+ * block depends on the origin there, on the columns that reach it and their weights, and on the
+ * poses of the proxies near it: where none of these has changed it is left as it is. */
+#include "face/frame/face_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert((int)POINTS_BLOCK == (int)SHADING_BLOCK, "shading has the blocks of its points");
+
+static uint32_t words_of(uint32_t column_count)
+{
+    return (column_count + COLUMNS_WORD - 1) / COLUMNS_WORD;
+}
+
+/* ---- made and unmade ---- */
+
+static bool is_whole(const float *weight)
+{
+    uint32_t whole = 0;
+    for (uint32_t i = 0; i < POINTS_BLOCK; ++i)
+        whole += weight[i] < 1.0f ? 0 : 1;
+    return whole == POINTS_BLOCK;
+}
+
+/* The one bone that moves vertices of the block, and moves all of it. */
+static uint8_t bone_of_block(const face *f, uint32_t block)
+{
+    uint8_t found = SHADING_LOOSE;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        const face_field *field = &f->field[b];
+        if (!field->carried[block])
+            continue;
+        if (found != SHADING_LOOSE || !is_whole(field->weight + (size_t)block * POINTS_BLOCK))
+            return SHADING_LOOSE;
+        found = (uint8_t)b;
+    }
+    return found;
+}
+
+mrt_result face_shown_create(face *f, error *err)
+{
+    face_blocks *s = &f->blocks;
+    size_t blocks = (size_t)f->rest.block_count + 1;
+    s->is_stale = malloc(blocks);
+    s->is_rest = malloc(blocks);
+    s->carrier = malloc(blocks);
+    s->bone = malloc(blocks);
+    s->weight = calloc((size_t)3 * f->columns.capacity + 1, sizeof *s->weight);
+    s->changed = calloc((size_t)words_of(f->columns.capacity) + 1, sizeof *s->changed);
+    s->of_controls = calloc((size_t)words_of(f->columns.capacity) + 1, sizeof *s->of_controls);
+    if (!s->is_stale || !s->is_rest || !s->carrier || !s->bone || !s->weight || !s->changed ||
+        !s->of_controls)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %u blocks of vertices",
+                         f->rest.block_count);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        s->bone[block] = bone_of_block(f, block);
+    return stamps_create(&s->written, f->rest.block_count, err);
+}
+
+void face_shown_destroy(face *f)
+{
+    face_blocks *s = &f->blocks;
+    free(s->is_stale);
+    free(s->is_rest);
+    free(s->carrier);
+    free(s->bone);
+    free(s->weight);
+    free(s->changed);
+    free(s->of_controls);
+    stamps_destroy(&s->written);
+}
+
+/* ---- what changes ---- */
+
+static bool is_same_block(const points *a, const points *b, uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+    return memcmp(a->x + first, b->x + first, size) == 0 &&
+           memcmp(a->y + first, b->y + first, size) == 0 &&
+           memcmp(a->z + first, b->z + first, size) == 0;
+}
+
+void face_touch(face *f, uint32_t block, const points *origin)
+{
+    f->blocks.is_stale[block] = 1;
+    f->blocks.is_rest[block] = is_same_block(origin, &f->rest, block);
+}
+
+void face_touch_all(face *f)
+{
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        face_touch(f, block, f->origin);
+}
+
+void face_touch_changed(face *f, const points *now, const points *before)
+{
+    for (uint32_t block = 0; block < now->block_count; ++block)
+        if (!is_same_block(now, before, block))
+            face_touch(f, block, now);
+}
+
+bool face_reaches(const columns *c, const uint64_t *some, uint32_t block)
+{
+    const uint64_t *mark = c->mark + (size_t)block * c->mark_words;
+    uint64_t any = 0;
+    for (uint32_t word = 0; word < words_of(c->count); ++word)
+        any |= mark[word] & some[word];
+    return any != 0;
+}
+
+void face_forget_columns(face *f)
+{
+    const columns *c = &f->columns;
+    face_blocks *s = &f->blocks;
+    memset(s->changed, 0, words_of(c->count) * sizeof *s->changed);
+    for (uint32_t column = 0; column < c->count; ++column) {
+        const float *g = s->weight + (size_t)3 * column;
+        uint64_t counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
+        s->changed[column / COLUMNS_WORD] |= counts << column % COLUMNS_WORD;
+    }
+    for (uint32_t block = 0; block < c->block_count; ++block)
+        if (face_reaches(c, s->changed, block))
+            s->is_stale[block] = 1;
+    memset(s->weight, 0, (size_t)3 * c->count * sizeof *s->weight);
+}
+
+/* ---- frames ---- */
+
+/* blocks.changed: the columns whose weight is not that of the frame before. */
+static void note_weights(face *f)
+{
+    const columns *c = &f->columns;
+    face_blocks *s = &f->blocks;
+    const float *now = c->weights.value;
+    memset(s->changed, 0, words_of(c->count) * sizeof *s->changed);
+    memset(s->of_controls, 0, words_of(c->count) * sizeof *s->of_controls);
+    for (uint32_t column = 0; column < c->count; ++column) {
+        float *before = s->weight + (size_t)3 * column;
+        uint64_t differs = memcmp(before, now + (size_t)3 * column, 3 * sizeof *now) != 0;
+        uint64_t is_control = column < f->control_column_count;
+        uint32_t word = column / COLUMNS_WORD, bit = column % COLUMNS_WORD;
+        s->changed[word] |= differs << bit;
+        s->of_controls[word] |= (is_control << bit) & c->weights.live[word];
+        memcpy(before, now + (size_t)3 * column, 3 * sizeof *now);
+    }
+}
+
+static void write_block(face *f, uint32_t block)
+{
+    const columns *c = &f->columns;
+    face_blocks *s = &f->blocks;
+    (void)columns_move_blocks(c, &f->shown, f->origin, NULL, block, block + 1);
+    bool is_loose = projection_apply(&f->projection, &f->shown, block) || !s->is_rest[block] ||
+                    face_reaches(c, s->of_controls, block);
+    s->carrier[block] = is_loose ? SHADING_LOOSE : s->bone[block];
+    s->is_stale[block] = 0;
+    stamps_mark(&s->written, block);
+}
+
+static void note_projection(face *f)
+{
+    projection_report report = projection_reported(&f->projection);
+    f->meter.penetration_mm = report.depth_mm;
+    f->meter.projected_count = report.moved_count;
+    f->is_exact = report.moved_count == 0;
+}
+
+void face_show(face *f)
+{
+    const columns *c = &f->columns;
+    face_blocks *s = &f->blocks;
+    columns_weigh(&f->columns, f->weight, c->count);
+    note_weights(f);
+    projection_pose(&f->projection, f->pose, s->is_stale);
+    memcpy(s->pose, f->pose, sizeof s->pose);
+    stamps_begin(&s->written);
+    for (uint32_t block = 0; block < c->block_count; ++block)
+        if (s->is_stale[block] || face_reaches(c, s->changed, block))
+            write_block(f, block);
+    note_projection(f);
+}
+
+void face_show_rest(face *f)
+{
+    face_blocks *s = &f->blocks;
+    points_copy(&f->shown, &f->rest);
+    projection_pose(&f->projection, f->pose, s->is_stale);
+    projection_rest(&f->projection);
+    memset(s->weight, 0, (size_t)3 * f->columns.capacity * sizeof *s->weight);
+    memset(s->is_stale, 0, f->rest.block_count);
+    memcpy(s->carrier, s->bone, f->rest.block_count);
+    memcpy(s->pose, f->pose, sizeof s->pose);
+    stamps_begin(&s->written);
+    stamps_mark_all(&s->written);
+    note_projection(f);
+}
+
+/* ---- what others see ---- */
+
+const points *face_shown(const face *f)
+{
+    return &f->shown;
+}
+
+const stamps *face_written(const face *f)
+{
+    return &f->blocks.written;
+}
+
+shading_shape face_shading(const face *f)
+{
+    const points *p = &f->shown;
+    return (shading_shape){.at = {p->x, p->y, p->z},
+                           .written = &f->blocks.written,
+                           .carrier = f->blocks.carrier,
+                           .pose = f->blocks.pose};
+}
