@@ -12,7 +12,8 @@ bool envelope_create(envelope *out, uint32_t row_capacity)
     out->first = calloc(rows + 1, sizeof *out->first);
     out->start = calloc(rows + 1, sizeof *out->start);
     out->value = calloc(rows * (rows + 1) / 2 + 1, sizeof *out->value);
-    out->group = aligned_alloc(64, (rows + 1) * ENVELOPE_LANES * sizeof *out->group);
+    out->group =
+        aligned_alloc(64, (rows + 1) * ENVELOPE_GROUPS * ENVELOPE_LANES * sizeof *out->group);
     if (out->first && out->start && out->value && out->group)
         return true;
     envelope_destroy(out);

@@ -10,7 +10,9 @@
 
 /* Right-hand sides that are solved together: few for a pull, many for unit responses. */
 enum { ENVELOPE_FEW = 4, ENVELOPE_MANY = 16 };
-enum { ENVELOPE_LANES = 32 }; /* rows of a group: group[ENVELOPE_LANES * column + lane] */
+/* Rows are factored in groups, and some groups together; a group begins at a multiple of
+ * ENVELOPE_ALIKE. */
+enum { ENVELOPE_LANES = 32, ENVELOPE_GROUPS = 2, ENVELOPE_ALIKE = 4 };
 
 typedef struct envelope {
     uint32_t row_capacity, row_count;
@@ -18,14 +20,15 @@ typedef struct envelope {
     uint32_t *first;         /* of each row: column of its first entry */
     size_t *start;           /* of each row: where it begins in value; row_capacity + 1 */
     double *value;           /* the matrix, then its factor */
-    double *group;           /* scratch of the factorisation: row_capacity by ENVELOPE_LANES */
+    double *group;           /* scratch of each group: row_capacity by ENVELOPE_LANES */
     const struct lanes *lanes;
 } envelope;
 
 bool envelope_create(envelope *out, uint32_t row_capacity); /* false: no memory */
 void envelope_destroy(envelope *e);
 
-/* The first `row_count` rows stay, which have been factored; the others go. */
+/* The first `row_count` rows stay, which have been factored; the others go. row_count: a multiple
+ * of ENVELOPE_ALIKE. */
 void envelope_keep(envelope *e, uint32_t row_count);
 /* The same of those of `from`, whose rows before `first` are these. */
 void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count);

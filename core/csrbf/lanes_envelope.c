@@ -23,76 +23,82 @@ static uint32_t lesser(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* Column of the leftmost entry of the rows. */
-static uint32_t group_first(const envelope *e, uint32_t row, uint32_t row_count)
-{
-    uint32_t first = e->first[row];
-    for (uint32_t lane = 1; lane < row_count; ++lane)
-        first = e->first[row + lane] < first ? e->first[row + lane] : first;
-    return first;
-}
-
-enum { STRETCH = 8 }; /* columns of a group that are filled together: they stay in the cache */
-
-static void group_load(envelope *e, uint32_t low, uint32_t row, uint32_t row_count)
-{
-    uint32_t end = row + row_count;
-    memset(e->group + (size_t)LANES * low, 0, (size_t)(end - low) * LANES * sizeof *e->group);
-    for (uint32_t column = low; column < end; column += STRETCH)
-        for (uint32_t lane = 0; lane < row_count; ++lane) {
-            uint32_t first = e->first[row + lane], from = larger(column, first);
-            uint32_t to = lesser(column + STRETCH, row + lane + 1);
-            const double *value = e->value + e->start[row + lane];
-            for (uint32_t k = from; k < to; ++k)
-                e->group[(size_t)LANES * k + lane] = value[k - first];
-        }
-}
-
-static void group_store(envelope *e, uint32_t low, uint32_t row, uint32_t row_count)
-{
-    uint32_t end = row + row_count;
-    for (uint32_t column = low; column < end; column += STRETCH)
-        for (uint32_t lane = 0; lane < row_count; ++lane) {
-            uint32_t first = e->first[row + lane], from = larger(column, first);
-            uint32_t to = lesser(column + STRETCH, row + lane + 1);
-            double *value = e->value + e->start[row + lane];
-            for (uint32_t k = from; k < to; ++k)
-                value[k - first] = e->group[(size_t)LANES * k + lane];
-        }
-}
-
-/* entry (LANES) -= sum over k of group[k] * factor[k * stride], k ascending. */
-static void subtract_products(double *entry, const double *group, const double *factor,
-                              uint32_t stride, uint32_t count)
-{
-    double sum[LANES];
-    memcpy(sum, entry, sizeof sum);
-    for (uint32_t k = 0; k < count; ++k, group += LANES, factor += stride)
-        for (int lane = 0; lane < LANES; ++lane)
-            sum[lane] -= group[lane] * *factor;
-    memcpy(entry, sum, sizeof sum);
-}
-
 static const double *factor_at(const envelope *e, uint32_t row, uint32_t column)
 {
     return e->value + e->start[row] + (column - e->first[row]);
 }
 
-/* Entries in column j of the group's rows, which have their products up to column `from`. */
-static void finish_column(envelope *e, uint32_t j, uint32_t from)
+/* ---- a group of rows ---- */
+
+typedef struct group {
+    double *entry;           /* LANES of each column */
+    uint32_t low;            /* its first column; a multiple of COLUMNS */
+    uint32_t row, row_count; /* at most LANES */
+} group;
+
+static double *column_of(const group *g, uint32_t column)
 {
-    double *entry = e->group + (size_t)LANES * j;
+    return g->entry + (size_t)LANES * column;
+}
+
+enum { STRETCH = 8 }; /* columns of a group that are filled together: they stay in the cache */
+
+static void group_load(group *g, const envelope *e)
+{
+    const uint32_t end = g->row + g->row_count;
+    g->low = g->row;
+    for (uint32_t row = g->row; row < end; ++row)
+        g->low = lesser(g->low, e->first[row]);
+    g->low = g->low / COLUMNS * COLUMNS;
+    memset(column_of(g, g->low), 0, (size_t)(end - g->low) * LANES * sizeof *g->entry);
+    for (uint32_t column = g->low; column < end; column += STRETCH)
+        for (uint32_t lane = 0; lane < g->row_count; ++lane) {
+            uint32_t row = g->row + lane, from = larger(column, e->first[row]);
+            uint32_t to = lesser(column + STRETCH, row + 1);
+            for (uint32_t k = from; k < to; ++k)
+                column_of(g, k)[lane] = *factor_at(e, row, k);
+        }
+}
+
+static void group_store(const group *g, envelope *e)
+{
+    const uint32_t end = g->row + g->row_count;
+    for (uint32_t column = g->low; column < end; column += STRETCH)
+        for (uint32_t lane = 0; lane < g->row_count; ++lane) {
+            uint32_t row = g->row + lane, from = larger(column, e->first[row]);
+            uint32_t to = lesser(column + STRETCH, row + 1);
+            double *value = e->value + e->start[row];
+            for (uint32_t k = from; k < to; ++k)
+                value[k - e->first[row]] = column_of(g, k)[lane];
+        }
+}
+
+/* entry (LANES) -= sum over k of column[k] * factor[k * stride], k ascending. */
+static void subtract_products(double *entry, const double *column, const double *factor,
+                              uint32_t stride, uint32_t count)
+{
+    double sum[LANES];
+    memcpy(sum, entry, sizeof sum);
+    for (uint32_t k = 0; k < count; ++k, column += LANES, factor += stride)
+        for (int lane = 0; lane < LANES; ++lane)
+            sum[lane] -= column[lane] * *factor;
+    memcpy(entry, sum, sizeof sum);
+}
+
+/* Entries in column j of the group's rows, which have their products up to column `from`. */
+static void finish_column(const group *g, const envelope *e, uint32_t j, uint32_t from)
+{
+    double *entry = column_of(g, j);
     const double pivot = *factor_at(e, j, j);
     if (from < j)
-        subtract_products(entry, e->group + (size_t)LANES * from, factor_at(e, j, from), 1,
-                          j - from);
+        subtract_products(entry, column_of(g, from), factor_at(e, j, from), 1, j - from);
     for (int lane = 0; lane < LANES; ++lane)
         entry[lane] = entry[lane] / pivot;
 }
 
 #ifdef __AVX512F__
 /* The same for COLUMNS entries that follow each other against as many rows of the factor. */
-static inline void subtract_tile(double *entry, const double *group,
+static inline void subtract_tile(double *entry, const double *column,
                                  const double *const factor[COLUMNS], size_t stride, uint32_t count)
 {
     double a[LANES], b[LANES], c[LANES], d[LANES];
@@ -101,9 +107,9 @@ static inline void subtract_tile(double *entry, const double *group,
     memcpy(b, entry + LANES, sizeof b);
     memcpy(c, entry + (size_t)2 * LANES, sizeof c);
     memcpy(d, entry + (size_t)3 * LANES, sizeof d);
-    for (uint32_t k = 0; k < count; ++k, group += LANES) {
+    for (uint32_t k = 0; k < count; ++k, column += LANES) {
         for (int lane = 0; lane < LANES; ++lane) {
-            const double value = group[lane];
+            const double value = column[lane];
             a[lane] -= value * fa[k * stride];
             b[lane] -= value * fb[k * stride];
             c[lane] -= value * fc[k * stride];
@@ -116,10 +122,10 @@ static inline void subtract_tile(double *entry, const double *group,
     memcpy(entry + (size_t)3 * LANES, d, sizeof d);
 }
 
-static void subtract_rows(double *entry, const double *group, const double *const factor[COLUMNS],
+static void subtract_rows(double *entry, const double *column, const double *const factor[COLUMNS],
                           uint32_t count)
 {
-    subtract_tile(entry, group, factor, 1, count);
+    subtract_tile(entry, column, factor, 1, count);
 }
 
 /* COLUMNS columns of the group's own triangle, against what is left of them. */
@@ -131,24 +137,23 @@ static void subtract_left(double *entry, const double *left, uint32_t column, ui
 }
 
 /* COLUMNS columns of the group from j on: what they have in common together, the rest alone. */
-static void eliminate_tile(envelope *e, uint32_t low, uint32_t j)
+static void eliminate_tile(const group *g, const envelope *e, uint32_t j)
 {
     const double *factor[COLUMNS];
-    uint32_t common = low;
+    uint32_t common = g->low;
     for (uint32_t i = 0; i < COLUMNS; ++i)
         common = larger(common, e->first[j + i]);
-    common = common < j ? common : j;
+    common = lesser(common, j);
     for (uint32_t i = 0; i < COLUMNS; ++i) {
-        uint32_t from = larger(low, e->first[j + i]);
+        uint32_t from = larger(g->low, e->first[j + i]);
         if (from < common)
-            subtract_products(e->group + (size_t)LANES * (j + i), e->group + (size_t)LANES * from,
-                              factor_at(e, j + i, from), 1, common - from);
+            subtract_products(column_of(g, j + i), column_of(g, from), factor_at(e, j + i, from), 1,
+                              common - from);
         factor[i] = from < j ? factor_at(e, j + i, common) : e->value;
     }
-    subtract_rows(e->group + (size_t)LANES * j, e->group + (size_t)LANES * common, factor,
-                  j - common);
+    subtract_rows(column_of(g, j), column_of(g, common), factor, j - common);
     for (uint32_t i = 0; i < COLUMNS; ++i)
-        finish_column(e, j + i, larger(j, larger(low, e->first[j + i])));
+        finish_column(g, e, j + i, larger(j, larger(g->low, e->first[j + i])));
 }
 #else
 static void subtract_left(double *entry, const double *left, uint32_t column, uint32_t count)
@@ -156,59 +161,79 @@ static void subtract_left(double *entry, const double *left, uint32_t column, ui
     subtract_products(entry, left, left + column, LANES, count);
 }
 
-static void eliminate_tile(envelope *e, uint32_t low, uint32_t j)
+static void eliminate_tile(const group *g, const envelope *e, uint32_t j)
 {
-    finish_column(e, j, larger(low, e->first[j]));
+    finish_column(g, e, j, larger(g->low, e->first[j]));
 }
 #endif
 
-/* Entries of the group's rows left of the group: column j needs the finished row j only. */
-static void group_eliminate(envelope *e, uint32_t low, uint32_t row)
-{
-    uint32_t j = low;
-    for (; j + COLUMNS <= row; j += COLUMNS)
-        eliminate_tile(e, low, j);
-    for (; j < row; ++j)
-        finish_column(e, j, larger(low, e->first[j]));
-}
-
 /* The triangle of the group against itself; false when a pivot is too small. What it leaves above
  * the diagonal is never used. */
-static bool group_finish(envelope *e, uint32_t low, uint32_t row, uint32_t row_count,
-                         double smallest_pivot, uint32_t *out_row)
+static bool group_finish(const group *g, double smallest_pivot, uint32_t *out_row)
 {
-    const double *left = e->group + (size_t)LANES * low;
-    for (uint32_t column = 0; column < row_count; ++column) {
-        double *entry = e->group + (size_t)LANES * (row + column);
-        uint32_t tile = column / COLUMNS * COLUMNS, end = row - low + column;
-        uint32_t done = tile + COLUMNS <= row_count ? row - low + tile : 0;
+    const double *left = column_of(g, g->low);
+    const uint32_t before = g->row - g->low;
+    for (uint32_t column = 0; column < g->row_count; ++column) {
+        double *entry = column_of(g, g->row + column);
+        uint32_t tile = column / COLUMNS * COLUMNS, end = before + column;
+        uint32_t done = tile + COLUMNS <= g->row_count ? before + tile : 0;
         if (done > 0 && column == tile)
             subtract_left(entry, left, column, done);
         if (done < end)
             subtract_products(entry, left + (size_t)LANES * done,
                               left + (size_t)LANES * done + column, LANES, end - done);
         if (!(entry[column] > smallest_pivot)) {
-            *out_row = row + column;
+            *out_row = g->row + column;
             return false;
         }
         const double root = sqrt(entry[column]);
         entry[column] = root;
-        for (uint32_t lane = column + 1; lane < row_count; ++lane)
+        for (uint32_t lane = column + 1; lane < g->row_count; ++lane)
             entry[lane] /= root;
     }
     return true;
 }
 
+/* ---- the factor ---- */
+
+/* The next groups from `row` on; returns how many. */
+static uint32_t load_groups(group g[ENVELOPE_GROUPS], const envelope *e, uint32_t row)
+{
+    uint32_t count = 0;
+    for (; count < ENVELOPE_GROUPS && row < e->row_count; row += LANES, ++count) {
+        g[count] = (group){.entry = e->group + (size_t)count * LANES * e->row_capacity,
+                           .row = row,
+                           .row_count = lesser(e->row_count - row, LANES)};
+        group_load(&g[count], e);
+    }
+    return count;
+}
+
+/* Columns first .. end - 1 of the groups, left of all of them. Column j needs the finished row j
+ * only, which is read once for all the groups. */
+static void eliminate(const group *g, uint32_t count, const envelope *e, uint32_t first,
+                      uint32_t end)
+{
+    for (uint32_t j = first; j < end; j += COLUMNS)
+        for (uint32_t i = 0; i < count; ++i)
+            if (j >= g[i].low)
+                eliminate_tile(&g[i], e, j);
+}
+
 bool LANES(factor)(envelope *e, double smallest_pivot, uint32_t *out_row)
 {
-    for (uint32_t row = e->factored_count; row < e->row_count; row += LANES) {
-        uint32_t left = e->row_count - row, row_count = left < LANES ? left : LANES;
-        uint32_t low = group_first(e, row, row_count);
-        group_load(e, low, row, row_count);
-        group_eliminate(e, low, row);
-        if (!group_finish(e, low, row, row_count, smallest_pivot, out_row))
-            return false;
-        group_store(e, low, row, row_count);
+    for (uint32_t row = e->factored_count; row < e->row_count; row += LANES * ENVELOPE_GROUPS) {
+        group g[ENVELOPE_GROUPS];
+        uint32_t count = load_groups(g, e, row), low = row;
+        for (uint32_t i = 0; i < count; ++i)
+            low = lesser(low, g[i].low);
+        eliminate(g, count, e, low, row);
+        for (uint32_t i = 0; i < count; ++i) {
+            eliminate(&g[i], 1, e, row, g[i].row);
+            if (!group_finish(&g[i], smallest_pivot, out_row))
+                return false;
+            group_store(&g[i], e);
+        }
     }
     return true;
 }

@@ -37,13 +37,11 @@ void saddle_destroy(saddle *s)
     *s = (saddle){0};
 }
 
-enum { ALIKE = 4 }; /* rows that begin at one column: the factorisation takes them together */
-
-/* Where row i and those that go with it begin. */
+/* Where row i and those that go with it begin: the factorisation takes them together. */
 static uint32_t first_of_rows(const field *f, uint32_t i)
 {
-    uint32_t start = i / ALIKE * ALIKE, first = start;
-    for (uint32_t row = start; row < start + ALIKE && row < f->centre_count; ++row) {
+    uint32_t start = i / ENVELOPE_ALIKE * ENVELOPE_ALIKE, first = start;
+    for (uint32_t row = start; row < start + ENVELOPE_ALIKE && row < f->centre_count; ++row) {
         uint32_t own = f->lanes->first_neighbour(f, row);
         first = own < first ? own : first;
     }
@@ -56,7 +54,7 @@ static void assemble(saddle *s)
     const field *f = &s->field;
     uint32_t first = 0;
     for (uint32_t i = s->matrix.row_count; i < f->centre_count; ++i) {
-        first = i % ALIKE == 0 ? first_of_rows(f, i) : first;
+        first = i % ENVELOPE_ALIKE == 0 ? first_of_rows(f, i) : first;
         double *row = envelope_add_row(&s->matrix, first);
         f->lanes->kernel_row(f, row, i, first);
         row[i - first] = 1.0 + f->settings.ridge;
@@ -74,7 +72,7 @@ static uint32_t rows_held(const saddle *held, const field *f)
            memcmp(held->factored + (size_t)3 * count, f->centre + (size_t)3 * count,
                   3 * sizeof *f->centre) == 0)
         ++count;
-    return count / ALIKE * ALIKE;
+    return count / ENVELOPE_ALIKE * ENVELOPE_ALIKE;
 }
 
 /* Leaves in the matrix what need not be factored again. */

@@ -108,6 +108,13 @@ static void run_hold_again(void *data)
     run_solve(self);
 }
 
+/* As when tips have come and gone before: all that is kept of the pins is in its place. */
+static void hold_some_times(void *data)
+{
+    run_hold_again(data);
+    run_hold_again(data);
+}
+
 static void tell(bench *self, const head *h, const bench_work work[3])
 {
     char label[32], line[160];
@@ -147,8 +154,9 @@ static void measure(bench *self, head *h)
 static void measure_again(bench *self, head *h)
 {
     char label[48], line[128];
-    bench_work work[] = {{.name = "afresh", .run = run_hold_afresh, .data = h},
-                         {.name = "again", .run = run_hold_again, .data = h}};
+    bench_work work[] = {
+        {.name = "afresh", .run = run_hold_afresh, .data = h},
+        {.name = "again", .run = run_hold_again, .data = h, .before = hold_some_times}};
     bench_measure(work, 2, self->rounds, self->seconds);
     double ratio = work[0].least_ns / work[1].least_ns;
     snprintf(label, sizeof label, "%d tips, %u pins", TIPS, h->count - TIPS);
