@@ -324,12 +324,12 @@ static void a_face_that_stands_in_is_shown_and_picked(void **state)
     static float moved[3 * 20000];
     uint32_t count = s.file.mesh.vertex_count;
     assert_true(count <= 20000);
-    memcpy(moved, s.position, (size_t)count * 3 * sizeof *moved);
+    memcpy(moved, s.view.position, (size_t)count * 3 * sizeof *moved);
     for (uint32_t v = 0; v < count; ++v)
         moved[v * 3] += 60.0f;
     float x, y, chin[3];
     place_of("chin", chin);
-    viewport_stand_in(s.viewport, moved, s.normal);
+    viewport_stand_in(s.viewport, moved, s.view.normal);
     chin[0] += 60.0f;
     stand_place(&s, chin, &x, &y);
     stand_move(&s, x, y);

@@ -135,18 +135,14 @@ mrt_result live_record_end(live *self, error *err)
 
 /* ---- the face ---- */
 
-static void copy_shape(viewport_stand *s)
+/* Published as a stage does. */
+static void publish(viewport_stand *s)
 {
-    const points *shown = face_shown(composer_face(s->composer));
-    const points_order *order = face_order(composer_face(s->composer));
-    for (uint32_t v = 0; v < order->count; ++v) {
-        uint32_t slot = order->slot_of_file[v];
-        const float *place[3] = {shown->x, shown->y, shown->z};
-        for (uint32_t i = 0; i < 3; ++i) {
-            s->position[(size_t)v * 3 + i] = place[i][slot];
-            s->normal[(size_t)v * 3 + i] = composer_normal(s->composer, i)[slot];
-        }
-    }
+    const live_view *filled = live_board_fill(&s->board, s->composer, 0);
+    s->view.position = filled->position;
+    s->view.normal = filled->normal;
+    s->view.changed = filled->changed;
+    live_board_publish(&s->board);
 }
 
 void stand_perform(viewport_stand *s)
@@ -156,7 +152,7 @@ void stand_perform(viewport_stand *s)
         .layer = 0, .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = &view->pull};
     composer_move(s->composer, &part, 1, 0.0);
     composer_draw(s->composer);
-    copy_shape(s);
+    publish(s);
     face *f = composer_face(s->composer);
     view->number += 1;
     for (uint32_t i = 0; i < view->contact_count; ++i)
@@ -194,13 +190,9 @@ static void open_face(viewport_stand *s, const char *face_path)
     const csrbf_settings solver = {.kernel = CSRBF_WENDLAND_C2};
     if (composer_create(&s->composer, &s->file, &solver, &err) < 0)
         fail_msg("%s", err.text);
-    size_t size = (size_t)s->file.mesh.vertex_count * 3;
-    s->position = malloc(size * sizeof *s->position);
-    s->normal = malloc(size * sizeof *s->normal);
-    assert_true(s->position && s->normal);
+    if (live_board_create(&s->board, s->composer, &err) < 0)
+        fail_msg("%s", err.text);
     s->view = (live_view){.number = 1,
-                          .position = s->position,
-                          .normal = s->normal,
                           .vertex_count = s->file.mesh.vertex_count,
                           .about = composer_about(s->composer),
                           .is_anchored = true,
@@ -280,10 +272,9 @@ void stand_close(viewport_stand *s)
     settings_close(s->settings);
     news_list_destroy(s->news);
     log_queue_destroy(s->log);
+    live_board_destroy(&s->board);
     composer_destroy(s->composer);
     face_file_destroy(&s->file);
-    free(s->position);
-    free(s->normal);
     here = NULL;
 }
 

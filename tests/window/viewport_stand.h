@@ -3,6 +3,7 @@
 #ifndef MAROTTE_TESTS_WINDOW_VIEWPORT_STAND_H
 #define MAROTTE_TESTS_WINDOW_VIEWPORT_STAND_H
 #include "stage/composer.h"
+#include "stage/live/live_board.h"
 #include "window/front.h"
 #include "window/panels.h"
 
@@ -17,7 +18,7 @@ typedef struct stand_told { /* one call of live_point */
 typedef struct viewport_stand {
     face_file file;
     composer *composer;
-    float *position, *normal;
+    live_board board;
     live_view view;
     studio_looks looks;
     settings *settings;

@@ -4,6 +4,7 @@
 #ifndef MAROTTE_UI_DRAW_DRAW_H
 #define MAROTTE_UI_DRAW_DRAW_H
 #include "base/error.h"
+#include "base/stamps.h"
 #include "mesh/mesh.h"
 
 /* An OpenGL context without a window (EGL surfaceless); it is made current. */
@@ -28,6 +29,11 @@ draw_face *draw_face_create(const mesh *m, error *err);
 void draw_face_destroy(draw_face *self);
 /* position, normal: vertex_count by 3, mm; normal NULL: computed. */
 void draw_face_update(draw_face *self, const float *position, const float *normal);
+/* The same where `changed` says which rows have, of both: DRAW_ROWS each. Only what it has not seen
+ * of them is read and goes to the graphics card. False: that was nothing. */
+enum { DRAW_ROWS = 64 };
+bool draw_face_follow(draw_face *self, const float *position, const float *normal,
+                      const stamps *changed);
 /* Colours instead of the materials': vertex_count by 3, linear, 0..1; NULL: the materials again. */
 void draw_face_colour(draw_face *self, const float *rgb);
 

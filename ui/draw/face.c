@@ -20,7 +20,8 @@ static mrt_result allocate(draw_face *self, uint32_t material_count, error *err)
     self->triangle = malloc(((size_t)self->triangle_count * 3 + 1) * sizeof *self->triangle);
     self->batch = calloc((size_t)material_count + 1, sizeof *self->batch);
     self->normal = malloc(vertices * 3 * sizeof *self->normal);
-    bool enough = self->triangle && self->batch && self->normal;
+    self->box = malloc(((size_t)face_parts(self) + 1) * sizeof *self->box);
+    bool enough = self->triangle && self->batch && self->normal && self->box;
     for (int i = 0; i < 6; ++i) {
         self->lane[i] = malloc(vertices * sizeof *self->lane[i]);
         enough = enough && self->lane[i];
@@ -66,7 +67,7 @@ static void sort_by_material(draw_face *self, const mesh *m)
     }
 }
 
-static void compute_normals(draw_face *self, const float *position)
+void face_compute_normals(draw_face *self, const float *position)
 {
     float *const *lane = self->lane;
     for (uint32_t v = 0; v < self->vertex_count; ++v)
@@ -78,29 +79,6 @@ static void compute_normals(draw_face *self, const float *position)
     for (uint32_t v = 0; v < self->vertex_count; ++v)
         for (int axis = 0; axis < 3; ++axis)
             self->normal[(size_t)v * 3 + (size_t)axis] = lane[3 + axis][v];
-}
-
-static void measure_ball(draw_face *self, const float *position)
-{
-    float low[3] = {0}, high[3] = {0};
-    bool found = false;
-    for (uint32_t v = 0; v < self->vertex_count; ++v) {
-        const float *p = position + (size_t)v * 3;
-        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
-            continue;
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = !found || p[axis] < low[axis] ? p[axis] : low[axis];
-            high[axis] = !found || p[axis] > high[axis] ? p[axis] : high[axis];
-        }
-        found = true;
-    }
-    float square = 0.0f;
-    for (int axis = 0; axis < 3; ++axis) {
-        float half = 0.5f * (high[axis] - low[axis]);
-        self->centre[axis] = low[axis] + half;
-        square += half * half;
-    }
-    self->radius_mm = square > 1e-6f && isfinite(square) ? sqrtf(square) : 1e-3f;
 }
 
 static GLuint add_buffer(GLenum target, size_t size, const void *data, GLenum usage)
@@ -158,11 +136,11 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
     if (result != MRT_OK)
         return result;
     sort_by_material(self, m);
-    measure_ball(self, m->position);
+    face_measure(self, m->position, NULL);
     float low[3], high[3];
     mesh_bounds(m, low, high);
     self->height_mm = high[1] - low[1] > self->radius_mm ? high[1] - low[1] : self->radius_mm;
-    compute_normals(self, m->position); /* no seams yet */
+    face_compute_normals(self, m->position); /* no seams yet */
     const float *normal = m->normal ? m->normal : self->normal;
     result = seams_init(&self->seam, m->position, normal, m->vertex_count,
                         m->normal ? seam_cosine_given : seam_cosine_computed, err);
@@ -171,7 +149,7 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
     if (m->normal)
         memcpy(self->normal, m->normal, (size_t)m->vertex_count * 3 * sizeof *self->normal);
     else
-        compute_normals(self, m->position);
+        face_compute_normals(self, m->position);
     result = upload(self, m->position, err);
     return result == MRT_OK ? add_openness(self, m->position, err) : result;
 }
@@ -215,31 +193,11 @@ void draw_face_destroy(draw_face *self)
     seams_finish(&self->seam);
     for (int i = 0; i < 6; ++i)
         free(self->lane[i]);
+    free(self->box);
     free(self->normal);
     free(self->triangle);
     free(self->batch);
     free(self);
-}
-
-static void replace(GLuint buffer, const float *value, uint32_t vertex_count)
-{
-    glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)vertex_count * 3 * sizeof *value), value,
-                 GL_STREAM_DRAW);
-}
-
-void draw_face_update(draw_face *self, const float *position, const float *normal)
-{
-    GLint bound = 0;
-    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
-    measure_ball(self, position);
-    if (!normal) {
-        compute_normals(self, position);
-        normal = self->normal;
-    }
-    replace(self->position_buffer, position, self->vertex_count);
-    replace(self->normal_buffer, normal, self->vertex_count);
-    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
 }
 
 void draw_face_colour(draw_face *self, const float *rgb)

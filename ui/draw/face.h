@@ -21,6 +21,10 @@ typedef struct face_batch { /* the triangles of one material */
     surface surface;
 } face_batch;
 
+typedef struct face_box { /* around the vertices of a part that are numbers; low > high: none */
+    float low[3], high[3];
+} face_box;
+
 struct draw_face {
     GLuint vertex_array, position_buffer, normal_buffer, rest_buffer, openness_buffer, index_buffer;
     GLuint colour_buffer; /* 0: the materials' colours */
@@ -31,10 +35,23 @@ struct draw_face {
     seams seam;
     float *lane[6];             /* x y z, nx ny nz: vertex_count each */
     float *normal;              /* vertex_count by 3 */
+    stamps_reader seen;         /* of what draw_face_follow was given */
+    face_box *box;              /* one for DRAW_ROWS vertices each */
     float centre[3], radius_mm; /* a ball around the shape now */
     float height_mm;            /* at rest */
 };
 
+/* ---- face_update.c ---- */
+
+uint32_t
+face_parts(const draw_face *self); /* of DRAW_ROWS vertices each; the last may have fewer */
+/* The ball around the shape; changed: the parts that are new to self->seen; NULL: all. */
+void face_measure(draw_face *self, const float *position, const stamps *changed);
+
+/* ---- face.c ---- */
+
+/* self->normal := smooth normals of the shape, joined at seams. */
+void face_compute_normals(draw_face *self, const float *position);
 /* Draws every triangle, or the vertices as points when there is none; the program and the vertex
  * array are bound by the caller. */
 void face_draw_all(const draw_face *face);

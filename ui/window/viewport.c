@@ -289,7 +289,7 @@ uint32_t viewport_output(viewport *self, uint32_t width, uint32_t height)
         return 0;
     const live_view *view = studio_view(self->of);
     if (view->position && view->vertex_count == self->face.vertex_count)
-        viewport_picture_shape(self->output, view->position, view->normal);
+        viewport_picture_follow(self->output, view);
     viewport_picture_look look = {.width = width,
                                   .height = height,
                                   .camera = output_camera(self, (float)width / (float)height)};

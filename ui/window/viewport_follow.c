@@ -130,7 +130,10 @@ void viewport_follow_shape(viewport *self)
     }
     if (!position)
         return;
-    viewport_picture_shape(self->picture, position, normal);
+    if (self->stands_in)
+        viewport_picture_shape(self->picture, position, normal);
+    else
+        viewport_picture_follow(self->picture, view);
     memcpy(self->shape, position, count * sizeof *position);
     if (normal)
         memcpy(self->normal, normal, count * sizeof *normal);

@@ -9,8 +9,8 @@ struct viewport_picture {
     uint32_t width, height;
     draw_face *face;
     uint32_t vertex_count;
-    float *shape; /* vertex_count by 3: as drawn last */
-    bool has_colours, is_stale;
+    float *shape; /* vertex_count by 3: as drawn last, while has_shape */
+    bool has_shape, has_colours, is_stale;
     draw_camera camera;
     viewport_scene scene;
     uint64_t count, shape_count;
@@ -57,19 +57,32 @@ mrt_result viewport_picture_face(viewport_picture *self, const mesh *m, error *e
     if (!self->face)
         return MRT_ERR_UNSUPPORTED;
     memcpy(self->shape, m->position, size);
+    self->has_shape = true;
     self->vertex_count = m->vertex_count;
     return MRT_OK;
+}
+
+static void note_shape(viewport_picture *self, bool is_kept)
+{
+    self->has_shape = is_kept;
+    self->shape_count += 1;
+    self->is_stale = true;
 }
 
 void viewport_picture_shape(viewport_picture *self, const float *position, const float *normal)
 {
     size_t size = (size_t)self->vertex_count * 3 * sizeof *position;
-    if (!self->face || memcmp(self->shape, position, size) == 0)
+    if (!self->face || (self->has_shape && memcmp(self->shape, position, size) == 0))
         return;
     memcpy(self->shape, position, size);
     draw_face_update(self->face, position, normal);
-    self->shape_count += 1;
-    self->is_stale = true;
+    note_shape(self, true);
+}
+
+void viewport_picture_follow(viewport_picture *self, const live_view *view)
+{
+    if (self->face && draw_face_follow(self->face, view->position, view->normal, view->changed))
+        note_shape(self, false);
 }
 
 void viewport_picture_colour(viewport_picture *self, const float *rgb)

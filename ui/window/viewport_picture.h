@@ -14,6 +14,8 @@ void viewport_picture_destroy(viewport_picture *self); /* NULL is fine */
 CHECKED mrt_result viewport_picture_face(viewport_picture *self, const mesh *m, error *err);
 /* vertex_count by 3, mm; normal NULL: computed. Copied. */
 void viewport_picture_shape(viewport_picture *self, const float *position, const float *normal);
+/* The same of the stage's face: only what has changed of it is copied. */
+void viewport_picture_follow(viewport_picture *self, const live_view *view);
 /* vertex_count by 3, linear; NULL: the face's own. Copied. */
 void viewport_picture_colour(viewport_picture *self, const float *rgb);
 
