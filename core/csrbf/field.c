@@ -12,17 +12,22 @@
 /* Of the largest displacement: rounding noise that float evaluation may have. */
 static const double noise_ratio = 1e-4;
 
+static size_t up_to_lanes(size_t count)
+{
+    return (count + FIELD_LANES - 1) / FIELD_LANES * FIELD_LANES;
+}
+
 bool field_create(field *out, uint32_t centre_capacity)
 {
-    size_t room = (size_t)3 * centre_capacity + 1;
+    size_t room = (size_t)3 * centre_capacity + 1, stride = up_to_lanes(centre_capacity);
     *out = (field){.settings = {.radius = 1.0}, .lanes = lanes_now()};
     out->centre = calloc(room, sizeof *out->centre);
     out->alpha = calloc(room, sizeof *out->alpha);
     out->local_centre = calloc(room, sizeof *out->local_centre);
     out->local_alpha = calloc(room, sizeof *out->local_alpha);
-    out->along[0] = calloc(room, sizeof *out->along[0]);
-    out->along[1] = out->along[0] ? out->along[0] + centre_capacity : NULL;
-    out->along[2] = out->along[1] ? out->along[1] + centre_capacity : NULL;
+    out->along[0] = calloc(3 * stride + 1, sizeof *out->along[0]);
+    out->along[1] = out->along[0] ? out->along[0] + stride : NULL;
+    out->along[2] = out->along[1] ? out->along[1] + stride : NULL;
     if (out->centre && out->alpha && out->along[0] && out->local_centre && out->local_alpha)
         return true;
     field_destroy(out);
@@ -62,6 +67,8 @@ void field_begin(field *f)
             f->local_centre[3 * i + axis] = (float)local;
             reach = fabs(local) > reach ? fabs(local) : reach;
         }
+    for (size_t i = f->centre_count; i < up_to_lanes(f->centre_count); ++i)
+        f->along[0][i] = f->along[1][i] = f->along[2][i] = 1e300;
     f->local_limit = float_limit(f->settings.radius, reach);
     f->needs_double = false;
     memset(f->beta, 0, sizeof f->beta);

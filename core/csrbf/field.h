@@ -7,11 +7,13 @@
 #include "csrbf/csrbf.h"
 #include "csrbf/hull.h"
 
+enum { FIELD_LANES = 8 }; /* centres are asked so many at a time */
+
 typedef struct field {
     csrbf_settings settings;
     uint32_t centre_count, term_count; /* terms of p: 1 and the coordinates along the hull */
     double *centre, *alpha;            /* centre_count by 3 */
-    double *along[3];                  /* centre_count each: the centres by axis */
+    double *along[3]; /* the centres by axis; up to the next FIELD_LANES: beyond every reach */
     double beta[4][3];
     hull hull;
     /* For float: centres from `origin`, and the squared distance from which on phi is 0. It is a

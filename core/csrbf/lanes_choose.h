@@ -23,7 +23,7 @@ static inline void choose_word(chosen *to, uint64_t bits, uint32_t word)
 }
 
 /* The next columns that count: at most as many as there is room for. False: none is left. Start
- * with next = 0. */
+ * with next = 0; the rest is better not set, it is large. */
 static inline bool choose_more(chosen *to, const columns_weights *w, const uint64_t *mark)
 {
     to->count = 0;

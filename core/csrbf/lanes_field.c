@@ -7,80 +7,99 @@
 
 #include <string.h>
 
-/* Distances over the radius; 1 from the radius on, where every kernel is exactly 0. */
-static void measure(float *restrict r, const block_place *restrict place, pull_of_centre c)
-{
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];
-        float dz = place->z[i] - c.at[2];
-        float q = dx * dx + dy * dy + dz * dz;
-        float inside = sqrtf(q) * c.inverse_radius;
-        r[i] = q < c.limit ? inside : 1.0f;
-    }
-}
+/* Some centres: their places, their alphas, and by what distances are measured. */
+enum { TOGETHER = 2 };
+typedef struct pulls {
+    const float *at[TOGETHER], *alpha[TOGETHER]; /* 3 each */
+    float inverse_radius, limit;
+} pulls;
 
-/* One centre, one kernel: sum += phi alpha. */
-#define ADD_CENTRE(NAME)                                                                           \
-    static void add_##NAME(float *restrict x, float *restrict y, float *restrict z,                \
-                           const float *restrict r, pull_of_centre c)                              \
+/* COUNT centres, one kernel, in their order: sum := START + phi alpha, where phi is 0 from the
+ * radius on. Two in one pass: square roots take long, and nothing need wait for them. */
+#define ADD_CENTRES(HOW, NAME, COUNT, START)                                                       \
+    static void HOW##_##NAME##_##COUNT(float *restrict sx, float *restrict sy, float *restrict sz, \
+                                       const block_place *restrict place, const pulls *restrict c) \
     {                                                                                              \
+        const float inverse_radius = c->inverse_radius, limit = c->limit;                          \
         for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
-            float value = value_##NAME##_f32(r[i]);                                                \
-            x[i] += value * c.alpha[0];                                                            \
-            y[i] += value * c.alpha[1];                                                            \
-            z[i] += value * c.alpha[2];                                                            \
+            float x = START(sx[i]), y = START(sy[i]), z = START(sz[i]);                            \
+            for (int k = 0; k < COUNT; ++k) {                                                      \
+                float dx = place->x[i] - c->at[k][0], dy = place->y[i] - c->at[k][1];              \
+                float dz = place->z[i] - c->at[k][2];                                              \
+                float q = dx * dx + dy * dy + dz * dz;                                             \
+                float inside = sqrtf(q) * inverse_radius;                                          \
+                float value = value_##NAME##_f32(q < limit ? inside : 1.0f);                       \
+                x += value * c->alpha[k][0];                                                       \
+                y += value * c->alpha[k][1];                                                       \
+                z += value * c->alpha[k][2];                                                       \
+            }                                                                                      \
+            sx[i] = x;                                                                             \
+            sy[i] = y;                                                                             \
+            sz[i] = z;                                                                             \
         }                                                                                          \
     }
-ADD_CENTRE(c0)
-ADD_CENTRE(c2)
-ADD_CENTRE(c4)
-ADD_CENTRE(c6)
+#define FROM_ZERO(sum) 0.0f
+#define FROM_SUM(sum)  (sum)
+#define ADD_SOME_CENTRES(NAME)                                                                     \
+    ADD_CENTRES(begin, NAME, 1, FROM_ZERO)                                                         \
+    ADD_CENTRES(begin, NAME, 2, FROM_ZERO)                                                         \
+    ADD_CENTRES(add, NAME, 1, FROM_SUM)                                                            \
+    ADD_CENTRES(add, NAME, 2, FROM_SUM)
+ADD_SOME_CENTRES(c0)
+ADD_SOME_CENTRES(c2)
+ADD_SOME_CENTRES(c4)
+ADD_SOME_CENTRES(c6)
 
-static void add_centre(float sum[3][POINTS_BLOCK], const float *r, csrbf_kernel kernel,
-                       pull_of_centre c)
-{
-    switch (kernel) {
-    case CSRBF_WENDLAND_C0:
-        add_c0(sum[0], sum[1], sum[2], r, c);
-        return;
-    case CSRBF_WENDLAND_C4:
-        add_c4(sum[0], sum[1], sum[2], r, c);
-        return;
-    case CSRBF_WENDLAND_C6:
-        add_c6(sum[0], sum[1], sum[2], r, c);
-        return;
-    case CSRBF_WENDLAND_C2:
-        break;
+typedef void add_function(float *restrict sx, float *restrict sy, float *restrict sz,
+                          const block_place *restrict place, const pulls *restrict c);
+#define SOME_CENTRES(NAME)                                                                         \
+    {                                                                                              \
+        {begin_##NAME##_1, begin_##NAME##_2},                                                      \
+        {                                                                                          \
+            add_##NAME##_1, add_##NAME##_2                                                         \
+        }                                                                                          \
     }
-    add_c2(sum[0], sum[1], sum[2], r, c);
-}
+static add_function *const adders[][2][TOGETHER] = {
+    [CSRBF_WENDLAND_C0] = SOME_CENTRES(c0),
+    [CSRBF_WENDLAND_C2] = SOME_CENTRES(c2),
+    [CSRBF_WENDLAND_C4] = SOME_CENTRES(c4),
+    [CSRBF_WENDLAND_C6] = SOME_CENTRES(c6),
+};
 
-/* window *= 1 - phi */
-static void narrow_window(float *restrict window, const float *restrict r, csrbf_kernel kernel)
-{
-    float weight[POINTS_BLOCK];
-    kernel_values_at_f32(kernel, weight, r);
-    for (int i = 0; i < POINTS_BLOCK; ++i)
-        window[i] *= 1.0f - weight[i];
-}
-
-/* The centres' shares, in their order. The next one's distances are begun before this one is added:
- * square roots take long, and nothing need wait for them. */
-static void add_centres(float sum[3][POINTS_BLOCK], float *window, const block_place *place,
+/* The centres' shares, in their order; sum need not be set before the first of them. */
+static void add_centres(float sum[3][POINTS_BLOCK], bool is_begun, const block_place *place,
                         const field *f, const reach *near)
 {
-    _Alignas(64) float r[2][POINTS_BLOCK];
-    pull_of_centre next = pull_of(f, near->centre[0]);
-    measure(r[0], place, next);
-    for (uint32_t k = 0; k < near->count; ++k) {
-        const pull_of_centre now = next;
-        if (k + 1 < near->count) {
-            next = pull_of(f, near->centre[k + 1]);
-            measure(r[(k + 1) % 2], place, next);
+    pulls c = {.inverse_radius = (float)(1.0 / f->settings.radius), .limit = f->local_limit};
+    for (uint32_t done = 0, count; done < near->count; done += count) {
+        uint32_t left = near->count - done;
+        count = left < TOGETHER ? left : TOGETHER;
+        for (uint32_t k = 0; k < count; ++k) {
+            c.at[k] = f->local_centre + (size_t)3 * near->centre[done + k];
+            c.alpha[k] = f->local_alpha + (size_t)3 * near->centre[done + k];
         }
-        add_centre(sum, r[k % 2], f->settings.kernel, now);
-        if (window)
-            narrow_window(window, r[k % 2], f->settings.kernel);
+        add_function *const *add = adders[f->settings.kernel][is_begun || done > 0];
+        add[count - 1](sum[0], sum[1], sum[2], place, &c);
+    }
+}
+
+/* window *= 1 - phi of each centre */
+static void narrow_window(float *restrict window, const block_place *place, const field *f,
+                          const reach *near)
+{
+    for (uint32_t k = 0; k < near->count; ++k) {
+        const pull_of_centre c = pull_of(f, near->centre[k]);
+        float r[POINTS_BLOCK], weight[POINTS_BLOCK];
+        for (int i = 0; i < POINTS_BLOCK; ++i) {
+            float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];
+            float dz = place->z[i] - c.at[2];
+            float q = dx * dx + dy * dy + dz * dz;
+            float inside = sqrtf(q) * c.inverse_radius;
+            r[i] = q < c.limit ? inside : 1.0f;
+        }
+        kernel_values_at_f32(f->settings.kernel, weight, r);
+        for (int i = 0; i < POINTS_BLOCK; ++i)
+            window[i] *= 1.0f - weight[i];
     }
 }
 
@@ -103,18 +122,19 @@ bool LANES(field_block)(const field *f, float sum[3][POINTS_BLOCK], const points
                         uint32_t block)
 {
     _Alignas(64) block_place place;
-    reach near = {.next = 0};
+    reach near;
     float window[POINTS_BLOCK];
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
+    near.next = 0;
     for (int i = 0; windowed && i < POINTS_BLOCK; ++i)
         window[i] = 1.0f;
     while (reach_more(&near, f, &in->block[block])) {
-        if (!reached) {
-            memset(sum, 0, 3 * sizeof *sum);
+        if (!reached)
             place_block(&place, f, in, block);
-        }
+        add_centres(sum, reached, &place, f, &near);
         reached = true;
-        add_centres(sum, windowed ? window : NULL, &place, f, &near);
+        if (windowed)
+            narrow_window(window, &place, f, &near);
     }
     if (f->term_count == 0 || (windowed && !reached))
         return reached;

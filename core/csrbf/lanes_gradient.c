@@ -127,7 +127,8 @@ static void add_step(float row[3][POINTS_BLOCK], float step[3][POINTS_BLOCK], fl
 bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint32_t block)
 {
     _Alignas(64) block_place place;
-    reach r = {.next = 0};
+    reach r;
+    r.next = 0;
     window_rows window;
     _Alignas(64) float weight[POINTS_BLOCK], step[3][POINTS_BLOCK];
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;

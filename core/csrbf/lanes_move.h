@@ -137,7 +137,8 @@ static inline void add_chosen(float sum[3][POINTS_BLOCK], const source *s, const
 
 static inline void sum_block(const source *s, float sum[3][POINTS_BLOCK], uint32_t block)
 {
-    chosen some = {.next = 0};
+    chosen some;
+    some.next = 0;
     memset(sum, 0, 3 * sizeof *sum);
     while (choose_more(&some, s->weights, marks_of(s->marked, block)))
         add_chosen(sum, s, &some, block);
@@ -250,8 +251,9 @@ static inline uint32_t move_blocks(const source *s, points *out, const points *b
 {
     uint32_t written = 0;
     for (uint32_t block = first, next; block < end; block = next) {
-        chosen some = {.next = 0};
+        chosen some;
         columns_block now = COLUMNS_STILL;
+        some.next = 0;
         next = block + 1;
         if (choose_more(&some, s->weights, marks_of(s->marked, block))) {
             next = end_of_run(s, block, end);

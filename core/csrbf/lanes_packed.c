@@ -33,7 +33,8 @@ static void unpack_rest(float out[3][POINTS_BLOCK], const int16_t *restrict row)
 static void move_tangent(float out[3][POINTS_BLOCK], float rest[3][POINTS_BLOCK], const source *s,
                          uint32_t block)
 {
-    chosen some = {.next = 0};
+    chosen some;
+    some.next = 0;
     if (!choose_more(&some, s->weights, marks_of(s->marked, block))) {
         memcpy(out, rest, 3 * sizeof *out);
     } else if (some.count > FEW) {

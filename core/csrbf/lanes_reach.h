@@ -22,7 +22,7 @@ static inline double reach_gap(double low, double high, double at)
 }
 
 /* The next centres that reach the block: field_reaches of each. False: all have been asked, and
- * none is left. Start with next = 0. */
+ * none is left. Start with next = 0; the rest is better not set, it is large. */
 static inline bool reach_more(reach *r, const field *f, const points_bounds *block)
 {
     const double limit = f->settings.radius * f->settings.radius;
@@ -35,14 +35,15 @@ static inline bool reach_more(reach *r, const field *f, const points_bounds *blo
         uint32_t asked = left < REACH_BATCH ? left : REACH_BATCH;
         const double *x = f->along[0] + r->next, *y = f->along[1] + r->next;
         const double *z = f->along[2] + r->next;
-        uint8_t within[REACH_BATCH];
-        for (uint32_t i = 0; i < asked; ++i) {
-            double square = reach_gap(lx, hx, x[i]) + reach_gap(ly, hy, y[i]);
-            within[i] = square + reach_gap(lz, hz, z[i]) < limit;
-        }
+        double square[REACH_BATCH]; /* of the distance to the block */
+        for (uint32_t first = 0; first < asked; first += FIELD_LANES)
+            for (uint32_t i = first; i < first + FIELD_LANES; ++i) {
+                double across = reach_gap(lx, hx, x[i]) + reach_gap(ly, hy, y[i]);
+                square[i] = across + reach_gap(lz, hz, z[i]);
+            }
         for (uint32_t i = 0; i < asked; ++i) {
             r->centre[r->count] = r->next + i;
-            r->count += within[i];
+            r->count += square[i] < limit;
         }
         r->next += asked;
     }

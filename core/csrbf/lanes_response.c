@@ -90,7 +90,8 @@ void LANES(responses_block)(const field *f, const lanes_responses *r, double sum
 {
     double outside[POINTS_BLOCK];
     bundle b;
-    reach near = {.next = 0};
+    reach near;
+    near.next = 0;
     b.count = 0;
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED;
     memset(sum, 0, r->count * sizeof *sum);

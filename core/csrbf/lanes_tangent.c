@@ -52,8 +52,9 @@ static void add_polynomial(const field *f, const lanes_responses *r, double sum[
 void LANES(derivatives_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
                               const points *in, const points *direction, uint32_t block)
 {
-    reach near = {.next = 0};
+    reach near;
     double value[POINTS_BLOCK];
+    near.next = 0;
     memset(sum, 0, r->count * sizeof *sum);
     while (reach_more(&near, f, &in->block[block]))
         for (uint32_t k = 0; k < near.count; ++k) {
