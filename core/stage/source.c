@@ -1,6 +1,7 @@
 #include "stage/source.h"
 #include "base/bytes.h"
 #include "hand/calibration_file.h"
+#include "stage/isolate.h"
 #include "stage/nothing.h"
 #include "stage/performer.h"
 #include "take/hash.h"
@@ -23,6 +24,7 @@ typedef struct track { /* one input of the performance */
 struct source {
     source_world world;
     show_performance info;
+    isolate *isolate; /* NULL: the mapping runs here */
     instance mapping;
     layer *layer;
     track track[TAKE_TRACKS_MAX];
@@ -58,6 +60,19 @@ static const char *library_of(const plugin_list *plugins, const mrt_plugin_type 
     return "";
 }
 
+/* As on the stage: what does not come with the program may crash without taking it along. */
+static mrt_result set_apart(source *self, const char *library, const mrt_plugin_type **type,
+                            error *err)
+{
+    const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
+    if (!library[0] || plugin_is_shipped(library))
+        return MRT_OK;
+    mrt_result result = isolate_create(&self->isolate, *type, library, &settings, err);
+    if (result >= 0)
+        *type = isolate_type(self->isolate);
+    return result;
+}
+
 static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = words_of(self->info.performance.mapping);
@@ -79,7 +94,7 @@ static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, e
             "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
             "may move the face otherwise",
             then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
-    return MRT_OK;
+    return set_apart(self, path, out_type, err);
 }
 
 static void set_param(instance *mapping, uint32_t id, double value)
@@ -234,6 +249,7 @@ void source_close(source *self)
         show_reader_close(self->track[i].reader);
     layer_destroy(self->layer);
     instance_destroy(&self->mapping);
+    isolate_destroy(self->isolate);
     free(self->event);
     show_performance_finish(&self->info);
     free(self);
