@@ -20,7 +20,7 @@ for folder in /usr/include/eigen3 /usr/local/include/eigen3; do
         -o "$work/libeigen.so" "$here/peers_eigen.cpp" && eigen=$work/libeigen.so
     break
 done
-export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MAROTTE_THREADS=1
 "$python" "$here/peers.py" "$ours" $eigen
 if command -v blender >/dev/null; then
     blender -b --factory-startup -noaudio --python-exit-code 1 -P "$here/peers_blender.py" -- \

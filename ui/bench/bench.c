@@ -1,8 +1,10 @@
 /* marotte bench: how fast the engine is here, beside what this machine could do at most. */
 #include "bench/bench.h"
 #include "base/isa.h"
+#include "base/pool.h"
 #include "command.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +21,8 @@ static const char help[] =
     "  --gate       fails when a ratio is not even half of what is promised\n"
     "  --only PART  grid, bones, normals, factor, threads, frame, stage\n"
     "  --json       one object for machines\n\n"
-    "MAROTTE_ISA=generic|v2|v3|v4 makes the engine use that instruction set.\n";
+    "MAROTTE_ISA=generic|v2|v3|v4 makes the engine use that instruction set, MAROTTE_THREADS=N so\n"
+    "many threads.\n";
 
 typedef struct part {
     const char *name;
@@ -130,6 +133,7 @@ static bool read_options(bench *self, int argc, char **argv, const part **out_on
 
 static mrt_result measure(bench *self, const part *only, error *err)
 {
+    pool_share_from((double)INFINITY); /* one thread, but where threads are the subject */
     mrt_result result = bench_roof_create(&self->roof, (size_t)96 << 20, err);
     if (result >= 0)
         result = bench_machine(self, err);

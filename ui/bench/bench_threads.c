@@ -66,7 +66,7 @@ static void run_turn(void *data)
     turn *self = data;
     pool_share_from(self->share_from_ns);
     self->run(self->of);
-    pool_share_from(POOL_WORTH_NS);
+    pool_share_from((double)INFINITY);
 }
 
 static void rest_a_while(void *data)
