@@ -213,6 +213,54 @@ static void update_moves_the_shape(void **state)
     mesh_destroy(&m);
 }
 
+static void draw_both(const draw_face *followed, const draw_face *updated)
+{
+    draw_render(renderer, target, followed, &front, 0, 0, SIDE, SIDE);
+    draw_read(target, picture);
+    draw_render(renderer, target, updated, &front, 0, 0, SIDE, SIDE);
+    draw_read(target, other);
+}
+
+static void a_face_that_follows_what_changed_is_the_whole_one(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m = shapes_balls(&(ball){{0, 0, 0}, 60}, 1);
+    uint32_t parts = (m.vertex_count + DRAW_ROWS - 1) / DRAW_ROWS;
+    float *normal = malloc((size_t)m.vertex_count * 3 * sizeof *normal);
+    draw_face *followed = draw_face_create(&m, &err), *updated = draw_face_create(&m, &err);
+    stamps changed;
+    assert_true(parts > 4 && normal);
+    assert_int_equal(stamps_create(&changed, parts, &err), MRT_OK);
+    for (uint32_t v = 0; v < m.vertex_count * 3; ++v)
+        normal[v] = m.position[v] / 60.0f;
+    assert_true(draw_face_follow(followed, m.position, normal, &changed));
+    assert_false(draw_face_follow(followed, m.position, normal, &changed));
+    for (uint32_t round = 0; round < 6; ++round) {
+        stamps_begin(&changed);
+        for (uint32_t part = round; part < parts; part += round == 5 ? 1 : 2 + round) {
+            stamps_mark(&changed, part);
+            uint32_t end = (part + 1) * DRAW_ROWS;
+            for (uint32_t v = part * DRAW_ROWS; v < end && v < m.vertex_count; ++v)
+                m.position[v * 3] += 9.0f;
+        }
+        assert_true(draw_face_follow(followed, m.position, normal, &changed));
+        draw_face_update(updated, m.position, normal);
+        draw_both(followed, updated);
+        assert_memory_equal(picture, other, sizeof picture);
+    }
+    stamps_begin(&changed); /* somebody else's shape comes between */
+    draw_face_update(followed, m.position, NULL);
+    assert_true(draw_face_follow(followed, m.position, normal, &changed));
+    draw_both(followed, updated);
+    assert_memory_equal(picture, other, sizeof picture);
+    stamps_destroy(&changed);
+    draw_face_destroy(followed);
+    draw_face_destroy(updated);
+    mesh_destroy(&m);
+    free(normal);
+}
+
 static void a_ball_before_a_wall_throws_a_shadow(void **state)
 {
     (void)state;
@@ -453,6 +501,7 @@ int main(void)
         cmocka_unit_test(directions_are_those_of_the_face),
         cmocka_unit_test(only_the_rectangle_is_drawn),
         cmocka_unit_test(update_moves_the_shape),
+        cmocka_unit_test(a_face_that_follows_what_changed_is_the_whole_one),
         cmocka_unit_test(a_ball_before_a_wall_throws_a_shadow),
         cmocka_unit_test(a_lit_wall_has_no_speckles),
         cmocka_unit_test(grain_is_fixed_to_the_stone),
