@@ -33,6 +33,8 @@ typedef struct csrbf_settings {
 /* "wendland_c2" ..., "none" ...; false: unknown word. */
 bool csrbf_kernel_named(const char *name, csrbf_kernel *out);
 bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out);
+const char *csrbf_kernel_name(csrbf_kernel of);
+const char *csrbf_polynomial_name(csrbf_polynomial of);
 
 /* When centres coincide (closer than 1e-3 R), only those of the highest class present count. */
 typedef enum csrbf_class { CSRBF_TIP = 0, CSRBF_JAW, CSRBF_SKULL } csrbf_class;
@@ -40,7 +42,9 @@ typedef enum csrbf_class { CSRBF_TIP = 0, CSRBF_JAW, CSRBF_SKULL } csrbf_class;
 typedef struct csrbf_solver csrbf_solver;
 
 /* Room for `centre_capacity` centres: centre_capacity^2 * 8 bytes, touched as far as used. One
- * thread at a time may use a solver, the functions that take it as const included. */
+ * thread at a time may use a solver, the functions that take it as const included, but for
+ * csrbf_in_block. It holds the pool (base/pool.h) until it is destroyed: over many vertices its
+ * functions share their work. */
 csrbf_solver *csrbf_solver_create(uint32_t centre_capacity); /* NULL: no memory */
 void csrbf_solver_destroy(csrbf_solver *solver);
 
