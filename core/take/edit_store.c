@@ -1,5 +1,6 @@
 #include "take/edit_store.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -161,6 +162,142 @@ mrt_result edit_store_attach_audio(show *s, int64_t take_id, const show_audio *a
     if (result >= 0)
         result = history_do(h, &e, err);
     history_close(h);
+    edit_store_close(self);
+    return result;
+}
+
+/* ---- a copy ---- */
+
+typedef struct texts { /* edits as JSON */
+    char **at;
+    size_t count;
+} texts;
+
+static void finish_texts(texts *list)
+{
+    for (size_t i = 0; i < list->count; ++i)
+        free(list->at[i]);
+    free(list->at);
+}
+
+/* Not its slate: the copy has a number of its own. */
+static mrt_result list_in_force(texts *out, const show_edits *edits, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < edits->count && edits->edit[i].n <= edits->head && result >= 0; ++i) {
+        const char *json = edits->edit[i].json;
+        edit e;
+        result = edit_parse(&e, json, strlen(json), err);
+        const bool is_slate = e.kind == EDIT_TAKE_SLATE;
+        edit_finish(&e);
+        if (result < 0 || is_slate)
+            continue;
+        out->at[out->count] = strdup(json);
+        if (!out->at[out->count++])
+            result = error_set(err, MRT_ERR_MEMORY, "no memory for the edits of a take");
+    }
+    return result;
+}
+
+static void name_copy(char out[TAKE_NAME], const take *of)
+{
+    static const char ending[] = " copy";
+    const size_t most = TAKE_NAME - sizeof ending;
+    size_t length = strlen(of->name);
+    if (length == 0) {
+        (void)snprintf(out, TAKE_NAME, "copy of %u", of->number);
+        return;
+    }
+    if (length > most)
+        for (length = most; length > 0 && ((unsigned char)of->name[length] & 0xc0u) == 0x80u;)
+            length -= 1;
+    (void)snprintf(out, TAKE_NAME, "%.*s%s", (int)length, of->name, ending);
+}
+
+static mrt_result list_own(texts *out, const take *of, error *err)
+{
+    static const edit_kind own[] = {EDIT_TAKE_RENAME, EDIT_TAKE_DELETE};
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < sizeof own / sizeof own[0] && result >= 0; ++i) {
+        edit e;
+        edit_init(&e, own[i]);
+        if (own[i] == EDIT_TAKE_RENAME)
+            name_copy(e.name, of);
+        result = edit_write(&out->at[out->count], &e, err);
+        out->count += result >= 0;
+    }
+    return result;
+}
+
+static mrt_result create_copy(show *s, const take *of, const texts *edits, int64_t (*utc_ms)(void),
+                              int64_t *out_id, error *err)
+{
+    show_span *spans = NULL;
+    size_t count = 0;
+    char origin[96];
+    mrt_result result = show_take_spans(s, of->id, &spans, &count, err);
+    (void)snprintf(origin, sizeof origin, "a copy of take %lld", (long long)of->id);
+    const show_new_take made = {.created_ns = utc_ms() * 1000000,
+                                .start_ns = of->start_ns,
+                                .end_ns = of->start_ns + of->duration_ns,
+                                .scene = of->scene,
+                                .shot = of->shot,
+                                .origin = origin,
+                                .spans = spans,
+                                .span_count = count,
+                                .base_edits = (const char *const *)edits->at,
+                                .base_edit_count = edits->count,
+                                .utc_ms = utc_ms()};
+    if (result >= 0)
+        result = show_take_create(s, &made, out_id, err);
+    free(spans);
+    return result;
+}
+
+static mrt_result bring_in(show *s, int64_t id, int64_t (*utc_ms)(void), error *err)
+{
+    edit e;
+    char *json = NULL;
+    edit_init(&e, EDIT_TAKE_RESTORE);
+    mrt_result result = edit_write(&json, &e, err);
+    if (result >= 0)
+        result = show_edit_append(s, id, json, utc_ms(), NULL, 0, err);
+    free(json);
+    return result;
+}
+
+mrt_result edit_store_duplicate(show *s, int64_t take_id, int64_t (*utc_ms)(void), int64_t *out_id,
+                                error *err)
+{
+    edit_store *self = NULL;
+    take of = {0};
+    texts edits = {0};
+    *out_id = 0;
+    mrt_result result = edit_store_open(&self, s, take_id, utc_ms, err);
+    if (result < 0)
+        return result;
+    history_store list = edit_store_list(self);
+    if (self->bare.is_recording)
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "the take is being recorded: it can be duplicated when it has ended");
+    if (result >= 0)
+        result = history_fold(&of, &self->bare, &list, self->edits.head, NULL, err);
+    edits.at = calloc(self->edits.count + 2, sizeof *edits.at);
+    if (result >= 0 && !edits.at)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the edits of a take");
+    if (result >= 0)
+        result = list_in_force(&edits, &self->edits, err);
+    if (result >= 0)
+        result = list_own(&edits, &of, err);
+    if (result >= 0) { /* its times as they were recorded: the edits make of them what is shown */
+        of.start_ns = self->bare.start_ns;
+        of.duration_ns = self->bare.duration_ns;
+        result = create_copy(s, &of, &edits, utc_ms, out_id, err);
+    }
+    if (result >= 0)
+        result = bring_in(s, *out_id, utc_ms, err);
+    finish_texts(&edits);
+    take_finish(&of);
     edit_store_close(self);
     return result;
 }

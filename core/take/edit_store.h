@@ -10,6 +10,11 @@
  * `out` is the take before it, as by history_fold. take_finish() it. */
 CHECKED mrt_result edit_store_take(take *out, show *s, int64_t take_id, error *err);
 
+/* Another take that shows the same and is edited by itself, with a number of its own. It begins as
+ * a deleted one, and is there by the edit 1 of its list: undoing that takes it away again. */
+CHECKED mrt_result edit_store_duplicate(show *s, int64_t take_id, int64_t (*utc_ms)(void),
+                                        int64_t *out_id, error *err);
+
 typedef struct edit_store edit_store;
 
 /* To edit a take: history_open with edit_store_list and the bare take. The show outlives it, and

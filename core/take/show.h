@@ -92,6 +92,13 @@ typedef struct show_new_take {
 CHECKED mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_id,
                                     error *err);
 
+/* ---- notes: short texts about the show as a whole, by a key: "solver" ---- */
+
+/* out: "" when there is none. */
+CHECKED mrt_result show_note_read(show *self, const char *key, char *out, size_t capacity,
+                                  error *err);
+CHECKED mrt_result show_note_write(show *self, const char *key, const char *text, error *err);
+
 /* ---- edits: rows of text, of which the first edit_head are in force; none is ever deleted ---- */
 
 typedef struct show_edit {

@@ -178,6 +178,137 @@ static void an_edit_of_a_performance_that_is_not_there_changes_nothing(void **st
     assert_int_equal(history_take(e->history)->layer->clip->performance, e->performance);
 }
 
+/* ---- copies ---- */
+
+static void fold(editing *e, int64_t id, take *out)
+{
+    error err = {""};
+    scene_must(edit_store_take(out, e->show, id, &err), &err);
+}
+
+static void set_head(editing *e, int64_t id, int32_t head)
+{
+    error err = {""};
+    scene_must(show_edit_head(e->show, id, head, &err), &err);
+}
+
+static int64_t duplicate(editing *e, int64_t id)
+{
+    error err = {""};
+    int64_t copy = 0;
+    scene_must(edit_store_duplicate(e->show, id, noon_ms, &copy, &err), &err);
+    assert_true(copy > 0 && copy != id);
+    return copy;
+}
+
+static void a_copy_shows_what_its_original_shows(void **state)
+{
+    editing *e = *state;
+    take original, copy;
+    make_edit(e, "{'op':'clip.split','clip':2,'at_ns':1000m}");
+    make_edit(e, "{'op':'take.slate','scene':'7','shot':'c','number':4}");
+    make_edit(e, "{'op':'take.rate','rating':3}");
+    make_edit(e, "{'op':'take.rate','rating':5}");
+    assert_int_equal(history_undo(e->history, NULL), MRT_OK);
+    fold(e, e->take_id, &original);
+    fold(e, duplicate(e, e->take_id), &copy);
+    help_check(&copy);
+    assert_int_equal(copy.layer_count, 1);
+    assert_int_equal(copy.layer[0].clip_count, 2);
+    assert_string_equal(help_shown(copy.layer, help_s), help_shown(original.layer, help_s));
+    assert_int_equal(copy.duration_ns, original.duration_ns);
+    assert_int_equal(copy.rating, 3);
+    assert_string_equal(copy.name, "copy of 4");
+    assert_string_equal(copy.scene, "7");
+    assert_string_equal(copy.shot, "c");
+    assert_int_equal(copy.number, 1);
+    assert_false(copy.is_deleted);
+    take_finish(&original);
+    take_finish(&copy);
+}
+
+static void a_copy_is_edited_by_itself(void **state)
+{
+    editing *e = *state;
+    error err = {""};
+    take original, copy;
+    make_edit(e, "{'op':'take.rename','name':'night ride'}");
+    int64_t id = duplicate(e, e->take_id);
+    make_edit(e, "{'op':'clip.remove','clip':2}");
+    fold(e, e->take_id, &original);
+    fold(e, id, &copy);
+    assert_int_equal(original.layer[0].clip_count, 0);
+    assert_int_equal(copy.layer[0].clip_count, 1);
+    assert_string_equal(copy.name, "night ride copy");
+    take_finish(&original);
+    take_finish(&copy);
+    scene_must(show_check(e->show, &err), &err);
+}
+
+static void a_copy_is_taken_away_by_undoing_its_first_edit(void **state)
+{
+    editing *e = *state;
+    take copy;
+    int64_t id = duplicate(e, e->take_id);
+    set_head(e, id, 0);
+    fold(e, id, &copy);
+    assert_true(copy.is_deleted);
+    take_finish(&copy);
+    set_head(e, id, 1);
+    fold(e, id, &copy);
+    assert_false(copy.is_deleted);
+    take_finish(&copy);
+}
+
+static void a_copy_holds_on_to_all_that_its_original_does(void **state)
+{
+    editing *e = *state;
+    error err = {""};
+    show_span *spans, *own;
+    size_t count, own_count;
+    char brief[256];
+    (void)snprintf(brief, sizeof brief,
+                   "{'op':'punch','layer':1,'performance':%lld,'from_ns':%lld,'to_ns':%lld,"
+                   "'in_ns':500m,'out_ns':1000m,'fade_ns':50m}",
+                   (long long)e->performance, (long long)(scene_utc_ns + 100 * help_ms),
+                   (long long)(scene_utc_ns + 900 * help_ms));
+    make_edit(e, brief);
+    int64_t id = duplicate(e, e->take_id);
+    scene_must(show_take_spans(e->show, e->take_id, &spans, &count, &err), &err);
+    scene_must(show_take_spans(e->show, id, &own, &own_count, &err), &err);
+    assert_int_equal(own_count, count);
+    for (size_t i = 0; i < count; ++i) {
+        assert_int_equal(own[i].performance, spans[i].performance);
+        assert_int_equal(own[i].from_ns, spans[i].from_ns);
+        assert_int_equal(own[i].to_ns, spans[i].to_ns);
+        assert_int_equal(own[i].is_shown, spans[i].is_shown);
+    }
+    free(spans);
+    free(own);
+}
+
+/* "ü" is two bytes: a name is not cut within it. */
+static void the_name_of_a_copy_of_a_copy_stays_within_its_room(void **state)
+{
+    editing *e = *state;
+    take copy;
+    int64_t id;
+    make_edit(e, "{'op':'take.rename','name':"
+                 "'\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc"
+                 "\u00fc\u00fc"
+                 "\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc\u00fc"
+                 "\u00fc\u00fcn'}");
+    id = duplicate(e, e->take_id);
+    fold(e, id, &copy);
+    assert_int_equal(strlen(copy.name), 58 + 5);
+    assert_string_equal(copy.name + 58, " copy");
+    assert_int_equal((unsigned char)copy.name[56], 0xc3);
+    take_finish(&copy);
+    fold(e, duplicate(e, id), &copy);
+    assert_true(strlen(copy.name) < TAKE_NAME);
+    take_finish(&copy);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -188,6 +319,15 @@ int main(void)
                                         make_take, remove_take),
         cmocka_unit_test_setup_teardown(what_an_edit_shows_is_held_on_to, make_take, remove_take),
         cmocka_unit_test_setup_teardown(an_edit_of_a_performance_that_is_not_there_changes_nothing,
+                                        make_take, remove_take),
+        cmocka_unit_test_setup_teardown(a_copy_shows_what_its_original_shows, make_take,
+                                        remove_take),
+        cmocka_unit_test_setup_teardown(a_copy_is_edited_by_itself, make_take, remove_take),
+        cmocka_unit_test_setup_teardown(a_copy_is_taken_away_by_undoing_its_first_edit, make_take,
+                                        remove_take),
+        cmocka_unit_test_setup_teardown(a_copy_holds_on_to_all_that_its_original_does, make_take,
+                                        remove_take),
+        cmocka_unit_test_setup_teardown(the_name_of_a_copy_of_a_copy_stays_within_its_room,
                                         make_take, remove_take),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
