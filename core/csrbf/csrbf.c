@@ -49,6 +49,16 @@ bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out)
     return true;
 }
 
+const char *csrbf_kernel_name(csrbf_kernel of)
+{
+    return kernel_names[of];
+}
+
+const char *csrbf_polynomial_name(csrbf_polynomial of)
+{
+    return polynomial_names[of];
+}
+
 csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
 {
     csrbf_solver *solver = calloc(1, sizeof *solver);

@@ -49,10 +49,10 @@ static mrt_result open_pointer(live *self, error *err)
 static mrt_result set_stage(live *self, error *err)
 {
     const live_settings *s = &self->settings;
-    const csrbf_settings of_rig = {.radius = 0.0};
+    live_own_solver(self, s->solver);
     mrt_result result = live_mapping_create(&self->role, s->mapping, s->plugins, s->log, err);
     if (result >= 0)
-        result = live_scene_create(self, s->face, s->face_path, s->unit_mm, &of_rig, self->role,
+        result = live_scene_create(self, s->face, s->face_path, s->unit_mm, self->role,
                                    &self->scene, err);
     if (result < 0)
         return result;

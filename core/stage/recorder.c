@@ -48,15 +48,20 @@ struct recorder {
     int64_t take;
     uint32_t rezero; /* bits by side: granted, and not yet told */
     error problem;
-    _Atomic bool has_problem; /* it does not change any more */
+    _Atomic int32_t problem_state; /* of a problem_state */
 };
 
+/* The first one counts, whichever thread has it. */
+enum problem_state { PROBLEM_NONE = 0, PROBLEM_IS_WRITTEN, PROBLEM_STANDS };
+
+/* [any] */
 static void note_problem(recorder *self, const error *err)
 {
-    if (self->problem.text[0])
+    int32_t none = PROBLEM_NONE;
+    if (!atomic_compare_exchange_strong(&self->problem_state, &none, PROBLEM_IS_WRITTEN))
         return;
     self->problem = *err;
-    atomic_store(&self->has_problem, true);
+    atomic_store(&self->problem_state, PROBLEM_STANDS);
     log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
 }
 
@@ -382,13 +387,7 @@ bool recorder_is_taking(const recorder *self)
 
 const char *recorder_problem(const recorder *self)
 {
-    return self->problem.text;
-}
-
-void recorder_problem_copy(const recorder *self, char *out, size_t capacity)
-{
-    bool is_there = atomic_load(&self->has_problem);
-    snprintf(out, capacity, "%s", is_there ? self->problem.text : "");
+    return atomic_load(&self->problem_state) == PROBLEM_STANDS ? self->problem.text : "";
 }
 
 writer *recorder_writer(recorder *self)

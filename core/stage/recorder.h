@@ -70,10 +70,8 @@ int64_t recorder_performance(const recorder *self); /* that goes on; 0: before t
 bool recorder_take_is_open(const recorder *self);   /* a sample of it was recorded */
 int64_t recorder_show_ns(const recorder *self, int64_t time_ns);
 bool recorder_is_taking(const recorder *self); /* a take is open, or is to begin */
-/* The first thing that went wrong since the start, in one line; "" nothing did. */
+/* [any] The first thing that went wrong since the start, in one line; "" nothing did. */
 const char *recorder_problem(const recorder *self);
-/* [any] The same, also while it performs. */
-void recorder_problem_copy(const recorder *self, char *out, size_t capacity);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */
 
 /* [frame] Before a sample of an input is performed, and after. */

@@ -207,6 +207,26 @@ static void eight_inputs_are_too_many(void **state)
     desk_finish(&d);
 }
 
+static void a_kernel_is_taken_with_the_radius_of_the_rig(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    const csrbf_settings of_rig = d.view->solver;
+    const csrbf_settings broad = {.kernel = CSRBF_WENDLAND_C6, .polynomial = CSRBF_CONSTANT};
+    desk_must(live_set_solver(d.live, &broad, &err), &err);
+    desk_pass(&d, 0.1);
+    assert_int_equal(d.view->solver.kernel, CSRBF_WENDLAND_C6);
+    assert_int_equal(d.view->solver.polynomial, CSRBF_CONSTANT);
+    assert_float_equal(d.view->solver.radius, of_rig.radius, 1e-9);
+    desk_must(live_set_solver(d.live, NULL, &err), &err);
+    desk_pass(&d, 0.1);
+    assert_int_equal(d.view->solver.kernel, of_rig.kernel);
+    assert_int_equal(d.view->solver.polynomial, of_rig.polynomial);
+    desk_finish(&d);
+}
+
 static void face_and_engine_change_while_it_performs(void **state)
 {
     (void)state;
@@ -276,6 +296,7 @@ int main(void)
         cmocka_unit_test(mapping_of_nothing_lets_the_face_rest),
         cmocka_unit_test(inputs_come_and_go_while_it_performs),
         cmocka_unit_test(eight_inputs_are_too_many),
+        cmocka_unit_test(a_kernel_is_taken_with_the_radius_of_the_rig),
         cmocka_unit_test(face_and_engine_change_while_it_performs),
         cmocka_unit_test(grip_of_a_moving_face_does_not_jump),
     };

@@ -205,37 +205,17 @@ static mrt_result put_section(json_t *root, const rig *r, rig_section section, b
     return failed ? no_memory(err) : MRT_OK;
 }
 
-static const char *kernel_name(csrbf_kernel kernel)
-{
-    static const char *const names[] = {"wendland_c2", "wendland_c0", "wendland_c4", "wendland_c6"};
-    csrbf_kernel named;
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (csrbf_kernel_named(names[i], &named) && named == kernel)
-            return names[i];
-    return names[0];
-}
-
-static const char *polynomial_name(csrbf_polynomial polynomial)
-{
-    static const char *const names[] = {"none", "constant", "linear", "windowed"};
-    csrbf_polynomial named;
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (csrbf_polynomial_named(names[i], &named) && named == polynomial)
-            return names[i];
-    return names[0];
-}
-
 static void update_solver(json_t *solver, const csrbf_settings *settings)
 {
     csrbf_kernel kernel = CSRBF_WENDLAND_C2;
     csrbf_polynomial polynomial = CSRBF_NONE;
     const char *word = json_string_value(json_object_get(solver, "kernel"));
     if ((word && !csrbf_kernel_named(word, &kernel)) || kernel != settings->kernel)
-        json_object_set_new(solver, "kernel", json_string(kernel_name(settings->kernel)));
+        json_object_set_new(solver, "kernel", json_string(csrbf_kernel_name(settings->kernel)));
     word = json_string_value(json_object_get(solver, "polynomial"));
     if ((word && !csrbf_polynomial_named(word, &polynomial)) || polynomial != settings->polynomial)
         json_object_set_new(solver, "polynomial",
-                            json_string(polynomial_name(settings->polynomial)));
+                            json_string(csrbf_polynomial_name(settings->polynomial)));
     const double value[] = {settings->radius, settings->ridge};
     static const char *const key[] = {"radius_mm", "ridge"};
     for (int i = 0; i < 2; ++i) {

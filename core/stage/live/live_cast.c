@@ -50,9 +50,19 @@ static const face_file *bound_already(const live *self, const face_file *file)
     return self->scene && self->scene->file == file ? &self->scene->ready : file;
 }
 
+static csrbf_settings solver_on(const live *self, const face_file *file)
+{
+    csrbf_settings out = {.radius = 0.0};
+    if (!self->has_own_solver)
+        return out;
+    out = self->own_solver;
+    if (!(out.radius > 0.0))
+        out.radius = composer_radius_of(file);
+    return out;
+}
+
 mrt_result live_scene_create(live *self, const face_file *file, const char *path, double unit_mm,
-                             const csrbf_settings *solver, live_mapping_role *role,
-                             live_scene **out, error *err)
+                             live_mapping_role *role, live_scene **out, error *err)
 {
     *out = NULL;
     live_scene *scene = calloc(1, sizeof *scene);
@@ -60,13 +70,13 @@ mrt_result live_scene_create(live *self, const face_file *file, const char *path
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     scene->file = file;
     scene->unit_mm = unit_mm;
-    scene->solver = *solver;
+    scene->solver = solver_on(self, file);
     scene->path = copy_of(path ? path : "");
     mrt_result result = scene->path
                             ? identity_of_face(&scene->face, file, scene->path, unit_mm, err)
                             : error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     const performer_settings settings = {
-        .solver = *solver,
+        .solver = scene->solver,
         .side_length_mm = {self->length_mm[MRT_LEFT], self->length_mm[MRT_RIGHT]},
         .rezero_pedal = self->rezero_pedal};
     if (result >= 0)
@@ -331,7 +341,7 @@ static void publish_first(live_scene *scene)
 }
 
 static mrt_result set_scene(live *self, const face_file *file, const char *path, double unit_mm,
-                            const csrbf_settings *solver, error *err)
+                            error *err)
 {
     live_mapping_role *role, *last = self->coming ? self->coming : self->role;
     live_scene *scene = NULL;
@@ -345,7 +355,7 @@ static mrt_result set_scene(live *self, const face_file *file, const char *path,
         result = teach(self, role, err);
     drop_coming(self);
     if (result >= 0)
-        result = live_scene_create(self, file, path, unit_mm, solver, role, &scene, err);
+        result = live_scene_create(self, file, path, unit_mm, role, &scene, err);
     live_change c = {.scene = scene, .role = role};
     if (result >= 0) {
         const recorder_settings as = cast_settings(self, scene, role, true);
@@ -372,20 +382,33 @@ mrt_result live_set_face(live *self, const face_file *file, const char *path, do
                          error *err)
 {
     mrt_result result = live_check_free(self, path ? path : "the face", err);
-    return result < 0 ? result : set_scene(self, file, path, unit_mm, &self->scene->solver, err);
+    return result < 0 ? result : set_scene(self, file, path, unit_mm, err);
+}
+
+void live_own_solver(live *self, const csrbf_settings *solver)
+{
+    self->has_own_solver = solver != NULL;
+    if (solver)
+        self->own_solver = *solver;
 }
 
 /* A take that is shown goes on being shown, as it is with this engine. */
 mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
 {
     const live_scene *now = self->scene;
+    const csrbf_settings before = self->own_solver;
+    const bool had_own = self->has_own_solver;
     take shown = {0};
     bool is_shown = self->is_shown;
     mrt_result result = live_check_free(self, "the engine", err);
     if (result >= 0 && is_shown)
         result = take_copy(&shown, &self->shown, err);
-    if (result >= 0)
-        result = set_scene(self, now->file, now->path, now->unit_mm, solver, err);
+    if (result >= 0) {
+        live_own_solver(self, solver);
+        result = set_scene(self, now->file, now->path, now->unit_mm, err);
+        if (result < 0)
+            live_own_solver(self, had_own ? &before : NULL);
+    }
     if (result >= 0 && is_shown)
         result = live_show_take(self, &shown, err);
     take_finish(&shown);

@@ -214,5 +214,6 @@ void live_record_update(live *self)
     status->writer = writer_status_of(recorder_writer(self->recorder));
     writer_message(recorder_writer(self->recorder), status->problem, sizeof status->problem);
     if (!status->problem[0])
-        recorder_problem_copy(self->recorder, status->problem, sizeof status->problem);
+        (void)snprintf(status->problem, sizeof status->problem, "%s",
+                       recorder_problem(self->recorder));
 }

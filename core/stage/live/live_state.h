@@ -29,7 +29,7 @@ typedef struct live_scene {
     face_file ready; /* the same with the performer's binding: others need not find it again */
     char *path;
     double unit_mm;
-    csrbf_settings solver; /* radius 0: the rig's */
+    csrbf_settings solver; /* radius 0: all of it is the rig's */
     performer *performer;
     live_board board;
     take_performance face; /* what it is recorded as: for its hashes */
@@ -126,7 +126,9 @@ struct live {
     _Atomic(live_order *) order;
     wake answered;
 
-    tap *tap; /* by live's index of inputs */
+    csrbf_settings own_solver; /* radius 0: the rig's */
+    bool has_own_solver;       /* false: all of it is the rig's */
+    tap *tap;                  /* by live's index of inputs */
     feed *pointer_feed;
     input *pointer;
     float pointed[POINTER_CHANNELS];
@@ -202,9 +204,10 @@ const transport *live_time_motion(const live_stage *stage);
 
 /* ---- live_cast.c: who performs ---- */
 CHECKED mrt_result live_scene_create(live *self, const face_file *file, const char *path,
-                                     double unit_mm, const csrbf_settings *solver,
-                                     live_mapping_role *role, live_scene **out, error *err);
-void live_scene_destroy(live_scene *scene); /* and those before it */
+                                     double unit_mm, live_mapping_role *role, live_scene **out,
+                                     error *err);
+void live_scene_destroy(live_scene *scene);                     /* and those before it */
+void live_own_solver(live *self, const csrbf_settings *solver); /* of scenes to come; NULL: rigs' */
 /* Who performs now, for the recorder; the layer alone: others move the face. */
 recorder_settings live_cast_settings(live *self, bool moves_face);
 /* Refuses while a take is recorded, with what cannot be done. */
