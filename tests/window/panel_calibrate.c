@@ -24,6 +24,7 @@ static const int64_t period_ns = 6666667; /* 150 Hz */
 typedef struct desk {
     stand stand;
     char root[64];
+    uint32_t glove; /* index of its input */
     int64_t time_ns;
     uint32_t noise, sequence;
     double pose[MRT_ANGLES]; /* degrees, where the hand is now */
@@ -35,7 +36,7 @@ static void give(desk *d)
 {
     stand *s = &d->stand;
     uint32_t count;
-    const mrt_channel *channel = input_channels(s->input[0], &count);
+    const mrt_channel *channel = input_channels(s->input[d->glove], &count);
     mrt_sample sample = {.time_ns = d->time_ns, .sequence = d->sequence++, .count = count};
     for (uint32_t c = 0; c < count; ++c) {
         uint32_t i = channel[c].semantic - MRT_CH_ANGLE;
@@ -111,7 +112,7 @@ static void perform(desk *d, guide_step step, double hold_s)
 
 /* ---- the desk ---- */
 
-static void open_desk(desk *d, float scale)
+static void open_desk_behind(desk *d, float scale, const char *other)
 {
     char path[256], command[1024], text[512];
     memset(d, 0, sizeof *d);
@@ -126,12 +127,20 @@ static void open_desk(desk *d, float scale)
     assert_int_equal(system(command), 0);
     stand_open(&d->stand, &panel_devices, scale);
     stand_plugin(&d->stand, "plugins/log");
+    if (other)
+        stand_input(&d->stand, other);
+    d->glove = d->stand.input_count;
     (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
     stand_input(&d->stand, text);
     stand_wait_for(&d->stand, "Calibrate\xe2\x80\xa6");
     stand_click(&d->stand, "Calibrate\xe2\x80\xa6");
     assert_true(stand_shows(&d->stand, "Calibrate the right hand"));
-    assert_int_equal(d->stand.tapped, 0);
+    assert_int_equal(d->stand.tapped, d->glove);
+}
+
+static void open_desk(desk *d, float scale)
+{
+    open_desk_behind(d, scale, NULL);
 }
 
 static void close_desk(desk *d)
@@ -234,6 +243,23 @@ static void a_glove_that_is_removed_closes_it(void **state)
     close_desk(&d);
 }
 
+static void it_goes_on_when_an_input_before_the_glove_is_removed(void **state)
+{
+    (void)state;
+    desk d;
+    error err = {""};
+    open_desk_behind(&d, 1.0f, "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1");
+    assert_int_equal(d.glove, 1);
+    assert_int_equal(live_remove_input(NULL, 0, &err), MRT_OK);
+    d.glove = 0;
+    stand_settle(&d.stand);
+    assert_true(stand_shows(&d.stand, "pose 1 of 10"));
+    assert_int_equal(d.stand.tapped, 0);
+    perform(&d, GUIDE_RELAXED, 1.5);
+    assert_true(stand_shows(&d.stand, "pose 2 of 10"));
+    close_desk(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +267,7 @@ int main(void)
         cmocka_unit_test(buttons_take_skip_and_go_back),
         cmocka_unit_test(escape_leaves_and_keeps_nothing),
         cmocka_unit_test(a_glove_that_is_removed_closes_it),
+        cmocka_unit_test(it_goes_on_when_an_input_before_the_glove_is_removed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

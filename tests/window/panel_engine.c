@@ -8,6 +8,8 @@
 
 #include "panel_stand.h"
 
+#include "base/isa.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -45,6 +47,9 @@ static void it_shows_times_and_what_they_mean(void **state)
         assert_true(stand_shows(&s, "nothing folds"));
         assert_true(stand_shows(&s, "p99 18.4 ms"));
         assert_true(stand_shows(&s, "12.1 ms"));
+        assert_non_null(stand_word(&s, "Instructions"));
+        assert_true(stand_shows(&s, isa_name(isa_now())));
+        assert_non_null(stand_word(&s, "Threads"));
         stand_check_words(&s, NULL);
         stand_picture(&s, i == 0 ? "panel_engine" : "panel_engine_2x");
         stand_close(&s);

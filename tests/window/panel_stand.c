@@ -246,17 +246,25 @@ instance *live_mapping(live *self)
     return here->has_mapping ? &here->mapping : NULL;
 }
 
-mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
+const csrbf_settings *studio_solver(const studio *self)
 {
     (void)self;
+    return here->has_solver ? &here->solver : NULL;
+}
+
+mrt_result studio_set_solver(studio *self, const csrbf_settings *solver, error *err)
+{
+    (void)self;
+    static const csrbf_settings of_rig = {.radius = 60.0};
     mrt_result result = refused(err);
     if (result < 0)
         return result;
-    here->solver = *solver;
     here->solver_count += 1;
-    here->view.solver = *solver;
-    if (!(solver->radius > 0.0))
-        here->view.solver.radius = 60.0;
+    here->has_solver = solver != NULL;
+    here->solver = solver ? *solver : (csrbf_settings){.radius = 0.0};
+    here->view.solver = solver ? *solver : of_rig;
+    if (!(here->view.solver.radius > 0.0))
+        here->view.solver.radius = of_rig.radius;
     return MRT_OK;
 }
 

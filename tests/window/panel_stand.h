@@ -38,6 +38,7 @@ typedef struct stand {
     instance mapping;
     bool has_mapping;
     csrbf_settings solver;
+    bool has_solver;
     uint32_t solver_count;
     /* undo */
     studio_step step[STAND_STEPS];

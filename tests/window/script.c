@@ -173,6 +173,31 @@ static void words_that_are_not_there_end_the_script(void **state)
     scene_close(&s);
 }
 
+/* Behind a question nothing else is reached: a person gives up some time. */
+static void whoever_clicks_at_random_does_not_stay_with_a_question(void **state)
+{
+    enum { SEEDS = 6, STEPS = 250 };
+    scene s;
+    (void)state;
+    scene_open(&s, 800, 600, 1.0f);
+    for (uint64_t seed = 1; seed <= SEEDS; ++seed) {
+        script_random random;
+        uint32_t steps = 0;
+        scene_key(&s, UI_KEY_ESCAPE, 0);
+        scene_do(&s, ACTION_OPEN);
+        assert_true(ui_has_dialog(s.ui));
+        script_random_begin(&random, seed);
+        for (; steps < STEPS && ui_has_dialog(s.ui); ++steps) {
+            script_random_step(&random, s.ui, s.width, s.height);
+            scene_settle(&s);
+        }
+        script_random_end(&random, s.ui);
+        scene_settle(&s);
+        assert_true(steps < STEPS);
+    }
+    scene_close(&s);
+}
+
 /* ---- folders, of the dialog that opens ---- */
 
 static void put(const char *name)
@@ -225,6 +250,7 @@ int main(void)
         cmocka_unit_test(keys_have_the_names_that_the_help_shows),
         cmocka_unit_test(a_script_does_what_a_person_would),
         cmocka_unit_test(words_that_are_not_there_end_the_script),
+        cmocka_unit_test(whoever_clicks_at_random_does_not_stay_with_a_question),
         cmocka_unit_test(a_folder_lists_folders_and_what_is_wanted),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -141,6 +141,19 @@ mrt_result studio_edit_all(studio *self, const edit *const *e, uint32_t count)
     return result;
 }
 
+const char *studio_redo_words(const studio *self)
+{
+    (void)self;
+    return "";
+}
+
+mrt_result studio_duplicate_take(studio *self, int64_t id)
+{
+    (void)self;
+    here->duplicated = id;
+    return MRT_OK;
+}
+
 mrt_result studio_edit_take(studio *self, int64_t id, const edit *e)
 {
     (void)self;

@@ -19,6 +19,7 @@ typedef struct stand {
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
     error refused;                   /* of the last edit that was not possible */
+    int64_t duplicated;              /* the last take that was */
     int64_t rated, rated_id;         /* the last take that was edited from the list */
     action done, asked;
     live_status status;

@@ -30,8 +30,8 @@ typedef enum action {
     ACTION_LOOP_OUT,       /* Shift+I */
     ACTION_SLOWER,         /* - */
     ACTION_FASTER,         /* = */
-    ACTION_TAKE_BEFORE,    /* PageUp */
-    ACTION_TAKE_NEXT,      /* PageDown */
+    ACTION_TAKE_BEFORE,    /* PageDown: the list has the newest on top */
+    ACTION_TAKE_NEXT,      /* PageUp */
     ACTION_SOUND_ARM,      /* A: the microphone is recorded too */
     /* edits */
     ACTION_UNDO,       /* Ctrl+Z */
@@ -47,8 +47,9 @@ typedef enum action {
     ACTION_RATE_2,
     ACTION_RATE_3,
     ACTION_RATE_4,
-    ACTION_RATE_5, /* 5 */
-    ACTION_EXPORT, /* Ctrl+E: the take that is chosen */
+    ACTION_RATE_5,    /* 5 */
+    ACTION_DUPLICATE, /* Ctrl+D: the take that is chosen */
+    ACTION_EXPORT,    /* Ctrl+E: the same */
     /* view */
     ACTION_VIEW_FRONT,         /* F */
     ACTION_VIEW_SIDE,          /* D */

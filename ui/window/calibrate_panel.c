@@ -82,11 +82,19 @@ const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
     return self->kept;
 }
 
-/* The list of inputs may have changed beneath it. */
-static bool is_still_there(const calibrate_panel *self)
+/* The list of inputs may have changed beneath it: the glove has another place then, or is gone. */
+static bool is_still_there(calibrate_panel *self)
 {
     live *stage = studio_live(self->studio);
-    return self->index < live_input_count(stage) && live_input(stage, self->index) == self->glove;
+    for (uint32_t i = 0; i < live_input_count(stage); ++i) {
+        if (live_input(stage, i) != self->glove)
+            continue;
+        if (i != self->index)
+            live_tap(stage, i);
+        self->index = i;
+        return true;
+    }
+    return false;
 }
 
 static bool has_other_channels(const calibrate_panel *self)

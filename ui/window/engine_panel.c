@@ -1,5 +1,7 @@
 /* The engine panel: how the face is solved, how near it is to a fold, and what time it takes. */
+#include "base/isa.h"
 #include "base/memory.h"
+#include "base/pool.h"
 #include "window/engine_panel_plot.h"
 #include "window/engine_panel_words.h"
 #include "window/panels.h"
@@ -19,15 +21,19 @@ static const char *const step_help[LIVE_STEPS] = {
     "Hands, mapping, guard.", "Bones and control vectors.", "Every vertex, skull, normals.",
     "The face is handed to the window."};
 
+typedef struct solver_choice {
+    bool is_own; /* false: all of it is the rig's */
+    csrbf_settings as;
+} solver_choice;
+
 typedef struct solver_step {
-    csrbf_settings side[2]; /* before, after */
+    solver_choice side[2]; /* before, after */
 } solver_step;
 
 struct panel {
     studio *studio;
-    csrbf_settings wanted; /* radius 0: the rig's */
-    bool has_wanted;
-    double radius_mm; /* while it is dragged */
+    csrbf_settings wanted; /* of this frame; radius 0: the rig's */
+    double radius_mm;      /* while it is dragged */
     bool is_held;
     char trouble[1024];
     solver_step *steps;
@@ -38,16 +44,20 @@ struct panel {
 
 /* ---- the solver ---- */
 
-static bool set_solver(panel *self, const csrbf_settings *solver)
+static bool set_solver(panel *self, const solver_choice *to)
 {
     error err = {""};
     self->trouble[0] = '\0';
-    if (live_set_solver(studio_live(self->studio), solver, &err) >= 0) {
-        self->wanted = *solver;
+    if (studio_set_solver(self->studio, to->is_own ? &to->as : NULL, &err) >= 0)
         return true;
-    }
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
     return false;
+}
+
+static solver_choice choice_now(const panel *self)
+{
+    const csrbf_settings *own = studio_solver(self->studio);
+    return own ? (solver_choice){true, *own} : (solver_choice){.is_own = false};
 }
 
 static void go_to(panel *self, uint64_t number, int side)
@@ -69,14 +79,14 @@ static void redo(void *owner, uint64_t number)
 /* Without memory it is done, but cannot be undone. */
 static void choose(panel *self, const csrbf_settings *solver, const char *words)
 {
-    const csrbf_settings before = self->wanted;
-    if (!set_solver(self, solver))
+    const solver_choice before = choice_now(self), after = {true, *solver};
+    if (!set_solver(self, &after))
         return;
     solver_step *grown = realloc(self->steps, (self->step_count + 1) * sizeof *grown);
     if (!grown)
         return;
     self->steps = grown;
-    self->steps[self->step_count] = (solver_step){{before, *solver}};
+    self->steps[self->step_count] = (solver_step){{before, after}};
     studio_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->step_count};
     (void)snprintf(step.words, sizeof step.words, "engine: %.120s", words);
     self->step_count += 1;
@@ -210,6 +220,22 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
     draw_figure(on, p99_right, status->lag_p99_ms);
 }
 
+static void draw_machine(ui *on)
+{
+    char words[64];
+    const isa used = isa_now();
+    (void)snprintf(words, sizeof words, "%s%s", used == ISA_GENERIC ? "" : "x86-64-",
+                   isa_name(used));
+    ui_fact(on, "Instructions", 148.0f, UI_STYLE_BODY, words);
+    ui_hint(on,
+            "What the engine's loops are compiled for: the best that this computer has, or what "
+            "MAROTTE_ISA names. Faces are the same with each.");
+    (void)snprintf(words, sizeof words, "%u", pool_threads());
+    ui_fact(on, "Threads", 148.0f, UI_STYLE_BODY, words);
+    ui_hint(on, "At most so many share a large piece of work; MAROTTE_THREADS says another number. "
+                "Faces are the same with each.");
+}
+
 static void draw_counters(const panel *self, ui *on, const live_status *status)
 {
     engine_counter counter[ENGINE_COUNTERS_MAX];
@@ -225,6 +251,7 @@ static void draw_counters(const panel *self, ui *on, const live_status *status)
     }
     if (status->counts.first_problem.text[0])
         ui_text_wrapped(on, UI_STYLE_DIM, status->counts.first_problem.text);
+    draw_machine(on);
     if (self->memory > 0) {
         (void)snprintf(words, sizeof words, "%.0f MB", (double)self->memory / 1e6);
         ui_fact(on, "Memory", 148.0f, UI_STYLE_BODY, words);
@@ -238,11 +265,10 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 {
     const live_view *view = studio_view(self->studio);
     const live_status *status = studio_status(self->studio);
-    if (!self->has_wanted && view->solver.radius > 0.0) {
-        self->wanted = view->solver;
+    const solver_choice now = choice_now(self);
+    self->wanted = now.is_own ? now.as : view->solver;
+    if (!now.is_own)
         self->wanted.radius = 0.0;
-        self->has_wanted = true;
-    }
     ui_panel_begin(on, "engine", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     if (ui_section(on, "Face", true))

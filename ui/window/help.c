@@ -81,7 +81,7 @@ static const char *const mouse_lines[][2] = {
 };
 static const char *const timeline_lines[][2] = {
     {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
-    {"Alt+drag", "An end: slower, faster"},        {"Drag on top", "A range, above the time"},
+    {"Alt+drag", "An end: stretches the clip"},    {"Drag on top", "A range, above the time"},
     {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
 };
 enum {

@@ -120,10 +120,24 @@ static void turn_wheel(script_random *self, ui *on)
     ui_push(on, &event);
 }
 
+/* Whoever has been asked for some seconds gives up some time: behind a question nothing else can be
+ * reached. */
+static bool gives_up(script_random *self)
+{
+    enum { PATIENCE_STEPS = 40, ONE_IN = 3 };
+    return self->asked_count > PATIENCE_STEPS && draw(self, ONE_IN) == 0;
+}
+
 void script_random_step(script_random *self, ui *on, float width, float height)
 {
+    self->asked_count = ui_has_dialog(on) ? self->asked_count + 1 : 0;
     if (self->steps) {
         go_on_dragging(self, on);
+        return;
+    }
+    if (gives_up(self)) {
+        push_key(on, UI_KEY_ESCAPE, true);
+        push_key(on, UI_KEY_ESCAPE, false);
         return;
     }
     if (draw(self, 3) == 0) /* people look, too */

@@ -8,6 +8,7 @@ typedef struct script_random {
     uint64_t state;
     float x, y, to_x, to_y; /* of a drag */
     uint32_t steps, button;
+    uint32_t asked_count; /* steps with a question over everything */
 } script_random;
 
 void script_random_begin(script_random *self, uint64_t seed);

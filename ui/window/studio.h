@@ -64,6 +64,11 @@ struct export_wish;
 CHECKED mrt_result studio_export_take(studio *self, const struct export_wish *wish);
 uint32_t studio_exports_going(const studio *self);
 
+/* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
+ * said in the news. */
+const csrbf_settings *studio_solver(const studio *self);
+CHECKED mrt_result studio_set_solver(studio *self, const csrbf_settings *solver, error *err);
+
 /* ---- the take that is chosen ---- */
 
 typedef struct studio_take_line { /* of the list; what was deleted can be restored */
@@ -85,6 +90,8 @@ const take *studio_take(const studio *self);       /* NULL: none; until the next
 void studio_seek(studio *self, int64_t at_ns);
 void studio_set_range(studio *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
 uint64_t studio_take_edition(const studio *self); /* grows with each change of it */
+/* The copy is chosen, and on the stage if that one was; one step of undo. */
+CHECKED mrt_result studio_duplicate_take(studio *self, int64_t id);
 /* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
 const history *studio_history(const studio *self);
 /* Undoes or redoes until its edit `head` is the last in force; 0: as it was recorded. */

@@ -181,6 +181,8 @@ void studio_do(studio *self, action of)
         arm_sound(self);
     else if (of == ACTION_EXPORT)
         self->asked[of] = true;
+    else if (of == ACTION_DUPLICATE)
+        studio_heard(studio_duplicate_take(self, self->chosen));
     else if (action_of(of)->group == ACTION_PERFORMANCE)
         do_performance(self, of);
     else if (action_of(of)->group == ACTION_TRANSPORT)

@@ -80,6 +80,15 @@ static mrt_result open_first_show(studio *self, const char *path, error *err)
     return MRT_OK;
 }
 
+static void perform_as_show_says(studio *self)
+{
+    error err = {0};
+    const bool had_own = studio_solver(self) != NULL;
+    studio_solver_read(self);
+    if (had_own || studio_solver(self))
+        (void)studio_said(self, live_set_solver(self->live, studio_solver(self), &err), &err);
+}
+
 mrt_result studio_open_show(studio *self, const char *path)
 {
     error err = {0};
@@ -105,6 +114,7 @@ mrt_result studio_open_show(studio *self, const char *path)
     self->takes_are_stale = true;
     self->was_recording = false;
     keep_show_path(self);
+    perform_as_show_says(self);
     self->had_problem = false;
     studio_say(self, MRT_LOG_INFO, "%s is open", path);
     studio_close_show(self, before);
@@ -274,6 +284,7 @@ static mrt_result start_live(studio *self, const char *mapping, error *err)
                           .face_path = self->face_path,
                           .mapping = mapping ? mapping : last,
                           .sound = self->sound,
+                          .solver = studio_solver(self),
                           .fps = 60.0};
     mrt_result result = live_start(&self->live, &with, err);
     if (result >= 0 || mapping)
@@ -332,8 +343,10 @@ static mrt_result load_face_and_plugins(studio *self, const studio_options *opti
 mrt_result studio_open_first(studio *self, const studio_options *options, error *err)
 {
     mrt_result result = open_first_show(self, options->show_path, err);
-    if (result >= 0)
+    if (result >= 0) {
+        studio_solver_read(self);
         result = load_face_and_plugins(self, options, err);
+    }
     if (result >= 0)
         result = start_live(self, options->mapping, err);
     if (result < 0)

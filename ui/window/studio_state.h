@@ -13,6 +13,7 @@ typedef struct studio_done {
     char words[EDIT_TEXT];
     int64_t take; /* 0: somebody else's */
     int64_t head_before, head_after;
+    int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
     studio_step step;
 } studio_done;
 
@@ -20,6 +21,7 @@ typedef struct studio_done {
 typedef struct studio_take_key {
     int32_t edit_head, edit_count;
     bool is_recording, is_stale;
+    bool is_told; /* that it cannot be read */
 } studio_take_key;
 
 struct studio {
@@ -36,12 +38,15 @@ struct studio {
     const live_view *view;
     live_status status;
 
+    csrbf_settings solver; /* radius 0: the rig's */
+    bool has_solver;       /* false: all of it is the rig's */
+
     /* ---- takes ---- */
     studio_take_line *line;
     studio_take_key *key;
     uint32_t line_count, line_room;
-    bool takes_are_stale;
-    edit_store *store; /* of the take that is chosen; NULL: none */
+    bool takes_are_stale, takes_failed; /* failed: it was said */
+    edit_store *store;                  /* of the take that is chosen; NULL: none */
     history *history;
     int64_t chosen;
     uint64_t edition;
@@ -97,6 +102,8 @@ void studio_await_take(studio *self, int64_t id, bool is_kept);
 /* In the list alone: the stage stays what it is. */
 CHECKED mrt_result studio_pick_take(studio *self, int64_t id);
 void studio_drop_take(studio *self); /* none is chosen */
+/* In the list, and on the stage if the chosen one is. */
+CHECKED mrt_result studio_choose_instead(studio *self, int64_t id);
 const studio_take_line *studio_line_of(const studio *self, int64_t id);
 /* After each change of the chosen take: the list and the stage follow. */
 void studio_take_changed(studio *self);
@@ -105,6 +112,8 @@ CHECKED mrt_result studio_show_chosen(studio *self);
 /* ---- studio_undo.c ---- */
 
 void studio_undo_note_take(studio *self, int64_t head_before);
+/* The chosen take is a copy of that one, and was made just now. */
+void studio_undo_note_copy(studio *self, int64_t of, const char *words);
 CHECKED mrt_result studio_undo(studio *self);
 CHECKED mrt_result studio_redo(studio *self);
 bool studio_can_undo(const studio *self);
@@ -131,6 +140,11 @@ void studio_play_do(studio *self, action of);
 
 const char *studio_edit_why_not(studio *self, action of); /* NULL: it can be done */
 void studio_edit_do(studio *self, action of);
+
+/* ---- studio_solver.c ---- */
+
+/* What the show says of it. */
+void studio_solver_read(studio *self);
 
 /* ---- studio_open.c ---- */
 

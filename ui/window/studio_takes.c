@@ -42,12 +42,14 @@ static void fill_line(studio_take_line *out, const take *t)
     (void)snprintf(out->note, sizeof out->note, "%s", t->note);
 }
 
-/* A take with edits that this version does not know is shown as far as it goes. */
-static void fold_line(studio *self, studio_take_line *out, const show_take *row)
+/* A take with edits that this version does not know is shown as far as it goes. Returns whether it
+ * could be read, which is said once. */
+static bool fold_line(studio *self, studio_take_line *out, const show_take *row, bool was_told)
 {
     take t = {0};
     error err = {0};
-    if (edit_store_take(&t, self->show, row->id, &err) < 0)
+    const bool is_read = edit_store_take(&t, self->show, row->id, &err) >= 0;
+    if (!is_read && !was_told)
         log_pushf(self->log, MRT_LOG_WARNING, "takes", "take %lld: %s", (long long)row->id,
                   err.text);
     if (t.id == row->id)
@@ -55,6 +57,7 @@ static void fold_line(studio *self, studio_take_line *out, const show_take *row)
     else
         *out = (studio_take_line){.id = row->id, .title = "damaged"};
     take_finish(&t);
+    return is_read;
 }
 
 static bool is_as_before(const studio *self, uint32_t index, const show_take *row)
@@ -73,17 +76,23 @@ static void read_list(studio *self)
     mrt_result result = show_takes(self->show, &rows, &count, &err);
     if (result >= 0)
         result = make_room(self, count, &err);
-    if (studio_said(self, result, &err) < 0) {
+    if (result < 0 && !self->takes_failed)
+        (void)studio_said(self, result, &err);
+    self->takes_failed = result < 0;
+    if (result < 0) {
         free(rows);
         return;
     }
     for (uint32_t i = 0; i < (uint32_t)count; ++i) {
         if (is_as_before(self, i, &rows[i]))
             continue;
-        fold_line(self, &self->line[i], &rows[i]);
+        const bool was_told =
+            i < self->line_count && self->line[i].id == rows[i].id && self->key[i].is_told;
+        const bool is_read = fold_line(self, &self->line[i], &rows[i], was_told);
         self->key[i] = (studio_take_key){.edit_head = rows[i].edit_head,
                                          .edit_count = rows[i].edit_count,
-                                         .is_recording = rows[i].is_recording};
+                                         .is_recording = rows[i].is_recording,
+                                         .is_told = !is_read};
     }
     self->line_count = (uint32_t)count;
     free(rows);
@@ -269,6 +278,32 @@ mrt_result studio_choose_take(studio *self, int64_t id)
         return MRT_OK;
     self->played_from_ns = 0;
     return studio_show_chosen(self);
+}
+
+mrt_result studio_choose_instead(studio *self, int64_t id)
+{
+    const int64_t shown = live_shown_take(self->live);
+    return shown && shown == self->chosen ? studio_choose_take(self, id)
+                                          : studio_pick_take(self, id);
+}
+
+mrt_result studio_duplicate_take(studio *self, int64_t id)
+{
+    error err = {0};
+    int64_t copy = 0;
+    char words[EDIT_TEXT];
+    const studio_take_line *line = studio_line_of(self, id);
+    if (!self->show || !line)
+        return studio_said(self, error_set(&err, MRT_ERR_ARGUMENT, "there is no such take"), &err);
+    (void)snprintf(words, sizeof words, "duplicate take %.120s", line->title);
+    mrt_result result = edit_store_duplicate(self->show, id, clock_utc_ms, &copy, &err);
+    if (result < 0)
+        return studio_said(self, result, &err);
+    self->takes_are_stale = true;
+    result = studio_choose_instead(self, copy);
+    if (result >= 0)
+        studio_undo_note_copy(self, id, words);
+    return result;
 }
 
 int64_t studio_take_id(const studio *self)

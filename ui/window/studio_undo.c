@@ -52,6 +52,13 @@ void studio_undo_note_take(studio *self, int64_t head_before)
     put(self, &step);
 }
 
+void studio_undo_note_copy(studio *self, int64_t of, const char *words)
+{
+    studio_done step = {.take = self->chosen, .head_after = 1, .copied_from = of};
+    (void)snprintf(step.words, sizeof step.words, "%s", words);
+    put(self, &step);
+}
+
 /* Brings the step's take to an edit; it is chosen then. */
 static mrt_result go(studio *self, const studio_done *step, int64_t head)
 {
@@ -63,6 +70,8 @@ static mrt_result go(studio *self, const studio_done *step, int64_t head)
         return result;
     result = history_go(self->history, head, &err);
     studio_take_changed(self);
+    if (result >= 0 && step->copied_from && head == step->head_before)
+        result = studio_choose_instead(self, step->copied_from);
     return studio_said(self, result, &err);
 }
 

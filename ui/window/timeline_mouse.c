@@ -390,6 +390,12 @@ static const char *hint_of(const panel *self, timeline_hit hit)
         return "Gain: drag across; a double click makes it 100 %.";
     case TIMELINE_COMP_BODY:
         return "Swipe over a span: it comes into the take, for the parts that are chosen above.";
+    case TIMELINE_CLIP_START:
+    case TIMELINE_CLIP_END:
+        return self->gesture == GESTURE_NONE
+                   ? "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or "
+                     "faster."
+                   : "";
     case TIMELINE_MARKER:
         return self->gesture == GESTURE_NONE ? "Drag it; a double click names it." : "";
     default:

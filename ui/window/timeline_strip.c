@@ -131,7 +131,10 @@ static void action_hint(pen *p, action of, const char *why_not)
     const action_entry *entry = action_of(of);
     char keys[ACTION_KEYS];
     action_keys(of, keys);
-    say_hint(p, entry->title, entry->help, keys, why_not);
+    const char *step = of == ACTION_UNDO   ? studio_undo_words(p->self->studio)
+                       : of == ACTION_REDO ? studio_redo_words(p->self->studio)
+                                           : "";
+    say_hint(p, entry->title, step[0] ? step : entry->help, keys, why_not);
 }
 
 static void put_action(pen *p, action of, paint_sign *sign, bool is_on)

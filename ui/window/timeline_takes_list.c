@@ -257,7 +257,12 @@ static void menu(panel *self, ui *on, const studio_take_line *line, uint32_t cou
         if (studio_take_id(self->studio) != of->id)
             choose_take(self, of->id);
         studio_do(self->studio, ACTION_EXPORT);
-    } else if (ui_menu_item(on, of->is_deleted ? "Restore" : "Delete", "", !of->is_recording))
+    }
+    action_keys(ACTION_DUPLICATE, keys);
+    if (ui_menu_item(on, "Duplicate", studio_take_id(self->studio) == of->id ? keys : "",
+                     !of->is_deleted && !of->is_recording))
+        (void)!studio_duplicate_take(self->studio, of->id); /* says itself why it failed */
+    else if (ui_menu_item(on, of->is_deleted ? "Restore" : "Delete", "", !of->is_recording))
         delete_take(self, of);
     ui_menu_end(on);
 }

@@ -238,6 +238,8 @@ void ui_begin(ui *self, const ui_screen *screen)
     hand_over(self);
     self->cursor = UI_CURSOR_ARROW;
     self->panel_count = self->popup_depth = 0;
+    self->had_dialog = self->has_dialog;
+    self->has_dialog = false;
     self->next_width = 0.0f;
     self->is_slider_held = false;
     ui_notes_begin(self->notes);

@@ -167,6 +167,7 @@ void ui_dialog_open(ui *self, const char *id);
 bool ui_dialog_begin(ui *self, const char *id, const char *title, float width);
 void ui_dialog_close(ui *self);
 void ui_dialog_end(ui *self);
+bool ui_has_dialog(const ui *self); /* one was drawn in the last frame */
 
 /* ---- keys ---- */
 

@@ -47,6 +47,7 @@ struct ui {
     uint32_t surface; /* of ui_notes that is drawn on */
     uint32_t surface_below[UI_POPUPS_MAX];
     int popup_depth;
+    bool has_dialog, had_dialog; /* drawn in this frame; in the one before */
     ImGuiID dialog_wanted;
     float next_width; /* pixels; of the next widget */
     int disabled_depth;

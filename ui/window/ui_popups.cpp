@@ -158,12 +158,18 @@ bool ui_dialog_begin(ui *self, const char *id, const char *title, float width)
         return false;
     }
     self->dialog_depth += 1;
+    self->has_dialog = true;
     ui_enter_popup(self);
     ui_text(self, UI_STYLE_TITLE, title);
     ui_space(self, 6.0f);
     if (ui_pressed(self, UI_KEY_ESCAPE, 0))
         ImGui::CloseCurrentPopup();
     return true;
+}
+
+bool ui_has_dialog(const ui *self)
+{
+    return self->has_dialog || self->had_dialog;
 }
 
 void ui_dialog_close(ui *self)

@@ -125,17 +125,23 @@ static void write_beside(const viewport *self, ui *on, const float at[3], const 
                    text);
 }
 
+/* At the picture's upper edge, away from what the pointer is at. */
+static void write_at_edge(const viewport *self, ui *on, const char *text)
+{
+    float width = ui_text_width(on, UI_STYLE_BODY, text);
+    write_on_plate(on, self->where.x + 0.5f * (self->where.width - width), self->where.y + 12.0f,
+                   THEME_DIM, text);
+}
+
 static void ink_hold(const viewport *self, ui *on)
 {
     float x, y;
     if (!viewport_to_points(self, self->grip.at, &x, &y))
         return;
     ui_draw_ring(on, self->where.x + x, self->where.y + y, 7.5f, THEME_ACCENT, 2.0f);
-    const char *hint = self->grip.how == POINTER_KNEADS ? "Clay: it stays. Wheel: nearer, further"
-                                                        : "Shift: it stays. Wheel: nearer, further";
-    float width = ui_text_width(on, UI_STYLE_BODY, hint);
-    write_on_plate(on, self->where.x + 0.5f * (self->where.width - width), self->where.y + 12.0f,
-                   THEME_DIM, hint);
+    write_at_edge(self, on,
+                  self->grip.how == POINTER_KNEADS ? "Clay: it stays. Wheel: nearer, further"
+                                                   : "Shift: it stays. Wheel: nearer, further");
 }
 
 static void ink_pointer(const viewport *self, ui *on)
@@ -152,7 +158,7 @@ static void ink_pointer(const viewport *self, ui *on)
     if (self->use != VIEWPORT_PERFORMS || !self->is_on_face)
         return;
     if (self->is_off_stage) {
-        write_beside(self, on, self->hit.at, "A take is shown. L: back to the live hands");
+        write_at_edge(self, on, "A take is shown. L: back to the live hands");
         return;
     }
     double half = viewport_half_radius(studio_view(self->of)->solver.kernel);

@@ -21,7 +21,9 @@ struct virtual_hand {
     uint32_t side;
     feed *feed[2];   /* NULL: not used yet */
     input *made[2];  /* live's; only to be compared */
-    bool is_refused; /* said once: it could not join */
+    bool is_refused; /* it could not join, which was said; the stage was like that: */
+    bool was_recording;
+    uint32_t input_count;
     double joined_s; /* since it joined the stage */
     double still_s;  /* since it is at rest and nobody moves it */
     bool has_keys, gave;
@@ -128,6 +130,13 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
     return MRT_OK;
 }
 
+/* What it was refused for may be over: a take, too many inputs. */
+static bool may_join(const virtual_hand *self)
+{
+    return !self->is_refused || self->was_recording != studio_status(self->of)->is_recording ||
+           self->input_count != live_input_count(studio_live(self->of));
+}
+
 static bool has_joined(virtual_hand *self)
 {
     if (!studio_live(self->of))
@@ -136,11 +145,14 @@ static bool has_joined(virtual_hand *self)
         return true;
     error err = {{0}};
     self->made[self->side] = NULL;
+    if (!may_join(self))
+        return false;
     if (join(self, self->side, &err) >= 0)
         return true;
-    if (!self->is_refused)
-        news_list_add(studio_news(self->of), MRT_LOG_ERROR, feed_name[self->side], err.text);
+    news_list_add(studio_news(self->of), MRT_LOG_ERROR, feed_name[self->side], err.text);
     self->is_refused = true;
+    self->was_recording = studio_status(self->of)->is_recording;
+    self->input_count = live_input_count(studio_live(self->of));
     return false;
 }
 
