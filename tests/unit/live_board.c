@@ -64,6 +64,13 @@ static void perform(desk *d, uint64_t *seed)
     desk_move(d);
 }
 
+static void perform_once(desk *d)
+{
+    d->pull[0].vector[0].end.y += 5.0f;
+    desk_move(d);
+    composer_draw(d->composer);
+}
+
 /* The whole face, straight from the composer, in the file's order. */
 static void whole(const stand *s, composer *of, float *out)
 {
@@ -152,6 +159,13 @@ static void who_comes_from_another_board_misses_nothing(void **state)
     assert_true(live_board_look(&other.board, &view));
     for (uint32_t part = 0; part < view->changed->count; ++part)
         assert_true(stamps_is_new(&s.seen, view->changed, part));
+    perform_once(&other.desk[0]);
+    live_board_fill(&other.board, other.desk[0].composer, 0);
+    live_board_publish(&other.board);
+    live_board_ease_from(&s.board, &other.board, 0);
+    live_board_fill(&s.board, s.desk[0].composer, NS_PER_MS);
+    live_board_publish(&s.board);
+    look(&s);
     end(&s);
     end(&other);
 }

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "bench/bench.h"
 #include "place.h"
+#include "stage/live/live_board.h"
 #include "stage/performer.h"
 #include "stage/plugins.h"
 
@@ -23,10 +24,11 @@ typedef struct scene {
     instance mapping;
     performer *performer;
     channel_route route;
-    float *position, *normal; /* vertex_count by 3 */
-    points normals;           /* borrowed rows of the composer, for points_to_rows */
+    live_board board;
     double *took_ms[STEPS];
     uint32_t frame;
+    stamps_reader written, shaded;
+    uint64_t written_count, shaded_count; /* blocks, since they were set to 0 */
 } scene;
 
 /* A hand that talks, smiles and nods, 100 times a second. */
@@ -61,17 +63,29 @@ static double lap_ms(int64_t *from_ns)
     return took_ms;
 }
 
+/* As a stage does, for a window that takes each face. */
 static void publish(scene *self)
 {
+    const live_view *taken;
+    (void)live_board_fill(&self->board, performer_composer(self->performer), 0);
+    live_board_publish(&self->board);
+    (void)live_board_look(&self->board, &taken);
+}
+
+static uint32_t count_new(stamps_reader *seen, const stamps *written)
+{
+    uint32_t count = 0;
+    for (uint32_t block = 0; block < written->count; ++block)
+        count += stamps_is_new(seen, written, block);
+    stamps_read(seen, written);
+    return count;
+}
+
+static void count_blocks(scene *self)
+{
     composer *shown = performer_composer(self->performer);
-    const points_order *order = face_order(composer_face(shown));
-    points_to_rows(self->position, face_shown(composer_face(shown)), order);
-    const shading *s = composer_shading(shown);
-    points normals = {.x = (float *)(uintptr_t)shading_normal(s, 0),
-                      .y = (float *)(uintptr_t)shading_normal(s, 1),
-                      .z = (float *)(uintptr_t)shading_normal(s, 2),
-                      .count = order->count};
-    points_to_rows(self->normal, &normals, order);
+    self->written_count += count_new(&self->written, face_written(composer_face(shown)));
+    self->shaded_count += count_new(&self->shaded, shading_written(composer_shading(shown)));
 }
 
 static void run_frame(scene *self, uint32_t round, bool is_cold)
@@ -95,6 +109,7 @@ static void run_frame(scene *self, uint32_t round, bool is_cold)
     took_ms[STEP_ALL] = took_ms[STEP_FRAME] + took_ms[STEP_PUBLISH];
     for (int i = 0; i < STEPS; ++i)
         self->took_ms[i][round] = took_ms[i];
+    count_blocks(self);
 }
 
 static void tell(scene *self, const char *mapping, const char *caches, uint32_t count)
@@ -112,6 +127,24 @@ static void tell(scene *self, const char *mapping, const char *caches, uint32_t 
         };
         facts_row(self->of->told, "frame", label, line, cells, sizeof cells / sizeof cells[0]);
     }
+}
+
+/* What the frames of a mapping wrote. */
+static void tell_blocks(scene *self, const char *mapping, uint32_t count)
+{
+    char line[128];
+    const face *f = composer_face(performer_composer(self->performer));
+    double all = face_shown(f)->block_count, written = (double)self->written_count / count,
+           shaded = (double)self->shaded_count / count;
+    snprintf(line, sizeof line, "of %.0f blocks %.0f moved, %.0f with other normals, in the mean",
+             all, written, shaded);
+    const facts_cell cells[] = {
+        {"mapping", mapping, 0.0, 0},
+        {"blocks", NULL, all, 0},
+        {"moved", NULL, written, 1},
+        {"shaded", NULL, shaded, 1},
+    };
+    facts_row(self->of->told, "blocks", mapping, line, cells, sizeof cells / sizeof cells[0]);
 }
 
 static void promise(const scene *self, const char *mapping, uint32_t count)
@@ -133,19 +166,24 @@ static mrt_result measure(scene *self, const char *mapping, error *err)
         result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, self->log, err);
     if (result >= 0)
         result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
+    if (result >= 0)
+        result = live_board_create(&self->board, performer_composer(self->performer), err);
     self->frame = 0;
     for (uint32_t i = 0; i < 50 && result >= 0; ++i)
         run_frame(self, 0, false);
+    self->written_count = self->shaded_count = 0;
     for (uint32_t i = 0; i < hot && result >= 0; ++i)
         run_frame(self, i, false);
     if (result >= 0) {
         tell(self, mapping, "hot", hot);
+        tell_blocks(self, mapping, hot);
         promise(self, mapping, hot);
     }
     for (uint32_t i = 0; i < cold && result >= 0; ++i)
         run_frame(self, i, true);
     if (result >= 0)
         tell(self, mapping, "cold", cold);
+    live_board_destroy(&self->board);
     performer_destroy(self->performer);
     self->performer = NULL;
     instance_destroy(&self->mapping);
@@ -164,11 +202,8 @@ static mrt_result prepare(scene *self, error *err)
         result = plugin_list_load(&self->plugins, err);
     if (result < 0)
         return result;
-    size_t floats = (size_t)self->face.mesh.vertex_count * 3;
     self->log = log_queue_create();
-    self->position = malloc(floats * sizeof(float));
-    self->normal = malloc(floats * sizeof(float));
-    bool is_there = self->log && self->position && self->normal;
+    bool is_there = self->log != NULL;
     for (int i = 0; i < STEPS; ++i) {
         self->took_ms[i] = calloc(2000, sizeof(double));
         is_there = is_there && self->took_ms[i];
@@ -187,8 +222,6 @@ mrt_result bench_frame(bench *self, error *err)
         result = measure(&s, mappings[i], err);
     for (int i = 0; i < STEPS; ++i)
         free(s.took_ms[i]);
-    free(s.position);
-    free(s.normal);
     plugin_list_destroy(&s.plugins);
     log_queue_destroy(s.log);
     face_file_destroy(&s.face);

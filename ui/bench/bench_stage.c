@@ -1,7 +1,8 @@
-/* From a sample to the face published, through the threads of the stage: what a window adds to is
- * when it draws. */
+/* From a sample to the face published, through the threads of the stage, and to the graphics card,
+ * where there is one: what a window adds to is when it draws. */
 #include "base/clock.h"
 #include "bench/bench.h"
+#include "draw/draw.h"
 #include "place.h"
 #include "stage/feed.h"
 #include "stage/live.h"
@@ -20,7 +21,9 @@ typedef struct scene {
     plugin_list plugins;
     feed *hand;
     live *live;
-    double took_ms[SAMPLES_MAX];
+    draw_context *context; /* NULL: nothing can be drawn here */
+    draw_face *drawn;
+    double took_ms[SAMPLES_MAX], ready_ms[SAMPLES_MAX], sent_ms[SAMPLES_MAX];
     uint32_t count;
 } scene;
 
@@ -54,6 +57,19 @@ static void sleep_until(int64_t time_ns)
     (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL);
 }
 
+/* What a window does with a new face before it draws. */
+static void take_over(scene *self, const live_view *view)
+{
+    int64_t at_ns = clock_now_ns();
+    if (self->drawn)
+        draw_face_follow(self->drawn, view->position, view->normal, view->changed);
+    int64_t ready_ns = clock_now_ns();
+    self->took_ms[self->count] = (double)(view->published_ns - view->sample_ns) * 1e-6;
+    self->ready_ms[self->count] = (double)(ready_ns - view->sample_ns) * 1e-6;
+    self->sent_ms[self->count] = (double)(ready_ns - at_ns) * 1e-6;
+    self->count += 1;
+}
+
 /* Looks as often as a window could at most, and gives the hand a new pose at its rate. */
 static void perform(scene *self, uint32_t samples)
 {
@@ -69,8 +85,7 @@ static void perform(scene *self, uint32_t samples)
             bool is_new = live_look(self->live, &view) && view->sample_ns > newest_ns;
             if (is_new && self->count < SAMPLES_MAX) {
                 newest_ns = view->sample_ns;
-                self->took_ms[self->count++] =
-                    (double)(view->published_ns - view->sample_ns) * 1e-6;
+                take_over(self, view);
             }
             sleep_until(at_ns + NS_PER_MS / 4);
         }
@@ -78,20 +93,42 @@ static void perform(scene *self, uint32_t samples)
     }
 }
 
-static void tell(bench *self, scene *s, uint32_t samples)
+static void tell(bench *self, scene *s, const char *what, double *took_ms, const char *note)
 {
     char line[160];
-    double p50 = bench_quantile(s->took_ms, s->count, 0.5);
-    double p99 = bench_quantile(s->took_ms, s->count, 0.99);
+    double p50 = bench_quantile(took_ms, s->count, 0.5);
+    double p99 = bench_quantile(took_ms, s->count, 0.99);
+    snprintf(line, sizeof line, "p50 %6.3f ms   p99 %6.3f ms%s", p50, p99, note);
+    const facts_cell cells[] = {
+        {"rate_hz", NULL, rate_hz, 1},
+        {"faces", NULL, s->count, 0},
+        {"p50_ms", NULL, p50, 4},
+        {"p99_ms", NULL, p99, 4},
+    };
+    facts_row(self->told, "stage", what, line, cells, sizeof cells / sizeof cells[0]);
+}
+
+static void tell_all(bench *self, scene *s, uint32_t samples)
+{
+    char note[96];
     live_status status;
     live_status_of(s->live, &status);
-    snprintf(line, sizeof line, "p50 %6.3f ms   p99 %6.3f ms   of %u samples given, %ju performed",
-             p50, p99, samples, (uintmax_t)status.sample_count);
-    const facts_cell cells[] = {
-        {"rate_hz", NULL, rate_hz, 1}, {"samples", NULL, samples, 0}, {"faces", NULL, s->count, 0},
-        {"p50_ms", NULL, p50, 4},      {"p99_ms", NULL, p99, 4},
-    };
-    facts_row(self->told, "stage", "sample to face", line, cells, sizeof cells / sizeof cells[0]);
+    snprintf(note, sizeof note, "   of %u samples given, %ju performed", samples,
+             (uintmax_t)status.sample_count);
+    tell(self, s, "sample to face", s->took_ms, note);
+    if (!s->drawn)
+        return;
+    tell(self, s, "sent to graphics", s->sent_ms, "");
+    tell(self, s, "sample to draw", s->ready_ms, "   looked for each 0.25 ms");
+}
+
+/* Without a context there is nothing to say of drawing, and the rest is measured. */
+static void open_drawing(scene *self)
+{
+    error ignored = {""};
+    self->context = draw_context_create(&ignored);
+    if (self->context)
+        self->drawn = draw_face_create(&self->face.mesh, &ignored);
 }
 
 static mrt_result start(scene *self, error *err)
@@ -128,11 +165,14 @@ mrt_result bench_stage(bench *self, error *err)
                 "The stage: from a sample at 150 Hz to the face published (puppet, one_hand)");
     mrt_result result = start(s, err);
     if (result >= 0) {
+        open_drawing(s);
         perform(s, samples);
-        tell(self, s, samples);
+        tell_all(self, s, samples);
     }
     if (s->live && live_stop(s->live, &ignored) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", ignored.text);
+    draw_face_destroy(s->drawn);
+    draw_context_destroy(s->context);
     feed_destroy(s->hand);
     plugin_list_destroy(&s->plugins);
     log_queue_destroy(s->log);

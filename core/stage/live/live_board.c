@@ -11,13 +11,43 @@ static size_t row_floats(const live_board *self)
     return (size_t)self->vertex_count * 3;
 }
 
-static mrt_result create_changes(live_board *out, error *err)
+static uint32_t end_of_block(const points_order *order, uint32_t block)
+{
+    uint32_t end = (block + 1) * POINTS_BLOCK;
+    return end < order->count ? end : order->count;
+}
+
+/* Adds the parts that a block has vertices in, each once; returns how many there are then. */
+static uint32_t list_parts(live_board *out, const points_order *order, uint32_t block,
+                           uint32_t count)
+{
+    uint32_t first = count, end = end_of_block(order, block);
+    for (uint32_t slot = block * POINTS_BLOCK; slot < end; ++slot) {
+        uint32_t part = order->file_of_slot[slot] / LIVE_ROWS, i = first;
+        while (i < count && out->part[i] != part)
+            ++i;
+        if (i == count)
+            out->part[count++] = part;
+    }
+    return count;
+}
+
+static mrt_result create_changes(live_board *out, const points_order *order, error *err)
 {
     uint32_t parts = out->vertex_count / LIVE_ROWS + (out->vertex_count % LIVE_ROWS != 0);
+    uint32_t blocks = out->vertex_count / POINTS_BLOCK + (out->vertex_count % POINTS_BLOCK != 0);
     mrt_result result = stamps_create(&out->changed, parts, err);
     for (int i = 0; i < 3 && result >= 0; ++i)
         result = stamps_create(&out->changed_in[i], parts, err);
-    return result;
+    if (result < 0)
+        return result;
+    out->first_part = calloc((size_t)blocks + 1, sizeof *out->first_part);
+    out->part = malloc(((size_t)out->vertex_count + 1) * sizeof *out->part);
+    if (!out->first_part || !out->part)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to say what changes of a face");
+    for (uint32_t block = 0; block < blocks; ++block)
+        out->first_part[block + 1] = list_parts(out, order, block, out->first_part[block]);
+    return MRT_OK;
 }
 
 mrt_result live_board_create(live_board *out, const composer *of, error *err)
@@ -35,7 +65,7 @@ mrt_result live_board_create(live_board *out, const composer *of, error *err)
         good &= out->rows[i] != NULL;
     }
     out->from = calloc(size, sizeof *out->from);
-    mrt_result result = good && out->from ? create_changes(out, err)
+    mrt_result result = good && out->from ? create_changes(out, face_order(f), err)
                                           : error_set(err, MRT_ERR_MEMORY,
                                                       "no memory for the faces that are shown");
     if (result < 0)
@@ -50,6 +80,8 @@ void live_board_destroy(live_board *self)
         stamps_destroy(&self->changed_in[i]);
     }
     stamps_destroy(&self->changed);
+    free(self->first_part);
+    free(self->part);
     free(self->from);
     memset(self, 0, sizeof *self);
 }
@@ -63,29 +95,25 @@ typedef struct board_source {
     const points_order *order;
 } board_source;
 
-static uint32_t end_of_block(const points_order *order, uint32_t block)
-{
-    uint32_t end = (block + 1) * POINTS_BLOCK;
-    return end < order->count ? end : order->count;
-}
-
 /* Into rows in the file's order. */
-static void write_block(float *out, const board_source *from, uint32_t block)
+static void write_block(float *restrict out, const board_source *from, uint32_t block)
 {
+    const float *restrict x = from->stream[0], *restrict y = from->stream[1],
+                          *restrict z = from->stream[2];
+    const uint32_t *restrict file_of_slot = from->order->file_of_slot;
     uint32_t end = end_of_block(from->order, block);
     for (uint32_t slot = block * POINTS_BLOCK; slot < end; ++slot) {
-        float *row = out + (size_t)from->order->file_of_slot[slot] * 3;
-        row[0] = from->stream[0][slot];
-        row[1] = from->stream[1][slot];
-        row[2] = from->stream[2][slot];
+        float *row = out + (size_t)file_of_slot[slot] * 3;
+        row[0] = x[slot];
+        row[1] = y[slot];
+        row[2] = z[slot];
     }
 }
 
-static void mark_block(stamps *changed, const points_order *order, uint32_t block)
+static void mark_block(live_board *self, uint32_t block)
 {
-    uint32_t end = end_of_block(order, block);
-    for (uint32_t slot = block * POINTS_BLOCK; slot < end; ++slot)
-        stamps_mark(changed, order->file_of_slot[slot] / LIVE_ROWS);
+    for (uint32_t i = self->first_part[block]; i < self->first_part[block + 1]; ++i)
+        stamps_mark(&self->changed, self->part[i]);
 }
 
 /* What has changed since the buffer was filled goes into it; what has since any was is noted. */
@@ -96,7 +124,7 @@ static void take_rows(live_board *self, float *out, const board_source *from, st
         if (stamps_is_new(taken, from->written, block))
             write_block(out, from, block);
         if (stamps_is_new(noted, from->written, block))
-            mark_block(&self->changed, from->order, block);
+            mark_block(self, block);
     }
     stamps_read(taken, from->written);
     stamps_read(noted, from->written);

@@ -14,11 +14,13 @@ typedef struct live_taken {
 typedef struct live_board {
     publish_slot slot;
     live_view view[3];
-    float *rows[3];       /* of each: positions, then normals: vertex_count by 3 */
-    live_taken taken[3];  /* into each */
-    stamps changed_in[3]; /* of each: `changed` as it was filled, for the one who looks */
-    live_taken noted;     /* in `changed` */
-    stamps changed;       /* of LIVE_ROWS vertices each, positions and normals alike */
+    float *rows[3];              /* of each: positions, then normals: vertex_count by 3 */
+    live_taken taken[3];         /* into each */
+    stamps changed_in[3];        /* of each: `changed` as it was filled, for the one who looks */
+    live_taken noted;            /* in `changed` */
+    stamps changed;              /* of LIVE_ROWS vertices each, positions and normals alike */
+    uint32_t *first_part, *part; /* of each block of the face, and the end: where its parts begin;
+                                    the parts of `changed` that it has vertices in */
     uint32_t vertex_count;
     uint64_t number;
     _Atomic bool is_taken; /* the newest was; also before any */
