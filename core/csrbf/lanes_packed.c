@@ -21,41 +21,60 @@ void LANES(packed_move)(const columns_packed *p, const columns *c, points *out, 
 
 /* ---- normals ---- */
 
-/* A tangent at rest in one block: three rows. */
-static void unpack_rest(float out[3][POINTS_BLOCK], const int16_t *restrict row)
+enum { TILE = 4 * POINTS_BLOCK }; /* vertices whose normals are made together, at most */
+
+typedef struct tile {
+    _Alignas(64) float x[TILE];
+    float y[TILE], z[TILE];
+} tile;
+
+/* A tangent at rest in `count` blocks: of each of them three rows, and three of the other. */
+static void unpack_rest(tile *restrict out, const int16_t *restrict row, uint32_t count)
 {
-    for (int axis = 0; axis < 3; ++axis)
-        for (int i = 0; i < POINTS_BLOCK; ++i)
-            out[axis][i] = (float)row[axis * POINTS_BLOCK + i] * (1.0f / TANGENTS_UNIT);
+    for (size_t block = 0; block < count; ++block, row += (size_t)6 * POINTS_BLOCK)
+        for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+            size_t at = block * POINTS_BLOCK + i;
+            out->x[at] = (float)row[i] * (1.0f / TANGENTS_UNIT);
+            out->y[at] = (float)row[POINTS_BLOCK + i] * (1.0f / TANGENTS_UNIT);
+            out->z[at] = (float)row[2 * POINTS_BLOCK + i] * (1.0f / TANGENTS_UNIT);
+        }
 }
 
-/* out := rest and the columns. */
-static void move_tangent(float out[3][POINTS_BLOCK], float rest[3][POINTS_BLOCK], const source *s,
-                         uint32_t block)
+/* out := rest and the columns, which are the same in all blocks from first to end - 1. */
+static void move_tangents(tile *out, const tile *rest, const source *s, uint32_t first,
+                          uint32_t end)
 {
     chosen some;
     some.next = 0;
-    if (!choose_more(&some, s->weights, marks_of(s->marked, block))) {
-        memcpy(out, rest, 3 * sizeof *out);
-    } else if (some.count > FEW) {
-        sum_block(s, out, block);
-        for (int axis = 0; axis < 3; ++axis)
-            add_row(out[axis], rest[axis], out[axis]);
-    } else {
-        const span from = {.x = rest[0], .y = rest[1], .z = rest[2], .count = POINTS_BLOCK};
+    if (!choose_more(&some, s->weights, marks_of(s->marked, first))) {
+        memcpy(out, rest, sizeof *out);
+    } else if (some.count <= FEW) {
+        const span from = {.x = rest->x,
+                           .y = rest->y,
+                           .z = rest->z,
+                           .count = (size_t)(end - first) * POINTS_BLOCK};
         group g;
-        gather(&g, s, some.column, some.count, block);
-        move_few[some.count - 1](out[0], out[1], out[2], &from, &g);
+        gather(&g, s, some.column, some.count, first);
+        move_few[some.count - 1](out->x, out->y, out->z, &from, &g);
+    } else {
+        for (size_t k = 0; k < end - first; ++k) {
+            _Alignas(64) float sum[3][POINTS_BLOCK];
+            size_t at = k * POINTS_BLOCK;
+            sum_block(s, sum, first + (uint32_t)k);
+            add_row(out->x + at, rest->x + at, sum[0]);
+            add_row(out->y + at, rest->y + at, sum[1]);
+            add_row(out->z + at, rest->z + at, sum[2]);
+        }
     }
 }
 
-static void cross_block(float *restrict nx, float *restrict ny, float *restrict nz,
-                        float a[3][POINTS_BLOCK], float b[3][POINTS_BLOCK])
+static void cross(float *restrict nx, float *restrict ny, float *restrict nz,
+                  const tile *restrict a, const tile *restrict b, size_t count)
 {
-    for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float x = a[1][i] * b[2][i] - a[2][i] * b[1][i];
-        float y = a[2][i] * b[0][i] - a[0][i] * b[2][i];
-        float z = a[0][i] * b[1][i] - a[1][i] * b[0][i];
+    for (size_t i = 0; i < count; ++i) {
+        float x = a->y[i] * b->z[i] - a->z[i] * b->y[i];
+        float y = a->z[i] * b->x[i] - a->x[i] * b->z[i];
+        float z = a->x[i] * b->y[i] - a->y[i] * b->x[i];
         float square = x * x + y * y + z * z;
         bool good = (square > 1e-20f) & (square <= FLT_MAX);
         float inverse = 1.0f / sqrtf(good ? square : 1.0f);
@@ -65,21 +84,34 @@ static void cross_block(float *restrict nx, float *restrict ny, float *restrict 
     }
 }
 
+/* The end of what can be done together from `first` on: wanted, and with the same columns. */
+static uint32_t end_of_tile(const source along[2], const uint8_t *wanted, uint32_t first,
+                            uint32_t end)
+{
+    uint32_t limit = end - first < TILE / POINTS_BLOCK ? end : first + TILE / POINTS_BLOCK;
+    for (uint32_t block = first; wanted && block < limit; ++block)
+        if (!wanted[block])
+            limit = block;
+    return end_of_run(&along[1], first, end_of_run(&along[0], first, limit));
+}
+
 void LANES(normals)(const tangents *t, float *const n[3], const uint8_t *wanted, uint32_t first,
                     uint32_t end)
 {
     const source along[2] = {source_of(&t->packed1, &t->along1),
                              source_of(&t->packed2, &t->along2)};
-    for (uint32_t block = first; block < end; ++block) {
-        _Alignas(64) float rest[3][POINTS_BLOCK];
-        _Alignas(64) float moved[2][3][POINTS_BLOCK];
+    for (uint32_t block = first, next; block < end; block = next) {
+        tile rest, moved[2];
         size_t at = (size_t)block * POINTS_BLOCK;
+        next = block + 1;
         if (wanted && !wanted[block])
             continue;
+        next = end_of_tile(along, wanted, block, end);
         for (size_t k = 0; k < 2; ++k) {
-            unpack_rest(rest, t->rest + 6 * at + 3 * k * POINTS_BLOCK);
-            move_tangent(moved[k], rest, &along[k], block);
+            unpack_rest(&rest, t->rest + 6 * at + 3 * k * POINTS_BLOCK, next - block);
+            move_tangents(&moved[k], &rest, &along[k], block, next);
         }
-        cross_block(n[0] + at, n[1] + at, n[2] + at, moved[0], moved[1]);
+        cross(n[0] + at, n[1] + at, n[2] + at, &moved[0], &moved[1],
+              (size_t)(next - block) * POINTS_BLOCK);
     }
 }

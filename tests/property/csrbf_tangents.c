@@ -14,11 +14,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 41, VERTICES = SIDE * SIDE, CONTROLS = 9, PADDED = VERTICES + POINTS_BLOCK };
+enum {
+    SIDE = 41,
+    VERTICES = SIDE * SIDE,
+    CONTROLS = 9,
+    CROWD = 25,
+    PADDED = VERTICES + POINTS_BLOCK
+};
 static const double degree = 57.29577951308232;
 
 static float vertex[VERTICES][3];
-static double start[CONTROLS][3], pull[CONTROLS][3];
+static double start[CROWD][3], pull[CROWD][3]; /* CONTROLS of them, but for a crowd */
 
 /* A bowl of 100 mm: z = (x^2 + y^2) / 200, and its normal. */
 static double height(double x, double y)
@@ -51,6 +57,12 @@ static int fill(void **state)
         pull[k][1] = 0.7 * k - 2.0;
         pull[k][2] = k % 2 ? 7.0 : -5.0;
     }
+    for (int k = CONTROLS; k < CROWD; ++k) {
+        start[k][0] = 22.0 * ((k - CONTROLS) % 4) - 31.0;
+        start[k][1] = 22.0 * (int)((k - CONTROLS) / 4) - 34.0;
+        start[k][2] = height(start[k][0], start[k][1]);
+        pull[k][2] = 0.1 * (k % 5);
+    }
     return 0;
 }
 
@@ -60,12 +72,12 @@ typedef struct stand {
     float rest[3][PADDED], n[3][PADDED];
 } stand;
 
-static bool raise_stand(stand *s, const csrbf_settings *settings)
+static bool raise_crowd(stand *s, const csrbf_settings *settings, uint32_t count)
 {
     error err = {""};
-    if (shape_create(&s->shape, vertex[0], VERTICES, CONTROLS, &err) < 0 ||
-        tangents_create(&s->tangents, &s->shape.rest, CONTROLS, &err) < 0 ||
-        shape_engage(&s->shape, settings, start[0], CONTROLS, &err) < 0 ||
+    if (shape_create(&s->shape, vertex[0], VERTICES, count, &err) < 0 ||
+        tangents_create(&s->tangents, &s->shape.rest, count, &err) < 0 ||
+        shape_engage(&s->shape, settings, start[0], count, &err) < 0 ||
         shape_pull(&s->shape, pull[0], &err) < 0 ||
         csrbf_solve(s->shape.solver, pull[0], &err) < 0) /* for exact_normal */
         fail_msg("%s", err.text);
@@ -77,10 +89,15 @@ static bool raise_stand(stand *s, const csrbf_settings *settings)
     }
     const float *const rest[3] = {s->rest[0], s->rest[1], s->rest[2]};
     float *const n[3] = {s->n[0], s->n[1], s->n[2]};
-    if (!tangents_engage(&s->tangents, s->shape.solver, &s->shape.base, rest, CONTROLS))
+    if (!tangents_engage(&s->tangents, s->shape.solver, &s->shape.base, rest, count))
         return false;
     tangents_normals(&s->tangents, n, pull[0]);
     return true;
+}
+
+static bool raise_stand(stand *s, const csrbf_settings *settings)
+{
+    return raise_crowd(s, settings, CONTROLS);
 }
 
 static void strike_stand(stand *s)
@@ -149,6 +166,52 @@ static void they_are_those_of_the_deformed_surface(void **state)
         }
 }
 
+static void many_controls_are_summed_like_few(void **state)
+{
+    (void)state;
+    static stand s;
+    double worst = 0.0;
+    assert_true(raise_crowd(&s, &(csrbf_settings){.radius = 200.0}, CROWD)); /* all reach all */
+    for (uint32_t i = 0; i < VERTICES; ++i) {
+        double expected[3], found[3];
+        exact_normal(expected, s.shape.solver, (double)s.shape.rest.x[i],
+                     (double)s.shape.rest.y[i]);
+        for (int axis = 0; axis < 3; ++axis)
+            found[axis] = (double)s.n[axis][i];
+        worst = fmax(worst, angle_deg(expected, found));
+    }
+    assert_true(worst < 0.1); /* degrees: 25 columns, each rounded */
+    strike_stand(&s);
+}
+
+static void parts_of_a_frame_are_those_of_the_whole(void **state)
+{
+    (void)state;
+    static stand s;
+    static float part[3][PADDED];
+    float *const n[3] = {part[0], part[1], part[2]};
+    uint8_t wanted[PADDED / POINTS_BLOCK];
+    static const double radius[] = {12.0, 45.0, 200.0};
+    for (int r = 0; r < 3; ++r) {
+        assert_true(raise_stand(&s, &(csrbf_settings){.radius = radius[r]}));
+        uint32_t blocks = s.shape.rest.block_count;
+        memset(part, 0x7f, sizeof part);
+        for (uint32_t block = 0; block < blocks; ++block)
+            wanted[block] = block % 7 != 2 && block % 5 != 1;
+        tangents_weigh(&s.tangents, pull[0]);
+        tangents_normals_blocks(&s.tangents, n, wanted, 0, blocks / 2);
+        tangents_normals_blocks(&s.tangents, n, wanted, blocks / 2, blocks);
+        for (uint32_t i = 0; i < s.shape.rest.padded_count; ++i)
+            for (int axis = 0; axis < 3; ++axis) {
+                static const uint8_t untouched[4] = {0x7f, 0x7f, 0x7f, 0x7f};
+                const void *expected = &s.n[axis][i];
+                assert_memory_equal(&part[axis][i], wanted[i / POINTS_BLOCK] ? expected : untouched,
+                                    4);
+            }
+        strike_stand(&s);
+    }
+}
+
 static void at_rest_they_are_the_normals_at_rest(void **state)
 {
     (void)state;
@@ -195,6 +258,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(they_are_those_of_the_deformed_surface),
+        cmocka_unit_test(many_controls_are_summed_like_few),
+        cmocka_unit_test(parts_of_a_frame_are_those_of_the_whole),
         cmocka_unit_test(at_rest_they_are_the_normals_at_rest),
         cmocka_unit_test(kernels_without_a_derivative_are_refused),
         cmocka_unit_test(every_instruction_set_gives_the_same_bits),
