@@ -1,8 +1,10 @@
 #include "base/file.h"
 #include "io/export.h"
 
+#include <errno.h>
 #include <png.h>
 #include <stdio.h>
+#include <string.h>
 
 enum { MAX_SIDE = 32768, LEVEL = 2 /* of zlib: with these filters it is small, and fast */ };
 
@@ -18,6 +20,18 @@ static void on_warning(png_structp png, png_const_charp message)
 {
     (void)png;
     (void)message;
+}
+
+/* libpng's own says no more than that it failed. */
+static void put_bytes(png_structp png, png_bytep bytes, png_size_t size)
+{
+    if (fwrite(bytes, 1, size, png_get_io_ptr(png)) != size)
+        png_error(png, strerror(errno));
+}
+
+static void keep_bytes(png_structp png)
+{
+    (void)png; /* the file is flushed when it is whole */
 }
 
 static void write_rows(png_structp png, png_infop info, const uint8_t *rgba, uint32_t width,
@@ -50,7 +64,7 @@ static bool write_stream(FILE *stream, const uint8_t *rgba, uint32_t width, uint
         png_destroy_write_struct(&png, &info);
         return false;
     }
-    png_init_io(png, stream);
+    png_set_write_fn(png, stream, put_bytes, keep_bytes);
     write_rows(png, info, rgba, width, height, kind);
     png_destroy_write_struct(&png, &info);
     return true;
