@@ -2,6 +2,8 @@
 #include "base/clock.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 enum { BAR_WIDTH = 30 };
@@ -9,28 +11,42 @@ enum { BAR_WIDTH = 30 };
 void progress_start(progress *self, const char *what)
 {
     int64_t now = clock_now_ns();
-    *self = (progress){
-        .what = what, .start_ns = now, .shown_ns = now, .is_terminal = isatty(STDERR_FILENO) == 1};
+    const char *wanted = getenv("MAROTTE_PROGRESS");
+    *self = (progress){.what = what,
+                       .start_ns = now,
+                       .shown_ns = now,
+                       .is_terminal = isatty(STDERR_FILENO) == 1,
+                       .tells_lines = wanted && strcmp(wanted, "lines") == 0};
+}
+
+static void show_line(const progress *self, double done, const char *text)
+{
+    if (done < 0) {
+        fprintf(stderr, "\r%-12s %s\033[K", self->what, text);
+        return;
+    }
+    char bar[BAR_WIDTH + 1];
+    for (int i = 0; i < BAR_WIDTH; ++i)
+        bar[i] = (double)i < done * BAR_WIDTH ? '#' : '.';
+    bar[BAR_WIDTH] = '\0';
+    fprintf(stderr, "\r%-12s [%s] %3.0f %% %s\033[K", self->what, bar, 100.0 * done, text);
 }
 
 void progress_show(progress *self, double done, const char *text)
 {
-    if (!self->is_terminal)
+    if (!self->is_terminal && !self->tells_lines)
         return;
     int64_t now = clock_now_ns();
-    if (now - self->start_ns < NS_PER_S || now - self->shown_ns < NS_PER_S / 10)
+    int64_t first_ns = self->tells_lines ? 0 : NS_PER_S;
+    if (now - self->start_ns < first_ns || now - self->shown_ns < NS_PER_S / 10)
         return;
     self->shown_ns = now;
-    self->has_shown = true;
-    if (done < 0) {
-        fprintf(stderr, "\r%-12s %s\033[K", self->what, text);
-    } else {
-        char bar[BAR_WIDTH + 1];
-        for (int i = 0; i < BAR_WIDTH; ++i)
-            bar[i] = (double)i < done * BAR_WIDTH ? '#' : '.';
-        bar[BAR_WIDTH] = '\0';
-        fprintf(stderr, "\r%-12s [%s] %3.0f %% %s\033[K", self->what, bar, 100.0 * done, text);
+    if (self->tells_lines) {
+        fprintf(stderr, "progress %.3f %s\n", done, self->what);
+        return;
     }
+    self->has_shown = true;
+    show_line(self, done, text);
     fflush(stderr);
 }
 

@@ -1,5 +1,6 @@
 /* progress.h - a progress line on a terminal for whatever takes more than a second. Not a terminal:
- * nothing is printed. [main] */
+ * nothing is printed, but with MAROTTE_PROGRESS=lines in the environment lines on stderr for the
+ * program that waits for it, "progress 0.42 writing". [main] */
 #ifndef MAROTTE_UI_PROGRESS_H
 #define MAROTTE_UI_PROGRESS_H
 #include <stdbool.h>
@@ -8,7 +9,7 @@
 typedef struct progress {
     const char *what; /* "performing" */
     int64_t start_ns, shown_ns;
-    bool is_terminal, has_shown;
+    bool is_terminal, has_shown, tells_lines;
 } progress;
 
 void progress_start(progress *self, const char *what);

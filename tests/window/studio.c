@@ -234,6 +234,36 @@ static void a_take_is_exported_beside_the_stage(void **state)
     close_room(&r);
 }
 
+static bool export_is_told(studio *of)
+{
+    return studio_exports_going(of) == 0 || studio_export_now(of, 0).done > 0.0;
+}
+
+static void an_export_says_how_far_it_is_and_is_cancelled(void **state)
+{
+    room r;
+    export_wish wish = {.fps = 60.0};
+    struct stat info;
+    (void)state;
+    open_room(&r, true);
+    record_a_take(&r);
+    (void)snprintf(wish.file, sizeof wish.file, "%s/pictures/", r.folder);
+    assert_int_equal(studio_export_take(r.studio, &wish), MRT_OK);
+    assert_int_equal(studio_exports_going(r.studio), 1);
+    assert_string_equal(studio_export_now(r.studio, 0).file, wish.file);
+    assert_true(until(&r, export_is_told));
+    if (studio_exports_going(r.studio) == 0) { /* nothing can be drawn here */
+        close_room(&r);
+        skip();
+    }
+    assert_string_equal(studio_export_now(r.studio, 0).doing, "performing");
+    studio_cancel_export(r.studio, 0);
+    assert_true(until(&r, exports_are_over));
+    assert_true(was_said(r.studio, "was cancelled"));
+    assert_int_not_equal(stat(wish.file, &info), 0);
+    close_room(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -247,6 +277,7 @@ int main(void)
         cmocka_unit_test(what_is_performed_over_a_take_becomes_a_layer_in_one_step),
         cmocka_unit_test(what_cannot_be_done_says_why),
         cmocka_unit_test(a_take_is_exported_beside_the_stage),
+        cmocka_unit_test(an_export_says_how_far_it_is_and_is_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -287,6 +287,35 @@ static void put_middle(pen *p, float x)
 
 /* ---- right: how fast, the output, help ---- */
 
+/* How far the oldest export is; a click tells of all. Returns its left end. */
+static float put_exports(pen *p, float right)
+{
+    studio *of = p->desk->studio;
+    const uint32_t count = studio_exports_going(of);
+    char words[64], part[32] = "";
+    if (count == 0)
+        return right;
+    const export_going first = studio_export_now(of, 0);
+    if (first.done >= 0.0)
+        (void)snprintf(part, sizeof part, " %.0f %%", 100.0 * first.done);
+    if (count > 1)
+        (void)snprintf(words, sizeof words, "Exporting %u%s", count, part);
+    else
+        (void)snprintf(words, sizeof words, "Exporting%s", part);
+    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 4 100 %") + 20.0f;
+    const ui_rectangle box = {right - widest, p->where.y + 0.5f * (p->where.height - 30.0f), widest,
+                              30.0f};
+    const float y = box.y + 0.5f * (box.height - ui_text_height(p->on, UI_STYLE_NUMBER));
+    ui_draw_box(p->on, box, is_over(p, box) ? THEME_HOVER : THEME_RAISED, 5.0f);
+    ui_draw_text(p->on, box.x + 10.0f, y, UI_STYLE_NUMBER, THEME_ACCENT, 0.0f, words);
+    if (is_over(p, box))
+        (void)snprintf(p->hint, sizeof p->hint, "%.440s\nHow far it is, and to cancel it",
+                       first.file);
+    if (is_pressed(p, box))
+        desk_exports_ask(p->desk);
+    return box.x;
+}
+
 static void put_right(pen *p)
 {
     studio *of = p->desk->studio;
@@ -295,7 +324,8 @@ static void put_right(pen *p)
     float x = p->where.x + p->where.width - 10.0f;
     x = put_word(p, x, ACTION_HELP, "?", studio_looks_of(of)->is_helping) - 4.0f;
     x = put_word(p, x, ACTION_OUTPUT, "Output", studio_looks_of(of)->has_output) - 4.0f;
-    x = put_word(p, x, ACTION_SOUND_ARM, "Mic", studio_status(of)->is_sound_armed) - 12.0f;
+    x = put_word(p, x, ACTION_SOUND_ARM, "Mic", studio_status(of)->is_sound_armed) - 4.0f;
+    x = put_exports(p, x) - 8.0f;
     if (p->where.width < 1000.0f)
         return;
     if (fast->latency_p50_ms > 0.0)

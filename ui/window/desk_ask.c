@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- export ---- */
 
@@ -68,7 +69,7 @@ static void put_name(desk *self)
 
 void desk_export_ask(desk *self)
 {
-    self->exporting.trouble[0] = '\0';
+    self->exporting.trouble[0] = self->exporting.replaced[0] = '\0';
     put_name(self);
     put_ending(&self->exporting);
     ui_dialog_open(self->ui, export_dialog);
@@ -83,6 +84,18 @@ static bool range_of(const desk *self, int64_t *out_in, int64_t *out_out)
            *out_in < *out_out;
 }
 
+/* What is there already is replaced when it is asked for a second time. */
+static bool needs_a_word(desk_exporting *exporting)
+{
+    const char *file = exporting->wish.file;
+    if (strcmp(exporting->replaced, file) == 0 || access(file, F_OK) != 0)
+        return false;
+    (void)snprintf(exporting->replaced, sizeof exporting->replaced, "%s", file);
+    (void)snprintf(exporting->trouble, sizeof exporting->trouble,
+                   "%s is there already. Export again replaces it.", file);
+    return true;
+}
+
 static void begin_export(desk *self)
 {
     desk_exporting *exporting = &self->exporting;
@@ -91,6 +104,8 @@ static void begin_export(desk *self)
     wish->in_ns = wish->out_ns = 0;
     if (exporting->only_range)
         (void)range_of(self, &wish->in_ns, &wish->out_ns);
+    if (needs_a_word(exporting))
+        return;
     if (studio_export_take(self->studio, wish) >= 0) {
         ui_dialog_close(self->ui);
         return;
@@ -116,7 +131,7 @@ static void draw_range(desk *self)
     (void)ui_check(self->ui, words, &self->exporting.only_range);
 }
 
-void desk_export_draw(desk *self)
+static void draw_wish(desk *self)
 {
     ui *on = self->ui;
     desk_exporting *exporting = &self->exporting;
@@ -143,6 +158,57 @@ void desk_export_draw(desk *self)
     if (ui_button(on, "Cancel", UI_PLAIN))
         ui_dialog_close(on);
     ui_dialog_end(on);
+}
+
+/* ---- the exports that go on ---- */
+
+static const char exports_dialog[] = "exports";
+
+void desk_exports_ask(desk *self)
+{
+    ui_dialog_open(self->ui, exports_dialog);
+}
+
+static void draw_going(desk *self, uint32_t index)
+{
+    ui *on = self->ui;
+    const export_going going = studio_export_now(self->studio, index);
+    char words[64], id[24];
+    (void)snprintf(id, sizeof id, "export%u", index);
+    ui_id_begin(on, id);
+    if (going.is_cancelled || going.done < 0.0)
+        (void)snprintf(words, sizeof words, "%s", going.is_cancelled ? "ends" : "begins");
+    else
+        (void)snprintf(words, sizeof words, "%s, %.0f %%", going.doing, 100.0 * going.done);
+    ui_text(on, UI_STYLE_BODY, going.file);
+    ui_text(on, UI_STYLE_DIM, words);
+    ui_bar(on, going.done < 0.0 ? 0.0f : (float)going.done, 484.0f, 8.0f, UI_STYLE_GOOD);
+    ui_disabled_begin(on, going.is_cancelled);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        studio_cancel_export(self->studio, index);
+    ui_disabled_end(on);
+    ui_id_end(on);
+    ui_space(on, 6.0f);
+}
+
+/* It closes with the last of them. */
+static void draw_exports(desk *self)
+{
+    ui *on = self->ui;
+    const uint32_t count = studio_exports_going(self->studio);
+    if (!ui_dialog_begin(on, exports_dialog, "Exports", 520.0f))
+        return;
+    for (uint32_t i = 0; i < count; ++i)
+        draw_going(self, i);
+    if (ui_button(on, "Close", UI_QUIET) || count == 0)
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
+void desk_export_draw(desk *self)
+{
+    draw_wish(self);
+    draw_exports(self);
 }
 
 /* ---- work that is not saved ---- */

@@ -25,7 +25,8 @@ typedef struct desk_exporting {
     export_wish wish;
     uint32_t format, rate;
     bool only_range;
-    char trouble[1024];
+    char replaced[EXPORT_FILE]; /* the file that the person was told is there already */
+    char trouble[EXPORT_FILE + 64];
 } desk_exporting;
 
 typedef enum desk_leaving { /* what waits for the answer about unsaved work */
@@ -81,6 +82,7 @@ void desk_open_ask(desk *self, desk_open_kind kind);
 void desk_open_draw(desk *self);
 void desk_export_ask(desk *self);
 void desk_export_draw(desk *self);
+void desk_exports_ask(desk *self); /* those that go on */
 /* At once, or after the question about what is not saved. */
 void desk_quit(desk *self);
 void desk_change_face(desk *self, const char *path);

@@ -282,3 +282,13 @@ uint32_t studio_exports_going(const studio *self)
 {
     return studio_export_count(self->exports);
 }
+
+export_going studio_export_now(const studio *self, uint32_t index)
+{
+    return studio_export_at(self->exports, index);
+}
+
+void studio_cancel_export(studio *self, uint32_t index)
+{
+    studio_export_cancel(self->exports, index);
+}

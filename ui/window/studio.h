@@ -63,6 +63,9 @@ const char *studio_opening_trouble(const studio *self);
 struct export_wish;
 CHECKED mrt_result studio_export_take(studio *self, const struct export_wish *wish);
 uint32_t studio_exports_going(const studio *self);
+/* studio_export.h: index 0..studio_exports_going - 1. */
+struct export_going studio_export_now(const studio *self, uint32_t index);
+void studio_cancel_export(studio *self, uint32_t index);
 
 /* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
  * said in the news. */

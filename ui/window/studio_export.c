@@ -2,6 +2,7 @@
 
 #include "base/program.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -9,22 +10,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { JOBS_MAX = 4, SAID_MAX_BYTES = 1024 };
+enum { JOBS_MAX = 4, LINE = 1024, NICENESS = 10 /* whoever performs goes first */ };
 
 extern char **environ;
 
 typedef struct job {
     pid_t pid; /* 0: free */
     int said;  /* what it says on stderr */
-    char file[EXPORT_FILE], text[SAID_MAX_BYTES];
+    export_going going;
+    char line[LINE], last[LINE]; /* being read; the last that was no progress */
     size_t length;
 } job;
 
 struct studio_export {
     job job[JOBS_MAX];
+    uint32_t order[JOBS_MAX], count; /* those that go on, the oldest first */
 };
 
 studio_export *studio_export_create(void)
@@ -57,10 +61,20 @@ void studio_export_destroy(studio_export *self)
 
 uint32_t studio_export_count(const studio_export *self)
 {
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < JOBS_MAX; ++i)
-        count += self->job[i].pid != 0;
-    return count;
+    return self->count;
+}
+
+export_going studio_export_at(const studio_export *self, uint32_t index)
+{
+    assert(index < self->count);
+    return self->job[self->order[index]].going;
+}
+
+void studio_export_cancel(studio_export *self, uint32_t index)
+{
+    assert(index < self->count);
+    job *one = &self->job[self->order[index]];
+    one->going.is_cancelled = kill(one->pid, SIGTERM) == 0;
 }
 
 /* ---- the child ---- */
@@ -104,6 +118,24 @@ static void make_call(call *out, const char *show_path, int64_t take, const char
     *at = NULL;
 }
 
+/* The environment with MAROTTE_PROGRESS=lines (progress.h); NULL: no memory. free it. */
+static char **environment_with_progress(void)
+{
+    static char wanted[] = "MAROTTE_PROGRESS=lines";
+    size_t count = 0, kept = 0;
+    while (environ[count])
+        count += 1;
+    char **out = malloc((count + 2) * sizeof *out);
+    for (size_t i = 0; out && i < count; ++i)
+        if (strncmp(environ[i], wanted, strcspn(wanted, "=") + 1) != 0)
+            out[kept++] = environ[i];
+    if (!out)
+        return NULL;
+    out[kept] = wanted;
+    out[kept + 1] = NULL;
+    return out;
+}
+
 static int spawn(pid_t *out_pid, const call *what, int said)
 {
     posix_spawn_file_actions_t actions;
@@ -111,9 +143,12 @@ static int spawn(pid_t *out_pid, const call *what, int said)
         const char *const *texts;
         char *const *arguments;
     } cast = {.texts = what->argument};
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
+    char **environment = environment_with_progress();
+    int failed = environment ? posix_spawn_file_actions_init(&actions) : ENOMEM;
+    if (failed) {
+        free(environment);
         return failed;
+    }
     failed = posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
     if (!failed)
         failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -121,8 +156,11 @@ static int spawn(pid_t *out_pid, const call *what, int said)
         failed =
             posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     if (!failed)
-        failed = posix_spawn(out_pid, what->program, &actions, NULL, cast.arguments, environ);
+        failed = posix_spawn(out_pid, what->program, &actions, NULL, cast.arguments, environment);
     (void)posix_spawn_file_actions_destroy(&actions);
+    free(environment);
+    if (!failed)
+        (void)setpriority(PRIO_PROCESS, (id_t)*out_pid, NICENESS);
     return failed;
 }
 
@@ -147,12 +185,11 @@ static mrt_result begin_job(job *self, const call *what, error *err)
 mrt_result studio_export_begin(studio_export *self, const char *show_path, int64_t take,
                                const char *face_path, const export_wish *wish, error *err)
 {
-    job *free_job = NULL;
+    uint32_t at = 0;
     call what;
-    for (uint32_t i = 0; i < JOBS_MAX && !free_job; ++i)
-        if (self->job[i].pid == 0)
-            free_job = &self->job[i];
-    if (!free_job)
+    while (at < JOBS_MAX && self->job[at].pid != 0)
+        at += 1;
+    if (at == JOBS_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%d exports are going on: wait until one has ended", JOBS_MAX);
     if (!wish->file[0] || wish->file[0] == '-')
@@ -162,61 +199,90 @@ mrt_result studio_export_begin(studio_export *self, const char *show_path, int64
     if (result < 0)
         return result;
     make_call(&what, show_path, take, face_path, wish);
-    *free_job = (job){.length = 0};
-    (void)snprintf(free_job->file, sizeof free_job->file, "%s", wish->file);
-    return begin_job(free_job, &what, err);
+    job *one = &self->job[at];
+    *one = (job){.going.done = -1.0};
+    (void)snprintf(one->going.file, sizeof one->going.file, "%s", wish->file);
+    result = begin_job(one, &what, err);
+    if (result >= 0)
+        self->order[self->count++] = at;
+    return result;
 }
 
-/* ---- its end ---- */
+/* ---- what it says ---- */
 
-/* The last it said; what is older gives way. */
+static void hear_line(job *self)
+{
+    export_going *going = &self->going;
+    double done;
+    char doing[sizeof going->doing];
+    self->line[self->length] = '\0';
+    self->length = 0;
+    if (sscanf(self->line, "progress %lf %31s", &done, doing) == 2) {
+        going->done = done;
+        memcpy(going->doing, doing, sizeof doing);
+    } else if (self->line[0]) {
+        memcpy(self->last, self->line, sizeof self->last);
+    }
+}
+
+/* Of a line that is too long the rest is not heard. */
 static void listen(job *self)
 {
     char piece[256];
     ssize_t got;
-    while ((got = read(self->said, piece, sizeof piece)) > 0) {
-        const size_t size = (size_t)got, room = sizeof self->text - 1;
-        const size_t over = self->length + size > room ? self->length + size - room : 0;
-        memmove(self->text, self->text + over, self->length - over);
-        memcpy(self->text + self->length - over, piece, size);
-        self->length += size - over;
-        self->text[self->length] = '\0';
-    }
+    while ((got = read(self->said, piece, sizeof piece)) > 0)
+        for (ssize_t i = 0; i < got; ++i)
+            if (piece[i] == '\n')
+                hear_line(self);
+            else if (self->length < sizeof self->line - 1)
+                self->line[self->length++] = piece[i];
 }
 
-static const char *last_line(char *text)
+/* Without the words of the program that says it. */
+static const char *reason_of(const job *self)
 {
-    size_t length = strlen(text);
-    while (length && (text[length - 1] == '\n' || text[length - 1] == '\r'))
-        text[--length] = '\0';
-    const char *line = strrchr(text, '\n');
-    return line ? line + 1 : text;
+    static const char speaker[] = "marotte take export: ";
+    const size_t length = sizeof speaker - 1;
+    return strncmp(self->last, speaker, length) == 0 ? self->last + length : self->last;
+}
+
+/* ---- its end ---- */
+
+static mrt_result tell_end(const job *self, int status, char *out_text, size_t capacity)
+{
+    const char *file = self->going.file, *why = reason_of(self);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        (void)snprintf(out_text, capacity, "exported %s", file);
+        return MRT_OK;
+    }
+    if (self->going.is_cancelled) {
+        (void)snprintf(out_text, capacity, "the export of %s was cancelled", file);
+        return MRT_OK;
+    }
+    if (why[0])
+        (void)snprintf(out_text, capacity, "%s was not exported: %s", file, why);
+    else
+        (void)snprintf(out_text, capacity, "%s was not exported: the exporter %s", file,
+                       WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "failed");
+    return MRT_ERR_IO;
 }
 
 bool studio_export_ended(studio_export *self, mrt_result *out_result, char *out_text,
                          size_t capacity)
 {
-    for (uint32_t i = 0; i < JOBS_MAX; ++i) {
-        job *one = &self->job[i];
+    for (uint32_t i = 0; i < self->count; ++i) {
+        job *one = &self->job[self->order[i]];
         int status = 0;
-        if (one->pid == 0)
-            continue;
         listen(one);
         if (waitpid(one->pid, &status, WNOHANG) != one->pid)
             continue;
         listen(one);
+        hear_line(one);
         close(one->said);
         one->pid = 0;
-        const bool is_good = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-        const char *why = last_line(one->text);
-        *out_result = is_good ? MRT_OK : MRT_ERR_IO;
-        if (is_good)
-            (void)snprintf(out_text, capacity, "exported %s", one->file);
-        else if (why[0])
-            (void)snprintf(out_text, capacity, "%s was not exported: %s", one->file, why);
-        else
-            (void)snprintf(out_text, capacity, "%s was not exported: the exporter %s", one->file,
-                           WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "failed");
+        self->count -= 1;
+        memmove(&self->order[i], &self->order[i + 1], (self->count - i) * sizeof *self->order);
+        *out_result = tell_end(one, status, out_text, capacity);
         return true;
     }
     return false;

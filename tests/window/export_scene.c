@@ -1,0 +1,101 @@
+/* The export dialog in the whole window: what is there already is asked about, what goes on says
+ * how far it is and can be cancelled. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+
+static bool has_recorded(scene *s, void *data)
+{
+    (void)data;
+    return studio_status(s->studio)->recorded_ns > NS_PER_S;
+}
+
+static bool has_take(scene *s, void *data)
+{
+    (void)data;
+    return studio_take(s->studio) != NULL && !studio_status(s->studio)->is_recording;
+}
+
+static bool are_exports(scene *s, void *data)
+{
+    return studio_exports_going(s->studio) == *(uint32_t *)data;
+}
+
+static void open_with_a_take(scene *s)
+{
+    static char hand[512];
+    static const char *const inputs[] = {hand};
+    (void)snprintf(hand, sizeof hand, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    const scene_options options = {
+        .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = inputs, .input_count = 1};
+    scene_open_with(s, &options);
+    scene_let_cut(s, "/tmp/");
+    scene_let_cut(s, "demo_hand");
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_recorded, NULL));
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_take, NULL));
+}
+
+static void ask_for_an_export(scene *s, const char *format)
+{
+    scene_do(s, ACTION_EXPORT);
+    scene_click_word(s, "glTF, for Blender, Unity, Unreal (.glb)");
+    scene_click_word(s, format);
+    scene_click_word(s, "Export");
+}
+
+static void what_is_there_is_replaced_when_asked_twice(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t none = 0;
+    open_with_a_take(&s);
+    ask_for_an_export(&s, "Table (.csv)");
+    assert_true(scene_until(&s, are_exports, &none));
+    scene_do(&s, ACTION_EXPORT);
+    scene_click_word(&s, "Export");
+    assert_int_equal(studio_exports_going(s.studio), 0);
+    assert_non_null(scene_word_with(&s, "is there already"));
+    scene_picture(&s, "export_replaces");
+    scene_check_words(&s);
+    scene_click_word(&s, "Export");
+    assert_null(scene_word(&s, "Cancel"));
+    assert_true(scene_until(&s, are_exports, &none));
+    scene_close(&s);
+}
+
+static void what_goes_on_is_seen_and_cancelled(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t none = 0;
+    open_with_a_take(&s);
+    ask_for_an_export(&s, "Pictures, a folder of PNG");
+    assert_int_equal(studio_exports_going(s.studio), 1);
+    const ui_word *word = scene_word_with(&s, "Exporting");
+    assert_non_null(word);
+    scene_click(&s, word->where.x + 4.0f, word->where.y + 4.0f);
+    scene_picture(&s, "export_goes_on");
+    scene_check_words(&s);
+    scene_click_word(&s, "Cancel");
+    assert_true(scene_until(&s, are_exports, &none));
+    scene_frames(&s, 3);
+    assert_null(scene_word_with(&s, "Exporting"));
+    assert_null(scene_word(&s, "Exports"));
+    scene_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_there_is_replaced_when_asked_twice),
+        cmocka_unit_test(what_goes_on_is_seen_and_cancelled),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
