@@ -93,6 +93,7 @@ typedef struct rig_contact {
 typedef struct rig_proxy { /* "skull_proxy": skin does not enter it */
     uint32_t bone;
     vec3 centre, radii; /* mm */
+    uint32_t source;    /* as of a region */
 } rig_proxy;
 
 typedef struct rig_pose { /* "poses": [ { "name", "dofs": { name: value }, "pulls": { contact:

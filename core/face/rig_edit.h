@@ -63,6 +63,34 @@ CHECKED mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vert
 /* "eye.l" gives "eye.r" and the other way round; false: it has no side. */
 bool rig_edit_other_side(const char *name, char *out, size_t capacity);
 
+/* ---- bones: the first one carries the face and stays ---- */
+
+/* Of the first bone. A jaw turns about an axis of that half width through `at`, with an adult's
+ * limits, and there is one; a ball turns about `at`, up and down and to the sides. Nothing rides on
+ * it yet. */
+CHECKED mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 at,
+                                     double half_mm, uint32_t *out_index, error *err);
+/* What rode on it rides on its parent; poses no longer move it. */
+CHECKED mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err);
+/* Poses follow. */
+CHECKED mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err);
+CHECKED mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm,
+                                     error *err);
+
+/* ---- what the skin does not enter ---- */
+
+CHECKED mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_index,
+                                      error *err);
+CHECKED mrt_result rig_edit_remove_proxy(rig *r, uint32_t index, error *err);
+CHECKED mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *proxy, error *err);
+
+/* ---- poses ---- */
+
+/* Copied. Its name is no other pose's. */
+CHECKED mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, error *err);
+CHECKED mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err);
+CHECKED mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *err);
+
 /* ---- the jaw ---- */
 
 typedef struct rig_edit_jaw {

@@ -416,7 +416,8 @@ const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index)
         return NULL;
     uint32_t source = section == RIG_REGIONS    ? r->region[index].source
                       : section == RIG_CONTACTS ? r->contact[index].source
-                                                : index + 1;
+                      : section == RIG_PROXIES  ? r->proxy[index].source
+                                                : 0;
     if (!name)
         return source > 0 && source <= d->entry_count[section] ? &d->entry[section][source - 1]
                                                                : NULL;
@@ -430,7 +431,7 @@ rig_place rig_where(const rig *r, rig_section section, uint32_t index)
 {
     const rig_document *d = r->document;
     const rig_entry *source = rig_source(r, section, index);
-    bool may_have_moved = section == RIG_REGIONS || section == RIG_CONTACTS;
+    bool may_have_moved = section != RIG_SETS;
     if (source && (!may_have_moved || d->file_count > 1))
         return source->node.place;
     rig_place out;

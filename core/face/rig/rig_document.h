@@ -65,6 +65,7 @@ rig_place rig_where(const rig *r, rig_section section, uint32_t index);
 CHECKED mrt_result rig_fill(rig *r, const rig_document *d, error *err); /* rig_parse.c */
 /* rig_parse_bone.c: fills r->bone, whose memory is there. */
 CHECKED mrt_result rig_fill_bones(rig *r, const rig_document *d, error *err);
+extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says none */
 /* rig_parse_pose.c: as above, for poses and contact sets. */
 CHECKED mrt_result rig_fill_poses(rig *r, const rig_document *d, error *err);
 CHECKED mrt_result rig_fill_contact_sets(rig *r, const rig_document *d, error *err);

@@ -20,7 +20,7 @@ void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
                           .slide_mm = jaw->slide_mm};
 }
 
-static bool is_place(vec3 p)
+bool rig_edit_is_place(vec3 p)
 {
     return fabs(p.x) <= coordinate_cap && fabs(p.y) <= coordinate_cap &&
            fabs(p.z) <= coordinate_cap;
@@ -35,7 +35,8 @@ static mrt_result check(const rig *r, uint32_t bone, const rig_edit_jaw *jaw, er
 {
     if (bone >= r->bone_count || r->bone[bone].kind != BONE_JAW)
         return error_set(err, MRT_ERR_ARGUMENT, "there is no jaw to change");
-    if (!is_place(jaw->left) || !is_place(jaw->right) || !is_place(jaw->incisor))
+    if (!rig_edit_is_place(jaw->left) || !rig_edit_is_place(jaw->right) ||
+        !rig_edit_is_place(jaw->incisor))
         return error_set(err, MRT_ERR_ARGUMENT, "the jaw's axis is too far away");
     if (!(jaw->left.x - jaw->right.x >= least_width_mm))
         return error_set(err, MRT_ERR_ARGUMENT,

@@ -302,6 +302,7 @@ static mrt_result fill_proxies(rig *r, const rig_document *d, error *err)
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_PROXIES]; ++i) {
         const rig_entry *entry = &d->entry[RIG_PROXIES][i];
         r->proxy_count = i + 1;
+        r->proxy[i].source = i + 1;
         result = fill_proxy(r, &r->proxy[i], &entry->node, d->file[entry->file].mm_per_unit, err);
     }
     return result;

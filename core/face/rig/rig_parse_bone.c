@@ -8,10 +8,10 @@
 
 static const double radian_per_degree = ANGLE_PI / 180.0;
 /* Of an adult (Ferrario 2005, Travers 2000). */
-static const rig_bone adult_jaw = {.open_max_rad = 32.0 * ANGLE_PI / 180.0,
-                                   .lateral_mm = 10.0,
-                                   .forward_mm = 8.0,
-                                   .slide_mm = 12.0};
+const rig_bone rig_adult_jaw = {.open_max_rad = 32.0 * ANGLE_PI / 180.0,
+                                .lateral_mm = 10.0,
+                                .forward_mm = 8.0,
+                                .slide_mm = 12.0};
 
 typedef struct reading {
     rig *r;
@@ -74,10 +74,10 @@ static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
 static mrt_result read_jaw(rig_bone *bone, const reading *in, error *err)
 {
     bone->kind = BONE_JAW;
-    bone->open_max_rad = adult_jaw.open_max_rad;
-    bone->lateral_mm = adult_jaw.lateral_mm;
-    bone->forward_mm = adult_jaw.forward_mm;
-    bone->slide_mm = adult_jaw.slide_mm;
+    bone->open_max_rad = rig_adult_jaw.open_max_rad;
+    bone->lateral_mm = rig_adult_jaw.lateral_mm;
+    bone->forward_mm = rig_adult_jaw.forward_mm;
+    bone->slide_mm = rig_adult_jaw.slide_mm;
     mrt_result result = read_hinge(bone, in, err);
     rig_node open = rig_json_member(&in->node, "open_deg");
     if (result >= 0 && open.value)

@@ -1,0 +1,290 @@
+/* Bones, ellipsoids and poses of a rig as a person adds, names and takes them out: what is written
+ * is read again as it was meant, what rides on something that goes rides on, and what makes no
+ * sense is refused and changes nothing. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "base/file.h"
+#include "face/rig_edit.h"
+#include "rig_help.h"
+
+#include <math.h>
+#include <unistd.h>
+
+static char folder[64];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    strcpy(folder, "/tmp/marotte_parts_XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[128];
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    return system(command);
+}
+
+static void must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+/* Refused, with a line that says why. */
+static void refused(mrt_result result, const error *err, const char *why)
+{
+    assert_true(result < 0);
+    if (!strstr(err->text, why))
+        fail_msg("\"%s\" does not say \"%s\"", err->text, why);
+}
+
+static const char body[] =
+    "\"bones\": [{\"name\": \"skull\"},"
+    " {\"name\": \"jaw\", \"hinge\": {\"left\": [50, 0, 0], \"right\": [-50, 0, 0]}},"
+    " {\"name\": \"tongue\", \"parent\": \"jaw\"}],"
+    "\"regions\": [{\"bone\": \"jaw\", \"weight\": 1, \"select\": {\"vertices\": [20]}},"
+    " {\"bone\": \"tongue\", \"rigid\": true, \"select\": {\"vertices\": [3]}},"
+    " {\"mobility\": 1, \"select\": {\"vertices\": [4]}}],"
+    "\"contacts\": [{\"name\": \"tip\", \"vertex\": 4, \"bone\": \"tongue\"},"
+    " {\"name\": \"brow\", \"vertex\": 0}],"
+    "\"skull_proxy\": [{\"ellipsoid\": {\"centre\": [0, 1, 2], \"radii\": [3, 4, 5], "
+    "\"bone\": \"skull\"}, \"who\": \"Ana\"},"
+    " {\"ellipsoid\": {\"centre\": [6, 7, 8], \"radii\": [1, 1, 1], \"bone\": \"tongue\"}, "
+    "\"who\": \"Bo\"}],"
+    "\"poses\": [{\"name\": \"wide\", \"dofs\": {\"jaw.open\": 20, \"jaw.lateral\": 3},"
+    " \"pulls\": {\"tip\": [0, 1, 0]}}]";
+
+static void make(rig *out)
+{
+    error err = {""};
+    must(rig_with(out, body, &err), &err);
+}
+
+/* Written, and read again in its place. */
+static void again(rig *r)
+{
+    error err = {""};
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/a.rig.json", folder);
+    must(rig_write(r, path, &err), &err);
+    rig_destroy(r);
+    must(rig_read(r, path, &err), &err);
+}
+
+/* ---- bones ---- */
+
+static void an_eye_is_added_and_read_again(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    const vec3 at = {30, 40, 50};
+    make(&r);
+    must(rig_edit_add_bone(&r, "eye.l", BONE_BALL, at, 12.0, &index, &err), &err);
+    assert_int_equal(index, 3);
+    must(rig_edit_set_ball(&r, index, (vec3){31, 41, 51}, 13.0, &err), &err);
+    again(&r);
+    assert_int_equal(r.bone_count, 4);
+    assert_string_equal(r.bone[3].name, "eye.l");
+    assert_int_equal(r.bone[3].kind, BONE_BALL);
+    assert_int_equal(r.bone[3].parent, 0);
+    assert_float_equal(r.bone[3].centre.z, 51.0, 1e-9);
+    assert_float_equal(r.bone[3].radius_mm, 13.0, 1e-9);
+    assert_int_equal(r.bone[3].turn_count, 2);
+    assert_true(r.bone[3].turn[0].max_rad > 0.3);
+    rig_destroy(&r);
+}
+
+static void a_rigid_part_and_a_jaw_are_added(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index;
+    must(rig_with(&r, "\"bones\": [{\"name\": \"skull\"}]", &err), &err);
+    must(rig_edit_add_bone(&r, "jaw", BONE_JAW, (vec3){1, 2, 3}, 40.0, &index, &err), &err);
+    must(rig_edit_add_bone(&r, "hat", BONE_FIXED, (vec3){0, 0, 0}, 1.0, &index, &err), &err);
+    again(&r);
+    assert_int_equal(r.bone[1].kind, BONE_JAW);
+    assert_float_equal(r.bone[1].hinge_left.x, 41.0, 1e-9);
+    assert_float_equal(r.bone[1].hinge_right.x, -39.0, 1e-9);
+    assert_true(fabs(r.bone[1].open_max_rad - 32.0 * acos(-1.0) / 180.0) < 1e-9);
+    assert_int_equal(r.bone[2].kind, BONE_FIXED);
+    rig_destroy(&r);
+}
+
+static void what_rode_on_a_bone_rides_on_its_parent(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    make(&r);
+    must(rig_edit_remove_bone(&r, 1, &err), &err);
+    again(&r);
+    assert_int_equal(r.bone_count, 2);
+    assert_string_equal(r.bone[1].name, "tongue");
+    assert_int_equal(r.bone[1].parent, 0);
+    assert_int_equal(r.region[0].bone, 0);
+    assert_int_equal(r.region[1].bone, 1);
+    assert_int_equal(r.region[2].bone, RIG_NONE);
+    assert_int_equal(r.contact[0].bone, 1);
+    assert_int_equal(r.contact[1].bone, RIG_NONE);
+    assert_int_equal(r.proxy[1].bone, 1);
+    assert_int_equal(r.pose[0].dof_count, 0);
+    assert_int_equal(r.pose[0].pull_count, 1);
+    rig_destroy(&r);
+}
+
+static void poses_follow_a_bones_name(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    make(&r);
+    must(rig_edit_name_bone(&r, 1, "beak", &err), &err);
+    again(&r);
+    assert_int_equal(rig_find_bone(&r, "beak"), 1);
+    assert_int_equal(r.bone[2].parent, 1);
+    assert_int_equal(r.pose[0].dof_count, 2);
+    for (uint32_t i = 0; i < 2; ++i)
+        assert_int_equal(strncmp(r.pose[0].dof_name[i], "beak.", 5), 0);
+    rig_destroy(&r);
+}
+
+static void bones_that_make_no_sense_are_refused(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = 77;
+    const vec3 here = {0, 0, 0}, nowhere = {(double)NAN, 0, 0};
+    make(&r);
+    refused(rig_edit_add_bone(&r, "jaw2", BONE_JAW, here, 9, &index, &err), &err, "already");
+    refused(rig_edit_add_bone(&r, "jaw", BONE_FIXED, here, 9, &index, &err), &err, "another bone");
+    refused(rig_edit_add_bone(&r, "", BONE_FIXED, here, 9, &index, &err), &err, "1 to");
+    refused(rig_edit_add_bone(&r, "x", BONE_BALL, nowhere, 9, &index, &err), &err, "too far");
+    refused(rig_edit_add_bone(&r, "x", BONE_BALL, here, 0, &index, &err), &err, "too small");
+    refused(rig_edit_remove_bone(&r, 0, &err), &err, "stays");
+    refused(rig_edit_remove_bone(&r, 9, &err), &err, "no bone 9");
+    refused(rig_edit_name_bone(&r, 0, "head", &err), &err, "stays");
+    refused(rig_edit_set_ball(&r, 1, here, 3.0, &err), &err, "no ball");
+    assert_int_equal(r.bone_count, 3);
+    assert_int_equal(index, 77);
+    for (uint32_t i = r.bone_count; i < RIG_BONES_MAX; ++i) {
+        char name[16];
+        (void)snprintf(name, sizeof name, "part %u", i);
+        must(rig_edit_add_bone(&r, name, BONE_FIXED, here, 9, &index, &err), &err);
+    }
+    refused(rig_edit_add_bone(&r, "more", BONE_FIXED, here, 9, &index, &err), &err, "at most 16");
+    rig_destroy(&r);
+}
+
+/* ---- ellipsoids ---- */
+
+static void ellipsoids_come_change_and_go(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    rig_proxy made = {.bone = 1, .centre = {1, 2, 3}, .radii = {4, 5, 6}};
+    make(&r);
+    must(rig_edit_add_proxy(&r, &made, &index, &err), &err);
+    assert_int_equal(index, 2);
+    must(rig_edit_remove_proxy(&r, 0, &err), &err);
+    made.radii.y = 9.0;
+    must(rig_edit_set_proxy(&r, 1, &made, &err), &err);
+    again(&r);
+    assert_int_equal(r.proxy_count, 2);
+    assert_float_equal(r.proxy[0].centre.x, 6.0, 1e-9);
+    assert_int_equal(r.proxy[0].bone, 2);
+    assert_int_equal(r.proxy[1].bone, 1);
+    assert_float_equal(r.proxy[1].radii.y, 9.0, 1e-9);
+    assert_true(r.note && strstr(r.note, "skull_proxy[0].who")); /* Bo's stays Bo's */
+    made.radii.x = 0.0;
+    refused(rig_edit_add_proxy(&r, &made, &index, &err), &err, "above 0");
+    made.radii.x = (double)INFINITY;
+    refused(rig_edit_set_proxy(&r, 0, &made, &err), &err, "too far");
+    made = r.proxy[0];
+    made.bone = 12;
+    refused(rig_edit_set_proxy(&r, 0, &made, &err), &err, "no bone 12");
+    refused(rig_edit_remove_proxy(&r, 5, &err), &err, "no ellipsoid 5");
+    rig_destroy(&r);
+}
+
+static void what_this_version_does_not_know_stays_with_its_ellipsoid(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    char path[128];
+    file_bytes bytes;
+    make(&r);
+    must(rig_edit_remove_proxy(&r, 0, &err), &err);
+    again(&r);
+    (void)snprintf(path, sizeof path, "%s/a.rig.json", folder);
+    must(file_read(&bytes, path, 1 << 20, &err), &err);
+    assert_non_null(strstr((const char *)bytes.data, "Bo"));
+    assert_null(strstr((const char *)bytes.data, "Ana"));
+    file_bytes_finish(&bytes);
+    rig_destroy(&r);
+}
+
+/* ---- poses ---- */
+
+static void poses_come_are_named_and_go(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE, contact[2] = {1, 0};
+    char open[] = "jaw.open";
+    char *dof[] = {open};
+    double value[] = {0.3};
+    vec3 way[2] = {{0, 3, 1}, {1, 0, 0}};
+    char name[] = "surprise";
+    const rig_pose pose = {name, dof, value, 1, contact, way, 2};
+    make(&r);
+    must(rig_edit_add_pose(&r, &pose, &index, &err), &err);
+    assert_int_equal(index, 1);
+    refused(rig_edit_add_pose(&r, &pose, &index, &err), &err, "another pose");
+    must(rig_edit_name_pose(&r, 1, "oh", &err), &err);
+    refused(rig_edit_name_pose(&r, 1, "wide", &err), &err, "another pose");
+    again(&r);
+    assert_int_equal(r.pose_count, 2);
+    assert_string_equal(r.pose[1].name, "oh");
+    assert_float_equal(r.pose[1].dof_value[0], 0.3, 1e-9);
+    assert_int_equal(r.pose[1].pull_count, 2);
+    must(rig_edit_remove_pose(&r, 0, &err), &err);
+    again(&r);
+    assert_int_equal(r.pose_count, 1);
+    assert_string_equal(r.pose[0].name, "oh");
+    refused(rig_edit_remove_pose(&r, 1, &err), &err, "no pose 1");
+    (void)snprintf(open, sizeof open, "%s", "jaw.hop");
+    (void)snprintf(name, sizeof name, "%s", "other");
+    refused(rig_edit_add_pose(&r, &pose, &index, &err), &err, "jaw.hop");
+    rig_destroy(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_eye_is_added_and_read_again),
+        cmocka_unit_test(a_rigid_part_and_a_jaw_are_added),
+        cmocka_unit_test(what_rode_on_a_bone_rides_on_its_parent),
+        cmocka_unit_test(poses_follow_a_bones_name),
+        cmocka_unit_test(bones_that_make_no_sense_are_refused),
+        cmocka_unit_test(ellipsoids_come_change_and_go),
+        cmocka_unit_test(what_this_version_does_not_know_stays_with_its_ellipsoid),
+        cmocka_unit_test(poses_come_are_named_and_go),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
