@@ -1,5 +1,6 @@
 #include "csrbf/columns.h"
 
+#include "base/large.h"
 #include "base/pool.h"
 #include "csrbf/lanes.h"
 
@@ -8,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { ALIGNMENT = 64, STAGGER = 16 }; /* floats between two rows: no power of two */
-enum { FAR_BYTES_MAX = 32 << 20 };     /* of a last-level cache, which others use too */
+enum { STAGGER = 16 };             /* floats between two rows: no power of two */
+enum { FAR_BYTES_MAX = 16 << 20 }; /* of a last-level cache, which others use too */
 enum { SHARED_FROM_BLOCKS = 131072 / POINTS_BLOCK, GRAIN = 64 }; /* base/pool.h */
 
 static uint32_t words_of(uint32_t count)
@@ -79,7 +80,7 @@ mrt_result columns_create(columns *out, const points *like, uint32_t capacity, e
     out->stride = (size_t)like->padded_count + STAGGER;
     if (capacity <= COLUMNS_CAPACITY && rows < SIZE_MAX / sizeof(float) / out->stride - 1) {
         size_t marks = (size_t)out->mark_words * out->block_count;
-        out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
+        out->value = large_alloc((rows + 1) * out->stride * sizeof *out->value);
         out->mark = calloc(marks + 1, sizeof *out->mark);
         out->filled = calloc(rows + 1, sizeof *out->filled);
     }

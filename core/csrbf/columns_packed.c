@@ -1,12 +1,13 @@
 #include "csrbf/columns_packed.h"
 
+#include "base/large.h"
 #include "csrbf/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64, STAGGER = 32 }; /* numbers between two rows: no power of two */
+enum { STAGGER = 32 }; /* numbers between two rows: no power of two */
 static const float steps = 32767.0f;
 
 mrt_result columns_packed_create(columns_packed *out, const columns *like, error *err)
@@ -14,7 +15,7 @@ mrt_result columns_packed_create(columns_packed *out, const columns *like, error
     size_t rows = like->capacity;
     *out = (columns_packed){.stride = (size_t)like->block_count * POINTS_BLOCK + STAGGER};
     if (rows < SIZE_MAX / out->stride / sizeof *out->value - 1) {
-        out->value = aligned_alloc(ALIGNMENT, (rows + 1) * out->stride * sizeof *out->value);
+        out->value = large_alloc((rows + 1) * out->stride * sizeof *out->value);
         out->scale = calloc(rows + 1, sizeof *out->scale);
     }
     if (out->value && out->scale && columns_weights_create(&out->weights, like->capacity))

@@ -1,5 +1,6 @@
 #include "csrbf/points.h"
 
+#include "base/large.h"
 #include "csrbf/order.h"
 #include "csrbf/points_range.h"
 
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: no power of two */
+enum { STAGGER = 80 }; /* floats between two streams: no power of two */
 
 static bool usable(float v)
 {
@@ -76,7 +77,7 @@ mrt_result points_create(points *out, const points_order *order, const float *xy
         return error_set(err, MRT_ERR_UNSUPPORTED, "%u vertices are too many", order->count);
     out->block_count = (uint32_t)blocks;
     out->padded_count = (uint32_t)(blocks * POINTS_BLOCK);
-    out->x = aligned_alloc(ALIGNMENT, 3 * stream * sizeof(float));
+    out->x = large_alloc(3 * stream * sizeof(float));
     out->block = calloc(blocks + 1, sizeof *out->block);
     if (!out->x || !out->block) {
         points_destroy(out);

@@ -1,5 +1,6 @@
 #include "csrbf/tangents.h"
 
+#include "base/large.h"
 #include "csrbf/lanes.h"
 #include "csrbf/response.h"
 
@@ -36,7 +37,7 @@ mrt_result tangents_create(tangents *out, const points *like, uint32_t capacity,
         result = columns_packed_create(&out->packed1, &out->along1, err);
     if (result >= 0)
         result = columns_packed_create(&out->packed2, &out->along2, err);
-    out->rest = aligned_alloc(64, ((size_t)6 * like->padded_count + 64) * sizeof *out->rest);
+    out->rest = large_alloc((size_t)6 * like->padded_count * sizeof *out->rest);
     if (result >= 0 && !out->rest)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for tangents");
     if (result < 0)

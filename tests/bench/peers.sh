@@ -23,7 +23,7 @@ done
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MAROTTE_THREADS=1
 "$python" "$here/peers.py" "$ours" $eigen
 if command -v blender >/dev/null; then
-    blender -b --factory-startup -noaudio --python-exit-code 1 -P "$here/peers_blender.py" -- \
+    blender -b -t 1 --factory-startup -noaudio --python-exit-code 1 -P "$here/peers_blender.py" -- \
         "$ours" "$here" | grep -E '^(Blender [0-9].*(first|$)|Blender,)'
 else
     echo "Blender: not installed, skipped"

@@ -1,6 +1,7 @@
 /* The paper's Table 1: planar models, radii, anchored and unanchored; and larger models. */
 #include "bench/bench.h"
 #include "bench/bench_plane.h"
+#include "csrbf/columns_packed.h"
 #include "csrbf/shape.h"
 
 #include <math.h>
@@ -48,6 +49,7 @@ typedef struct cell { /* one model at one radius */
     bench *of;
     const bench_plane *plane;
     shape shape;
+    columns_packed packed; /* of the shape's responses */
     csrbf_solver *solver;
     bench_naive naive;
     double pull[BENCH_CONTROLS * 3];
@@ -62,6 +64,13 @@ static void run_anchored(void *data)
     mrt_result result = shape_pull(&self->shape, self->pull, NULL);
     if (result < 0)
         self->failed = result;
+}
+
+static void run_packed(void *data)
+{
+    cell *self = data;
+    columns_packed_move(&self->packed, &self->shape.response, &self->shape.shown, &self->shape.base,
+                        self->pull);
 }
 
 static void run_direct(void *data)
@@ -234,6 +243,76 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
     return MRT_OK;
 }
 
+/* From memory: the columns, the packed ones and no columns, in one comparison. */
+static void measure_cold(cell *self)
+{
+    bench *of = self->of;
+    char line[192];
+    columns_packed_take(&self->packed, &self->shape.response);
+    bench_work work[] = {
+        {.name = "columns", .run = run_anchored, .data = self, .before = flush},
+        {.name = "packed", .run = run_packed, .data = self, .before = flush},
+        {.name = "direct", .run = run_direct, .data = self, .before = flush},
+        {.name = "packed, hot", .run = run_packed, .data = self},
+    };
+    bench_measure(work, sizeof work / sizeof work[0], 2 * of->rounds, 6.0 * of->seconds);
+    double vertices = self->plane->vertex_count, packed_ns = work[1].least_ns;
+    snprintf(
+        line, sizeof line,
+        "cold       columns %.3f, packed %.3f (hot %.3f), direct %.3f ns/vertex: packed %.2f x "
+        "direct",
+        work[0].least_ns / vertices, packed_ns / vertices, work[3].least_ns / vertices,
+        work[2].least_ns / vertices, work[2].least_ns / packed_ns);
+    const facts_cell cells[] = {
+        {"vertices", NULL, vertices, 0},
+        {"columns_cold_ns", NULL, work[0].least_ns, 1},
+        {"packed_cold_ns", NULL, packed_ns, 1},
+        {"packed_hot_ns", NULL, work[3].least_ns, 1},
+        {"direct_cold_ns", NULL, work[2].least_ns, 1},
+    };
+    facts_row(of->told, "cold", "33025 R=80", line, cells, sizeof cells / sizeof cells[0]);
+    bench_at_least(of, "packed, cold: over direct", work[2].least_ns / packed_ns, 2.0);
+}
+
+static bool has_value(const float *value, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (value[i] != 0.0f)
+            return true;
+    return false;
+}
+
+/* What would be left of a frame's bytes if columns were left out by so many vertices. */
+static void tell_finer(cell *self, double radius_mm, size_t grain)
+{
+    const columns *c = &self->shape.response;
+    uint64_t bytes = bytes_of(self, false), finer = bytes_of(self, true);
+    char label[32], line[96];
+    for (uint32_t column = 0; column < c->count; ++column)
+        for (size_t at = 0; at < self->shape.base.padded_count; at += grain)
+            if (has_value(columns_row(c, column) + at, grain))
+                finer += grain * sizeof(float);
+    double share = (double)finer / (double)bytes;
+    snprintf(label, sizeof label, "%u R=%g", self->plane->vertex_count, radius_mm);
+    snprintf(line, sizeof line, "lists by %zu vertices would move %.0f %% of the bytes", grain,
+             100.0 * share);
+    const facts_cell cells[] = {
+        {"radius_mm", NULL, radius_mm, 1},
+        {"grain", NULL, (double)grain, 0},
+        {"share", NULL, share, 4},
+    };
+    facts_row(self->of->told, "finer", label, line, cells, sizeof cells / sizeof cells[0]);
+}
+
+/* What is looked into on the paper's largest model only. */
+static void measure_more(cell *self, uint32_t which)
+{
+    if (which == 0 || which == 1)
+        tell_finer(self, bench_radius_mm[which], 16);
+    if (which == BENCH_RADII - 1)
+        measure_cold(self);
+}
+
 static mrt_result measure_model(bench *self, const model *m, error *err)
 {
     bench_plane plane = {0};
@@ -241,15 +320,20 @@ static mrt_result measure_model(bench *self, const model *m, error *err)
     mrt_result result = bench_plane_create(&plane, m->quads, m->has_centres, err);
     if (result >= 0)
         result = shape_create(&c.shape, plane.xyz, plane.vertex_count, BENCH_CONTROLS, err);
+    if (result >= 0)
+        result = columns_packed_create(&c.packed, &c.shape.response, err);
     if (result >= 0 && !(c.solver = csrbf_solver_create(BENCH_CONTROLS)))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a solver");
     for (uint32_t i = 0; i < BENCH_RADII && result >= 0; ++i) {
         if (m->is_large && i != 0 && i != BENCH_RADII - 1)
             continue;
         result = measure(&c, bench_radius_mm[i], m, i, err);
+        if (result >= 0 && m->has_centres)
+            measure_more(&c, i);
         progress_show(&self->shown, -1.0, "the paper's grid");
     }
     csrbf_solver_destroy(c.solver);
+    columns_packed_destroy(&c.packed);
     shape_destroy(&c.shape);
     bench_plane_destroy(&plane);
     return result;

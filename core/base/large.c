@@ -1,0 +1,28 @@
+#include "base/large.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+/* Below it the part of a page that is not used would be worth more than what is gained. */
+static const size_t large_from = (size_t)8 << 20;
+static const size_t page = (size_t)2 << 20;
+
+static size_t up_to(size_t bytes, size_t step)
+{
+    return bytes > SIZE_MAX - step ? 0 : (bytes + step - 1) / step * step;
+}
+
+void *large_alloc(size_t bytes)
+{
+    size_t step = bytes < large_from ? (size_t)LARGE_ALIGNMENT : page;
+    size_t whole = up_to(bytes > 0 ? bytes : 1, step);
+    void *found = whole > 0 ? aligned_alloc(step, whole) : NULL;
+#ifdef MADV_HUGEPAGE
+    if (found && step == page)
+        (void)madvise(found, whole, MADV_HUGEPAGE); /* else it stays on small ones */
+#endif
+    return found;
+}
