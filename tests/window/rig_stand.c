@@ -27,12 +27,6 @@ const char *studio_face_path(const studio *self)
     return here->face_path;
 }
 
-const live_status *studio_status(const studio *self)
-{
-    (void)self;
-    return &here->status;
-}
-
 viewport *studio_viewport(studio *self)
 {
     (void)self;
