@@ -325,6 +325,49 @@ static void no_columns_are_the_base(void **state)
     strike_stand(&s);
 }
 
+static void one_vertex_and_room_for_none_are_columns_too(void **state)
+{
+    (void)state;
+    static const float alone[3] = {1.0f, 2.0f, 3.0f};
+    error err = {""};
+    points_order order;
+    points base, out;
+    columns c;
+    uint8_t moved = COLUMNS_MOVED;
+    const double weight[3] = {0.5, 0.0, -1.0};
+    for (uint32_t capacity = 0; capacity < 2; ++capacity) {
+        assert_int_equal(points_order_create(&order, alone, 1, &err), MRT_OK);
+        assert_int_equal(points_create(&base, &order, alone, &err), MRT_OK);
+        assert_int_equal(points_create(&out, &order, alone, &err), MRT_OK);
+        assert_int_equal(columns_create(&c, &base, capacity, &err), MRT_OK);
+        for (uint32_t i = 0; i < capacity * POINTS_BLOCK; ++i)
+            columns_row(&c, 0)[i] = 2.0f;
+        columns_note(&c, capacity);
+        assert_int_equal(columns_move_live(&c, &out, &base, weight, &moved), 1);
+        assert_int_equal(moved, capacity > 0 ? COLUMNS_MOVED : COLUMNS_RESTORED);
+        assert_true(out.x[0] == 1.0f + 1.0f * (float)capacity && out.y[0] == 2.0f);
+        assert_true(out.z[0] == 3.0f - 2.0f * (float)capacity);
+        columns_destroy(&c);
+        points_destroy(&out);
+        points_destroy(&base);
+        points_order_destroy(&order);
+        moved = COLUMNS_MOVED;
+    }
+}
+
+static void more_columns_than_there_can_be_are_refused(void **state)
+{
+    (void)state;
+    error err = {""};
+    stand s;
+    columns c;
+    raise_stand(&s, 1);
+    assert_int_equal(columns_create(&c, &s.base, COLUMNS_CAPACITY + 1, &err), MRT_ERR_MEMORY);
+    assert_string_equal(err.text, "no memory for 65536 columns of 1400 vertices");
+    assert_null(c.value);
+    strike_stand(&s);
+}
+
 static int restore(void **state)
 {
     (void)state;
@@ -344,6 +387,8 @@ int main(void)
         cmocka_unit_test(parts_are_the_whole),
         cmocka_unit_test(columns_beyond_the_weights_given_weigh_nothing),
         cmocka_unit_test(no_columns_are_the_base),
+        cmocka_unit_test(one_vertex_and_room_for_none_are_columns_too),
+        cmocka_unit_test(more_columns_than_there_can_be_are_refused),
     };
     return cmocka_run_group_tests(tests, fill, NULL);
 }
