@@ -3,7 +3,7 @@
  * does. One thread at a time, any that may read the show. */
 #ifndef MAROTTE_STAGE_ACTIVITY_H
 #define MAROTTE_STAGE_ACTIVITY_H
-#include "stage/source.h"
+#include "stage/take/source.h"
 #include "take/own.h"
 
 typedef struct activity activity;

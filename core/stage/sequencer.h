@@ -7,7 +7,7 @@
  * thread that may read the show. */
 #ifndef MAROTTE_STAGE_SEQUENCER_H
 #define MAROTTE_STAGE_SEQUENCER_H
-#include "stage/source.h"
+#include "stage/take/source.h"
 
 typedef struct sequencer sequencer;
 

@@ -7,7 +7,7 @@
 #define MAROTTE_STAGE_SOUND_H
 #include "stage/sound_device.h"
 #include "stage/sound_follow.h"
-#include "stage/sound_record.h"
+#include "stage/sound/sound_record.h"
 #include "stage/transport.h"
 #include "take/take.h"
 

@@ -9,7 +9,7 @@
 #define MAROTTE_STAGE_SOUND_FOLLOW_H
 #include "base/error.h"
 #include "base/ring.h"
-#include "stage/sound_clock.h"
+#include "stage/sound/sound_clock.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>

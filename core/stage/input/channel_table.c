@@ -1,0 +1,61 @@
+#include "stage/input/channel_table.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void copy_channel(channel_table *out, uint32_t i, const mrt_channel *from)
+{
+    snprintf(out->name[i], CHANNEL_NAME, "%s", from->name);
+    snprintf(out->unit[i], CHANNEL_UNIT, "%s", from->unit);
+    out->channel[i] = *from;
+    out->channel[i].name = out->name[i];
+    out->channel[i].unit = out->unit[i];
+}
+
+mrt_result channel_table_init(channel_table *out, const mrt_channel *channels, uint32_t count,
+                              const char *who, error *err)
+{
+    *out = (channel_table){0};
+    if (!channels || count == 0 || count > MRT_MAX_CHANNELS)
+        return error_set(err, MRT_ERR_FORMAT, "%s: reports %u channels, 1 to %d are possible", who,
+                         count, MRT_MAX_CHANNELS);
+    for (uint32_t i = 0; i < count; ++i) {
+        const mrt_channel *channel = &channels[i];
+        if (!channel->name || !channel->unit || channel->hand > MRT_NO_HAND)
+            return error_set(err, MRT_ERR_FORMAT, "%s: channel %u is not described", who, i);
+        copy_channel(out, i, channel);
+    }
+    out->count = count;
+    return MRT_OK;
+}
+
+static const char *hand_name(uint32_t hand)
+{
+    return hand == MRT_LEFT ? "left" : hand == MRT_RIGHT ? "right" : "no";
+}
+
+bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why)
+{
+    if (a->count != b->count) {
+        (void)error_set(out_why, MRT_ERR_UNSUPPORTED, "%u channels instead of %u", b->count,
+                        a->count);
+        return false;
+    }
+    for (uint32_t i = 0; i < a->count; ++i) {
+        const mrt_channel *x = &a->channel[i], *y = &b->channel[i];
+        if (x->semantic == y->semantic && x->hand == y->hand && strcmp(x->unit, y->unit) == 0)
+            continue;
+        (void)error_set(out_why, MRT_ERR_UNSUPPORTED,
+                        "channel %u as \"%s\" (%s hand, \"%s\") instead of \"%s\" (%s hand, "
+                        "\"%s\")",
+                        i, y->name, hand_name(y->hand), y->unit, x->name, hand_name(x->hand),
+                        x->unit);
+        return false;
+    }
+    return true;
+}
+
+bool channel_is_pedal(const mrt_channel *channel)
+{
+    return channel->semantic >= MRT_CH_PEDAL && channel->semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
+}

@@ -1,0 +1,22 @@
+/* stage/input/channel_table.h - what an input's channels mean, as a copy that outlives the device:
+ * the plugin's own description is gone while it is closed. Pure functions; any thread. */
+#ifndef MAROTTE_STAGE_CHANNEL_TABLE_H
+#define MAROTTE_STAGE_CHANNEL_TABLE_H
+#include "base/error.h"
+
+enum { CHANNEL_NAME = 48, CHANNEL_UNIT = 16 };
+typedef struct channel_table {
+    uint32_t count;
+    mrt_channel channel[MRT_MAX_CHANNELS]; /* names and units lie in the two arrays below */
+    char name[MRT_MAX_CHANNELS][CHANNEL_NAME], unit[MRT_MAX_CHANNELS][CHANNEL_UNIT];
+} channel_table;
+
+/* Refuses what a plugin may not say; `who` begins the error's text. The table must not move. */
+CHECKED mrt_result channel_table_init(channel_table *out, const mrt_channel *channels,
+                                      uint32_t count, const char *who, error *err);
+/* Same number and meaning: semantic, hand and unit of each. If not, out_why (may be NULL) says what
+ * `b` has: "18 channels instead of 22". */
+bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why);
+bool channel_is_pedal(const mrt_channel *channel);
+
+#endif

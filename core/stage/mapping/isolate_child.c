@@ -1,0 +1,273 @@
+/* marotte-pluginhost LIBRARY TYPE - one mapping in a process of its own: does what it is asked for
+ * in the memory that it finds at ISOLATE_FD. Started by stage/isolate_link.c, of no use to people;
+ * it ends with the program that has started it. */
+#include "base/clock.h"
+#include "stage/mapping/isolate_wire.h"
+#include "stage/mapping/library_file.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#ifndef __has_feature
+#define __has_feature(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||                               \
+    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+enum { LIMITS_MEMORY = 0 }; /* sanitizers reserve terabytes of addresses */
+#else
+enum { LIMITS_MEMORY = 1 };
+#endif
+
+static const rlim_t memory_bytes = (rlim_t)2 << 30;
+enum { FILES_MAX = 64 };
+
+typedef struct guest {
+    isolate_block *block;
+    const mrt_plugin_type *type;
+    const mrt_mapping *mapping;
+    const mrt_state *state;
+    const mrt_resume *resume;
+    mrt_plugin *self;
+    mrt_host host;
+    isolate_face face;
+    bool is_active;
+} guest;
+
+/* ---- the host that it sees ---- */
+
+static void say(isolate_block *block, int32_t level, const char *text)
+{
+    uint32_t at = atomic_load(&block->log_count);
+    isolate_log *line = &block->log[at % ISOLATE_LOGS];
+    line->level = level;
+    (void)snprintf(line->text, sizeof line->text, "%s", text);
+    atomic_store(&block->log_count, at + 1);
+}
+
+static void host_log(const mrt_host *host, int32_t level, const char *text)
+{
+    const guest *self = host->data;
+    say(self->block, level, text);
+}
+
+static int64_t host_now_ns(const mrt_host *host)
+{
+    (void)host;
+    return clock_now_ns();
+}
+
+static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
+{
+    (void)host;
+    clock_sleep_until_ns(time_ns);
+    return clock_now_ns();
+}
+
+static void host_request_restart(const mrt_host *host)
+{
+    host_log(host, MRT_LOG_WARNING, "asks to be restarted");
+}
+
+static const void *host_service(const mrt_host *host, const char *id)
+{
+    (void)host;
+    (void)id;
+    return NULL;
+}
+
+/* ---- the plugin ---- */
+
+static const void *interface_of(const mrt_plugin_type *type, const char *id)
+{
+    for (const mrt_interface *i = type->interfaces; i && i->id; ++i)
+        if (strcmp(i->id, id) == 0)
+            return i->functions;
+    return NULL;
+}
+
+static bool find_type(guest *self, const char *path, const char *id)
+{
+    error err = {""};
+    if (library_file_check(path, &err) < 0) {
+        say(self->block, MRT_LOG_ERROR, err.text);
+        return false;
+    }
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    const mrt_plugin_type *const *types = library ? dlsym(library, "marotte_plugins") : NULL;
+    for (; types && *types && (*types)->abi == MRT_ABI; ++types)
+        if (strcmp((*types)->id, id) == 0 && interface_of(*types, MRT_MAPPING))
+            self->type = *types;
+    if (self->type)
+        return true;
+    const char *reason = library ? NULL : dlerror();
+    say(self->block, MRT_LOG_ERROR, reason ? reason : "the library has changed: its type is gone");
+    return false;
+}
+
+static mrt_result create(guest *self)
+{
+    self->mapping = interface_of(self->type, MRT_MAPPING);
+    self->state = interface_of(self->type, MRT_STATE);
+    self->resume = interface_of(self->type, MRT_RESUME);
+    self->host = (mrt_host){
+        self, host_log, host_now_ns, host_wait_until_ns, host_request_restart, host_service};
+    self->block->param_count = self->type->param_count;
+    self->block->param_sum = isolate_param_sum(self->type);
+    self->self = self->type->create(&self->host);
+    return self->self ? MRT_OK : MRT_ERR_UNSUPPORTED;
+}
+
+static void deactivate(guest *self)
+{
+    if (self->is_active)
+        self->mapping->deactivate(self->self);
+    self->is_active = false;
+    isolate_face_finish(&self->face);
+}
+
+static mrt_result activate(guest *self)
+{
+    deactivate(self);
+    mrt_result result = isolate_face_take(&self->face, self->block->bytes, self->block->size);
+    if (result >= 0)
+        result = self->mapping->activate(self->self, &self->face.face);
+    self->is_active = result >= 0;
+    return result;
+}
+
+static uint32_t save(guest *self, size_t (*save_bytes)(mrt_plugin *, void *, size_t))
+{
+    size_t size = save_bytes(self->self, self->block->bytes, ISOLATE_BYTES);
+    return size <= ISOLATE_BYTES ? (uint32_t)size : 0;
+}
+
+static mrt_result process(guest *self)
+{
+    isolate_block *block = self->block;
+    if (!self->is_active)
+        return MRT_ERR_ARGUMENT;
+    block->frame.params = block->params;
+    mrt_result result = self->mapping->process(self->self, &block->frame, &block->pull);
+    if (block->with_resume && self->resume)
+        block->size = save(self, self->resume->save);
+    else
+        block->with_resume = 0;
+    return result;
+}
+
+static mrt_result answer(guest *self)
+{
+    isolate_block *block = self->block;
+    if (!self->self && block->kind != ISOLATE_CREATE)
+        return MRT_ERR_ARGUMENT;
+    switch (block->kind) {
+    case ISOLATE_CREATE:
+        return create(self);
+    case ISOLATE_DESTROY:
+        deactivate(self);
+        self->type->destroy(self->self);
+        return MRT_OK;
+    case ISOLATE_ACTIVATE:
+        return activate(self);
+    case ISOLATE_DEACTIVATE:
+        deactivate(self);
+        return MRT_OK;
+    case ISOLATE_RESET:
+        self->mapping->reset(self->self);
+        return MRT_OK;
+    case ISOLATE_PROCESS:
+        return process(self);
+    case ISOLATE_STATE_SAVE:
+        block->size = self->state ? save(self, self->state->save) : 0;
+        return MRT_OK;
+    case ISOLATE_STATE_LOAD:
+        return self->state ? self->state->load(self->self, block->bytes, block->size)
+                           : MRT_ERR_UNSUPPORTED;
+    case ISOLATE_RESUME_SAVE:
+        block->size = self->resume ? save(self, self->resume->save) : 0;
+        return MRT_OK;
+    case ISOLATE_RESUME_LOAD:
+        return self->resume ? self->resume->load(self->self, block->bytes, block->size)
+                            : MRT_ERR_UNSUPPORTED;
+    default:
+        return MRT_ERR_ARGUMENT;
+    }
+}
+
+/* ---- the process ---- */
+
+static void limit(int resource, rlim_t most)
+{
+    struct rlimit both = {most, most};
+    (void)setrlimit(resource, &both);
+}
+
+/* Dies with the thread that started it, inherits nothing but the block and where to complain. */
+static void confine(void)
+{
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    limit(RLIMIT_CORE, 0);
+    limit(RLIMIT_NOFILE, FILES_MAX);
+    if (LIMITS_MEMORY)
+        limit(RLIMIT_DATA, memory_bytes);
+    (void)syscall(SYS_close_range, (unsigned)ISOLATE_FD + 1, ~0u, 0u);
+}
+
+static isolate_block *map_block(void)
+{
+    struct stat status;
+    if (fstat(ISOLATE_FD, &status) != 0 || (size_t)status.st_size < sizeof(isolate_block))
+        return NULL;
+    void *at = mmap(NULL, sizeof(isolate_block), PROT_READ | PROT_WRITE, MAP_SHARED, ISOLATE_FD, 0);
+    (void)close(ISOLATE_FD);
+    return at == MAP_FAILED ? NULL : at;
+}
+
+static void serve(guest *self)
+{
+    isolate_block *block = self->block;
+    uint32_t done = 0;
+    for (;;) {
+        uint32_t asked = atomic_load(&block->asked);
+        if (asked == done) {
+            atomic_store(&block->child_waits, 1);
+            isolate_sleep_until_ns(&block->asked, done, INT64_MAX);
+            atomic_store(&block->child_waits, 0);
+            continue;
+        }
+        done = asked;
+        block->result = answer(self);
+        bool is_last = block->kind == ISOLATE_DESTROY;
+        atomic_store(&block->answered, done);
+        if (atomic_load(&block->program_waits))
+            isolate_wake(&block->answered);
+        if (is_last)
+            return;
+    }
+}
+
+int main(int argument_count, char **arguments)
+{
+    confine();
+    guest self = {.block = map_block()};
+    if (argument_count != 3 || !self.block || self.block->version != ISOLATE_VERSION) {
+        (void)fprintf(stderr, "marotte-pluginhost is started by marotte: see marotte help\n");
+        return 2;
+    }
+    if (getppid() != self.block->program_pid)
+        return 1; /* it ended before this process knew that it is to end with it */
+    if (!find_type(&self, arguments[1], arguments[2]))
+        return 1;
+    serve(&self);
+    return 0;
+}

@@ -1,0 +1,238 @@
+#include "stage/mapping/isolate_link.h"
+#include "base/clock.h"
+#include "base/program.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <linux/memfd.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+static const int64_t spin_ns = 5000;
+
+static mrt_result find_program(char out[PATH_MAX], error *err)
+{
+    return program_find(out, "marotte-pluginhost", "MAROTTE_PLUGINHOST", MAROTTE_BUILD_DIR,
+                        "mappings are isolated in it (or isolate nothing)", err);
+}
+
+/* ---- started and ended ---- */
+
+static mrt_result make_block(isolate_link *out, int *out_fd, error *err)
+{
+    int fd = (int)syscall(SYS_memfd_create, "marotte-mapping", MFD_CLOEXEC);
+    if (fd < 0)
+        return error_set(err, MRT_ERR_IO, "no shared memory: %s", strerror(errno));
+    void *at = MAP_FAILED;
+    if (ftruncate(fd, (off_t)sizeof(isolate_block)) == 0)
+        at = mmap(NULL, sizeof(isolate_block), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    if (at == MAP_FAILED) {
+        int code = errno;
+        close(fd);
+        return error_set(err, MRT_ERR_MEMORY, "no shared memory: %s", strerror(code));
+    }
+    out->block = at;
+    out->block->version = ISOLATE_VERSION;
+    out->block->program_pid = getpid();
+    *out_fd = fd;
+    return MRT_OK;
+}
+
+/* posix_spawn does not write to what it is given: it is only declared so. */
+static char *argument(const char *word)
+{
+    union {
+        const char *word;
+        char *argument;
+    } cast = {.word = word};
+    return cast.argument;
+}
+
+static int spawn(pid_t *out_pid, char *program, const char *library, const char *type_id,
+                 int block_fd)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, all;
+    char *arguments[] = {program, argument(library), argument(type_id), NULL};
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    sigemptyset(&none);
+    sigfillset(&all);
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed)
+        failed = posix_spawnattr_setsigmask(&attributes, &none);
+    if (!failed)
+        failed = posix_spawnattr_setsigdefault(&attributes, &all);
+    /* A group of its own: Ctrl-C is the program's to answer. */
+    if (!failed)
+        failed = posix_spawnattr_setflags(
+            &attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, block_fd, ISOLATE_FD);
+    if (!failed)
+        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (!failed)
+        failed = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+    if (!failed)
+        failed = posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
+    (void)posix_spawnattr_destroy(&attributes);
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+mrt_result isolate_link_start(isolate_link *out, const char *library, const char *type_id,
+                              error *err)
+{
+    char program[PATH_MAX];
+    int fd = -1;
+    *out = (isolate_link){.pidfd = -1};
+    mrt_result result = find_program(program, err);
+    if (result >= 0)
+        result = make_block(out, &fd, err);
+    if (result < 0)
+        return result;
+    if (fd == ISOLATE_FD) { /* dup2 onto itself would leave it to be closed */
+        int other = fcntl(fd, F_DUPFD_CLOEXEC, ISOLATE_FD + 1);
+        close(fd);
+        fd = other;
+    }
+    int failed = fd < 0 ? errno : spawn(&out->pid, program, library, type_id, fd);
+    if (fd >= 0)
+        close(fd);
+    if (failed) {
+        out->pid = 0;
+        isolate_link_finish(out);
+        return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", program, strerror(failed));
+    }
+    out->pidfd = (int)syscall(SYS_pidfd_open, out->pid, 0u);
+    if (out->pidfd >= 0)
+        (void)fcntl(out->pidfd, F_SETFD, FD_CLOEXEC);
+    if (clock_getcpuclockid(out->pid, &out->cpu) != 0)
+        out->cpu = CLOCK_REALTIME;
+    return MRT_OK;
+}
+
+static void tell_end(int status, error *out)
+{
+    if (WIFSIGNALED(status))
+        error_set(out, MRT_ERR_IO, "was ended by signal %d (%s)", WTERMSIG(status),
+                  strsignal(WTERMSIG(status)));
+    else
+        error_set(out, MRT_ERR_IO, "ended its process with code %d", WEXITSTATUS(status));
+}
+
+void isolate_link_end(isolate_link *self, error *out_how)
+{
+    int status = 0;
+    pid_t ended;
+    if (self->pid == 0)
+        return;
+    (void)kill(self->pid, SIGKILL);
+    do
+        ended = waitpid(self->pid, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    if (ended > 0 && out_how)
+        tell_end(status, out_how);
+    self->pid = 0;
+    self->cpu = CLOCK_REALTIME;
+    if (self->pidfd >= 0)
+        close(self->pidfd);
+    self->pidfd = -1;
+}
+
+void isolate_link_finish(isolate_link *self)
+{
+    if (self->block)
+        munmap(self->block, sizeof *self->block);
+    *self = (isolate_link){.pidfd = -1};
+}
+
+void isolate_link_tell_dead(isolate_link *self)
+{
+    atomic_store(&self->block->is_dead, 1);
+    isolate_wake(&self->block->answered);
+}
+
+/* ---- asked ---- */
+
+void isolate_link_ask(isolate_link *self, uint32_t kind)
+{
+    isolate_block *block = self->block;
+    block->kind = kind;
+    atomic_fetch_add(&block->asked, 1);
+    if (atomic_load(&block->child_waits))
+        isolate_wake(&block->asked);
+}
+
+static bool has_answered(const isolate_block *block)
+{
+    return atomic_load(&block->answered) == atomic_load(&block->asked);
+}
+
+mrt_result isolate_link_wait_until_ns(isolate_link *self, int64_t time_ns)
+{
+    isolate_block *block = self->block;
+    int64_t spun_ns = clock_now_ns() + spin_ns;
+    while (!has_answered(block) && clock_now_ns() < spun_ns)
+        ;
+    atomic_store(&block->program_waits, 1);
+    while (!has_answered(block) && !atomic_load(&block->is_dead) && clock_now_ns() < time_ns) {
+        uint32_t seen = atomic_load(&block->answered);
+        if (seen != atomic_load(&block->asked))
+            isolate_sleep_until_ns(&block->answered, seen, time_ns);
+    }
+    atomic_store(&block->program_waits, 0);
+    if (has_answered(block))
+        return MRT_OK;
+    return atomic_load(&block->is_dead) ? MRT_ERR_IO : MRT_TIMEOUT;
+}
+
+int64_t isolate_link_cpu_ns(const isolate_link *self)
+{
+    struct timespec used;
+    if (self->cpu == CLOCK_REALTIME || clock_gettime(self->cpu, &used) != 0)
+        return 0;
+    return (int64_t)used.tv_sec * NS_PER_S + used.tv_nsec;
+}
+
+void isolate_link_drain(isolate_link *self, const mrt_host *to)
+{
+    if (!self->block)
+        return;
+    uint32_t count = atomic_load(&self->block->log_count);
+    if (count - self->log_seen > ISOLATE_LOGS)
+        self->log_seen = count - ISOLATE_LOGS;
+    for (; self->log_seen != count; ++self->log_seen) {
+        isolate_log line = self->block->log[self->log_seen % ISOLATE_LOGS];
+        line.text[sizeof line.text - 1] = '\0';
+        if (line.level >= MRT_LOG_DEBUG && line.level <= MRT_LOG_ERROR)
+            to->log(to, line.level, line.text);
+    }
+}
+
+bool isolate_link_why(const isolate_link *self, error *out)
+{
+    uint32_t count = atomic_load(&self->block->log_count);
+    uint32_t kept = count < ISOLATE_LOGS ? count : ISOLATE_LOGS;
+    for (uint32_t back = 1; back <= kept; ++back) {
+        isolate_log line = self->block->log[(count - back) % ISOLATE_LOGS];
+        line.text[sizeof line.text - 1] = '\0';
+        if (line.level != MRT_LOG_ERROR)
+            continue;
+        (void)error_set(out, MRT_ERR_IO, "%s", line.text);
+        return true;
+    }
+    return false;
+}

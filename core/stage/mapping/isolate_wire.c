@@ -1,0 +1,129 @@
+#include "stage/mapping/isolate_wire.h"
+#include "base/bytes.h"
+#include "base/clock.h"
+
+#include <linux/futex.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+_Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain 32-bit word");
+
+enum { FACE_THINGS_MAX = 4096 };
+
+void isolate_sleep_until_ns(const _Atomic uint32_t *word, uint32_t seen, int64_t time_ns)
+{
+    struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
+                             .tv_nsec = (long)(time_ns % NS_PER_S)};
+    syscall(SYS_futex, word, FUTEX_WAIT_BITSET, seen, &until, NULL, FUTEX_BITSET_MATCH_ANY);
+}
+
+void isolate_wake(const _Atomic uint32_t *word)
+{
+    syscall(SYS_futex, word, FUTEX_WAKE, INT32_MAX, NULL, NULL, 0);
+}
+
+uint32_t isolate_param_sum(const mrt_plugin_type *type)
+{
+    uint32_t sum = 2166136261u;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        sum = (sum ^ type->params[i].id) * 16777619u;
+    return sum;
+}
+
+/* ---- a face as bytes ---- */
+
+static void put_name(bytes_out *out, const char *text)
+{
+    char name[ISOLATE_NAME] = "";
+    size_t length = strlen(text);
+    memcpy(name, text, length < sizeof name ? length : sizeof name - 1);
+    bytes_put(out, name, sizeof name);
+}
+
+size_t isolate_face_put(void *bytes, size_t capacity, const mrt_face *face)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put_u32(&out, face->contact_count);
+    bytes_put_u32(&out, face->dof_count);
+    bytes_put(&out, &face->low, sizeof face->low);
+    bytes_put(&out, &face->high, sizeof face->high);
+    for (uint32_t i = 0; i < face->contact_count; ++i) {
+        const mrt_contact *c = &face->contacts[i];
+        put_name(&out, c->name);
+        put_name(&out, c->bone);
+        bytes_put(&out, &c->rest, sizeof c->rest);
+        bytes_put(&out, &c->normal, sizeof c->normal);
+    }
+    for (uint32_t i = 0; i < face->dof_count; ++i) {
+        const mrt_dof *d = &face->dofs[i];
+        put_name(&out, d->name);
+        put_name(&out, d->unit);
+        bytes_put(&out, &d->min, sizeof d->min);
+        bytes_put(&out, &d->max, sizeof d->max);
+    }
+    return out.size;
+}
+
+static const char *take_name(bytes_in *in, char out[ISOLATE_NAME])
+{
+    bytes_take(in, out, ISOLATE_NAME);
+    out[ISOLATE_NAME - 1] = '\0';
+    return out;
+}
+
+static mrt_result make_room(isolate_face *out, uint32_t contact_count, uint32_t dof_count)
+{
+    if (contact_count > FACE_THINGS_MAX || dof_count > MRT_MAX_DOFS)
+        return MRT_ERR_FORMAT;
+    out->contact = calloc((size_t)contact_count + 1, sizeof *out->contact);
+    out->dof = calloc((size_t)dof_count + 1, sizeof *out->dof);
+    out->name = calloc(2 * ((size_t)contact_count + dof_count) + 1, sizeof *out->name);
+    if (!out->contact || !out->dof || !out->name)
+        return MRT_ERR_MEMORY;
+    out->face.contacts = out->contact;
+    out->face.dofs = out->dof;
+    out->face.contact_count = contact_count;
+    out->face.dof_count = dof_count;
+    return MRT_OK;
+}
+
+mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    *out = (isolate_face){0};
+    uint32_t contact_count = bytes_take_u32(&in), dof_count = bytes_take_u32(&in);
+    bytes_take(&in, &out->face.low, sizeof out->face.low);
+    bytes_take(&in, &out->face.high, sizeof out->face.high);
+    mrt_result result = make_room(out, contact_count, dof_count);
+    char(*name)[ISOLATE_NAME] = out->name;
+    for (uint32_t i = 0; i < contact_count && result >= 0; ++i) {
+        mrt_contact *c = &out->contact[i];
+        c->name = take_name(&in, *name++);
+        c->bone = take_name(&in, *name++);
+        bytes_take(&in, &c->rest, sizeof c->rest);
+        bytes_take(&in, &c->normal, sizeof c->normal);
+    }
+    for (uint32_t i = 0; i < dof_count && result >= 0; ++i) {
+        mrt_dof *d = &out->dof[i];
+        d->name = take_name(&in, *name++);
+        d->unit = take_name(&in, *name++);
+        bytes_take(&in, &d->min, sizeof d->min);
+        bytes_take(&in, &d->max, sizeof d->max);
+    }
+    if (result >= 0 && (in.failed || in.at != in.end))
+        result = MRT_ERR_FORMAT;
+    if (result < 0)
+        isolate_face_finish(out);
+    return result;
+}
+
+void isolate_face_finish(isolate_face *f)
+{
+    free(f->contact);
+    free(f->dof);
+    free(f->name);
+    *f = (isolate_face){0};
+}

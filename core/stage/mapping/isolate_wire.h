@@ -1,0 +1,78 @@
+/* stage/mapping/isolate_wire.h - what a mapping in a process of its own and the program share: one
+ * block of memory with a request, its answer and two futexes. Leaves out who makes the block
+ * (isolate_link.h) and what a request does (isolate_child.c). One request at a time. Whoever reads
+ * what the child may have written checks it: the child may be writing nonsense. */
+#ifndef MAROTTE_STAGE_ISOLATE_WIRE_H
+#define MAROTTE_STAGE_ISOLATE_WIRE_H
+#include "base/error.h"
+
+#include <stdatomic.h>
+
+enum { ISOLATE_FD = 3, ISOLATE_VERSION = 1 };
+enum { ISOLATE_PARAMS_MAX = 1024, ISOLATE_LOGS = 32, ISOLATE_LOG_TEXT = 240 };
+enum { ISOLATE_NAME = 64, ISOLATE_BYTES = 1 << 20 };
+
+enum {
+    ISOLATE_CREATE = 1,
+    ISOLATE_DESTROY,
+    ISOLATE_ACTIVATE, /* bytes: the face, isolate_face.h */
+    ISOLATE_DEACTIVATE,
+    ISOLATE_RESET,
+    ISOLATE_PROCESS,
+    ISOLATE_STATE_SAVE, /* out: bytes, size; 0: it does not fit or cannot be said */
+    ISOLATE_STATE_LOAD, /* in: bytes, size */
+    ISOLATE_RESUME_SAVE,
+    ISOLATE_RESUME_LOAD
+};
+
+typedef struct isolate_log {
+    int32_t level;
+    char text[ISOLATE_LOG_TEXT];
+} isolate_log;
+
+typedef struct isolate_block {
+    uint32_t version;
+    int32_t program_pid;       /* the child ends when this is no longer its parent */
+    _Atomic uint32_t asked;    /* +1 with each request: the child's futex */
+    _Atomic uint32_t answered; /* = asked once it is done: the program's futex */
+    _Atomic uint32_t child_waits, program_waits;
+    _Atomic uint32_t is_dead; /* told by whoever has seen the child end */
+
+    uint32_t kind;
+    mrt_result result;
+    uint32_t size;        /* of bytes */
+    uint32_t param_count; /* of the type; to the first answer: as the child found it */
+    uint32_t param_sum;   /* of their ids */
+    uint32_t with_resume; /* process: save afterwards; answer: 1, `size` bytes are the state */
+
+    mrt_frame frame; /* params: the child's own pointer */
+    double params[ISOLATE_PARAMS_MAX];
+    mrt_pull pull;
+
+    _Atomic uint32_t log_count; /* ever said; the newest ISOLATE_LOGS are there */
+    isolate_log log[ISOLATE_LOGS];
+
+    unsigned char bytes[ISOLATE_BYTES];
+} isolate_block;
+
+/* Sleeps while *word is `seen`, at most until the monotonic clock's time_ns; may return early. */
+void isolate_sleep_until_ns(const _Atomic uint32_t *word, uint32_t seen, int64_t time_ns);
+void isolate_wake(const _Atomic uint32_t *word);
+/* Of the ids in their order. */
+uint32_t isolate_param_sum(const mrt_plugin_type *type);
+
+/* ---- a face as bytes ---- */
+
+/* Returns the size; at most `capacity` are written. */
+size_t isolate_face_put(void *bytes, size_t capacity, const mrt_face *face);
+/* What a face from bytes points to; isolate_face_finish frees it. */
+typedef struct isolate_face {
+    mrt_face face;
+    mrt_contact *contact;
+    mrt_dof *dof;
+    char (*name)[ISOLATE_NAME];
+} isolate_face;
+CHECKED mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size);
+void isolate_face_finish(isolate_face *f); /* zeroed is fine */
+
+#endif

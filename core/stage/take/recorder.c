@@ -1,0 +1,532 @@
+#include "stage/recorder.h"
+#include "base/clock.h"
+#include "stage/identity.h"
+#include "stage/take/source.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* How far apart states are kept: so much of an anchored take is performed again in some
+ * milliseconds, of an unanchored one in some tens. */
+static const int64_t anchored_span_ns = 5 * NS_PER_S;
+static const int64_t unanchored_span_ns = 2 * NS_PER_S;
+/* Faster than life: so many samples are handed over before it waits for the writer. */
+enum { SAMPLES_AHEAD = 256, INPUTS_MAX = TAKE_TRACKS_MAX };
+/* Room for a state beside its shapes. */
+static const size_t state_bytes = (size_t)256 << 10;
+
+struct recorder_cast { /* who performs, and as what it is recorded */
+    input *inputs[INPUTS_MAX];
+    const char *input_text[INPUTS_MAX];
+    uint32_t input_count;
+    char *calibration[2];
+    layer *layer;
+    performer *performer;
+    int64_t track[INPUTS_MAX];
+    uint32_t version[INPUTS_MAX];
+    bool is_kept[INPUTS_MAX]; /* the track goes on in another cast */
+    take_performance performance;
+};
+
+struct recorder {
+    recorder_settings settings;
+    size_t state_capacity;
+    writer *writer;
+    recorder_cast *cast;
+    bool has_begun;   /* a performance */
+    bool is_to_begin; /* another one, with the next sample */
+    layer *watched;
+    int64_t last_ns, checkpoint_ns;
+    uint32_t current; /* input whose sample is performed */
+    uint32_t ahead;
+    bool is_take_wanted, is_take_open;
+    writer_slate slate;
+    char scene[TAKE_NAME], shot[TAKE_NAME];
+    int64_t take;
+    uint32_t rezero; /* bits by side: granted, and not yet told */
+    error problem;
+    _Atomic int32_t problem_state; /* of a problem_state */
+};
+
+/* The first one counts, whichever thread has it. */
+enum problem_state { PROBLEM_NONE = 0, PROBLEM_IS_WRITTEN, PROBLEM_STANDS };
+
+/* [any] */
+static void note_problem(recorder *self, const error *err)
+{
+    int32_t none = PROBLEM_NONE;
+    if (!atomic_compare_exchange_strong(&self->problem_state, &none, PROBLEM_IS_WRITTEN))
+        return;
+    self->problem = *err;
+    atomic_store(&self->problem_state, PROBLEM_STANDS);
+    log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
+}
+
+/* ---- what is performed ---- */
+
+static char *copy_text(const char *text)
+{
+    size_t size = strlen(text) + 1;
+    char *out = malloc(size);
+    if (out)
+        memcpy(out, text, size);
+    return out;
+}
+
+static mrt_result describe_performance(const recorder *self, recorder_cast *cast,
+                                       const recorder_settings *of, error *err)
+{
+    take_performance *p = &cast->performance;
+    instance *mapping = of->mapping ? of->mapping : layer_mapping(cast->layer);
+    mrt_result result = identity_of_face(p, of->face, of->face_path, of->unit_mm, err);
+    if (result < 0)
+        return result;
+    p->mapping = identity_of_plugin(self->settings.plugins, mapping->type);
+    if (!p->mapping)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    p->hand_length_mm = of->hand_length_mm;
+    p->rezero_pedal = of->rezero_pedal;
+    p->track_count = cast->input_count;
+    memcpy(p->track, cast->track, sizeof p->track);
+    identity_of_params(p, mapping);
+    return MRT_OK;
+}
+
+static void describe_channels(take_track *out, const mrt_channel *channel, uint32_t count)
+{
+    out->channel_count = count;
+    for (uint32_t i = 0; i < count; ++i) {
+        take_channel *c = &out->channel[i];
+        snprintf(c->name, sizeof c->name, "%s", channel[i].name);
+        snprintf(c->unit, sizeof c->unit, "%s", channel[i].unit);
+        c->semantic = channel[i].semantic;
+        c->hand = channel[i].hand;
+        c->min = channel[i].min;
+        c->max = channel[i].max;
+    }
+}
+
+static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uint32_t version,
+                            error *err)
+{
+    take_track track = {0};
+    uint32_t count;
+    const mrt_channel *channel = input_channels_of(cast->inputs[i], version, &count);
+    describe_channels(&track, channel, count);
+    track.input = copy_text(cast->input_text[i]);
+    track.device = copy_text(input_name(cast->inputs[i]));
+    track.plugin = identity_of_plugin(self->settings.plugins, input_plugin(cast->inputs[i]));
+    mrt_result result = MRT_OK;
+    if (!track.input || !track.device || !track.plugin)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    for (int side = 0; side < 2 && result >= 0; ++side) {
+        if (!cast->calibration[side])
+            continue;
+        track.calibration[side] = copy_text(cast->calibration[side]);
+        if (!track.calibration[side])
+            result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    }
+    if (result >= 0)
+        result = writer_add_track(self->writer, &track, err);
+    cast->track[i] = track.id;
+    cast->version[i] = version;
+    take_track_finish(&track);
+    return result;
+}
+
+/* ---- casts ---- */
+
+static void on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value)
+{
+    recorder *self = data;
+    take_event event = {.time_ns = sample->time_ns,
+                        .kind = TAKE_EVENT_PARAM,
+                        .param = param_id,
+                        .track = self->cast->track[self->current],
+                        .value = value};
+    writer_event(self->writer, &event);
+}
+
+static void cast_destroy(recorder_cast *cast)
+{
+    if (!cast)
+        return;
+    free(cast->calibration[MRT_LEFT]);
+    free(cast->calibration[MRT_RIGHT]);
+    take_performance_finish(&cast->performance);
+    free(cast);
+}
+
+static bool is_same_text(const char *a, const char *b)
+{
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+/* An input has a track already, which goes on: which one by then, share_tracks says. [main], while
+ * the frame thread may change `now`'s tracks. */
+static bool keeps_track(const recorder_cast *now, const recorder_cast *cast, uint32_t i)
+{
+    bool is_calibrated_alike = is_same_text(now->calibration[0], cast->calibration[0]) &&
+                               is_same_text(now->calibration[1], cast->calibration[1]);
+    for (uint32_t j = 0; j < now->input_count && is_calibrated_alike; ++j)
+        if (now->inputs[j] == cast->inputs[i])
+            return true;
+    return false;
+}
+
+static mrt_result cast_create(recorder *self, const recorder_settings *of, recorder_cast **out,
+                              error *err)
+{
+    *out = NULL;
+    if (of->input_count > INPUTS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: %d can be recorded", of->input_count,
+                         INPUTS_MAX);
+    recorder_cast *cast = calloc(1, sizeof *cast);
+    if (!cast)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    cast->input_count = of->input_count;
+    cast->layer = of->layer;
+    cast->performer = of->performer;
+    mrt_result result = MRT_OK;
+    for (int side = 0; side < 2 && result >= 0; ++side) {
+        if (!of->calibration[side])
+            continue;
+        cast->calibration[side] = copy_text(of->calibration[side]);
+        if (!cast->calibration[side])
+            result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    }
+    for (uint32_t i = 0; i < of->input_count && result >= 0; ++i) {
+        cast->inputs[i] = of->inputs[i];
+        cast->input_text[i] = of->input_text[i];
+        cast->is_kept[i] = self->cast && keeps_track(self->cast, cast, i);
+        if (!cast->is_kept[i])
+            result = add_track(self, cast, i, 0, err);
+    }
+    if (result >= 0)
+        result = describe_performance(self, cast, of, err);
+    if (result < 0) {
+        recorder_dismiss(self, cast);
+        return result;
+    }
+    *out = cast;
+    return MRT_OK;
+}
+
+mrt_result recorder_prepare(recorder *self, const recorder_settings *now, recorder_cast **out,
+                            error *err)
+{
+    return cast_create(self, now, out, err);
+}
+
+/* Both casts have the tracks that they share; which versions they have by now is the old one's to
+ * tell. */
+static void share_tracks(recorder_cast *old, recorder_cast *cast)
+{
+    for (uint32_t j = 0; j < old->input_count; ++j) {
+        old->is_kept[j] = false;
+        for (uint32_t i = 0; i < cast->input_count; ++i) {
+            if (!cast->is_kept[i] || cast->inputs[i] != old->inputs[j])
+                continue;
+            old->is_kept[j] = true;
+            cast->track[i] = cast->performance.track[i] = old->track[j];
+            cast->version[i] = old->version[j];
+        }
+    }
+    memset(cast->is_kept, 0, sizeof cast->is_kept);
+}
+
+void recorder_leave(recorder *self)
+{
+    if (self->watched)
+        layer_watch_params(self->watched, NULL, NULL);
+    self->watched = NULL;
+}
+
+recorder_cast *recorder_change(recorder *self, recorder_cast *cast)
+{
+    recorder_cast *old = self->cast;
+    share_tracks(old, cast);
+    recorder_leave(self);
+    self->cast = cast;
+    self->is_to_begin = true;
+    return old;
+}
+
+void recorder_dismiss(recorder *self, recorder_cast *cast)
+{
+    error ignored = {""};
+    for (uint32_t i = 0; cast && i < cast->input_count; ++i)
+        if (!cast->is_kept[i] && cast->track[i] != 0 &&
+            writer_end_track(self->writer, cast->track[i], &ignored) < 0)
+            note_problem(self, &ignored);
+    cast_destroy(cast);
+}
+
+/* ---- started and stopped ---- */
+
+static size_t state_capacity(const recorder_settings *s)
+{
+    if (!s->performer)
+        return s->state_bytes;
+    const points *rest = face_rest(performer_face(s->performer));
+    size_t size = state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+    return size > s->state_bytes ? size : s->state_bytes;
+}
+
+static mrt_result start(recorder *self, error *err)
+{
+    const recorder_settings *s = &self->settings;
+    struct timespec utc;
+    clock_gettime(CLOCK_REALTIME, &utc);
+    writer_options options = {
+        .utc_ns = (int64_t)utc.tv_sec * NS_PER_S + utc.tv_nsec,
+        .monotonic_ns = s->clock == CLOCK_VIRTUAL ? 0 : clock_now_ns(),
+        .program = "marotte " MAROTTE_VERSION,
+        .journal_ns = s->journal_ns,
+        .checkpoint_bytes = self->state_capacity,
+    };
+    mrt_result result = writer_start(&self->writer, s->show, &options, err);
+    return result < 0 ? result : cast_create(self, s, &self->cast, err);
+}
+
+mrt_result recorder_start(recorder **out, const recorder_settings *settings, error *err)
+{
+    *out = NULL;
+    recorder *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+    self->settings = *settings;
+    self->checkpoint_ns = INT64_MIN;
+    self->state_capacity = state_capacity(settings);
+    mrt_result result = start(self, err);
+    if (result < 0) {
+        error ignored = {""};
+        if (recorder_stop(self, &ignored) < 0)
+            return result;
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+mrt_result recorder_stop(recorder *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (!self)
+        return MRT_OK;
+    recorder_leave(self);
+    if (self->is_take_open)
+        result = recorder_take_end(self, err);
+    if (self->writer && self->has_begun && result >= 0)
+        result = writer_end_performance(self->writer, self->last_ns + 1, err);
+    error later = {""};
+    if (self->writer && writer_stop(self->writer, &later) < 0 && result >= 0)
+        result = error_set(err, MRT_ERR_IO, "%s", later.text);
+    cast_destroy(self->cast);
+    free(self);
+    return result;
+}
+
+/* ---- takes ---- */
+
+void recorder_take_next(recorder *self, const writer_slate *slate)
+{
+    snprintf(self->scene, sizeof self->scene, "%s", slate->scene ? slate->scene : "");
+    snprintf(self->shot, sizeof self->shot, "%s", slate->shot ? slate->shot : "");
+    self->slate = (writer_slate){self->scene, self->shot, slate->number};
+    self->is_take_wanted = true;
+}
+
+mrt_result recorder_take_end(recorder *self, error *err)
+{
+    self->is_take_wanted = false;
+    if (!self->is_take_open)
+        return MRT_OK;
+    self->is_take_open = false;
+    return writer_take_end(self->writer, self->take, self->last_ns + 1, err);
+}
+
+mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *slate,
+                         int64_t *out_take, error *err)
+{
+    if (!(seconds > 0) || !(seconds <= 1e6))
+        return error_set(err, MRT_ERR_ARGUMENT, "%g s cannot be kept", seconds);
+    if (!self->has_begun)
+        return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed yet");
+    return writer_keep(self->writer, self->last_ns - (int64_t)(seconds * (double)NS_PER_S),
+                       self->last_ns + 1, slate, out_take, err);
+}
+
+int64_t recorder_performance(const recorder *self)
+{
+    return self->has_begun ? self->cast->performance.id : 0;
+}
+
+int64_t recorder_take(const recorder *self)
+{
+    return self->take;
+}
+
+bool recorder_take_is_open(const recorder *self)
+{
+    return self->is_take_open;
+}
+
+int64_t recorder_show_ns(const recorder *self, int64_t time_ns)
+{
+    return writer_show_ns(self->writer, time_ns);
+}
+
+bool recorder_is_taking(const recorder *self)
+{
+    return self->is_take_open || self->is_take_wanted;
+}
+
+const char *recorder_problem(const recorder *self)
+{
+    return atomic_load(&self->problem_state) == PROBLEM_STANDS ? self->problem.text : "";
+}
+
+writer *recorder_writer(recorder *self)
+{
+    return self->writer;
+}
+
+/* ---- while it happens ---- */
+
+static void keep_state(recorder *self, int64_t time_ns)
+{
+    recorder_cast *cast = self->cast;
+    if (!cast->performer)
+        return;
+    void *buffer = writer_checkpoint_buffer(self->writer);
+    size_t capacity = self->state_capacity;
+    if (!buffer)
+        return; /* the disk does not keep up: the next one then */
+    int64_t offset_ns = writer_show_ns(self->writer, 0);
+    size_t size = source_keep(cast->performer, offset_ns, buffer, capacity);
+    bool fits = size > 0 && size <= capacity;
+    writer_checkpoint(self->writer, cast->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
+                      buffer, fits ? size : 0);
+    self->checkpoint_ns = time_ns;
+}
+
+static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
+{
+    bool goes_on = self->has_begun;
+    self->is_to_begin = false;
+    identity_of_params(&self->cast->performance, layer_mapping(self->cast->layer));
+    mrt_result result =
+        writer_begin_performance(self->writer, &self->cast->performance, time_ns, err);
+    if (result < 0)
+        return result;
+    self->has_begun = true;
+    self->checkpoint_ns = time_ns;
+    if (goes_on) /* it does not start at rest */
+        keep_state(self, time_ns - 1);
+    return MRT_OK;
+}
+
+/* A plugin that was restarted may give other channels: another track, another performance. */
+static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, error *err)
+{
+    recorder_cast *cast = self->cast;
+    uint32_t version = input_version(cast->inputs[i]);
+    if (version == cast->version[i] && self->has_begun && !self->is_to_begin)
+        return MRT_OK;
+    mrt_result result = MRT_OK;
+    if (version != cast->version[i]) {
+        result = writer_end_track(self->writer, cast->track[i], err);
+        if (result >= 0)
+            result = add_track(self, cast, i, version, err);
+        memcpy(cast->performance.track, cast->track, sizeof cast->performance.track);
+    }
+    return result < 0 ? result : begin_performance(self, time_ns, err);
+}
+
+static mrt_result begin_take(recorder *self, int64_t time_ns, error *err)
+{
+    if (!self->is_take_wanted)
+        return MRT_OK;
+    self->is_take_wanted = false;
+    mrt_result result = writer_take_begin(self->writer, time_ns, &self->slate, &self->take, err);
+    self->is_take_open = result >= 0;
+    return result;
+}
+
+static void tell_rezeros(recorder *self, int64_t time_ns)
+{
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        take_event event = {.time_ns = time_ns,
+                            .kind = TAKE_EVENT_REZERO,
+                            .hand = side,
+                            .track = self->cast->track[self->current]};
+        if (self->rezero & (1u << side))
+            writer_event(self->writer, &event);
+    }
+    self->rezero = 0;
+}
+
+void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
+{
+    error err = {""};
+    self->current = from;
+    if (!self->watched)
+        layer_watch_params(self->cast->layer, on_param, self);
+    self->watched = self->cast->layer;
+    mrt_result result = follow_version(self, from, sample->time_ns, &err);
+    if (result >= 0)
+        result = begin_take(self, sample->time_ns, &err);
+    if (result < 0)
+        note_problem(self, &err);
+    tell_rezeros(self, sample->time_ns);
+    writer_sample(self->writer, self->cast->track[from], sample);
+    self->last_ns = sample->time_ns;
+    if (self->settings.clock != CLOCK_VIRTUAL || ++self->ahead < SAMPLES_AHEAD)
+        return;
+    self->ahead = 0;
+    if (writer_flush(self->writer, &err) < 0)
+        note_problem(self, &err);
+}
+
+void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample)
+{
+    (void)from;
+    if (!self->cast->performer)
+        return;
+    int64_t span_ns =
+        performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
+    if (self->has_begun && sample->time_ns - self->checkpoint_ns >= span_ns)
+        keep_state(self, sample->time_ns);
+}
+
+void recorder_rezero(recorder *self, uint32_t side)
+{
+    self->rezero |= 1u << side;
+}
+
+void recorder_change_mapping(recorder *self, const char *identity)
+{
+    char *copy = copy_text(identity);
+    error err = {""};
+    if (!copy) {
+        (void)error_set(&err, MRT_ERR_MEMORY, "no memory to record the rebuilt mapping");
+        note_problem(self, &err);
+        return;
+    }
+    free(self->cast->performance.mapping);
+    self->cast->performance.mapping = copy;
+    self->is_to_begin = true;
+}
+
+void recorder_incident(recorder *self, uint32_t from, const input_incident *what)
+{
+    take_event event = {.time_ns = what->time_ns,
+                        .kind = what->kind == INPUT_WENT ? TAKE_EVENT_WENT : TAKE_EVENT_CAME,
+                        .track = self->cast->track[from]};
+    snprintf(event.text, sizeof event.text, "%.90s", what->text);
+    writer_event(self->writer, &event);
+}

@@ -1,0 +1,462 @@
+#include "stage/take/source.h"
+#include "base/bytes.h"
+#include "hand/calibration_file.h"
+#include "stage/isolate.h"
+#include "stage/nothing.h"
+#include "stage/performer.h"
+#include "take/hash.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NOTE = 512, EVENTS_MAX = 1 << 20 };
+
+typedef struct track { /* one input of the performance */
+    int64_t id;
+    show_reader *reader;
+    channel_route route;
+    bool has_pending;
+    mrt_sample pending;
+} track;
+
+struct source {
+    source_world world;
+    show_performance info;
+    isolate *isolate; /* NULL: the mapping runs here */
+    instance mapping;
+    layer *layer;
+    track track[TAKE_TRACKS_MAX];
+    uint32_t track_count;
+    double length_mm[2]; /* of the hands, by their calibrations; 0: not said */
+    take_event *event;   /* of the whole performance, by time */
+    size_t event_count, next_event;
+    int64_t now_ns;
+    bool is_same_plugin; /* stored states are of this very library */
+    error damage;        /* what of it was told last */
+    char note[NOTE];
+};
+
+/* ---- the mapping as it was ---- */
+
+/* The words of "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
+typedef struct plugin_words {
+    char id[128], version[32], hash[TAKE_HASH];
+} plugin_words;
+
+static plugin_words words_of(const char *text)
+{
+    plugin_words out = {{0}, {0}, {0}};
+    (void)sscanf(text ? text : "", "%127s %31s %64s", out.id, out.version, out.hash);
+    return out;
+}
+
+static const char *library_of(const plugin_list *plugins, const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < plugins->entry_count; ++i)
+        if (plugins->entry[i].type == type)
+            return plugins->entry[i].path;
+    return "";
+}
+
+/* As on the stage: what does not come with the program may crash without taking it along. */
+static mrt_result set_apart(source *self, const char *library, const mrt_plugin_type **type,
+                            error *err)
+{
+    const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
+    if (!library[0] || plugin_is_shipped(library))
+        return MRT_OK;
+    mrt_result result = isolate_create(&self->isolate, *type, library, &settings, err);
+    if (result >= 0)
+        *type = isolate_type(self->isolate);
+    return result;
+}
+
+static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, error *err)
+{
+    plugin_words then = words_of(self->info.performance.mapping);
+    if (strcmp(then.id, nothing_type.id) == 0) {
+        *out_type = &nothing_type;
+        self->is_same_plugin = true;
+        return MRT_OK;
+    }
+    mrt_result result = plugin_list_find(self->world.plugins, then.id, MRT_MAPPING, out_type, err);
+    if (result < 0)
+        return result;
+    char hash[TAKE_HASH] = "";
+    error ignored = {""};
+    const char *path = library_of(self->world.plugins, *out_type);
+    self->is_same_plugin = hash_file(hash, path, &ignored) >= 0 && strcmp(hash, then.hash) == 0;
+    if (!self->is_same_plugin)
+        snprintf(
+            self->note, sizeof self->note,
+            "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
+            "may move the face otherwise",
+            then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
+    return set_apart(self, path, out_type, err);
+}
+
+static void set_param(instance *mapping, uint32_t id, double value)
+{
+    const mrt_plugin_type *type = mapping->type;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (type->params[i].id == id && value >= type->params[i].min &&
+            value <= type->params[i].max)
+            atomic_store(&mapping->wanted[i], value);
+}
+
+static void set_first_params(source *self)
+{
+    const take_performance *p = &self->info.performance;
+    for (uint32_t i = 0; i < self->mapping.type->param_count; ++i)
+        atomic_store(&self->mapping.wanted[i], self->mapping.type->params[i].initial);
+    for (uint32_t i = 0; i < p->param_count; ++i)
+        set_param(&self->mapping, p->param[i].id, p->param[i].value);
+}
+
+/* ---- tracks ---- */
+
+static mrt_result calibrate(source *self, track *t, const take_track *as, error *err)
+{
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        calibration_file file;
+        hand_calibration used;
+        const char *anew = self->info.performance.again.calibration[side];
+        const char *text = anew ? anew : as->calibration[side];
+        if (!text)
+            continue;
+        mrt_result result =
+            calibration_file_parse(&file, text, strlen(text), "the take's calibration", err);
+        if (result < 0)
+            return result;
+        calibration_file_use(&file, &used);
+        self->length_mm[side] = file.hand_length_mm;
+        calibration_file_finish(&file);
+        channel_route_calibrate(&t->route, side, &used);
+    }
+    return MRT_OK;
+}
+
+static mrt_result open_track(source *self, track *t, error *err)
+{
+    show_track info;
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    mrt_result result = show_track_read(self->world.show, t->id, &info, err);
+    if (result < 0)
+        return result;
+    for (uint32_t i = 0; i < info.track.channel_count; ++i) {
+        const take_channel *c = &info.track.channel[i];
+        channel[i] = (mrt_channel){c->name, c->unit, c->semantic, c->hand, c->min, c->max};
+    }
+    channel_route_init(&t->route, channel, info.track.channel_count);
+    result = calibrate(self, t, &info.track, err);
+    show_track_finish(&info);
+    if (result < 0)
+        return result;
+    return show_reader_open(&t->reader, self->world.show, t->id, self->info.from_ns,
+                            self->info.to_ns, err);
+}
+
+static mrt_result open_tracks(source *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    self->track_count = self->info.performance.track_count;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
+        self->track[i].id = self->info.performance.track[i];
+        result = open_track(self, &self->track[i], err);
+    }
+    return result;
+}
+
+static bool is_of_track(const source *self, const take_event *e)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        if (self->track[i].id == e->track)
+            return true;
+    return false;
+}
+
+/* Those that change how it is performed. */
+static mrt_result read_events(source *self, error *err)
+{
+    mrt_result result = show_events(self->world.show, self->info.from_ns, self->info.to_ns,
+                                    &self->event, &self->event_count, err);
+    if (result < 0)
+        return result;
+    size_t kept = 0;
+    for (size_t i = 0; i < self->event_count; ++i) {
+        const take_event *e = &self->event[i];
+        bool is_heard =
+            e->kind == TAKE_EVENT_REZERO ||
+            (e->kind == TAKE_EVENT_PARAM && !self->info.performance.again.ignores_params);
+        if (is_heard && is_of_track(self, e))
+            self->event[kept++] = *e;
+    }
+    self->event_count = kept;
+    return MRT_OK;
+}
+
+/* ---- opened and closed ---- */
+
+mrt_result source_open(source **out, const source_world *world, int64_t performance, error *err)
+{
+    *out = NULL;
+    source *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
+    self->world = *world;
+    self->now_ns = INT64_MIN;
+    const mrt_plugin_type *type = NULL;
+    mrt_result result = show_performance_read(world->show, performance, &self->info, err);
+    if (result >= 0)
+        result = find_mapping(self, &type, err);
+    if (result >= 0)
+        result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, world->log, err);
+    if (result < 0)
+        goto fail;
+    set_first_params(self);
+    result = open_tracks(self, err);
+    if (result < 0)
+        goto fail;
+    const take_performance *p = &self->info.performance;
+    layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
+                               .hands.min_cutoff_hz = p->again.min_cutoff_hz,
+                               .hands.has_beta = p->again.has_beta,
+                               .hands.beta = p->again.beta};
+    for (int side = 0; side < 2; ++side)
+        settings.hands.length_mm[side] =
+            p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
+    settings.reach_mm = composer_reach_mm(world->scratch, &settings.centre);
+    result =
+        layer_create(&self->layer, &self->mapping, composer_about(world->scratch), &settings, err);
+    if (result >= 0)
+        result = read_events(self, err);
+    if (result < 0)
+        goto fail;
+    *out = self;
+    return MRT_OK;
+fail:
+    source_close(self);
+    return result;
+}
+
+void source_close(source *self)
+{
+    if (!self)
+        return;
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        show_reader_close(self->track[i].reader);
+    layer_destroy(self->layer);
+    instance_destroy(&self->mapping);
+    isolate_destroy(self->isolate);
+    free(self->event);
+    show_performance_finish(&self->info);
+    free(self);
+}
+
+layer *source_layer(source *self)
+{
+    return self->layer;
+}
+
+const char *source_note(const source *self)
+{
+    return self->note;
+}
+
+int64_t source_now_ns(const source *self)
+{
+    return self->now_ns;
+}
+
+/* ---- sample by sample ---- */
+
+/* Damaged chunks are passed over, and told once: what can be read is performed. */
+static mrt_result read_sample(source *self, track *t, error *err)
+{
+    mrt_result result;
+    while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
+        if (strcmp(self->damage.text, err->text) == 0)
+            continue;
+        self->damage = *err;
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    }
+    return result;
+}
+
+/* The track with the earliest sample, or -1. */
+static mrt_result earliest(source *self, int *out_track, error *err)
+{
+    *out_track = -1;
+    for (uint32_t i = 0; i < self->track_count; ++i) {
+        track *t = &self->track[i];
+        mrt_result result = MRT_OK;
+        if (!t->has_pending)
+            result = read_sample(self, t, err);
+        if (result < 0)
+            return result;
+        t->has_pending = t->has_pending || result == MRT_OK;
+        if (t->has_pending &&
+            (*out_track < 0 || t->pending.time_ns < self->track[*out_track].pending.time_ns))
+            *out_track = (int)i;
+    }
+    return MRT_OK;
+}
+
+mrt_result source_next_ns(source *self, int64_t *out_ns, error *err)
+{
+    int found;
+    mrt_result result = earliest(self, &found, err);
+    *out_ns = result >= 0 && found >= 0 ? self->track[found].pending.time_ns : INT64_MAX;
+    return result;
+}
+
+/* What was asked for before this sample of the track. */
+static void obey_events(source *self, int64_t time_ns)
+{
+    for (; self->next_event < self->event_count; ++self->next_event) {
+        const take_event *e = &self->event[self->next_event];
+        error why = {""};
+        if (e->time_ns > time_ns)
+            return;
+        if (e->kind == TAKE_EVENT_PARAM)
+            set_param(&self->mapping, e->param, e->value);
+        else if (hands_rezero(layer_hands(self->layer), e->hand, layer_frame(self->layer)->time_ns,
+                              &why) != MRT_OK)
+            continue; /* as it was refused then */
+    }
+}
+
+void source_step(source *self, bool near)
+{
+    int found;
+    error ignored = {""};
+    if (earliest(self, &found, &ignored) < 0 || found < 0)
+        return;
+    track *t = &self->track[found];
+    obey_events(self, t->pending.time_ns);
+    layer_sample(self->layer, &t->route, &t->pending, near);
+    self->now_ns = t->pending.time_ns;
+    t->has_pending = false;
+}
+
+/* ---- to any instant ---- */
+
+/* Behind the samples up to now_ns. */
+static mrt_result position(source *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
+        self->track[i].has_pending = false;
+        int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
+        result = show_reader_seek(self->track[i].reader, from_ns, err);
+    }
+    self->next_event = 0;
+    while (self->next_event < self->event_count &&
+           self->event[self->next_event].time_ns <= self->now_ns)
+        self->next_event += 1;
+    return result;
+}
+
+static mrt_result rewind_all(source *self, error *err)
+{
+    self->now_ns = INT64_MIN;
+    set_first_params(self);
+    layer_reset(self->layer);
+    composer_reset(self->world.scratch);
+    return position(self, err);
+}
+
+/* Takes up what source_keep has written. */
+static mrt_result take_up(source *self, const show_checkpoint *kept, composer *into, error *err)
+{
+    bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
+    int64_t show_offset_ns;
+    bytes_take(&in, &show_offset_ns, sizeof show_offset_ns);
+    if (in.failed)
+        return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
+    mrt_result result =
+        performer_load_into(self->layer, into, in.at, (size_t)(in.end - in.at), err);
+    if (result >= 0)
+        layer_shift_time(self->layer, show_offset_ns);
+    return result;
+}
+
+mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
+                         error *err)
+{
+    show_checkpoint kept;
+    error ignored = {""};
+    if (!self->is_same_plugin || time_ns == INT64_MIN)
+        return MRT_HOLD;
+    mrt_result result = show_checkpoint_before(self->world.show, self->info.performance.id,
+                                               time_ns - 1, &kept, err);
+    if (result == MRT_ERR_FORMAT)
+        return MRT_HOLD; /* damaged: the samples themselves tell it too */
+    if (result < 0)
+        return result;
+    bool is_wanted =
+        kept.bytes && kept.version == SOURCE_CHECKPOINT_VERSION && kept.time_ns >= least_ns;
+    bool is_usable = is_wanted && take_up(self, &kept, into, &ignored) >= 0;
+    int64_t then_ns = kept.time_ns;
+    show_checkpoint_finish(&kept);
+    if (!is_wanted)
+        return MRT_HOLD;
+    if (!is_usable)
+        return rewind_all(self, err) < 0 ? MRT_ERR_FORMAT : MRT_HOLD;
+    self->now_ns = then_ns;
+    return position(self, err);
+}
+
+mrt_result source_seek(source *self, int64_t time_ns, error *err)
+{
+    mrt_result result = source_recall(self, time_ns, INT64_MIN, self->world.scratch, err);
+    if (result == MRT_HOLD)
+        result = rewind_all(self, err);
+    while (result >= 0) {
+        int64_t next_ns;
+        result = source_next_ns(self, &next_ns, err);
+        if (result < 0 || next_ns >= time_ns)
+            break;
+        source_step(self, composer_is_near(self->world.scratch, layer_pull(self->layer)));
+        performer_move(self->layer, self->world.scratch);
+    }
+    return result;
+}
+
+/* ---- kept ---- */
+
+size_t source_keep(performer *of, int64_t show_offset_ns, void *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    size_t size = performer_save(of, NULL, 0);
+    if (size == 0)
+        return 0;
+    bytes_put(&out, &show_offset_ns, sizeof show_offset_ns);
+    if (out.data && size <= out.capacity && out.size <= out.capacity - size)
+        performer_save(of, out.data + out.size, size);
+    return out.size + size;
+}
+
+size_t source_save(source *self, void *bytes, size_t capacity)
+{
+    size_t size = layer_save(self->layer, NULL, 0);
+    if (size == 0)
+        return 0;
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put(&out, &self->now_ns, sizeof self->now_ns);
+    if (out.data && out.size + size <= out.capacity)
+        layer_save(self->layer, out.data + out.size, size);
+    return out.size + size;
+}
+
+mrt_result source_load(source *self, const void *bytes, size_t size, error *err)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    bytes_take(&in, &self->now_ns, sizeof self->now_ns);
+    if (in.failed)
+        return error_set(err, MRT_ERR_FORMAT, "the state of a performance is damaged");
+    mrt_result result = layer_load(self->layer, in.at, (size_t)(in.end - in.at), err);
+    return result < 0 ? result : position(self, err);
+}
