@@ -59,8 +59,8 @@ static shading *shade(const pair *self, error *err)
 static void make_face(face_scene *s, bool has_skull, error *err)
 {
     scene_init(s);
-    s->proxy[0] = (rig_proxy){SKULL, {0, 30, 20}, {70, 60, 48}};
-    s->proxy[1] = (rig_proxy){EYE, {30, 40, 60}, {6, 6, 11.5}};
+    s->proxy[0] = (rig_proxy){.bone = SKULL, .centre = {0, 30, 20}, .radii = {70, 60, 48}};
+    s->proxy[1] = (rig_proxy){.bone = EYE, .centre = {30, 40, 60}, .radii = {6, 6, 11.5}};
     s->rig.proxy_count = has_skull ? 2 : 0;
     must(scene_finish(s, err), err);
 }

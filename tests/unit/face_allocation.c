@@ -23,7 +23,7 @@ static void frames_allocate_nothing(void **state)
     shape_step step;
     mrt_result results[7];
     scene_init(&s);
-    s.proxy[0] = (rig_proxy){SKULL, {0, 30, 20}, {70, 60, 48}};
+    s.proxy[0] = (rig_proxy){.bone = SKULL, .centre = {0, 30, 20}, .radii = {70, 60, 48}};
     s.rig.proxy_count = 1;
     allocation_count = 0;
     assert_int_equal(scene_finish(&s, &err), MRT_OK);

@@ -20,8 +20,8 @@ static void make(face_scene *s, uint32_t proxy_count)
 {
     error err = {""};
     scene_init(s);
-    s->proxy[0] = (rig_proxy){SKULL, {0, 30, 20}, {70, 60, 48}};
-    s->proxy[1] = (rig_proxy){JAW, {0, -30, 40}, {30, 20, 30}};
+    s->proxy[0] = (rig_proxy){.bone = SKULL, .centre = {0, 30, 20}, .radii = {70, 60, 48}};
+    s->proxy[1] = (rig_proxy){.bone = JAW, .centre = {0, -30, 40}, .radii = {30, 20, 30}};
     s->rig.proxy_count = proxy_count;
     must(scene_finish(s, &err), &err);
 }
@@ -150,8 +150,8 @@ static void overlapping_proxies_keep_skin_out_of_both(void **state)
     error err = {""};
     double end[SCENE_CONTACTS][3];
     scene_init(&s);
-    s.proxy[0] = (rig_proxy){SKULL, {10, 40, 40}, {40, 40, 38}};
-    s.proxy[1] = (rig_proxy){SKULL, {40, 50, 30}, {35, 40, 30}};
+    s.proxy[0] = (rig_proxy){.bone = SKULL, .centre = {10, 40, 40}, .radii = {40, 40, 38}};
+    s.proxy[1] = (rig_proxy){.bone = SKULL, .centre = {40, 50, 30}, .radii = {35, 40, 30}};
     s.rig.proxy_count = 2;
     must(scene_finish(&s, &err), &err);
     must(scene_hold(&s, &settings, end, &err), &err);
@@ -191,7 +191,7 @@ static void proxies_that_are_none_are_refused(void **state)
     static face_scene s;
     error err = {""};
     scene_init(&s);
-    s.proxy[0] = (rig_proxy){SKULL, {0, 0, 0}, {10, 0, 10}};
+    s.proxy[0] = (rig_proxy){.bone = SKULL, .centre = {0, 0, 0}, .radii = {10, 0, 10}};
     s.rig.proxy_count = 1;
     assert_int_equal(scene_finish(&s, &err), MRT_ERR_FORMAT);
     assert_non_null(strstr(err.text, "skull_proxy 0"));
