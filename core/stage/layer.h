@@ -49,6 +49,10 @@ typedef struct layer_room layer_room;
 layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
 void layer_room_destroy(layer_room *room);              /* if it was not used; NULL is fine */
 instance *layer_switch(layer *self, instance *mapping, layer_room *room);
+/* [frame] The same, to another mapping, which knows nothing of the old one. posed: the degrees of
+ * freedom as the bones are now. Where the new one says nothing of what the old one drove, the face
+ * first eases to rest. */
+instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed);
 bool layer_is_between(const layer *self);
 /* The new one comes while the old one leaves; between but not fading: its first pull is awaited,
  * and another may be switched to. */

@@ -133,6 +133,32 @@ static void mapping_changes_without_a_jump(void **state)
     end(&d, &hand);
 }
 
+static bool drives_a_bone(live_desk *d, void *data)
+{
+    (void)data;
+    for (uint32_t i = 0; i < d->view->about->dof_count; ++i)
+        if (!isnan(d->view->pull.dof[i]))
+            return true;
+    return false;
+}
+
+/* Anchored says nothing of bones: the head and the jaw go home. */
+static void a_mapping_of_vectors_drives_no_bone_of_the_one_before(void **state)
+{
+    (void)state;
+    live_desk d;
+    still_hand hand;
+    error err = {""};
+    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    hold(&d, &hand);
+    assert_true(drives_a_bone(&d, NULL));
+    desk_must(live_set_mapping(d.live, "anchored", &err), &err);
+    desk_perform(&d, 1.0);
+    assert_int_equal(d.view->pull.mode, MRT_ANCHORED);
+    assert_false(drives_a_bone(&d, NULL));
+    end(&d, &hand);
+}
+
 static bool is_moved(live_desk *d, void *data)
 {
     (void)data;
@@ -293,6 +319,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mapping_changes_without_a_jump),
+        cmocka_unit_test(a_mapping_of_vectors_drives_no_bone_of_the_one_before),
         cmocka_unit_test(mapping_of_nothing_lets_the_face_rest),
         cmocka_unit_test(inputs_come_and_go_while_it_performs),
         cmocka_unit_test(eight_inputs_are_too_many),

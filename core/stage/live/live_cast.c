@@ -186,7 +186,8 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
     layer *of = performer_layer(stage->scene->performer);
     if (layer_is_fading(of))
         return MRT_HOLD;
-    c->old = layer_switch(of, &c->role->instance, c->room);
+    const face *posed = composer_face(performer_composer(stage->scene->performer));
+    c->old = layer_replace(of, &c->role->instance, c->room, face_metered(posed)->dof);
     c->room = NULL;
     stage->role = c->role;
     stage->reload = NULL;

@@ -8,12 +8,17 @@
 
 static const double dt_max_s = 0.1;
 
+static void let_bones_go(mrt_pull *pull)
+{
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        pull->dof[i] = NAN;
+}
+
 void layer_reset(layer *self)
 {
     self->frame = (mrt_frame){0};
     self->pull = (mrt_pull){0};
-    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
-        self->pull.dof[i] = NAN;
+    let_bones_go(&self->pull);
     self->good = self->pull;
     self->cut = (cut){.side = 0};
     self->has_time = false;
@@ -121,6 +126,9 @@ void layer_cut(layer *self)
 {
     if (!self->cut.is_waiting) /* else what was pulled before still leaves */
         self->cut.leaving = *layer_pull(self);
+    if (self->cut.is_homing) /* the one before did not come to pull */
+        self->good = self->cut.leaving;
+    self->cut.is_homing = false;
     self->cut.is_waiting = true;
 }
 
@@ -131,6 +139,15 @@ instance *layer_switch(layer *self, instance *mapping, layer_room *room)
     use_mapping(self, mapping);
     layer_room_destroy(self->room);
     self->room = room;
+    return old;
+}
+
+instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed)
+{
+    instance *old = layer_switch(self, mapping, room);
+    self->cut.is_other = true;
+    memcpy(self->cut.posed, posed, sizeof self->cut.posed);
+    let_bones_go(&self->pull); /* the new one may say nothing of what the old one drove */
     return old;
 }
 
@@ -186,6 +203,43 @@ static bool drives_bones(const mrt_pull *pull)
     return false;
 }
 
+/* Of a bone that the old one drove the new one says nothing: it would stay as it is for good. */
+static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_pull *new)
+{
+    for (uint32_t i = 0; i < self->about->dof_count; ++i)
+        if (!isnan(leaving->dof[i]) && isnan(new->dof[i]))
+            return true;
+    return false;
+}
+
+/* What vectors have done to a jaw that is driven from now on is eased from there. */
+static void leave_posed(cut *c, const mrt_pull *new)
+{
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        if (isnan(c->leaving.dof[i]) && !isnan(new->dof[i]))
+            c->leaving.dof[i] = c->posed[i];
+}
+
+mrt_pull layer_home(const mrt_pull *leaving)
+{
+    mrt_pull out = {.mode = MRT_ANCHORED, .commit = leaving->commit};
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        out.dof[i] = isnan(leaving->dof[i]) ? NAN : 0.0f;
+    return out;
+}
+
+/* What was pulled eases to rest; then the new one takes hold of that (begin_at_home). */
+static void go_home(layer *self)
+{
+    cut *c = &self->cut;
+    c->shown = layer_home(&c->leaving);
+    c->is_waiting = c->is_other = false;
+    c->is_fading = c->is_leaving = c->is_homing = true;
+    c->fade_s = self->frame.dt_s;
+    c->side = 1 - c->side;
+    c->anchor_shift = 0;
+}
+
 /* The first pull of the new one says how it comes. While it is idle the shape stays as it is. */
 static void begin_fade(layer *self)
 {
@@ -193,9 +247,15 @@ static void begin_fade(layer *self)
     const mrt_pull *new = &self->good;
     if (new->mode == MRT_IDLE)
         return;
+    if (c->is_other && leaves_bones(self, &c->leaving, new)) {
+        go_home(self);
+        return;
+    }
+    if (c->is_other)
+        leave_posed(c, new);
     bool stays = holds_elsewhere(&c->leaving, new);
     bool kneads_on = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
-    c->is_waiting = false;
+    c->is_waiting = c->is_other = false;
     c->is_fading = true;
     c->fade_s = self->frame.dt_s;
     c->is_leaving = !stays && !kneads_on;
@@ -213,6 +273,18 @@ static void begin_fade(layer *self)
     }
 }
 
+static void begin_at_home(layer *self)
+{
+    cut *c = &self->cut;
+    c->is_homing = false;
+    c->is_waiting = true;
+    c->leaving = c->shown;
+    let_bones_go(&c->leaving);
+    let_bones_go(&self->pull);
+    self->good = c->leaving;
+    self->functions->reset(self->mapping->self);
+}
+
 /* Before a sample. */
 static void go_on_fading(layer *self)
 {
@@ -221,6 +293,8 @@ static void go_on_fading(layer *self)
         return;
     c->fade_s += self->frame.dt_s;
     c->is_fading = c->fade_s < LAYER_FADE_S;
+    if (!c->is_fading && c->is_homing)
+        begin_at_home(self);
 }
 
 static void show_good(layer *self)
@@ -228,7 +302,7 @@ static void show_good(layer *self)
     cut *c = &self->cut;
     if (c->is_waiting)
         begin_fade(self);
-    if (c->anchor_shift == 0)
+    if (c->is_homing || c->anchor_shift == 0)
         return;
     c->shown = self->good;
     c->shown.anchor += c->anchor_shift;
@@ -249,6 +323,14 @@ static void tell_params(layer *self, const mrt_sample *sample)
     }
 }
 
+/* What the mapping sees as its own last pull. */
+static void give_back_good(layer *self)
+{
+    self->pull = self->good;
+    if (self->cut.is_waiting) /* still another's, or of before it was to begin anew */
+        let_bones_go(&self->pull);
+}
+
 /* Fills self->good with what the mapping wants now, if it makes sense. */
 static void run_mapping(layer *self, const mrt_sample *sample)
 {
@@ -260,7 +342,7 @@ static void run_mapping(layer *self, const mrt_sample *sample)
         layer_cut(self);
     mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
     if (result == MRT_HOLD) {
-        self->pull = self->good;
+        give_back_good(self);
         return;
     }
     const char *fault = result < 0 ? "an error" : guard_fault(&self->guard, &self->pull);
@@ -273,7 +355,7 @@ static void run_mapping(layer *self, const mrt_sample *sample)
     if (!self->counts.first_problem.text[0])
         error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "mapping %s gave %s",
                   self->mapping->type->id, fault);
-    self->pull = self->good; /* "on entry: what it held last" stays sane */
+    give_back_good(self); /* "on entry: what it held last" stays sane */
 }
 
 static void read_pointer(layer *self, const channel_route *route, const mrt_sample *sample)
@@ -300,6 +382,7 @@ static void begin_anew(layer *self)
         return;
     self->resets = false;
     layer_cut(self);
+    let_bones_go(&self->pull);
     self->functions->reset(self->mapping->self);
 }
 
@@ -324,7 +407,8 @@ void layer_sample(layer *self, const channel_route *route, const mrt_sample *sam
 
 const mrt_pull *layer_pull(const layer *self)
 {
-    return self->cut.anchor_shift ? &self->cut.shown : &self->good;
+    const cut *c = &self->cut;
+    return c->is_homing || c->anchor_shift ? &c->shown : &self->good;
 }
 
 const mrt_frame *layer_frame(const layer *self)

@@ -13,14 +13,20 @@ struct layer_room {
 /* From one who pulls to another. */
 typedef struct cut {
     bool is_waiting; /* for the first pull of the new one */
+    bool is_other;   /* while waiting: the new one is another mapping */
     bool is_fading;
     bool is_leaving; /* while fading: `leaving` is seen */
+    bool is_homing;  /* while fading: to rest, before the new one begins (layer_go_home) */
     double fade_s;
     uint32_t side;
-    uint32_t anchor_shift; /* added to the mapping's anchors */
+    uint32_t anchor_shift;     /* added to the mapping's anchors */
+    float posed[MRT_MAX_DOFS]; /* of another mapping: the bones when it came */
     mrt_pull leaving;
-    mrt_pull shown; /* with the shift; in use while there is one */
+    mrt_pull shown; /* with the shift, or at rest; in use while there is one, or while homing */
 } cut;
+
+/* What is pulled on the way home: nothing, and the bones that `leaving` drove are at rest. */
+mrt_pull layer_home(const mrt_pull *leaving);
 
 struct layer {
     instance *mapping;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3 };
+enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* more than 1, that it is waiting, is fading */
 
 /* What the hands and the mapping take goes behind its own size. */
 static void put_sized(bytes_out *out, size_t (*save)(void *of, void *bytes, size_t capacity),
@@ -80,26 +81,36 @@ static bool has_cut(const layer *self)
 
 static void put_cut(bytes_out *out, const cut *c)
 {
-    bytes_put_u32(out, c->is_waiting);
-    bytes_put_u32(out, c->is_fading);
+    bytes_put_u32(out, c->is_other ? STORE_OTHER : c->is_waiting);
+    bytes_put_u32(out, c->is_homing ? STORE_HOMING : c->is_fading);
     bytes_put_u32(out, c->is_leaving);
     bytes_put_f64(out, c->fade_s);
     bytes_put_u32(out, c->side);
     bytes_put_u32(out, c->anchor_shift);
     put_pull(out, &c->leaving);
+    if (c->is_other)
+        bytes_put(out, c->posed, sizeof c->posed);
 }
 
 static void take_cut(bytes_in *in, layer *self)
 {
     cut *c = &self->cut;
-    c->is_waiting = bytes_take_u32(in) != 0;
-    c->is_fading = bytes_take_u32(in) != 0;
+    uint32_t waiting = bytes_take_u32(in);
+    c->is_waiting = waiting != 0;
+    c->is_other = waiting == STORE_OTHER;
+    uint32_t fading = bytes_take_u32(in);
+    c->is_fading = fading != 0;
+    c->is_homing = fading == STORE_HOMING;
     c->is_leaving = bytes_take_u32(in) != 0;
     c->fade_s = bytes_take_f64(in);
     c->side = bytes_take_u32(in);
     c->anchor_shift = bytes_take_u32(in);
     take_pull(in, self, &c->leaving);
-    c->shown = self->good;
+    if (c->is_other)
+        bytes_take(in, c->posed, sizeof c->posed);
+    for (uint32_t i = 0; c->is_other && i < MRT_MAX_DOFS; ++i)
+        in->failed |= !isfinite(c->posed[i]);
+    c->shown = c->is_homing ? layer_home(&c->leaving) : self->good;
     c->shown.anchor += c->anchor_shift;
     in->failed = in->failed || c->side > 1 || !(c->fade_s >= 0.0);
 }
