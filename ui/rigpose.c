@@ -57,24 +57,23 @@ static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pos
 }
 
 /* With all bones at rest, as face_reset left them. */
-static mrt_result take_hold(rigpose_stage *self, const rig_pose *pose, error *err)
+static mrt_result take_hold(face *f, const csrbf_settings *solver, const uint32_t *contact,
+                            uint32_t count, error *err)
 {
-    face_control *control = calloc(pose->pull_count + 1u, sizeof *control);
+    face_control *control = calloc(count + (size_t)1, sizeof *control);
     if (!control)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the pulls");
-    for (uint32_t i = 0; i < pose->pull_count; ++i) {
-        uint32_t contact = 1 + pose->pull_contact[i];
-        control[i] = (face_control){face_contact_now(self->face, contact), contact};
-    }
-    mrt_result result = face_engage(self->face, &self->solver, control, pose->pull_count, err);
+    for (uint32_t i = 0; i < count; ++i)
+        control[i] = (face_control){face_contact_now(f, 1 + contact[i]), 1 + contact[i]};
+    mrt_result result = face_engage(f, solver, control, count, err);
     free(control);
     return result;
 }
 
-static mrt_result pull(rigpose_stage *self, const rig_pose *pose, error *err)
+static mrt_result pull(face *f, const rig_pose *pose, error *err)
 {
     float dof[MRT_MAX_DOFS];
-    read_dofs(dof, face_bones(self->face), pose);
+    read_dofs(dof, face_bones(f), pose);
     double *end = calloc(pose->pull_count * (size_t)3 + 1, sizeof *end);
     uint8_t *rides = malloc(pose->pull_count + (size_t)1);
     mrt_result result =
@@ -86,28 +85,121 @@ static mrt_result pull(rigpose_stage *self, const rig_pose *pose, error *err)
             end[3 * i + 2] = pose->pull_mm[i].z;
         }
         memset(rides, 1, pose->pull_count);
-        face_ride(self->face, end, rides, dof);
-        result = face_pull(self->face, end, dof, err);
+        face_ride(f, end, rides, dof);
+        result = face_pull(f, end, dof, err);
     }
     free(end);
     free(rides);
     return result;
 }
 
-mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err)
+mrt_result rigpose_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
+                           error *err)
 {
-    const rig_pose *wanted = &self->rig->pose[pose];
+    const rig_pose *wanted = &r->pose[pose];
     error why = {""};
-    face_reset(self->face);
-    mrt_result result = take_hold(self, wanted, &why);
+    face_reset(f);
+    mrt_result result = take_hold(f, solver, wanted->pull_contact, wanted->pull_count, &why);
     if (result >= 0)
-        result = pull(self, wanted, &why);
+        result = pull(f, wanted, &why);
     if (result < 0)
-        return error_set(err, result, "%s: pose \"%s\": %s", self->rig->path, wanted->name,
-                         why.text);
-    points_to_rows(self->position, face_shown(self->face), face_order(self->face));
+        return error_set(err, result, "%s: pose \"%s\": %s", r->path, wanted->name, why.text);
     return MRT_OK;
 }
+
+mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err)
+{
+    mrt_result result = rigpose_show_on(self->face, self->rig, pose, &self->solver, err);
+    if (result >= 0)
+        points_to_rows(self->position, face_shown(self->face), face_order(self->face));
+    return result;
+}
+
+/* ---- a pose of a shape ---- */
+
+static const double least_way_mm = 0.25, least_dof = 1e-3;
+
+void rigpose_finish(rig_pose *pose)
+{
+    free(pose->name);
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        free(pose->dof_name[i]);
+    free(pose->dof_name);
+    free(pose->dof_value);
+    free(pose->pull_contact);
+    free(pose->pull_mm);
+    *pose = (rig_pose){0};
+}
+
+static bool allocate_pose(rig_pose *out, const char *name, uint32_t dofs, uint32_t contacts)
+{
+    *out = (rig_pose){.name = strdup(name),
+                      .dof_name = calloc(dofs + (size_t)1, sizeof *out->dof_name),
+                      .dof_value = calloc(dofs + (size_t)1, sizeof *out->dof_value),
+                      .pull_contact = calloc(contacts + (size_t)1, sizeof *out->pull_contact),
+                      .pull_mm = calloc(contacts + (size_t)1, sizeof *out->pull_mm)};
+    return out->name && out->dof_name && out->dof_value && out->pull_contact && out->pull_mm;
+}
+
+static bool note_dofs(rig_pose *out, const bones *b, const float *dof)
+{
+    for (uint32_t i = 0; i < b->dof_count; ++i) {
+        if (!(fabs((double)dof[i]) > least_dof))
+            continue;
+        out->dof_name[out->dof_count] = strdup(b->dof[i].name);
+        if (!out->dof_name[out->dof_count])
+            return false;
+        out->dof_value[out->dof_count++] = (double)dof[i];
+    }
+    return true;
+}
+
+/* As many contacts as can be engaged at once. */
+static mrt_result note_pulls(rig_pose *out, face *f, const csrbf_settings *solver, uint32_t first,
+                             uint32_t count, const vec3 *at, const float *dof, error *err)
+{
+    uint32_t contact[MRT_MAX_VECTORS] = {0};
+    double end[3 * MRT_MAX_VECTORS];
+    for (uint32_t i = 0; i < count; ++i) {
+        contact[i] = first + i;
+        end[3 * i] = at[first + i].x;
+        end[3 * i + 1] = at[first + i].y;
+        end[3 * i + 2] = at[first + i].z;
+    }
+    face_reset(f);
+    mrt_result result = take_hold(f, solver, contact, count, err);
+    if (result < 0)
+        return result;
+    face_unride(f, end, dof);
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3 way = {end[3 * i], end[3 * i + 1], end[3 * i + 2]};
+        if (!(vec3_length(way) > least_way_mm))
+            continue;
+        out->pull_contact[out->pull_count] = first + i;
+        out->pull_mm[out->pull_count++] = way;
+    }
+    return MRT_OK;
+}
+
+mrt_result rigpose_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
+                      const csrbf_settings *solver, const vec3 *at, const float *dof, error *err)
+{
+    const bones *b = face_bones(f);
+    const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
+    mrt_result result = MRT_OK;
+    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !note_dofs(out, b, dof))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
+    for (uint32_t first = 0; result >= 0 && first < r->contact_count; first += most) {
+        const uint32_t left = r->contact_count - first;
+        result = note_pulls(out, f, solver, first, left < most ? left : most, at, dof, err);
+    }
+    face_reset(f);
+    if (result < 0)
+        rigpose_finish(out);
+    return result;
+}
+
+/* ---- what it does ---- */
 
 rigpose_measure rigpose_measured(const rigpose_stage *self)
 {

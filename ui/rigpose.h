@@ -31,4 +31,16 @@ CHECKED mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err);
 /* Of the pose shown. */
 rigpose_measure rigpose_measured(const rigpose_stage *self);
 
+/* The same on a face of that rig that is somebody's. */
+CHECKED mrt_result rigpose_show_on(face *f, const rig *r, uint32_t pose,
+                                   const csrbf_settings *solver, error *err);
+/* The other way round: the pose that brings the rig's contacts to `at` (contact_count, mm) while
+ * its bones are turned by dof (dof_count); what moves by less than can be seen is left out. The
+ * face of that rig, which has room for so many controls, is at rest afterwards. `name` is copied;
+ * to be finished. */
+CHECKED mrt_result rigpose_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
+                              const csrbf_settings *solver, const vec3 *at, const float *dof,
+                              error *err);
+void rigpose_finish(rig_pose *pose); /* zeroed is fine */
+
 #endif

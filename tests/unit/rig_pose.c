@@ -107,6 +107,33 @@ static void a_pose_that_folds_is_measured_as_one(void **state)
     close_plane(&p);
 }
 
+/* What is seen becomes a pose, and that pose is seen as the same. */
+static void a_shape_becomes_a_pose_that_gives_the_shape(void **state)
+{
+    (void)state;
+    plane p;
+    error err = {""};
+    rig_pose made;
+    open_plane(&p);
+    show(&p.stage, TURNED);
+    const bones *b = face_bones(p.stage.face);
+    float dof[MRT_MAX_DOFS] = {0.0f};
+    vec3 at[2] = {face_contact_now(p.stage.face, 1), face_contact_now(p.stage.face, 2)};
+    dof[0] = (float)p.rig.pose[TURNED].dof_value[0];
+    assert_int_equal(b->dof_count, 1);
+    if (rigpose_of(&made, "again", p.stage.face, 1, &p.rig, &p.stage.solver, at, dof, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_string_equal(made.name, "again");
+    assert_int_equal(made.dof_count, 1);
+    assert_string_equal(made.dof_name[0], "skull.turn");
+    assert_true(fabs(made.dof_value[0] - p.rig.pose[TURNED].dof_value[0]) < 1e-6);
+    assert_true(made.pull_count >= 1 && made.pull_contact[0] == 0);
+    const vec3 meant = p.rig.pose[TURNED].pull_mm[0];
+    assert_true(vec3_length(vec3_sub(made.pull_mm[0], meant)) < 0.01);
+    rigpose_finish(&made);
+    close_plane(&p);
+}
+
 /* ---- the puppet ---- */
 
 /* Greatest motion of the contacts to the subject's left, whose mirror has another one. */
@@ -178,6 +205,7 @@ int main(void)
         cmocka_unit_test(pulls_ride_on_turned_bones),
         cmocka_unit_test(no_pose_is_left_in_the_next),
         cmocka_unit_test(a_pose_that_folds_is_measured_as_one),
+        cmocka_unit_test(a_shape_becomes_a_pose_that_gives_the_shape),
         cmocka_unit_test(expressions_of_the_puppet_are_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,7 +11,6 @@ typedef struct rig_stand {
     ui_rectangle dock;
     char face_path[1024];
     char opened[1024]; /* by the panel */
-    live_status status;
     studio_step step[RIG_STAND_STEPS];
     uint32_t step_count;
     studio_unsaved unsaved;
@@ -28,7 +27,6 @@ void rig_stand_close(rig_stand *s);
 void rig_stand_frames(rig_stand *s, uint32_t count);
 /* Until the stage has got a face, at most a minute. */
 void rig_stand_wait_for_change(rig_stand *s, uint32_t change_count);
-void rig_stand_wait_for_work(rig_stand *s); /* some frames, and some tenths of a second */
 void rig_stand_move(rig_stand *s, float x, float y);
 void rig_stand_button(rig_stand *s, bool is_down);
 void rig_stand_click(rig_stand *s, float x, float y);

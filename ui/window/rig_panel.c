@@ -33,7 +33,7 @@ static void tell(rig_panel *self, const char *text)
 static void go(rig_panel *self, uint64_t number)
 {
     rig_panel_end_stroke(self);
-    self->jawing.is_changing = self->is_says_held = false;
+    self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
     if (!self->model || !rig_model_go(self->model, number))
         rig_panel_say(self, "That change of the rig is too long ago to be undone.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
@@ -112,6 +112,7 @@ static void forget_face(rig_panel *self)
     self->region = self->contact = RIG_NONE;
     self->placing = (rig_placing){.name_of = RIG_NONE};
     self->jawing = (rig_jawing){.held = RIG_HANDLES};
+    rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
     self->painting.is_on = false;
     self->trouble[0] = '\0';
 }
@@ -253,6 +254,7 @@ static void keep_choices(rig_panel *self)
         self->contact = RIG_NONE;
     if (!r || self->painting.ink.bone >= r->bone_count)
         self->painting.ink.bone = 0;
+    rig_panel_keep_part(self);
 }
 
 static void update(panel *self_, double dt_s)
@@ -368,11 +370,12 @@ static void check_title(const rig_panel *self, char *out, size_t capacity)
 static void draw_tabs(rig_panel *self, ui *on)
 {
     static void (*const draw_tab[RIG_TABS])(rig_panel *, ui *) = {
-        rig_panel_draw_regions, rig_panel_draw_contacts, rig_panel_draw_jaw, rig_panel_draw_check};
+        rig_panel_draw_regions, rig_panel_draw_contacts, rig_panel_draw_jaw, rig_panel_draw_parts,
+        rig_panel_draw_check};
     char check[32];
     uint32_t before = self->tab;
     check_title(self, check, sizeof check);
-    const char *const names[RIG_TABS] = {"Regions", "Contacts", "Jaw", check};
+    const char *const names[RIG_TABS] = {"Regions", "Contacts", "Jaw", "Parts", check};
     (void)ui_tabs(on, "tabs", names, RIG_TABS, &self->tab);
     if (self->tab != before)
         self->shown.is_tint_new = self->shown.is_shape_new = true;
@@ -416,6 +419,7 @@ static panel *create(studio *of)
     self->region = self->contact = self->region_name_of = RIG_NONE;
     self->placing.name_of = RIG_NONE;
     self->jawing.held = RIG_HANDLES;
+    rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
     self->is_even = true;
     self->painting.shape = (brush_shape){.radius_mm = 12.0, .sides = BRUSH_BOTH_SIDES};
     self->painting.ink = (rig_stroke_ink){.ink = RIG_INK_RIDES, .strength = 1.0};

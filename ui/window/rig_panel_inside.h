@@ -11,6 +11,7 @@ typedef enum rig_tab {
     RIG_TAB_REGIONS = 0,
     RIG_TAB_CONTACTS,
     RIG_TAB_JAW,
+    RIG_TAB_PARTS,
     RIG_TAB_CHECK,
     RIG_TABS
 } rig_tab;
@@ -43,6 +44,19 @@ typedef struct rig_jawing {                /* the axis, and how the jaw moves ab
     double gap_mm;                         /* of the incisors, as tried */
 } rig_jawing;
 
+typedef struct rig_naming { /* of one of a list, as it is typed */
+    char text[RIG_PANEL_NAME];
+    uint32_t of, number; /* of which and which state that is */
+} rig_naming;
+
+typedef struct rig_parting {    /* bones, what skin does not enter, poses */
+    uint32_t bone, proxy, pose; /* that is chosen, at most one of them; RIG_NONE */
+    uint32_t kind;              /* of the bone that is to be added */
+    rig_naming bone_name, pose_name;
+    vec3 centre, radii; /* of the chosen one as shown; of a ball radii.x */
+    bool is_held;       /* a slider is dragged */
+} rig_parting;
+
 typedef struct rig_shown {       /* what the viewport was told */
     bool is_released;            /* nothing: the panel is not seen */
     bool is_tinted, is_tint_new; /* new: it is to be told again */
@@ -74,6 +88,7 @@ typedef struct rig_panel {
     rig_painting painting;
     rig_placing placing;
     rig_jawing jawing;
+    rig_parting parting;
     rig_shown shown;
 } rig_panel;
 
@@ -103,7 +118,19 @@ void rig_panel_draw_regions(rig_panel *self, ui *on);
 void rig_panel_draw_brush(rig_panel *self, ui *on);
 void rig_panel_draw_contacts(rig_panel *self, ui *on);
 void rig_panel_draw_jaw(rig_panel *self, ui *on);
+void rig_panel_draw_parts(rig_panel *self, ui *on);
+void rig_panel_draw_poses(rig_panel *self, ui *on); /* a section of the parts */
 void rig_panel_draw_check(rig_panel *self, ui *on);
+/* At most one of the three. */
+void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
+void rig_panel_keep_part(rig_panel *self); /* what is chosen may be gone */
+/* A name that is typed; true: it was ended and is another one. */
+bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
+                         const char *name);
+/* The chosen pose into shown.position; false: it cannot be shown. */
+bool rig_panel_show_pose(rig_panel *self);
+/* What is chosen, as lines and dots. Returns how many. */
+uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t capacity);
 
 #define RIG_PANEL_LABEL 74.0f
 

@@ -183,7 +183,10 @@ static void tell_shape(rig_panel *self, viewport *view)
 {
     rig_shown *shown = &self->shown;
     bool paints = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
-    bool stands_in = paints || self->tab == RIG_TAB_CONTACTS || self->tab == RIG_TAB_JAW;
+    bool has_part = self->parting.bone != RIG_NONE || self->parting.proxy != RIG_NONE ||
+                    self->parting.pose != RIG_NONE;
+    bool stands_in = paints || self->tab == RIG_TAB_CONTACTS || self->tab == RIG_TAB_JAW ||
+                     (self->tab == RIG_TAB_PARTS && has_part);
     if (!shown->is_shape_new && stands_in == shown->stands_in)
         return;
     shown->is_shape_new = false;
@@ -192,7 +195,10 @@ static void tell_shape(rig_panel *self, viewport *view)
         viewport_stand_in(view, NULL, NULL);
     else if (self->tab == RIG_TAB_JAW && pose_face(self))
         viewport_stand_in(view, shown->position, shown->normal);
-    else
+    else if (self->tab == RIG_TAB_PARTS && rig_panel_show_pose(self)) {
+        find_normals(self);
+        viewport_stand_in(view, shown->position, shown->normal);
+    } else
         viewport_stand_in(view, rig_model_mesh(self->model)->position,
                           brush_normals(rig_model_brush(self->model)));
 }
@@ -232,6 +238,8 @@ static void tell_items(const rig_panel *self, viewport *view)
         count = add_contacts(self, item);
     if (self->tab == RIG_TAB_JAW && rig_panel_jaw(rig_model_rig(self->model)) != RIG_NONE)
         count = rig_gizmo_draw(item, &self->jawing.jaw, self->jawing.held);
+    if (self->tab == RIG_TAB_PARTS)
+        count = rig_panel_part_items(self, item, ITEMS_MAX);
     viewport_add(view, item, count);
 }
 
