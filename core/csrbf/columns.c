@@ -40,21 +40,37 @@ void columns_weights_destroy(columns_weights *w)
     *w = (columns_weights){0};
 }
 
+/* Of the columns of one word, `count` of them, those that weigh something. Asked by their bits, all
+ * three at once and without the signs: there may be a thousand of them, and ten that count. */
+static uint64_t live_in_word(const float *value, uint32_t count)
+{
+    uint64_t live = 0;
+    for (uint32_t i = 0; i < count; ++i, value += 3) {
+        uint32_t bits[3];
+        memcpy(bits, value, sizeof bits);
+        uint64_t counts = ((bits[0] | bits[1] | bits[2]) & UINT32_C(0x7fffffff)) != 0;
+        live |= counts << i;
+    }
+    return live;
+}
+
 void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, size_t value_size)
 {
-    size_t streams = (size_t)6 * c->block_count * sizeof(float), filled = 0; /* base and out */
+    size_t rows = (size_t)6 * c->block_count * sizeof(float); /* base and out */
     memset(w->live, 0, words_of(c->capacity) * sizeof *w->live);
-    for (uint32_t column = 0; column < count; ++column) {
-        const float *g = w->value + (size_t)3 * column;
-        uint64_t counts = (g[0] != 0.0f) | (g[1] != 0.0f) | (g[2] != 0.0f);
-        w->live[column / COLUMNS_WORD] |= counts << column % COLUMNS_WORD;
-        filled += counts ? c->filled[column] : 0;
-    }
-    w->bytes = (streams + filled * value_size) * POINTS_BLOCK;
     w->word_count = 0;
-    for (uint32_t word = 0; word < words_of(count); ++word)
-        if (w->live[word] != 0)
-            w->word[w->word_count++] = (uint16_t)word;
+    for (uint32_t first = 0; first < count; first += COLUMNS_WORD) {
+        uint32_t left = count - first, word = first / COLUMNS_WORD;
+        const float *value = w->value + (size_t)3 * first;
+        w->live[word] = live_in_word(value, left < COLUMNS_WORD ? left : COLUMNS_WORD);
+        if (w->live[word] == 0)
+            continue;
+        w->word[w->word_count++] = (uint16_t)word;
+        for (uint32_t bit = 0; bit < COLUMNS_WORD; ++bit)
+            if (w->live[word] >> bit & 1u)
+                rows += c->filled[first + bit] * value_size;
+    }
+    w->bytes = rows * POINTS_BLOCK;
 }
 
 /* ---- columns ---- */
