@@ -1,5 +1,9 @@
 #include "perform_mapping.h"
 
+#include "base/clock.h"
+
+#include <time.h>
+
 static mrt_result isolate_mapping(perform_mapping *self, const mrt_plugin_type **type, error *err)
 {
     mrt_result result = isolate_create(&self->isolate, *type, self->library, &self->settings, err);
@@ -71,13 +75,27 @@ static isolate_counts counts_of(const perform_mapping *self)
         sum.failed += one.failed;
         sum.restarted += one.restarted;
         sum.late += one.late;
+        sum.is_away |= one.is_away;
     }
     return sum;
 }
 
+/* A process is away before its keeper knows why. */
+static isolate_counts counts_when_known(const perform_mapping *self)
+{
+    enum { PATIENCE = 2000 };
+    const struct timespec moment = {.tv_nsec = NS_PER_MS};
+    isolate_counts counts = counts_of(self);
+    for (int i = 0; i < PATIENCE && counts.is_away && counts.failed == 0; ++i) {
+        (void)nanosleep(&moment, NULL);
+        counts = counts_of(self);
+    }
+    return counts;
+}
+
 mrt_result perform_mapping_check(const perform_mapping *self, error *err)
 {
-    if (self->settings.clock == CLOCK_REAL || counts_of(self).failed == 0)
+    if (self->settings.clock == CLOCK_REAL || counts_when_known(self).failed == 0)
         return MRT_OK;
     const char *why = self->instance.self ? isolate_first_reason(self->instance.self) : "";
     return error_set(err, MRT_ERR_FORMAT, "mapping %s %s", self->instance.type->id,
