@@ -68,6 +68,8 @@ static rig copy_of(const rig *r)
     return out;
 }
 
+static const binding *filled; /* NULL: strokes know nothing of what is there */
+
 /* One press on a vertex. */
 static rig painted(const rig *r, const brush_shape *shape, rig_stroke_ink ink, uint32_t vertex)
 {
@@ -75,7 +77,7 @@ static rig painted(const rig *r, const brush_shape *shape, rig_stroke_ink ink, u
     rig_stroke *stroke = NULL;
     rig out = copy_of(r);
     uint32_t changed;
-    must(rig_stroke_begin(&stroke, r, puppet.mesh.vertex_count, &ink, &err), &err);
+    must(rig_stroke_begin(&stroke, r, puppet.mesh.vertex_count, &ink, filled, &err), &err);
     brush_begin(tool, shape);
     must(brush_move(tool, vertex, place_of(vertex), &err), &err);
     rig_stroke_update(stroke, tool);
@@ -327,7 +329,8 @@ static void only_regions_of_vertices_can_be_painted(void **state)
     error err = {""};
     rig_stroke *stroke;
     rig_stroke_ink ink = {.ink = RIG_INK_REGION, .region = 0, .strength = 1.0};
-    assert_true(rig_stroke_begin(&stroke, puppet.rig, puppet.mesh.vertex_count, &ink, &err) < 0);
+    assert_true(rig_stroke_begin(&stroke, puppet.rig, puppet.mesh.vertex_count, &ink, NULL, &err) <
+                0);
     assert_null(stroke);
     assert_non_null(strstr(err.text, "make it paint"));
 }
@@ -420,7 +423,7 @@ static void a_rig_of_thirty_regions_is_painted(void **state)
     rig_stroke_ink ink = rides_on("jaw");
     rig_stroke *stroke;
     int64_t began_ns = clock_now_ns();
-    must(rig_stroke_begin(&stroke, &r, puppet.mesh.vertex_count, &ink, &err), &err);
+    must(rig_stroke_begin(&stroke, &r, puppet.mesh.vertex_count, &ink, NULL, &err), &err);
     int64_t ready_ns = clock_now_ns();
     brush_begin(tool, &both);
     uint32_t from = contact("cheek.l"), to = contact("cheek.lower.l");
@@ -444,6 +447,64 @@ static void a_rig_of_thirty_regions_is_painted(void **state)
     rig_destroy(&r);
 }
 
+static void lay(binding *out, const rig *r)
+{
+    error err = {""};
+    must(binding_create(out, r, &puppet.mesh, &puppet.topology, &err), &err);
+}
+
+/* No vertex that is touched rides on the bone less than before, however lightly it is touched. */
+static void a_soft_stroke_takes_nothing_from_its_bone(const char *bone)
+{
+    binding before, after;
+    const uint32_t of = rig_find_bone(puppet.rig, bone), count = puppet.mesh.vertex_count;
+    uint32_t touched_count;
+    double gained = 0.0;
+    lay(&before, puppet.rig);
+    filled = &before;
+    rig soft = painted(puppet.rig, &wide, rides_on(bone), contact("cheek.lower.l"));
+    filled = NULL;
+    lay(&after, &soft);
+    const uint32_t *touched = brush_touched(tool, &touched_count);
+    for (uint32_t i = 0; i < touched_count; ++i) {
+        const size_t at = (size_t)of * count + touched[i];
+        const double had = (double)before.weight[at], has = (double)after.weight[at];
+        gained += has - had;
+        if (has < had - 0.01)
+            fail_msg("vertex %u: %s had %.3f, has %.3f", touched[i], bone, had, has);
+    }
+    assert_true(gained > 1.0);
+    binding_destroy(&before);
+    binding_destroy(&after);
+    rig_destroy(&soft);
+}
+
+static void soft_edges_pass_over_into_what_is_there(void **state)
+{
+    (void)state;
+    a_soft_stroke_takes_nothing_from_its_bone("jaw");
+    a_soft_stroke_takes_nothing_from_its_bone("skull");
+}
+
+static void a_soft_stroke_of_mobility_stills_nothing(void **state)
+{
+    (void)state;
+    binding before, after;
+    const rig_stroke_ink free_ink = {.ink = RIG_INK_FREE, .strength = 1.0};
+    lay(&before, puppet.rig);
+    filled = &before;
+    rig soft = painted(puppet.rig, &wide, free_ink, contact("nose.tip"));
+    filled = NULL;
+    lay(&after, &soft);
+    for (uint32_t v = 0; v < puppet.mesh.vertex_count; ++v)
+        if (after.mobility[v] < before.mobility[v] - 0.02f)
+            fail_msg("vertex %u: %.3f becomes %.3f", v, (double)before.mobility[v],
+                     (double)after.mobility[v]);
+    binding_destroy(&before);
+    binding_destroy(&after);
+    rig_destroy(&soft);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -459,6 +520,8 @@ int main(void)
         cmocka_unit_test(only_regions_of_vertices_can_be_painted),
         cmocka_unit_test(paint_survives_writing_and_reading),
         cmocka_unit_test(undo_gives_the_same_file),
+        cmocka_unit_test(soft_edges_pass_over_into_what_is_there),
+        cmocka_unit_test(a_soft_stroke_of_mobility_stills_nothing),
         cmocka_unit_test(a_rig_of_thirty_regions_is_painted),
     };
     return cmocka_run_group_tests(tests, open_puppet, close_puppet);

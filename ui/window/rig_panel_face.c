@@ -53,8 +53,11 @@ static void begin_stroke(rig_panel *self, const viewport_stroke *s)
     rig_painting *painting = &self->painting;
     rig_stroke_ink ink = ink_now(self, s->modifiers);
     painting->shape.sides = self->is_even ? BRUSH_BOTH_SIDES : BRUSH_ONE_SIDE;
-    mrt_result result = rig_stroke_begin(&painting->stroke, rig_model_rig(self->model),
-                                         rig_model_mesh(self->model)->vertex_count, &ink, &err);
+    const rig_work *work = rig_model_work(self->model);
+    const binding *filled = work && work->face ? face_binding(work->face) : NULL;
+    mrt_result result =
+        rig_stroke_begin(&painting->stroke, rig_model_rig(self->model),
+                         rig_model_mesh(self->model)->vertex_count, &ink, filled, &err);
     rig_panel_say(self, result < 0 ? err.text : "");
     if (result >= 0)
         brush_begin(rig_model_brush(self->model), &painting->shape);

@@ -15,7 +15,7 @@ typedef struct layer { /* the region of an ink */
     rig_edit_says says;
     bool is_binary; /* it says all or nothing */
     bool is_mobility;
-    uint8_t *before, *now; /* vertex_count */
+    uint8_t *before, *start, *now; /* vertex_count; start: what a touch begins with */
 } layer;
 
 struct rig_stroke {
@@ -84,11 +84,13 @@ static void settle(layer *l)
 static mrt_result allocate_layer(layer *l, const rig *r, uint32_t vertex_count, error *err)
 {
     l->before = calloc((size_t)vertex_count + 1, 1);
+    l->start = calloc((size_t)vertex_count + 1, 1);
     l->now = calloc((size_t)vertex_count + 1, 1);
-    if (!l->before || !l->now)
+    if (!l->before || !l->start || !l->now)
         return no_memory(err);
     if (l->region != RIG_NONE)
         rig_edit_values(l->before, r, l->region, vertex_count);
+    memcpy(l->start, l->before, vertex_count);
     memcpy(l->now, l->before, vertex_count);
     return MRT_OK;
 }
@@ -174,8 +176,61 @@ static mrt_result find_region(rig_stroke *self, const rig *r, error *err)
     return add_region_layer(self, r, region, err);
 }
 
+/* ---- what a touch begins with ---- */
+
+static bool is_share(const layer *l)
+{
+    return !l->is_binary && !l->is_mobility;
+}
+
+static uint8_t in_255ths(float share)
+{
+    return (uint8_t)lrintf(fminf(fmaxf(share, 0.0f), 1.0f) * (float)FULL);
+}
+
+/* Whether any ink of that kind is at the vertex. */
+static bool is_painted(const rig_stroke *self, bool is_mobility, uint32_t vertex)
+{
+    for (uint32_t i = 0; i < self->layer_count; ++i)
+        if (self->layer[i].is_mobility == is_mobility && self->layer[i].before[vertex] > 0)
+            return true;
+    return false;
+}
+
+static void start_from(rig_stroke *self, layer *l, const float *filled)
+{
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        if (!is_painted(self, l->is_mobility, v))
+            l->start[v] = in_255ths(filled[v]);
+}
+
+/* The other bones keep what they have of a vertex: each has its ink. */
+static mrt_result find_all_shares(rig_stroke *self, const rig *r, const binding *filled, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t b = 0; result >= 0 && b < r->bone_count; ++b) {
+        uint32_t at;
+        result = find_target(self, r, RIG_INK_RIDES, b, &at, err);
+        if (result >= 0 && is_share(&self->layer[at]))
+            start_from(self, &self->layer[at], filled->weight + (size_t)b * self->vertex_count);
+    }
+    return result;
+}
+
+static mrt_result find_starts(rig_stroke *self, const rig *r, const binding *filled, error *err)
+{
+    if (!filled || filled->vertex_count != self->vertex_count ||
+        filled->bone_count != r->bone_count)
+        return MRT_OK;
+    if (self->ink.ink == RIG_INK_RIDES)
+        return find_all_shares(self, r, filled, err);
+    if (self->ink.ink == RIG_INK_FREE)
+        start_from(self, &self->layer[self->target[BRUSH_HERE]], filled->mobility);
+    return MRT_OK;
+}
+
 mrt_result rig_stroke_begin(rig_stroke **out, const rig *r, uint32_t vertex_count,
-                            const rig_stroke_ink *ink, error *err)
+                            const rig_stroke_ink *ink, const binding *filled, error *err)
 {
     rig_stroke *self = calloc(1, sizeof *self);
     *out = self;
@@ -188,6 +243,8 @@ mrt_result rig_stroke_begin(rig_stroke **out, const rig *r, uint32_t vertex_coun
     mrt_result result =
         ink->ink == RIG_INK_REGION ? find_region(self, r, err) : find_targets(self, r, err);
     if (result >= 0)
+        result = find_starts(self, r, filled, err);
+    if (result >= 0)
         return result;
     rig_stroke_destroy(self);
     *out = NULL;
@@ -198,6 +255,7 @@ void rig_stroke_destroy(rig_stroke *self)
 {
     for (uint32_t i = 0; self && i < self->layer_count; ++i) {
         free(self->layer[i].before);
+        free(self->layer[i].start);
         free(self->layer[i].now);
     }
     free(self);
@@ -213,10 +271,9 @@ static uint8_t blend(uint8_t before, double to, float touch)
 
 static uint8_t gain(const layer *l, uint32_t vertex, double strength, float touch)
 {
-    uint8_t before = l->before[vertex];
     if (l->is_binary)
-        return strength * (double)touch >= 0.5 ? FULL : before;
-    return blend(before, strength * (double)FULL, touch);
+        return strength * (double)touch >= 0.5 ? FULL : l->before[vertex];
+    return blend(l->start[vertex], strength * (double)FULL, touch);
 }
 
 static uint8_t lose(const layer *l, uint32_t vertex, double strength, float touch)
@@ -227,10 +284,16 @@ static uint8_t lose(const layer *l, uint32_t vertex, double strength, float touc
     return blend(before, 0.0, (float)strength * touch);
 }
 
+static bool theirs_is_new(const layer *winner, uint32_t vertex)
+{
+    return winner->now[vertex] > 0 && winner->before[vertex] == 0;
+}
+
 /* Shares of bones leave room for each other; what is said of mobility is said once. */
 static uint8_t make_room(const layer *l, const layer *winner, uint32_t vertex)
 {
-    uint8_t before = l->before[vertex], theirs = winner->now[vertex];
+    bool begins = is_share(l) && is_share(winner) && theirs_is_new(winner, vertex);
+    uint8_t before = begins ? l->start[vertex] : l->before[vertex], theirs = winner->now[vertex];
     if (l->is_mobility != winner->is_mobility)
         return before;
     if (l->is_mobility || winner->is_binary)

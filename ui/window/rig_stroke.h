@@ -1,10 +1,11 @@
 /* window/rig_stroke.h - what a stroke of the brush does to a rig. Each ink has a region of its own,
  * behind all others, named after it ("painted jaw"): made when it is first used, so that what the
  * rig said before is still there below the paint, and comes back where it is erased. Inks that
- * exclude each other make room. Pure but for its own memory. [main] */
+ * exclude each other make room. Where nothing was painted a share begins with what the rig fills in
+ * there, so that a soft edge passes over into it. Pure but for its own memory. [main] */
 #ifndef MAROTTE_UI_WINDOW_RIG_STROKE_H
 #define MAROTTE_UI_WINDOW_RIG_STROKE_H
-#include "face/rig.h"
+#include "face/bind.h"
 #include "window/brush.h"
 
 typedef enum rig_ink {
@@ -25,9 +26,10 @@ typedef struct rig_stroke_ink {
 
 typedef struct rig_stroke rig_stroke;
 /* sides: a bone NAME.l is NAME.r on the other side. A region of the ink RIG_INK_REGION must be one
- * that rig_edit_can_paint. */
+ * that rig_edit_can_paint. filled: of this rig on its mesh, or of the one before the last stroke;
+ * NULL: not known, shares begin with 0. */
 CHECKED mrt_result rig_stroke_begin(rig_stroke **out, const rig *r, uint32_t vertex_count,
-                                    const rig_stroke_ink *ink, error *err);
+                                    const rig_stroke_ink *ink, const binding *filled, error *err);
 void rig_stroke_destroy(rig_stroke *self); /* NULL is fine */
 /* After each brush_move. */
 void rig_stroke_update(rig_stroke *self, const brush *b);
