@@ -379,15 +379,27 @@ static mrt_result put_layer(const layer *l, rig *changed, uint32_t vertex_count,
     return result < 0 ? result : rig_edit_paint(changed, region, l->now, vertex_count, err);
 }
 
-mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed, error *err)
+typedef enum which_layers { THE_OTHERS = 0, THE_TARGETS } which_layers;
+
+static mrt_result put_layers(rig_stroke *self, which_layers which, rig *changed,
+                             uint32_t *out_changed, error *err)
 {
     mrt_result result = MRT_OK;
-    *out_changed = 0;
     for (uint32_t i = 0; result >= 0 && i < self->layer_count; ++i) {
         uint32_t count = count_changed(&self->layer[i], self->vertex_count);
-        if (count > 0)
-            result = put_layer(&self->layer[i], changed, self->vertex_count, err);
+        if (count == 0 || is_target(self, i) != (which == THE_TARGETS))
+            continue;
+        result = put_layer(&self->layer[i], changed, self->vertex_count, err);
         *out_changed = count > *out_changed ? count : *out_changed;
     }
+    return result;
+}
+
+mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed, error *err)
+{
+    *out_changed = 0;
+    mrt_result result = put_layers(self, THE_OTHERS, changed, out_changed, err);
+    if (result >= 0) /* last: what was painted last wins */
+        result = put_layers(self, THE_TARGETS, changed, out_changed, err);
     return result;
 }
