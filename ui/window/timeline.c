@@ -150,6 +150,43 @@ static void wish_sound(panel *self, const take *t)
     self->wish.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
 }
 
+/* ---- other takes under this one ---- */
+
+/* TIMELINE_COMPS_MAX: it lies where it was recorded. */
+static uint32_t find_slid(const panel *self, uint32_t index)
+{
+    uint32_t i = 0;
+    while (i < TIMELINE_COMPS_MAX && (self->slid[i].of != self->comps->of ||
+                                      self->slid[i].take != self->comps->take[index].id))
+        i += 1;
+    return i;
+}
+
+int64_t timeline_comp_later_ns(const panel *self, uint32_t index)
+{
+    const uint32_t found = find_slid(self, index);
+    return found < TIMELINE_COMPS_MAX ? self->slid[found].later_ns : 0;
+}
+
+void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns)
+{
+    uint32_t place = find_slid(self, index);
+    if (place == TIMELINE_COMPS_MAX) {
+        place = self->slid_next;
+        self->slid_next = (self->slid_next + 1) % TIMELINE_COMPS_MAX;
+    }
+    self->slid[place] = (timeline_slid){self->comps->of, self->comps->take[index].id, later_ns};
+}
+
+take_layer timeline_comp_lane(const panel *self, uint32_t index)
+{
+    take_layer out = self->comps->take[index].layer[0];
+    out.offset_ns += timeline_comp_later_ns(self, index);
+    return out;
+}
+
+/* ---- what is to be computed ---- */
+
 static void wish_comps(panel *self, const take *t)
 {
     const studio_take_line *line;
@@ -160,8 +197,10 @@ static void wish_comps(panel *self, const take *t)
     memcpy(self->wish.scene, t->scene, sizeof self->wish.scene);
     memcpy(self->wish.shot, t->shot, sizeof self->wish.shot);
     for (uint32_t i = 0; self->comps && i < self->comps->count; ++i)
-        if (self->comps->take[i].layer_count > 0)
-            wish_layer(self, &self->comps->take[i].layer[0], 1 + i);
+        if (self->comps->take[i].layer_count > 0) {
+            const take_layer lane = timeline_comp_lane(self, i);
+            wish_layer(self, &lane, 1 + i);
+        }
 }
 
 static void wish(panel *self)

@@ -84,6 +84,26 @@ static void scrub(panel *self, int64_t at_ns)
         studio_seek(self->studio, at_ns);
 }
 
+/* The comp lane that was pressed; UINT32_MAX: none, or it is there no more. */
+static uint32_t pressed_comp(const panel *self)
+{
+    const uint32_t row = (uint32_t)self->pressed.row;
+    if (!self->comps || self->pressed.row < 0 || row >= self->rows.count ||
+        self->rows.row[row].index >= self->comps->count)
+        return UINT32_MAX;
+    return self->rows.row[row].index;
+}
+
+static void press_comp(panel *self, const ui_canvas *canvas)
+{
+    const uint32_t comp = pressed_comp(self);
+    self->gesture = GESTURE_SWIPE;
+    if (comp == UINT32_MAX || !(canvas->modifiers & UI_ALT))
+        return;
+    self->gesture = GESTURE_SLIDE;
+    self->slid_from_ns = timeline_comp_later_ns(self, comp);
+}
+
 static void press_left(panel *self, const ui_canvas *canvas, timeline_hit hit)
 {
     self->gesture = GESTURE_PRESSED;
@@ -105,7 +125,7 @@ static void press_left(panel *self, const ui_canvas *canvas, timeline_hit hit)
         self->gesture = GESTURE_RANGE;
         break;
     case TIMELINE_COMP_BODY:
-        self->gesture = GESTURE_SWIPE;
+        press_comp(self, canvas);
         break;
     case TIMELINE_RANGE:
         break;
@@ -214,6 +234,15 @@ static void turn_page(panel *self, const ui_canvas *canvas)
     timeline_axis_pan(&self->axis, -SCROLL_SHARE * beyond);
 }
 
+/* By ear and eye, as sound: not to frames. */
+static void slide_comp(panel *self, const ui_canvas *canvas)
+{
+    const uint32_t comp = pressed_comp(self);
+    if (comp != UINT32_MAX)
+        timeline_comp_slide(self, comp,
+                            self->slid_from_ns + pointed_ns(self, canvas) - self->pressed_ns);
+}
+
 static void follow(panel *self, const ui_canvas *canvas)
 {
     if (self->gesture == GESTURE_PRESSED)
@@ -230,6 +259,9 @@ static void follow(panel *self, const ui_canvas *canvas)
         break;
     case GESTURE_SWIPE:
         self->span_to_ns = pointed_ns(self, canvas);
+        break;
+    case GESTURE_SLIDE:
+        slide_comp(self, canvas);
         break;
     case GESTURE_PAN:
         self->is_fit = false;
@@ -299,17 +331,17 @@ static void end_range(panel *self)
 static void end_swipe(panel *self)
 {
     const take *t = studio_take(self->studio);
-    uint32_t row = (uint32_t)self->pressed.row;
+    const uint32_t comp = pressed_comp(self);
     error err = {""};
-    if (!t || !self->comps || self->pressed.row < 0 || row >= self->rows.count ||
-        self->rows.row[row].index >= self->comps->count)
+    if (!t || comp == UINT32_MAX)
         return;
     int64_t in_ns = self->span_from_ns < self->span_to_ns ? self->span_from_ns : self->span_to_ns;
     int64_t out_ns = self->span_from_ns < self->span_to_ns ? self->span_to_ns : self->span_from_ns;
     edit made[TIMELINE_DRAG_EDITS];
     const edit *list[TIMELINE_DRAG_EDITS];
-    uint32_t count = timeline_comp_edits(made, t, &self->comps->take[self->rows.row[row].index], 0,
-                                         self->regions, 0, &in_ns, &out_ns, &err);
+    uint32_t count =
+        timeline_comp_edits(made, t, &self->comps->take[comp], timeline_comp_later_ns(self, comp),
+                            self->regions, 0, &in_ns, &out_ns, &err);
     for (uint32_t i = 0; i < count; ++i)
         list[i] = &made[i];
     if (count)
@@ -367,6 +399,8 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
         timeline_ask_layer(self, on, hit.layer);
     else if (hit.part == TIMELINE_GAIN)
         reset_gain(self, hit);
+    else if (hit.part == TIMELINE_COMP_BODY && pressed_comp(self) != UINT32_MAX)
+        timeline_comp_slide(self, pressed_comp(self), 0);
     else if (hit.clip && canvas->modifiers & UI_CONTROL)
         split(self, hit, self->menu_ns);
     else if (hit.clip)
@@ -389,7 +423,9 @@ static const char *hint_of(const panel *self, timeline_hit hit)
     case TIMELINE_GAIN:
         return "Gain: drag across; a double click makes it 100 %.";
     case TIMELINE_COMP_BODY:
-        return "Swipe over a span: it comes into the take, for the parts that are chosen above.";
+        return "Swipe over a span: it comes into the take, for the parts that are chosen above. "
+               "Alt: "
+               "the take below is laid earlier or later; a double click lays it back.";
     case TIMELINE_CLIP_START:
     case TIMELINE_CLIP_END:
         return self->gesture == GESTURE_NONE

@@ -1,5 +1,6 @@
 #include "window/timeline_state.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* ---- heads ---- */
@@ -67,7 +68,11 @@ static void paint_comp_head(panel *self, ui *on, const timeline_row *row)
     char words[200], stars[24] = "";
     for (uint32_t i = 0, used = 0; i < t->rating && i < 5; ++i)
         used += (uint32_t)snprintf(stars + used, sizeof stars - used, "\u2605");
-    (void)snprintf(words, sizeof words, "%u  %s", t->number, t->name);
+    const double later_s = 1e-9 * (double)timeline_comp_later_ns(self, row->index);
+    if (fabs(later_s) >= 0.0005)
+        (void)snprintf(words, sizeof words, "%u  %+.2f s  %s", t->number, later_s, t->name);
+    else
+        (void)snprintf(words, sizeof words, "%u  %s", t->number, t->name);
     float width = ui_text_width(on, UI_STYLE_BODY, stars);
     float right = self->rows.x + TIMELINE_HEAD_WIDTH - 8.0f;
     ui_draw_text(on, self->rows.x + 20.0f, row->y + 3.0f, UI_STYLE_BODY, THEME_DIM,
@@ -115,9 +120,10 @@ static void paint_lane(panel *self, ui *on, const timeline_row *row, const take 
     } else if (row->kind == TIMELINE_SOUND)
         timeline_paint_wave(self, on, row, t);
     else {
-        const take *other = &self->comps->take[row->index];
-        for (uint32_t i = 0; i < other->layer_count && i < 1; ++i)
-            paint_clips(self, on, row, &other->layer[i], 1 + row->index, true);
+        if (self->comps->take[row->index].layer_count > 0) {
+            const take_layer lane = timeline_comp_lane(self, row->index);
+            paint_clips(self, on, row, &lane, 1 + row->index, true);
+        }
         paint_swipe(self, on, row);
     }
     ui_clip_end(on);

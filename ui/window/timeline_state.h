@@ -35,6 +35,7 @@ typedef enum timeline_gesture {
     GESTURE_RANGE, /* a new one, or one of its ends */
     GESTURE_PAN,
     GESTURE_SWIPE, /* over a comp lane */
+    GESTURE_SLIDE, /* of a comp lane: it lies elsewhere under the take */
     GESTURE_KEEP   /* over the journal */
 } timeline_gesture;
 
@@ -43,6 +44,10 @@ typedef struct timeline_slip { /* what a take is called, as it is typed */
 } timeline_slip;
 
 enum { TIMELINE_COLUMNS_MAX = 8192 };
+
+typedef struct timeline_slid { /* so much later than its own time another take lies under one */
+    int64_t of, take, later_ns;
+} timeline_slid;
 
 struct panel {
     studio *studio;
@@ -60,12 +65,15 @@ struct panel {
     /* settings of the person */
     bool is_snapping, is_following, has_comps;
     uint32_t regions; /* that a swipe comps */
+    timeline_slid slid[TIMELINE_COMPS_MAX];
+    uint32_t slid_next; /* whose place the next one takes */
     /* the pointer */
     timeline_gesture gesture;
     timeline_drag drag;
     uint64_t edition; /* of the take when the drag began */
     timeline_hit pressed, menu;
     int64_t pressed_ns, menu_ns;
+    int64_t slid_from_ns;             /* where a comp lane lay when it was pressed */
     int64_t span_from_ns, span_to_ns; /* of a swipe, a keep, a range */
     const char *hint;
     /* the journal: what is seen while nothing is chosen */
@@ -102,6 +110,11 @@ void timeline_say(panel *self, const error *err); /* as news */
 const take_layer *timeline_layer(const take *t, uint32_t id);
 const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
 void timeline_edit(panel *self, edit *e); /* makes it, and finishes it */
+/* Of the comp lane: how much later it lies than its own time; 0 at first. */
+int64_t timeline_comp_later_ns(const panel *self, uint32_t index);
+void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns);
+take_layer timeline_comp_lane(const panel *self, uint32_t index); /* its lowest, as it lies; the
+                                                                     clips are the comp's */
 
 /* timeline_strip.c */
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
