@@ -80,10 +80,10 @@ static const char *const mouse_lines[][2] = {
     {"Alt+wheel", "How far a pull reaches"},
 };
 static const char *const timeline_lines[][2] = {
-    {"Wheel", "Closer, wider; Shift: along"},        {"Drag a clip", "Moves it; its ends trim it"},
-    {"Alt+drag", "An end: stretches the clip"},      {"Swipe", "A take below: into this one"},
-    {"Alt+drag", "A take below: shifts it"}, {"Drag on top", "A range, above the time"},
-    {"Double click", "Clip, layer, marker, take"},   {"Right click", "What else can be done"},
+    {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
+    {"Alt+drag", "An end: stretches the clip"},    {"Swipe", "A take below: into this one"},
+    {"Alt+drag", "A take below: shifts it"},       {"Drag on top", "A range, above the time"},
+    {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
 };
 enum {
     MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0],
