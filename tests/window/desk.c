@@ -272,6 +272,9 @@ static void an_error_stays_until_it_is_clicked(void **state)
     news_list_add(news, MRT_LOG_INFO, "stage", "all is well again");
     scene_frames(&s, 2);
     assert_non_null(scene_word(&s, "all is well again"));
+    news_list_add(news, MRT_LOG_WARNING, "org.example.hands", "did not answer");
+    scene_frames(&s, 2);
+    assert_non_null(scene_word(&s, "hands: did not answer"));
     news_list_add(news, MRT_LOG_ERROR, "stage", "the disk is gone again");
     scene_frames(&s, 2);
     news_list_add(news, MRT_LOG_INFO, "stage", "calm");

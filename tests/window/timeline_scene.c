@@ -161,6 +161,20 @@ static void a_take_is_named_and_deleted_in_the_list(void **state)
     scene_close(&s);
 }
 
+/* As small as a window can be made. */
+static void nothing_covers_undo_in_the_smallest_window(void **state)
+{
+    (void)state;
+    scene s;
+    scene_open(&s, 800, 500, 1.0f);
+    const ui_word *edits = scene_word(&s, "History"), *keep = scene_word(&s, "Keep 30 s");
+    assert_non_null(edits);
+    const float signs = 2.0f * 32.0f; /* undo and redo, before it */
+    assert_true(!keep || keep->where.x + keep->where.width < edits->where.x - signs);
+    scene_picture(&s, "timeline_scene_smallest");
+    scene_close(&s);
+}
+
 static void the_journal_is_seen_live_and_at_twice_the_size(void **state)
 {
     (void)state;
@@ -180,6 +194,7 @@ int main(void)
         cmocka_unit_test(a_performance_is_recorded_chosen_split_and_undone),
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
+        cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

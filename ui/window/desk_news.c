@@ -35,6 +35,13 @@ static const news_item *most_serious_of_new(desk *self)
     return best;
 }
 
+/* A plugin says what it did, not who it is: "troubled" of "org.example.troubled". */
+static const char *speaker_of(const news_item *item)
+{
+    const char *dot = strrchr(item->source, '.');
+    return dot ? dot + 1 : "";
+}
+
 void desk_update_news(desk *self, double dt_s)
 {
     const news_item *item = most_serious_of_new(self);
@@ -45,7 +52,9 @@ void desk_update_news(desk *self, double dt_s)
     }
     if (!item || !gives_way(self, item))
         return;
-    (void)snprintf(self->news, sizeof self->news, "%s", item->text);
+    const char *speaker = speaker_of(item);
+    (void)snprintf(self->news, sizeof self->news, "%s%s%s", speaker, speaker[0] ? ": " : "",
+                   item->text);
     self->news_level = item->level;
     self->news_left_s = item->level >= MRT_LOG_ERROR     ? -1.0
                         : item->level >= MRT_LOG_WARNING ? WARNING_S

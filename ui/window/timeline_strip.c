@@ -176,6 +176,13 @@ static void put_action_word(pen *p, action of, const char *word, bool is_on)
         studio_do(p->self->studio, of);
 }
 
+/* Where there is none its key still does it. */
+static void put_word_with_room(pen *p, action of, const char *word)
+{
+    if (p->x + ui_text_width(p->on, UI_STYLE_BODY, word) + 16.0f < p->undo)
+        put_action_word(p, of, word, false);
+}
+
 /* ---- what stands there ---- */
 
 static void put_time(pen *p)
@@ -232,9 +239,8 @@ static void put_transport(pen *p)
     put_action(p, ACTION_LOOP, sign_loop, move && move->is_looping);
     p->x += GAP - 6.0f;
     put_speed(p, move ? move->speed : 1.0);
-    put_action_word(p, ACTION_KEEP, "Keep 30 s", false);
-    if (p->x + ui_text_width(p->on, UI_STYLE_BODY, "Mark") + 16.0f < p->undo)
-        put_action_word(p, ACTION_MARK, "Mark", false);
+    put_word_with_room(p, ACTION_KEEP, "Keep 30 s");
+    put_word_with_room(p, ACTION_MARK, "Mark");
 }
 
 static void ask_history(pen *p)
