@@ -53,3 +53,19 @@ double bytes_take_f64(bytes_in *in)
     in->failed = true;
     return 0.0;
 }
+
+void bytes_put_vec3(bytes_out *out, vec3 v)
+{
+    bytes_put_f64(out, v.x);
+    bytes_put_f64(out, v.y);
+    bytes_put_f64(out, v.z);
+}
+
+vec3 bytes_take_vec3(bytes_in *in)
+{
+    vec3 out;
+    out.x = bytes_take_f64(in);
+    out.y = bytes_take_f64(in);
+    out.z = bytes_take_f64(in);
+    return out;
+}

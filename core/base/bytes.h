@@ -3,6 +3,8 @@
  * machine's order (little-endian; others do not build). Pure. */
 #ifndef MAROTTE_BASE_BYTES_H
 #define MAROTTE_BASE_BYTES_H
+#include "base/rigid.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -15,6 +17,7 @@ typedef struct bytes_out {
 void bytes_put(bytes_out *out, const void *value, size_t size);
 void bytes_put_u32(bytes_out *out, uint32_t value);
 void bytes_put_f64(bytes_out *out, double value);
+void bytes_put_vec3(bytes_out *out, vec3 v);
 
 typedef struct bytes_in {
     const unsigned char *at, *end;
@@ -25,5 +28,6 @@ typedef struct bytes_in {
 void bytes_take(bytes_in *in, void *out, size_t size);
 uint32_t bytes_take_u32(bytes_in *in);
 double bytes_take_f64(bytes_in *in); /* fails, and gives 0, when not finite */
+vec3 bytes_take_vec3(bytes_in *in);  /* likewise, each number */
 
 #endif

@@ -16,6 +16,16 @@ mrt_result rig_edit_no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to change the rig");
 }
 
+mrt_result rig_edit_rename(char **out, const char *name, error *err)
+{
+    char *copy = strdup(name);
+    if (!copy)
+        return rig_edit_no_memory(err);
+    free(*out);
+    *out = copy;
+    return MRT_OK;
+}
+
 mrt_result rig_edit_check_name(const char *name, error *err)
 {
     size_t length = name ? strlen(name) : 0;

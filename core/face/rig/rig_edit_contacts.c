@@ -107,14 +107,7 @@ mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error
     mrt_result result = check_index(r, index, err);
     if (result >= 0)
         result = check_name(r, index, name, err);
-    char *copy = result < 0 ? NULL : strdup(name);
-    if (result >= 0 && !copy)
-        return rig_edit_no_memory(err);
-    if (result < 0)
-        return result;
-    free(r->contact[index].name);
-    r->contact[index].name = copy;
-    return MRT_OK;
+    return result < 0 ? result : rig_edit_rename(&r->contact[index].name, name, err);
 }
 
 mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err)

@@ -115,12 +115,5 @@ mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *e
     mrt_result result = check_index(r, index, err);
     if (result >= 0)
         result = check_name(r, index, name, err);
-    char *copy = result < 0 ? NULL : strdup(name);
-    if (result >= 0 && !copy)
-        return rig_edit_no_memory(err);
-    if (result < 0)
-        return result;
-    free(r->pose[index].name);
-    r->pose[index].name = copy;
-    return MRT_OK;
+    return result < 0 ? result : rig_edit_rename(&r->pose[index].name, name, err);
 }

@@ -104,28 +104,12 @@ static bool has_fingers(const composer *self)
     return any;
 }
 
-static void put_vec3(bytes_out *out, vec3 v)
-{
-    bytes_put_f64(out, v.x);
-    bytes_put_f64(out, v.y);
-    bytes_put_f64(out, v.z);
-}
-
-static vec3 take_vec3(bytes_in *in)
-{
-    vec3 out;
-    out.x = bytes_take_f64(in);
-    out.y = bytes_take_f64(in);
-    out.z = bytes_take_f64(in);
-    return out;
-}
-
 static void put_fingers(bytes_out *out, const composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
         bytes_put_u32(out, self->control[k].is_finger);
-        put_vec3(out, self->control[k].rest);
-        put_vec3(out, self->control[k].held);
+        bytes_put_vec3(out, self->control[k].rest);
+        bytes_put_vec3(out, self->control[k].held);
     }
 }
 
@@ -133,8 +117,8 @@ static void take_fingers(bytes_in *in, composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
         self->control[k].is_finger = bytes_take_u32(in) != 0;
-        self->control[k].rest = take_vec3(in);
-        self->control[k].held = take_vec3(in);
+        self->control[k].rest = bytes_take_vec3(in);
+        self->control[k].held = bytes_take_vec3(in);
     }
 }
 
@@ -148,7 +132,7 @@ static void put_controls(bytes_out *out, const composer *self)
         bytes_put_u32(out, c->contact);
         bytes_put_u32(out, c->slot);
         bytes_put_u32(out, c->vector);
-        put_vec3(out, c->start);
+        bytes_put_vec3(out, c->start);
     }
     bytes_put_u32(out, self->joined_count);
     bytes_put(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
@@ -170,7 +154,7 @@ static void take_controls(bytes_in *in, composer *self)
         c->contact = bytes_take_u32(in);
         c->slot = bytes_take_u32(in);
         c->vector = bytes_take_u32(in);
-        c->start = take_vec3(in);
+        c->start = bytes_take_vec3(in);
         in->failed |= c->contact > self->about.contact_count || c->slot >= COMPOSER_PARTS_MAX ||
                       c->vector >= MRT_MAX_VECTORS;
     }

@@ -320,22 +320,6 @@ bool pointer_read(pointer *self, const mrt_face *about, const channel_route *rou
 
 /* ---- kept ---- */
 
-static void put_vec3(bytes_out *out, vec3 v)
-{
-    bytes_put_f64(out, v.x);
-    bytes_put_f64(out, v.y);
-    bytes_put_f64(out, v.z);
-}
-
-static vec3 take_vec3(bytes_in *in)
-{
-    vec3 out;
-    out.x = bytes_take_f64(in);
-    out.y = bytes_take_f64(in);
-    out.z = bytes_take_f64(in);
-    return out;
-}
-
 static void put_pull(bytes_out *out, const mrt_pull *p)
 {
     bytes_put(out, p, offsetof(mrt_pull, vector));
@@ -362,9 +346,9 @@ size_t pointer_save(const pointer *self, void *bytes, size_t capacity)
     bytes_put_u32(&out, (uint32_t)self->grip);
     bytes_put_u32(&out, self->stays);
     bytes_put_f64(&out, to_double(self->radius_mm));
-    put_vec3(&out, self->held_rest);
-    put_vec3(&out, self->held_at);
-    put_vec3(&out, self->at);
+    bytes_put_vec3(&out, self->held_rest);
+    bytes_put_vec3(&out, self->held_at);
+    bytes_put_vec3(&out, self->at);
     bytes_put_u32(&out, self->held);
     bytes_put_u32(&out, self->restores);
     bytes_put_f64(&out, self->restores_s);
@@ -372,9 +356,9 @@ size_t pointer_save(const pointer *self, void *bytes, size_t capacity)
     for (uint32_t i = 0; i < self->count; ++i) {
         const pointer_offset *o = &self->offset[i];
         bytes_put_u32(&out, o->contact);
-        put_vec3(&out, o->rest);
-        put_vec3(&out, o->offset);
-        put_vec3(&out, o->from);
+        bytes_put_vec3(&out, o->rest);
+        bytes_put_vec3(&out, o->offset);
+        bytes_put_vec3(&out, o->from);
         bytes_put_u32(&out, o->eases);
         bytes_put_f64(&out, o->eased_s);
     }
@@ -395,9 +379,9 @@ bool pointer_load(pointer *self, const void *bytes, size_t size)
     self->grip = (pointer_grip)grip;
     self->stays = bytes_take_u32(&in) != 0;
     self->radius_mm = (float)bytes_take_f64(&in);
-    self->held_rest = take_vec3(&in);
-    self->held_at = take_vec3(&in);
-    self->at = take_vec3(&in);
+    self->held_rest = bytes_take_vec3(&in);
+    self->held_at = bytes_take_vec3(&in);
+    self->at = bytes_take_vec3(&in);
     self->held = bytes_take_u32(&in);
     self->restores = bytes_take_u32(&in) != 0;
     self->restores_s = bytes_take_f64(&in);
@@ -406,9 +390,9 @@ bool pointer_load(pointer *self, const void *bytes, size_t size)
     for (uint32_t i = 0; i < count && !in.failed; ++i) {
         pointer_offset *o = &self->offset[self->count++];
         o->contact = bytes_take_u32(&in);
-        o->rest = take_vec3(&in);
-        o->offset = take_vec3(&in);
-        o->from = take_vec3(&in);
+        o->rest = bytes_take_vec3(&in);
+        o->offset = bytes_take_vec3(&in);
+        o->from = bytes_take_vec3(&in);
         o->eases = bytes_take_u32(&in) != 0;
         o->eased_s = bytes_take_f64(&in);
     }
