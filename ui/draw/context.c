@@ -102,8 +102,10 @@ void draw_context_destroy(draw_context *self)
     if (!self)
         return;
     if (self->context) {
-        if (eglGetCurrentContext() == self->context)
+        if (eglGetCurrentContext() == self->context) {
+            gl_forget_scenes();
             eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        }
         eglDestroyContext(self->display, self->context);
     }
     free(self);

@@ -251,6 +251,6 @@ void gl_state_leave(const gl_state *state)
     glBindBuffer(GL_ARRAY_BUFFER, (GLuint)state->array_buffer);
     glBindVertexArray((GLuint)state->vertex_array);
     glUseProgram((GLuint)state->program);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)state->read_framebuffer);
+    gl_bind_framebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
+    gl_bind_framebuffer(GL_READ_FRAMEBUFFER, (GLuint)state->read_framebuffer);
 }

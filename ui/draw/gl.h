@@ -1,5 +1,6 @@
 /* draw/gl.h - what every drawing file needs of OpenGL: is there a context, does this program
- * compile, and leaving the state of a window as it was. The thread of the context. */
+ * compile, where one scene ends, and leaving the state of a window as it was. The thread of the
+ * context. */
 #ifndef MAROTTE_UI_DRAW_GL_H
 #define MAROTTE_UI_DRAW_GL_H
 #include "base/error.h"
@@ -22,6 +23,14 @@ typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
 /* 0: failed. Every stage sees `defines` ("" or lines of #define) and the text of common.glsl before
  * its own. */
 GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err);
+
+/* Framebuffers are bound by this alone: what was drawn into the one before is a scene. */
+void gl_bind_framebuffer(GLenum target, GLuint framebuffer);
+/* Before what ends a scene otherwise: a blit, reading pixels, showing a window, changing a texture
+ * that was drawn with. */
+void gl_end_scene(void);
+/* Before a thread's context is destroyed or let go. */
+void gl_forget_scenes(void);
 
 enum { GL_STATE_UNITS = 2, GL_STATE_SWITCHES = 12 };
 typedef struct gl_state { /* of the caller: a window, a user interface */

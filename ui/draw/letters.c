@@ -235,6 +235,7 @@ static void add_bitmap(letters *self, glyph *out)
     int width = (int)slot->bitmap.width, height = (int)slot->bitmap.rows;
     if (width == 0 || height == 0 || !place_in_atlas(self, width, height, out))
         return;
+    gl_end_scene();
     glPixelStorei(GL_UNPACK_ROW_LENGTH, slot->bitmap.pitch);
     glTexSubImage2D(GL_TEXTURE_2D, 0, out->x, out->y, width, height, GL_RED, GL_UNSIGNED_BYTE,
                     slot->bitmap.buffer);
@@ -310,7 +311,7 @@ void letters_draw(letters *self, draw_target *target, const char *words, float x
         return;
     gl_state before;
     gl_state_enter(&before);
-    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
     glViewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);

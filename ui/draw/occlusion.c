@@ -33,7 +33,7 @@ static mrt_result bake_init(bake *self, uint32_t vertex_count, error *err)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glGenFramebuffers(1, &self->framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, self->texture, 0);
     glDrawBuffer(GL_NONE);
     glReadBuffer(GL_NONE);
@@ -66,6 +66,7 @@ static void draw_depth(const bake *self, const draw_face *face, const matrix4 *p
     glUniformMatrix4fv(glGetUniformLocation(self->program, "projection"), 1, GL_FALSE,
                        projection->m);
     face_draw_all(face);
+    gl_end_scene();
     glReadPixels(0, 0, MAP, MAP, GL_DEPTH_COMPONENT, GL_FLOAT, self->depth);
 }
 

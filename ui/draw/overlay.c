@@ -24,7 +24,7 @@ void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *fac
     GLint y = (GLint)target->height - (GLint)rectangle[1] - (GLint)height;
     gl_state before;
     gl_state_enter(&before);
-    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
     glViewport(x, y, (GLsizei)width, (GLsizei)height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(x, y, (GLsizei)width, (GLsizei)height);

@@ -71,7 +71,7 @@ static mrt_result create_shadow(draw_renderer *self, error *err)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     glGenFramebuffers(1, &self->shadow_framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, self->shadow_map, 0);
     glDrawBuffer(GL_NONE);
     glReadBuffer(GL_NONE);
@@ -142,7 +142,7 @@ void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad)
 
 static void draw_shadow(const draw_renderer *self, const draw_face *face, const view *v)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
     glViewport(0, 0, SHADOW_MAP, SHADOW_MAP);
     glClear(GL_DEPTH_BUFFER_BIT);
     if (face->triangle_count == 0)
@@ -260,7 +260,7 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);
-    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
     glViewport(v.x, v.y, v.width, v.height);
     glEnable(GL_SCISSOR_TEST);
     glScissor(v.x, v.y, v.width, v.height);

@@ -64,7 +64,7 @@ void strokes_draw(strokes *self, draw_target *target, const draw_stroke *stroke,
         return;
     gl_state before;
     gl_state_enter(&before);
-    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
     glViewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);

@@ -53,7 +53,7 @@ static mrt_result create_samples(draw_target *self, error *err)
     glRenderbufferStorageMultisample(GL_RENDERBUFFER, self->sample_count, GL_DEPTH_COMPONENT24,
                                      width, height);
     glGenFramebuffers(1, &self->framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE,
                            self->samples, 0);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, self->depth);
@@ -72,7 +72,7 @@ static mrt_result create_picture(draw_target *self, error *err)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glGenFramebuffers(1, &self->picture_framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, self->picture, 0);
     mrt_result result = gl_check_error("a picture", err);
     return result == MRT_OK ? check_framebuffer("a picture", err) : result;
@@ -94,7 +94,7 @@ static mrt_result create_resolve(draw_target *self, error *err)
 
 static void clear(draw_target *self)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
     glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* a page a little darker than the wall */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -143,7 +143,7 @@ static void resolve(draw_target *self)
 {
     if (!self->stale)
         return;
-    glBindFramebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
     glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
     glUseProgram(self->resolve_program);
     glUniform1i(self->keeps_alpha, self->is_clear);
@@ -181,7 +181,7 @@ void draw_read(draw_target *self, uint8_t *out_rgba)
     gl_state before;
     gl_state_enter(&before);
     resolve(self);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, self->picture_framebuffer);
+    gl_bind_framebuffer(GL_READ_FRAMEBUFFER, self->picture_framebuffer);
     glReadPixels(0, 0, (GLsizei)self->width, (GLsizei)self->height, GL_RGBA, GL_UNSIGNED_BYTE,
                  out_rgba);
     turn_over(out_rgba, (size_t)self->width * 4, self->height);

@@ -49,7 +49,7 @@ mrt_result front_sheet_init(front_sheet *out, uint32_t width, uint32_t height, e
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glBindTexture(GL_TEXTURE_2D, 0);
     glGenFramebuffers(1, &out->framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, out->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, out->framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, out->colour, 0);
     mrt_result result = gl_check_error("a picture", err);
     if (result == MRT_OK && glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)

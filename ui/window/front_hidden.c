@@ -58,7 +58,7 @@ static bool hidden_begin(front *base, ui *to, ui_screen *out_screen)
                               .height = (float)base->height_px / self->scale,
                               .scale = self->scale,
                               .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self)};
-    glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     front_clear(base->width_px, base->height_px);
     return true;
 }
@@ -67,12 +67,13 @@ static void hidden_end(front *base, ui *from)
 {
     (void)base;
     (void)from;
+    gl_end_scene();
     glFlush();
 }
 
 static mrt_result hidden_picture(front *base, const char *png_path, error *err)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, hidden_of(base)->stage.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, hidden_of(base)->stage.framebuffer);
     return front_write_picture(base->width_px, base->height_px, png_path, err);
 }
 
@@ -88,7 +89,7 @@ static mrt_result hidden_open_output(front *base, error *err)
     mrt_result result = self->fill.program ? MRT_OK : front_fill_init(&self->fill, err);
     if (result == MRT_OK)
         result = front_sheet_init(&self->output, OUTPUT_WIDTH, OUTPUT_HEIGHT, err);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     self->has_output = result == MRT_OK;
     if (!self->has_output)
         front_sheet_finish(&self->output);
@@ -115,10 +116,10 @@ static void hidden_output_size(const front *base, uint32_t *out_width, uint32_t 
 static void hidden_show_output(front *base, uint32_t texture, bool is_mirrored)
 {
     hidden *self = hidden_of(base);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
     front_fill_draw(&self->fill, texture, is_mirrored, self->output.width_px,
                     self->output.height_px);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
 }
 
@@ -174,9 +175,9 @@ mrt_result front_hidden_output_picture(front *base, const char *png_path, error 
     hidden *self = hidden_of(base);
     if (!self->has_output)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: the output is not open", png_path);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
     mrt_result result =
         front_write_picture(self->output.width_px, self->output.height_px, png_path, err);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     return result;
 }

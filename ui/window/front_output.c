@@ -62,6 +62,7 @@ static void show(front_output *self, const front_fill *fill, uint32_t width, uin
     if (one->shown)
         glDeleteSync(one->shown);
     one->shown = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl_end_scene();
     glfwSwapBuffers(self->window);
 }
 
@@ -80,6 +81,7 @@ static void *run(void *data)
     while (can_draw && wait_for_picture(self, &width, &height))
         show(self, &fill, width, height);
     front_fill_finish(&fill);
+    gl_forget_scenes();
     glfwMakeContextCurrent(NULL);
     return NULL;
 }
@@ -272,7 +274,7 @@ static void make_size(picture *self, uint32_t width, uint32_t height)
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glBindTexture(GL_TEXTURE_2D, 0);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, self->texture, 0);
     self->width = width;
     self->height = height;
@@ -281,12 +283,12 @@ static void make_size(picture *self, uint32_t width, uint32_t height)
 static void copy(front_output *self, picture *to, uint32_t texture)
 {
     const GLint width = (GLint)to->width, height = (GLint)to->height;
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, self->read_framebuffer);
+    gl_bind_framebuffer(GL_READ_FRAMEBUFFER, self->read_framebuffer);
     glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to->framebuffer);
+    gl_bind_framebuffer(GL_DRAW_FRAMEBUFFER, to->framebuffer);
     glDisable(GL_SCISSOR_TEST);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, 0);
 }
 
 void front_output_give(front_output *self, uint32_t texture, uint32_t width, uint32_t height,

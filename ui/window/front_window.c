@@ -190,10 +190,10 @@ static void show_sheet(const window *self)
     const GLint width = (GLint)self->sheet.width_px, height = (GLint)self->sheet.height_px;
     if (self->sheet.framebuffer == 0)
         return;
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, self->sheet.framebuffer);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    gl_bind_framebuffer(GL_READ_FRAMEBUFFER, self->sheet.framebuffer);
+    gl_bind_framebuffer(GL_DRAW_FRAMEBUFFER, 0);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, 0);
 }
 
 static bool window_begin(front *base, ui *to, ui_screen *out_screen)
@@ -215,7 +215,7 @@ static bool window_begin(front *base, ui *to, ui_screen *out_screen)
                     .dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0};
     self->began_ns = now_ns;
     fit_sheet(self);
-    glBindFramebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
     front_clear(base->width_px, base->height_px);
     return !glfwWindowShouldClose(self->glfw);
 }
@@ -241,12 +241,13 @@ static void window_end(front *base, ui *from)
     show_cursor(self, ui_cursor_wanted(from));
     glfwSetWindowShouldClose(self->glfw, GLFW_FALSE); /* the desk has heard it */
     show_sheet(self);
+    gl_end_scene();
     glfwSwapBuffers(self->glfw);
 }
 
 static mrt_result window_picture(front *base, const char *png_path, error *err)
 {
-    glBindFramebuffer(GL_FRAMEBUFFER, window_of(base)->sheet.framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, window_of(base)->sheet.framebuffer);
     return front_write_picture(base->width_px, base->height_px, png_path, err);
 }
 
@@ -334,8 +335,10 @@ static void window_close(front *base)
 {
     window *self = window_of(base);
     front_output_destroy(self->output);
-    if (self->glfw)
+    if (self->glfw) {
         front_sheet_finish(&self->sheet);
+        gl_forget_scenes();
+    }
     for (uint32_t i = 0; i < CURSORS; ++i)
         if (self->cursor[i])
             glfwDestroyCursor(self->cursor[i]);
