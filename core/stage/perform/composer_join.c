@@ -4,32 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-static double to_double(float v)
-{
-    return (double)v;
-}
-
-static vec3 vec3_of(mrt_vec3 p)
-{
-    return (vec3){to_double(p.x), to_double(p.y), to_double(p.z)};
-}
-
 static bool owns(const composer *self, const voice *v, uint32_t contact)
 {
     if (!v->part.owns)
         return true;
     uint32_t free_points = self->about.contact_count + self->about.dof_count;
     return v->part.owns[contact > 0 ? contact - 1 : free_points] != 0;
-}
-
-static double share_of(const voice *v)
-{
-    return v->part.weight * v->part.gain;
-}
-
-static bool is_one(double share)
-{
-    return !(fabs(share - 1.0) > 0.0);
 }
 
 /* ---- who holds where ---- */
@@ -91,7 +71,7 @@ static void list_holds(composer *self, holds *out)
                 out->control[at] = (joined_control){.contact = contact,
                                                     .slot = slot,
                                                     .vector = j,
-                                                    .rest = vec3_of(v->said.vector[j].start),
+                                                    .rest = composer_vec3(v->said.vector[j].start),
                                                     .is_finger = v->part.is_finger};
             }
             out->control[at].is_finger &= v->part.is_finger;
@@ -140,119 +120,6 @@ static bool is_anew(const voice *v)
             fabsf(v->joined.radius_mm - v->said.radius_mm) > 0.0f);
 }
 
-/* ---- what they add up to ---- */
-
-typedef struct blended {
-    double value[3];
-    double cover;  /* of the layer at hand */
-    double sum[3]; /* of the layer at hand */
-    bool is_additive;
-    uint32_t layer;
-    uint32_t voices;
-} blended;
-
-static void close_layer(blended *b)
-{
-    double below = b->is_additive ? 1.0 : 1.0 - fmin(b->cover, 1.0);
-    if (b->cover > 0.0)
-        for (int axis = 0; axis < 3; ++axis)
-            b->value[axis] = below > 0.0 ? b->sum[axis] + below * b->value[axis] : b->sum[axis];
-    b->cover = 0.0;
-    memset(b->sum, 0, sizeof b->sum);
-}
-
-static void add_voice(blended *b, const voice *v, double weight, const double *added)
-{
-    if (b->layer != v->part.layer)
-        close_layer(b);
-    b->voices += 1;
-    b->layer = v->part.layer;
-    b->is_additive = v->part.is_additive;
-    if (b->cover > 0.0)
-        for (int axis = 0; axis < 3; ++axis)
-            b->sum[axis] += added[axis];
-    else
-        memcpy(b->sum, added, sizeof b->sum);
-    b->cover += weight;
-}
-
-static bool counts_anybody(const composer *self, bool (*counts)(const voice *v))
-{
-    for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
-        const voice *v = &self->voice[self->joined_order[i]];
-        if (v->is_joined && counts(v))
-            return true;
-    }
-    return !counts;
-}
-
-/* Where each control of the engagement is to land; `counts`: whose pull is taken, NULL: all. */
-static void find_ends(const composer *self, bool (*counts)(const voice *v), double *end,
-                      uint8_t *rides)
-{
-    blended at[MRT_MAX_VECTORS];
-    memset(at, 0, sizeof at);
-    bool is_held = counts_anybody(self, counts);
-    for (uint32_t k = 0; is_held && k < self->control_count; ++k) {
-        const vec3 *held = &self->control[k].held;
-        at[k].value[0] = held->x;
-        at[k].value[1] = held->y;
-        at[k].value[2] = held->z;
-    }
-    for (uint32_t i = 0; i < COMPOSER_PARTS_MAX; ++i) {
-        const voice *v = &self->voice[self->joined_order[i]];
-        for (uint32_t j = 0; i < self->joined_count && v->is_joined && j < v->joined.count; ++j) {
-            uint32_t k = v->control[j];
-            if (k == COMPOSER_NO_CONTROL || (counts && !counts(v)))
-                continue;
-            vec3 start = vec3_of(v->joined.vector[j].start), to = vec3_of(v->joined.vector[j].end);
-            const double added[3] = {v->share * (to.x - start.x), v->share * (to.y - start.y),
-                                     v->share * (to.z - start.z)};
-            add_voice(&at[k], v, v->weight, added);
-        }
-    }
-    for (uint32_t k = 0; k < self->control_count; ++k) {
-        const joined_control *c = &self->control[k];
-        close_layer(&at[k]);
-        rides[k] = c->contact != 0;
-        memcpy(end + 3 * k, at[k].value, sizeof at[k].value);
-        if (rides[k])
-            continue;
-        const voice *v = &self->voice[c->slot];
-        vec3 place = c->start;
-        if (v->is_joined && !v->part.is_finger && at[k].voices == 1 && is_one(v->share) &&
-            (!counts || counts(v))) {
-            /* it lands on its end itself: no digits lost on the way */
-            place = vec3_of(v->joined.vector[c->vector].end);
-            memset(end + 3 * k, 0, 3 * sizeof *end);
-        }
-        end[3 * k] += place.x;
-        end[3 * k + 1] += place.y;
-        end[3 * k + 2] += place.z;
-    }
-}
-
-void composer_blend_dofs(const composer *self, float *out)
-{
-    for (uint32_t d = 0; d < MRT_MAX_DOFS; ++d) {
-        blended at = {.cover = 0};
-        bool is_driven = false;
-        for (uint32_t i = 0; i < self->order_count; ++i) {
-            const voice *v = &self->voice[self->order[i]];
-            const mrt_pull *pull = v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->said;
-            bool speaks = v->has_said || v->part.pull->mode == MRT_UNANCHORED;
-            if (!speaks || isnan(pull->dof[d]) || d >= self->about.dof_count ||
-                (v->part.owns && !v->part.owns[self->about.contact_count + d]))
-                continue;
-            const double added[3] = {share_of(v) * to_double(pull->dof[d]), 0, 0};
-            add_voice(&at, v, v->part.weight, added);
-            is_driven = true;
-        }
-        close_layer(&at);
-        out[d] = is_driven ? (float)at.value[0] : NAN;
-    }
-}
-
 /* ---- the engagement ---- */
 
 static void aim(composer *self, bool (*counts)(const voice *v), const float *dof)
@@ -260,7 +127,7 @@ static void aim(composer *self, bool (*counts)(const voice *v), const float *dof
     error err = {""};
     double end[MRT_MAX_VECTORS * 3];
     uint8_t rides[MRT_MAX_VECTORS];
-    find_ends(self, counts, end, rides);
+    composer_blend_ends(self, counts, end, rides);
     face_ride(self->face, end, rides, dof);
     if (face_aim(self->face, end, dof, &err) < 0) {
         self->counts.held_pulls += 1;
@@ -316,7 +183,7 @@ static vec3 start_of(const composer *self, const joined_control *c)
         return face_contact_now(self->face, c->contact);
     if (self->voice[c->slot].part.is_finger)
         return place_now(self, c->rest);
-    return vec3_of(self->voice[c->slot].said.vector[c->vector].start);
+    return composer_vec3(self->voice[c->slot].said.vector[c->vector].start);
 }
 
 /* ---- fingers take hold of the face as it is ---- */
@@ -435,7 +302,7 @@ static void settle(composer *self, bool (*stays)(const voice *v))
     composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
     if (!all_stay)
         composer_let_go_but(self, stays);
-    if (counts_anybody(self, stays))
+    if (composer_counts_anybody(self, stays))
         forget_held(self);
 }
 
@@ -452,7 +319,7 @@ static void join(composer *self, const holds *h)
             continue;
         v->is_joined = true;
         v->joined = v->said;
-        v->share = share_of(v);
+        v->share = composer_share(v);
         v->weight = v->part.weight;
         memcpy(v->control, h->of[slot], sizeof v->control);
         self->joined_order[self->joined_count++] = slot;

@@ -72,6 +72,19 @@ void composer_let_go_but(composer *self, bool (*keep)(const voice *v));
 /* Bakes what a voice that has committed has added; true: one has, and the others join anew. */
 bool composer_commit(composer *self);
 bool composer_is_anybody_joined(const composer *self);
+
+/* ---- composer_blend.c: what they add up to ---- */
+
+vec3 composer_vec3(mrt_vec3 p);
+/* Its weight and its gain. */
+double composer_share(const voice *v);
+/* Whether one of those that hold the face is counted; NULL: all are. */
+bool composer_counts_anybody(const composer *self, bool (*counts)(const voice *v));
+/* Where each control of the engagement is to land, 3 * control_count, mm: a way from its start for
+ * what rides[k] with the bones, else a place (face_ride). `counts`: whose pull is taken, NULL: all.
+ */
+void composer_blend_ends(const composer *self, bool (*counts)(const voice *v), double *end,
+                         uint8_t *rides);
 /* The degrees of freedom as all voices together want them. */
 void composer_blend_dofs(const composer *self, float *out);
 
