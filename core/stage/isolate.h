@@ -1,8 +1,10 @@
 /* stage/isolate.h - a mapping in a process of its own, as a type like any other: whoever uses it
- * sees no difference, and the same bits, until it crashes, hangs or gives nonsense. Then the call
- * gives MRT_HOLD, a simple mapping goes on from the next frame (isolate_fallback.h), what it saw is
- * written down (isolate_report.h), and a new process takes over once, by way of seam.h. A second
- * failure within a minute: the simple one stays. */
+ * sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and it goes
+ * on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for a
+ * second, or for three if its process had no turn), the call gives MRT_HOLD, a simple mapping goes
+ * on from the next frame (isolate_fallback.h), what it saw is written down (isolate_report.h), and
+ * a new process takes over once, by way of seam.h. A second failure within a minute: the simple one
+ * stays. */
 #ifndef MAROTTE_STAGE_ISOLATE_H
 #define MAROTTE_STAGE_ISOLATE_H
 #include "stage/instance.h"
@@ -11,7 +13,7 @@ typedef struct isolate isolate;
 
 typedef struct isolate_settings {
     instance_clock clock; /* virtual: nobody waits for it, its deadline is that of a hang */
-    int64_t deadline_ns;  /* of a frame, in real time; 0: 3 ms */
+    int64_t deadline_ns;  /* that a frame waits at most, in real time; 0: 3 ms */
     bool writes_reports;
 } isolate_settings;
 
@@ -28,7 +30,7 @@ const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type);
 
 typedef struct isolate_counts {
     uint32_t failed, restarted; /* processes */
-    uint32_t late;              /* frames that were held because the child was not scheduled */
+    uint32_t late;              /* frames that were held because it had not answered */
     bool is_away;               /* the simple mapping goes on now */
 } isolate_counts;
 /* [any] Of an instance of such a type. */

@@ -156,7 +156,7 @@ static void check_trouble(const char *trouble, const char *reason)
     stand_watch watch = {0};
     char set[64];
     const isolate_settings settings = {
-        .clock = CLOCK_REAL, .deadline_ns = 25 * NS_PER_MS, .writes_reports = true};
+        .clock = CLOCK_REAL, .deadline_ns = NS_PER_S, .writes_reports = true};
     stand_up(&s, TROUBLED, "", &settings);
     stand_up(&other, TROUBLED, "", NULL);
     stand_watch_begin(&watch, stand_furthest_step(TROUBLED, "", 500));
@@ -174,8 +174,8 @@ static void check_trouble(const char *trouble, const char *reason)
     assert_memory_equal(performer_pull(s.performer), &before, sizeof before); /* held */
     stand_step(&other, n++);
     stand_watch_step(&watch, &s, &other);
-    for (; !stand_counts(&s).is_away && n < 400; ++n) { /* late ones are given some frames */
-        clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
+    for (; !stand_counts(&s).is_away && n < 450; ++n) { /* it may only be late */
+        clock_sleep_until_ns(clock_now_ns() + 20 * NS_PER_MS);
         stand_step(&s, n);
         stand_step(&other, n);
         stand_watch_step(&watch, &s, &other);
@@ -212,19 +212,13 @@ static void a_crash_is_held_bridged_and_restarted(void **state)
 static void a_hang_is_held_bridged_and_restarted(void **state)
 {
     (void)state;
-    check_trouble("hang", "did not answer within 25 ms");
+    check_trouble("hang", "did not answer for ");
 }
 
-static void a_slow_one_is_held_bridged_and_restarted(void **state)
+static void one_that_is_stuck_is_held_bridged_and_restarted(void **state)
 {
     (void)state;
-    check_trouble("slow", "did not answer within 25 ms");
-}
-
-static void one_that_sleeps_is_held_bridged_and_restarted(void **state)
-{
-    (void)state;
-    check_trouble("sleep", "did not answer within 25 ms");
+    check_trouble("stuck", "did not answer for ");
 }
 
 static void nonsense_is_held_bridged_and_restarted(void **state)
@@ -244,6 +238,100 @@ static void one_that_refuses_frames_is_held_bridged_and_restarted(void **state)
     (void)state;
     check_trouble("refuse", "returned -2");
 }
+
+/* ---- late ---- */
+
+/* At most so many samples, by which it has recovered or will not. */
+enum { LATE_SAMPLES = 4000 };
+
+static bool pull_is(const stand *s, const mrt_pull *pull)
+{
+    return memcmp(performer_pull(s->performer)->vector, pull->vector, sizeof(mrt_vector) * 5) == 0;
+}
+
+static void step_both(stand *s, stand *other, stand_watch *watch, uint32_t n)
+{
+    clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
+    stand_step(s, n);
+    stand_step(other, n);
+    stand_watch_step(watch, s, other);
+}
+
+/* From sample 40 on each answer is late; the face follows all the same, in its way. */
+static void check_late(const char *trouble)
+{
+    stand s, other;
+    stand_watch watch = {0};
+    uint32_t n = 0, changes = 0;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = 5 * NS_PER_MS};
+    stand_up(&s, TROUBLED, "", &settings);
+    stand_up(&other, TROUBLED, "", NULL);
+    stand_watch_begin(&watch, stand_furthest_step(TROUBLED, "", LATE_SAMPLES));
+    for (; n < 40; ++n)
+        step_both(&s, &other, &watch, n);
+    stand_set(&s, trouble);
+    for (; n < LATE_SAMPLES / 2 && changes < 8; ++n) {
+        mrt_pull before = *performer_pull(s.performer);
+        step_both(&s, &other, &watch, n);
+        changes += !pull_is(&s, &before);
+    }
+    assert_int_equal(changes, 8);
+    assert_true(stand_counts(&s).late > 8);
+    assert_true(stand_hears(&s, "answers late again and again"));
+    stand_set(&s, "trouble=none");
+    for (bool is_there = false; !is_there && n < LATE_SAMPLES; ++n) {
+        step_both(&s, &other, &watch, n);
+        is_there = pull_is(&s, performer_pull(other.performer));
+    }
+    assert_true(n < LATE_SAMPLES);
+    assert_int_equal(stand_counts(&s).failed, 0);
+    assert_false(stand_counts(&s).is_away);
+    if (watch.worst_excess_mm > 0)
+        fail_msg("%s: the face jumped by %.3f mm more than it may", trouble, watch.worst_excess_mm);
+    stand_watch_finish(&watch);
+    stand_lie_down(&s);
+    stand_lie_down(&other);
+}
+
+static void a_slow_one_is_held_and_followed(void **state)
+{
+    (void)state;
+    check_late("trouble=slow");
+}
+
+static void one_that_sleeps_is_held_and_followed(void **state)
+{
+    (void)state;
+    check_late("trouble=sleep");
+}
+
+static void a_reset_of_one_that_is_late_forgets(void **state)
+{
+    (void)state;
+    stand s;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = 5 * NS_PER_MS};
+    uint32_t n = 0;
+    stand_up(&s, TROUBLED, "", &settings);
+    for (; n < 40 || (performer_pull(s.performer)->count == 0 && n < LATE_SAMPLES); ++n)
+        stand_step(&s, n);
+    stand_set(&s, "trouble=sleep");
+    stand_step(&s, n++);
+    stand_set(&s, "trouble=none");
+    layer_reset(performer_layer(s.performer));
+    const mrt_vector *v = performer_pull(s.performer)->vector;
+    bool is_anew = false;
+    for (; !is_anew && n < LATE_SAMPLES; ++n) {
+        clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
+        stand_step(&s, n);
+        is_anew = performer_pull(s.performer)->count == 5 &&
+                  memcmp(&v[1].start, &v[1].end, sizeof v[1].end) == 0;
+    }
+    assert_true(is_anew); /* it has taken hold anew, and never gave what was owed from before */
+    assert_int_equal(stand_counts(&s).failed, 0);
+    stand_lie_down(&s);
+}
+
+/* ---- what becomes of it ---- */
 
 static void a_second_failure_within_a_minute_leaves_the_simple_mapping(void **state)
 {
@@ -354,7 +442,8 @@ static void kills_never_make_the_face_jump(void **state)
         int64_t within_ns = (int64_t)((seed >> 4) % 2000) * 1000; /* of the period of that sample */
         stand_watch_begin(&watch, furthest_mm);
         int64_t start_ns = clock_now_ns();
-        for (uint32_t n = 0; n < 120; ++n) {
+        uint32_t n = 0;
+        for (; n < 120 || (stand_counts(&s).failed == 0 && n < 600); ++n) {
             clock_sleep_until_ns(start_ns + (int64_t)n * 2 * NS_PER_MS);
             if (n == at && within_ns % 2) /* between two samples, or just before one */
                 clock_sleep_until_ns(clock_now_ns() + within_ns);
@@ -368,7 +457,7 @@ static void kills_never_make_the_face_jump(void **state)
         }
         held += stand_counts(&s).failed;
         assert_true(stand_counts(&s).failed >= 1);
-        assert_int_equal(performer_counted(s.performer)->samples, 120);
+        assert_int_equal(performer_counted(s.performer)->samples, n);
         if (watch.worst_excess_mm > 0)
             fail_msg("kill %u at sample %u: the face jumped by %.3f mm more than it may", kill_at,
                      at, watch.worst_excess_mm);
@@ -394,8 +483,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_plugin_that_cannot_be_created_says_why),
         cmocka_unit_test(a_crash_is_held_bridged_and_restarted),
         cmocka_unit_test(a_hang_is_held_bridged_and_restarted),
-        cmocka_unit_test(a_slow_one_is_held_bridged_and_restarted),
-        cmocka_unit_test(one_that_sleeps_is_held_bridged_and_restarted),
+        cmocka_unit_test(one_that_is_stuck_is_held_bridged_and_restarted),
+        cmocka_unit_test(a_slow_one_is_held_and_followed),
+        cmocka_unit_test(one_that_sleeps_is_held_and_followed),
+        cmocka_unit_test(a_reset_of_one_that_is_late_forgets),
         cmocka_unit_test(nonsense_is_held_bridged_and_restarted),
         cmocka_unit_test(one_that_leaves_is_held_bridged_and_restarted),
         cmocka_unit_test(one_that_refuses_frames_is_held_bridged_and_restarted),

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 enum { GAIN, TROUBLE, EXTRA, PARAM_COUNT };
-enum { NONE, CRASH, HANG, SLOW, SLEEP, NONSENSE, LEAVE, REFUSE };
+enum { NONE, CRASH, HANG, SLOW, SLEEP, NONSENSE, LEAVE, REFUSE, STUCK };
 enum { TIPS = 5, SLOW_MS = 60 };
 
 struct mrt_plugin {
@@ -76,6 +76,8 @@ static void be_trouble(int kind)
         spin(SLOW_MS);
     if (kind == SLEEP)
         (void)usleep(SLOW_MS * 1000);
+    while (kind == STUCK)
+        (void)pause();
     if (kind == LEAVE)
         _exit(3);
 }
@@ -150,12 +152,12 @@ static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
-static const char *const troubles[] = {"None",     "Crash", "Hang",   "Slow", "Sleep",
-                                       "Nonsense", "Leave", "Refuse", NULL};
+static const char *const troubles[] = {"None",     "Crash", "Hang",   "Slow",  "Sleep",
+                                       "Nonsense", "Leave", "Refuse", "Stuck", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     {1, 0, "Gain", "Pull", "", "How far the points move when a fingertip moves by 1.", 0, 4, 0.4,
      NULL},
-    {2, MRT_PARAM_STEPPED, "Trouble", "Test", "", "What goes wrong from the next frame on.", 0, 7,
+    {2, MRT_PARAM_STEPPED, "Trouble", "Test", "", "What goes wrong from the next frame on.", 0, 8,
      0, troubles},
 #ifdef TROUBLED_LATER
     {4, 0, "Later", "Pull", "", "What only the later version has.", 0, 1, 0.5, NULL},

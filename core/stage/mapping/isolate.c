@@ -11,8 +11,15 @@
 static const int64_t deadline_default_ns = 3 * NS_PER_MS;
 static const int64_t virtual_deadline_ns = 5 * NS_PER_S;
 static const int64_t main_patience_ns = 5 * NS_PER_S;
-/* A child that waits for its turn is not to blame: so long, and so often. */
-static const int64_t hang_ns = 250 * NS_PER_MS;
+/* A frame waits for its deadline, and holds; a child hangs when it has owed an answer for this
+ * long, in this many frames. On a busy machine it may not have had a turn in that time: then
+ * longer. */
+static const int64_t hang_ns = NS_PER_S, turn_ns = 50 * NS_PER_MS;
+static const int64_t hang_without_turn_ns = 3 * NS_PER_S;
+enum { HANG_FRAMES = 8 };
+/* What a take begins with must not be missing: a frame rather waits this long. */
+static const int64_t save_patience_ns = 100 * NS_PER_MS;
+/* One that is late again and again is told of. */
 enum { LATE_COST = 8, LATE_MAX = 64 };
 /* One that was held for more than a frame comes back with a turn; without one after so many. */
 enum { HELD_MAX = 64 };
@@ -32,94 +39,52 @@ static const isolate *isolate_of(const mrt_plugin_type *type)
     return (const isolate *)(const void *)type;
 }
 
-/* ---- failing: from here on the keeper has all but the fallback ---- */
-
-static void fail(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held, const char *reason)
-{
-    static const mrt_frame nothing = {0};
-    isolate_fallback_begin(&self->fallback, frame ? frame : &nothing, held);
-    (void)snprintf(self->reason, sizeof self->reason, "%s", reason);
-    self->is_late = false;
-    atomic_store(&self->phase, ISOLATE_FAILED);
-    isolate_keeper_wake(self);
-}
-
-static mrt_pull idle_pull(void)
-{
-    mrt_pull out = {0};
-    for (int i = 0; i < MRT_MAX_DOFS; ++i)
-        out.dof[i] = NAN;
-    return out;
-}
+/* ---- process ---- */
 
 static void fail_late(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held)
 {
     char reason[64];
-    (void)snprintf(reason, sizeof reason, "did not answer within %g ms",
-                   (double)self->deadline_ns * 1e-6);
-    fail(self, frame, held, reason);
+    (void)snprintf(reason, sizeof reason, "did not answer for %.1f s",
+                   (double)(clock_now_ns() - self->asked_ns) * 1e-9);
+    isolate_call_fail(self, frame, held, reason);
 }
 
-/* ---- asking ---- */
-
-static bool is_running(const mrt_plugin *self)
+/* The mapping is to blame, not a machine that had no turn for its process or for this one. */
+static bool hangs(const mrt_plugin *self)
 {
-    return atomic_load(&self->phase) == ISOLATE_RUNNING;
+    int64_t owed_ns = clock_now_ns() - self->asked_ns;
+    bool has_had_turns = isolate_link_cpu_ns(&self->link) - self->asked_cpu_ns >= turn_ns;
+    return self->held_frames >= HANG_FRAMES &&
+           owed_ns >= (has_had_turns ? hang_ns : hang_without_turn_ns);
 }
 
-/* An answer that a frame did not wait for is there by time_ns; false: it has failed. */
-static bool settle(mrt_plugin *self, int64_t time_ns)
+static void count_late(mrt_plugin *self)
 {
-    if (!self->is_late)
-        return true;
-    if (isolate_link_wait_until_ns(&self->link, time_ns) != MRT_OK)
-        return false;
-    self->is_late = false;
-    return true;
-}
-
-/* A request other than process; result: the child's. */
-static mrt_result ask(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
-{
-    mrt_pull idle = idle_pull();
-    if (!is_running(self))
-        return MRT_ERR_UNSUPPORTED;
-    int64_t until_ns = clock_now_ns() + patience_ns;
-    self->has_saved = false;
-    mrt_result result = settle(self, until_ns) ? MRT_OK : MRT_TIMEOUT;
-    if (result == MRT_OK) {
-        isolate_link_ask(&self->link, kind);
-        result = isolate_link_wait_until_ns(&self->link, until_ns);
-    }
-    isolate_link_drain(&self->link, self->host);
-    if (result == MRT_OK)
-        return self->link.block->result;
-    const mrt_pull *held = self->has_held ? &self->held : &idle;
-    fail(self, NULL, held, result == MRT_ERR_IO ? "ended" : "did not answer");
-    return MRT_ERR_IO;
-}
-
-/* ---- process ---- */
-
-static int64_t used_since_asked_ns(const mrt_plugin *self)
-{
-    return isolate_link_cpu_ns(&self->link) - self->asked_cpu_ns;
-}
-
-/* It has not answered in time: whether the mapping is to blame, or a machine that had no turn for
- * its process. */
-static mrt_result judge_late(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held)
-{
-    bool has_had_time = used_since_asked_ns(self) >= self->deadline_ns * 3 / 4;
-    bool hangs = clock_now_ns() - self->asked_ns >= hang_ns;
-    if (!self->is_late)
-        self->late_score += LATE_COST;
-    self->is_late = true;
     self->held_frames += 1;
     atomic_fetch_add(&self->late_count, 1);
-    if (self->is_virtual || has_had_time || hangs || self->late_score >= LATE_MAX)
+    if (self->held_frames > 1)
+        return;
+    self->late_score += LATE_COST;
+    if (self->late_score < LATE_MAX || self->is_late_told)
+        return;
+    self->is_late_told = true;
+    self->host->log(self->host, MRT_LOG_WARNING,
+                    "answers late again and again, and the face is held meanwhile: it computes for "
+                    "too long, or the machine is busy");
+}
+
+static void count_in_time(mrt_plugin *self)
+{
+    self->held_frames = 0;
+    self->late_score -= self->late_score > 0;
+    self->is_late_told = self->is_late_told && self->late_score > 0;
+}
+
+static void hold_late(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held)
+{
+    count_late(self);
+    if (self->is_virtual || hangs(self))
         fail_late(self, frame, held);
-    return MRT_HOLD;
 }
 
 static mrt_result take_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
@@ -135,7 +100,7 @@ static mrt_result take_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull
             (void)snprintf(reason, sizeof reason, "gave %s", fault);
         else
             (void)snprintf(reason, sizeof reason, "returned %d", (int)result);
-        fail(self, frame, pull, reason);
+        isolate_call_fail(self, frame, pull, reason);
         return MRT_HOLD;
     }
     if (result == MRT_OK)
@@ -151,37 +116,39 @@ static mrt_result take_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull
     return result;
 }
 
-/* The answer to an earlier frame; true: the child is free for this one. */
-static bool take_late_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+/* The answer to an earlier request; true: the child is free for this frame. out_late: of that
+ * answer. */
+static bool take_late_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull,
+                             mrt_result *out_late)
 {
-    if (!self->is_late)
+    *out_late = MRT_HOLD;
+    if (!self->owed)
         return true;
+    bool is_wanted = self->owed == ISOLATE_PROCESS && !self->is_to_reset;
     mrt_result waited = isolate_link_wait_until_ns(&self->link, 0);
-    if (waited == MRT_OK && self->held_frames > 1 && self->held_frames < HELD_MAX &&
+    if (waited == MRT_OK && is_wanted && self->held_frames > 1 && self->held_frames < HELD_MAX &&
         !self->has_turn) {
         self->held_frames += 1; /* the layer is between two pulls: it would jump now */
         return false;
     }
     if (waited == MRT_OK) {
-        self->is_late = false;
-        (void)take_answer(self, frame, pull);
-        return is_running(self);
+        self->owed = 0;
+        self->held_frames = 0;
+        self->has_turn = false;
+        if (is_wanted)
+            *out_late = take_answer(self, frame, pull);
+        return isolate_call_runs(self);
     }
     if (waited == MRT_ERR_IO)
-        fail(self, frame, pull, "ended");
+        isolate_call_fail(self, frame, pull, "ended");
     else
-        (void)judge_late(self, frame, pull);
+        hold_late(self, frame, pull);
     return false;
 }
 
-static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+static void put_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pull)
 {
     isolate_block *block = self->link.block;
-    mrt_pull entry = *pull; /* what is held should it fail */
-    if (!take_late_answer(self, frame, pull)) {
-        *pull = entry;
-        return MRT_HOLD;
-    }
     block->frame = *frame;
     block->pull = *pull;
     memcpy(block->params, self->params, self->param_count * sizeof *block->params);
@@ -192,26 +159,37 @@ static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         self->has_asked_resume = true;
         self->resume_asked_ns = frame->time_ns;
     }
-    self->has_saved = false;
-    self->asked_cpu_ns = isolate_link_cpu_ns(&self->link);
-    self->asked_ns = clock_now_ns();
-    isolate_link_ask(&self->link, ISOLATE_PROCESS);
-    mrt_result waited = isolate_link_wait_until_ns(&self->link, self->asked_ns + self->deadline_ns);
-    if (waited == MRT_TIMEOUT)
-        return judge_late(self, frame, &entry);
-    if (waited < 0) {
-        fail(self, frame, &entry, "ended");
+}
+
+static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    mrt_pull entry = *pull; /* what is held should it fail */
+    mrt_result late;
+    int64_t until_ns = clock_now_ns() + self->deadline_ns;
+    if (!take_late_answer(self, frame, pull, &late)) {
+        *pull = entry;
         return MRT_HOLD;
     }
-    self->late_score -= self->late_score > 0;
-    self->held_frames = 0;
-    self->has_turn = false;
+    mrt_result waited = isolate_call_settle(self, until_ns);
+    if (waited == MRT_OK) {
+        put_frame(self, frame, pull);
+        waited = isolate_call_put(self, ISOLATE_PROCESS, until_ns);
+    }
+    if (waited == MRT_TIMEOUT) {
+        hold_late(self, frame, &entry);
+        return late; /* one that is always late is seen too */
+    }
+    if (waited < 0) {
+        isolate_call_fail(self, frame, &entry, "ended");
+        return MRT_HOLD;
+    }
+    count_in_time(self);
     return take_answer(self, frame, pull);
 }
 
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
-    if (!is_running(self)) {
+    if (!isolate_call_runs(self)) {
         isolate_fallback_process(&self->fallback, frame, pull);
         return MRT_OK;
     }
@@ -224,7 +202,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 static bool comes_back(const mrt_plugin *self)
 {
     const isolate_block *block = self->link.block;
-    return is_running(self) && self->is_late && self->held_frames > 1 &&
+    return isolate_call_runs(self) && self->owed == ISOLATE_PROCESS && self->held_frames > 1 &&
            atomic_load(&block->answered) == atomic_load(&block->asked);
 }
 
@@ -233,14 +211,14 @@ static bool take_turn(mrt_plugin *self, mrt_pull *pull)
     if (atomic_load(&self->phase) != ISOLATE_READY)
         return self->has_turn = comes_back(self);
     bool is_forgotten = self->is_forgotten;
-    self->is_late = self->has_turn = self->has_saved = false;
+    self->has_turn = self->has_saved = self->is_late_told = false;
     self->is_forgotten = self->has_asked_resume = false;
+    self->is_to_reset = is_forgotten;
+    self->owed = 0;
     self->late_score = 0;
     self->held_frames = 0;
     self->held = !is_forgotten && self->resume_size > 0 ? self->resume_pull : *pull;
     atomic_store(&self->phase, ISOLATE_RUNNING);
-    if (is_forgotten && ask(self, ISOLATE_RESET, self->deadline_ns) < 0)
-        return false;
     if (!is_forgotten && self->resume_size > 0)
         *pull = self->resume_pull; /* what it held in the state that it goes on from */
     return true;
@@ -249,8 +227,8 @@ static bool take_turn(mrt_plugin *self, mrt_pull *pull)
 static void reset(mrt_plugin *self)
 {
     static const mrt_frame nothing = {0};
-    mrt_pull idle = idle_pull();
-    if (!is_running(self)) {
+    mrt_pull idle = isolate_call_idle();
+    if (!isolate_call_runs(self)) {
         self->is_forgotten = true;
         isolate_fallback_begin(&self->fallback, &nothing, &idle);
         return;
@@ -258,7 +236,7 @@ static void reset(mrt_plugin *self)
     self->resume_size = 0;
     self->has_held = self->has_asked_resume = false;
     self->memory.count = 0;
-    (void)ask(self, ISOLATE_RESET, self->is_virtual ? virtual_deadline_ns : hang_ns);
+    self->is_to_reset = true; /* before the next frame, within its deadline */
 }
 
 /* ---- [main] ---- */
@@ -276,15 +254,17 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
                                                0.5),
                           .reach_mm = 10.0 * size};
     mrt_result result = MRT_ERR_UNSUPPORTED;
-    size_t bytes = is_running(self) ? isolate_face_put(self->link.block->bytes, ISOLATE_BYTES, face)
-                                    : ISOLATE_BYTES;
+    bool is_free = isolate_call_runs(self) &&
+                   isolate_call_settle(self, clock_now_ns() + main_patience_ns) == MRT_OK;
+    size_t bytes =
+        is_free ? isolate_face_put(self->link.block->bytes, ISOLATE_BYTES, face) : ISOLATE_BYTES;
     if (bytes < ISOLATE_BYTES) {
         self->link.block->size = (uint32_t)bytes;
-        result = ask(self, ISOLATE_ACTIVATE, main_patience_ns);
+        result = isolate_call_ask(self, ISOLATE_ACTIVATE, main_patience_ns);
     } else {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        is_running(self) ? "the face has too many contacts for a process of its own"
-                                         : "its process has failed: start it anew");
+                        is_free ? "the face has too many contacts for a process of its own"
+                                : "its process does not answer: start it anew");
     }
     self->face = result < 0 ? NULL : face;
     pthread_mutex_unlock(&self->busy);
@@ -295,17 +275,14 @@ static void deactivate(mrt_plugin *self)
 {
     pthread_mutex_lock(&self->busy);
     self->face = NULL;
-    if (is_running(self))
-        (void)ask(self, ISOLATE_DEACTIVATE, main_patience_ns);
+    if (isolate_call_runs(self))
+        (void)isolate_call_ask(self, ISOLATE_DEACTIVATE, main_patience_ns);
     pthread_mutex_unlock(&self->busy);
 }
 
-static size_t save_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_ns, void *out,
-                         size_t capacity)
+/* What it has answered to a request that saves. */
+static size_t saved_bytes(mrt_plugin *self, uint32_t kind, void *out, size_t capacity)
 {
-    bool is_there = self->has_saved && self->saved_kind == kind && is_running(self);
-    if (!is_there && ask(self, kind, patience_ns) < 0)
-        return 0;
     size_t size = self->link.block->size;
     if (size > ISOLATE_BYTES)
         return 0;
@@ -316,20 +293,29 @@ static size_t save_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_ns, v
     return size;
 }
 
+static bool has_saved(const mrt_plugin *self, uint32_t kind)
+{
+    return self->has_saved && self->saved_kind == kind && isolate_call_runs(self);
+}
+
 static mrt_result load_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_ns,
                              const void *bytes, size_t size)
 {
-    if (!is_running(self) || size > ISOLATE_BYTES || !settle(self, clock_now_ns() + patience_ns))
+    if (!isolate_call_runs(self) || size > ISOLATE_BYTES ||
+        isolate_call_settle(self, clock_now_ns() + patience_ns) != MRT_OK)
         return MRT_ERR_UNSUPPORTED;
+    self->has_saved = false;
     memcpy(self->link.block->bytes, bytes, size);
     self->link.block->size = (uint32_t)size;
-    return ask(self, kind, patience_ns);
+    return isolate_call_ask(self, kind, patience_ns);
 }
 
 static size_t state_save(mrt_plugin *self, void *out, size_t capacity)
 {
     pthread_mutex_lock(&self->busy);
-    size_t size = save_bytes(self, ISOLATE_STATE_SAVE, main_patience_ns, out, capacity);
+    bool is_there = has_saved(self, ISOLATE_STATE_SAVE) ||
+                    isolate_call_ask(self, ISOLATE_STATE_SAVE, main_patience_ns) >= 0;
+    size_t size = is_there ? saved_bytes(self, ISOLATE_STATE_SAVE, out, capacity) : 0;
     pthread_mutex_unlock(&self->busy);
     return size;
 }
@@ -351,23 +337,26 @@ static mrt_result state_load(mrt_plugin *self, const void *bytes, size_t size)
 
 /* ---- [frame]: the state between two frames ---- */
 
-static int64_t frame_patience_ns(const mrt_plugin *self)
-{
-    return self->is_virtual ? virtual_deadline_ns : hang_ns;
-}
-
+/* 0 too when it is late now: that is no failure. */
 static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)
 {
-    return save_bytes(self, ISOLATE_RESUME_SAVE, frame_patience_ns(self), out, capacity);
+    bool is_there = has_saved(self, ISOLATE_RESUME_SAVE);
+    if (!is_there && self->is_virtual)
+        is_there = isolate_call_ask(self, ISOLATE_RESUME_SAVE, virtual_deadline_ns) >= 0;
+    else if (!is_there && isolate_call_runs(self))
+        is_there = isolate_call_settled(self, ISOLATE_RESUME_SAVE, save_patience_ns) == MRT_OK &&
+                   self->link.block->result >= 0;
+    return is_there ? saved_bytes(self, ISOLATE_RESUME_SAVE, out, capacity) : 0;
 }
 
 static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    if (!is_running(self))
+    if (!isolate_call_runs(self))
         return MRT_ERR_UNSUPPORTED;
     self->resume_size = 0;
     self->has_held = self->has_asked_resume = false;
-    return load_bytes(self, ISOLATE_RESUME_LOAD, frame_patience_ns(self), bytes, size);
+    return load_bytes(self, ISOLATE_RESUME_LOAD, self->is_virtual ? virtual_deadline_ns : hang_ns,
+                      bytes, size);
 }
 
 /* ---- made and unmade ---- */
@@ -416,7 +405,7 @@ isolate_counts isolate_counted(const mrt_plugin *self)
     return (isolate_counts){.failed = atomic_load(&self->failed_count),
                             .restarted = atomic_load(&self->restarted_count),
                             .late = atomic_load(&self->late_count),
-                            .is_away = !is_running(self)};
+                            .is_away = !isolate_call_runs(self)};
 }
 
 const char *isolate_first_reason(const mrt_plugin *self)

@@ -233,7 +233,7 @@ static void say_goodbye(mrt_plugin *self)
 {
     uint32_t phase = atomic_load(&self->phase);
     bool answers = phase == ISOLATE_RUNNING || phase == ISOLATE_READY;
-    if (answers && self->link.block && !self->is_late && !has_ended(&self->link, 0))
+    if (answers && self->link.block && !self->owed && !has_ended(&self->link, 0))
         (void)ask(&self->link, ISOLATE_DESTROY, goodbye_patience_ns);
     end_child(self, NULL);
 }

@@ -31,11 +31,13 @@ struct mrt_plugin {
     guard guard;
     mrt_pull held; /* by the child's last answer */
     bool has_held;
-    bool is_late;   /* the child still owes an answer */
-    bool has_saved; /* the block's bytes are the answer to saved_kind */
+    bool is_to_reset; /* before the next request */
+    uint32_t owed;    /* the request that the child still owes an answer to; 0: none */
+    bool has_saved;   /* the block's bytes are the answer to saved_kind */
     uint32_t saved_kind;
     int32_t late_score;
-    uint32_t held_frames; /* in a row, for a late answer */
+    bool is_late_told;
+    uint32_t held_frames; /* in a row, for one late answer */
     bool has_turn;        /* the layer knows that it comes back */
     int64_t asked_ns, asked_cpu_ns;
     double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
@@ -68,6 +70,23 @@ struct mrt_plugin {
     bool has_failed_before;
     int64_t failed_ns;
 };
+
+/* ---- isolate_call.c: by the caller, while it is running ---- */
+bool isolate_call_runs(const mrt_plugin *self);
+/* The block is the child's until it has answered. MRT_TIMEOUT: it owes that; MRT_ERR_IO: it ended.
+ */
+CHECKED mrt_result isolate_call_put(mrt_plugin *self, uint32_t kind, int64_t until_ns);
+/* As put: the block is free, and a reset that was put off is done. An answer owed is dropped. */
+CHECKED mrt_result isolate_call_settle(mrt_plugin *self, int64_t until_ns);
+/* Both. */
+CHECKED mrt_result isolate_call_settled(mrt_plugin *self, uint32_t kind, int64_t patience_ns);
+/* Both, and no answer is a failure; the result is the child's. Not for process. */
+mrt_result isolate_call_ask(mrt_plugin *self, uint32_t kind, int64_t patience_ns);
+/* From here on the keeper has all but the fallback. frame: NULL: none. */
+void isolate_call_fail(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held,
+                       const char *reason);
+/* Pulls nothing. */
+mrt_pull isolate_call_idle(void);
 
 /* ---- isolate_keeper.c ---- */
 /* [main] Returns when the child has created the plugin, or has not: that is logged. */
