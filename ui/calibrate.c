@@ -217,7 +217,18 @@ static void report_sensor(const calibration_file *file, int index, facts *told)
     facts_list(told, "sensors", "sensor", text);
 }
 
-static void report(const calibration_file *file, const char *path, facts *told)
+static void report_flaws(const guide_judgement *judgement, facts *told)
+{
+    char text[200];
+    facts_number(told, "flaw_count", "flaws", judgement->flaw_count, 0, "");
+    for (uint32_t i = 0; i < judgement->flaw_count; ++i) {
+        guide_flaw_text(&judgement->flaw[i], text, sizeof text);
+        facts_list(told, "flaws", "  flaw", text);
+    }
+}
+
+static void report(const calibration_file *file, const guide_judgement *judgement, const char *path,
+                   facts *told)
 {
     facts_text(told, "file", "file", path);
     facts_text(told, "name", "name", file->name);
@@ -238,6 +249,7 @@ static void report(const calibration_file *file, const char *path, facts *told)
     if (worst >= 0)
         facts_number(told, "worst_residual_deg", "worst residual",
                      (double)file->sensor[worst].residual_rad * DEGREES_PER_RADIAN, 2, "deg");
+    report_flaws(judgement, told);
     for (int i = 0; i < MRT_ANGLES; ++i)
         if (file->sensor[i].table.count > 0)
             report_sensor(file, i, told);
@@ -254,10 +266,20 @@ static void print_note(const char *note)
 
 /* ---- making one ---- */
 
-static mrt_result make(calibration_file *out, const calibrate_options *options, error *err)
+static mrt_result import(calibration_file *out, guide_judgement *out_judgement,
+                         const calibrate_options *options, error *err)
+{
+    mrt_result result = virtualhand_read(out, options->virtualhand, options->side, err);
+    if (result >= 0)
+        guide_judge(out_judgement, NULL, out);
+    return result;
+}
+
+static mrt_result make(calibration_file *out, guide_judgement *out_judgement,
+                       const calibrate_options *options, error *err)
 {
     if (options->virtualhand)
-        return virtualhand_read(out, options->virtualhand, options->side, err);
+        return import(out, out_judgement, options, err);
     bool is_script = isatty(STDIN_FILENO) != 1;
     calibrate_guide_options guided = {.input = &options->input,
                                       .side = options->side,
@@ -265,7 +287,7 @@ static mrt_result make(calibration_file *out, const calibrate_options *options, 
                                       .screen = options->is_json ? stderr : stdout};
     if (!(guided.timeout_s > 0) && is_script)
         guided.timeout_s = SCRIPT_TIMEOUT_S;
-    return calibrate_guide_run(out, &guided, err);
+    return calibrate_guide_run(out, out_judgement, &guided, err);
 }
 
 /* old: what was at `path`; made: a scratch. */
@@ -273,10 +295,11 @@ static mrt_result make_and_write(const calibrate_options *options, const char *p
                                  calibration_file *old, calibration_file *made, facts *told,
                                  error *err)
 {
+    guide_judgement judgement;
     mrt_result result = calibration_keep_old(old, path, err);
     if (result < 0)
         return result;
-    result = make(made, options, err);
+    result = make(made, &judgement, options, err);
     if (result >= 0) {
         calibration_keep_sign(made, old, options->name, options->hand_length_mm);
         print_note(old->note);
@@ -284,7 +307,7 @@ static mrt_result make_and_write(const calibrate_options *options, const char *p
         result = calibration_keep_write(made, old, path, err);
     }
     if (result >= 0) {
-        report(made, path, told);
+        report(made, &judgement, path, told);
         facts_list(told, "files", "wrote", path);
     }
     calibration_file_finish(old);
@@ -315,8 +338,10 @@ static mrt_result show(const char *path, facts *told, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
     mrt_result result = calibration_file_read(file, path, err);
     if (result >= 0) {
+        guide_judgement judgement;
+        guide_judge(&judgement, NULL, file);
         print_note(file->note);
-        report(file, path, told);
+        report(file, &judgement, path, told);
         calibration_file_finish(file);
     }
     free(file);
@@ -367,7 +392,9 @@ const command command_calibrate = {
         "  --show FILE        what is in a calibration\n"
         "  --json             the facts for machines\n"
         "\n"
-        "Keys: Enter takes the pose now, r repeats the last one, s skips, q quits.\n"
+        "Keys: Enter takes the pose now, r repeats the last one, s skips, q quits. At the end "
+        "each\n"
+        "sensor is judged: what is wrong is said with the pose that mends it, which r repeats.\n"
         "marotte perform uses the newest calibration of each hand in\n"
         "$XDG_CONFIG_HOME/marotte/calibrations (~/.config/marotte/calibrations), or "
         "--calibration.\n",

@@ -9,6 +9,7 @@
 #include "stage/plugins.h"
 
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const int64_t IDLE_NS = 4 * NS_PER_MS, DRAW_NS = 66 * NS_PER_MS;
@@ -82,6 +83,51 @@ static void print_log(guiding *self)
 
 /* ---- the guide ---- */
 
+static mrt_result judge(const guiding *self, guide_judgement *out, error *err)
+{
+    calibration_file *made = calloc(1, sizeof *made);
+    if (!made)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    mrt_result result = guide_result(self->guide, made, err);
+    if (result >= 0)
+        guide_judge(out, self->guide, made);
+    free(made);
+    return result;
+}
+
+/* All poses are there: a person decides by this whether to save it. */
+static mrt_result say_judgement(guiding *self, error *err)
+{
+    guide_judgement judgement;
+    char words[96], first[200] = "";
+    mrt_result result = judge(self, &judgement, err);
+    if (result < 0)
+        return result;
+    guide_judgement_text(&judgement, words, sizeof words);
+    if (judgement.flaw_count > 0)
+        guide_flaw_text(&judgement.flaw[0], first, sizeof first);
+    calibrate_screen_news(&self->screen, "%s%s%s", words, first[0] ? " " : "", first);
+    return MRT_OK;
+}
+
+/* At the end the pose that the judgement names, else the last one. */
+static mrt_result repeat(guiding *self, error *err)
+{
+    guide_judgement judgement = {.flaw_count = 0};
+    mrt_result result = MRT_OK;
+    if (guide_current(self->guide) == GUIDE_STEPS)
+        result = judge(self, &judgement, err);
+    if (result >= 0 && judgement.flaw_count > 0)
+        guide_again(self->guide, judgement.flaw[0].step);
+    else if (result >= 0)
+        guide_repeat(self->guide);
+    if (result < 0)
+        return result;
+    calibrate_screen_news(&self->screen, "again: %s", guide_step_name[guide_current(self->guide)]);
+    calibrate_screen_step(&self->screen, self->guide);
+    return MRT_OK;
+}
+
 static mrt_result follow_news(guiding *self, guide_news news, guide_step step, error *err)
 {
     const char *reason = guide_reason(self->guide);
@@ -102,7 +148,7 @@ static mrt_result follow_news(guiding *self, guide_news news, guide_step step, e
         return error_set(err, MRT_ERR_IO, "%s", reason);
     }
     calibrate_screen_step(&self->screen, self->guide);
-    return MRT_OK;
+    return guide_current(self->guide) == GUIDE_STEPS ? say_judgement(self, err) : MRT_OK;
 }
 
 static mrt_result follow_keys(guiding *self, error *err)
@@ -119,10 +165,7 @@ static mrt_result follow_keys(guiding *self, error *err)
         } else if (key == 's') {
             result = follow_news(self, guide_skip(self->guide), step, err);
         } else if (key == 'r') {
-            guide_repeat(self->guide);
-            calibrate_screen_news(&self->screen, "again: %s",
-                                  guide_step_name[guide_current(self->guide)]);
-            calibrate_screen_step(&self->screen, self->guide);
+            result = repeat(self, err);
         } else if (key == 'q') {
             self->is_quit = true;
         }
@@ -252,8 +295,8 @@ static mrt_result prepare(guiding *self, error *err)
     return MRT_OK;
 }
 
-mrt_result calibrate_guide_run(calibration_file *out, const calibrate_guide_options *options,
-                               error *err)
+mrt_result calibrate_guide_run(calibration_file *out, guide_judgement *out_judgement,
+                               const calibrate_guide_options *options, error *err)
 {
     guiding self = {.options = options};
     catch_signals();
@@ -262,6 +305,8 @@ mrt_result calibrate_guide_run(calibration_file *out, const calibrate_guide_opti
         result = guide_person(&self, err);
     if (result >= 0)
         result = guide_result(self.guide, out, err);
+    if (result >= 0)
+        guide_judge(out_judgement, self.guide, out);
     keys_end();
     guide_destroy(self.guide);
     input_destroy(self.input);

@@ -2,7 +2,7 @@
  * and a person at a terminal or a script. [main] */
 #ifndef MAROTTE_UI_CALIBRATE_GUIDE_H
 #define MAROTTE_UI_CALIBRATE_GUIDE_H
-#include "hand/calibration_file.h"
+#include "hand/guide_judge.h"
 #include "stage/spec.h"
 
 #include <stdio.h>
@@ -15,7 +15,7 @@ typedef struct calibrate_guide_options {
 } calibrate_guide_options;
 
 /* Guides through every pose. `out` lacks name, date and hand length. */
-CHECKED mrt_result calibrate_guide_run(calibration_file *out,
+CHECKED mrt_result calibrate_guide_run(calibration_file *out, guide_judgement *out_judgement,
                                        const calibrate_guide_options *options, error *err);
 
 #endif

@@ -119,8 +119,9 @@ void calibrate_screen_draw(calibrate_screen *self, const guide *of, const float 
     draw_bars(self, of, raw);
     draw_words(self, self->news);
     if (self->has_keys) {
-        fputs(step < GUIDE_STEPS ? "Enter takes the pose now, r repeats the last, s skips, q quits"
-                                 : "Enter saves, r repeats the last pose, q quits",
+        fputs(step < GUIDE_STEPS
+                  ? "Enter takes the pose now, r repeats the last, s skips, q quits"
+                  : "Enter saves, r repeats the pose that is named or the last, q quits",
               self->stream);
         end_line(self);
     }

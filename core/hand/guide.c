@@ -24,6 +24,8 @@ struct guide {
     guide_settings settings;
     guide_poses poses;
     guide_step step;
+    guide_step next; /* after this one */
+    bool is_again;   /* its pose is taken already */
     still_window window;
     bool has_sample, has_step_start;
     int64_t step_start_ns, last_ns;
@@ -51,6 +53,7 @@ guide *guide_create(const guide_settings *settings)
         return NULL;
     self->settings = *settings;
     self->poses.sensors = settings->sensors;
+    self->next = GUIDE_RELAXED + 1;
     still_init(&self->window, (int64_t)(settings->still_s * NS_PER_SECOND), settings->sensors);
     return self;
 }
@@ -65,6 +68,8 @@ void guide_destroy(guide *self)
 static void begin_step(guide *self, guide_step step)
 {
     self->step = step;
+    self->next = step + 1;
+    self->is_again = false;
     self->has_step_start = false;
     self->has_left = false;
 }
@@ -88,7 +93,7 @@ static guide_news take(guide *self)
     if (refused)
         return GUIDE_REFUSED;
     self->poses.has[step] = true;
-    begin_step(self, step + 1);
+    begin_step(self, self->next);
     return GUIDE_TAKEN;
 }
 
@@ -108,14 +113,29 @@ guide_news guide_skip(guide *self)
     self->reason[0] = '\0';
     if (self->step == GUIDE_STEPS)
         return GUIDE_NOTHING;
-    if (self->step == GUIDE_FLAT) {
+    if (self->step == GUIDE_FLAT && !self->is_again) {
         (void)snprintf(self->reason, sizeof self->reason,
                        "the flat hand cannot be skipped: all other poses are measured from it");
         return GUIDE_REFUSED;
     }
-    self->poses.has[self->step] = false;
-    begin_step(self, self->step + 1);
+    if (!self->is_again)
+        self->poses.has[self->step] = false;
+    begin_step(self, self->next);
     return GUIDE_SKIPPED;
+}
+
+void guide_again(guide *self, guide_step step)
+{
+    float now[MRT_ANGLES];
+    guide_step next = self->step;
+    self->reason[0] = '\0';
+    begin_step(self, step);
+    self->next = next;
+    self->is_again = true;
+    if (self->window.count == 0)
+        return;
+    still_median(&self->window, now);
+    hold(self, now);
 }
 
 void guide_repeat(guide *self)
@@ -155,7 +175,7 @@ static void say_timeout(guide *self, const still_state *still)
     char what[160] = "the hand did not move into another pose";
     if (self->has_left || !self->has_held) {
         const char *label =
-            still->worst_channel >= 0 ? sensor_table[still->worst_channel].name : "no sensor";
+            still->worst_channel >= 0 ? sensor_table[still->worst_channel].label : "no sensor";
         (void)snprintf(what, sizeof what, "the hand was not still (%s, deviation %.1f counts)",
                        label, still->worst);
     }
@@ -215,6 +235,11 @@ guide_news guide_sample(guide *self, const float *raw, int64_t time_ns)
 }
 
 /* ---- what it is at ---- */
+
+const guide_poses *guide_poses_of(const guide *self)
+{
+    return &self->poses;
+}
 
 guide_step guide_current(const guide *self)
 {

@@ -64,6 +64,9 @@ guide_news guide_next(guide *self);
 guide_news guide_skip(guide *self);
 /* Back to the step before, whose pose is forgotten; in the first one, it begins again. */
 void guide_repeat(guide *self);
+/* A pose that is taken, once more, and then on from where the guide stood. The old one counts until
+ * the new one is taken, and after guide_skip. step: below GUIDE_STEPS. */
+void guide_again(guide *self, guide_step step);
 
 guide_step guide_current(const guide *self);
 guide_wait guide_waiting(const guide *self);

@@ -114,7 +114,7 @@ static const char *not_moved(const guide_poses *poses, guide_step step, char *ou
             continue;
         still += 1;
         int added = snprintf(names + used, sizeof names - used, "%s%s by %.0f (of %.0f)",
-                             still > 1 ? ", " : "", sensor_table[sensor].name,
+                             still > 1 ? "; " : "", sensor_table[sensor].label,
                              moved_counts(poses, sensor, GUIDE_FLAT, step), least_counts(sensor));
         used += added > 0 && used + (size_t)added < sizeof names ? (size_t)added : 0;
     }
@@ -123,7 +123,7 @@ static const char *not_moved(const guide_poses *poses, guide_step step, char *ou
     *out_refused = 2 * still > asked;
     (void)snprintf(out, capacity,
                    "%u of %u sensors hardly moved from the flat hand, in counts: %s%s", still,
-                   asked, names, *out_refused ? "" : "; they keep the shipped gain");
+                   asked, names, *out_refused ? "" : ". They keep the shipped gain");
     return out;
 }
 

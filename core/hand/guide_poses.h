@@ -10,6 +10,7 @@ typedef struct guide_poses {
     float raw[GUIDE_STEPS][MRT_ANGLES];
 } guide_poses;
 
+const guide_poses *guide_poses_of(const guide *self); /* the guide's own */
 bool guide_poses_has_sensor(const guide_poses *poses, int sensor);
 
 /* The step that tells where the sensor's range ends, the other end being the flat hand;

@@ -49,9 +49,21 @@ grep -q other "$scratch/other.json" || fail "another file was overwritten"
 log -v broken=ring.mpj >"$scratch/broken.csv"
 calibrate --input "log:$scratch/broken.csv" --out "$scratch/broken.json" </dev/null \
     >"$scratch/broken.txt" || fail "a glove with a dead sensor"
-grep -q 'taken: fist; 1 of 8 sensors hardly moved.*ring.mpj by 0 ' "$scratch/broken.txt" ||
+grep -q 'taken: fist; 1 of 8 sensors hardly moved.*ring knuckle by 0 ' "$scratch/broken.txt" ||
     fail "the dead sensor is not named"
 grep -q 'ring.mpj *zeroed' "$scratch/broken.txt" || fail "the dead sensor is not zeroed"
+
+grep -q '^ *flaw  *ring knuckle: hardly moved.*Repeat: fist' "$scratch/broken.txt" ||
+    fail "the dead sensor is no flaw: $(grep -i flaw "$scratch/broken.txt")"
+grep -q 'All poses are done, but 1 sensor is not right' "$scratch/broken.txt" || fail "no judgement"
+grep -q 'All poses are done\.' "$scratch/said.txt" || fail "a good calibration is not called good"
+[ "$(json flaw_count "$scratch/shown.json")" = 0 ] || fail "a good calibration has flaws"
+
+# A residual that is nonsense is said of a file too.
+sed -E 's/("middle.pij": .*"residual_rad": )[0-9.]+/\11.71/' "$user" >"$scratch/nonsense.json"
+calibrate --show "$scratch/nonsense.json" >"$scratch/nonsense.txt" || fail "--show of nonsense"
+grep -q 'middle finger, middle joint: reads 98 degrees' "$scratch/nonsense.txt" ||
+    fail "a residual of 98 degrees is not said"
 
 # What cannot be calibrated.
 refused 1 "gives angles in rad: it is calibrated already" "$MAROTTE" calibrate \

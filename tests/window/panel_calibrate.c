@@ -94,11 +94,10 @@ static void pose_of(double *pose, guide_step step)
 }
 
 /* Half a second of moving there, then a hold. */
-static void perform(desk *d, guide_step step, double hold_s)
+static void go(desk *d, const double *to, double hold_s)
 {
-    double from[MRT_ANGLES], to[MRT_ANGLES];
+    double from[MRT_ANGLES];
     memcpy(from, d->pose, sizeof from);
-    pose_of(to, step);
     d->stand.tap_count = d->stand.tap_taken = 0;
     for (int k = 1; k <= 75; ++k) {
         for (int i = 0; i < MRT_ANGLES; ++i)
@@ -108,6 +107,13 @@ static void perform(desk *d, guide_step step, double hold_s)
     for (int k = 0; k < (int)(hold_s * 150.0); ++k)
         give(d);
     stand_settle(&d->stand);
+}
+
+static void perform(desk *d, guide_step step, double hold_s)
+{
+    double pose[MRT_ANGLES];
+    pose_of(pose, step);
+    go(d, pose, hold_s);
 }
 
 /* ---- the desk ---- */
@@ -184,6 +190,37 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
     calibration_file_finish(file);
     free(file);
     stand_wait_for(s, "anna, ");
+    close_desk(&d);
+}
+
+static void what_is_nonsense_is_said_with_the_pose_that_mends_it(void **state)
+{
+    (void)state;
+    desk d;
+    double pose[MRT_ANGLES];
+    open_desk(&d, 1.0f);
+    stand *s = &d.stand;
+    for (guide_step step = GUIDE_RELAXED; step < GUIDE_INDEX_ALONE; ++step)
+        perform(&d, step, 1.5);
+    pose_of(pose, GUIDE_INDEX_ALONE);
+    pose[12] = 70; /* the ring finger's middle joint, which should be straight */
+    go(&d, pose, 1.5);
+    for (guide_step step = GUIDE_MIDDLE_ALONE; step < GUIDE_STEPS; ++step)
+        perform(&d, step, 1.5);
+    assert_true(stand_shows(s, "All poses are done, but 1 sensor is not right."));
+    assert_true(stand_shows(s, "ring finger, middle joint: reads "));
+    stand_check_words(s, NULL);
+    stand_picture(s, "panel_calibrate_wrong");
+    stand_click(s, "Repeat: index alone");
+    assert_true(stand_shows(s, "pose 7 of 10"));
+    stand_click(s, "Skip"); /* as it was */
+    assert_true(stand_shows(s, "All poses are done, but 1 sensor is not right."));
+    stand_click(s, "Repeat: index alone");
+    stand_check_words(s, NULL);
+    perform(&d, GUIDE_FLAT, 0.0);
+    perform(&d, GUIDE_INDEX_ALONE, 1.5);
+    assert_true(stand_shows(s, "All poses are done."));
+    assert_false(stand_shows(s, "Repeat: index alone"));
     close_desk(&d);
 }
 
@@ -264,6 +301,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ten_poses_become_a_calibration_that_is_used),
+        cmocka_unit_test(what_is_nonsense_is_said_with_the_pose_that_mends_it),
         cmocka_unit_test(buttons_take_skip_and_go_back),
         cmocka_unit_test(escape_leaves_and_keeps_nothing),
         cmocka_unit_test(a_glove_that_is_removed_closes_it),

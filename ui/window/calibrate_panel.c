@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
-static const float width = 680.0f, bar_height = 17.0f, news_height = 44.0f;
+static const float width = 720.0f, bar_height = 17.0f, news_height = 44.0f;
 static const double degrees_per_rad = 57.29577951308232;
 static const char *const side_word[2] = {"left", "right"};
 static const char dialog[] = "calibrate";
@@ -139,10 +139,10 @@ static void draw_steps(const calibrate_panel *self, ui *on)
     float y = at.where.y + 10.0f;
     for (int step = 0; step < GUIDE_STEPS; ++step) {
         float x = at.where.x + 8.0f + gap * (float)step;
-        if (guide_has(self->guide.guide, (guide_step)step))
-            ui_draw_disc(on, x, y, radius, THEME_GOOD);
-        else if (step == (int)now)
+        if (step == (int)now)
             ui_draw_ring(on, x, y, radius + 1.0f, THEME_ACCENT, 2.0f);
+        else if (guide_has(self->guide.guide, (guide_step)step))
+            ui_draw_disc(on, x, y, radius, THEME_GOOD);
         else
             ui_draw_ring(on, x, y, radius - 1.0f, THEME_DIM, 1.0f);
     }
@@ -164,7 +164,7 @@ static float share_of(const glove_channels *glove, float raw)
 static void draw_bar(const calibrate_guide *of, ui *on, int sensor, ui_rectangle at,
                      const float seen[2])
 {
-    const float label = 150.0f, number = 34.0f;
+    const float label = 194.0f, number = 34.0f;
     char words[24];
     ui_rectangle bar = {at.x + label, at.y + 4.0f, at.width - label - number - 6.0f, 9.0f};
     float low = share_of(&of->glove, seen[0]), high = share_of(&of->glove, seen[1]);
@@ -334,9 +334,47 @@ static void keep(calibrate_panel *self, ui *on)
     ui_dialog_close(on);
 }
 
+static void draw_verdict(const guide_judgement *judgement, ui *on)
+{
+    char words[96];
+    bool is_good = judgement->flaw_count == 0 && judgement->left_out == 0;
+    guide_judgement_text(judgement, words, sizeof words);
+    ui_text(on, is_good ? UI_STYLE_GOOD : UI_STYLE_WARNING, words);
+}
+
+/* The pose that mends most is offered first; what is only loose may stay as it is. */
+static void draw_result_buttons(calibrate_panel *self, ui *on)
+{
+    const guide_judgement *judgement = &self->guide.judgement;
+    const guide_flaw *first = judgement->flaw_count > 0 ? &judgement->flaw[0] : NULL;
+    bool is_wrong = first && guide_flaw_is_wrong(first);
+    char again[48];
+    guide_step step = first ? first->step : GUIDE_STEPS;
+    if (step < GUIDE_STEPS) {
+        (void)snprintf(again, sizeof again, "Repeat: %s", guide_step_name[step]);
+        if (ui_button(on, again, is_wrong ? UI_ACCENT : UI_PLAIN)) {
+            calibrate_guide_again(&self->guide, step);
+            return;
+        }
+        ui_hint(on, "Only this pose, once more; the others stay.");
+        ui_same_line(on);
+    }
+    if (ui_button(on, "Save and use", is_wrong ? UI_PLAIN : UI_ACCENT))
+        keep(self, on);
+    ui_same_line(on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_hint(on, "The last pose, once more.");
+    ui_same_line(on);
+    ui_at(on, width - 36.0f - 80.0f);
+    ui_width(on, 80.0f);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+}
+
 static void draw_result(calibrate_panel *self, ui *on)
 {
-    ui_text(on, UI_STYLE_GOOD, "All poses are done.");
+    draw_verdict(&self->guide.judgement, on);
     ui_space(on, 4.0f);
     draw_summary(self->guide.result, on);
     ui_space(on, 4.0f);
@@ -353,17 +391,7 @@ static void draw_result(calibrate_panel *self, ui *on)
     ui_scroll_begin(on, "trouble", 0.0f, 40.0f);
     ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
     ui_scroll_end(on);
-    if (ui_button(on, "Save and use", UI_ACCENT))
-        keep(self, on);
-    ui_same_line(on);
-    if (ui_button(on, "Back", UI_PLAIN))
-        calibrate_guide_back(&self->guide);
-    ui_hint(on, "The last pose, once more.");
-    ui_same_line(on);
-    ui_at(on, width - 36.0f - 80.0f);
-    ui_width(on, 80.0f);
-    if (ui_button(on, "Cancel", UI_QUIET))
-        ui_dialog_close(on);
+    draw_result_buttons(self, on);
 }
 
 static void draw_without_result(calibrate_panel *self, ui *on)

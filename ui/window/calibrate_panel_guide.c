@@ -9,9 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const double degrees_per_rad = 57.29577951308232;
-/* A known pose held again is read within 3 degrees by a glove that fits. */
-static const double odd_residual_rad = 0.052;
 static const float worth_telling = 0.1f; /* rad per rad */
 
 mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel, uint32_t count,
@@ -56,8 +53,10 @@ static void conclude(calibrate_guide *self)
     self->result = calloc(1, sizeof *self->result);
     mrt_result result = self->result ? guide_result(self->guide, self->result, &err)
                                      : error_set(&err, MRT_ERR_MEMORY, "no memory");
-    if (result >= 0)
+    if (result >= 0) {
+        guide_judge(&self->judgement, self->guide, self->result);
         return;
+    }
     say(self, CALIBRATE_REFUSED, "%s", err.text);
     free(self->result);
     self->result = NULL;
@@ -112,15 +111,14 @@ void calibrate_guide_back(calibrate_guide *self)
     say(self, CALIBRATE_SAYS, "Again: %s", guide_step_name[guide_current(self->guide)]);
 }
 
-/* ---- what came out ---- */
-
-static void tell_residual(const calibration_sensor *sensor, int index, calibrate_finding *out)
+void calibrate_guide_again(calibrate_guide *self, guide_step step)
 {
-    out->is_warning = true;
-    (void)snprintf(out->text, sizeof out->text,
-                   "%s: read %.1f deg apart when held again. Is the glove tight?",
-                   sensor_table[index].label, (double)sensor->residual_rad * degrees_per_rad);
+    forget_result(self);
+    guide_again(self->guide, step);
+    say(self, CALIBRATE_SAYS, "Again: %s. Skip leaves it as it was.", guide_step_name[step]);
 }
+
+/* ---- what came out ---- */
 
 static void tell_cross_talk(float share, int from, int to, calibrate_finding *out)
 {
@@ -133,13 +131,15 @@ uint32_t calibrate_guide_findings(const calibrate_guide *self, calibrate_finding
                                   uint32_t capacity)
 {
     uint32_t count = 0;
+    for (uint32_t i = 0; self->result && i < self->judgement.flaw_count && count < capacity; ++i) {
+        out[count].is_warning = true;
+        guide_flaw_text(&self->judgement.flaw[i], out[count].text, sizeof out[count].text);
+        count += 1;
+    }
     for (int i = 0; self->result && i < MRT_ANGLES; ++i) {
         const calibration_sensor *sensor = &self->result->sensor[i];
         if (sensor->table.count == 0)
             continue;
-        if (sensor->has_residual && (double)sensor->residual_rad > odd_residual_rad &&
-            count < capacity)
-            tell_residual(sensor, i, &out[count++]);
         for (int k = 0; k < MRT_ANGLES; ++k)
             if (fabsf(sensor->cross_talk[k]) >= worth_telling && count < capacity)
                 tell_cross_talk(sensor->cross_talk[k], i, k, &out[count++]);

@@ -3,7 +3,7 @@
  * Leaves out what is drawn. [main] */
 #ifndef MAROTTE_UI_WINDOW_CALIBRATE_PANEL_GUIDE_H
 #define MAROTTE_UI_WINDOW_CALIBRATE_PANEL_GUIDE_H
-#include "hand/guide.h"
+#include "hand/guide_judge.h"
 #include "stage/glove_channels.h"
 
 typedef enum calibrate_tone {
@@ -19,7 +19,8 @@ typedef struct calibrate_guide {
     bool has_sample;
     char news[600]; /* what was taken or refused last; "" */
     calibrate_tone tone;
-    calibration_file *result; /* once all steps are done; NULL before */
+    calibration_file *result;  /* once all steps are done; NULL before */
+    guide_judgement judgement; /* of the result */
 } calibrate_guide;
 
 CHECKED mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
@@ -31,10 +32,12 @@ void calibrate_guide_sample(calibrate_guide *self, const mrt_sample *sample);
 void calibrate_guide_take(calibrate_guide *self);
 void calibrate_guide_skip(calibrate_guide *self);
 void calibrate_guide_back(calibrate_guide *self);
+/* One pose once more, then back to the result. */
+void calibrate_guide_again(calibrate_guide *self, guide_step step);
 
-/* What fits worst, and what moves along: a line a sensor worth a word. Returns how many. */
+/* What is wrong, then what moves along: a line a sensor worth a word. Returns how many. */
 typedef struct calibrate_finding {
-    char text[160]; /* "ring knuckle moves along with the middle knuckle: 0.21" */
+    char text[200]; /* "ring knuckle moves along with the middle knuckle: 21 %" */
     bool is_warning;
 } calibrate_finding;
 uint32_t calibrate_guide_findings(const calibrate_guide *self, calibrate_finding *out,
