@@ -24,13 +24,15 @@ typedef struct arch {
     double reach_x, reach_z;  /* of its end: half width, and how far it goes back */
     double edge_y, height_mm; /* height: to the top of the gum, below 0 downwards */
     double thickness_mm;      /* half */
+    double end_sinks;         /* into the gum, of the height: the far end of the lower row does not
+                                 stand out of an open mouth */
     int tooth, gum;
 } arch;
 
 static const arch UPPER = {
-    80.0, 42.0, 36.0, -43.5, 25.0, 3.9, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
+    80.0, 42.0, 36.0, -43.5, 25.0, 3.9, 0.0, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
 static const arch LOWER = {
-    76.0, 36.5, 33.0, -46.5, -14.0, 3.7, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
+    76.0, 35.0, 22.0, -46.5, -14.0, 3.7, 0.5, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
 
 /* From the middle (s = 0) to the end (1): an arch that is flat in front. */
 static vec3 arch_point(const arch *a, double s)
@@ -76,6 +78,7 @@ static ring arch_ring(sheet *s, const arch *a, int32_t cell)
         double up = is_tooth_point ? at->up * shrink + 0.05 * (1.0 - bulge) * (at->up < 0.3)
                                    : at->up - (1.0 - shrink) * 0.3;
         vec3 shift = vec3_scale(outward, at->out * a->thickness_mm * narrow);
+        up += a->end_sinks * along * along * (1.0 - up);
         shift.y = up * a->height_mm;
         point[i] = vec3_add(base, shift);
     }
