@@ -124,9 +124,10 @@ static mrt_result prepare(performance *self, error *err)
         return result;
     print_note(self->face.note);
     result = open_inputs(self, err);
+    const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
+                                            options->isolation};
     if (result >= 0)
-        result = perform_mapping_open(&self->mapping, options, &self->plugins, self->clock,
-                                      self->log, err);
+        result = perform_mapping_open(&self->mapping, &options->map, &apart, err);
     if (result >= 0)
         result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
     performer_settings settings = {

@@ -1,9 +1,5 @@
 #include "perform_mapping.h"
 
-#include "base/clock.h"
-
-#include <time.h>
-
 static mrt_result isolate_mapping(perform_mapping *self, const mrt_plugin_type **type, error *err)
 {
     mrt_result result = isolate_create(&self->isolate, *type, self->library, &self->settings, err);
@@ -19,22 +15,20 @@ static bool is_to_be_isolated(const perform_mapping *self, perform_isolation how
     return how == PERFORM_ISOLATE_ON;
 }
 
-mrt_result perform_mapping_open(perform_mapping *out, const perform_options *options,
-                                plugin_list *plugins, instance_clock clock, log_queue *log,
-                                error *err)
+mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
+                                const perform_mapping_settings *with, error *err)
 {
     const mrt_plugin_type *type;
-    const plugin_spec *spec = &options->map;
-    *out = (perform_mapping){.settings = {.clock = clock, .writes_reports = true}};
-    mrt_result result = plugin_list_find(plugins, spec->plugin, MRT_MAPPING, &type, err);
+    *out = (perform_mapping){.settings = {.clock = with->clock, .writes_reports = true}};
+    mrt_result result = plugin_list_find(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
     if (result < 0)
         return result;
-    const char *path = plugin_list_path_of(plugins, type);
+    const char *path = plugin_list_path_of(with->plugins, type);
     out->library = path ? path : spec->plugin; /* given as a path, beside another of that id */
-    if (is_to_be_isolated(out, options->isolation))
+    if (is_to_be_isolated(out, with->isolation))
         result = isolate_mapping(out, &type, err);
     if (result >= 0)
-        result = instance_create(&out->instance, type, clock, log, err);
+        result = instance_create(&out->instance, type, with->clock, with->log, err);
     if (result >= 0)
         result = instance_set_list(&out->instance, spec->params, err);
     return result;
@@ -80,26 +74,12 @@ static isolate_counts counts_of(const perform_mapping *self)
     return sum;
 }
 
-/* A process is away before its keeper knows why. */
-static isolate_counts counts_when_known(const perform_mapping *self)
-{
-    enum { PATIENCE = 2000 };
-    const struct timespec moment = {.tv_nsec = NS_PER_MS};
-    isolate_counts counts = counts_of(self);
-    for (int i = 0; i < PATIENCE && counts.is_away && counts.failed == 0; ++i) {
-        (void)nanosleep(&moment, NULL);
-        counts = counts_of(self);
-    }
-    return counts;
-}
-
 mrt_result perform_mapping_check(const perform_mapping *self, error *err)
 {
-    if (self->settings.clock == CLOCK_REAL || counts_when_known(self).failed == 0)
+    if (self->settings.clock == CLOCK_REAL)
         return MRT_OK;
-    const char *why = self->instance.self ? isolate_first_reason(self->instance.self) : "";
-    return error_set(err, MRT_ERR_FORMAT, "mapping %s %s", self->instance.type->id,
-                     why[0] ? why : "failed in its process");
+    mrt_result result = isolate_check(&self->instance, err);
+    return result >= 0 && self->current ? isolate_check(self->current, err) : result;
 }
 
 void perform_mapping_report(const perform_mapping *self, facts *told)

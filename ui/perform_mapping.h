@@ -18,10 +18,16 @@ typedef struct perform_mapping {
     const instance *current; /* the one that performs */
 } perform_mapping;
 
-/* Must not move. To be closed whatever the result. */
-CHECKED mrt_result perform_mapping_open(perform_mapping *out, const perform_options *options,
-                                        plugin_list *plugins, instance_clock clock, log_queue *log,
-                                        error *err);
+typedef struct perform_mapping_settings {
+    plugin_list *plugins;
+    log_queue *log;
+    instance_clock clock;
+    perform_isolation isolation;
+} perform_mapping_settings;
+
+/* Must not move; the spec must outlive it. To be closed whatever the result. */
+CHECKED mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
+                                        const perform_mapping_settings *with, error *err);
 /* If the options say so: from here on rebuilt libraries are taken. */
 CHECKED mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *options,
                                          performer *of, log_queue *log, error *err);

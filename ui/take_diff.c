@@ -85,6 +85,8 @@ static mrt_result each(void *data, take_stage *from, error *err)
     comparison *self = data;
     int64_t at_ns = timecode_time_ns(self->frames.rate, self->frames.first + self->at);
     mrt_result result = sequencer_play_to(self->b.sequencer, at_ns, err);
+    if (result >= 0)
+        result = sequencer_check(self->b.sequencer, err);
     if (result < 0)
         return result;
     composer_draw(sequencer_composer(self->b.sequencer));

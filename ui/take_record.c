@@ -3,6 +3,7 @@
 #include "keys.h"
 #include "news.h"
 #include "perform_hands.h"
+#include "perform_mapping.h"
 #include "perform_record.h"
 #include "stage/spec.h"
 #include "stage/overdub.h"
@@ -30,7 +31,8 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     uint32_t input_count;
     perform_hands hands;
     char *calibration[2];
-    instance mapping;
+    plugin_spec map;
+    perform_mapping mapping;
     edit own; /* what the new layer moves */
     overdub *overdub;
     sound *sound; /* of the take, heard while it is performed over; NULL: none */
@@ -86,20 +88,12 @@ static mrt_result open_inputs(performing *self, error *err)
 static mrt_result open_mapping(performing *self, error *err)
 {
     take_call *call = self->call;
-    plugin_spec spec = {0};
-    const mrt_plugin_type *type = NULL;
-    mrt_result result = MRT_OK;
-    if (!spec_read(&spec, call->text[TAKE_MAP]) || spec.address[0])
-        result =
-            take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]", call->text[TAKE_MAP]);
-    if (result >= 0)
-        result = plugin_list_find(&self->plugins, spec.plugin, MRT_MAPPING, &type, err);
-    if (result >= 0)
-        result = instance_create(&self->mapping, type, self->clock, self->log, err);
-    if (result >= 0)
-        result = instance_set_list(&self->mapping, spec.params, err);
-    spec_finish(&spec);
-    return result;
+    const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
+                                            PERFORM_ISOLATE_AUTO};
+    if (!spec_read(&self->map, call->text[TAKE_MAP]) || self->map.address[0])
+        return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]",
+                            call->text[TAKE_MAP]);
+    return perform_mapping_open(&self->mapping, &self->map, &apart, err);
 }
 
 static mrt_result choose_hands(performing *self, error *err)
@@ -218,7 +212,7 @@ static mrt_result prepare(performing *self, error *err)
         settings.calibration[side] = self->calibration[side];
         settings.side_length_mm[side] = self->hands.length_mm[side];
     }
-    settings.mapping = &self->mapping;
+    settings.mapping = &self->mapping.instance;
     return overdub_create(&self->overdub, &settings, err);
 }
 
@@ -228,7 +222,8 @@ static void finish(performing *self)
     overdub_destroy(self->overdub);
     perform_record_rescue(self->call->show);
     edit_finish(&self->own);
-    instance_destroy(&self->mapping);
+    perform_mapping_close(&self->mapping);
+    spec_finish(&self->map);
     free(self->calibration[0]);
     free(self->calibration[1]);
     perform_hands_finish(&self->hands);
@@ -271,11 +266,20 @@ static void move_sound(performing *self)
     sound_move(self->sound, &motion);
 }
 
+/* Offline a mapping that has failed ends it; on a stage something simpler goes on. */
+static mrt_result check_mappings(const performing *self, error *err)
+{
+    mrt_result result = perform_mapping_check(&self->mapping, err);
+    if (result >= 0 && self->clock == CLOCK_VIRTUAL)
+        result = overdub_check(self->overdub, err);
+    return result;
+}
+
 static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
 {
     performing *self = data;
     char text[64];
-    (void)index, (void)time_s, (void)work_ns, (void)err;
+    (void)index, (void)time_s, (void)work_ns;
     news_print(self->log);
     move_sound(self);
     perform_record_watch_writer(recorder_writer(overdub_recorder(self->overdub)),
@@ -287,7 +291,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
              overdub_is_recording(self->overdub) ? "recording" : "ready",
              (double)overdub_at_ns(self->overdub) / 1e9);
     progress_show(&self->call->shown, -1.0, text);
-    return MRT_OK;
+    return check_mappings(self, err);
 }
 
 static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
@@ -331,13 +335,14 @@ static mrt_result perform(performing *self, error *err)
     keys_end();
     progress_end(&self->call->shown);
     news_print(self->log);
-    return result;
+    return result < 0 ? result : check_mappings(self, err);
 }
 
 static void tell(performing *self, const overdub_result *made)
 {
     facts *told = self->call->told;
     char text[64];
+    perform_mapping_report(&self->mapping, told);
     facts_number(told, "samples", "samples performed", (double)self->report.sample_count, 0, "");
     snprintf(text, sizeof text, "%u", made->last_layer);
     facts_text(told, "layer", "layer", text);

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "hand/calibration_file.h"
 #include "news.h"
+#include "perform_mapping.h"
 #include "stage/spec.h"
 #include "stage/identity.h"
 #include "take/edit_store.h"
@@ -21,8 +22,9 @@ typedef struct remap {
     show_take made; /* how the old one was made */
     log_queue *log;
     plugin_list plugins;
-    instance mapping; /* of --map */
-    face_file face;   /* of --face */
+    plugin_spec map;         /* of --map */
+    perform_mapping mapping; /* of it; in a process of its own, or not */
+    face_file face;          /* of --face */
     char *calibration[2];
     double hand_length_mm; /* 0: as it was */
     take_again filter;     /* the filter's part of it */
@@ -39,22 +41,14 @@ typedef struct remap {
 
 static mrt_result read_map(remap *self, error *err)
 {
-    plugin_spec spec = {0};
-    const mrt_plugin_type *type = NULL;
     const char *text = self->call->text[TAKE_MAP];
+    const perform_mapping_settings apart = {&self->plugins, self->log, CLOCK_VIRTUAL,
+                                            PERFORM_ISOLATE_AUTO};
     if (!text)
         return MRT_OK;
-    mrt_result result = MRT_OK;
-    if (!spec_read(&spec, text) || spec.address[0])
-        result = take_misused(self->call, err, "--map \"%s\" is not PLUGIN[,key=value]", text);
-    if (result >= 0)
-        result = plugin_list_find(&self->plugins, spec.plugin, MRT_MAPPING, &type, err);
-    if (result >= 0)
-        result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, self->log, err);
-    if (result >= 0)
-        result = instance_set_list(&self->mapping, spec.params, err);
-    spec_finish(&spec);
-    return result;
+    if (!spec_read(&self->map, text) || self->map.address[0])
+        return take_misused(self->call, err, "--map \"%s\" is not PLUGIN[,key=value]", text);
+    return perform_mapping_open(&self->mapping, &self->map, &apart, err);
 }
 
 static mrt_result read_calibrations(remap *self, error *err)
@@ -130,12 +124,13 @@ static mrt_result describe(remap *self, take_performance *p, error *err)
 {
     mrt_result result = MRT_OK;
     p->again.of = p->id;
-    if (self->mapping.type) {
+    const instance *mapping = &self->mapping.instance;
+    if (mapping->type) {
         free(p->mapping);
-        p->mapping = identity_of_plugin(&self->plugins, self->mapping.type);
+        p->mapping = identity_of_plugin(&self->plugins, mapping->type);
         if (!p->mapping)
             return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
-        identity_of_params(p, &self->mapping);
+        identity_of_params(p, mapping);
         p->again.ignores_params = true;
     }
     if (self->face.mesh.vertex_count > 0)
@@ -256,8 +251,9 @@ static mrt_result make_take(remap *self, int64_t *out_id, error *err)
 {
     const take_call *call = self->call;
     char origin[96];
+    const instance *mapping = &self->mapping.instance;
     (void)snprintf(origin, sizeof origin, "take %lld through %.60s", (long long)self->old.id,
-                   self->mapping.type ? self->mapping.type->id : "its own mapping, anew");
+                   mapping->type ? mapping->type->id : "its own mapping, anew");
     const show_new_take made = {
         .created_ns = clock_utc_ms() * 1000000,
         .start_ns = self->made.start_ns,
@@ -283,7 +279,8 @@ static void finish(remap *self)
     free(self->calibration[0]);
     free(self->calibration[1]);
     face_file_destroy(&self->face);
-    instance_destroy(&self->mapping);
+    perform_mapping_close(&self->mapping);
+    spec_finish(&self->map);
     plugin_list_destroy(&self->plugins);
     if (self->log)
         news_print(self->log);

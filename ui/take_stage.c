@@ -204,6 +204,8 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
             break;
         composer_draw(sequencer_composer(self->sequencer));
         result = each(data, self, err);
+        if (result >= 0)
+            result = sequencer_check(self->sequencer, err);
         (void)snprintf(text, sizeof text, "%.1f s", (double)at_ns / 1e9);
         progress_show(&call->shown, (double)(i + 1) / (double)frames->count, text);
     }

@@ -59,6 +59,8 @@ int64_t overdub_at_ns(const overdub *self);
 bool overdub_is_recording(const overdub *self);
 /* What the timeline does, by the inputs' clock; NULL: it has not begun. */
 const transport *overdub_transport(const overdub *self);
+/* As sequencer_check, of the take that plays. */
+CHECKED mrt_result overdub_check(const overdub *self, error *err);
 const take *overdub_take(const overdub *self); /* that is performed over, as it was before */
 
 typedef struct overdub_result {

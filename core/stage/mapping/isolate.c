@@ -413,6 +413,23 @@ const char *isolate_first_reason(const mrt_plugin *self)
     return atomic_load(&self->failed_count) > 0 ? self->first_reason : "";
 }
 
+mrt_result isolate_check(const instance *of, error *err)
+{
+    const mrt_plugin *self = of->self;
+    if (!self || isolate_inner(of->type) == of->type)
+        return MRT_OK;
+    int64_t until_ns =
+        clock_now_ns() + main_patience_ns; /* it is away before its keeper knows why */
+    while (!isolate_call_runs(self) && atomic_load(&self->failed_count) == 0 &&
+           clock_now_ns() < until_ns)
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+    if (isolate_call_runs(self) && atomic_load(&self->failed_count) == 0)
+        return MRT_OK;
+    const char *why = isolate_first_reason(self);
+    return error_set(err, MRT_ERR_FORMAT, "mapping %s %s", of->type->id,
+                     why[0] ? why : "failed in its process");
+}
+
 int32_t isolate_pid(const mrt_plugin *self)
 {
     return atomic_load(&self->pid);

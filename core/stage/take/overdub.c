@@ -267,6 +267,11 @@ const transport *overdub_transport(const overdub *self)
     return self->run.has_begun && !self->run.is_over ? &self->run.transport : NULL;
 }
 
+mrt_result overdub_check(const overdub *self, error *err)
+{
+    return sequencer_check(self->sequencer, err);
+}
+
 const take *overdub_take(const overdub *self)
 {
     return &self->take;

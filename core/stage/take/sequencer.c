@@ -252,8 +252,7 @@ static mrt_result turn(sequencer *self, int64_t at_ns, bool *out_changed, error 
     for (uint32_t slot = 0; slot < SEQUENCER_PLAYS_MAX; ++slot) {
         play *p = &self->play[slot];
         if (p->source && !p->is_wanted) {
-            source_close(p->source);
-            *p = (play){0};
+            sequencer_close_play(self, p);
             *out_changed = true;
         } else if (p->source && fresh_count > 0 && self->now_ns != SEQUENCER_BEFORE) {
             *out_changed |= layer_pull(source_layer(p->source))->mode != MRT_IDLE;

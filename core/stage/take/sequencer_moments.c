@@ -9,12 +9,30 @@
 
 static const int64_t span_min_ns = NS_PER_S / 2;
 
+void sequencer_close_play(sequencer *self, play *p)
+{
+    error why = {""};
+    if (p->source && source_check(p->source, &why) < 0 && !self->failed.text[0])
+        self->failed = why;
+    source_close(p->source);
+    *p = (play){0};
+}
+
 void sequencer_close_plays(sequencer *self)
 {
-    for (uint32_t slot = 0; slot < SEQUENCER_PLAYS_MAX; ++slot) {
-        source_close(self->play[slot].source);
-        self->play[slot] = (play){0};
-    }
+    for (uint32_t slot = 0; slot < SEQUENCER_PLAYS_MAX; ++slot)
+        sequencer_close_play(self, &self->play[slot]);
+}
+
+mrt_result sequencer_check(const sequencer *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (self->failed.text[0])
+        return error_set(err, MRT_ERR_FORMAT, "%s", self->failed.text);
+    for (uint32_t slot = 0; slot < SEQUENCER_PLAYS_MAX && result >= 0; ++slot)
+        if (self->play[slot].source)
+            result = source_check(self->play[slot].source, err);
+    return result;
 }
 
 bool sequencer_reserve(sequencer *self, size_t size)

@@ -38,6 +38,7 @@ struct sequencer {
     int64_t now_ns;
     uint64_t sample_count;
     char note[1024];
+    error failed; /* of a mapping whose clip has ended */
 
     sequencer_live live;
     double live_weight;
@@ -58,6 +59,7 @@ CHECKED mrt_result sequencer_restart(sequencer *self, error *err);
 void sequencer_note_text(sequencer *self, const char *text);
 
 /* ---- sequencer_moments.c ---- */
+void sequencer_close_play(sequencer *self, play *p);
 void sequencer_close_plays(sequencer *self);
 bool sequencer_reserve(sequencer *self, size_t size); /* scratch_bytes; false: no memory */
 void sequencer_forget_checkpoints(sequencer *self);

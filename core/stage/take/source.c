@@ -265,6 +265,11 @@ const char *source_note(const source *self)
     return self->note;
 }
 
+mrt_result source_check(const source *self, error *err)
+{
+    return isolate_check(&self->mapping, err);
+}
+
 int64_t source_now_ns(const source *self)
 {
     return self->now_ns;

@@ -33,6 +33,9 @@ layer *source_layer(source *self);
 /* What is not as it was when it was recorded; "" nothing. */
 const char *source_note(const source *self);
 
+/* An error that says why its mapping's process failed, if it has: a simple one went on. */
+CHECKED mrt_result source_check(const source *self, error *err);
+
 /* Show time of the next sample; INT64_MAX: none is left. */
 CHECKED mrt_result source_next_ns(source *self, int64_t *out_ns, error *err);
 /* Performs it. Not when none is left. */
