@@ -131,6 +131,7 @@ static mrt_result prepare(performance *self, error *err)
     if (result >= 0)
         result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
     performer_settings settings = {
+        .solver = perform_record_solver(options, &self->face, self->log),
         .hand_length_mm = options->hand_length_mm,
         .side_length_mm = {self->hands.length_mm[0], self->hands.length_mm[1]},
         .rezero_pedal = options->rezero_pedal};

@@ -1,6 +1,7 @@
 #include "perform_record.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "stage/kept_solver.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,6 +55,19 @@ static mrt_result describe(perform_record *out, const perform_options *options,
 static double unit_mm(mesh_unit unit)
 {
     return unit == MESH_UNIT_M ? 1000.0 : unit == MESH_UNIT_CM ? 10.0 : unit == MESH_UNIT_MM;
+}
+
+csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
+                                     log_queue *log)
+{
+    show *there = NULL;
+    error ignored = {""};
+    if (options->record && access(options->record, F_OK) == 0 &&
+        show_open(&there, options->record, SHOW_READ, &ignored) < 0)
+        there = NULL;
+    const csrbf_settings out = kept_solver_for(there, on, log);
+    show_close(there);
+    return out;
 }
 
 mrt_result perform_record_start(perform_record *out, const perform_options *options,

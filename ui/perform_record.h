@@ -27,6 +27,10 @@ typedef struct perform_record_of { /* what is recorded: of perform.c */
     const face_file *face;
 } perform_record_of;
 
+/* How the show solves into which it is recorded, so that the take shows what is performed now:
+ * radius 0: as the rig says. One that cannot be read is told of by perform_record_start. */
+csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
+                                     log_queue *log);
 /* Opens the show, or makes it; a take begins with the first sample. Does nothing without --record.
  * To be finished whatever the result. */
 CHECKED mrt_result perform_record_start(perform_record *out, const perform_options *options,

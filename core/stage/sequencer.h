@@ -16,8 +16,9 @@ typedef struct sequencer_settings {
     plugin_list *plugins;
     log_queue *log;
     const face_file *face;
-    csrbf_settings solver;   /* radius 0: the rig's */
-    size_t checkpoint_bytes; /* bound of what is kept to scrub; 0: 256 MiB */
+    const csrbf_settings *solver; /* read by create; NULL: as the show says (kept_solver.h); radius
+                                     0: the rig's */
+    size_t checkpoint_bytes;      /* bound of what is kept to scrub; 0: 256 MiB */
 } sequencer_settings;
 
 /* The settings' things must outlive it; the take is copied. */

@@ -219,6 +219,22 @@ take rate "$scratch/busy.marotte" 1 3 >/dev/null
 says 'recovered' show "$scratch/busy.marotte" 1
 
 # A show that was damaged, or made with other things than are there now.
+# How a show solves holds for every command that performs its takes, or records into it.
+if command -v sqlite3 >/dev/null; then
+    solved=$scratch/s.marotte
+    record "$solved" "$moai" anchored
+    take export "$solved" 1 --export "$scratch/rigs.pc2" >"$scratch/said"
+    rigs=$(sum_of "$solved" 1)
+    sqlite3 "$solved" "INSERT INTO meta(key, value) VALUES('note.solver', 'wendland_c6 constant 90')"
+    take export "$solved" 1 --export "$scratch/kept.pc2" >"$scratch/said"
+    ! cmp -s "$scratch/rigs.pc2" "$scratch/kept.pc2" || fail "take export solves otherwise than its show"
+    [ "$(sum_of "$solved" 1)" != "$rigs" ] || fail "take show --hash solves otherwise than its show"
+    record "$solved" "$moai" anchored --export "$scratch/performed.pc2"
+    take export "$solved" 2 --export "$scratch/played.pc2" >"$scratch/said"
+    cmp -s "$scratch/performed.pc2" "$scratch/played.pc2" || fail "a take shows another face than was performed"
+    rm -f "$scratch"/s.marotte*
+fi
+
 if command -v sqlite3 >/dev/null; then
     changed() { # SQL: $scratch/c.marotte is $show after it
         cp "$scratch/recovered.marotte" "$scratch/c.marotte"

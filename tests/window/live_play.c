@@ -1,6 +1,7 @@
 /* A take on a live stage: shown, scrubbed, played, looped, performed over. */
 #include "window/live_desk.h"
 
+#include "stage/kept_solver.h"
 #include "stage/sequencer.h"
 
 static const writer_slate slate = {"1", "a", 0};
@@ -123,6 +124,42 @@ static void shown_take_stands_where_it_is_sought(void **state)
     live_show_hands(d.live);
     assert_true(desk_until(&d, performs_at_rest, NULL));
     assert_int_equal(live_shown_take(d.live), 0);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+static void take_is_solved_as_its_show_says_wherever_it_plays(void **state)
+{
+    (void)state;
+    live_desk d;
+    take t = {0};
+    error err = {""};
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    const kept_solver kept = {true, {.kernel = CSRBF_WENDLAND_C6, .polynomial = CSRBF_CONSTANT}};
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    desk_must(live_set_solver(d.live, &kept.as, &err), &err);
+    show_take_on(&d, id, &t);
+    projector before, after;
+    project(&d, &t, &before);
+    desk_must(kept_solver_write(d.show, &kept, &err), &err);
+    project(&d, &t, &after);
+    expected e = {t.duration_ns / 2, projected(&d, &after, t.duration_ns / 2)};
+    live_seek(d.live, e.at_ns);
+    assert_true(desk_until(&d, shows, &e));
+    (void)projected(&d, &before, e.at_ns);
+    double most_mm = 0.0;
+    for (size_t i = 0; i < (size_t)d.view->vertex_count * 3; ++i)
+        most_mm = fmax(most_mm, fabs((double)before.rows[i] - (double)after.rows[i]));
+    assert_true(most_mm > 0.5);
+    desk_must(kept_solver_write(d.show, &(kept_solver){.is_kept = false}, &err), &err);
+    kept_solver none;
+    desk_must(kept_solver_read(&none, d.show, &err), &err);
+    assert_false(none.is_kept);
+    desk_must(show_note_write(d.show, "solver", "thin_plate none 3", &err), &err);
+    assert_true(kept_solver_read(&none, d.show, &err) < 0);
+    assert_true(strstr(err.text, "\"thin_plate none 3\", is not known here") != NULL);
+    pack_up(&before);
+    pack_up(&after);
     take_finish(&t);
     desk_finish(&d);
 }
@@ -331,6 +368,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shown_take_stands_where_it_is_sought),
+        cmocka_unit_test(take_is_solved_as_its_show_says_wherever_it_plays),
         cmocka_unit_test(take_plays_to_its_end_and_loops),
         cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),

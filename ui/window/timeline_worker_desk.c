@@ -1,5 +1,6 @@
 #include "window/timeline_worker_state.h"
 
+#include "stage/kept_solver.h"
 #include "take/edit_store.h"
 
 #include <stdio.h>
@@ -16,12 +17,12 @@ static void note(worker_desk *self, const error *err)
 static void open_face(worker_desk *self, const char *path)
 {
     error err = {""};
-    csrbf_settings solver = {0};
     if (!path || face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0) {
         note(self, &err);
         return;
     }
     self->has_face = true;
+    const csrbf_settings solver = kept_solver_for(self->show, &self->face, NULL);
     if (composer_create(&self->scratch, &self->face, &solver, &err) < 0)
         note(self, &err);
 }

@@ -2,6 +2,7 @@
  * performance that is recorded and begins another one. */
 #include "base/clock.h"
 #include "stage/identity.h"
+#include "stage/kept_solver.h"
 #include "stage/live/live_state.h"
 
 #include <stdio.h>
@@ -52,13 +53,8 @@ static const face_file *bound_already(const live *self, const face_file *file)
 
 static csrbf_settings solver_on(const live *self, const face_file *file)
 {
-    csrbf_settings out = {.radius = 0.0};
-    if (!self->has_own_solver)
-        return out;
-    out = self->own_solver;
-    if (!(out.radius > 0.0))
-        out.radius = composer_radius_of(file);
-    return out;
+    const kept_solver own = {self->has_own_solver, self->own_solver};
+    return kept_solver_on(&own, file);
 }
 
 mrt_result live_scene_create(live *self, const face_file *file, const char *path, double unit_mm,

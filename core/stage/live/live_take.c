@@ -63,7 +63,7 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
                                          .plugins = self->settings.plugins,
                                          .log = self->settings.log,
                                          .face = &self->scene->ready,
-                                         .solver = self->scene->solver,
+                                         .solver = &self->scene->solver,
                                          .checkpoint_bytes = scrub_bytes};
     if (result >= 0)
         result = sequencer_create(&made->sequencer, &settings, t, err);

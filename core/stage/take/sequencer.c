@@ -1,4 +1,5 @@
 #include "stage/take/sequencer_state.h"
+#include "stage/kept_solver.h"
 #include "take/own.h"
 
 #include <math.h>
@@ -96,9 +97,13 @@ mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
     if (self->settings.checkpoint_bytes == 0)
         self->settings.checkpoint_bytes = checkpoint_bytes_default;
     self->now_ns = SEQUENCER_BEFORE;
-    mrt_result result = composer_create(&self->composer, settings->face, &settings->solver, err);
+    self->settings.solver = NULL;
+    const csrbf_settings solver =
+        settings->solver ? *settings->solver
+                         : kept_solver_for(settings->show, settings->face, settings->log);
+    mrt_result result = composer_create(&self->composer, settings->face, &solver, err);
     if (result >= 0)
-        result = composer_create(&self->scratch, settings->face, &settings->solver, err);
+        result = composer_create(&self->scratch, settings->face, &solver, err);
     self->world = (source_world){settings->show, settings->plugins, settings->log, self->scratch};
     if (result >= 0)
         result = sequencer_set_take(self, t, err);
