@@ -185,6 +185,9 @@ static void a_shortcut_in_a_text_has_a_frame_of_its_own(void **state)
     key(UI_KEY_CONTROL, false);
     key('B', true);
     text('b');
+    ui_queue_take(&queue, &now); /* with Control held, letters are dropped */
+    assert_int_equal(now.text_count, 1);
+    assert_false(now.key[UI_KEY_CONTROL]);
     ui_queue_take(&queue, &now);
     assert_true(now.key['A'] && now.key[UI_KEY_CONTROL]);
     ui_queue_take(&queue, &now);

@@ -291,6 +291,82 @@ static void typing_ends_with_enter_and_takes_the_keys_meanwhile(void **state)
     close_bench(&b);
 }
 
+static uint32_t times_pressed(bench *b, uint32_t code, uint32_t modifiers)
+{
+    uint32_t times = 0;
+    for (int i = 0; i < 12; ++i) {
+        frame(b);
+        times += ui_pressed(b->ui, code, modifiers);
+    }
+    return times;
+}
+
+static void chord(bench *b, uint32_t code)
+{
+    push(b, (ui_event){.kind = UI_EVENT_KEY, .code = UI_KEY_CONTROL, .is_down = true});
+    key(b, code);
+    push(b, (ui_event){.kind = UI_EVENT_KEY, .code = UI_KEY_CONTROL});
+}
+
+/* The text is kept before the key does what it does: what it does may put the field away. */
+static void keys_that_write_nothing_end_the_text_and_do_what_they_do(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t code, modifiers;
+    } commands[] = {{UI_KEY_F1 + 1, 0},    {UI_KEY_F12, 0},   {UI_KEY_PAGE_UP, 0},
+                    {UI_KEY_PAGE_DOWN, 0}, {'S', UI_CONTROL}, {'Q', UI_CONTROL}};
+    bench b;
+    open_bench(&b, 1.0f);
+    for (uint32_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+        click_word(&b, i == 0 ? "Name" : b.text);
+        assert_true(ui_is_typing(b.ui));
+        char letter[2] = {(char)('a' + i), '\0'};
+        type(&b, letter);
+        if (commands[i].modifiers)
+            chord(&b, commands[i].code);
+        else
+            key(&b, commands[i].code);
+        uint32_t times = 0;
+        for (int k = 0; k < 12; ++k) {
+            frame(&b);
+            bool is_pressed = ui_pressed(b.ui, commands[i].code, commands[i].modifiers);
+            times += is_pressed;
+            if (is_pressed)
+                assert_int_equal(b.ends, i + 1);
+        }
+        assert_int_equal(times, 1);
+        assert_false(ui_is_typing(b.ui));
+        assert_string_equal(b.text, letter);
+    }
+    close_bench(&b);
+}
+
+static void keys_that_a_text_uses_stay_with_it(void **state)
+{
+    (void)state;
+    static const char used[] = "ACVXYZ";
+    bench b;
+    open_bench(&b, 1.0f);
+    click_word(&b, "Name");
+    type(&b, "word");
+    settle(&b);
+    for (const char *c = used; *c; ++c) {
+        chord(&b, (uint32_t)*c);
+        assert_int_equal(times_pressed(&b, (uint32_t)*c, UI_CONTROL), 0);
+        assert_true(ui_is_typing(b.ui));
+    }
+    key(&b, UI_KEY_HOME);
+    assert_int_equal(times_pressed(&b, UI_KEY_HOME, 0), 0);
+    key(&b, UI_KEY_DELETE);
+    assert_int_equal(times_pressed(&b, UI_KEY_DELETE, 0), 0);
+    assert_true(ui_is_typing(b.ui));
+    key(&b, UI_KEY_ESCAPE);
+    assert_int_equal(times_pressed(&b, UI_KEY_ESCAPE, 0), 0);
+    assert_false(ui_is_typing(b.ui));
+    close_bench(&b);
+}
+
 static void a_question_keeps_the_keys_and_escape_closes_it(void **state)
 {
     (void)state;
@@ -457,6 +533,8 @@ int main(void)
         cmocka_unit_test(a_choice_is_made_in_its_list),
         cmocka_unit_test(a_slider_is_dragged_typed_and_put_back),
         cmocka_unit_test(typing_ends_with_enter_and_takes_the_keys_meanwhile),
+        cmocka_unit_test(keys_that_write_nothing_end_the_text_and_do_what_they_do),
+        cmocka_unit_test(keys_that_a_text_uses_stay_with_it),
         cmocka_unit_test(a_question_keeps_the_keys_and_escape_closes_it),
         cmocka_unit_test(a_canvas_is_dragged_to_its_last_place),
         cmocka_unit_test(a_double_click_is_one_however_slowly_it_is_drawn),

@@ -181,36 +181,6 @@ void ui_set_clipboard(ui *self, const ui_clipboard *clipboard)
     io.SetClipboardTextFn = clipboard->set;
 }
 
-/* The '?' of other keyboards is not over the '/'. */
-static void read_question_mark(ui_frame_input *input)
-{
-    for (uint32_t i = 0; i < input->text_count; ++i)
-        if (input->text[i] == '?' && !input->key['/'])
-            input->pressed['?'] = true;
-}
-
-static void hand_over(ui *self)
-{
-    ImGuiIO &io = ImGui::GetIO();
-    ui_frame_input *input = self->input;
-    input->is_typing = io.WantTextInput;
-    ui_queue_take(self->queue, input);
-    read_question_mark(input);
-    io.MousePos =
-        input->has_pointer ? ui_px2(self, input->x, input->y) : ImVec2(-FLT_MAX, -FLT_MAX);
-    for (uint32_t i = 0; i < UI_BUTTONS; ++i)
-        io.MouseDown[i] = input->button[i];
-    io.MouseWheel = input->wheel_y;
-    io.MouseWheelH = input->wheel_x;
-    for (uint32_t i = 0; i < UI_KEY_COUNT; ++i)
-        io.KeysDown[i] = input->key[i];
-    io.KeyShift = input->key[UI_KEY_SHIFT];
-    io.KeyCtrl = input->key[UI_KEY_CONTROL];
-    io.KeyAlt = input->key[UI_KEY_ALT];
-    for (uint32_t i = 0; i < input->text_count; ++i)
-        io.AddInputCharacter(input->text[i]);
-}
-
 /* ---- frame ---- */
 
 static void set_scale(ui *self, float scale)
@@ -235,7 +205,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     io.DeltaTime = screen->dt_s > 1e-5 ? static_cast<float>(screen->dt_s) : 1e-5f;
     /* Each click takes two frames (ui_queue.h): where they are slow, a hand is not. */
     io.MouseDoubleClickTime = double_click_s + 3.0f * io.DeltaTime;
-    hand_over(self);
+    ui_hand_over(self);
     self->cursor = UI_CURSOR_ARROW;
     self->panel_count = self->popup_depth = 0;
     self->had_dialog = self->has_dialog;
@@ -245,6 +215,8 @@ void ui_begin(ui *self, const ui_screen *screen)
     ui_notes_begin(self->notes);
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();
+    if (self->command != UI_KEY_NONE)
+        ImGui::ClearActiveID();
 }
 
 /* Panels lie over each other in the order in which they were begun. */
@@ -424,40 +396,6 @@ void ui_disabled_end(ui *self)
     self->disabled_depth >>= 1;
     ImGui::PopStyleColor();
     ImGui::EndDisabled();
-}
-
-/* ---- keys ---- */
-
-/* Questions over everything keep the keys to themselves. */
-static bool has_keys(const ui *self)
-{
-    return !ImGui::GetIO().WantTextInput &&
-           (self->dialog_depth > 0 || !ImGui::GetTopMostPopupModal());
-}
-
-bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers)
-{
-    if (key >= UI_KEY_COUNT || !has_keys(self))
-        return false;
-    if (key == '/' && modifiers == UI_SHIFT && self->input->pressed['?'])
-        return true;
-    return self->input->pressed[key] && ui_frame_modifiers(self->input) == modifiers;
-}
-
-bool ui_is_down(const ui *self, uint32_t key)
-{
-    return key < UI_KEY_COUNT && has_keys(self) && self->input->key[key];
-}
-
-uint32_t ui_modifiers(const ui *self)
-{
-    return ui_frame_modifiers(self->input);
-}
-
-bool ui_is_typing(const ui *self)
-{
-    (void)self;
-    return ImGui::GetIO().WantTextInput;
 }
 
 /* ---- what was drawn ---- */

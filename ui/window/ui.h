@@ -171,7 +171,8 @@ bool ui_has_dialog(const ui *self); /* one was drawn in the last frame */
 
 /* ---- keys ---- */
 
-/* Pressed in this frame, with exactly these modifiers, and no text is being typed. */
+/* Pressed in this frame, with exactly these modifiers, and no text is being typed; keys that write
+ * nothing (F1..F12, Ctrl with what a text does not use, page up and down) end the text first. */
 bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers);
 bool ui_is_down(const ui *self, uint32_t key); /* the same, held */
 uint32_t ui_modifiers(const ui *self);

@@ -53,8 +53,10 @@ struct ui {
     int disabled_depth;
     int dialog_depth;
     bool is_slider_held;
-    bool takes_keys; /* the next input */
-    ImGuiID hinted;  /* what the pointer rests on */
+    uint32_t command, command_modifiers; /* pressed while a text was typed: of the next frame */
+    uint32_t late, late_modifiers;       /* the one of the frame before */
+    bool takes_keys;                     /* the next input */
+    ImGuiID hinted;                      /* what the pointer rests on */
     double hinted_s;
     ui_grip grip;
     char before[UI_INPUT_MAX]; /* the text of the input that is edited, as it was */
@@ -112,6 +114,11 @@ void ui_put_box(ui *self, const ImRect &box, uint32_t colour, float rounding_px)
 /* Words from here on are of the popup that was begun. (ui_popups.cpp) */
 void ui_enter_popup(ui *self);
 void ui_leave_popup(ui *self);
+
+/* ---- what a frame is handed (ui_keys.cpp) ---- */
+
+/* Before ImGui's new frame. A command then ends the text that is typed. */
+void ui_hand_over(ui *self);
 
 /* ---- what widgets are made of (ui_widgets.cpp) ---- */
 

@@ -91,7 +91,7 @@ static bool waits(const taken *t, const ui_frame_input *input, const ui_event *e
         if (only_writes(input, event->code))
             return t->any_editing_key || t->any_button;
         if (is_modifier(event->code))
-            return t->any_key || t->any_button || t->any_wheel;
+            return t->any_key || t->any_button || t->any_wheel || t->any_text;
         return t->key[event->code] || (t->any_text && is_editing(event->code));
     case UI_EVENT_TEXT:
         return t->any_editing_key || input->text_count == UI_QUEUE_TEXT;
