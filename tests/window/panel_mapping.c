@@ -224,11 +224,39 @@ static void a_preset_is_saved_used_and_deleted(void **state)
     stand_click_last(&s, "soft v1-2");
     assert_float_equal(value_of(&s, "Gain"), 2.0, 1e-9);
     assert_float_equal(value_of(&s, "Size"), 120.0, 1e-9);
-    assert_int_equal(s.step_count, 2);
+    assert_int_equal(s.step_count, 3); /* saved, reset, used */
     undo(&s);
     assert_float_equal(value_of(&s, "Gain"), 0.6, 1e-9);
     stand_click(&s, "Delete");
     assert_true(stand_shows(&s, "none saved"));
+    stand_close(&s);
+}
+
+static void a_preset_that_was_deleted_or_written_over_comes_back(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    open_with(&s, "anchored,gain=2", 1.0f);
+    stand_click(&s, "Save as\xe2\x80\xa6");
+    stand_type(&s, "mine");
+    stand_key(&s, UI_KEY_ENTER);
+    assert_string_equal(s.step[s.step_count - 1].words, "preset 'mine' saved");
+    stand_click(&s, "Reset all");
+    stand_click(&s, "Save as\xe2\x80\xa6"); /* the same name: over it */
+    stand_key(&s, UI_KEY_ENTER);
+    assert_int_equal(s.step_count, 3);
+    assert_true(stand_shows(&s, "mine"));
+    undo(&s);
+    stand_settle(&s);
+    assert_true(stand_shows(&s, "mine (changed)")); /* it has the gain again that is reset */
+    stand_click(&s, "Delete");
+    assert_true(stand_shows(&s, "none saved"));
+    assert_string_equal(s.step[s.step_count - 1].words, "preset 'mine' deleted");
+    undo(&s);
+    stand_settle(&s);
+    stand_click(&s, "mine (changed)");
+    stand_click_last(&s, "mine");
+    assert_float_equal(value_of(&s, "Gain"), 2.0, 1e-9);
     stand_close(&s);
 }
 
@@ -340,6 +368,7 @@ int main(void)
         cmocka_unit_test(a_button_presses_its_trigger),
         cmocka_unit_test(a_hundred_parameters_are_folded_by_group),
         cmocka_unit_test(a_preset_is_saved_used_and_deleted),
+        cmocka_unit_test(a_preset_that_was_deleted_or_written_over_comes_back),
         cmocka_unit_test(pedals_say_what_they_do_and_how_far_they_are_down),
         cmocka_unit_test(a_finger_is_moved_and_a_contact_clicked),
         cmocka_unit_test(learning_ends_when_the_panel_is_left),

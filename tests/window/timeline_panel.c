@@ -340,64 +340,6 @@ static void while_it_plays_the_page_turns(void **state)
     stand_close(s);
 }
 
-/* ---- comping ---- */
-
-static stand *open_with_other_take(void)
-{
-    stand *s = open_stand();
-    s->comps = calloc(1, sizeof *s->comps);
-    assert_non_null(s->comps);
-    s->comps->of = s->take.id;
-    s->comps->count = 1;
-    s->comps->take[0] = help_take();
-    s->comps->take[0].layer[0].clip[0].performance = 9;
-    stand_click_word(s, "Takes");
-    assert_true(s->panel->has_comps);
-    stand_click_word(s, "B"); /* brows beside the mouth */
-    return s;
-}
-
-static void a_swipe_over_another_take_is_one_step(void **state)
-{
-    (void)state;
-    stand *s = open_with_other_take();
-    stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 3.0), stand_y(s, 2));
-    assert_int_equal(s->step_count, 1);
-    assert_int_equal(s->edit_count, 2);
-    assert_string_equal(s->edited[0], "comp");
-    const take_layer *top = &s->take.layer[s->take.layer_count - 1];
-    assert_string_equal(top->name, "brows");
-    assert_int_equal(top->clip[0].performance, 9);
-    near_s(top->clip[0].start_ns, 2.0, 0.02);
-    near_s(top->clip[0].end_ns, 3.0, 0.02);
-    stand_close(s);
-}
-
-/* It has other words at that instant: it is laid where they meet, and what is swiped is from there.
- */
-static void another_take_is_laid_later_and_comped_as_it_lies(void **state)
-{
-    (void)state;
-    stand *s = open_with_other_take();
-    stand_key(s, UI_KEY_ALT, true);
-    stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 2.5), stand_y(s, 2));
-    stand_key(s, UI_KEY_ALT, false);
-    assert_int_equal(s->step_count, 0); /* the take is as it was */
-    near_s(timeline_comp_later_ns(s->panel, 0), 0.5, 0.02);
-    stand_picture(s, "slid");
-    stand_drag(s, stand_x(s, 3.0), stand_y(s, 2), stand_x(s, 4.0), stand_y(s, 2));
-    assert_int_equal(s->step_count, 1);
-    const take_layer *top = &s->take.layer[s->take.layer_count - 1];
-    const take_clip *clip = &top->clip[0];
-    near_s(clip->start_ns, 3.0, 0.03);
-    const take *other = &s->comps->take[0];
-    const int64_t shown_ns = take_warp_to_source(clip, clip->start_ns);
-    const int64_t own_ns =
-        take_warp_to_source(&other->layer[0].clip[0], clip->start_ns - other->layer[0].offset_ns);
-    near_s(own_ns - shown_ns, 0.5, 0.03);
-    stand_close(s);
-}
-
 /* ---- takes ---- */
 
 static void stars_are_given_with_a_click(void **state)
@@ -496,8 +438,6 @@ int main(void)
         cmocka_unit_test(a_layer_is_renamed_and_given_parts),
         cmocka_unit_test(the_wheel_zooms_about_the_pointer_and_shift_pans),
         cmocka_unit_test(while_it_plays_the_page_turns),
-        cmocka_unit_test(a_swipe_over_another_take_is_one_step),
-        cmocka_unit_test(another_take_is_laid_later_and_comped_as_it_lies),
         cmocka_unit_test(stars_are_given_with_a_click),
         cmocka_unit_test(a_double_click_shows_a_take),
         cmocka_unit_test(takes_are_found_by_words_stars_and_fate),

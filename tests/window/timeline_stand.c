@@ -77,6 +77,19 @@ int64_t studio_take_id(const studio *self)
     return here->take.id;
 }
 
+void studio_did(studio *self, const studio_step *step)
+{
+    (void)self;
+    here->did = *step;
+    here->did_count += 1;
+}
+
+void studio_forget_steps(studio *self, const void *owner)
+{
+    (void)self;
+    (void)owner;
+}
+
 mrt_result studio_choose_take(studio *self, int64_t id)
 {
     (void)self;

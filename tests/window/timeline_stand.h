@@ -18,9 +18,11 @@ typedef struct stand {
     char edited[STAND_EDITS][160];   /* "clip.trim", in the order in which they were made */
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
-    error refused;                   /* of the last edit that was not possible */
-    int64_t duplicated;              /* the last take that was */
-    int64_t rated, rated_id;         /* the last take that was edited from the list */
+    studio_step did;                 /* the last step that is the panel's own */
+    uint32_t did_count;
+    error refused;           /* of the last edit that was not possible */
+    int64_t duplicated;      /* the last take that was */
+    int64_t rated, rated_id; /* the last take that was edited from the list */
     action done, asked;
     live_status status;
     news_list *news;

@@ -29,8 +29,8 @@ typedef struct mapping_panel {
     char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
     char preset_name[PRESET_NAME];
     bool is_naming, was_naming;
-    char **presets; /* their names; one block */
-    uint32_t preset_count;
+    char **presets;                        /* their names; one block */
+    uint32_t preset_count, preset_edition; /* edition: of the steps when they were read */
 
     bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
     learn learn;

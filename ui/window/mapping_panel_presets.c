@@ -10,6 +10,7 @@ void mapping_presets_read(mapping_panel *self)
     self->presets = NULL;
     self->preset_count =
         self->type ? presets_list(studio_settings(self->studio), self->type, &self->presets) : 0;
+    self->preset_edition = mapping_steps_preset_edition(self->steps);
 }
 
 static void use(mapping_panel *self, const instance *mapping, const char *name)
@@ -27,15 +28,14 @@ static void use(mapping_panel *self, const instance *mapping, const char *name)
         news_list_add(studio_news(self->studio), MRT_LOG_WARNING, "mapping", note.text);
 }
 
-static void save(mapping_panel *self, const instance *mapping)
+static void save(mapping_panel *self)
 {
     char clean[PRESET_NAME];
     if (!presets_clean_name(clean, self->preset_name))
         return;
-    presets_save(studio_settings(self->studio), mapping, clean);
+    mapping_steps_save_preset(self->steps, clean);
     (void)snprintf(self->preset, sizeof self->preset, "%s", clean);
     self->is_naming = false;
-    mapping_presets_read(self);
 }
 
 /* What is set now is the preset that was used last, and no more. */
@@ -51,7 +51,7 @@ static bool is_still(const mapping_panel *self, const instance *mapping)
     return strcmp(now, text) == 0;
 }
 
-static void draw_naming(mapping_panel *self, ui *on, const instance *mapping)
+static void draw_naming(mapping_panel *self, ui *on)
 {
     if (!self->was_naming)
         ui_input_take_keys(on);
@@ -66,7 +66,7 @@ static void draw_naming(mapping_panel *self, ui *on, const instance *mapping)
     const bool is_name = presets_clean_name(clean, self->preset_name);
     ui_disabled_begin(on, !is_name);
     if (ui_button(on, "Save", UI_ACCENT) || (is_entered && is_name))
-        save(self, mapping);
+        save(self);
     ui_disabled_end(on);
     ui_same_line(on);
     ui_width(on, 66.0f);
@@ -101,8 +101,10 @@ static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
 
 void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
 {
+    if (self->preset_edition != mapping_steps_preset_edition(self->steps))
+        mapping_presets_read(self);
     if (self->is_naming) {
-        draw_naming(self, on, mapping);
+        draw_naming(self, on);
         return;
     }
     draw_list(self, on, mapping);
@@ -117,10 +119,7 @@ void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
         !presets_kept(studio_settings(self->studio), mapping->type, self->preset))
         return;
     ui_same_line(on);
-    if (ui_button(on, "Delete", UI_QUIET)) {
-        presets_remove(studio_settings(self->studio), mapping->type, self->preset);
-        self->preset[0] = '\0';
-        mapping_presets_read(self);
-    }
-    ui_hint(on, "Deletes the preset; what is set now stays.");
+    if (ui_button(on, "Delete", UI_QUIET))
+        mapping_steps_delete_preset(self->steps, self->preset);
+    ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
 }

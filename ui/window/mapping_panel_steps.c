@@ -19,12 +19,13 @@ typedef struct step {
     change *changes;
     uint32_t change_count;
     char *text[2]; /* another mapping: before and after; NULL: values */
+    char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
 } step;
 
 struct mapping_steps {
     studio *studio;
     step *steps;
-    uint32_t count, capacity;
+    uint32_t count, capacity, preset_edition;
 };
 
 enum { BEFORE = 0, AFTER = 1 };
@@ -69,10 +70,20 @@ static void say(mapping_steps *self, int32_t level, const char *text)
     news_list_add(studio_news(self->studio), level, "mapping", text);
 }
 
+static void set_preset(mapping_steps *self, const char *key, const char *text)
+{
+    settings_set_text(studio_settings(self->studio), key, text);
+    self->preset_edition += 1;
+}
+
 static void go_to(mapping_steps *self, const step *of, int side)
 {
     error err = {""};
     instance *mapping = live_mapping(studio_live(self->studio));
+    if (of->preset) {
+        set_preset(self, of->preset, of->text[side]);
+        return;
+    }
     if (of->text[side]) {
         if (live_set_mapping(studio_live(self->studio), of->text[side], &err) < 0)
             say(self, MRT_LOG_ERROR, err.text);
@@ -108,6 +119,7 @@ static void finish(step *of)
 {
     free(of->type_id);
     free(of->changes);
+    free(of->preset);
     free(of->text[BEFORE]);
     free(of->text[AFTER]);
 }
@@ -194,6 +206,49 @@ void mapping_steps_choose(mapping_steps *self, const char *name)
         keep(self, &made, words);
     else
         finish(&made);
+}
+
+/* text: of the preset from now on; NULL: none. Without memory it is done, but cannot be undone. */
+static void change_preset(mapping_steps *self, const mrt_plugin_type *type, const char *name,
+                          const char *text)
+{
+    char key[PRESET_KEY], words[EDIT_TEXT];
+    presets_key(key, type, name);
+    const char *before = presets_kept(studio_settings(self->studio), type, name);
+    if (before == text || (before && text && strcmp(before, text) == 0))
+        return;
+    step made = {.preset = strdup(key),
+                 .text = {before ? strdup(before) : NULL, text ? strdup(text) : NULL}};
+    const bool is_whole =
+        made.preset && !before == !made.text[BEFORE] && !text == !made.text[AFTER];
+    set_preset(self, key, text);
+    (void)snprintf(words, sizeof words, "preset '%s' %s", name, text ? "saved" : "deleted");
+    if (is_whole)
+        keep(self, &made, words);
+    else
+        finish(&made);
+}
+
+void mapping_steps_save_preset(mapping_steps *self, const char *name)
+{
+    char text[PRESET_TEXT];
+    const instance *mapping = live_mapping(studio_live(self->studio));
+    if (!mapping)
+        return;
+    presets_text(mapping, text, sizeof text);
+    change_preset(self, mapping->type, name, text);
+}
+
+void mapping_steps_delete_preset(mapping_steps *self, const char *name)
+{
+    const instance *mapping = live_mapping(studio_live(self->studio));
+    if (mapping)
+        change_preset(self, mapping->type, name, NULL);
+}
+
+uint32_t mapping_steps_preset_edition(const mapping_steps *self)
+{
+    return self->preset_edition;
 }
 
 mapping_steps *mapping_steps_create(studio *of)

@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEY = 256 };
-
 bool presets_clean_name(char out[PRESET_NAME], const char *name)
 {
     text_view trimmed = text_trim(text_view_of(name, strlen(name)));
@@ -24,46 +22,29 @@ bool presets_clean_name(char out[PRESET_NAME], const char *name)
     return true;
 }
 
-static void key_of_list(char out[KEY], const mrt_plugin_type *type)
+static void key_of_list(char out[PRESET_KEY], const mrt_plugin_type *type)
 {
-    (void)snprintf(out, KEY, "mapping.%.100s.preset", device_list_plugin_name(type));
+    (void)snprintf(out, PRESET_KEY, "mapping.%.100s.preset", device_list_plugin_name(type));
 }
 
-static void key_of(char out[KEY], const mrt_plugin_type *type, const char *name)
+void presets_key(char out[PRESET_KEY], const mrt_plugin_type *type, const char *name)
 {
-    char list[KEY];
+    char list[PRESET_KEY];
     key_of_list(list, type);
-    (void)snprintf(out, KEY, "%.180s.%.50s", list, name);
+    (void)snprintf(out, PRESET_KEY, "%.180s.%.50s", list, name);
 }
 
 uint32_t presets_list(const settings *of, const mrt_plugin_type *type, char ***out)
 {
-    char key[KEY];
+    char key[PRESET_KEY];
     key_of_list(key, type);
     return settings_keys(of, key, out);
 }
 
-void presets_save(settings *of, const instance *mapping, const char *name)
-{
-    char key[KEY], text[PRESET_TEXT], clean[PRESET_NAME];
-    if (!presets_clean_name(clean, name))
-        return;
-    key_of(key, mapping->type, clean);
-    presets_text(mapping, text, sizeof text);
-    settings_set_text(of, key, text);
-}
-
-void presets_remove(settings *of, const mrt_plugin_type *type, const char *name)
-{
-    char key[KEY];
-    key_of(key, type, name);
-    settings_set_text(of, key, NULL);
-}
-
 const char *presets_kept(const settings *of, const mrt_plugin_type *type, const char *name)
 {
-    char key[KEY];
-    key_of(key, type, name);
+    char key[PRESET_KEY];
+    presets_key(key, type, name);
     return settings_text(of, key, NULL);
 }
 

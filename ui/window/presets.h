@@ -6,14 +6,14 @@
 #include "stage/instance.h"
 #include "window/settings.h"
 
-enum { PRESET_NAME = 48, PRESET_TEXT = 8192 };
+enum { PRESET_NAME = 48, PRESET_TEXT = 8192, PRESET_KEY = 256 };
 
 /* What the name becomes; false: it is none (empty, control characters, too long). */
 bool presets_clean_name(char out[PRESET_NAME], const char *name);
 /* Names of this mapping's, to be freed as one block; returns their number. */
 uint32_t presets_list(const settings *of, const mrt_plugin_type *type, char ***out);
-void presets_save(settings *of, const instance *mapping, const char *name);
-void presets_remove(settings *of, const mrt_plugin_type *type, const char *name);
+/* Of the settings: what is kept there is its text. */
+void presets_key(char out[PRESET_KEY], const mrt_plugin_type *type, const char *name);
 /* Its text; NULL: there is none. Until the settings change. */
 const char *presets_kept(const settings *of, const mrt_plugin_type *type, const char *name);
 

@@ -150,41 +150,6 @@ static void wish_sound(panel *self, const take *t)
     self->wish.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
 }
 
-/* ---- other takes under this one ---- */
-
-/* TIMELINE_COMPS_MAX: it lies where it was recorded. */
-static uint32_t find_slid(const panel *self, uint32_t index)
-{
-    uint32_t i = 0;
-    while (i < TIMELINE_COMPS_MAX && (self->slid[i].of != self->comps->of ||
-                                      self->slid[i].take != self->comps->take[index].id))
-        i += 1;
-    return i;
-}
-
-int64_t timeline_comp_later_ns(const panel *self, uint32_t index)
-{
-    const uint32_t found = find_slid(self, index);
-    return found < TIMELINE_COMPS_MAX ? self->slid[found].later_ns : 0;
-}
-
-void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns)
-{
-    uint32_t place = find_slid(self, index);
-    if (place == TIMELINE_COMPS_MAX) {
-        place = self->slid_next;
-        self->slid_next = (self->slid_next + 1) % TIMELINE_COMPS_MAX;
-    }
-    self->slid[place] = (timeline_slid){self->comps->of, self->comps->take[index].id, later_ns};
-}
-
-take_layer timeline_comp_lane(const panel *self, uint32_t index)
-{
-    take_layer out = self->comps->take[index].layer[0];
-    out.offset_ns += timeline_comp_later_ns(self, index);
-    return out;
-}
-
 /* ---- what is to be computed ---- */
 
 static void wish_comps(panel *self, const take *t)
@@ -208,6 +173,7 @@ static void wish(panel *self)
     const take *t = timeline_take(self);
     const studio_take_line *line;
     show *from = studio_show(self->studio);
+    timeline_slide_follow(self, from ? show_path(from) : "");
     timeline_worker_set_show(self->worker, from ? show_path(from) : NULL,
                              studio_face_path(self->studio));
     timeline_wish_clear(&self->wish);
@@ -325,6 +291,7 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
+    timeline_slide_finish(self);
     timeline_worker_destroy(self->worker);
     timeline_journal_destroy(self->journal);
     timeline_takes_finish(&self->takes);

@@ -364,6 +364,8 @@ static void release(panel *self, const ui_canvas *canvas)
         end_edit(self);
     if (gesture == GESTURE_SWIPE)
         end_swipe(self);
+    if (gesture == GESTURE_SLIDE && pressed_comp(self) != UINT32_MAX)
+        timeline_slide_note(self, pressed_comp(self), self->slid_from_ns);
 }
 
 /* ---- double clicks ---- */
@@ -386,6 +388,13 @@ static void reset_gain(panel *self, timeline_hit hit)
     timeline_edit(self, &e);
 }
 
+static void lay_back(panel *self, uint32_t comp)
+{
+    const int64_t before_ns = timeline_comp_later_ns(self, comp);
+    timeline_comp_slide(self, comp, 0);
+    timeline_slide_note(self, comp, before_ns);
+}
+
 static void double_click(panel *self, ui *on, const ui_canvas *canvas)
 {
     timeline_hit hit = timeline_hit_now(self, canvas);
@@ -400,7 +409,7 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
     else if (hit.part == TIMELINE_GAIN)
         reset_gain(self, hit);
     else if (hit.part == TIMELINE_COMP_BODY && pressed_comp(self) != UINT32_MAX)
-        timeline_comp_slide(self, pressed_comp(self), 0);
+        lay_back(self, pressed_comp(self));
     else if (hit.clip && canvas->modifiers & UI_CONTROL)
         split(self, hit, self->menu_ns);
     else if (hit.clip)

@@ -49,6 +49,12 @@ typedef struct timeline_slid { /* so much later than its own time another take l
     int64_t of, take, later_ns;
 } timeline_slid;
 
+enum { TIMELINE_SLIDES_MAX = 256 }; /* no fewer than the studio keeps steps of undo */
+typedef struct timeline_slide {     /* a step of undo */
+    timeline_slid after;
+    int64_t before_ns;
+} timeline_slide;
+
 struct panel {
     studio *studio;
     timeline_worker *worker;
@@ -67,6 +73,9 @@ struct panel {
     uint32_t regions; /* that a swipe comps */
     timeline_slid slid[TIMELINE_COMPS_MAX];
     uint32_t slid_next; /* whose place the next one takes */
+    timeline_slide slide[TIMELINE_SLIDES_MAX];
+    char *slid_show;      /* path of the show whose takes they are; NULL: not looked at yet */
+    uint64_t slide_count; /* the last ones are kept, each at its number */
     /* the pointer */
     timeline_gesture gesture;
     timeline_drag drag;
@@ -110,12 +119,15 @@ void timeline_say(panel *self, const error *err); /* as news */
 const take_layer *timeline_layer(const take *t, uint32_t id);
 const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
 void timeline_edit(panel *self, edit *e); /* makes it, and finishes it */
-/* Of the comp lane: how much later it lies than its own time; 0 at first. */
+
+/* timeline_slide.c: of the comp lane, how much later it lies than its own time; 0 at first */
 int64_t timeline_comp_later_ns(const panel *self, uint32_t index);
 void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns);
 take_layer timeline_comp_lane(const panel *self, uint32_t index); /* its lowest, as it lies; the
                                                                      clips are the comp's */
-
+void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns); /* it was slid */
+void timeline_slide_follow(panel *self, const char *show_path); /* another show: nothing is laid */
+void timeline_slide_finish(panel *self);
 /* timeline_strip.c */
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_history_dialog(panel *self, ui *on);
