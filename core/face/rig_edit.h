@@ -1,5 +1,6 @@
-/* face/rig_edit.h - changes of a rig in memory, as a person makes them. Each leaves a rig that can
- * be written and read again, or an error and the rig as it was. Leaves out what is undone
+/* face/rig_edit.h - changes of a rig in memory, as a person makes them: numbers that change become
+ * what a hand can mean (0.01 mm, 0.01 degrees, shares of 0.001). Each leaves a rig that can be
+ * written and read again, or an error and the rig as it was. Leaves out what is undone
  * (rig_history.h) and whether the rig fits its mesh (rig_check.h). Vertices are the mesh file's.
  * [any], one at a time */
 #ifndef MAROTTE_FACE_RIG_EDIT_H
@@ -76,6 +77,18 @@ CHECKED mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err);
 CHECKED mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm,
                                      error *err);
+/* On a bone that is listed before it; RIG_NONE: on none. */
+CHECKED mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err);
+
+/* The turns of a ball, 1 to RIG_TURNS_MAX, the first is applied last. Copied; the axis becomes
+ * unit; the limits are around 0, at most half a turn away. */
+CHECKED mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn,
+                                     uint32_t *out_index, error *err);
+/* Poses no longer turn by it. One stays. */
+CHECKED mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err);
+/* Poses follow its name. */
+CHECKED mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_turn *to,
+                                     error *err);
 
 /* ---- what the skin does not enter ---- */
 
@@ -96,7 +109,7 @@ CHECKED mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, 
 typedef struct rig_edit_jaw {
     vec3 left, right, incisor; /* mm */
     bool has_incisor;
-    double open_max_rad, lateral_mm, forward_mm, slide_mm;
+    double open_min_rad, open_max_rad, lateral_mm, forward_mm, slide_mm;
 } rig_edit_jaw;
 void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone);
 CHECKED mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err);

@@ -100,6 +100,154 @@ static void an_eye_is_added_and_read_again(void **state)
     assert_float_equal(r.bone[3].radius_mm, 13.0, 1e-9);
     assert_int_equal(r.bone[3].turn_count, 2);
     assert_true(r.bone[3].turn[0].max_rad > 0.3);
+    assert_float_equal(r.bone[3].turn[1].axis.x, -1.0, 1e-9); /* pitch is positive upwards */
+    rig_destroy(&r);
+}
+
+static const double degree = 3.14159265358979323846 / 180.0;
+
+static void the_turns_of_a_ball_are_changed_and_read_again(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE, bone = RIG_NONE;
+    char name[] = "close", other[] = "roll";
+    make(&r);
+    must(rig_edit_add_bone(&r, "lid", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
+    rig_turn to = {name, {0.0, 1.0, 1.0}, -12.3456 * degree, 50.0 * degree};
+    must(rig_edit_set_turn(&r, bone, 0, &to, &err), &err);
+    to = (rig_turn){other, {0.0, 0.0, 3.0}, 0.0, 10.0 * degree};
+    must(rig_edit_add_turn(&r, bone, &to, &index, &err), &err);
+    assert_int_equal(index, 2);
+    must(rig_edit_remove_turn(&r, bone, 1, &err), &err);
+    again(&r);
+    const rig_bone *lid = &r.bone[bone];
+    assert_int_equal(lid->turn_count, 2);
+    assert_string_equal(lid->turn[0].name, "close");
+    assert_float_equal(lid->turn[0].axis.y, sqrt(0.5), 1e-6);
+    assert_float_equal(vec3_length(lid->turn[0].axis), 1.0, 1e-9);
+    assert_float_equal((lid->turn[0].min_rad / degree), -12.35, 1e-9);
+    assert_float_equal((lid->turn[0].max_rad / degree), 50.0, 1e-9);
+    assert_string_equal(lid->turn[1].name, "roll");
+    assert_float_equal(lid->turn[1].axis.z, 1.0, 1e-9);
+    rig_destroy(&r);
+}
+
+static void poses_follow_a_turn_and_forget_it(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t bone = RIG_NONE, pose = RIG_NONE;
+    char dof[] = "eye.yaw", *dofs[] = {dof}, pose_name[] = "aside", name[] = "look";
+    double value = 12.3456 * degree;
+    make(&r);
+    must(rig_edit_add_bone(&r, "eye", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
+    const rig_pose made = {
+        .name = pose_name, .dof_name = dofs, .dof_value = &value, .dof_count = 1};
+    must(rig_edit_add_pose(&r, &made, &pose, &err), &err);
+    rig_turn to = r.bone[bone].turn[0];
+    to.name = name;
+    must(rig_edit_set_turn(&r, bone, 0, &to, &err), &err);
+    again(&r);
+    assert_string_equal(r.pose[pose].dof_name[0], "eye.look");
+    assert_float_equal((r.pose[pose].dof_value[0] / degree), 12.35, 1e-9);
+    must(rig_edit_remove_turn(&r, bone, 0, &err), &err);
+    assert_int_equal(r.pose[pose].dof_count, 0);
+    assert_int_equal(r.pose[0].dof_count, 2); /* the jaw's stay */
+    again(&r);
+    rig_destroy(&r);
+}
+
+static void turns_that_make_no_sense_are_refused(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t bone = RIG_NONE, index = 77;
+    char yaw[] = "yaw", none[] = "", third[] = "third", fourth[] = "fourth";
+    make(&r);
+    must(rig_edit_add_bone(&r, "eye", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
+    rig_turn to = {yaw, {1, 0, 0}, -1.0, 1.0};
+    refused(rig_edit_set_turn(&r, 1, 0, &to, &err), &err, "no ball");
+    refused(rig_edit_set_turn(&r, bone, 2, &to, &err), &err, "no turn 2");
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "another turn");
+    to.name = none;
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "1 to");
+    to = (rig_turn){third, {0, 0, 0}, -1.0, 1.0};
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "axis");
+    to = (rig_turn){third, {1, 0, 0}, 0.1, 1.0};
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "180");
+    to = (rig_turn){third, {1, 0, 0}, -4.0, 1.0};
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "180");
+    to = (rig_turn){third, {1, 0, 0}, 0.0, 1e-6};
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "nowhere");
+    assert_string_equal(r.bone[bone].turn[1].name, "pitch");
+    to = (rig_turn){third, {1, 0, 0}, 0.0, 1.0};
+    must(rig_edit_add_turn(&r, bone, &to, &index, &err), &err);
+    to.name = fourth;
+    refused(rig_edit_add_turn(&r, bone, &to, &index, &err), &err, "at most 3");
+    must(rig_edit_remove_turn(&r, bone, 0, &err), &err);
+    must(rig_edit_remove_turn(&r, bone, 0, &err), &err);
+    refused(rig_edit_remove_turn(&r, bone, 0, &err), &err, "stays");
+    rig_destroy(&r);
+}
+
+static void a_bone_rides_on_another_that_is_before_it(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t bone = RIG_NONE;
+    make(&r);
+    must(rig_edit_add_bone(&r, "hat", BONE_FIXED, (vec3){0, 0, 0}, 1.0, &bone, &err), &err);
+    must(rig_edit_ride_bone(&r, bone, 1, &err), &err);
+    again(&r);
+    assert_int_equal(r.bone[bone].parent, 1);
+    must(rig_edit_ride_bone(&r, bone, RIG_NONE, &err), &err);
+    again(&r);
+    assert_int_equal(r.bone[bone].parent, RIG_NONE);
+    refused(rig_edit_ride_bone(&r, bone, bone, &err), &err, "before it");
+    refused(rig_edit_ride_bone(&r, 0, RIG_NONE, &err), &err, "stays");
+    rig_destroy(&r);
+}
+
+/* ---- numbers ---- */
+
+/* A drag ends anywhere: the file has what a hand can mean, and what was not dragged stays as it was
+ * written. */
+static void numbers_that_a_drag_gave_are_rounded_and_others_stay(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    file_bytes bytes;
+    make(&r);
+    const uint32_t jaw = 1;
+    assert_int_equal(r.bone[jaw].kind, BONE_JAW);
+    r.bone[jaw].hinge_right = (vec3){-67.123456789, 1.0, 2.0};
+    rig_edit_jaw to;
+    rig_edit_jaw_of(&to, &r, jaw);
+    to.left = (vec3){67.9999989629714, -23.123456, 0.001};
+    to.open_min_rad = -2.34567 * degree;
+    to.lateral_mm = 9.87654321;
+    must(rig_edit_set_jaw(&r, jaw, &to, &err), &err);
+    assert_true(r.bone[jaw].hinge_left.x >= 68.0 && r.bone[jaw].hinge_left.x <= 68.0);
+    assert_float_equal(r.bone[jaw].hinge_left.y, -23.12, 1e-12);
+    assert_float_equal(r.bone[jaw].hinge_right.x, -67.123456789, 1e-12);
+    assert_float_equal(r.bone[jaw].lateral_mm, 9.88, 1e-12);
+    assert_float_equal((r.bone[jaw].open_min_rad / degree), -2.35, 1e-9);
+    again(&r);
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/a.rig.json", folder);
+    must(file_read(&bytes, path, 1 << 20, &err), &err);
+    const char *text = (const char *)bytes.data;
+    assert_non_null(strstr(text, "-23.12,"));
+    assert_non_null(strstr(text, "-67.123456789"));
+    assert_non_null(strstr(text, "-2.35"));
+    assert_null(strstr(text, "67.99"));
+    file_bytes_finish(&bytes);
     rig_destroy(&r);
 }
 
@@ -261,7 +409,7 @@ static void poses_come_are_named_and_go(void **state)
     again(&r);
     assert_int_equal(r.pose_count, 2);
     assert_string_equal(r.pose[1].name, "oh");
-    assert_float_equal(r.pose[1].dof_value[0], 0.3, 1e-9);
+    assert_float_equal(r.pose[1].dof_value[0], 0.3, 1e-4); /* to 0.01 degrees */
     assert_int_equal(r.pose[1].pull_count, 2);
     must(rig_edit_remove_pose(&r, 0, &err), &err);
     again(&r);
@@ -278,6 +426,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_eye_is_added_and_read_again),
+        cmocka_unit_test(the_turns_of_a_ball_are_changed_and_read_again),
+        cmocka_unit_test(poses_follow_a_turn_and_forget_it),
+        cmocka_unit_test(turns_that_make_no_sense_are_refused),
+        cmocka_unit_test(a_bone_rides_on_another_that_is_before_it),
+        cmocka_unit_test(numbers_that_a_drag_gave_are_rounded_and_others_stay),
         cmocka_unit_test(a_rigid_part_and_a_jaw_are_added),
         cmocka_unit_test(what_rode_on_a_bone_rides_on_its_parent),
         cmocka_unit_test(poses_follow_a_bones_name),

@@ -83,6 +83,42 @@ static void a_ball_is_added_and_taken_back(void **state)
     rig_stand_close(&s);
 }
 
+/* Each change is a step, and what is tried changes nothing. */
+static void a_ball_s_turns_are_edited_by_hand(void **state)
+{
+    (void)state;
+    open_parts(1280, 1100, 1.0f); /* all of it is seen */
+    const uint32_t eye = rig_find_bone(rig_now(), "eye.l");
+    fold("What skin does not enter");
+    fold("Poses");
+    rig_stand_click_on(&s, "eye.l");
+    rig_stand_frames(&s, 3);
+    rig_stand_click_on(&s, "yaw, -35");
+    rig_stand_frames(&s, 3);
+    assert_true(rig_stand_says(&s, "to the subject's left"));
+    assert_true(rig_stand_says(&s, "Try"));
+    rig_stand_picture(&s, "rig_parts_turn");
+    rig_stand_check_words(&s);
+    assert_int_equal(s.step_count, 0);
+    rig_stand_click_on(&s, "to the subject's left");
+    rig_stand_frames(&s, 3);
+    rig_stand_click_on(&s, "rolls, its left side up");
+    rig_stand_wait_for_change(&s, 1);
+    assert_string_equal(s.step[0].words, "rig: change a turn");
+    assert_float_equal(rig_now()->bone[eye].turn[0].axis.z, 1.0, 1e-9);
+    undo_last();
+    assert_float_equal(rig_now()->bone[eye].turn[0].axis.y, 1.0, 1e-9);
+    rig_stand_click_on(&s, "Add a turn");
+    rig_stand_wait_for_change(&s, 3);
+    assert_int_equal(rig_now()->bone[eye].turn_count, 3);
+    assert_string_equal(rig_now()->bone[eye].turn[2].name, "roll");
+    rig_stand_frames(&s, 3);
+    assert_false(rig_stand_says(&s, "Add a turn")); /* there are three at most */
+    undo_last();
+    assert_int_equal(rig_now()->bone[eye].turn_count, 2);
+    rig_stand_close(&s);
+}
+
 static void a_new_bone_gets_a_region_of_its_own(void **state)
 {
     (void)state;
@@ -184,6 +220,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_can_be_read),
         cmocka_unit_test(a_ball_is_added_and_taken_back),
+        cmocka_unit_test(a_ball_s_turns_are_edited_by_hand),
         cmocka_unit_test(a_new_bone_gets_a_region_of_its_own),
         cmocka_unit_test(a_bone_is_taken_out_and_the_skull_stays),
         cmocka_unit_test(an_ellipsoid_is_added_and_taken_out),

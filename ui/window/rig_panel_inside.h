@@ -55,6 +55,11 @@ typedef struct rig_parting {    /* bones, what skin does not enter, poses */
     rig_naming bone_name, pose_name;
     vec3 centre, radii; /* of the chosen one as shown; of a ball radii.x */
     bool is_held;       /* a slider is dragged */
+    uint32_t turn;      /* of the chosen ball, that is chosen; RIG_NONE */
+    rig_turn turn_now;  /* as shown; its name is the rig's */
+    rig_naming turn_name;
+    bool is_turn_held, has_own_axis; /* own: none of the usual ones was asked for */
+    double tried_rad[RIG_TURNS_MAX]; /* on the face */
 } rig_parting;
 
 typedef struct rig_shown {       /* what the viewport was told */
@@ -123,7 +128,9 @@ void rig_panel_draw_poses(rig_panel *self, ui *on); /* a section of the parts */
 void rig_panel_draw_check(rig_panel *self, ui *on);
 /* At most one of the three. */
 void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
-void rig_panel_keep_part(rig_panel *self); /* what is chosen may be gone */
+void rig_panel_keep_part(rig_panel *self);                         /* what is chosen may be gone */
+void rig_panel_draw_turns(rig_panel *self, ui *on, uint32_t bone); /* of a ball */
+void rig_panel_choose_turn(rig_panel *self, uint32_t turn);
 /* A name that is typed; true: it was ended and is another one. */
 bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
                          const char *name);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 static const double degree = ANGLE_PI / 180.0;
+static const ui_range close_range = {-20.0, 0.0, "\xc2\xb0", 0, false, 0.0};
 static const ui_range open_range = {5.0, 60.0, "\xc2\xb0", 0, false, 32.0};
 static const ui_range lateral_range = {0.0, 30.0, "mm", 1, false, 10.0};
 static const ui_range forward_range = {0.0, 30.0, "mm", 1, false, 8.0};
@@ -22,12 +23,18 @@ static void draw_limits(rig_panel *self, ui *on)
 {
     rig_jawing *jawing = &self->jawing;
     double open_deg = jawing->jaw.open_max_rad / degree;
+    double close_deg = jawing->jaw.open_min_rad / degree;
     bool was_changing = jawing->is_changing, is_held = false;
     ui_text(on, UI_STYLE_TITLE, "Limits");
     if (draw_number(on, "Opens", &open_range, &open_deg)) {
         jawing->jaw.open_max_rad = open_deg * degree;
         is_held = true;
     }
+    if (draw_number(on, "Closes", &close_range, &close_deg)) {
+        jawing->jaw.open_min_rad = close_deg * degree;
+        is_held = true;
+    }
+    ui_hint(on, "Tighter than the mesh has it: where that has a mouth that stands open a little.");
     is_held = draw_number(on, "Aside", &lateral_range, &jawing->jaw.lateral_mm) || is_held;
     is_held = draw_number(on, "Forward", &forward_range, &jawing->jaw.forward_mm) || is_held;
     is_held = draw_number(on, "Slides", &slide_range, &jawing->jaw.slide_mm) || is_held;
@@ -72,7 +79,12 @@ static void draw_axis(rig_panel *self, ui *on)
 static void draw_try(rig_panel *self, ui *on)
 {
     rig_jawing *jawing = &self->jawing;
-    ui_range open = {0.0, jawing->jaw.open_max_rad / degree, "\xc2\xb0", 0, false, 0.0};
+    ui_range open = {jawing->jaw.open_min_rad / degree,
+                     jawing->jaw.open_max_rad / degree,
+                     "\xc2\xb0",
+                     0,
+                     false,
+                     0.0};
     ui_range aside = {-jawing->jaw.lateral_mm, jawing->jaw.lateral_mm, "mm", 1, false, 0.0};
     ui_range forward = {0.0, jawing->jaw.forward_mm, "mm", 1, false, 0.0};
     char text[64];

@@ -25,6 +25,7 @@ void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint3
     parting->pose = pose;
     parting->is_held = false;
     parting->bone_name.of = parting->pose_name.of = RIG_NONE;
+    rig_panel_choose_turn(self, RIG_NONE);
     self->shown.is_shape_new = true;
 }
 
@@ -215,6 +216,26 @@ static void draw_what_rides(rig_panel *self, ui *on)
     ui_hint(on, "It is painted where \"Regions\" is open.");
 }
 
+/* On one that is listed before it. */
+static void draw_parent(rig_panel *self, ui *on, const rig *r)
+{
+    error err = {""};
+    const char *items[RIG_BONES_MAX + 1];
+    const uint32_t index = self->parting.bone, nothing = index;
+    const uint32_t before = r->bone[index].parent == RIG_NONE ? nothing : r->bone[index].parent;
+    uint32_t chosen = before;
+    for (uint32_t i = 0; i < index; ++i)
+        items[i] = r->bone[i].name;
+    items[nothing] = "nothing";
+    if (!ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, index + 1, &chosen) || chosen == before)
+        return;
+    rig *to = rig_panel_begin(self);
+    if (to)
+        (void)rig_panel_finish(
+            self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &err), &err,
+            "change what a bone rides on");
+}
+
 static void draw_bone(rig_panel *self, ui *on, const rig *r)
 {
     const uint32_t index = self->parting.bone;
@@ -226,14 +247,16 @@ static void draw_bone(rig_panel *self, ui *on, const rig *r)
     if (rig_panel_draw_name(self, on, &self->parting.bone_name, index, bone->name))
         name_bone(self);
     ui_disabled_end(on);
-    if (number == rig_model_number(self->model) && bone->parent != RIG_NONE)
-        ui_fact(on, "Rides on", RIG_PANEL_LABEL, UI_STYLE_BODY, r->bone[bone->parent].name);
-    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
-        draw_ball(self, on, bone);
-    if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Its axis is dragged where \"Jaw\" is open.");
+    if (number == rig_model_number(self->model) && !stays)
+        draw_parent(self, on, r);
     if (number == rig_model_number(self->model) && !has_region(r, index))
         draw_what_rides(self, on);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
+        draw_ball(self, on, bone);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
+        rig_panel_draw_turns(self, on, index);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
+        ui_text_wrapped(on, UI_STYLE_DIM, "Its axis is dragged where \"Jaw\" is open.");
     ui_disabled_begin(on, stays);
     if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
         remove_bone(self);

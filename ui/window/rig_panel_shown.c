@@ -151,30 +151,55 @@ static double way_of_teeth(const bones *b, const float *dof)
                : vec3_length(vec3_sub(rigid_apply(&pose[b->jaw], b->incisor), b->incisor));
 }
 
-/* False: nothing can be tried. */
+static double tried_open(float *dof, const bones *b, const rig *r, const rig_jawing *jawing)
+{
+    static const char *const motion[3] = {"open", "lateral", "forward"};
+    const double value[3] = {jawing->open_deg * ANGLE_PI / 180.0, jawing->aside_mm,
+                             jawing->forward_mm};
+    for (int i = 0; i < 3; ++i) {
+        char name[80];
+        (void)snprintf(name, sizeof name, "%.60s.%s", r->bone[rig_panel_jaw(r)].name, motion[i]);
+        set_dof(dof, b, name, value[i]);
+    }
+    return way_of_teeth(b, dof);
+}
+
+/* Of the face that is laid: its names may be those of a moment ago. */
+static void try_turns(float *dof, const bones *b, const rig *now, const rig_parting *parting)
+{
+    const rig_bone *ball = &now->bone[parting->bone];
+    for (uint32_t i = 0; i < ball->turn_count; ++i) {
+        char name[2 * RIG_PANEL_NAME];
+        (void)snprintf(name, sizeof name, "%.60s.%.60s", ball->name, ball->turn[i].name);
+        set_dof(dof, b, name, parting->tried_rad[i]);
+    }
+}
+
+static bool tries_turns(const rig_panel *self)
+{
+    const rig *r = rig_model_rig(self->model);
+    const uint32_t bone = self->parting.bone;
+    return self->tab == RIG_TAB_PARTS && bone != RIG_NONE && bone < r->bone_count &&
+           r->bone[bone].kind == BONE_BALL;
+}
+
+/* The jaw, or the chosen ball. False: nothing can be tried. */
 static bool pose_face(rig_panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
-    const rig_jawing *jawing = &self->jawing;
-    uint32_t jaw = work ? rig_panel_jaw(&work->rig) : RIG_NONE;
-    if (!work || !work->face || jaw == RIG_NONE)
+    const bool is_jaw = self->tab == RIG_TAB_JAW;
+    if (!work || !work->face || (is_jaw && rig_panel_jaw(&work->rig) == RIG_NONE))
         return false;
     const bones *b = face_bones(work->face);
     float dof[MRT_MAX_DOFS] = {0.0f};
-    char name[3][80];
-    const char *bone = work->rig.bone[jaw].name;
-    const double value[3] = {jawing->open_deg * ANGLE_PI / 180.0, jawing->aside_mm,
-                             jawing->forward_mm};
-    static const char *const motion[3] = {"open", "lateral", "forward"};
-    for (int i = 0; i < 3; ++i) {
-        (void)snprintf(name[i], sizeof name[i], "%.60s.%s", bone, motion[i]);
-        set_dof(dof, b, name[i], value[i]);
-    }
+    if (is_jaw)
+        self->jawing.gap_mm = tried_open(dof, b, &work->rig, &self->jawing);
+    else
+        try_turns(dof, b, rig_model_rig(self->model), &self->parting);
     error err;
     if (face_pull(work->face, NULL, dof, &err) < 0)
         return false;
     points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
-    self->jawing.gap_mm = way_of_teeth(b, dof);
     find_normals(self);
     return true;
 }
@@ -193,7 +218,7 @@ static void tell_shape(rig_panel *self, viewport *view)
     shown->stands_in = stands_in;
     if (!stands_in)
         viewport_stand_in(view, NULL, NULL);
-    else if (self->tab == RIG_TAB_JAW && pose_face(self))
+    else if ((self->tab == RIG_TAB_JAW || tries_turns(self)) && pose_face(self))
         viewport_stand_in(view, shown->position, shown->normal);
     else if (self->tab == RIG_TAB_PARTS && rig_panel_show_pose(self)) {
         find_normals(self);

@@ -94,6 +94,7 @@ json_t *rig_entry_to_json(const rig *r, rig_section section, uint32_t index, con
 /* A whole number without a point. */
 json_t *rig_number_to_json(double value);
 json_t *rig_point_to_json(vec3 point, double mm_per_unit);
+vec3 rig_round_axis(vec3 axis); /* as a file has it: to 1e-6, no longer quite of length 1 */
 
 /* What a degree of freedom of a pose is measured in. */
 typedef enum rig_dof_unit { RIG_DOF_UNKNOWN = 0, RIG_DOF_RAD, RIG_DOF_MM } rig_dof_unit;

@@ -121,8 +121,8 @@ static void set_says(rig_region *region, const rig_edit_says *says)
 {
     region->bone = says->bone;
     region->is_rigid = says->is_rigid;
-    region->weight = says->weight;
-    region->mobility = says->mobility;
+    region->weight = rig_edit_round_share(says->weight, region->weight);
+    region->mobility = rig_edit_round_share(says->mobility, region->mobility);
 }
 
 mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,

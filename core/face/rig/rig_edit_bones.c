@@ -13,7 +13,7 @@ static const double least_half_mm = 1.0, most_half_mm = 1e6;
 static const double up_and_down_rad = 25.0 * ANGLE_PI / 180.0,
                     to_the_sides_rad = 35.0 * ANGLE_PI / 180.0;
 
-static mrt_result check_index(const rig *r, uint32_t index, error *err)
+mrt_result rig_edit_check_bone(const rig *r, uint32_t index, error *err)
 {
     return index < r->bone_count ? MRT_OK
                                  : error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", index);
@@ -34,7 +34,7 @@ static mrt_result check_name(const rig *r, uint32_t index, const char *name, err
 
 /* ---- added ---- */
 
-static uint32_t dof_count(const rig *r)
+uint32_t rig_edit_dof_count(const rig *r)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < r->bone_count; ++i)
@@ -57,7 +57,7 @@ static mrt_result check_new(const rig *r, rig_bone_kind kind, vec3 at, double ha
         return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d bones", RIG_BONES_MAX);
     if (kind == BONE_JAW && has_jaw(r))
         return error_set(err, MRT_ERR_UNSUPPORTED, "there is a jaw already; a face has one");
-    if (dof_count(r) + moves > MRT_MAX_DOFS)
+    if (rig_edit_dof_count(r) + moves > MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "the bones of a rig move in at most %d ways; take one out first",
                          MRT_MAX_DOFS);
@@ -66,11 +66,13 @@ static mrt_result check_new(const rig *r, rig_bone_kind kind, vec3 at, double ha
     return MRT_OK;
 }
 
+static const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
+
 static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 {
     const vec3 half = {half_mm, 0.0, 0.0};
-    out->hinge_left = vec3_add(at, half);
-    out->hinge_right = vec3_sub(at, half);
+    out->hinge_left = rig_edit_round_place(vec3_add(at, half), none);
+    out->hinge_right = rig_edit_round_place(vec3_sub(at, half), none);
     out->open_max_rad = rig_adult_jaw.open_max_rad;
     out->lateral_mm = rig_adult_jaw.lateral_mm;
     out->forward_mm = rig_adult_jaw.forward_mm;
@@ -79,10 +81,10 @@ static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 
 static void make_ball(rig_bone *out, vec3 at, double half_mm)
 {
-    out->centre = at;
-    out->radius_mm = half_mm;
+    out->centre = rig_edit_round_place(at, none);
+    out->radius_mm = rig_edit_round_mm(half_mm, none.x);
     out->turn[0] = (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad};
-    out->turn[1] = (rig_turn){strdup("pitch"), {1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
+    out->turn[1] = (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
     out->turn_count = 2;
 }
 
@@ -163,7 +165,7 @@ static void take_out_of_pose(rig_pose *pose, const char *bone)
 
 static mrt_result check_stays(const rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_index(r, index, err);
+    mrt_result result = rig_edit_check_bone(r, index, err);
     if (result >= 0 && (index == 0 || strcmp(r->bone[index].name, "skull") == 0))
         return error_set(err, MRT_ERR_UNSUPPORTED, "the bone \"%s\" carries the face: it stays",
                          r->bone[index].name);
@@ -269,14 +271,28 @@ mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *e
 
 mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm, error *err)
 {
-    mrt_result result = check_index(r, index, err);
+    mrt_result result = rig_edit_check_bone(r, index, err);
     if (result < 0)
         return result;
     if (r->bone[index].kind != BONE_BALL)
         return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[index].name);
     if (!rig_edit_is_place(centre) || !(radius_mm >= 0.0 && radius_mm <= most_half_mm))
         return error_set(err, MRT_ERR_ARGUMENT, "the ball is too far away, or too large");
-    r->bone[index].centre = centre;
-    r->bone[index].radius_mm = radius_mm;
+    rig_bone *to = &r->bone[index];
+    to->centre = rig_edit_round_place(centre, to->centre);
+    to->radius_mm = rig_edit_round_mm(radius_mm, to->radius_mm);
+    return MRT_OK;
+}
+
+mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err)
+{
+    mrt_result result = check_stays(r, index, err);
+    if (result < 0)
+        return result;
+    if (parent != RIG_NONE && parent >= index)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the bone \"%s\" can ride on one that is listed before it",
+                         r->bone[index].name);
+    r->bone[index].parent = parent;
     return MRT_OK;
 }

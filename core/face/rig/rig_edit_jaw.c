@@ -14,6 +14,7 @@ void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
                           .right = jaw->hinge_right,
                           .incisor = jaw->incisor,
                           .has_incisor = jaw->has_incisor,
+                          .open_min_rad = jaw->open_min_rad,
                           .open_max_rad = jaw->open_max_rad,
                           .lateral_mm = jaw->lateral_mm,
                           .forward_mm = jaw->forward_mm,
@@ -43,8 +44,9 @@ static mrt_result check(const rig *r, uint32_t bone, const rig_edit_jaw *jaw, er
                          "the left end of the jaw's axis must be %.0f mm or more to the left of "
                          "the right one",
                          least_width_mm);
-    if (!(jaw->open_max_rad > r->bone[bone].open_min_rad && jaw->open_max_rad <= widest_rad) ||
-        !is_way(jaw->lateral_mm) || !is_way(jaw->forward_mm) || !is_way(jaw->slide_mm))
+    if (!(jaw->open_min_rad <= 0.0 && jaw->open_min_rad >= -widest_rad) ||
+        !(jaw->open_max_rad > 0.0 && jaw->open_max_rad <= widest_rad) || !is_way(jaw->lateral_mm) ||
+        !is_way(jaw->forward_mm) || !is_way(jaw->slide_mm))
         return error_set(err, MRT_ERR_ARGUMENT, "the jaw's limits are not possible");
     return MRT_OK;
 }
@@ -55,13 +57,15 @@ mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, erro
     if (result < 0)
         return result;
     rig_bone *to = &r->bone[bone];
-    to->hinge_left = jaw->left;
-    to->hinge_right = jaw->right;
-    to->incisor = jaw->incisor;
+    const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
+    to->hinge_left = rig_edit_round_place(jaw->left, to->hinge_left);
+    to->hinge_right = rig_edit_round_place(jaw->right, to->hinge_right);
+    to->incisor = rig_edit_round_place(jaw->incisor, to->has_incisor ? to->incisor : none);
     to->has_incisor = jaw->has_incisor;
-    to->open_max_rad = jaw->open_max_rad;
-    to->lateral_mm = jaw->lateral_mm;
-    to->forward_mm = jaw->forward_mm;
-    to->slide_mm = jaw->slide_mm;
+    to->open_min_rad = rig_edit_round_rad(jaw->open_min_rad, to->open_min_rad);
+    to->open_max_rad = rig_edit_round_rad(jaw->open_max_rad, to->open_max_rad);
+    to->lateral_mm = rig_edit_round_mm(jaw->lateral_mm, to->lateral_mm);
+    to->forward_mm = rig_edit_round_mm(jaw->forward_mm, to->forward_mm);
+    to->slide_mm = rig_edit_round_mm(jaw->slide_mm, to->slide_mm);
     return MRT_OK;
 }

@@ -52,8 +52,15 @@ static void finish_pose(rig_pose *pose)
     *pose = (rig_pose){0};
 }
 
-static bool copy_pose(rig_pose *out, const rig_pose *from)
+static double rounded(const rig *r, const char *dof, double value)
 {
+    return rig_dof_unit_of(r, dof) == RIG_DOF_RAD ? rig_edit_round_rad(value, (double)NAN)
+                                                  : rig_edit_round_mm(value, (double)NAN);
+}
+
+static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
+{
+    const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
     *out = (rig_pose){.name = strdup(from->name),
                       .dof_name = calloc(from->dof_count + 1u, sizeof *out->dof_name),
                       .dof_value = calloc(from->dof_count + 1u, sizeof *out->dof_value),
@@ -63,14 +70,14 @@ static bool copy_pose(rig_pose *out, const rig_pose *from)
         return false;
     for (uint32_t i = 0; i < from->dof_count; ++i) {
         out->dof_name[i] = strdup(from->dof_name[i]);
-        out->dof_value[i] = from->dof_value[i];
+        out->dof_value[i] = rounded(r, from->dof_name[i], from->dof_value[i]);
         out->dof_count = i + 1;
         if (!out->dof_name[i])
             return false;
     }
     for (uint32_t i = 0; i < from->pull_count; ++i) {
         out->pull_contact[i] = from->pull_contact[i];
-        out->pull_mm[i] = from->pull_mm[i];
+        out->pull_mm[i] = rig_edit_round_place(from->pull_mm[i], none);
     }
     out->pull_count = from->pull_count;
     return true;
@@ -89,7 +96,7 @@ mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, 
     if (!grown)
         return rig_edit_no_memory(err);
     r->pose = grown;
-    if (!copy_pose(&made, pose)) {
+    if (!copy_pose(&made, pose, r)) {
         finish_pose(&made);
         return rig_edit_no_memory(err);
     }

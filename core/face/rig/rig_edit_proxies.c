@@ -21,6 +21,24 @@ static mrt_result check(const rig *r, const rig_proxy *proxy, error *err)
     return MRT_OK;
 }
 
+/* A radius stays above 0. */
+static double round_radius(double mm, double before)
+{
+    const double rounded = rig_edit_round_mm(mm, before);
+    return rounded > 0.0 ? rounded : mm;
+}
+
+static rig_proxy rounded(const rig_proxy *proxy, const rig_proxy *before)
+{
+    rig_proxy out = *proxy;
+    out.centre = rig_edit_round_place(proxy->centre, before->centre);
+    out.radii = (vec3){round_radius(proxy->radii.x, before->radii.x),
+                       round_radius(proxy->radii.y, before->radii.y),
+                       round_radius(proxy->radii.z, before->radii.z)};
+    out.source = before->source;
+    return out;
+}
+
 mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_index, error *err)
 {
     mrt_result result = check(r, proxy, err);
@@ -33,8 +51,7 @@ mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_inde
     if (!grown)
         return rig_edit_no_memory(err);
     r->proxy = grown;
-    r->proxy[r->proxy_count] = *proxy;
-    r->proxy[r->proxy_count].source = 0;
+    r->proxy[r->proxy_count] = rounded(proxy, &(rig_proxy){.source = 0});
     *out_index = r->proxy_count;
     r->proxy_count += 1;
     return MRT_OK;
@@ -58,8 +75,6 @@ mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *proxy, er
         result = check(r, proxy, err);
     if (result < 0)
         return result;
-    const uint32_t source = r->proxy[index].source;
-    r->proxy[index] = *proxy;
-    r->proxy[index].source = source;
+    r->proxy[index] = rounded(proxy, &r->proxy[index]);
     return MRT_OK;
 }

@@ -77,6 +77,7 @@ static void set_text(json_t *object, const char *key, const char *value)
         json_object_set_new(object, key, json_string(value));
 }
 
+/* usual_max_rad: from 0 to there, where nothing is said; NaN: it must be there. */
 static void set_range(json_t *object, const char *key, double min_rad, double max_rad,
                       double usual_max_rad)
 {
@@ -84,7 +85,7 @@ static void set_range(json_t *object, const char *key, double min_rad, double ma
     double low = there ? json_number_value(json_array_get(there, 0)) * radian_per_degree : 0.0;
     double high =
         there ? json_number_value(json_array_get(there, 1)) * radian_per_degree : usual_max_rad;
-    if (is_same(low, min_rad) && is_same(high, max_rad))
+    if (!isnan(high) && is_same(low, min_rad) && is_same(high, max_rad))
         return;
     json_t *range = json_array();
     json_array_append_new(range, rig_number_to_json(min_rad / radian_per_degree));
@@ -150,9 +151,28 @@ static json_t *turn_to_json(const rig_turn *turn, const json_t *source)
     json_t *out = json_is_object(source) ? json_deep_copy(source) : json_object();
     set_text(out, "name", turn->name);
     if (!holds_axis(json_object_get(out, "axis"), turn->axis))
-        json_object_set_new(out, "axis", rig_point_to_json(turn->axis, 1.0));
+        json_object_set_new(out, "axis", rig_point_to_json(rig_round_axis(turn->axis), 1.0));
     set_range(out, "deg", turn->min_rad, turn->max_rad, (double)NAN);
     return out;
+}
+
+/* The turn's entry before: by its name, or, when it has a new one, the one in its place. */
+static const json_t *source_of_turn(const json_t *before, const rig_bone *bone, uint32_t index)
+{
+    size_t i;
+    json_t *entry;
+    json_array_foreach(before, i, entry)
+    {
+        const char *name = json_string_value(json_object_get(entry, "name"));
+        if (name && strcmp(name, bone->turn[index].name) == 0)
+            return entry;
+    }
+    const json_t *there = json_array_get(before, index);
+    const char *name = json_string_value(json_object_get(there, "name"));
+    for (uint32_t k = 0; name && k < bone->turn_count; ++k)
+        if (strcmp(bone->turn[k].name, name) == 0)
+            return NULL;
+    return there;
 }
 
 static void write_ball(json_t *out, const rig_bone *bone, const writing *w)
@@ -163,7 +183,7 @@ static void write_ball(json_t *out, const rig_bone *bone, const writing *w)
     json_t *turns = json_array();
     json_t *before = json_object_get(out, "turns");
     for (uint32_t i = 0; i < bone->turn_count; ++i)
-        json_array_append_new(turns, turn_to_json(&bone->turn[i], json_array_get(before, i)));
+        json_array_append_new(turns, turn_to_json(&bone->turn[i], source_of_turn(before, bone, i)));
     json_object_set_new(out, "turns", turns);
 }
 
