@@ -82,6 +82,10 @@ typedef struct rig_region {
     rig_select select;
 } rig_region;
 
+/* Whether an ink of the brush has made it: it has the name of one, and vertices one by one. What is
+ * painted does not mark the surface for the fill: it changes what was filled, where it is. */
+bool rig_region_is_paint(const rig_region *region);
+
 typedef struct rig_contact {
     char *name;
     uint32_t bone;   /* RIG_NONE: "auto", by the weights of its vertex */

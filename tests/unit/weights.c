@@ -102,6 +102,40 @@ static void a_single_mark_makes_a_hill_and_no_spike(void **state)
     sheet_destroy(&s);
 }
 
+#define PAINT_ON(what)                                                                             \
+    "{" SHEET_BONES ", \"regions\": [" SHEET_REGIONS ", {\"name\": \"" what                        \
+    "\", \"bone\": \"jaw\", \"weight\": 1, \"select\": "                                           \
+    "{\"vertices\": [325, 326]}}]}"
+
+/* The same marks as a region of the file and as paint: one spreads, the other fades out, and takes
+ * nothing from anybody. */
+static void paint_changes_what_is_filled_only_where_it_is(void **state)
+{
+    (void)state;
+    sheet bare, region, paint;
+    sheet_create(&bare, SHEET_RIG);
+    sheet_create(&region, PAINT_ON("jaw above"));
+    sheet_create(&paint, PAINT_ON("painted jaw"));
+    float spread = 0, faded = 0;
+    for (uint32_t v = 0; v < SHEET_COUNT; v++) {
+        float had = sheet_weight(&bare, 1, v), has = sheet_weight(&paint, 1, v);
+        int32_t row = (int32_t)(v / 21) - 10, column = (int32_t)(v % 21) - 10;
+        assert_true(has >= had - 1e-6f && has <= 1);
+        assert_true(fabsf(has + sheet_weight(&paint, 0, v) - 1) <= 1e-6f);
+        if (v < 441 && (abs(row - 5) > 4 || abs(column) > 5)) {
+            faded = fmaxf(faded, fabsf(has - had));
+            spread = fmaxf(spread, fabsf(sheet_weight(&region, 1, v) - had));
+        }
+    }
+    assert_true(sheet_weight(&paint, 1, 325) == 1 && sheet_weight(&paint, 1, 326) == 1);
+    assert_true(sheet_weight(&bare, 1, 325) < 0.5f);
+    assert_true(faded < 0.01f);
+    assert_true(spread > 0.05f);
+    sheet_destroy(&bare);
+    sheet_destroy(&region);
+    sheet_destroy(&paint);
+}
+
 static void what_is_missing_to_one_goes_to_the_parent(void **state)
 {
     (void)state;
@@ -224,6 +258,7 @@ int main(void)
         cmocka_unit_test(the_fill_does_not_leap_over_the_slit),
         cmocka_unit_test(between_two_marks_lies_a_monotone_ramp),
         cmocka_unit_test(a_single_mark_makes_a_hill_and_no_spike),
+        cmocka_unit_test(paint_changes_what_is_filled_only_where_it_is),
         cmocka_unit_test(what_is_missing_to_one_goes_to_the_parent),
         cmocka_unit_test(without_marks_of_mobility_everything_is_free),
         cmocka_unit_test(a_contact_can_be_pulled_though_no_region_says_so),

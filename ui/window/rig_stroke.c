@@ -28,20 +28,9 @@ struct rig_stroke {
 
 /* ---- names ---- */
 
+/* As rig_region_is_paint knows them. */
 static const char paint_prefix[] = "painted ", rigid_prefix[] = "rigid ";
 static const char free_name[] = "painted free", still_name[] = "painted still";
-
-static bool begins_with(const char *name, const char *prefix)
-{
-    return strncmp(name, prefix, strlen(prefix)) == 0;
-}
-
-bool rig_stroke_is_paint(const rig_region *region)
-{
-    rig_select_kind kind = region->select.kind;
-    return region->name && (kind == SELECT_VERTICES || kind == SELECT_PAINTED) &&
-           (begins_with(region->name, paint_prefix) || begins_with(region->name, rigid_prefix));
-}
 
 static void says_of_ink(layer *out, const rig *r, rig_ink ink, uint32_t bone)
 {
@@ -135,7 +124,7 @@ static mrt_result add_paint_layers(rig_stroke *self, const rig *r, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < r->region_count; ++i)
-        if (rig_stroke_is_paint(&r->region[i]))
+        if (rig_region_is_paint(&r->region[i]))
             result = add_region_layer(self, r, i, err);
     return result;
 }

@@ -41,7 +41,4 @@ uint32_t rig_stroke_bone(const rig_stroke *self, uint32_t side);
 CHECKED mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed,
                                   error *err);
 
-/* Whether the region is one that an ink made. */
-bool rig_stroke_is_paint(const rig_region *region);
-
 #endif

@@ -117,6 +117,18 @@ const rig_contact_set *rig_find_contact_set(const rig *r, const char *name)
     return NULL;
 }
 
+bool rig_region_is_paint(const rig_region *region)
+{
+    static const char *const prefixes[] = {"painted ", "rigid "};
+    const rig_select_kind kind = region->select.kind;
+    if (!region->name || (kind != SELECT_VERTICES && kind != SELECT_PAINTED))
+        return false;
+    for (int i = 0; i < 2; ++i)
+        if (strncmp(region->name, prefixes[i], strlen(prefixes[i])) == 0)
+            return true;
+    return false;
+}
+
 static uint64_t hash_word(uint64_t hash, uint32_t word)
 {
     for (int byte = 0; byte < 4; ++byte)

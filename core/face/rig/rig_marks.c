@@ -159,8 +159,10 @@ static mrt_result allocate(marking *k, error *err)
     return MRT_OK;
 }
 
-mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m, const topology *t,
-                             error *err)
+typedef enum marks_of { OF_ALL = 0, OF_BARE } marks_of;
+
+static mrt_result create(bind_marks *out, marks_of which, const rig *r, const mesh *m,
+                         const topology *t, error *err)
 {
     marking k = {.marks = out, .r = r, .m = m, .t = t};
     *out = (bind_marks){0};
@@ -168,16 +170,29 @@ mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m, const
     if (result >= 0)
         result = allocate(&k, err);
     for (uint32_t i = 0; result >= 0 && i < r->region_count; ++i)
-        result = mark_region(&k, i, err);
-    if (result >= 0) {
+        if (which == OF_ALL || !rig_region_is_paint(&r->region[i]))
+            result = mark_region(&k, i, err);
+    if (result >= 0)
         put_rigid_over_all(&k);
+    if (result >= 0 && which == OF_ALL)
         result = check_bones_have_vertices(&k, err);
-    }
     free(k.selected);
     free(k.rigid_region);
     if (result < 0)
         bind_marks_destroy(out);
     return result;
+}
+
+mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m, const topology *t,
+                             error *err)
+{
+    return create(out, OF_ALL, r, m, t, err);
+}
+
+mrt_result bind_marks_create_bare(bind_marks *out, const rig *r, const mesh *m, const topology *t,
+                                  error *err)
+{
+    return create(out, OF_BARE, r, m, t, err);
 }
 
 void bind_marks_destroy(bind_marks *marks)

@@ -76,6 +76,14 @@ static void hold_contacts(bind_marks *marks, const rig *r, uint32_t vertex_count
     }
 }
 
+static bool is_painted(const rig *r)
+{
+    for (uint32_t i = 0; i < r->region_count; i++)
+        if (rig_region_is_paint(&r->region[i]))
+            return true;
+    return false;
+}
+
 static mrt_result bind_everything_free(binding *out, const mesh *m, error *err)
 {
     mrt_result result = allocate(out, 1, m->vertex_count, 0, err);
@@ -92,15 +100,21 @@ mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topol
     mrt_result result = allocate(out, r->bone_count, m->vertex_count, r->contact_count, err);
     if (result != MRT_OK)
         return result;
-    bind_marks marks = {0};
+    bind_marks marks = {0}, bare = {0};
+    const bool paints = is_painted(r);
     result = place_contacts(out, r, m, err);
     if (result == MRT_OK)
         result = bind_marks_create(&marks, r, m, t, err);
-    if (result == MRT_OK) {
+    if (result == MRT_OK && paints)
+        result = bind_marks_create_bare(&bare, r, m, t, err);
+    if (result == MRT_OK)
         hold_contacts(&marks, r, m->vertex_count);
-        result = binding_fill(out, &marks, r, m, t, err);
-    }
+    if (result == MRT_OK && paints)
+        hold_contacts(&bare, r, m->vertex_count);
+    if (result == MRT_OK)
+        result = binding_fill(out, paints ? &bare : &marks, paints ? &marks : NULL, r, m, t, err);
     bind_marks_destroy(&marks);
+    bind_marks_destroy(&bare);
     if (result != MRT_OK)
         binding_destroy(out);
     return result;

@@ -12,7 +12,7 @@
 #define RIPPLE 0.004f
 
 typedef struct weights {
-    const bind_marks *marks;
+    const bind_marks *marks, *painted;
     const rig *rig;
     const mesh *mesh;
     const topology *topology;
@@ -53,21 +53,21 @@ static uint32_t silent_parent(const rig *r, const bool *is_said, uint32_t bone)
 
 /* Weights that are marked at a vertex, made to sum to 1: what is missing goes to the parent of the
  * bone that is marked most. False: nothing is said, or only that no bone holds it. */
-static bool settle_vertex(const weights *w, float *share, uint32_t v)
+static bool settle_vertex(const weights *w, const bind_marks *marks, float *share, uint32_t v)
 {
     const rig *r = w->rig;
     uint32_t count = w->mesh->vertex_count, most = RIG_NONE;
     bool is_said[RIG_BONES_MAX] = {false};
     float sum = 0;
     for (uint32_t b = 0; b < r->bone_count; b++) {
-        float mark = w->marks->weight[(size_t)b * count + v];
+        float mark = marks->weight[(size_t)b * count + v];
         is_said[b] = !isnan(mark);
         share[b] = is_said[b] ? unit_range(mark) : 0;
         sum += share[b];
         if (is_said[b] && (most == RIG_NONE || share[b] > share[most]))
             most = b;
     }
-    uint32_t holder = w->marks->rigid_bone[v];
+    uint32_t holder = marks->rigid_bone[v];
     if (holder < r->bone_count) {
         memset(share, 0, r->bone_count * sizeof *share);
         share[holder] = 1;
@@ -92,7 +92,7 @@ static void take_weights(weights *w, float *weight)
     uint32_t count = w->mesh->vertex_count;
     for (uint32_t v = 0; v < count; v++) {
         float share[RIG_BONES_MAX] = {0};
-        w->is_given[v] = settle_vertex(w, share, v);
+        w->is_given[v] = settle_vertex(w, w->marks, share, v);
         for (uint32_t b = 0; b < w->rig->bone_count; b++)
             weight[(size_t)b * count + v] = share[b];
     }
@@ -144,13 +144,9 @@ static void bound_filled(const weights *w, float *value)
             value[v] = unit_range((value[v] - RIPPLE) / (1 - 2 * RIPPLE));
 }
 
-/* The bound of the fill is imposed afterwards: exact bounds (Jacobson and others 2011) cost an
- * optimisation for each bone and change little. */
-static void normalise_filled(const weights *w, float *weight)
+static void share_out_filled(const weights *w, float *weight)
 {
     uint32_t count = w->mesh->vertex_count, root = root_bone(w->rig);
-    for (uint32_t b = 0; b < w->rig->bone_count; b++)
-        bound_filled(w, weight + (size_t)b * count);
     for (uint32_t v = 0; v < count; v++) {
         if (!w->is_free[v])
             continue;
@@ -164,6 +160,15 @@ static void normalise_filled(const weights *w, float *weight)
         for (uint32_t b = 0; b < w->rig->bone_count; b++)
             weight[(size_t)b * count + v] /= sum;
     }
+}
+
+/* The bound of the fill is imposed afterwards: exact bounds (Jacobson and others 2011) cost an
+ * optimisation for each bone and change little. */
+static void normalise_filled(const weights *w, float *weight)
+{
+    for (uint32_t b = 0; b < w->rig->bone_count; b++)
+        bound_filled(w, weight + (size_t)b * w->mesh->vertex_count);
+    share_out_filled(w, weight);
 }
 
 /* What is not settled takes the values of the vertices that it follows, at its roots, and is filled
@@ -233,6 +238,123 @@ static mrt_result fill_mobility(weights *w, float *mobility, error *err)
     return result;
 }
 
+/* ---- what is painted ---- */
+
+static bool differs(float a, float b)
+{
+    return isnan(a) ? !isnan(b) : a != b;
+}
+
+static bool paints_weight(const weights *w, uint32_t v)
+{
+    uint32_t count = w->mesh->vertex_count;
+    bool is_other = w->painted->rigid_bone[v] != w->marks->rigid_bone[v];
+    for (uint32_t b = 0; b < w->rig->bone_count; b++)
+        is_other = is_other || differs(w->painted->weight[(size_t)b * count + v],
+                                       w->marks->weight[(size_t)b * count + v]);
+    return is_other;
+}
+
+static bool paints_mobility(const weights *w, uint32_t v)
+{
+    return w->painted->rigid_bone[v] != w->marks->rigid_bone[v] ||
+           differs(w->painted->mobility[v], w->marks->mobility[v]);
+}
+
+/* To the vertices that are given or free. */
+static void add_changes(const weights *w, float *value, const float *change, uint32_t column_count)
+{
+    size_t count = w->mesh->vertex_count;
+    for (size_t i = 0; i < column_count * count; i++)
+        if (w->is_settled[i % count])
+            value[i] = unit_range(value[i] + change[i]);
+}
+
+/* change: zeroed. It gets what paint makes of weight; false: nothing is painted. */
+static bool take_painted_weights(weights *w, float *change, const float *weight)
+{
+    uint32_t count = w->mesh->vertex_count;
+    bool is_any = false;
+    for (uint32_t v = 0; v < count; v++) {
+        float share[RIG_BONES_MAX] = {0};
+        w->is_given[v] = settle_vertex(w, w->marks, share, v);
+        if (!paints_weight(w, v) || !settle_vertex(w, w->painted, share, v))
+            continue;
+        w->is_given[v] = is_any = true;
+        for (uint32_t b = 0; b < w->rig->bone_count; b++)
+            change[(size_t)b * count + v] = share[b] - weight[(size_t)b * count + v];
+    }
+    return is_any;
+}
+
+static bool take_painted_mobility(weights *w, float *change, const float *mobility)
+{
+    bool is_any = false;
+    take_mobility(w, change);
+    for (uint32_t v = 0; v < w->mesh->vertex_count; v++) {
+        float mark = w->painted->mobility[v];
+        bool is_rigid = w->painted->rigid_bone[v] < w->rig->bone_count;
+        change[v] = 0;
+        if (!paints_mobility(w, v) || (!is_rigid && isnan(mark)))
+            continue;
+        w->is_given[v] = is_any = true;
+        change[v] = (is_rigid ? 0 : unit_range(mark)) - mobility[v];
+    }
+    return is_any;
+}
+
+static mrt_result fade_changes(weights *w, float *value, float *change, uint32_t column_count,
+                               error *err)
+{
+    (void)find_free(w);
+    mrt_result result =
+        laplace_fade(&w->laplace, change, column_count, w->is_free, w->is_given, err);
+    if (result == MRT_OK)
+        add_changes(w, value, change, column_count);
+    return result;
+}
+
+/* Pieces that follow, follow what is painted now. */
+static mrt_result paint_weights(weights *w, float *weight, float *change, error *err)
+{
+    if (!take_painted_weights(w, change, weight))
+        return MRT_OK;
+    mrt_result result = fade_changes(w, weight, change, w->rig->bone_count, err);
+    if (result != MRT_OK)
+        return result;
+    share_out_filled(w, weight);
+    result = follow(w, weight, w->rig->bone_count, err);
+    if (result == MRT_OK)
+        normalise_filled(w, weight);
+    return result;
+}
+
+static mrt_result paint_mobility(weights *w, float *mobility, float *change, error *err)
+{
+    if (!take_painted_mobility(w, change, mobility))
+        return MRT_OK;
+    mrt_result result = fade_changes(w, mobility, change, 1, err);
+    if (result == MRT_OK)
+        result = follow(w, mobility, 1, err);
+    if (result == MRT_OK)
+        bound_filled(w, mobility);
+    return result;
+}
+
+static mrt_result paint(weights *w, binding *out, error *err)
+{
+    size_t count = (size_t)w->mesh->vertex_count * w->rig->bone_count;
+    float *change = calloc(count + 1, sizeof *change);
+    if (change == NULL)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
+                         w->mesh->vertex_count);
+    mrt_result result = paint_weights(w, out->weight, change, err);
+    if (result == MRT_OK)
+        result = paint_mobility(w, out->mobility, change, err);
+    free(change);
+    return result;
+}
+
 static bool allocate(weights *w)
 {
     size_t count = w->mesh->vertex_count + (size_t)1;
@@ -245,14 +367,14 @@ static bool allocate(weights *w)
            w->is_settled != NULL && w->has_mark != NULL;
 }
 
-mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, const mesh *m,
-                        const topology *t, error *err)
+mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *painted,
+                        const rig *r, const mesh *m, const topology *t, error *err)
 {
     if (r->bone_count == 0 || r->bone_count > RIG_BONES_MAX || t->vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "weights need 1 to %d bones (here %u) and the mesh's own topology",
                          RIG_BONES_MAX, r->bone_count);
-    weights w = {.marks = marks, .rig = r, .mesh = m, .topology = t};
+    weights w = {.marks = bare, .painted = painted, .rig = r, .mesh = m, .topology = t};
     mrt_result result = MRT_OK;
     if (!allocate(&w))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
@@ -265,6 +387,8 @@ mrt_result binding_fill(binding *out, const bind_marks *marks, const rig *r, con
         result = fill_weights(&w, out->weight, err);
     if (result == MRT_OK)
         result = fill_mobility(&w, out->mobility, err);
+    if (result == MRT_OK && painted != NULL)
+        result = paint(&w, out, err);
     laplace_destroy(&w.laplace);
     free(w.component);
     free(w.is_given);

@@ -25,4 +25,10 @@ void laplace_destroy(laplace *l); /* accepts zeroed */
 CHECKED mrt_result laplace_fill(const laplace *l, float *value, uint32_t column_count,
                                 const uint8_t *is_free, const uint8_t *is_given, error *err);
 
+/* The same of changes: those given fade out to 0 within a few edges, where nothing is given too:
+ * minimises  u'L u + sum_v a_v u_v^2 / mean a, with the cotangents below 0 cut, so that no change
+ * is larger than those around it or has another sign. */
+CHECKED mrt_result laplace_fade(const laplace *l, float *change, uint32_t column_count,
+                                const uint8_t *is_free, const uint8_t *is_given, error *err);
+
 #endif
