@@ -34,6 +34,9 @@ typedef struct live_settings { /* all must outlive it */
 } live_settings;
 
 CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);
+/* Whether a mapping of that text is there and takes those parameters: what live_start refuses then,
+ * it refuses for the face. */
+CHECKED mrt_result live_check_mapping(const live_settings *settings, const char *text, error *err);
 /* A take that is being recorded ends at its last sample and is kept. < 0: what could not be
  * written. Freed all the same. */
 CHECKED mrt_result live_stop(live *self, error *err);
@@ -144,6 +147,9 @@ void live_point(live *self, pointer_grip grip, const float rest[3], const float 
 
 /* The face goes over to it without a jump. "" none. Refused while a take is recorded. */
 CHECKED mrt_result live_set_mapping(live *self, const char *text, error *err);
+/* The names of those that take the face on the stage, "anchored, magnet"; makes each of them once.
+ */
+void live_list_fitting(live *self, char *out, size_t capacity);
 /* Until the mapping changes: parameters are read (params) and set (instance_set_text). NULL: none
  * performs. */
 instance *live_mapping(live *self);

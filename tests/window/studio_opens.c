@@ -91,6 +91,33 @@ static void what_was_asked_for_and_cannot_be_opened_is_an_error(void **state)
     close_room(&r);
 }
 
+static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
+{
+    room r;
+    error err = {0};
+    (void)state;
+    make_room(&r);
+    const studio_options with = {.show_path = r.show,
+                                 .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
+                                 .mapping = "one_hand,smile=8"};
+    if (open_with(&r, &with, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_true(was_said(r.studio, "org.marotte.one_hand cannot be used on this face"));
+    assert_true(was_said(r.studio, "At rest; these fit it: "));
+    assert_true(was_said(r.studio, "anchored"));
+    assert_null(live_mapping(studio_live(r.studio)));
+    if (live_set_mapping(studio_live(r.studio), "anchored", &err) < 0)
+        fail_msg("%s", err.text);
+    studio_destroy(r.studio);
+    const studio_options misspelt = {.show_path = r.show,
+                                     .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
+                                     .mapping = "one_hand,smile=999"};
+    assert_true(open_with(&r, &misspelt, &err) < 0);
+    assert_non_null(strstr(err.text, "smile=999"));
+    r.studio = NULL;
+    close_room(&r);
+}
+
 static void another_face_and_another_show_are_opened_on_a_running_stage(void **state)
 {
     room r;
@@ -245,6 +272,7 @@ int main(void)
         cmocka_unit_test(without_a_show_one_of_today_is_made),
         cmocka_unit_test(a_last_show_that_is_no_show_stops_nothing),
         cmocka_unit_test(what_was_asked_for_and_cannot_be_opened_is_an_error),
+        cmocka_unit_test(a_mapping_that_does_not_fit_leaves_the_face_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),
         cmocka_unit_test(an_input_that_cannot_be_opened_is_said),

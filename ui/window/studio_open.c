@@ -274,6 +274,21 @@ static void choose_faces(studio *self, const studio_options *options, face_readi
 
 /* ---- the stage ---- */
 
+/* A face that the mapping does not fit is there all the same: why it does not, and which do. */
+static mrt_result open_at_rest(studio *self, live_settings *with, const error *why)
+{
+    char names[400];
+    error err = {0};
+    with->mapping = "";
+    mrt_result result = live_start(&self->live, with, &err);
+    if (result < 0)
+        return result;
+    live_list_fitting(self->live, names, sizeof names);
+    studio_say(self, MRT_LOG_ERROR, "%s. At rest; these fit it: %s", why->text,
+               names[0] ? names : "none that there is");
+    return MRT_OK;
+}
+
 static mrt_result start_live(studio *self, const char *mapping, error *err)
 {
     const char *last = settings_text(self->settings, "last.mapping", DEFAULT_MAPPING);
@@ -286,13 +301,21 @@ static mrt_result start_live(studio *self, const char *mapping, error *err)
                           .sound = self->sound,
                           .solver = studio_solver(self),
                           .fps = 60.0};
+    error ignored = {0};
     mrt_result result = live_start(&self->live, &with, err);
-    if (result >= 0 || mapping)
+    if (result >= 0)
         return result;
-    /* What was kept may name a plugin that is gone: the stage opens all the same. */
-    (void)studio_said(self, result, err);
-    with.mapping = strcmp(last, DEFAULT_MAPPING) == 0 ? "" : DEFAULT_MAPPING;
-    return live_start(&self->live, &with, err);
+    if (mapping && live_check_mapping(&with, mapping, &ignored) < 0)
+        return result;
+    if (!mapping && strcmp(last, DEFAULT_MAPPING) != 0) {
+        /* What was kept may name a plugin that is gone: the stage opens all the same. */
+        (void)studio_said(self, result, err);
+        with.mapping = DEFAULT_MAPPING;
+        result = live_start(&self->live, &with, err);
+    }
+    if (result >= 0)
+        return result;
+    return open_at_rest(self, &with, err) < 0 ? result : MRT_OK;
 }
 
 static void start_inputs(studio *self, const studio_options *options)
