@@ -91,11 +91,60 @@ static void what_goes_on_is_seen_and_cancelled(void **state)
     scene_close(&s);
 }
 
+static bool is_over(scene *s, void *data)
+{
+    (void)data;
+    return s->is_over;
+}
+
+/* Nothing is lost by going home: the program says what goes on, and waits when it is told to. */
+static void quitting_asks_about_an_export_that_goes_on(void **state)
+{
+    (void)state;
+    scene s;
+    open_with_a_take(&s);
+    ask_for_an_export(&s, "Pictures, a folder of PNG");
+    assert_int_equal(studio_exports_going(s.studio), 1);
+    scene_do(&s, ACTION_QUIT);
+    scene_frames(&s, 3);
+    assert_false(s.is_over);
+    assert_non_null(scene_word(&s, "An export goes on"));
+    scene_picture(&s, "export_quits");
+    scene_check_words(&s);
+    scene_click_word(&s, "Stay");
+    scene_frames(&s, 3);
+    assert_null(scene_word(&s, "An export goes on"));
+    assert_int_equal(studio_exports_going(s.studio), 1);
+    scene_do(&s, ACTION_QUIT);
+    scene_frames(&s, 3);
+    scene_click_word(&s, "Quit when done");
+    scene_frames(&s, 3);
+    assert_false(s.is_over);
+    scene_click_word(&s, "Cancel"); /* the export: it is done with so */
+    assert_true(scene_until(&s, is_over, NULL));
+    scene_close(&s);
+}
+
+static void an_export_is_given_up_with_the_program(void **state)
+{
+    (void)state;
+    scene s;
+    open_with_a_take(&s);
+    ask_for_an_export(&s, "Pictures, a folder of PNG");
+    scene_do(&s, ACTION_QUIT);
+    scene_frames(&s, 3);
+    scene_click_word(&s, "Give up and quit");
+    assert_true(scene_until(&s, is_over, NULL));
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_there_is_replaced_when_asked_twice),
         cmocka_unit_test(what_goes_on_is_seen_and_cancelled),
+        cmocka_unit_test(quitting_asks_about_an_export_that_goes_on),
+        cmocka_unit_test(an_export_is_given_up_with_the_program),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

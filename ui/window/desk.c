@@ -208,7 +208,7 @@ static void draw_panels(desk *self, const desk_places *at)
         help_draw(self, (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height});
     desk_open_draw(self);
     desk_export_draw(self);
-    desk_unsaved_draw(self);
+    desk_leave_draw(self);
 }
 
 static void update_panels(desk *self, double dt_s)

@@ -1,4 +1,4 @@
-/* What is asked: how a take is to be exported, and what becomes of work that is not saved. */
+/* What is asked: how a take is to be exported, and how far those are that go on. */
 #include "window/desk_state.h"
 
 #include "take/timecode.h"
@@ -191,6 +191,13 @@ static void draw_going(desk *self, uint32_t index)
     ui_space(on, 6.0f);
 }
 
+void desk_exports_list(desk *self)
+{
+    const uint32_t count = studio_exports_going(self->studio);
+    for (uint32_t i = 0; i < count; ++i)
+        draw_going(self, i);
+}
+
 /* It closes with the last of them. */
 static void draw_exports(desk *self)
 {
@@ -198,8 +205,7 @@ static void draw_exports(desk *self)
     const uint32_t count = studio_exports_going(self->studio);
     if (!ui_dialog_begin(on, exports_dialog, "Exports", 520.0f))
         return;
-    for (uint32_t i = 0; i < count; ++i)
-        draw_going(self, i);
+    desk_exports_list(self);
     if (ui_button(on, "Close", UI_QUIET) || count == 0)
         ui_dialog_close(on);
     ui_dialog_end(on);
@@ -209,95 +215,4 @@ void desk_export_draw(desk *self)
 {
     draw_wish(self);
     draw_exports(self);
-}
-
-/* ---- work that is not saved ---- */
-
-static const char unsaved_dialog[] = "unsaved";
-
-static void go_on(desk *self)
-{
-    const desk_leaving what = self->leaving;
-    self->leaving = DESK_STAYS;
-    if (what == DESK_QUITS)
-        self->is_over = true;
-    else if (what == DESK_CHANGES_FACE)
-        (void)!studio_open_face(self->studio, self->next_face);
-}
-
-static void leave(desk *self, desk_leaving what)
-{
-    self->leaving = what;
-    if (studio_unsaved_now(self->studio))
-        ui_dialog_open(self->ui, unsaved_dialog);
-    else
-        go_on(self);
-}
-
-void desk_quit(desk *self)
-{
-    if (self->leaving != DESK_QUITS)
-        leave(self, DESK_QUITS);
-}
-
-void desk_change_face(desk *self, const char *path)
-{
-    (void)snprintf(self->next_face, sizeof self->next_face, "%s", path);
-    leave(self, DESK_CHANGES_FACE);
-}
-
-static void stay(desk *self)
-{
-    self->leaving = DESK_STAYS;
-    studio_stay(self->studio);
-}
-
-static void save_and_go(desk *self, const studio_unsaved *unsaved)
-{
-    error err = {0};
-    if (unsaved->save(unsaved->owner, &err) >= 0) {
-        go_on(self);
-        return;
-    }
-    news_list_add(studio_news(self->studio), MRT_LOG_ERROR, "stage", err.text);
-    stay(self);
-}
-
-void desk_unsaved_draw(desk *self)
-{
-    ui *on = self->ui;
-    const studio_unsaved *now = studio_unsaved_now(self->studio);
-    char words[EDIT_TEXT + 40];
-    if (!ui_dialog_begin(on, unsaved_dialog, "Not saved yet", 440.0f)) {
-        if (self->leaving != DESK_STAYS && self->asks)
-            stay(self); /* Escape */
-        self->asks = false;
-        return;
-    }
-    self->asks = true;
-    (void)snprintf(words, sizeof words, "%s has changes that are not saved.",
-                   now ? now->words : "the rig");
-    words[0] = (char)(words[0] >= 'a' && words[0] <= 'z' ? words[0] - 'a' + 'A' : words[0]);
-    ui_text_wrapped(on, UI_STYLE_BODY, words);
-    ui_space(on, 8.0f);
-    const bool saves = ui_button(on, "Save", UI_ACCENT);
-    ui_same_line(on);
-    const bool leaves = ui_button(on, "Don't save", UI_PLAIN);
-    ui_same_line(on);
-    const bool stays = ui_button(on, "Stay", UI_PLAIN);
-    if (saves || leaves || stays) {
-        const studio_unsaved copy = now ? *now : (studio_unsaved){.owner = NULL};
-        self->asks = false;
-        ui_dialog_close(on);
-        if (stays)
-            stay(self);
-        else if (saves && copy.save)
-            save_and_go(self, &copy);
-        else {
-            if (leaves && copy.leave)
-                copy.leave(copy.owner);
-            go_on(self);
-        }
-    }
-    ui_dialog_end(on);
 }

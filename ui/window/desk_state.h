@@ -29,7 +29,7 @@ typedef struct desk_exporting {
     char trouble[EXPORT_FILE + 64];
 } desk_exporting;
 
-typedef enum desk_leaving { /* what waits for the answer about unsaved work */
+typedef enum desk_leaving { /* what waits for the answer about unsaved work, and exports */
                             DESK_STAYS = 0,
                             DESK_QUITS,
                             DESK_CHANGES_FACE
@@ -47,7 +47,9 @@ struct desk {
     desk_exporting exporting;
     desk_leaving leaving;
     char next_face[FOLDER_PATH]; /* DESK_CHANGES_FACE */
-    bool asks;                   /* the question is on the screen */
+    bool asks, asks_exports;     /* the question is on the screen */
+    bool waits_for_exports;      /* it was answered: then the program ends */
+    uint32_t failed_exports;     /* when it was asked */
     bool is_over;                /* the program is to end */
 
     int32_t news_level; /* of the line that is shown */
@@ -82,10 +84,11 @@ void desk_open_ask(desk *self, desk_open_kind kind);
 void desk_open_draw(desk *self);
 void desk_export_ask(desk *self);
 void desk_export_draw(desk *self);
-void desk_exports_ask(desk *self); /* those that go on */
-/* At once, or after the question about what is not saved. */
+void desk_exports_ask(desk *self);  /* those that go on */
+void desk_exports_list(desk *self); /* in a dialog: how far each is, to be cancelled */
+/* At once, or after the questions about what is not saved and what goes on. */
 void desk_quit(desk *self);
 void desk_change_face(desk *self, const char *path);
-void desk_unsaved_draw(desk *self);
+void desk_leave_draw(desk *self);
 
 #endif

@@ -181,7 +181,7 @@ static void draw_turn(rig_panel *self, ui *on, const rig_bone *ball)
             set_turn(self, now, "change a turn");
     }
     ui_disabled_begin(on, ball->turn_count == 1);
-    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+    if (number == rig_model_number(self->model) && ui_button(on, "Take out the turn", UI_PLAIN))
         remove_turn(self);
     ui_disabled_end(on);
     ui_id_end(on);

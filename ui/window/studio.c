@@ -129,8 +129,15 @@ static void hear_exports(studio *self)
 {
     mrt_result result;
     char text[2048];
-    while (studio_export_ended(self->exports, &result, text, sizeof text))
+    while (studio_export_ended(self->exports, &result, text, sizeof text)) {
+        self->exports_failed += result < 0;
         studio_say(self, result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "%s", text);
+    }
+}
+
+uint32_t studio_exports_failed(const studio *self)
+{
+    return self->exports_failed;
 }
 
 void studio_update(studio *self, double dt_s)

@@ -63,6 +63,7 @@ const char *studio_opening_trouble(const studio *self);
 struct export_wish;
 CHECKED mrt_result studio_export_take(studio *self, const struct export_wish *wish);
 uint32_t studio_exports_going(const studio *self);
+uint32_t studio_exports_failed(const studio *self); /* of this run; not those that were cancelled */
 /* studio_export.h: index 0..studio_exports_going - 1. */
 struct export_going studio_export_now(const studio *self, uint32_t index);
 void studio_cancel_export(studio *self, uint32_t index);

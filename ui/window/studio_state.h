@@ -79,6 +79,7 @@ struct studio {
     studio_inputs *inputs; /* that are being opened */
     error input_trouble;
     studio_export *exports;
+    uint32_t exports_failed;
 };
 
 /* ---- saying things (studio.c) ---- */
