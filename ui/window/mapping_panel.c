@@ -107,13 +107,16 @@ static void draw_state(mapping_panel *self, ui *on, const instance *mapping)
     if (isolate_inner(mapping->type) != mapping->type)
         draw_isolation(on, mapping, &status->isolated);
     if (status->reload_taken > 0) {
-        (void)snprintf(words, sizeof words, "Rebuilt while it performed: taken over %u times.",
-                       status->reload_taken);
+        char times[24] = "once";
+        if (status->reload_taken > 1)
+            (void)snprintf(times, sizeof times, "%u times", status->reload_taken);
+        (void)snprintf(words, sizeof words, "Rebuilt while it performed: taken over %s.", times);
         ui_text_wrapped(on, UI_STYLE_DIM, words);
     }
     if (status->reload_refused > 0) {
-        (void)snprintf(words, sizeof words, "%u new versions were refused: the log says why.",
-                       status->reload_refused);
+        const bool is_one = status->reload_refused == 1;
+        (void)snprintf(words, sizeof words, "%u new version%s refused: the log says why.",
+                       status->reload_refused, is_one ? " was" : "s were");
         ui_text_wrapped(on, UI_STYLE_WARNING, words);
     }
 }
