@@ -52,20 +52,26 @@ static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns,
     return result < 0 ? result : MRT_OK;
 }
 
-/* What is let go leaves lawful gaps: pruned_until_ns tells readers. */
+/* What is let go leaves lawful gaps: pruned_until_ns tells readers. A span that begins or ends
+ * where a hand was away holds on to the chunk before and the one behind, so that no gap touches it.
+ */
 static mrt_result delete_chunks(const journal *self, sqlite *db, int64_t last_id, error *err)
 {
     sqlite_statement *gone;
     int64_t until_ns = INT64_MIN;
-    mrt_result result =
-        sqlite_query(db, &gone, err,
-                     "DELETE FROM chunk WHERE id > ? AND id <= ? AND NOT EXISTS("
-                     "  SELECT 1 FROM span WHERE need_ns <= chunk.to_ns"
-                     "    AND (to_ns IS NULL OR to_ns >= chunk.from_ns)"
-                     "    AND (performance IS NULL OR EXISTS(SELECT 1 FROM performance_track p"
-                     "      WHERE p.performance = span.performance AND p.track = chunk.track)))"
-                     " RETURNING to_ns",
-                     "ii", self->looked_at_id, last_id);
+    mrt_result result = sqlite_query(
+        db, &gone, err,
+        "DELETE FROM chunk WHERE id > ? AND id <= ? AND NOT EXISTS("
+        "  SELECT 1 FROM span WHERE need_ns < COALESCE((SELECT MIN(n.from_ns)"
+        "      FROM chunk n WHERE n.track = chunk.track AND n.from_ns > chunk.from_ns),"
+        "      chunk.to_ns + 1)"
+        "    AND (to_ns IS NULL OR to_ns > COALESCE((SELECT p.to_ns FROM chunk p"
+        "      WHERE p.track = chunk.track AND p.from_ns < chunk.from_ns"
+        "      ORDER BY p.from_ns DESC LIMIT 1), chunk.from_ns - 1))"
+        "    AND (performance IS NULL OR EXISTS(SELECT 1 FROM performance_track p"
+        "      WHERE p.performance = span.performance AND p.track = chunk.track)))"
+        " RETURNING to_ns",
+        "ii", self->looked_at_id, last_id);
     if (result < 0)
         return result;
     while ((result = sqlite_step(gone, err)) == MRT_OK)

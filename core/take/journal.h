@@ -1,6 +1,7 @@
 /* take/journal.h - lets go of what was recorded, is old, and no take holds on to: in small steps,
  * so that nobody waits for it, and giving the space back to the disk. Leaves out everything that a
- * span of a take needs, that of deleted takes too, and what a replay needs to start there. */
+ * span of a take needs, that of deleted takes too, what a replay needs to start there, and the next
+ * samples on both sides of it. */
 #ifndef MAROTTE_TAKE_JOURNAL_H
 #define MAROTTE_TAKE_JOURNAL_H
 #include "take/sqlite.h"

@@ -30,10 +30,11 @@ static const char after_sql[] =
     CHUNK_COLUMNS "AND from_ns >= ?2 AND (from_ns > ?2 OR id > ?3) ORDER BY from_ns, id LIMIT 1";
 static const char again_sql[] =
     CHUNK_COLUMNS "AND id = ?2 AND (to_ns <> ?3 OR length(bytes) <> ?4)";
-/* A gap is lawful where the journal has let go, and no take holds on. */
+/* A gap is lawful where the journal has let go, and no take goes on into it. One that begins in it
+ * was kept when the journal had let go up to there. */
 static const char lawful_sql[] =
     "SELECT COALESCE((SELECT value FROM meta WHERE key = 'pruned_until_ns'), ?2) > ?2 AND NOT "
-    "EXISTS(SELECT 1 FROM span WHERE from_ns < ?3 AND COALESCE(to_ns, ?3) > ?2 AND"
+    "EXISTS(SELECT 1 FROM span WHERE from_ns <= ?2 AND COALESCE(to_ns, ?3) > ?2 AND"
     "  (performance IS NULL OR EXISTS(SELECT 1 FROM performance_track p"
     "     WHERE p.performance = span.performance AND p.track = ?1)))";
 

@@ -121,6 +121,71 @@ static void takes_are_held_on_to(void **state)
     show_close(r.show);
 }
 
+/* A hand that is away for some seconds leaves no samples, and none are missing. */
+static void a_take_that_ends_while_a_hand_is_away_is_whole(void **state)
+{
+    scene_recording r;
+    error err = {""};
+    int64_t id;
+    record(&r, *state, 10);
+    give_seconds(&r, 0, 8);
+    scene_must(writer_take_begin(r.writer, 8 * NS_PER_S, &(writer_slate){0}, &id, &err), &err);
+    give_seconds(&r, 8, 10);
+    scene_must(writer_take_end(r.writer, id, 12 * NS_PER_S, &err), &err);
+    give_seconds(&r, 15, 80);
+    assert_true(first_left_ns(&r, r.track) < NS_PER_S); /* the performance began at 0 */
+    assert_true(count_within(r.show, r.track, INT64_MIN, INT64_MAX) >= 20 * PER_SECOND);
+    assert_int_equal(
+        count_within(r.show, r.track, scene_utc_ns + 20 * NS_PER_S, scene_utc_ns + 60 * NS_PER_S),
+        0);
+    scene_stop(&r);
+    show_close(r.show);
+}
+
+static void a_take_that_begins_while_a_hand_is_away_is_whole(void **state)
+{
+    scene_recording r;
+    error err = {""};
+    int64_t id;
+    record(&r, *state, 10);
+    give_seconds(&r, 0, 10);
+    take_performance next = scene_performance(r.track);
+    scene_must(writer_begin_performance(r.writer, &next, 12 * NS_PER_S, &err), &err);
+    scene_must(writer_take_begin(r.writer, 13 * NS_PER_S, &(writer_slate){0}, &id, &err), &err);
+    give_seconds(&r, 15, 17);
+    scene_must(writer_take_end(r.writer, id, 17 * NS_PER_S, &err), &err);
+    give_seconds(&r, 17, 80);
+    assert_true(first_left_ns(&r, r.track) > 8 * NS_PER_S);
+    assert_true(count_within(r.show, r.track, INT64_MIN, INT64_MAX) >= 12 * PER_SECOND);
+    assert_int_equal(
+        count_within(r.show, r.track, scene_utc_ns + 20 * NS_PER_S, scene_utc_ns + 60 * NS_PER_S),
+        0);
+    scene_stop(&r);
+    show_close(r.show);
+}
+
+/* The whole ring is kept, behind an older take of the same hand. */
+static void what_is_kept_from_where_the_ring_begins_is_whole(void **state)
+{
+    scene_recording r;
+    error err = {""};
+    int64_t older, kept;
+    record(&r, *state, 10);
+    give_seconds(&r, 0, 4);
+    scene_must(writer_keep(r.writer, NS_PER_S, 3 * NS_PER_S, &(writer_slate){0}, &older, &err),
+               &err);
+    give_seconds(&r, 4, 20);
+    take_performance next = scene_performance(r.track);
+    scene_must(writer_begin_performance(r.writer, &next, 20 * NS_PER_S, &err), &err);
+    give_seconds(&r, 20, 60);
+    scene_must(writer_keep(r.writer, 22 * NS_PER_S, 60 * NS_PER_S, &(writer_slate){0}, &kept, &err),
+               &err);
+    give_seconds(&r, 60, 70);
+    assert_true(count_within(r.show, r.track, INT64_MIN, INT64_MAX) >= 20 * PER_SECOND);
+    scene_stop(&r);
+    show_close(r.show);
+}
+
 static void a_checkpoint_shortens_what_a_take_needs(void **state)
 {
     scene_recording r;
@@ -234,6 +299,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(what_is_older_than_the_ring_goes),
         TEST(takes_are_held_on_to),
+        TEST(a_take_that_ends_while_a_hand_is_away_is_whole),
+        TEST(a_take_that_begins_while_a_hand_is_away_is_whole),
+        TEST(what_is_kept_from_where_the_ring_begins_is_whole),
         TEST(a_checkpoint_shortens_what_a_take_needs),
         TEST(what_an_edit_refers_to_is_held_on_to),
         TEST(keeping_reaches_back_as_far_as_there_is_something),
