@@ -49,7 +49,7 @@ int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
-    memory_give_back();
+    memory_set_up();
     error err = {""};
     if (isa_check(&err) < 0 || pool_check(&err) < 0) {
         fprintf(stderr, "marotte: %s\n", err.text);

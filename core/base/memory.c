@@ -18,9 +18,16 @@ uint64_t memory_resident(void)
     return read == 2 && page > 0 ? resident * (unsigned long long)page : 0;
 }
 
-void memory_give_back(void)
+void memory_set_up(void)
 {
 #ifdef M_MMAP_THRESHOLD /* glibc raises it with use unless it is set */
     (void)mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
+#endif
+}
+
+void memory_give_back(void)
+{
+#ifdef __GLIBC__
+    (void)malloc_trim(0);
 #endif
 }

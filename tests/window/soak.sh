@@ -26,7 +26,7 @@ until_true 30 test -e "$scratch/glove" || { echo "SKIPPED: no terminal for a glo
 cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
 for ((round = 1; round <= rounds; ++round)); do
     printf '%s\n' "random $((seed * 100 + round)) $(awk "BEGIN { print $seconds / $rounds }")" \
-        'key Escape' 'key Escape' 'key Escape' 'do live' 'frames 10' "memory round $round"
+        'key Escape' 'key Escape' 'key Escape' 'calm' 'frames 20' "memory round $round"
 done >script.txt
 ulimit -c 0
 is_sanitized() { # by the address sanitizer, which keeps what was freed

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { KEPT = 32 }; /* some frames; few are waited for */
+enum { KEPT = 16 }; /* one frame or two: so far drawing may lag behind */
 
 typedef struct kept_scenes { /* of the context of this thread */
     GLsync fence[KEPT];

@@ -27,6 +27,7 @@ typedef enum command_kind {
     COMMAND_WAIT,
     COMMAND_FRAMES,
     COMMAND_PICTURE,
+    COMMAND_CALM,
     COMMAND_MEMORY,
     COMMAND_RANDOM,
     COMMAND_KINDS
@@ -53,6 +54,9 @@ static const struct {
     [COMMAND_WAIT] = {"wait", 1, REST_NONE, "wait SECONDS          of real time"},
     [COMMAND_FRAMES] = {"frames", 1, REST_NONE, "frames N              so many are drawn"},
     [COMMAND_PICTURE] = {"picture", 0, REST_TEXT, "picture FILE.png      of the window"},
+    [COMMAND_CALM] =
+        {"calm", 0, REST_NONE,
+         "calm                  ends what goes on: the live hands alone, as at the start"},
     [COMMAND_MEMORY] = {"memory", 0, REST_TEXT,
                         "memory WORDS          prints what the program has, and what of it can go"},
     [COMMAND_RANDOM] = {"random", 2, REST_NONE,
@@ -195,7 +199,7 @@ void script_destroy(script *self)
 
 const char *script_help(void)
 {
-    static char text[1600]; /* the same each time */
+    static char text[2000]; /* the same each time */
     size_t length = 0;
     for (uint32_t i = 0; i < COMMAND_KINDS; ++i)
         length += (size_t)snprintf(text + length, sizeof text - length, "  %s\n", kinds[i].help);
@@ -306,6 +310,28 @@ static mrt_result do_time(script *self, const command *c, const script_stage *on
     return MRT_OK;
 }
 
+/* A recording ends first: some frames later the rest is allowed. */
+static mrt_result do_calm(script *self, const script_stage *on)
+{
+    enum { SETTLED_STEP = 10 };
+    const studio_looks *looks = studio_looks_of(on->studio);
+    const live_status *status = studio_status(on->studio);
+    const uint32_t step = self->step++;
+    if (step == 0 && status->is_recording)
+        studio_do(on->studio, ACTION_RECORD);
+    if (step < SETTLED_STEP)
+        return MRT_OK;
+    if (status->is_sound_armed)
+        studio_do(on->studio, ACTION_SOUND_ARM);
+    if (looks->has_output)
+        studio_do(on->studio, ACTION_OUTPUT);
+    while (looks->heat != STUDIO_HEAT_NONE)
+        studio_do(on->studio, ACTION_HEAT_NEXT);
+    studio_do(on->studio, ACTION_PANEL_DEVICES);
+    studio_do(on->studio, ACTION_LIVE);
+    return MRT_END;
+}
+
 /* For tests: to where errors go, so that the facts of --json stay alone. */
 static void tell_memory(const command *c, const script_stage *on)
 {
@@ -352,6 +378,8 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
     case COMMAND_PICTURE:
         result = front_picture(on->front, c->text, err);
         return result < 0 ? result : MRT_END;
+    case COMMAND_CALM:
+        return do_calm(self, on);
     case COMMAND_MEMORY:
         tell_memory(c, on);
         return MRT_END;

@@ -1,5 +1,6 @@
 /* [main] A take on the stage: shown, played, performed over. */
 #include "base/clock.h"
+#include "base/memory.h"
 #include "stage/live/live_state.h"
 #include "take/own.h"
 
@@ -48,6 +49,7 @@ static void timeline_destroy(live_timeline *t)
     sequencer_destroy(t->sequencer);
     show_close(t->show);
     free(t);
+    memory_give_back();
 }
 
 static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live_timeline **out,
