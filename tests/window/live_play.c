@@ -73,6 +73,11 @@ static bool shows(live_desk *d, void *data)
            desk_hash(d->view->position, (size_t)d->view->vertex_count * 3) == e->hash;
 }
 
+static bool is_pulled(live_desk *d, void *data)
+{
+    return desk_moved_mm(d, *(const uint32_t *)data) > 3.0;
+}
+
 static bool performs_at_rest(live_desk *d, void *data)
 {
     return d->view->mode == LIVE_PERFORMS && desk_is_at_rest(d, data);
@@ -197,6 +202,37 @@ static void take_plays_to_its_end_and_loops(void **state)
     live_step_frames(d.live, 3);
     int64_t third_ns = 100 * NS_PER_MS;
     assert_true(desk_until(&d, stands_at, &third_ns));
+    take_finish(&t);
+    desk_finish(&d);
+}
+
+/* What stays on the face at the end of a take is still there when it has been played. */
+static void at_its_end_a_take_shows_what_it_ends_with(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    live_status status;
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    uint32_t corner = desk_contact(&d, "mouth.corner.l");
+    desk_must(live_record(d.live, &slate, &err), &err);
+    desk_drag(&d, POINTER_PULLS, corner, (vec3){0, 6, 2}, true);
+    desk_let_go(&d);
+    desk_must(live_record_end(d.live, &err), &err);
+    live_status_of(d.live, &status);
+    show_take_on(&d, status.take, &t);
+    live_seek(d.live, t.duration_ns);
+    assert_true(desk_until(&d, stands_at, &t.duration_ns));
+    assert_true(desk_until(&d, is_pulled, &corner));
+    live_seek(d.live, 0);
+    live_play(d.live);
+    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    while (!live_place(d.live).has_stopped && clock_now_ns() < until_ns)
+        desk_frame(&d);
+    assert_true(live_place(d.live).has_stopped);
+    assert_true(desk_until(&d, stands_at, &t.duration_ns));
+    assert_true(desk_until(&d, is_pulled, &corner));
     take_finish(&t);
     desk_finish(&d);
 }
@@ -370,6 +406,7 @@ int main(void)
         cmocka_unit_test(shown_take_stands_where_it_is_sought),
         cmocka_unit_test(take_is_solved_as_its_show_says_wherever_it_plays),
         cmocka_unit_test(take_plays_to_its_end_and_loops),
+        cmocka_unit_test(at_its_end_a_take_shows_what_it_ends_with),
         cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),

@@ -66,9 +66,9 @@ static void what_makes_no_sense_is_named_by_its_line(void **state)
 
 static void every_command_is_in_the_help(void **state)
 {
-    static const char *const names[] = {"move",  "down",   "up",      "click", "drag",
-                                        "wheel", "key",    "type",    "do",    "press",
-                                        "wait",  "frames", "picture", "random"};
+    static const char *const names[] = {"move",    "down",   "up",   "click",   "drag", "wheel",
+                                        "key",     "type",   "do",   "press",   "wait", "frames",
+                                        "picture", "random", "hold", "release", "calm", "memory"};
     (void)state;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
         assert_non_null(strstr(script_help(), names[i]));

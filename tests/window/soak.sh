@@ -46,7 +46,7 @@ begun=$SECONDS
 while ! is_gone && [ $((SECONDS - begun)) -lt $((seconds * 2 + 300)) ]; do sleep 1; done
 ends 0
 grep -E 'AddressSanitizer|LeakSanitizer|ThreadSanitizer|runtime error|Assertion' stderr.txt && fail "a sanitizer found something"
-"$MAROTTE" take check s.marotte >said 2>&1 || fail "the show: $(tail -n 5 said)"
+"$MAROTTE" take check s.marotte >said 2>&1 || fail "the show: $(cat said)"
 [ "$(json frames)" -gt $((seconds / 4)) ] || fail "only $(json frames) frames were drawn"
 [ "$(json samples)" -gt $((seconds * 5)) ] || fail "only $(json samples) samples were performed"
 
@@ -63,5 +63,5 @@ echo "$seconds s, seed $seed: $(json frames) frames, $(json samples) samples, me
 if [ "$seconds" -ge $judged_from_s ] && ! is_sanitized; then
     [ $((late - warm)) -lt $grown_mb_max ] || fail "memory grew by $((late - warm)) MB"
 fi
-[ -z "${MAROTTE_SOAK_KEEP:-}" ] || cp stderr.txt facts.json "$MAROTTE_SOAK_KEEP"
+[ -z "${MAROTTE_SOAK_KEEP:-}" ] || cp stderr.txt facts.json s.marotte "$MAROTTE_SOAK_KEEP"
 finish

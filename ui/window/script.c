@@ -21,6 +21,8 @@ typedef enum command_kind {
     COMMAND_DRAG,
     COMMAND_WHEEL,
     COMMAND_KEY,
+    COMMAND_HOLD,
+    COMMAND_RELEASE,
     COMMAND_TYPE,
     COMMAND_DO,
     COMMAND_PRESS,
@@ -48,6 +50,9 @@ static const struct {
     [COMMAND_DRAG] = {"drag", 5, REST_BUTTON, "drag X Y X Y STEPS [BUTTON]   a step a frame"},
     [COMMAND_WHEEL] = {"wheel", 1, REST_NONE, "wheel NOTCHES         up is positive"},
     [COMMAND_KEY] = {"key", 0, REST_TEXT, "key NAME              R, Ctrl+Shift+Z, Space, F11, ?"},
+    [COMMAND_HOLD] = {"hold", 0, REST_TEXT,
+                      "hold KEY              until it is released: Shift, Ctrl"},
+    [COMMAND_RELEASE] = {"release", 0, REST_TEXT, "release KEY"},
     [COMMAND_TYPE] = {"type", 0, REST_TEXT, "type TEXT             into what is being typed in"},
     [COMMAND_DO] = {"do", 0, REST_TEXT, "do ACTION             record, keep, play, view_side ..."},
     [COMMAND_PRESS] = {"press", 0, REST_TEXT, "press WORDS           clicks where that is written"},
@@ -101,6 +106,11 @@ static mrt_result wrong(const script *self, uint32_t line, const char *what, con
                      expected);
 }
 
+static bool is_of_a_key(command_kind kind)
+{
+    return kind == COMMAND_KEY || kind == COMMAND_HOLD || kind == COMMAND_RELEASE;
+}
+
 /* What stands behind the numbers: a button, or text. */
 static mrt_result read_rest(const script *self, command *out, text_view rest, error *err)
 {
@@ -118,7 +128,7 @@ static mrt_result read_rest(const script *self, command *out, text_view rest, er
     out->text = strndup(rest.at, (size_t)(rest.end - rest.at));
     if (!out->text)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", self->path);
-    if (out->kind == COMMAND_KEY && !script_key_of(out->text, &out->key, &out->modifiers))
+    if (is_of_a_key(out->kind) && !script_key_of(out->text, &out->key, &out->modifiers))
         return wrong(self, out->line, word, "a key: R, Ctrl+Shift+Z, Space, F11, ?", err);
     if (out->kind == COMMAND_DO)
         out->act = action_named(out->text);
@@ -361,6 +371,11 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
         return MRT_END;
     case COMMAND_KEY:
         push_key(on, c);
+        return MRT_END;
+    case COMMAND_HOLD:
+    case COMMAND_RELEASE:
+        push(on,
+             (ui_event){.kind = UI_EVENT_KEY, .code = c->key, .is_down = c->kind == COMMAND_HOLD});
         return MRT_END;
     case COMMAND_TYPE:
         push_text(on, c->text);

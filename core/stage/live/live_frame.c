@@ -147,7 +147,8 @@ static void describe_stage(live_stage *stage, live_view *view)
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
         return;
     int64_t at_ns = sequencer_now_ns(stage->timeline->sequencer);
-    view->at_ns = at_ns > 0 ? at_ns : 0;
+    bool is_at_end = at_ns == live_time_shown_at(motion, motion->end_ns);
+    view->at_ns = at_ns <= 0 ? 0 : is_at_end ? motion->end_ns : at_ns;
     view->is_playing = motion->is_playing;
     if (stage->mode == LIVE_OVERDUBS) {
         view->is_recording_over = overdub_run_is_recording(stage->over);

@@ -201,6 +201,9 @@ CHECKED mrt_result live_time_sample(live_stage *stage, const channel_route *rout
 /* What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
 const transport *live_time_motion(const live_stage *stage);
+/* What is shown when it stands there: at its end a take shows its last instant, not the rest behind
+ * it. */
+int64_t live_time_shown_at(const transport *motion, int64_t at_ns);
 
 /* ---- live_cast.c: who performs ---- */
 CHECKED mrt_result live_scene_create(live *self, const face_file *file, const char *path,

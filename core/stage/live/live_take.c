@@ -60,6 +60,8 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
     if (!made)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a take");
     made->take = t->id;
+    transport whole;
+    transport_init(&whole, t->duration_ns);
     mrt_result result = show_open(&made->show, show_path(self->show), SHOW_READ, err);
     const sequencer_settings settings = {.show = made->show,
                                          .plugins = self->settings.plugins,
@@ -70,7 +72,7 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
     if (result >= 0)
         result = sequencer_create(&made->sequencer, &settings, t, err);
     if (result >= 0)
-        result = sequencer_seek(made->sequencer, at_ns, err);
+        result = sequencer_seek(made->sequencer, live_time_shown_at(&whole, at_ns), err);
     if (result < 0) {
         timeline_destroy(made);
         return result;

@@ -29,14 +29,20 @@ static void tell_error(live_stage *stage, const error *err)
     log_push(stage->log, MRT_LOG_ERROR, "take", err->text);
 }
 
+int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
+{
+    return at_ns >= motion->end_ns && motion->end_ns > 0 ? motion->end_ns - 1 : at_ns;
+}
+
 /* However often it was sought: only the newest instant is gone to. */
 static void follow_transport(live_stage *stage, int64_t now_ns)
 {
     error err = {""};
     sequencer *s = stage->timeline->sequencer;
-    transport_place place = transport_at(live_time_motion(stage), now_ns);
-    mrt_result result = stage->is_sought ? sequencer_seek(s, place.at_ns, &err)
-                                         : sequencer_play_to(s, place.at_ns, &err);
+    const transport *motion = live_time_motion(stage);
+    int64_t at_ns = live_time_shown_at(motion, transport_at(motion, now_ns).at_ns);
+    mrt_result result =
+        stage->is_sought ? sequencer_seek(s, at_ns, &err) : sequencer_play_to(s, at_ns, &err);
     stage->is_sought = false;
     if (result < 0)
         tell_error(stage, &err);
