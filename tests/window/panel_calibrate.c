@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "panel_stand.h"
+#include "unit/hand_guide_poses.h"
 
 #include "hand/calibration_file.h"
 #include "hand/guide.h"
@@ -51,46 +52,6 @@ static void give(desk *d)
     d->time_ns += period_ns;
     assert_true(s->tap_count < 4096);
     s->tap[s->tap_count++] = sample;
-}
-
-static void set_finger(double *pose, int finger, double knuckle, double middle, double end)
-{
-    for (int i = 0; i < MRT_ANGLES; ++i) {
-        if (sensor_table[i].finger != finger)
-            continue;
-        if (sensor_table[i].kind == SENSOR_KNUCKLE)
-            pose[i] = knuckle;
-        if (sensor_table[i].kind == SENSOR_MIDDLE_JOINT)
-            pose[i] = middle;
-        if (sensor_table[i].kind == SENSOR_END_JOINT)
-            pose[i] = end;
-    }
-}
-
-/* The middle finger drags the ring finger's knuckle by half. */
-static void pose_of(double *pose, guide_step step)
-{
-    memset(pose, 0, MRT_ANGLES * sizeof *pose);
-    if (step == GUIDE_RELAXED) {
-        for (int finger = 1; finger < 5; ++finger)
-            set_finger(pose, finger, 30, 25, 10);
-        pose[SENSOR_THUMB_ROLL] = 40;
-    } else if (step == GUIDE_FIST) {
-        for (int finger = 1; finger < 5; ++finger)
-            set_finger(pose, finger, 90, 100, 80);
-    } else if (step == GUIDE_THUMB_ACROSS) {
-        set_finger(pose, 0, 50, 0, 80);
-        pose[SENSOR_THUMB_ROLL] = 80;
-    } else if (step == GUIDE_SPREAD) {
-        pose[SENSOR_THUMB_ABDUCTION] = 53;
-        pose[SENSOR_MIDDLE_INDEX_SPREAD] = 17;
-        pose[SENSOR_RING_MIDDLE_SPREAD] = 14;
-        pose[SENSOR_LITTLE_RING_SPREAD] = 32;
-    } else if (step >= GUIDE_THUMB_ALONE) {
-        set_finger(pose, (int)step - GUIDE_THUMB_ALONE, 80, 90, 60);
-        if (step == GUIDE_MIDDLE_ALONE)
-            pose[SENSOR_RING_MPJ] = 40;
-    }
 }
 
 /* Half a second of moving there, then a hold. */
