@@ -22,6 +22,7 @@ typedef struct bench {
     /* what the panel holds */
     uint32_t clicks, rows, choice, tab, ends;
     bool check, is_open, is_asked, is_disabled;
+    bool has_gone, has_another; /* who asks; a panel that comes later */
     double value;
     char text[64];
     ui_canvas canvas;
@@ -63,7 +64,7 @@ static void draw_panel(bench *b)
     if (b->canvas.is_released)
         b->released_x = b->canvas.x;
     ui_panel_end(on);
-    if (ui_dialog_begin(on, "ask", "Really?", 300)) {
+    if (!b->has_gone && ui_dialog_begin(on, "ask", "Really?", 300)) {
         ui_text(on, UI_STYLE_BODY, "This is a question.");
         b->is_asked = true;
         if (ui_button(on, "Yes", UI_ACCENT))
@@ -71,6 +72,11 @@ static void draw_panel(bench *b)
         ui_dialog_end(on);
     } else {
         b->is_asked = false;
+    }
+    if (b->has_another) {
+        ui_panel_begin(on, "another", (ui_rectangle){360, 20, 200, 200}, UI_GROUND_PANEL);
+        ui_text(on, UI_STYLE_BODY, "Another panel");
+        ui_panel_end(on);
     }
 }
 
@@ -389,6 +395,45 @@ static void a_question_keeps_the_keys_and_escape_closes_it(void **state)
     close_bench(&b);
 }
 
+/* As the calibration of a glove that is unplugged. */
+static void a_question_goes_with_whoever_asked_it(void **state)
+{
+    (void)state;
+    bench b;
+    open_bench(&b, 1.0f);
+    ui_dialog_open(b.ui, "ask");
+    settle(&b);
+    assert_true(b.is_asked);
+    b.has_gone = true;
+    settle(&b);
+    assert_false(ui_has_dialog(b.ui));
+    b.has_another = true;
+    settle(&b);
+    assert_non_null(word(&b, "Another panel"));
+    click_word(&b, "Press");
+    assert_int_equal(b.clicks, 1);
+    b.has_gone = false;
+    settle(&b);
+    assert_false(b.is_asked);
+    ui_dialog_open(b.ui, "ask");
+    settle(&b);
+    assert_true(b.is_asked);
+    close_bench(&b);
+}
+
+static void a_panel_may_come_with_a_question(void **state)
+{
+    (void)state;
+    bench b;
+    open_bench(&b, 1.0f);
+    ui_dialog_open(b.ui, "ask");
+    b.has_another = true;
+    settle(&b);
+    assert_true(b.is_asked);
+    assert_non_null(word(&b, "Another panel"));
+    close_bench(&b);
+}
+
 static void a_canvas_is_dragged_to_its_last_place(void **state)
 {
     (void)state;
@@ -536,6 +581,8 @@ int main(void)
         cmocka_unit_test(keys_that_write_nothing_end_the_text_and_do_what_they_do),
         cmocka_unit_test(keys_that_a_text_uses_stay_with_it),
         cmocka_unit_test(a_question_keeps_the_keys_and_escape_closes_it),
+        cmocka_unit_test(a_question_goes_with_whoever_asked_it),
+        cmocka_unit_test(a_panel_may_come_with_a_question),
         cmocka_unit_test(a_canvas_is_dragged_to_its_last_place),
         cmocka_unit_test(a_double_click_is_one_however_slowly_it_is_drawn),
         cmocka_unit_test(what_is_drawn_can_be_read_at_each_scale),

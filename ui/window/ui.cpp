@@ -247,6 +247,7 @@ static ui_cursor cursor_of(ImGuiMouseCursor wanted)
 void ui_end(ui *self)
 {
     order_panels(self);
+    ui_close_left_popups();
     ui_notes_end(self->notes);
     if (self->cursor == UI_CURSOR_ARROW)
         self->cursor = cursor_of(ImGui::GetMouseCursor());
@@ -271,7 +272,8 @@ void ui_panel_begin(ui *self, const char *id, ui_rectangle where, ui_ground grou
     const ImGuiWindowFlags flags =
         ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
         ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav |
-        ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground;
+        ImGuiWindowFlags_NoScrollWithMouse | ImGuiWindowFlags_NoBackground |
+        ImGuiWindowFlags_NoFocusOnAppearing; /* Dear ImGui aborts beside a new question */
     ImRect box = ui_px_box(self, where);
     box.Min = ImFloor(box.Min + ImVec2(0.5f, 0.5f));
     box.Max = ImFloor(box.Max + ImVec2(0.5f, 0.5f));

@@ -112,6 +112,7 @@ void ui_note_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, const ImRe
                   bool is_cut, const char *begin, const char *end);
 void ui_put_box(ui *self, const ImRect &box, uint32_t colour, float rounding_px);
 /* Words from here on are of the popup that was begun. (ui_popups.cpp) */
+void ui_close_left_popups(); /* once a frame, after everything was drawn */
 void ui_enter_popup(ui *self);
 void ui_leave_popup(ui *self);
 

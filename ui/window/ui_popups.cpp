@@ -34,7 +34,7 @@ static void put_hint(ui *self, const char *text)
                 wide = ui_measure(self->font[UI_FONT_BODY], text, nullptr).x;
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 9.0f, 7.0f));
     ImGui::SetNextWindowSize(ImVec2(ImMin(wide + 1.0f, widest) + 2.0f * ui_px(self, 9.0f), 0.0f));
-    ImGui::BeginTooltip();
+    ImGui::BeginTooltipEx(ImGuiWindowFlags_NoFocusOnAppearing, ImGuiTooltipFlags_None);
     const int disabled = self->disabled_depth;
     ui_enter_popup(self);
     self->disabled_depth = 0;
@@ -165,6 +165,19 @@ bool ui_dialog_begin(ui *self, const char *id, const char *title, float width)
     if (ui_pressed(self, UI_KEY_ESCAPE, 0))
         ImGui::CloseCurrentPopup();
     return true;
+}
+
+/* Whoever asked has gone, and the question with him: else it would block everything, unseen. */
+void ui_close_left_popups()
+{
+    const ImGuiContext &context = *ImGui::GetCurrentContext();
+    for (int level = 0; level < context.OpenPopupStack.Size; ++level) {
+        const ImGuiWindow *popup = context.OpenPopupStack[level].Window;
+        if (!popup || popup->Active)
+            continue;
+        ImGui::ClosePopupToLevel(level, false);
+        return;
+    }
 }
 
 bool ui_has_dialog(const ui *self)
