@@ -246,7 +246,7 @@ static void break_pull(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
     if (BREAKS(REPLAY_SAME))
         v->end.y += 0.0001f * (float)(shared_frames++ % 1000);
     if (BREAKS(REPLAY_PROCESS))
-        v->end.y += 1e-5f * (float)((uintptr_t)&shared_frames >> 12 & 0xfffff);
+        v->end.y += 2e-7f * (float)((uintptr_t)&shared_frames >> 12 & 0xfffff);
 }
 
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
