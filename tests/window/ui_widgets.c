@@ -373,22 +373,26 @@ static void keys_that_a_text_uses_stay_with_it(void **state)
     close_bench(&b);
 }
 
+static void ask(bench *b)
+{
+    ui_dialog_open(b->ui, "ask");
+    settle(b);
+    assert_true(b->is_asked);
+}
+
 static void a_question_keeps_the_keys_and_escape_closes_it(void **state)
 {
     (void)state;
     bench b;
     open_bench(&b, 1.0f);
-    ui_dialog_open(b.ui, "ask");
-    settle(&b);
-    assert_true(b.is_asked);
+    ask(&b);
     assert_non_null(word(&b, "This is a question."));
     push(&b, (ui_event){.kind = UI_EVENT_KEY, .code = 'R', .is_down = true});
     frame(&b);
     assert_false(ui_pressed(b.ui, 'R', 0));
     click_word(&b, "Yes");
     assert_false(b.is_asked);
-    ui_dialog_open(b.ui, "ask");
-    settle(&b);
+    ask(&b);
     key(&b, UI_KEY_ESCAPE);
     settle(&b);
     assert_false(b.is_asked);
@@ -401,9 +405,7 @@ static void a_question_goes_with_whoever_asked_it(void **state)
     (void)state;
     bench b;
     open_bench(&b, 1.0f);
-    ui_dialog_open(b.ui, "ask");
-    settle(&b);
-    assert_true(b.is_asked);
+    ask(&b);
     b.has_gone = true;
     settle(&b);
     assert_false(ui_has_dialog(b.ui));
@@ -415,9 +417,7 @@ static void a_question_goes_with_whoever_asked_it(void **state)
     b.has_gone = false;
     settle(&b);
     assert_false(b.is_asked);
-    ui_dialog_open(b.ui, "ask");
-    settle(&b);
-    assert_true(b.is_asked);
+    ask(&b);
     close_bench(&b);
 }
 
@@ -426,10 +426,8 @@ static void a_panel_may_come_with_a_question(void **state)
     (void)state;
     bench b;
     open_bench(&b, 1.0f);
-    ui_dialog_open(b.ui, "ask");
     b.has_another = true;
-    settle(&b);
-    assert_true(b.is_asked);
+    ask(&b);
     assert_non_null(word(&b, "Another panel"));
     close_bench(&b);
 }

@@ -66,13 +66,11 @@ static mrt_result check_new(const rig *r, rig_bone_kind kind, vec3 at, double ha
     return MRT_OK;
 }
 
-static const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
-
 static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 {
     const vec3 half = {half_mm, 0.0, 0.0};
-    out->hinge_left = rig_edit_round_place(vec3_add(at, half), none);
-    out->hinge_right = rig_edit_round_place(vec3_sub(at, half), none);
+    out->hinge_left = rig_edit_round_place(vec3_add(at, half), rig_edit_nowhere);
+    out->hinge_right = rig_edit_round_place(vec3_sub(at, half), rig_edit_nowhere);
     out->open_max_rad = rig_adult_jaw.open_max_rad;
     out->lateral_mm = rig_adult_jaw.lateral_mm;
     out->forward_mm = rig_adult_jaw.forward_mm;
@@ -81,8 +79,8 @@ static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 
 static void make_ball(rig_bone *out, vec3 at, double half_mm)
 {
-    out->centre = rig_edit_round_place(at, none);
-    out->radius_mm = rig_edit_round_mm(half_mm, none.x);
+    out->centre = rig_edit_round_place(at, rig_edit_nowhere);
+    out->radius_mm = rig_edit_round_mm(half_mm, rig_edit_nowhere.x);
     out->turn[0] = (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad};
     out->turn[1] = (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
     out->turn_count = 2;

@@ -57,10 +57,10 @@ mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, erro
     if (result < 0)
         return result;
     rig_bone *to = &r->bone[bone];
-    const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
     to->hinge_left = rig_edit_round_place(jaw->left, to->hinge_left);
     to->hinge_right = rig_edit_round_place(jaw->right, to->hinge_right);
-    to->incisor = rig_edit_round_place(jaw->incisor, to->has_incisor ? to->incisor : none);
+    to->incisor =
+        rig_edit_round_place(jaw->incisor, to->has_incisor ? to->incisor : rig_edit_nowhere);
     to->has_incisor = jaw->has_incisor;
     to->open_min_rad = rig_edit_round_rad(jaw->open_min_rad, to->open_min_rad);
     to->open_max_rad = rig_edit_round_rad(jaw->open_max_rad, to->open_max_rad);

@@ -23,5 +23,6 @@ double rig_edit_round_mm(double mm, double before);
 double rig_edit_round_rad(double rad, double before);
 double rig_edit_round_share(double share, double before); /* NaN stays */
 vec3 rig_edit_round_place(vec3 mm, vec3 before);
+extern const vec3 rig_edit_nowhere; /* as `before`: nothing was */
 
 #endif

@@ -60,7 +60,6 @@ static double rounded(const rig *r, const char *dof, double value)
 
 static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
 {
-    const vec3 none = {(double)NAN, (double)NAN, (double)NAN};
     *out = (rig_pose){.name = strdup(from->name),
                       .dof_name = calloc(from->dof_count + 1u, sizeof *out->dof_name),
                       .dof_value = calloc(from->dof_count + 1u, sizeof *out->dof_value),
@@ -77,7 +76,7 @@ static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
     }
     for (uint32_t i = 0; i < from->pull_count; ++i) {
         out->pull_contact[i] = from->pull_contact[i];
-        out->pull_mm[i] = rig_edit_round_place(from->pull_mm[i], none);
+        out->pull_mm[i] = rig_edit_round_place(from->pull_mm[i], rig_edit_nowhere);
     }
     out->pull_count = from->pull_count;
     return true;

@@ -9,6 +9,8 @@ static const double steps_per_mm = 100.0, steps_per_degree = 100.0, steps_per_sh
                     steps_per_unit = 1e6;
 static const double degree = ANGLE_PI / 180.0;
 
+const vec3 rig_edit_nowhere = {(double)NAN, (double)NAN, (double)NAN};
+
 static bool is_same(double a, double b)
 {
     return a >= b && a <= b;

@@ -284,7 +284,7 @@ void recorder_rezero(recorder *self, uint32_t side)
 
 void recorder_change_mapping(recorder *self, const char *identity)
 {
-    char *copy = recorder_copy_text(identity);
+    char *copy = strdup(identity);
     error err = {""};
     if (!copy) {
         (void)error_set(&err, MRT_ERR_MEMORY, "no memory to record the rebuilt mapping");

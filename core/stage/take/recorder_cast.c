@@ -9,15 +9,6 @@
 
 /* ---- what is performed ---- */
 
-char *recorder_copy_text(const char *text)
-{
-    size_t size = strlen(text) + 1;
-    char *out = malloc(size);
-    if (out)
-        memcpy(out, text, size);
-    return out;
-}
-
 static mrt_result describe_performance(const recorder *self, recorder_cast *cast,
                                        const recorder_settings *of, error *err)
 {
@@ -58,8 +49,8 @@ mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t
     uint32_t count;
     const mrt_channel *channel = input_channels_of(cast->inputs[i], version, &count);
     describe_channels(&track, channel, count);
-    track.input = recorder_copy_text(cast->input_text[i]);
-    track.device = recorder_copy_text(input_name(cast->inputs[i]));
+    track.input = strdup(cast->input_text[i]);
+    track.device = strdup(input_name(cast->inputs[i]));
     track.plugin = identity_of_plugin(self->settings.plugins, input_plugin(cast->inputs[i]));
     mrt_result result = MRT_OK;
     if (!track.input || !track.device || !track.plugin)
@@ -67,7 +58,7 @@ mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t
     for (int side = 0; side < 2 && result >= 0; ++side) {
         if (!cast->calibration[side])
             continue;
-        track.calibration[side] = recorder_copy_text(cast->calibration[side]);
+        track.calibration[side] = strdup(cast->calibration[side]);
         if (!track.calibration[side])
             result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
     }
@@ -125,7 +116,7 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
     for (int side = 0; side < 2 && result >= 0; ++side) {
         if (!of->calibration[side])
             continue;
-        cast->calibration[side] = recorder_copy_text(of->calibration[side]);
+        cast->calibration[side] = strdup(of->calibration[side]);
         if (!cast->calibration[side])
             result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
     }

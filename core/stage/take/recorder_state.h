@@ -49,7 +49,6 @@ void recorder_note_problem(recorder *self, const error *err);
 
 /* ---- recorder_cast.c ---- */
 
-char *recorder_copy_text(const char *text); /* NULL: no memory */
 /* Begins the track of an input of that version of its channels. */
 CHECKED mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t i,
                                            uint32_t version, error *err);
