@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* In the order of the table of parameters. */
-enum { PARAM_SPEED = 0, PARAM_LOOP, PARAM_START, PARAM_END, PARAM_HAND, PARAM_COUNT };
+enum { PARAM_SPEED = 0, PARAM_LOOP, PARAM_START, PARAM_END, PARAM_HAND, PARAM_MIRROR, PARAM_COUNT };
 
 static const double SPEED_MIN = 0.1, SPEED_MAX = 8.0;
 static const double SECONDS_MAX = 100000.0;
@@ -18,7 +18,7 @@ static const int64_t NS_PER_SECOND = 1000000000;
 struct mrt_plugin {
     const mrt_host *host;
     log_data data;
-    bool is_open;
+    bool is_open, is_mirrored;
     bool asked_to_restart, told_empty;
 
     /* The record of time anchor_record_ns is due at anchor_host_ns; speed holds from there on. */
@@ -81,6 +81,23 @@ static uint32_t hand_of(const double *params)
     return (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
 }
 
+static bool wants_mirror(const double *params)
+{
+    return params[PARAM_MIRROR] >= 0.5;
+}
+
+/* Raw values are turned into angles by the calibration of the hand that they are said to be of. */
+static void say_if_counts_are_mirrored(const mrt_plugin *self)
+{
+    for (uint32_t i = 0; i < self->data.channel_count; ++i)
+        if (strcmp(self->data.unit[i], "count") == 0) {
+            say(self, MRT_LOG_WARNING,
+                "mirror=1: this log holds a glove's raw values, which the other hand's calibration "
+                "does not fit; mirror a log in rad or deg");
+            return;
+        }
+}
+
 static mrt_result log_open(mrt_plugin *self, const char *address, const double *params)
 {
     log_close(self);
@@ -91,6 +108,11 @@ static mrt_result log_open(mrt_plugin *self, const char *address, const double *
     mrt_result result = read_log(self, address, hand_of(params));
     if (result < 0)
         return result;
+    self->is_mirrored = wants_mirror(params);
+    if (self->is_mirrored) {
+        log_mirror(&self->data);
+        say_if_counts_are_mirrored(self);
+    }
     self->is_open = true;
     self->asked_to_restart = false;
     self->told_empty = false;
@@ -192,11 +214,19 @@ static void follow_speed(mrt_plugin *self, const double *params)
     self->speed = speed;
 }
 
+/* Whether the log was opened as these parameters ask. */
+static bool shows_hand(const mrt_plugin *self, const double *params)
+{
+    if (self->is_mirrored != wants_mirror(params))
+        return false;
+    bool is_asked_for = self->data.channel[0].hand == hand_of(params);
+    return !self->data.is_hand_assumed || is_asked_for != self->is_mirrored;
+}
+
 /* Channels are fixed while the log is open, so another hand needs it opened again. */
 static void follow_hand(mrt_plugin *self, const double *params)
 {
-    if (!self->data.is_hand_assumed || self->asked_to_restart ||
-        self->data.channel[0].hand == hand_of(params))
+    if (self->asked_to_restart || shows_hand(self, params))
         return;
     self->asked_to_restart = true;
     self->host->request_restart(self->host);
@@ -287,6 +317,7 @@ static void log_destroy(mrt_plugin *self)
 }
 
 static const char *const hand_label[] = {"left", "right", NULL};
+static const char *const mirror_label[] = {"as recorded", "the other hand", NULL};
 static const char *const loop_label[] = {"once", "again and again", NULL};
 
 static const mrt_param params[PARAM_COUNT] = {
@@ -301,6 +332,9 @@ static const mrt_param params[PARAM_COUNT] = {
     [PARAM_HAND] = {5, MRT_PARAM_STEPPED, "hand", "Playback", "",
                     "Whose hand it is, if the log does not say so", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
                     hand_label},
+    [PARAM_MIRROR] = {6, MRT_PARAM_STEPPED, "mirror", "Playback", "",
+                      "Plays the recording as the other hand's, as a mirror shows it", 0, 1, 0,
+                      mirror_label},
 };
 
 static const mrt_input input = {log_open, log_channels, log_read, log_close, MRT_INPUT_RECORDED};

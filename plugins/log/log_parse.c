@@ -231,6 +231,38 @@ mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t han
     return result < 0 ? result : MRT_OK;
 }
 
+/* ---- the other hand ---- */
+
+static void swap_side(log_data *data, uint32_t i)
+{
+    mrt_channel *channel = &data->channel[i];
+    if (channel->hand > MRT_RIGHT)
+        return;
+    bool was_left = channel->hand == MRT_LEFT;
+    char *name = data->name[i], *sensor = strchr(name, '.');
+    channel->hand = was_left ? MRT_RIGHT : MRT_LEFT;
+    memmove(name + (was_left ? 5 : 4), sensor, strlen(sensor) + 1);
+    memcpy(name, was_left ? "right" : "left", was_left ? 5 : 4);
+}
+
+/* A point's x changes its sign; a turn's axis is mirrored and its sense turns round, which leaves
+ * qx and qw and changes qy and qz. */
+static bool changes_sign(uint32_t semantic)
+{
+    return semantic == MRT_CH_WRIST || semantic == MRT_CH_WRIST + 4 || semantic == MRT_CH_WRIST + 5;
+}
+
+void log_mirror(log_data *data)
+{
+    for (uint32_t i = 0; i < data->channel_count; ++i) {
+        swap_side(data, i);
+        for (size_t k = 0; k < data->record_count && changes_sign(data->channel[i].semantic); ++k) {
+            float *value = &data->value[k * data->channel_count + i];
+            *value = -*value;
+        }
+    }
+}
+
 void log_data_finish(log_data *data)
 {
     if (!data)

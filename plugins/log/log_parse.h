@@ -15,7 +15,7 @@ typedef struct log_data {
     uint32_t channel_count;
     bool is_hand_assumed; /* the file does not say whose hand it shows */
     mrt_channel channel[MRT_MAX_CHANNELS];
-    char name[MRT_MAX_CHANNELS][LOG_NAME];
+    char name[MRT_MAX_CHANNELS][LOG_NAME + 1]; /* "left.": a letter more when it is mirrored */
     char unit[MRT_MAX_CHANNELS][LOG_NAME];
     size_t record_count;
     int64_t *time_ns; /* of the record, from the first one on; never decreasing; owned */
@@ -30,6 +30,9 @@ typedef struct log_data {
  * log_data_finish may be called. */
 mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t hand,
                      char *out_reason);
+/* The recording as the other hand's, in a mirror at x = 0: sides change and so does a tracked
+ * wrist; the angles of joints are the same in both hands. Twice gives it back, bit for bit. */
+void log_mirror(log_data *data);
 void log_data_finish(log_data *data);
 
 #endif

@@ -18,7 +18,7 @@
 
 #define LOG_PATH BUILD_DIR "/tests/unit/log_plugin.tmp"
 
-enum { SPEED, LOOP, START, END, HAND, PARAM_COUNT };
+enum { SPEED, LOOP, START, END, HAND, MIRROR, PARAM_COUNT };
 enum { TEXT = 512 };
 static const int64_t MS = 1000000, ORIGIN_NS = 5000000000;
 
@@ -164,7 +164,8 @@ static void type_is_well_formed(void **state)
     assert_int_equal(p->type->param_count, PARAM_COUNT);
     assert_null(p->type->interfaces[1].id);
     assert_true(p->input->flags & MRT_INPUT_RECORDED);
-    static const char *const names[PARAM_COUNT] = {"speed", "loop", "start", "end", "hand"};
+    static const char *const names[PARAM_COUNT] = {"speed", "loop", "start",
+                                                   "end",   "hand", "mirror"};
     for (int i = 0; i < PARAM_COUNT; ++i) {
         const mrt_param *q = &p->type->params[i];
         assert_string_equal(q->name, names[i]);
@@ -462,6 +463,122 @@ static void hand_parameter_leaves_tables_alone(void **state)
     assert_int_equal(p->host.restart_count, 0);
 }
 
+/* ---- in a mirror ---- */
+
+static void a_mirrored_hand_keeps_its_angles(void **state)
+{
+    player *p = *state;
+    p->params[MIRROR] = 1.0;
+    open_log(p, "time_s,right.index.mpj,left.thumb.roll,pedal.1,right.mood,weather\n"
+                "0,0.5,-0.25,1,7,8\n");
+    static const char *const names[5] = {"left.index.mpj", "right.thumb.roll", "pedal.1",
+                                         "left.mood", "weather"};
+    static const uint32_t hands[5] = {MRT_LEFT, MRT_RIGHT, MRT_NO_HAND, MRT_LEFT, MRT_NO_HAND};
+    static const float values[5] = {0.5f, -0.25f, 1.0f, 7.0f, 8.0f};
+    uint32_t count;
+    const mrt_channel *channel = p->input->channels(p->plugin, &count);
+    mrt_sample sample;
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(count, 5);
+    for (int i = 0; i < 5; ++i) {
+        assert_string_equal(channel[i].name, names[i]);
+        assert_int_equal(channel[i].hand, hands[i]);
+        assert_float_equal(sample.value[i], values[i], 0.0f);
+    }
+    assert_int_equal(channel[0].semantic, MRT_CH_ANGLE + 4);
+    assert_int_equal(p->host.log_count[MRT_LOG_WARNING], 0);
+}
+
+static void cross(const float *a, const float *b, float *out)
+{
+    for (int i = 0; i < 3; ++i)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* A point of a hand that a tracked wrist moves: turned by its quaternion, then shifted. */
+static void moved(const float *wrist, const float *point, float *out)
+{
+    const float *axis = wrist + 3;
+    float once[3], twice[3];
+    cross(axis, point, once);
+    cross(axis, once, twice);
+    for (int i = 0; i < 3; ++i)
+        out[i] = point[i] + 2.0f * (wrist[6] * once[i] + twice[i]) + wrist[i];
+}
+
+static void a_mirrored_wrist_moves_the_mirrored_hand(void **state)
+{
+    player *p = *state;
+    static const char tracked[] =
+        "time_s,right.wrist.x,right.wrist.y,right.wrist.z,right.wrist.qx,right.wrist.qy,"
+        "right.wrist.qz,right.wrist.qw\n"
+        "0,10,20,30,0.1,0.5,0.7,0.5\n";
+    static const float point[3] = {1, 2, 3}, in_mirror[3] = {-1, 2, 3};
+    float plain[3], mirrored[3];
+    mrt_sample sample;
+    open_log(p, tracked);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    moved(sample.value, point, plain);
+    p->params[MIRROR] = 1.0;
+    open_log(p, tracked);
+    assert_int_equal(hand_of(p), MRT_LEFT);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    moved(sample.value, in_mirror, mirrored);
+    assert_float_equal(mirrored[0], -plain[0], 1e-5f);
+    assert_float_equal(mirrored[1], plain[1], 1e-5f);
+    assert_float_equal(mirrored[2], plain[2], 1e-5f);
+}
+
+static void a_mirrored_recording_is_the_other_hand(void **state)
+{
+    player *p = *state;
+    mrt_sample sample;
+    p->params[MIRROR] = 1.0;
+    open_log(p, recording);
+    assert_int_equal(hand_of(p), MRT_LEFT);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(p->host.restart_count, 0);
+    p->params[HAND] = MRT_LEFT;
+    open_log(p, recording);
+    assert_int_equal(hand_of(p), MRT_RIGHT);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(p->host.restart_count, 0);
+}
+
+static void mirror_parameter_asks_once_to_be_opened_again(void **state)
+{
+    player *p = *state;
+    open_log(p, three);
+    p->params[MIRROR] = 1.0;
+    mrt_sample sample;
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(p->host.restart_count, 1);
+    assert_int_equal(p->input->open(p->plugin, LOG_PATH, p->params), MRT_OK);
+    assert_int_equal(read_before(p, INT64_MAX, &sample), MRT_OK);
+    assert_int_equal(p->host.restart_count, 1);
+}
+
+static void mirrored_counts_are_told_of(void **state)
+{
+    player *p = *state;
+    p->params[MIRROR] = 1.0;
+    open_log(p, "time_s,right.index.mpj,right.index.pij\nunit,count,count\n0,127,90\n");
+    assert_int_equal(p->host.log_count[MRT_LOG_WARNING], 1);
+    assert_non_null(strstr(p->host.last_text, "calibration"));
+    assert_int_equal(hand_of(p), MRT_LEFT);
+}
+
+static void a_long_name_is_mirrored_whole(void **state)
+{
+    player *p = *state;
+    p->params[MIRROR] = 1.0;
+    open_log(p, "time_s,left.abcdefghijklmnopqrstuvwxyz01234567\n0,1\n");
+    uint32_t count;
+    assert_string_equal(p->input->channels(p->plugin, &count)[0].name,
+                        "right.abcdefghijklmnopqrstuvwxyz01234567");
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -488,6 +605,12 @@ int main(void)
         TEST(recording_is_a_right_hand_unless_told_otherwise),
         TEST(hand_parameter_asks_once_to_be_opened_again),
         TEST(hand_parameter_leaves_tables_alone),
+        TEST(a_mirrored_hand_keeps_its_angles),
+        TEST(a_mirrored_wrist_moves_the_mirrored_hand),
+        TEST(a_mirrored_recording_is_the_other_hand),
+        TEST(mirror_parameter_asks_once_to_be_opened_again),
+        TEST(mirrored_counts_are_told_of),
+        TEST(a_long_name_is_mirrored_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
