@@ -74,14 +74,90 @@ bool text_equals(text_view text, const char *word)
     return (size_t)(text.end - text.at) == length && memcmp(text.at, word, length) == 0;
 }
 
+/* ---- what can be shown ---- */
+
+/* The letter at `at` and its length in bytes; 0: it is no UTF-8 (Unicode 15, table 3-7). */
+static size_t utf8_letter(const unsigned char *at, const unsigned char *end, uint32_t *out)
+{
+    size_t length = *at < 0x80                  ? 1
+                    : *at >= 0xc2 && *at < 0xe0 ? 2
+                    : *at >= 0xe0 && *at < 0xf0 ? 3
+                    : *at >= 0xf0 && *at < 0xf5 ? 4
+                                                : 0;
+    if (length == 0 || (size_t)(end - at) < length)
+        return 0;
+    uint32_t letter = length == 1 ? *at : *at & (0x7fu >> length);
+    for (size_t i = 1; i < length; ++i) {
+        if ((at[i] & 0xc0) != 0x80)
+            return 0;
+        letter = letter << 6 | (at[i] & 0x3fu);
+    }
+    static const uint32_t shortest[] = {0, 0, 0x80, 0x800, 0x10000};
+    if (letter < shortest[length] || letter > 0x10ffff || (letter >= 0xd800 && letter < 0xe000))
+        return 0;
+    *out = letter;
+    return length;
+}
+
+static bool is_shown(uint32_t letter)
+{
+    static const struct {
+        uint32_t first, last;
+    } hidden[] = {
+        {0x00, 0x1f},     {0x7f, 0x9f},     {0x061c, 0x061c}, {0x200e, 0x200f},   {0x2028, 0x202e},
+        {0x2066, 0x2069}, {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f},
+    };
+    for (size_t i = 0; i < sizeof hidden / sizeof hidden[0]; ++i)
+        if (letter >= hidden[i].first && letter <= hidden[i].last)
+            return false;
+    return true;
+}
+
+/* Takes the next letter off `rest`; *out_kept: its bytes; 0: a '?' stands for it. */
+static void next_letter(text_view *rest, size_t *out_kept)
+{
+    uint32_t letter;
+    size_t length =
+        utf8_letter((const unsigned char *)rest->at, (const unsigned char *)rest->end, &letter);
+    *out_kept = length > 0 && is_shown(letter) ? length : 0;
+    rest->at += length > 0 ? length : 1;
+}
+
+bool text_is_printable(text_view text)
+{
+    size_t kept = 1;
+    while (text.at < text.end && kept > 0)
+        next_letter(&text, &kept);
+    return kept > 0;
+}
+
+/* out may be where the text is. */
+static char *put_printable(char *out, const char *out_end, text_view text)
+{
+    while (text.at < text.end) {
+        const char *from = text.at;
+        size_t kept;
+        next_letter(&text, &kept);
+        if ((size_t)(out_end - out) < (kept ? kept : 1))
+            break;
+        if (kept > 0)
+            memmove(out, from, kept);
+        else
+            *out = '?';
+        out += kept ? kept : 1;
+    }
+    return out;
+}
+
 void text_copy(char *out, size_t capacity, text_view text)
 {
-    size_t length = (size_t)(text.end - text.at);
-    if (length > capacity - 1)
-        length = capacity - 1;
-    for (size_t i = 0; i < length; ++i)
-        out[i] = text.at[i] >= 32 && text.at[i] < 127 ? text.at[i] : '?';
-    out[length] = '\0';
+    *put_printable(out, out + capacity - 1, text) = '\0';
+}
+
+void text_make_printable(char *text)
+{
+    size_t length = strlen(text);
+    *put_printable(text, text + length, text_view_of(text, length)) = '\0';
 }
 
 /* [+-] digits [. digits] [eE [+-] digits], with at least one digit in the mantissa. */

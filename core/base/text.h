@@ -22,8 +22,16 @@ bool text_next_word(text_view *rest, text_view *out_word);
 bool text_next_field(text_view *rest, char separator, text_view *out_field);
 text_view text_trim(text_view text);
 bool text_equals(text_view text, const char *word);
-/* Cuts the text into a 0-ended buffer for messages; bytes that do not print become '?'. */
+
+/* What came from outside (a file, a device, the network) and will be shown to a person passes one
+ * of these where it is read. Printable is UTF-8 without what steers a terminal or a reader's eye:
+ * control characters (C0, DEL, C1; so newlines and tabs too), marks and overrides of the writing
+ * direction, line and paragraph separators, invisible tags. */
+bool text_is_printable(text_view text);
+/* Cuts the text into a 0-ended buffer, at a whole letter; each letter that is not printable and
+ * each byte that is no UTF-8 becomes a '?'. */
 void text_copy(char *out, size_t capacity, text_view text);
+void text_make_printable(char *text); /* the same in place; it never grows */
 
 /* The whole word must be one decimal number, finite, within double (no hex, inf, nan). */
 bool text_double(text_view word, double *out);

@@ -80,6 +80,51 @@ static void lines_words_and_fields_are_taken_apart(void **state)
     assert_false(text_next_field(&rest, ',', &word));
 }
 
+/* A title for the window, a bell, a forged line, letters written backwards: a person sees that
+ * something was there, and nothing happens. */
+static void foreign_text_cannot_steer_a_terminal(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *foreign, *shown;
+    } texts[] = {
+        {"\x1b]0;owned\x07night", "?]0;owned?night"},
+        {"one\ntwo\r\tthree\x7f", "one?two??three?"},
+        {"\xc2\x9b"
+         "31mred",
+         "?31mred"}, /* CSI as a letter of C1 */
+        {"\x9b"
+         "31mred",
+         "?31mred"}, /* and as a byte */
+        {"ab\xe2\x80\xae"
+         "gpj.exe",
+         "ab?gpj.exe"},                                        /* right-to-left override */
+        {"\xe2\x81\xa6x\xe2\x81\xa9\xe2\x80\xa8", "?x??"},     /* isolates, line separator */
+        {"\xf3\xa0\x81\x81", "?"},                             /* an invisible tag */
+        {"\xc0\x9b\xed\xa0\x80\xf4\x90\x80\x80", "?????????"}, /* longer than need be, no letters */
+        {"cut \xe2\x82", "cut ??"},
+        {"na\xc3\xafve \xe2\x82\xac \xf0\x9f\x8e\xad",
+         "na\xc3\xafve \xe2\x82\xac \xf0\x9f\x8e\xad"},
+        {"", ""},
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        char copy[64], place[64];
+        text_view foreign = view(texts[i].foreign);
+        text_copy(copy, sizeof copy, foreign);
+        assert_string_equal(copy, texts[i].shown);
+        memcpy(place, texts[i].foreign, strlen(texts[i].foreign) + 1);
+        text_make_printable(place);
+        assert_string_equal(place, texts[i].shown);
+        assert_true(text_is_printable(view(copy)));
+        assert_int_equal(text_is_printable(foreign), strcmp(copy, texts[i].foreign) == 0);
+    }
+    char small[6]; /* cut at a whole letter */
+    text_copy(small, sizeof small, view("abc\xe2\x82\xac"));
+    assert_string_equal(small, "abc");
+    text_copy(small, sizeof small, view("ab\xe2\x82\xac"));
+    assert_string_equal(small, "ab\xe2\x82\xac");
+}
+
 static void ring_keeps_order_refuses_when_full_and_counts(void **state)
 {
     (void)state;
@@ -258,6 +303,7 @@ int main(void)
         cmocka_unit_test(error_text_is_cut_and_prefixed_within_its_room),
         cmocka_unit_test(numbers_are_whole_words_and_finite),
         cmocka_unit_test(lines_words_and_fields_are_taken_apart),
+        cmocka_unit_test(foreign_text_cannot_steer_a_terminal),
         cmocka_unit_test(ring_keeps_order_refuses_when_full_and_counts),
         cmocka_unit_test(ring_crosses_threads_without_loss_or_reordering),
         cmocka_unit_test(slot_gives_the_newest_value_only_once),

@@ -26,8 +26,7 @@ template <class T> T *zeroed(size_t count)
 char *clean_name(const std::string &name)
 {
     char *out = zeroed<char>(MESH_BUILD_NAME_LENGTH_MAX + 1);
-    mesh_build_clean_name(out, MESH_BUILD_NAME_LENGTH_MAX + 1,
-                          text_view_of(name.data(), name.size()));
+    text_copy(out, MESH_BUILD_NAME_LENGTH_MAX + 1, text_view_of(name.data(), name.size()));
     return out;
 }
 

@@ -29,51 +29,6 @@ mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t
     return MRT_OK;
 }
 
-/* Length of the UTF-8 sequence at `at`, 0 when it is none. */
-static size_t utf8_length(const unsigned char *at, const unsigned char *end)
-{
-    static const struct {
-        unsigned char first_low, first_high, second_low, second_high;
-        size_t length;
-    } form[] = {
-        /* Unicode 15, table 3-7 */
-        {0x20, 0x7e, 0, 0, 1},       {0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
-        {0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3}, {0xee, 0xef, 0x80, 0xbf, 3},
-        {0xf0, 0xf0, 0x90, 0xbf, 4}, {0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4}};
-    for (size_t i = 0; i < sizeof form / sizeof *form; ++i) {
-        if (*at < form[i].first_low || *at > form[i].first_high)
-            continue;
-        if ((size_t)(end - at) < form[i].length)
-            return 0;
-        if (form[i].length > 1 && (at[1] < form[i].second_low || at[1] > form[i].second_high))
-            return 0;
-        for (size_t k = 2; k < form[i].length; ++k)
-            if (at[k] < 0x80 || at[k] > 0xbf)
-                return 0;
-        return form[i].length;
-    }
-    return 0;
-}
-
-void mesh_build_clean_name(char *out, size_t capacity, text_view name)
-{
-    const unsigned char *at = (const unsigned char *)name.at;
-    const unsigned char *end = (const unsigned char *)name.end;
-    size_t used = 0;
-    while (at < end) {
-        size_t length = utf8_length(at, end);
-        if (used + (length ? length : 1) > capacity - 1)
-            break;
-        if (length)
-            memcpy(out + used, at, length);
-        else
-            out[used] = '?';
-        used += length ? length : 1;
-        at += length ? length : 1;
-    }
-    out[used] = '\0';
-}
-
 static uint32_t name_hash(const char *text, uint32_t material)
 {
     uint32_t hash = 2166136261u ^ material; /* FNV-1a */
@@ -193,13 +148,13 @@ mrt_result mesh_build_normal(mesh_build *b, const float normal[3], error *err)
 
 void mesh_build_group(mesh_build *b, text_view name)
 {
-    mesh_build_clean_name(b->group, sizeof b->group, name);
+    text_copy(b->group, sizeof b->group, name);
     b->part = UNKNOWN_PART;
 }
 
 void mesh_build_material(mesh_build *b, text_view name)
 {
-    mesh_build_clean_name(b->material, sizeof b->material, name);
+    text_copy(b->material, sizeof b->material, name);
     b->part = UNKNOWN_PART;
 }
 

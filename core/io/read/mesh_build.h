@@ -42,7 +42,7 @@ void mesh_build_finish(mesh_build *b); /* accepts NULL, zeroed, taken */
 CHECKED mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err);
 /* The normal of the next vertex that has none yet, of any length. */
 CHECKED mrt_result mesh_build_normal(mesh_build *b, const float normal[3], error *err);
-/* What the following faces belong to; names are cleaned by mesh_build_clean_name. */
+/* What the following faces belong to; names are made printable by text_copy. */
 void mesh_build_group(mesh_build *b, text_view name);
 void mesh_build_material(mesh_build *b, text_view name);
 /* A face: its corners, each a vertex that was added before, then its end (>= 3 corners). */
@@ -57,8 +57,6 @@ void mesh_build_part_ranges(mesh *m);
 void mesh_build_unit_normals(mesh *m);
 /* Notes how many triangles use a vertex twice. */
 void mesh_build_note_degenerate(mesh *m);
-/* Copies a name as UTF-8: control characters and broken bytes become '?', cut at capacity. */
-void mesh_build_clean_name(char *out, size_t capacity, text_view name);
 /* Grows *array to hold `needed` elements of `size` bytes. */
 CHECKED mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t size,
                                    error *err);
