@@ -5,6 +5,7 @@
 #ifndef MAROTTE_UI_BENCH_BENCH_H
 #define MAROTTE_UI_BENCH_BENCH_H
 #include "base/error.h"
+#include "csrbf/shape.h"
 #include "facts.h"
 #include "progress.h"
 
@@ -52,10 +53,28 @@ typedef struct bench_promise {
 } bench_promise;
 enum { BENCH_PROMISES = 48 };
 
+/* One cell of Table 1, as whoever looks on gets it. */
+typedef struct bench_cell {
+    bool is_anchored;
+    uint32_t vertex_count, triangle_count;
+    const float *rest;        /* vertex_count by 3, mm, in the file's order */
+    const uint32_t *triangle; /* triangle_count by 3 */
+    double radius_mm, frame_ns;
+    uint64_t pairs, paper_pairs;
+    double paper_fps; /* 0: not in our notes */
+    /* One more frame, into shape->shown. */
+    void (*run)(void *data);
+    void *data;
+    const shape *shape;
+} bench_cell;
+
 typedef struct bench {
     facts *told;
     progress shown;
     bool is_quick, is_json, is_gate;
+    bool is_paper_alone; /* of the grid the paper's models, and no cold caches */
+    CHECKED mrt_result (*on_cell)(void *data, const bench_cell *cell, error *err); /* NULL: none */
+    void *on_cell_data;
     double seconds; /* for one comparison */
     uint32_t rounds;
     bench_roof roof;

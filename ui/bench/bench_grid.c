@@ -197,6 +197,25 @@ static uint64_t bytes_of(cell *self, bool is_direct)
     return self->shape.response.weights.bytes;
 }
 
+static mrt_result show_cell(cell *self, const row *r, const bench_work *work, error *err)
+{
+    bench *of = self->of;
+    const bench_cell shown = {.is_anchored = !r->is_direct,
+                              .vertex_count = self->plane->vertex_count,
+                              .triangle_count = self->plane->triangle_count,
+                              .rest = self->plane->xyz,
+                              .triangle = self->plane->triangle,
+                              .radius_mm = r->radius_mm,
+                              .frame_ns = r->took_ns,
+                              .pairs = r->pairs,
+                              .paper_pairs = r->paper_pairs,
+                              .paper_fps = r->paper_fps,
+                              .run = work->run,
+                              .data = work->data,
+                              .shape = &self->shape};
+    return of->on_cell ? of->on_cell(of->on_cell_data, &shown, err) : MRT_OK;
+}
+
 static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t which, error *err)
 {
     bench *of = self->of;
@@ -217,7 +236,8 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
              .data = self,
              .before = flush},
         };
-        bool has_cold = !of->is_quick || (m->has_centres && which == BENCH_RADII - 1);
+        bool has_cold =
+            !of->is_paper_alone && (!of->is_quick || (m->has_centres && which == BENCH_RADII - 1));
         bench_measure(work, has_cold ? 5 : 4, of->rounds, of->seconds);
         bench_naive_run(&self->naive);
         work[1].run(self);
@@ -237,6 +257,9 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
                  .is_direct = is_direct};
         tell(of, self->plane, &r);
         promise(self, &r);
+        result = show_cell(self, &r, &work[1], err);
+        if (result < 0)
+            return result;
     }
     if (self->failed < 0)
         return error_set(err, self->failed, "the engine refused a frame of the bench");
@@ -328,7 +351,7 @@ static mrt_result measure_model(bench *self, const model *m, error *err)
         if (m->is_large && i != 0 && i != BENCH_RADII - 1)
             continue;
         result = measure(&c, bench_radius_mm[i], m, i, err);
-        if (result >= 0 && m->has_centres)
+        if (result >= 0 && m->has_centres && !self->is_paper_alone)
             measure_more(&c, i);
         progress_show(&self->shown, -1.0, "the paper's grid");
     }
@@ -344,6 +367,7 @@ mrt_result bench_grid(bench *self, error *err)
     mrt_result result = MRT_OK;
     bench_title(self, "The paper's grid: ten controls on a plane, no polynomial");
     for (size_t i = 0; i < MODELS && result >= 0; ++i)
-        result = measure_model(self, &models[i], err);
+        if (!models[i].is_large || !self->is_paper_alone)
+            result = measure_model(self, &models[i], err);
     return result;
 }
