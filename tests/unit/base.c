@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "base/budget.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
@@ -16,6 +17,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -297,6 +299,35 @@ static void reading_refuses_what_is_not_a_file_with_bytes(void **state)
     assert_true(file_read(&bytes, "/dev/zero", 100, &err) < 0);
 }
 
+static void a_budget_grows_with_the_file_and_says_when_it_is_used_up(void **state)
+{
+    (void)state;
+    error err = {""};
+    for (int kind = 0; kind < BUDGET_KINDS; ++kind) {
+        budget small = budget_of((budget_kind)kind, 0);
+        budget large = budget_of((budget_kind)kind, 100u << 20);
+        assert_true(large.bytes_left >= small.bytes_left + (100u << 20));
+        assert_true(large.values_left > small.values_left && large.work_left > small.work_left);
+    }
+    budget b = budget_of(BUDGET_RIG, 4096);
+    const uint64_t all = b.work_left;
+    assert_int_equal(budget_spend_work(&b, all - 1, &err), MRT_OK);
+    assert_int_equal(budget_spend_work(&b, 2, &err), MRT_ERR_UNSUPPORTED);
+    char number[32];
+    (void)snprintf(number, sizeof number, "%llu steps of work", (unsigned long long)all);
+    assert_non_null(strstr(err.text, number));
+    assert_non_null(strstr(err.text, "a rig of 4096 bytes"));
+    assert_non_null(strstr(err.text, "damaged"));
+    assert_int_equal(b.work_left, 1);
+    assert_int_equal(budget_spend_work(&b, 1, &err), MRT_OK);
+    assert_true(budget_spend_bytes(&b, UINT64_MAX, &err) < 0);
+    assert_non_null(strstr(err.text, "bytes of memory"));
+    assert_true(budget_spend_values(&b, UINT64_MAX, &err) < 0);
+    assert_non_null(strstr(err.text, "entries"));
+    /* No size of a file makes it overflow. */
+    assert_true(budget_of(BUDGET_SHOW, UINT64_MAX).work_left == UINT64_MAX);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -311,6 +342,7 @@ int main(void)
         cmocka_unit_test(rigid_motions_compose_invert_and_keep_lengths),
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
         cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
+        cmocka_unit_test(a_budget_grows_with_the_file_and_says_when_it_is_used_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
