@@ -6,7 +6,7 @@
 #include "keys.h"
 #include "stage/glove_channels.h"
 #include "stage/input.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <signal.h>
 #include <stdlib.h>

@@ -42,7 +42,7 @@ typedef struct watch {
     uint32_t input_count;
     forwarding forward;
     int64_t start_ns, shown_ns, looked_ns;
-    said said; /* while looking for devices */
+    log_once logged; /* while looking for devices */
     bool is_terminal;
     uint32_t lines; /* shown last, to be written over */
 } watch;
@@ -93,7 +93,7 @@ static bool looks_for_devices(const watch *self)
 static mrt_result open_ready(watch *self, error *err)
 {
     device_list found;
-    mrt_result result = device_list_look(&found, self->plugins, self->log, &self->said, err);
+    mrt_result result = device_list_look(&found, self->plugins, self->log, &self->logged, err);
     for (uint32_t i = 0; result >= 0 && i < found.count; ++i) {
         const device_found *one = &found.one[i];
         if (one->device.state != MRT_DEVICE_READY || is_open(self, &one->device) ||
@@ -102,7 +102,7 @@ static mrt_result open_ready(watch *self, error *err)
         self->opened[self->input_count] = one->device;
         error why = {""};
         if (open_input(self, one->type, one->device.address, "", &why) < 0 &&
-            !said_before(&self->said, why.text))
+            !log_once_repeats(&self->logged, why.text))
             log_push(self->log, MRT_LOG_WARNING, one->type->id, why.text);
     }
     self->looked_ns = clock_now_ns();

@@ -12,7 +12,7 @@
 #include "progress.h"
 #include "recording.h"
 #include "stage/player.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <errno.h>
 #include <math.h>

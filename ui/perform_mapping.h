@@ -5,9 +5,9 @@
 #include "facts.h"
 #include "perform_options.h"
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "stage/recorder.h"
-#include "stage/reload.h"
+#include "stage/mapping/reload.h"
 
 typedef struct perform_mapping {
     instance instance; /* the first; a rebuilt one is performer's */

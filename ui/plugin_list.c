@@ -1,7 +1,7 @@
 /* marotte plugin list: which plugins there are. */
 #include "plugin.h"
 
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
  * are wanted. [main] */
 #ifndef MAROTTE_UI_TAKE_STAGE_H
 #define MAROTTE_UI_TAKE_STAGE_H
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "stage/sequencer.h"
 #include "take.h"
 

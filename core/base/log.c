@@ -94,3 +94,29 @@ uint32_t log_take_lost(log_queue *queue)
 {
     return atomic_exchange_explicit(&queue->lost, 0, memory_order_relaxed);
 }
+
+void log_once_reset(log_once *self)
+{
+    self->count = 0;
+}
+
+/* FNV-1a */
+static uint64_t hash_of(const char *text)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (; *text; ++text)
+        hash = (hash ^ (unsigned char)*text) * 1099511628211u;
+    return hash;
+}
+
+bool log_once_repeats(log_once *self, const char *text)
+{
+    uint64_t hash = hash_of(text);
+    for (uint32_t i = 0; i < self->count; ++i)
+        if (self->hash[i] == hash)
+            return true;
+    if (self->count == LOG_ONCE_MAX)
+        return true;
+    self->hash[self->count++] = hash;
+    return false;
+}

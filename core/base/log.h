@@ -28,4 +28,17 @@ bool log_pop(log_queue *queue, log_record *out);
 /* [main] Records lost since the last call. */
 uint32_t log_take_lost(log_queue *queue);
 
+/* Remembers which texts were logged, so that what repeats is logged once. Holds so many texts and
+ * then takes every further one for a repetition: bounded, whatever it is given. One thread at a
+ * time. */
+enum { LOG_ONCE_MAX = 16 };
+typedef struct log_once {
+    uint64_t hash[LOG_ONCE_MAX];
+    uint32_t count;
+} log_once;
+
+void log_once_reset(log_once *self);
+/* Remembers the text; true: it was there before, or there have been too many. */
+bool log_once_repeats(log_once *self, const char *text);
+
 #endif

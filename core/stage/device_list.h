@@ -3,8 +3,8 @@
  * the disk. Any one thread at a time, also beside inputs that are read. */
 #ifndef MAROTTE_STAGE_DEVICE_LIST_H
 #define MAROTTE_STAGE_DEVICE_LIST_H
-#include "stage/instance.h"
-#include "stage/plugins.h"
+#include "stage/mapping/instance.h"
+#include "stage/mapping/plugins.h"
 
 enum { DEVICE_LIST_MAX = 32 };
 
@@ -18,10 +18,10 @@ typedef struct device_list {
     uint32_t count, beyond; /* beyond: there was no room for so many */
 } device_list;
 
-/* hush: what was said when it was asked before, and is not said again; NULL: nothing. A plugin that
- * cannot be used is said in the log and hides no device of another. */
+/* hush: what was logged when it was asked before, and is not said again; NULL: nothing. A plugin
+ * that cannot be used is said in the log and hides no device of another. */
 CHECKED mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
-                                    said *hush, error *err);
+                                    log_once *hush, error *err);
 /* Whether an input type knows devices. */
 bool device_list_knows(const mrt_plugin_type *type);
 /* "cyberglove" of "org.marotte.cyberglove": what names it before an address. */

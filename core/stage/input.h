@@ -4,7 +4,7 @@
 #ifndef MAROTTE_STAGE_INPUT_H
 #define MAROTTE_STAGE_INPUT_H
 #include "stage/health.h"
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 #include "stage/wake.h"
 
 typedef struct input input;

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_STAGE_LAYER_H
 #define MAROTTE_STAGE_LAYER_H
 #include "stage/hands.h"
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 #include "stage/pointer.h"
 
 typedef struct layer layer;

@@ -10,7 +10,7 @@
 #define MAROTTE_STAGE_LIVE_H
 #include "stage/face_file.h"
 #include "stage/input.h"
-#include "stage/isolate.h"
+#include "stage/mapping/isolate.h"
 #include "stage/overdub.h"
 #include "stage/performer.h"
 #include "stage/pointer.h"

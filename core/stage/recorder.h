@@ -7,7 +7,7 @@
 #define MAROTTE_STAGE_RECORDER_H
 #include "stage/input.h"
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "take/writer.h"
 
 typedef struct recorder recorder;

@@ -3,8 +3,8 @@
  * times a second, when the other process sleeps in between. Median, 99th percentile and worst. Not
  * a test: a clock decides nothing here. */
 #include "base/clock.h"
-#include "stage/isolate.h"
-#include "stage/plugins.h"
+#include "stage/mapping/isolate.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include "glove_motion.h"
 #include "glove_truth.h"
 #include "stage/input.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_TESTS_DEVICE_GLOVE_WATCH_H
 #define MAROTTE_TESTS_DEVICE_GLOVE_WATCH_H
 #include "stage/player.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 typedef struct glove_watch {
     /* [input] After a read that gave a sample. */

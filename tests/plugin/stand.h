@@ -2,7 +2,7 @@
  * sample is known from its number and moves without a jump. */
 #ifndef MAROTTE_TESTS_PLUGIN_STAND_H
 #define MAROTTE_TESTS_PLUGIN_STAND_H
-#include "stage/isolate.h"
+#include "stage/mapping/isolate.h"
 #include "unit/resume_scene.h"
 
 static const int64_t stand_period_ns = 11111111; /* 90 a second */

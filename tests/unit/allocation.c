@@ -9,7 +9,7 @@
 
 #include "base/clock.h"
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "unit/allocation_count.h"
 
 #include <stdio.h>

@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "hand/hand.h"
-#include "stage/instance.h"
-#include "stage/plugins.h"
+#include "stage/mapping/instance.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #define TESTS_UNIT_INPUT_HELP_H
 #include "base/clock.h"
 #include "stage/input.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <dirent.h>
 #include <stdio.h>

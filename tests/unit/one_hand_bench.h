@@ -3,8 +3,8 @@
 #ifndef MAROTTE_TESTS_UNIT_ONE_HAND_BENCH_H
 #define MAROTTE_TESTS_UNIT_ONE_HAND_BENCH_H
 #include "hand/hand.h"
-#include "stage/instance.h"
-#include "stage/plugins.h"
+#include "stage/mapping/instance.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #define MAROTTE_TESTS_RESUME_SCENE_H
 #include "base/clock.h"
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "stage/player.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -13,7 +13,7 @@
 #include "stage/feed.h"
 #include "stage/live.h"
 #include "stage/live/live_state.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "stage/spec.h"
 #include "take/edit_store.h"
 #include "take/history.h"

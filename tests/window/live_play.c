@@ -1,7 +1,7 @@
 /* A take on a live stage: shown, scrubbed, played, looped, performed over. */
 #include "window/live_desk.h"
 
-#include "stage/kept_solver.h"
+#include "stage/take/kept_solver.h"
 #include "stage/sequencer.h"
 
 static const writer_slate slate = {"1", "a", 0};

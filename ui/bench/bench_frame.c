@@ -5,7 +5,7 @@
 #include "place.h"
 #include "stage/live/live_board.h"
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -25,7 +25,7 @@ struct devices_search {
     int64_t wanted_ns;
     findings shown; /* [main] */
     bool is_known;
-    said hush; /* the thread's */
+    log_once hush; /* the thread's */
     findings made;
 };
 
@@ -97,7 +97,7 @@ devices_search *devices_search_create(const plugin_list *plugins, log_queue *log
     self->plugins = plugins;
     self->log = log;
     self->wanted_ns = INT64_MIN / 2;
-    said_reset(&self->hush);
+    log_once_reset(&self->hush);
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);

@@ -3,7 +3,7 @@
  * a '.' in them becomes '-'. [main] */
 #ifndef MAROTTE_UI_WINDOW_PRESETS_H
 #define MAROTTE_UI_WINDOW_PRESETS_H
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 #include "window/settings.h"
 
 enum { PRESET_NAME = 48, PRESET_TEXT = 8192, PRESET_KEY = 256 };

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_UI_WINDOW_STUDIO_INPUTS_H
 #define MAROTTE_UI_WINDOW_STUDIO_INPUTS_H
 #include "stage/input.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 enum { STUDIO_INPUTS_MAX = 8, STUDIO_OPENINGS_MAX = 8, STUDIO_INPUT_TEXT = 512 };
 

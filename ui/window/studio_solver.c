@@ -1,7 +1,7 @@
 /* How the surface is solved: kept with the show, so that it performs tomorrow as it did today. */
 #include "window/studio_state.h"
 
-#include "stage/kept_solver.h"
+#include "stage/take/kept_solver.h"
 
 void studio_solver_read(studio *self)
 {

@@ -1,6 +1,6 @@
 #include "window/timeline_worker_state.h"
 
-#include "stage/kept_solver.h"
+#include "stage/take/kept_solver.h"
 #include "take/edit_store.h"
 
 #include <stdio.h>

@@ -41,7 +41,7 @@ static void keep(device_list *out, const mrt_plugin_type *type, const mrt_device
 }
 
 static mrt_result look_with(device_list *out, const mrt_plugin_type *type, log_queue *log,
-                            said *hush, error *err)
+                            log_once *hush, error *err)
 {
     instance plugin;
     mrt_result result = instance_create(&plugin, type, CLOCK_REAL, log, err);
@@ -70,7 +70,7 @@ bool device_list_knows(const mrt_plugin_type *type)
 }
 
 mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
-                            said *hush, error *err)
+                            log_once *hush, error *err)
 {
     *out = (device_list){.count = 0};
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
@@ -80,7 +80,7 @@ mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_qu
         mrt_result result = look_with(out, type, log, hush, err);
         if (result == MRT_ERR_MEMORY)
             return result;
-        if (result < 0 && !(hush && said_before(hush, err->text)))
+        if (result < 0 && !(hush && log_once_repeats(hush, err->text)))
             log_push(log, MRT_LOG_WARNING, type->id, err->text);
     }
     return MRT_OK;

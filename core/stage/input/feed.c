@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "base/ring.h"
 #include "stage/input/channel_table.h"
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 #include "stage/wake.h"
 
 #include <math.h>

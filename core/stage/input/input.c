@@ -1,7 +1,7 @@
 #include "stage/input.h"
 #include "base/clock.h"
 #include "stage/input/input_inside.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -18,7 +18,7 @@ typedef struct input_record {
 typedef struct input_outage {
     int64_t went_ns, next_try_ns;
     uint32_t tries;
-    said said; /* what was said about it: every text once */
+    log_once logged; /* every text about it once */
 } input_outage;
 
 struct input {

@@ -148,7 +148,7 @@ static void close_plugin(input *self)
 
 /* Opens the plugin and copies what its channels are. On failure it is closed, and err has what the
  * plugin said of it: "" nothing. */
-static mrt_result open_plugin(input *self, said *hush, channel_table *out, error *err)
+static mrt_result open_plugin(input *self, log_once *hush, channel_table *out, error *err)
 {
     error why = {""};
     close_plugin(self);
@@ -294,7 +294,7 @@ static void say_once(input *self, const error *why)
 {
     if (!why->text[0])
         return;
-    if (!said_before(&self->outage.said, why->text))
+    if (!log_once_repeats(&self->outage.logged, why->text))
         pass_on(self, why, MRT_LOG_WARNING);
     health_state(&self->meter, INPUT_LOST, why->text, clock_now_ns());
 }
@@ -303,7 +303,7 @@ static void go_away(input *self, const error *why, int64_t now_ns)
 {
     release_pedals(self, now_ns);
     self->outage = (input_outage){.went_ns = now_ns};
-    (void)said_before(&self->outage.said, why->text);
+    (void)log_once_repeats(&self->outage.logged, why->text);
     /* At once, but not more often than patience allows. */
     self->outage.next_try_ns = self->opened_ns + self->patience_first_ns;
     health_lost(&self->meter);
@@ -325,7 +325,7 @@ static mrt_result open_lost(input *self, error *err)
 {
     channel_table table;
     error what;
-    mrt_result result = open_plugin(self, &self->outage.said, &table, err);
+    mrt_result result = open_plugin(self, &self->outage.logged, &table, err);
     if (result < 0 || channel_table_equal(newest_table(self), &table, &what))
         return result;
     close_plugin(self);

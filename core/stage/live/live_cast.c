@@ -1,8 +1,8 @@
 /* [main] Who performs: the face and the mapping; and what every change has in common: it ends the
  * performance that is recorded and begins another one. */
 #include "base/clock.h"
-#include "stage/identity.h"
-#include "stage/kept_solver.h"
+#include "stage/mapping/identity.h"
+#include "stage/take/kept_solver.h"
 #include "stage/live/live_state.h"
 
 #include <stdio.h>

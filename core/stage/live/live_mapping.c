@@ -1,5 +1,5 @@
 #include "stage/live/live_mapping.h"
-#include "stage/nothing.h"
+#include "stage/mapping/null_mapping.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@ static mrt_result find_type(live_mapping_role *self, plugin_list *plugins,
 {
     size_t length = strcspn(self->text, ",");
     *out_params = self->text[length] == ',' ? self->text + length + 1 : "";
-    *out = &nothing_type;
+    *out = &null_mapping_type;
     if (length == 0)
         return MRT_OK;
     char *name = strndup(self->text, length);
@@ -76,7 +76,7 @@ instance *live_mapping_now(live_mapping_role *self)
 
 bool live_mapping_is_nothing(const live_mapping_role *self)
 {
-    return self->instance.type == &nothing_type;
+    return self->instance.type == &null_mapping_type;
 }
 
 isolate_counts live_mapping_isolated(live_mapping_role *self)

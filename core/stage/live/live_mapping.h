@@ -3,8 +3,8 @@
  */
 #ifndef MAROTTE_STAGE_LIVE_MAPPING_H
 #define MAROTTE_STAGE_LIVE_MAPPING_H
-#include "stage/plugins.h"
-#include "stage/reload.h"
+#include "stage/mapping/plugins.h"
+#include "stage/mapping/reload.h"
 
 typedef struct live_mapping_role {
     char *text;          /* "one_hand,smile=8"; "" none */

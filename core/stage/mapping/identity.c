@@ -1,7 +1,7 @@
-#include "stage/identity.h"
+#include "stage/mapping/identity.h"
 
 #include "base/file.h"
-#include "stage/isolate.h"
+#include "stage/mapping/isolate.h"
 #include "take/hash.h"
 
 #include <limits.h>

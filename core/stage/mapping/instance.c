@@ -1,4 +1,4 @@
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 #include "base/clock.h"
 #include "base/text.h"
 
@@ -26,7 +26,7 @@ static void host_log(const mrt_host *host, int32_t level, const char *text)
     bool listens = is_listening(self); /* a plugin may log from threads of its own */
     if (listens && self->heard && level == MRT_LOG_ERROR)
         (void)error_set(self->heard, MRT_ERR_IO, "%s", text);
-    else if (!listens || !self->hush || !said_before(self->hush, text))
+    else if (!listens || !self->hush || !log_once_repeats(self->hush, text))
         log_push(self->log, level, self->type->id, text);
 }
 
@@ -305,7 +305,7 @@ void instance_latch(instance *self)
     }
 }
 
-void instance_listen(instance *self, error *out_heard, said *hush)
+void instance_listen(instance *self, error *out_heard, log_once *hush)
 {
     self->heard = out_heard;
     self->hush = hush;

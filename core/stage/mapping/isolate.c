@@ -1,6 +1,6 @@
-#include "stage/isolate.h"
+#include "stage/mapping/isolate.h"
 #include "stage/mapping/isolate_state.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "stage/seam.h"
 
 #include <math.h>

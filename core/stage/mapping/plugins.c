@@ -1,4 +1,4 @@
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include "stage/mapping/library_file.h"
 

@@ -1,9 +1,9 @@
-#include "stage/reload.h"
+#include "stage/mapping/reload.h"
 #include "base/clock.h"
 #include "check/check.h"
 #include "stage/guard.h"
 #include "stage/mapping/library_file.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "stage/mapping/reload_library.h"
 
 #include <math.h>

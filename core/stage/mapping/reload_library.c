@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "stage/mapping/library_file.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "take/hash.h"
 
 #include <dlfcn.h>

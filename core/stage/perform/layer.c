@@ -1,6 +1,6 @@
 #include "stage/perform/layer_state.h"
 #include "base/clock.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 #include "stage/sound_device.h"
 #include "base/clock.h"
 #include "base/slot.h"
-#include "stage/said.h"
+#include "base/log.h"
 #include "stage/wake.h"
 
 #include <errno.h>
@@ -40,7 +40,7 @@ struct sound_device {
     void *handle;
     int64_t next_try_ns, last_block_ns;
     uint64_t last_block;
-    said said;
+    log_once logged;
     /* shared */
     _Atomic bool is_stopping, is_closed; /* closed: no block reaches the user any more */
     _Atomic uint32_t inside;             /* blocks with the user */
@@ -112,7 +112,7 @@ static void go_away(sound_device *self, const error *why, int64_t now_ns)
     snprintf(self->status.text, sizeof self->status.text, "%.*s", (int)sizeof self->status.text - 1,
              why->text);
     self->next_try_ns = now_ns + patience_ns;
-    if (!said_before(&self->said, why->text))
+    if (!log_once_repeats(&self->logged, why->text))
         tell_log(self, why);
     publish(self);
 }
@@ -141,7 +141,7 @@ static void open_stream(sound_device *self, int64_t now_ns)
     self->last_block = atomic_load(&self->block_count);
     self->status.state = SOUND_DEVICE_RUNNING;
     self->status.text[0] = '\0';
-    said_reset(&self->said);
+    log_once_reset(&self->logged);
     publish(self);
 }
 
@@ -187,7 +187,7 @@ static void take_want(sound_device *self)
     self->status.state = SOUND_DEVICE_OFF;
     self->status.text[0] = '\0';
     self->next_try_ns = INT64_MIN;
-    said_reset(&self->said);
+    log_once_reset(&self->logged);
     publish(self);
 }
 

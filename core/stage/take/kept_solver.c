@@ -1,4 +1,4 @@
-#include "stage/kept_solver.h"
+#include "stage/take/kept_solver.h"
 
 #include "base/text.h"
 #include "stage/composer.h"

@@ -1,6 +1,6 @@
 #include "stage/recorder.h"
 #include "base/clock.h"
-#include "stage/identity.h"
+#include "stage/mapping/identity.h"
 #include "stage/take/recorder_state.h"
 #include "stage/take/source.h"
 

@@ -1,6 +1,6 @@
 /* Who performs, and as what it is recorded: tracks that go on when others perform, and those that
  * begin. */
-#include "stage/identity.h"
+#include "stage/mapping/identity.h"
 #include "stage/take/recorder_state.h"
 
 #include <stdio.h>

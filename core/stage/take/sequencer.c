@@ -1,5 +1,5 @@
 #include "stage/take/sequencer_state.h"
-#include "stage/kept_solver.h"
+#include "stage/take/kept_solver.h"
 #include "take/own.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 #include "stage/take/source.h"
 #include "base/bytes.h"
 #include "hand/calibration_file.h"
-#include "stage/isolate.h"
-#include "stage/nothing.h"
+#include "stage/mapping/isolate.h"
+#include "stage/mapping/null_mapping.h"
 #include "stage/performer.h"
 #include "take/hash.h"
 
@@ -76,8 +76,8 @@ static mrt_result set_apart(source *self, const char *library, const mrt_plugin_
 static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = words_of(self->info.performance.mapping);
-    if (strcmp(then.id, nothing_type.id) == 0) {
-        *out_type = &nothing_type;
+    if (strcmp(then.id, null_mapping_type.id) == 0) {
+        *out_type = &null_mapping_type;
         self->is_same_plugin = true;
         return MRT_OK;
     }

@@ -5,7 +5,7 @@
 #ifndef MAROTTE_STAGE_SOURCE_H
 #define MAROTTE_STAGE_SOURCE_H
 #include "stage/performer.h"
-#include "stage/plugins.h"
+#include "stage/mapping/plugins.h"
 #include "take/show.h"
 
 /* What all sources of a take share; must outlive them. */

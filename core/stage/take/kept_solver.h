@@ -1,6 +1,7 @@
-/* stage/kept_solver.h - how the surface is solved in a show: what was chosen for it is kept with
- * it, so that it performs tomorrow as it did today, wherever it is performed. Leaves out what a rig
- * says: that holds where a show says nothing. [main], or any one thread that may read the show. */
+/* stage/take/kept_solver.h - how the surface is solved in a show: what was chosen for it is kept
+ * with it, so that it performs tomorrow as it did today, wherever it is performed. Leaves out what
+ * a rig says: that holds where a show says nothing. [main], or any one thread that may read the
+ * show. */
 #ifndef MAROTTE_STAGE_KEPT_SOLVER_H
 #define MAROTTE_STAGE_KEPT_SOLVER_H
 #include "base/log.h"

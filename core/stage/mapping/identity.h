@@ -1,10 +1,10 @@
-/* stage/identity.h - what a show remembers of plugins and faces, so that a change is noticed later:
- * names, versions, and the SHA-256 of files. [main] */
+/* stage/mapping/identity.h - what a show remembers of plugins and faces, so that a change is
+ * noticed later: names, versions, and the SHA-256 of files. [main] */
 #ifndef MAROTTE_STAGE_IDENTITY_H
 #define MAROTTE_STAGE_IDENTITY_H
 #include "stage/face_file.h"
-#include "stage/instance.h"
-#include "stage/plugins.h"
+#include "stage/mapping/instance.h"
+#include "stage/mapping/plugins.h"
 #include "take/take.h"
 
 /* "id version sha256": see take.h; "-" for a library that cannot be read. To be freed; NULL: no

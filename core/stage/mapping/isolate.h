@@ -1,13 +1,13 @@
-/* stage/isolate.h - a mapping in a process of its own, as a type like any other: whoever uses it
- * sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and it goes
- * on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for a
- * second, or for three if its process had no turn), the call gives MRT_HOLD, a simple mapping goes
- * on from the next frame (isolate_fallback.h), what it saw is written down (isolate_report.h), and
- * a new process takes over once, by way of seam.h. A second failure within a minute: the simple one
- * stays. */
+/* stage/mapping/isolate.h - a mapping in a process of its own, as a type like any other: whoever
+ * uses it sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and
+ * it goes on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for
+ * a second, or for three if its process had no turn), the call gives MRT_HOLD, a simple mapping
+ * goes on from the next frame (isolate_fallback.h), what it saw is written down (isolate_report.h),
+ * and a new process takes over once, by way of seam.h. A second failure within a minute: the simple
+ * one stays. */
 #ifndef MAROTTE_STAGE_ISOLATE_H
 #define MAROTTE_STAGE_ISOLATE_H
-#include "stage/instance.h"
+#include "stage/mapping/instance.h"
 
 typedef struct isolate isolate;
 

@@ -1,10 +1,10 @@
-/* stage/reload.h - a mapping's library that is rebuilt while it performs: the new one is loaded
- * beside the old one, checked, given the old one's parameters and state, and takes over between two
- * samples without a jump (layer_switch). One that fails is refused, and the old one goes on. All
- * but the taking over happens in a thread of its own. What ran is never unloaded. */
+/* stage/mapping/reload.h - a mapping's library that is rebuilt while it performs: the new one is
+ * loaded beside the old one, checked, given the old one's parameters and state, and takes over
+ * between two samples without a jump (layer_switch). One that fails is refused, and the old one
+ * goes on. All but the taking over happens in a thread of its own. What ran is never unloaded. */
 #ifndef MAROTTE_STAGE_RELOAD_H
 #define MAROTTE_STAGE_RELOAD_H
-#include "stage/isolate.h"
+#include "stage/mapping/isolate.h"
 #include "stage/layer.h"
 
 typedef struct reload reload;

@@ -1,5 +1,5 @@
-/* stage/plugins.h - which plugins there are: shared libraries found in the folders of the path
- * list, loaded, checked, and never unloaded. One that cannot be used says why and is skipped.
+/* stage/mapping/plugins.h - which plugins there are: shared libraries found in the folders of the
+ * path list, loaded, checked, and never unloaded. One that cannot be used says why and is skipped.
  * [main]; read-only afterwards. */
 #ifndef MAROTTE_STAGE_PLUGINS_H
 #define MAROTTE_STAGE_PLUGINS_H

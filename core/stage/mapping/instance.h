@@ -1,10 +1,10 @@
-/* stage/instance.h - one plugin at work: its self, the host that it sees, and the values of its
- * parameters, which the host owns. Leaves out what is particular to inputs (input.h) and mappings
- * (performer.h). It must not move in memory between create and destroy. Threads as marked. */
+/* stage/mapping/instance.h - one plugin at work: its self, the host that it sees, and the values of
+ * its parameters, which the host owns. Leaves out what is particular to inputs (input.h) and
+ * mappings (performer.h). It must not move in memory between create and destroy. Threads as marked.
+ */
 #ifndef MAROTTE_STAGE_INSTANCE_H
 #define MAROTTE_STAGE_INSTANCE_H
 #include "base/log.h"
-#include "stage/said.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -26,7 +26,7 @@ typedef struct instance {
     double *params;             /* as the plugin sees them: latched by the thread that calls it */
     _Atomic uintptr_t listener; /* the thread that listens to what the plugin logs; 0: none */
     error *heard;               /* the listener's: the last error; or NULL */
-    said *hush;                 /* the listener's: what it need not hear again; or NULL */
+    log_once *hush;             /* the listener's: what it need not hear again; or NULL */
     bool can_restart;           /* whether anybody asks instance_take_restart */
     _Atomic bool restart_asked;
     pthread_mutex_t mutex; /* guards stopping, for the wait */
@@ -66,7 +66,7 @@ void instance_latch(instance *self);
 /* [the thread that calls the plugin] Around calls into the plugin: the last error that it logs from
  * this thread goes to out_heard instead of the log, and of its other lines those that `hush`
  * remembers are dropped (NULL: none). Both must live until instance_listen_end. */
-void instance_listen(instance *self, error *out_heard, said *hush);
+void instance_listen(instance *self, error *out_heard, log_once *hush);
 void instance_listen_end(instance *self);
 
 /* [the thread that calls the plugin] Whether it asked to be closed and opened since the last call.

@@ -1,4 +1,4 @@
-#include "stage/nothing.h"
+#include "stage/mapping/null_mapping.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -78,7 +78,7 @@ static const mrt_mapping mapping = {
 static const mrt_resume resume = {.save = save, .load = load};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
-const mrt_plugin_type nothing_type = {
+const mrt_plugin_type null_mapping_type = {
     .abi = MRT_ABI,
     .interfaces = interfaces,
     .id = "org.marotte.nothing",
