@@ -274,6 +274,18 @@ static void report_folds(const performance *self, facts *told)
     facts_number(told, "folds", "folds", folds, 0, "frames or steps");
     facts_number(told, "min_determinant", "least determinant",
                  fmin(kept->min_determinant, counts->min_determinant), 3, "");
+    facts_number(told, "stretch", "greatest stretch", kept->worst.stretch, 2,
+                 "of an edge: its length over that at rest");
+    facts_number(told, "bend_deg", "greatest bend", kept->worst.bend_deg, 1,
+                 "degrees of an edge, beyond what it has at rest");
+    facts_number(told, "bent_edges", "bent edges", kept->worst.bent_count, 0,
+                 "beyond 120 degrees in the worst frame");
+    facts_number(told, "inside_out", "inside out", kept->worst.inside_out_count, 0,
+                 "triangles in the worst frame");
+    facts_number(told, "held_back_mm", "held back", kept->held_back_mm, 2,
+                 "mm at most, where the skin would fold or tear");
+    if (kept->held_frames)
+        facts_number(told, "held_frames", "held back in", kept->held_frames, 0, "frames");
     if (counts->limited_steps)
         facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
                      "samples in which the hand was faster than the surface can follow");

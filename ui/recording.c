@@ -115,6 +115,21 @@ static void meter_folds(recording *self, const face *f)
     self->min_determinant = fmin(self->min_determinant, determinant);
 }
 
+/* The mesh as it is shown, whatever moved it. */
+static void meter_surface(recording *self, const face *f)
+{
+    face_surface now = face_judge(f);
+    surface_state *worst = &self->worst;
+    worst->stretch = fmax(worst->stretch, now.skin.stretch);
+    worst->bend_deg = fmax(worst->bend_deg, now.skin.bend_deg);
+    if (now.skin.bent_count > worst->bent_count)
+        worst->bent_count = now.skin.bent_count;
+    if (now.skin.inside_out_count > worst->inside_out_count)
+        worst->inside_out_count = now.skin.inside_out_count;
+    self->held_back_mm = fmax(self->held_back_mm, now.held_back_mm);
+    self->held_frames += now.held_back_mm > 0.0;
+}
+
 static mrt_result add_anchored(recording *self, const face *f, const face_columns *now, error *err)
 {
     mrt_result result = MRT_OK;
@@ -175,6 +190,7 @@ mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error
     if (result < 0)
         return result;
     measure_motion(self, f);
+    meter_surface(self, f);
     face_columns now = face_columns_now(f);
     if (is_anchored)
         meter_folds(self, f);

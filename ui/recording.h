@@ -28,6 +28,9 @@ typedef struct recording {
     double furthest_mm;      /* of any vertex from rest, in any frame */
     uint32_t folded_frames;  /* anchored frames that fold: face_min_determinant <= 0 */
     double min_determinant;  /* of the anchored frames; 1 when the bound says that none folds */
+    surface_state worst;     /* of all frames, each figure by itself */
+    double held_back_mm;     /* the most in any frame */
+    uint32_t held_frames;    /* in which something was held back */
     double penetration_mm;   /* of skin into the skull, as shown */
     uint32_t inexact_frames; /* anchored, but kept as vertices: the projection was at work */
 } recording;

@@ -16,6 +16,7 @@
 #include "face/bind.h"
 #include "face/bones.h"
 #include "mesh/shading.h"
+#include "mesh/surface_meter.h"
 
 typedef struct face face;
 
@@ -136,6 +137,8 @@ typedef struct face_meter {
     uint32_t projected_count; /* vertices that it moved */
     float dof[MRT_MAX_DOFS];  /* as posed, derived and limited ones included */
     uint32_t dropped_count;   /* controls of the engagement that can move nothing: mobility 0 */
+    double held_back_mm; /* by so much the control furthest from its end falls short of it, because
+                            the skin would fold or tear; 0: nothing is held back */
 } face_meter;
 const face_meter *face_metered(const face *f);
 /* How close the face is to folding; <= 0: it folds. The exact meter, not for every frame.
@@ -147,6 +150,13 @@ const face_meter *face_metered(const face *f);
  * own plane: <= 0 where skin is squashed to nothing, or turned by more than 90 degrees from where
  * the bones turn it, as in any fold. */
 double face_min_determinant(const face *f);
+typedef struct face_surface { /* the skin as shown, anchored or not */
+    double min_determinant;   /* face_min_determinant; <= 0: it folds */
+    surface_state skin;       /* triangles with a mobile vertex */
+    double held_back_mm;      /* face_meter.held_back_mm */
+} face_surface;
+/* Some 10 ns for each triangle of skin. */
+face_surface face_judge(const face *f);
 /* How far the vertex furthest below a proxy's floor is below it as shown, mm; 0: none. */
 double face_penetration_mm(const face *f);
 

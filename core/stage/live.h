@@ -70,7 +70,8 @@ typedef struct live_view {
     face_meter meter;
     double min_determinant; /* measured some times a second; 1: nothing folds */
     double penetration_mm;
-    int64_t sample_ns; /* host clock: of the newest sample in it that was measured live; 0: none */
+    surface_state skin; /* measured with it */
+    int64_t sample_ns;  /* host clock: of the newest sample in it that was measured live; 0: none */
     int64_t published_ns; /* host clock */
     /* the timeline; all 0 while LIVE_PERFORMS */
     int64_t at_ns;

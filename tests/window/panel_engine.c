@@ -70,6 +70,13 @@ static void a_fold_is_said_in_words(void **state)
     s.view.min_determinant = 0.05;
     stand_settle(&s);
     assert_non_null(stand_word(&s, "nearly folds"));
+    s.view.skin = (surface_state){.stretch = 3.5, .bend_deg = 71.0, .inside_out_count = 4};
+    s.view.meter.held_back_mm = 12.25;
+    stand_settle(&s);
+    assert_true(stand_shows(&s, "3.50 times"));
+    assert_true(stand_shows(&s, "71 degrees"));
+    assert_true(stand_shows(&s, "4 triangles"));
+    assert_true(stand_shows(&s, "by 12.2 mm"));
     stand_close(&s);
 }
 

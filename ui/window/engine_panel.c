@@ -160,6 +160,22 @@ static void draw_meters(ui *on, const live_view *view)
     ui_hint(on, "The skin that is squeezed most: what is left of its area. 0 and below: it folds.");
     (void)snprintf(words, sizeof words, "%.2f of 1", view->min_determinant);
     ui_fact(on, "Least area", column, UI_STYLE_BODY, words);
+    const surface_state *skin = &view->skin;
+    (void)snprintf(words, sizeof words, "%.2f times", skin->stretch);
+    ui_fact(on, "Stretch", column, UI_STYLE_BODY, words);
+    ui_hint(on, "The edge that is stretched most: its length over that at rest.");
+    (void)snprintf(words, sizeof words, "%.0f degrees", skin->bend_deg);
+    ui_fact(on, "Bend", column, skin->bent_count > 0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
+    ui_hint(on, "The edge that is bent most, beyond what it is at rest.");
+    if (skin->inside_out_count > 0) {
+        (void)snprintf(words, sizeof words, "%u triangles", skin->inside_out_count);
+        ui_fact(on, "Inside out", column, UI_STYLE_BAD, words);
+    }
+    if (view->meter.held_back_mm > 0.0) {
+        (void)snprintf(words, sizeof words, "by %.1f mm", view->meter.held_back_mm);
+        ui_fact(on, "Held back", column, UI_STYLE_WARNING, words);
+        ui_hint(on, "Where the skin would fold or tear it is given less than the hand asks for.");
+    }
     (void)snprintf(words, sizeof words, "%.2f mm", view->penetration_mm);
     ui_fact(on, "Skin in the skull", column,
             view->penetration_mm > 1.0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);

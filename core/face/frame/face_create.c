@@ -348,6 +348,7 @@ void face_destroy(face *f)
     columns_destroy(&f->columns);
     free(f->mobility);
     free(f->skin);
+    surface_meter_destroy(f->surface_meter);
     free(f->contact);
     free(f->contact_slot);
     free(f->grip);

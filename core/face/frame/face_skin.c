@@ -36,7 +36,9 @@ mrt_result face_skin_create(face *f, const mesh *m, error *err)
     if (!f->skin)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u triangles", m->triangle_count);
     list_skin(f, m);
-    return MRT_OK;
+    const float *const rest[3] = {f->rest.x, f->rest.y, f->rest.z};
+    return surface_meter_create(&f->surface_meter, rest, f->rest.count, f->skin, f->skin_count,
+                                err);
 }
 
 /* Where the bones alone turn a normal, at the mean of the triangle's weights. */
@@ -71,4 +73,13 @@ double face_min_determinant(const face *f)
     if (f->rig)
         return skin_determinant(f);
     return f->control_count > 0 ? csrbf_min_determinant(f->field[0].solver, f->origin) : 1.0;
+}
+
+face_surface face_judge(const face *f)
+{
+    const float *const at[3] = {f->shown.x, f->shown.y, f->shown.z};
+    face_surface out = {.min_determinant = face_min_determinant(f),
+                        .held_back_mm = f->meter.held_back_mm};
+    surface_meter_measure(f->surface_meter, &out.skin, at);
+    return out;
 }

@@ -86,6 +86,7 @@ struct face {
 
     uint32_t *skin; /* skin_count by 3 slots: triangles with a mobile vertex */
     uint32_t skin_count;
+    surface_meter *surface_meter; /* of the skin */
 };
 
 /* ---- face_grip.c ---- */

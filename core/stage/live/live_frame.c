@@ -113,7 +113,9 @@ static void meter(live_stage *stage, const face *f, int64_t now_ns)
     if (now_ns - stage->metered_ns < meter_span_ns)
         return;
     stage->metered_ns = now_ns;
-    stage->min_determinant = face_min_determinant(f);
+    const face_surface judged = face_judge(f);
+    stage->min_determinant = judged.min_determinant;
+    stage->skin = judged.skin;
     stage->penetration_mm = face_penetration_mm(f);
 }
 
@@ -134,6 +136,7 @@ static void describe_face(live_stage *stage, live_view *view, composer *of)
     view->solver = composer_solver(of);
     view->min_determinant = stage->min_determinant;
     view->penetration_mm = stage->penetration_mm;
+    view->skin = stage->skin;
 }
 
 static void describe_stage(live_stage *stage, live_view *view)

@@ -91,6 +91,7 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     int64_t sample_ns;
     double step_ms[LIVE_STEPS]; /* since the last published face */
     double min_determinant, penetration_mm;
+    surface_state skin;
     int64_t metered_ns;
 
     live_pulse now; /* as counted */

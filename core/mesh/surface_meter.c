@@ -1,0 +1,192 @@
+#include "mesh/surface_meter.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of the mean edge: shorter ones are where a mesh pinches, and say nothing of the skin. */
+static const double shortest = 1e-3;
+
+typedef struct surface_edge {
+    uint32_t end[2];      /* vertices */
+    uint32_t triangle[2]; /* on both sides; both the same at a border */
+    float inverse_square; /* of its length at rest; 0: too short to be measured */
+    float cosine, sine;   /* of the angle that it is bent by at rest */
+} surface_edge;
+
+typedef struct surface_normal { /* unit, or 0: squashed to nothing */
+    float x, y, z;
+} surface_normal;
+
+struct surface_meter {
+    uint32_t triangle_count, edge_count;
+    uint32_t *corner; /* triangle_count by 3 */
+    surface_edge *edge;
+    surface_normal *normal; /* scratch: of each triangle */
+    uint8_t *against;       /* scratch: at so many edges it points against its neighbour */
+};
+
+/* ---- made and unmade ---- */
+
+typedef struct half_edge {
+    uint32_t low, high, triangle;
+} half_edge;
+
+static int by_ends(const void *a, const void *b)
+{
+    const half_edge *p = a, *q = b;
+    if (p->low != q->low)
+        return p->low < q->low ? -1 : 1;
+    if (p->high != q->high)
+        return p->high < q->high ? -1 : 1;
+    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
+}
+
+static surface_normal normal_of(const float *const at[3], const uint32_t *corner)
+{
+    uint32_t a = corner[0], b = corner[1], c = corner[2];
+    float ux = at[0][b] - at[0][a], uy = at[1][b] - at[1][a], uz = at[2][b] - at[2][a];
+    float vx = at[0][c] - at[0][a], vy = at[1][c] - at[1][a], vz = at[2][c] - at[2][a];
+    float x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    float square = x * x + y * y + z * z;
+    bool is_good = square > 1e-30f;
+    float inverse = is_good ? 1.0f / sqrtf(square) : 0.0f;
+    return (surface_normal){x * inverse, y * inverse, z * inverse};
+}
+
+static float square_of(const float *const at[3], const uint32_t *end)
+{
+    float x = at[0][end[1]] - at[0][end[0]], y = at[1][end[1]] - at[1][end[0]],
+          z = at[2][end[1]] - at[2][end[0]];
+    return x * x + y * y + z * z;
+}
+
+static float cosine_of(const surface_meter *self, const surface_edge *e)
+{
+    const surface_normal *a = &self->normal[e->triangle[0]], *b = &self->normal[e->triangle[1]];
+    return a->x * b->x + a->y * b->y + a->z * b->z;
+}
+
+static void list_triangles(surface_meter *self, const float *const rest[3],
+                           const uint32_t *triangle, uint32_t triangle_count)
+{
+    for (uint32_t t = 0; t < triangle_count; ++t) {
+        const uint32_t *corner = triangle + (size_t)3 * t;
+        surface_normal n = normal_of(rest, corner);
+        if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f)
+            continue;
+        memcpy(self->corner + (size_t)3 * self->triangle_count, corner, 3 * sizeof *corner);
+        self->normal[self->triangle_count++] = n;
+    }
+}
+
+/* Each edge once: with its two triangles; with one where it is a border, or where more meet. */
+static void list_edges(surface_meter *self, half_edge *half)
+{
+    uint32_t count = 0, total = 3 * self->triangle_count;
+    for (uint32_t i = 0; i < total; ++i) {
+        uint32_t a = self->corner[i], b = self->corner[i % 3 == 2 ? i - 2 : i + 1];
+        half[i] = (half_edge){a < b ? a : b, a < b ? b : a, i / 3};
+    }
+    qsort(half, total, sizeof *half, by_ends);
+    for (uint32_t i = 0; i < total;) {
+        uint32_t end = i + 1;
+        while (end < total && half[end].low == half[i].low && half[end].high == half[i].high)
+            ++end;
+        surface_edge *e = &self->edge[count++];
+        *e =
+            (surface_edge){.end = {half[i].low, half[i].high},
+                           .triangle = {half[i].triangle, half[end - i == 2 ? i + 1 : i].triangle}};
+        i = end;
+    }
+    self->edge_count = count;
+}
+
+static void measure_rest(surface_meter *self, const float *const rest[3])
+{
+    double mean = 0.0;
+    for (uint32_t i = 0; i < self->edge_count; ++i)
+        mean += sqrt((double)square_of(rest, self->edge[i].end)) / self->edge_count;
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        surface_edge *e = &self->edge[i];
+        float square = square_of(rest, e->end);
+        bool is_long = sqrt((double)square) > shortest * mean;
+        e->inverse_square = is_long ? 1.0f / square : 0.0f;
+        e->cosine = fminf(fmaxf(cosine_of(self, e), -1.0f), 1.0f);
+        e->sine = sqrtf(1.0f - e->cosine * e->cosine);
+    }
+}
+
+mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
+                                uint32_t vertex_count, const uint32_t *triangle,
+                                uint32_t triangle_count, error *err)
+{
+    size_t room = (size_t)triangle_count + 1;
+    surface_meter *self = *out = calloc(1, sizeof *self);
+    half_edge *half = malloc(3 * room * sizeof *half);
+    if (self) {
+        self->corner = malloc(3 * room * sizeof *self->corner);
+        self->edge = malloc(3 * room * sizeof *self->edge);
+        self->normal = malloc(room * sizeof *self->normal);
+        self->against = malloc(room);
+    }
+    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->against) {
+        free(half);
+        surface_meter_destroy(self);
+        *out = NULL;
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a surface of %u vertices",
+                         vertex_count);
+    }
+    list_triangles(self, rest, triangle, triangle_count);
+    list_edges(self, half);
+    measure_rest(self, rest);
+    free(half);
+    return MRT_OK;
+}
+
+void surface_meter_destroy(surface_meter *self)
+{
+    if (!self)
+        return;
+    free(self->corner);
+    free(self->edge);
+    free(self->normal);
+    free(self->against);
+    free(self);
+}
+
+/* ---- measured ---- */
+
+/* The cosine of how far an edge is bent beyond rest; 1 where it is not. */
+static float cosine_beyond_rest(const surface_edge *e, float cosine)
+{
+    float c = cosine > 1.0f ? 1.0f : cosine < -1.0f ? -1.0f : cosine;
+    float beyond = c * e->cosine + sqrtf(1.0f - c * c) * e->sine;
+    return c < e->cosine ? beyond : 1.0f;
+}
+
+void surface_meter_measure(surface_meter *self, surface_state *out, const float *const at[3])
+{
+    const double pi = 3.14159265358979323846;
+    const float bent = (float)cos(SURFACE_BENT_DEG * pi / 180.0);
+    float longest = 1.0f, sharpest = 1.0f;
+    *out = (surface_state){0};
+    for (uint32_t t = 0; t < self->triangle_count; ++t)
+        self->normal[t] = normal_of(at, self->corner + (size_t)3 * t);
+    memset(self->against, 0, self->triangle_count);
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        const surface_edge *e = &self->edge[i];
+        float stretched = square_of(at, e->end) * e->inverse_square;
+        float cosine = cosine_of(self, e), beyond = cosine_beyond_rest(e, cosine);
+        bool is_against = (cosine < 0.0f) & (e->cosine >= 0.0f);
+        longest = stretched > longest ? stretched : longest;
+        sharpest = beyond < sharpest ? beyond : sharpest;
+        out->bent_count += (cosine < bent) & (e->cosine >= bent);
+        self->against[e->triangle[0]] += is_against;
+        self->against[e->triangle[1]] += is_against;
+    }
+    for (uint32_t t = 0; t < self->triangle_count; ++t)
+        out->inside_out_count += self->against[t] >= 2;
+    out->stretch = sqrt((double)longest);
+    out->bend_deg = acos(fmax((double)sharpest, -1.0)) * 180.0 / pi;
+}
