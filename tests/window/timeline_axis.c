@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "take/edit_help.h"
-#include "window/timeline_snap.h"
+#include "window/timeline/axis.h"
 
 #include <math.h>
 

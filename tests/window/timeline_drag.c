@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "take/edit_help.h"
-#include "window/timeline_drag.h"
+#include "window/timeline/drag.h"
 
 /* Layers 'face' (clip 2: 0..10 s) and 'mouth' above it (clips 4: 1..4 s, 5: 4..7 s). */
 static take two_layers(void)

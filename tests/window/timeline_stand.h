@@ -4,7 +4,7 @@
 #ifndef MAROTTE_TESTS_WINDOW_TIMELINE_STAND_H
 #define MAROTTE_TESTS_WINDOW_TIMELINE_STAND_H
 #include "window/front.h"
-#include "window/timeline_state.h"
+#include "window/timeline/timeline.h"
 
 enum { STAND_TAKES = 5000, STAND_EDITS = 256, STAND_COMPS = 3 };
 

@@ -9,7 +9,7 @@
 
 #include "base/clock.h"
 #include "unit/sequencer_scene.h"
-#include "window/timeline_worker.h"
+#include "window/timeline/worker.h"
 
 static film *shot;
 static const int64_t patience_ns = 60 * NS_PER_S;

@@ -1,10 +1,10 @@
-/* window/timeline_rows.h - where everything of a take lies on the timeline: the ruler with its
+/* window/timeline/layout.h - where everything of a take lies on the timeline: the ruler with its
  * range and markers, a row for each layer (the top one on top), for the sound and for each take
  * that can be comped from; and what is under the pointer. Leaves out looks. Pure; points. */
-#ifndef MAROTTE_UI_WINDOW_TIMELINE_ROWS_H
-#define MAROTTE_UI_WINDOW_TIMELINE_ROWS_H
+#ifndef MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
+#define MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
 #include "take/edit.h"
-#include "window/timeline_axis.h"
+#include "window/timeline/axis.h"
 
 enum { TIMELINE_COMPS_MAX = 12, TIMELINE_ROWS_MAX = EDIT_LAYERS_MAX + 1 + TIMELINE_COMPS_MAX };
 

@@ -1,8 +1,102 @@
-#include "window/timeline_ticks.h"
+#include "window/timeline/axis.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+
+#define AIR  0.02 /* of the width, on both sides of what is fitted */
+#define PAGE 0.08 /* where on the next page the play head comes */
+#define SEEN 0.1  /* of the width, that shows something */
+
+static double within(double value, double low, double high)
+{
+    return value < low ? low : value > high ? high : value;
+}
+
+static int64_t rounded(double ns)
+{
+    return (int64_t)floor(ns + 0.5);
+}
+
+static void set_scale(timeline_axis *self, double ns_per_point)
+{
+    double width = (double)self->width;
+    self->ns_per_point =
+        within(ns_per_point, TIMELINE_SPAN_MIN_NS / width, TIMELINE_SPAN_MAX_NS / width);
+}
+
+void timeline_axis_fit(timeline_axis *self, int64_t from_ns, int64_t to_ns)
+{
+    double span_ns = to_ns > from_ns ? (double)(to_ns - from_ns) : 1e9;
+    set_scale(self, span_ns / ((1.0 - 2.0 * AIR) * (double)self->width));
+    double spare_ns = self->ns_per_point * (double)self->width - span_ns;
+    double left_ns = within(self->ns_per_point * (double)self->width * AIR, 0.0, spare_ns);
+    self->from_ns = from_ns - rounded(left_ns);
+}
+
+void timeline_axis_place(timeline_axis *self, float x, float width)
+{
+    self->x = x;
+    self->width = width > 1.0f ? width : 1.0f;
+    set_scale(self, self->ns_per_point);
+}
+
+float timeline_axis_x(const timeline_axis *self, int64_t at_ns)
+{
+    return self->x + (float)((double)(at_ns - self->from_ns) / self->ns_per_point);
+}
+
+int64_t timeline_axis_ns(const timeline_axis *self, float x)
+{
+    return self->from_ns + rounded((double)(x - self->x) * self->ns_per_point);
+}
+
+int64_t timeline_axis_until_ns(const timeline_axis *self)
+{
+    return timeline_axis_ns(self, self->x + self->width);
+}
+
+int64_t timeline_axis_span_ns(const timeline_axis *self, float points)
+{
+    return rounded((double)points * self->ns_per_point);
+}
+
+void timeline_axis_zoom(timeline_axis *self, float x, double factor)
+{
+    int64_t about_ns = timeline_axis_ns(self, x);
+    set_scale(self, self->ns_per_point / factor);
+    self->from_ns = about_ns - rounded((double)(x - self->x) * self->ns_per_point);
+}
+
+void timeline_axis_pan(timeline_axis *self, float points)
+{
+    self->from_ns -= rounded((double)points * self->ns_per_point);
+}
+
+void timeline_axis_hold(timeline_axis *self, int64_t low_ns, int64_t high_ns)
+{
+    double span_ns = self->ns_per_point * (double)self->width;
+    int64_t least_ns = low_ns - rounded((1.0 - SEEN) * span_ns);
+    int64_t most_ns = high_ns - rounded(SEEN * span_ns);
+    if (most_ns < low_ns - rounded(AIR * span_ns))
+        most_ns = low_ns - rounded(AIR * span_ns);
+    if (self->from_ns > most_ns)
+        self->from_ns = most_ns;
+    if (self->from_ns < least_ns)
+        self->from_ns = least_ns;
+}
+
+bool timeline_axis_follow(timeline_axis *self, int64_t at_ns)
+{
+    float x = timeline_axis_x(self, at_ns);
+    if (x >= self->x && x <= self->x + self->width)
+        return false;
+    self->from_ns = at_ns - rounded(PAGE * (double)self->width * self->ns_per_point);
+    return true;
+}
+
+/* ---- ticks ---- */
 
 #define MINOR_POINTS 7.0
 #define LABEL_POINTS 120.0f /* that a label may reach into sight */
@@ -212,4 +306,80 @@ uint32_t timeline_ticks(timeline_tick out[TIMELINE_TICKS_MAX], const timeline_ax
     by = choose(seconds, sizeof seconds / sizeof seconds[0], (double)second_ns / ns_per_point,
                 least);
     return tick_seconds(out, axis, code, by);
+}
+
+/* ---- snapping ---- */
+
+typedef struct nearest {
+    int64_t at_ns, away_ns, to_ns;
+    bool is_found;
+} nearest;
+
+static void consider(nearest *n, int64_t to_ns)
+{
+    int64_t away_ns = to_ns > n->at_ns ? to_ns - n->at_ns : n->at_ns - to_ns;
+    if (away_ns > n->away_ns || (n->is_found && away_ns == n->away_ns))
+        return;
+    *n = (nearest){n->at_ns, away_ns, to_ns, true};
+}
+
+static nearest find(const timeline_snap *snap, int64_t at_ns)
+{
+    const take *t = snap->take;
+    nearest n = {.at_ns = at_ns, .away_ns = snap->reach_ns};
+    if (snap->reach_ns <= 0)
+        return n;
+    if (snap->head_ns != INT64_MIN)
+        consider(&n, snap->head_ns);
+    if (snap->in_ns < snap->out_ns) {
+        consider(&n, snap->in_ns);
+        consider(&n, snap->out_ns);
+    }
+    consider(&n, 0);
+    if (!t)
+        return n;
+    consider(&n, t->duration_ns);
+    for (uint32_t i = 0; i < t->marker_count; ++i)
+        if ((int32_t)i != snap->without_marker)
+            consider(&n, t->marker[i].at_ns);
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
+            const take_clip *clip = &t->layer[i].clip[k];
+            if (clip->id == snap->without_clip)
+                continue;
+            consider(&n, clip->start_ns + t->layer[i].offset_ns);
+            consider(&n, clip->end_ns + t->layer[i].offset_ns);
+        }
+    return n;
+}
+
+/* Frames draw everything, if they are far enough from each other to be meant. */
+static int64_t on_grid(const timeline_snap *snap, int64_t at_ns)
+{
+    if (snap->reach_ns <= 0)
+        return at_ns;
+    timecode_rate rate = snap->code.rate;
+    return timecode_time_ns(rate, timecode_nearest_frame(rate, at_ns));
+}
+
+int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, int64_t *out_to)
+{
+    nearest n = find(snap, at_ns);
+    if (out_to)
+        *out_to = n.is_found ? n.to_ns : INT64_MIN;
+    return n.is_found ? n.to_ns : on_grid(snap, at_ns);
+}
+
+int64_t timeline_snap_span(const timeline_snap *snap, int64_t start_ns, int64_t length_ns,
+                           int64_t *out_to)
+{
+    nearest start = find(snap, start_ns), end = find(snap, start_ns + length_ns);
+    if (out_to)
+        *out_to = INT64_MIN;
+    if (!start.is_found && !end.is_found)
+        return on_grid(snap, start_ns);
+    bool by_end = end.is_found && (!start.is_found || end.away_ns < start.away_ns);
+    if (out_to)
+        *out_to = by_end ? end.to_ns : start.to_ns;
+    return by_end ? end.to_ns - length_ns : start.to_ns;
 }

@@ -1,12 +1,12 @@
-/* window/timeline_drag.h - what a drag on the timeline means: from where it began and where the
+/* window/timeline/drag.h - what a drag on the timeline means: from where it began and where the
  * pointer is now to the edit that it will be, seen at once on a copy of the take. One drag is one
  * step of undo; where an edit is not possible the last possible one stays, and why is said. Leaves
  * out drawing and who makes the edit. [main] or any one thread. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_DRAG_H
 #define MAROTTE_UI_WINDOW_TIMELINE_DRAG_H
 #include "take/own.h"
-#include "window/timeline_rows.h"
-#include "window/timeline_snap.h"
+#include "window/timeline/layout.h"
+#include "window/timeline/axis.h"
 
 typedef enum timeline_drag_kind {
     TIMELINE_DRAG_NONE = 0,

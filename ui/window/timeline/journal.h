@@ -1,4 +1,4 @@
-/* window/timeline_journal.h - how much each input moved in the last half hour, as long as nobody
+/* window/timeline/journal.h - how much each input moved in the last half hour, as long as nobody
  * recorded: bins of a tenth of a second, written while the window looks, in memory that does not
  * grow. Leaves out drawing, and the journal itself (take/journal.h). Pure; time is any clock's that
  * does not go back. */

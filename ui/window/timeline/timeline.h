@@ -1,13 +1,15 @@
-/* window/timeline_state.h - the inside of the timeline's panel: what its files share. timeline.c
- * puts it together; timeline_paint_*.c draw, timeline_mouse.c obeys the pointer. [main] */
-#ifndef MAROTTE_UI_WINDOW_TIMELINE_STATE_H
-#define MAROTTE_UI_WINDOW_TIMELINE_STATE_H
+/* window/timeline/timeline.h - the state of the timeline's panel, which its files share: timeline.c
+ * puts the panel together, paint.c draws a take, journal.c what is shown while no take is chosen,
+ * mouse.c turns the pointer into gestures, menu.c has the menus and dialogs, strip.c the transport
+ * above, take_list.c the list beside it. No other room includes this header. [main] */
+#ifndef MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
+#define MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #include "window/panels.h"
 #include "window/theme.h"
-#include "window/timeline_drag.h"
-#include "window/timeline_journal.h"
-#include "window/timeline_takes.h"
-#include "window/timeline_worker.h"
+#include "window/timeline/drag.h"
+#include "window/timeline/journal.h"
+#include "window/timeline/take_list.h"
+#include "window/timeline/worker.h"
 
 #define TIMELINE_LIST_WIDTH   250.0f
 #define TIMELINE_STRIP_HEIGHT 46.0f
@@ -26,7 +28,7 @@
 #define TIMELINE_GRID_COLOUR  0x23272cffu
 #define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the play head */
 
-/* What the pointer does, beside drags that are edits (timeline_drag.h). */
+/* What the pointer does, beside drags that are edits (drag.h). */
 typedef enum timeline_gesture {
     GESTURE_NONE = 0,
     GESTURE_PRESSED, /* on something that is dragged once it has moved some points */
@@ -120,46 +122,40 @@ const take_layer *timeline_layer(const take *t, uint32_t id);
 const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
 void timeline_edit(panel *self, edit *e); /* makes it, and finishes it */
 
-/* timeline_slide.c: of the comp lane, how much later it lies than its own time; 0 at first */
+void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
+uint32_t timeline_own_regions(const take_layer *lane); /* bits; those whose patterns it has */
+/* Of a comp lane: how much later it lies than its own time; 0 at first. */
 int64_t timeline_comp_later_ns(const panel *self, uint32_t index);
 void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns);
 take_layer timeline_comp_lane(const panel *self, uint32_t index); /* its lowest, as it lies; the
                                                                      clips are the comp's */
 void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns); /* it was slid */
-void timeline_slide_follow(panel *self, const char *show_path); /* another show: nothing is laid */
-void timeline_slide_finish(panel *self);
-/* timeline_strip.c */
+
+/* strip.c */
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_history_dialog(panel *self, ui *on);
-/* timeline_paint_ruler.c */
+
+/* paint.c */
 void timeline_paint_ruler(panel *self, ui *on);
 void timeline_paint_head(panel *self, ui *on); /* over everything */
-/* timeline_paint_corner.c */
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
-/* timeline_paint_rows.c */
 void timeline_paint_rows(panel *self, ui *on);
-/* timeline_paint_clip.c */
-void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *lane,
-                         const take_clip *clip, uint32_t owner, bool is_heard);
-void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *lane);
-/* timeline_paint_wave.c */
-void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t);
-/* timeline_mouse.c */
+
+/* mouse.c */
 void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas);
-timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas);
-/* timeline_menu.c */
+
+/* menu.c */
 void timeline_menu(panel *self, ui *on);
 void timeline_ask_layer(panel *self, ui *on, uint32_t id); /* 0: a new one */
 void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
-/* timeline_paint_journal.c */
+
+/* journal.c */
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
-/* timeline_takes_list.c */
+
+/* take_list.c */
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_takes_dialog(panel *self, ui *on);
-/* timeline_words.c */
-void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
-uint32_t timeline_own_regions(const take_layer *lane); /* bits; those whose patterns it has */
 
 #endif

@@ -1,8 +1,8 @@
-/* window/timeline_takes.h - which takes the list shows, newest first: all, the good ones, or those
- * that were deleted, with some words in title or note. Leaves out drawing. Pure but for its memory,
- * which is kept. [main] */
-#ifndef MAROTTE_UI_WINDOW_TIMELINE_TAKES_H
-#define MAROTTE_UI_WINDOW_TIMELINE_TAKES_H
+/* window/timeline/take_list.h - which takes the list shows, newest first: all, the good ones, or
+ * those that were deleted, with some words in title or note. Leaves out drawing. Pure but for its
+ * memory, which is kept. [main] */
+#ifndef MAROTTE_UI_WINDOW_TIMELINE_TAKE_LIST_H
+#define MAROTTE_UI_WINDOW_TIMELINE_TAKE_LIST_H
 #include "window/studio.h"
 
 typedef enum takes_filter {
@@ -21,8 +21,6 @@ typedef struct timeline_takes {
     uint32_t count, capacity;
 } timeline_takes;
 
-/* Each frame; false: no memory, and fewer are shown. */
-bool timeline_takes_look(timeline_takes *self, const studio_take_line *line, uint32_t count);
 void timeline_takes_finish(timeline_takes *self); /* accepts zeroed */
 
 /* "5.3 s", "2:05", "1:02:05" */

@@ -1,5 +1,5 @@
 /* What a right click offers, and what is asked in words and numbers. */
-#include "window/timeline_state.h"
+#include "window/timeline/timeline.h"
 
 #include <math.h>
 #include <stdio.h>

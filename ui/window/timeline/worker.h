@@ -1,4 +1,4 @@
-/* window/timeline_worker.h - what the timeline shows of recordings, read beside everything else:
+/* window/timeline/worker.h - what the timeline shows of recordings, read beside everything else:
  * how much each clip moves the face, the outline of the sound, and other takes to comp from. A
  * thread with a show of its own, that only reads; nobody waits for it: what is known so far is
  * given, the rest comes. Leaves out drawing. [main] but what runs on the thread. */
@@ -6,7 +6,7 @@
 #define MAROTTE_UI_WINDOW_TIMELINE_WORKER_H
 #include "stage/activity.h"
 #include "take/waveform.h"
-#include "window/timeline_rows.h"
+#include "window/timeline/layout.h"
 
 typedef struct timeline_worker timeline_worker;
 

@@ -1,4 +1,4 @@
-#include "window/timeline_state.h"
+#include "window/timeline/timeline.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,7 +16,7 @@ static float screen_x(const ui_canvas *canvas)
     return canvas->where.x + canvas->x;
 }
 
-timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas)
+static timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas)
 {
     timeline_under under = {.rows = &self->rows,
                             .axis = &self->axis,

@@ -1,4 +1,4 @@
-#include "window/timeline_rows.h"
+#include "window/timeline/layout.h"
 
 #define GRAB   5.0f  /* on both sides of a handle */
 #define EDGE   7.0f  /* within a clip */

@@ -1,5 +1,5 @@
 /* The transport: time code, what plays and records, the tools of the timeline, undo. */
-#include "window/timeline_state.h"
+#include "window/timeline/timeline.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,11 +1,167 @@
 /* The timeline's panel, put together: takes to the left, the transport above, ruler and lanes. */
-#include "window/timeline_state.h"
+#include "window/timeline/timeline.h"
 
 #include "base/clock.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* TIMELINE_COMPS_MAX: it lies where it was recorded. */
+static uint32_t find(const panel *self, int64_t of, int64_t id)
+{
+    uint32_t i = 0;
+    while (i < TIMELINE_COMPS_MAX && (self->slid[i].of != of || self->slid[i].take != id))
+        i += 1;
+    return i;
+}
+
+static void lay(panel *self, const timeline_slid *so)
+{
+    uint32_t place = find(self, so->of, so->take);
+    if (place == TIMELINE_COMPS_MAX) {
+        place = self->slid_next;
+        self->slid_next = (self->slid_next + 1) % TIMELINE_COMPS_MAX;
+    }
+    self->slid[place] = *so;
+}
+
+int64_t timeline_comp_later_ns(const panel *self, uint32_t index)
+{
+    const uint32_t found = find(self, self->comps->of, self->comps->take[index].id);
+    return found < TIMELINE_COMPS_MAX ? self->slid[found].later_ns : 0;
+}
+
+void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns)
+{
+    lay(self, &(timeline_slid){self->comps->of, self->comps->take[index].id, later_ns});
+}
+
+take_layer timeline_comp_lane(const panel *self, uint32_t index)
+{
+    take_layer out = self->comps->take[index].layer[0];
+    out.offset_ns += timeline_comp_later_ns(self, index);
+    return out;
+}
+
+/* ---- undo ---- */
+
+static void go(panel *self, uint64_t number, bool is_after)
+{
+    const timeline_slide *step = &self->slide[number % TIMELINE_SLIDES_MAX];
+    timeline_slid wanted = step->after;
+    if (!is_after)
+        wanted.later_ns = step->before_ns;
+    /* Where it is seen; a take that is gone has been said to be so. */
+    if (studio_take_id(self->studio) != wanted.of &&
+        studio_choose_take(self->studio, wanted.of) < 0)
+        return;
+    self->has_comps = true;
+    lay(self, &wanted);
+}
+
+static void undo(void *owner, uint64_t number)
+{
+    go(owner, number, false);
+}
+
+static void redo(void *owner, uint64_t number)
+{
+    go(owner, number, true);
+}
+
+void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
+{
+    const take *other = &self->comps->take[index];
+    const int64_t after_ns = timeline_comp_later_ns(self, index);
+    if (after_ns == before_ns)
+        return;
+    studio_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->slide_count};
+    (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
+                   1e-9 * (double)after_ns);
+    self->slide[self->slide_count % TIMELINE_SLIDES_MAX] =
+        (timeline_slide){{self->comps->of, other->id, after_ns}, before_ns};
+    self->slide_count += 1;
+    studio_did(self->studio, &step);
+}
+
+/* ---- whose takes they are ---- */
+
+static void timeline_slide_finish(panel *self);
+
+/* The ids are of the takes of one show. */
+static void timeline_slide_follow(panel *self, const char *show_path)
+{
+    if (self->slid_show && strcmp(self->slid_show, show_path) == 0)
+        return;
+    timeline_slide_finish(self);
+    self->slid_show = strdup(show_path);
+    memset(self->slid, 0, sizeof self->slid);
+}
+
+static void timeline_slide_finish(panel *self)
+{
+    studio_forget_steps(self->studio, self);
+    free(self->slid_show);
+    self->slid_show = NULL;
+}
+
+static bool has_pattern(const take_layer *lane, const char *pattern)
+{
+    for (uint32_t i = 0; i < lane->own_count; ++i)
+        if (strcmp(lane->own[i], pattern) == 0)
+            return true;
+    return false;
+}
+
+static bool has_region(const take_layer *lane, const own_part *part)
+{
+    for (uint32_t i = 0; i < part->pattern_count; ++i)
+        if (!has_pattern(lane, part->pattern[i]))
+            return false;
+    return part->pattern_count > 0;
+}
+
+uint32_t timeline_own_regions(const take_layer *lane)
+{
+    uint32_t out = 0;
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region)
+        if (has_region(lane, own_part_of((own_region)region)))
+            out |= 1u << region;
+    return out;
+}
+
+static bool is_of_regions(const char *pattern, uint32_t regions)
+{
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+        const own_part *part = own_part_of((own_region)region);
+        for (uint32_t i = 0; regions & 1u << region && i < part->pattern_count; ++i)
+            if (strcmp(part->pattern[i], pattern) == 0)
+                return true;
+    }
+    return false;
+}
+
+static void append(char *out, size_t capacity, const char *word)
+{
+    size_t used = strlen(out);
+    (void)snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", word);
+}
+
+void timeline_own_words(const take_layer *lane, char *out, size_t capacity)
+{
+    uint32_t regions = timeline_own_regions(lane);
+    out[0] = '\0';
+    if (lane->own_count == 0)
+        append(out, capacity, "everything");
+    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region)
+        if (regions & 1u << region)
+            append(out, capacity, own_part_of((own_region)region)->name);
+    for (uint32_t i = 0; i < lane->own_count; ++i)
+        if (!is_of_regions(lane->own[i], regions))
+            append(out, capacity, lane->own[i]);
+}
 
 #define BIN_POINTS  1.5f /* across, of a curve */
 #define NARROW      1100.0f

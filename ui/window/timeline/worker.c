@@ -1,0 +1,643 @@
+#include "window/timeline/worker.h"
+
+#include "base/clock.h"
+#include "stage/take/kept_solver.h"
+#include "take/edit_store.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18 };
+
+typedef struct worker_curve { /* of a performance */
+    int64_t performance, from_ns;
+    activity *curve; /* NULL: it cannot be performed */
+    bool is_done;
+    uint64_t used; /* when it was last wished */
+} worker_curve;
+
+typedef struct worker_desk { /* [thread] */
+    plugin_list *plugins;
+    log_queue *log; /* what recordings have to say was said when they were made */
+    show *show;
+    face_file face;
+    bool has_face;
+    composer *scratch;
+    source_world world;
+    worker_curve curve[WORKER_CURVES_MAX];
+    uint32_t curve_count;
+    uint64_t uses;
+    waveform *wave;
+    int64_t wave_of;
+    show_audio about;
+    bool is_wave_done;
+    int64_t comps_of;
+    uint64_t comps_edition, spans_edition;
+    uint32_t span_count;
+    timeline_span span[TIMELINE_SPANS_MAX];
+    char note[256];
+} worker_desk;
+
+struct timeline_worker {
+    pthread_mutex_t lock; /* held for copies and swaps only */
+    pthread_cond_t wake;
+    pthread_t thread;
+    bool has_thread, ends;
+    /* from main; under the lock */
+    char *show_path, *face_path;
+    uint64_t show_number, wish_number;
+    timeline_wish wish;
+    /* to main; under the lock */
+    timeline_seen *ready;
+    bool is_fresh;
+    timeline_comps *comps_ready;
+    bool has_comps;
+    /* [main] */
+    timeline_seen *front;
+    timeline_comps *comps;
+    timeline_wish wished;
+    /* [thread] */
+    timeline_seen *back;
+    worker_desk desk;
+};
+
+/* ---- what is read ---- */
+
+static void note(worker_desk *self, const error *err)
+{
+    (void)snprintf(self->note, sizeof self->note, "%.255s", err->text);
+}
+
+static void open_face(worker_desk *self, const char *path)
+{
+    error err = {""};
+    if (!path || face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0) {
+        note(self, &err);
+        return;
+    }
+    self->has_face = true;
+    const csrbf_settings solver = kept_solver_for(self->show, &self->face, NULL);
+    if (composer_create(&self->scratch, &self->face, &solver, &err) < 0)
+        note(self, &err);
+}
+
+/* Opens what the paths name; what fails is noted. */
+static void worker_desk_open(worker_desk *self, const char *show_path, const char *face_path)
+{
+    error err = {""};
+    self->note[0] = '\0';
+    if (!show_path)
+        return;
+    if (show_open(&self->show, show_path, SHOW_READ, &err) < 0) {
+        self->show = NULL;
+        note(self, &err);
+        return;
+    }
+    open_face(self, face_path);
+    self->world = (source_world){
+        .show = self->show, .plugins = self->plugins, .log = self->log, .scratch = self->scratch};
+}
+
+static void drop_news(worker_desk *self)
+{
+    log_record record;
+    while (log_pop(self->log, &record))
+        continue;
+}
+
+static void worker_desk_close(worker_desk *self)
+{
+    for (uint32_t i = 0; i < self->curve_count; ++i)
+        activity_destroy(self->curve[i].curve);
+    waveform_destroy(self->wave);
+    composer_destroy(self->scratch);
+    if (self->has_face)
+        face_file_destroy(&self->face);
+    show_close(self->show);
+    *self = (worker_desk){.plugins = self->plugins, .log = self->log};
+}
+
+/* ---- curves ---- */
+
+static worker_curve *place_for_curve(worker_desk *self)
+{
+    if (self->curve_count < WORKER_CURVES_MAX)
+        return &self->curve[self->curve_count++];
+    worker_curve *oldest = self->curve;
+    for (uint32_t i = 1; i < self->curve_count; ++i)
+        if (self->curve[i].used < oldest->used)
+            oldest = &self->curve[i];
+    activity_destroy(oldest->curve);
+    return oldest;
+}
+
+static void begin_curve(worker_desk *self, worker_curve *out, int64_t performance)
+{
+    error err = {""};
+    show_performance about;
+    *out = (worker_curve){.performance = performance, .is_done = true};
+    if (show_performance_read(self->show, performance, &about, &err) < 0) {
+        note(self, &err);
+        return;
+    }
+    out->from_ns = about.from_ns;
+    show_performance_finish(&about);
+    if (!self->scratch)
+        return;
+    if (activity_create(&out->curve, &self->world, performance, &err) < 0) {
+        out->curve = NULL;
+        note(self, &err);
+    }
+    out->is_done = out->curve == NULL;
+}
+
+static worker_curve *curve_of(worker_desk *self, int64_t performance)
+{
+    worker_curve *curve = NULL;
+    for (uint32_t i = 0; i < self->curve_count && !curve; ++i)
+        if (self->curve[i].performance == performance)
+            curve = &self->curve[i];
+    if (!curve) {
+        curve = place_for_curve(self);
+        begin_curve(self, curve, performance);
+    }
+    curve->used = ++self->uses;
+    return curve;
+}
+
+static bool step_curve(worker_desk *self, worker_curve *curve)
+{
+    error err = {""};
+    if (!curve->curve)
+        return false;
+    mrt_result result = activity_step(curve->curve, WORKER_SAMPLES, &err);
+    drop_news(self);
+    if (result < 0)
+        note(self, &err);
+    curve->is_done = result != MRT_OK;
+    return !curve->is_done;
+}
+
+/* The first that is not done; those that are may go on as their recording does. */
+static bool step_curves(worker_desk *self, const timeline_wish *wish)
+{
+    for (uint32_t i = 0; i < wish->strip_count; ++i) {
+        worker_curve *curve = curve_of(self, wish->strip[i].performance);
+        if (!curve->is_done && step_curve(self, curve))
+            return true;
+    }
+    for (uint32_t i = 0; i < self->curve_count; ++i)
+        self->curve[i].is_done = self->curve[i].curve == NULL;
+    return false;
+}
+
+/* ---- the sound ---- */
+
+static void begin_wave(worker_desk *self, int64_t audio)
+{
+    error err = {""};
+    waveform_destroy(self->wave);
+    self->wave = NULL;
+    self->wave_of = audio;
+    self->is_wave_done = false;
+    self->about = (show_audio){0};
+    if (!audio)
+        return;
+    if (show_audio_info(self->show, audio, &self->about, &err) < 0 ||
+        waveform_create(&self->wave, self->show, audio, &err) < 0) {
+        self->wave = NULL;
+        note(self, &err);
+    }
+}
+
+static bool step_wave(worker_desk *self)
+{
+    error err = {""};
+    if (!self->wave)
+        return false;
+    mrt_result result = waveform_step(self->wave, self->show, WORKER_FRAMES, &err);
+    if (result < 0)
+        note(self, &err);
+    return result != MRT_END;
+}
+
+/* Of all that is known: a number that changes when more is. */
+static int64_t worker_desk_known(const worker_desk *self)
+{
+    int64_t known = self->wave ? waveform_known_frames(self->wave) : 0;
+    for (uint32_t i = 0; i < self->curve_count; ++i)
+        known += self->curve[i].curve ? activity_known_ns(self->curve[i].curve) : 0;
+    return known + self->curve_count;
+}
+
+/* ---- when takes were made ---- */
+
+static void read_spans(worker_desk *self, uint64_t edition)
+{
+    error err = {""};
+    show_take *takes;
+    size_t count;
+    self->spans_edition = edition;
+    if (show_takes(self->show, &takes, &count, &err) < 0) {
+        note(self, &err);
+        return;
+    }
+    self->span_count = 0;
+    for (size_t i = count; i-- > 0 && self->span_count < TIMELINE_SPANS_MAX;)
+        self->span[self->span_count++] =
+            (timeline_span){takes[i].id, takes[i].start_ns, takes[i].end_ns};
+    free(takes);
+}
+
+/* A piece of what is wished; false: there is nothing left to do now. */
+static bool worker_desk_step(worker_desk *self, const timeline_wish *wish)
+{
+    if (!self->show)
+        return false;
+    if (wish->audio != self->wave_of)
+        begin_wave(self, wish->audio);
+    if (wish->spans_edition && wish->spans_edition != self->spans_edition)
+        read_spans(self, wish->spans_edition);
+    bool has_more = step_wave(self);
+    return step_curves(self, wish) || has_more;
+}
+
+/* ---- what is given ---- */
+
+static void read_strip(const worker_curve *curve, const timeline_strip *strip, activity_bin *out,
+                       activity_bin *scratch)
+{
+    bool is_first = true;
+    for (uint32_t lane = 0; lane < ACTIVITY_LANES; ++lane) {
+        if (!(strip->lanes & 1u << lane))
+            continue;
+        activity_bin *into = is_first ? out : scratch;
+        activity_read(curve->curve, lane, strip->from_ns - curve->from_ns,
+                      strip->to_ns - curve->from_ns, strip->bin_count, into);
+        for (uint32_t i = 0; !is_first && i < strip->bin_count; ++i) {
+            out[i].least = scratch[i].least > out[i].least ? scratch[i].least : out[i].least;
+            out[i].greatest =
+                scratch[i].greatest > out[i].greatest ? scratch[i].greatest : out[i].greatest;
+        }
+        is_first = false;
+    }
+}
+
+static void fill_strips(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+{
+    activity_bin *scratch = calloc(wish->bin_count + (size_t)1, sizeof *scratch);
+    out->strip_count = wish->strip_count;
+    memcpy(out->strip, wish->strip, wish->strip_count * sizeof *wish->strip);
+    for (uint32_t i = 0; i < wish->bin_count; ++i)
+        out->bin[i] = (activity_bin){1.0f, 0.0f};
+    for (uint32_t i = 0; scratch && self->show && i < wish->strip_count; ++i) {
+        const timeline_strip *strip = &wish->strip[i];
+        const worker_curve *curve = curve_of(self, strip->performance);
+        if (curve->curve)
+            read_strip(curve, strip, out->bin + strip->first_bin, scratch);
+    }
+    free(scratch);
+}
+
+static void fill_wave(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+{
+    error err = {""};
+    out->audio = self->wave_of;
+    out->about = self->about;
+    out->has_wave = self->wave && wish->audio == self->wave_of && wish->audio_pairs > 0 &&
+                    wish->audio_from < wish->audio_to &&
+                    waveform_read(self->wave, self->show, wish->audio_from, wish->audio_to,
+                                  wish->audio_pairs, &out->wave, &err) >= 0;
+    if (err.text[0])
+        note(self, &err);
+}
+
+static void worker_desk_fill(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+{
+    fill_strips(self, wish, out);
+    fill_wave(self, wish, out);
+    out->span_count = self->span_count;
+    memcpy(out->span, self->span, self->span_count * sizeof *self->span);
+    memcpy(out->note, self->note, sizeof out->note);
+}
+
+/* ---- other takes ---- */
+
+static bool is_of_slate(const take *t, const timeline_wish *wish)
+{
+    return !t->is_deleted && !t->is_recording && t->layer_count > 0 &&
+           strcmp(t->scene, wish->scene) == 0 && strcmp(t->shot, wish->shot) == 0;
+}
+
+static void look_at(worker_desk *self, const show_take *of, const timeline_wish *wish,
+                    timeline_comps *out)
+{
+    error err = {""};
+    take *t = &out->take[out->count];
+    bool may_be = of->edit_count > 0 || of->base_edit_count > 0 ||
+                  (strcmp(of->scene, wish->scene) == 0 && strcmp(of->shot, wish->shot) == 0);
+    if (of->id == wish->comps_of || !may_be || of->is_recording)
+        return;
+    if (edit_store_take(t, self->show, of->id, &err) < 0 && t->id == 0)
+        return;
+    if (is_of_slate(t, wish))
+        out->count += 1;
+    else
+        take_finish(t);
+}
+
+/* The other takes, if they are to be looked for anew: to be freed by timeline_comps_free. */
+static timeline_comps *worker_desk_comps(worker_desk *self, const timeline_wish *wish)
+{
+    error err = {""};
+    show_take *takes;
+    size_t count;
+    if (!self->show ||
+        (wish->comps_of == self->comps_of && wish->comps_edition == self->comps_edition))
+        return NULL;
+    self->comps_of = wish->comps_of;
+    self->comps_edition = wish->comps_edition;
+    timeline_comps *out = calloc(1, sizeof *out);
+    if (!out || !wish->comps_of || show_takes(self->show, &takes, &count, &err) < 0)
+        return out;
+    out->of = wish->comps_of;
+    for (size_t i = count; i-- > 0 && out->count < TIMELINE_COMPS_MAX;)
+        look_at(self, &takes[i], wish, out);
+    free(takes);
+    return out;
+}
+
+#define PUBLISH_NS (80 * NS_PER_MS)  /* while it is being computed */
+#define AGAIN_NS   (400 * NS_PER_MS) /* a recording may go on */
+enum { NICENESS = 10 };
+
+/* ---- wishes ---- */
+
+void timeline_wish_clear(timeline_wish *wish)
+{
+    memset(wish, 0, sizeof *wish);
+}
+
+bool timeline_wish_strip(timeline_wish *wish, const timeline_strip *strip)
+{
+    if (wish->strip_count >= TIMELINE_STRIPS_MAX || strip->bin_count == 0 ||
+        strip->bin_count > TIMELINE_BINS_MAX - wish->bin_count)
+        return false;
+    wish->strip[wish->strip_count] = *strip;
+    wish->strip[wish->strip_count++].first_bin = wish->bin_count;
+    wish->bin_count += strip->bin_count;
+    return true;
+}
+
+const timeline_strip *timeline_seen_strip(const timeline_seen *seen, uint32_t owner, uint32_t clip)
+{
+    for (uint32_t i = 0; i < seen->strip_count; ++i)
+        if (seen->strip[i].clip == clip && seen->strip[i].owner == owner)
+            return &seen->strip[i];
+    return NULL;
+}
+
+/* NULL is fine */
+static void timeline_comps_free(timeline_comps *comps)
+{
+    for (uint32_t i = 0; comps && i < comps->count; ++i)
+        take_finish(&comps->take[i]);
+    free(comps);
+}
+
+/* ---- the thread ---- */
+
+typedef struct order { /* what main last said */
+    uint64_t show_number, wish_number;
+    char *show_path, *face_path; /* copies, when the show is another one */
+    bool is_other_show, ends;
+} order;
+
+static char *copy_of(const char *text)
+{
+    return text ? strdup(text) : NULL;
+}
+
+static void wait_until(timeline_worker *self, int64_t from_now_ns)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += (long)from_now_ns;
+    until.tv_sec += until.tv_nsec / 1000000000L;
+    until.tv_nsec %= 1000000000L;
+    (void)pthread_cond_timedwait(&self->wake, &self->lock, &until);
+}
+
+/* Waits while nothing is to be done: until something is said, or a recording may have gone on. */
+static order take_order(timeline_worker *self, const order *last, bool is_idle, timeline_wish *wish)
+{
+    order out = *last;
+    pthread_mutex_lock(&self->lock);
+    if (is_idle && !self->ends && self->wish_number == last->wish_number &&
+        self->show_number == last->show_number)
+        wait_until(self, AGAIN_NS);
+    out.ends = self->ends;
+    out.is_other_show = self->show_number != last->show_number;
+    out.show_path = out.is_other_show ? copy_of(self->show_path) : NULL;
+    out.face_path = out.is_other_show ? copy_of(self->face_path) : NULL;
+    out.show_number = self->show_number;
+    out.wish_number = self->wish_number;
+    if (self->wish_number != last->wish_number)
+        *wish = self->wish;
+    pthread_mutex_unlock(&self->lock);
+    return out;
+}
+
+static void publish(timeline_worker *self, const timeline_wish *wish, bool is_complete)
+{
+    worker_desk_fill(&self->desk, wish, self->back);
+    self->back->is_complete = is_complete;
+    pthread_mutex_lock(&self->lock);
+    timeline_seen *seen = self->ready;
+    self->ready = self->back;
+    self->is_fresh = true;
+    pthread_mutex_unlock(&self->lock);
+    self->back = seen;
+}
+
+static void publish_comps(timeline_worker *self, timeline_comps *comps)
+{
+    if (!comps)
+        return;
+    pthread_mutex_lock(&self->lock);
+    timeline_comps *old = self->comps_ready;
+    self->comps_ready = comps;
+    self->has_comps = true;
+    pthread_mutex_unlock(&self->lock);
+    timeline_comps_free(old);
+}
+
+static void obey(timeline_worker *self, order *now)
+{
+    if (!now->is_other_show)
+        return;
+    worker_desk_close(&self->desk);
+    worker_desk_open(&self->desk, now->show_path, now->face_path);
+    free(now->show_path);
+    free(now->face_path);
+    now->show_path = now->face_path = NULL;
+}
+
+static void *run(void *data)
+{
+    timeline_worker *self = data;
+    timeline_wish *wish = calloc(1, sizeof *wish);
+    order last = {0};
+    bool is_idle = false, was_idle = false;
+    int64_t published_ns = 0, known_then = -1;
+    (void)setpriority(PRIO_PROCESS, 0, NICENESS); /* on Linux: of this thread */
+    while (wish) {
+        order told = take_order(self, &last, is_idle, wish);
+        bool is_new = told.wish_number != last.wish_number || told.is_other_show;
+        last = told;
+        if (told.ends) {
+            free(told.show_path);
+            free(told.face_path);
+            break;
+        }
+        obey(self, &told);
+        publish_comps(self, worker_desk_comps(&self->desk, wish));
+        is_idle = !worker_desk_step(&self->desk, wish);
+        int64_t now_ns = clock_now_ns(), known = worker_desk_known(&self->desk);
+        bool is_due = is_idle || now_ns - published_ns > PUBLISH_NS;
+        if (is_new || (is_due && (known != known_then || is_idle != was_idle))) {
+            publish(self, wish, is_idle);
+            published_ns = now_ns;
+            known_then = known;
+            was_idle = is_idle;
+        }
+    }
+    free(wish);
+    worker_desk_close(&self->desk);
+    return NULL;
+}
+
+/* ---- [main] ---- */
+
+timeline_worker *timeline_worker_create(plugin_list *plugins)
+{
+    timeline_worker *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->front = calloc(1, sizeof *self->front);
+    self->ready = calloc(1, sizeof *self->ready);
+    self->back = calloc(1, sizeof *self->back);
+    self->desk.log = log_queue_create();
+    self->desk.plugins = plugins;
+    (void)pthread_mutex_init(&self->lock, NULL);
+    (void)pthread_cond_init(&self->wake, NULL);
+    if (self->front && self->ready && self->back && self->desk.log)
+        return self;
+    timeline_worker_destroy(self);
+    return NULL;
+}
+
+void timeline_worker_destroy(timeline_worker *self)
+{
+    if (!self)
+        return;
+    pthread_mutex_lock(&self->lock);
+    self->ends = true;
+    (void)pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->lock);
+    if (self->has_thread)
+        (void)pthread_join(self->thread, NULL);
+    (void)pthread_cond_destroy(&self->wake);
+    (void)pthread_mutex_destroy(&self->lock);
+    timeline_comps_free(self->comps);
+    timeline_comps_free(self->comps_ready);
+    if (self->desk.log)
+        log_queue_destroy(self->desk.log);
+    free(self->front);
+    free(self->ready);
+    free(self->back);
+    free(self->show_path);
+    free(self->face_path);
+    free(self);
+}
+
+static bool is_same(const char *a, const char *b)
+{
+    return (!a && !b) || (a && b && strcmp(a, b) == 0);
+}
+
+void timeline_worker_set_show(timeline_worker *self, const char *show_path, const char *face_path)
+{
+    if (is_same(self->show_path, show_path) && is_same(self->face_path, face_path))
+        return;
+    char *show_copy = copy_of(show_path), *face_copy = copy_of(face_path);
+    pthread_mutex_lock(&self->lock);
+    free(self->show_path);
+    free(self->face_path);
+    self->show_path = show_copy;
+    self->face_path = face_copy;
+    self->show_number += 1;
+    (void)pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->lock);
+}
+
+static bool is_same_strips(const timeline_wish *a, const timeline_wish *b)
+{
+    return a->strip_count == b->strip_count &&
+           memcmp(a->strip, b->strip, a->strip_count * sizeof *a->strip) == 0;
+}
+
+static bool is_same_wish(const timeline_wish *a, const timeline_wish *b)
+{
+    return is_same_strips(a, b) && a->audio == b->audio && a->audio_from == b->audio_from &&
+           a->audio_to == b->audio_to && a->audio_pairs == b->audio_pairs &&
+           a->comps_of == b->comps_of && a->comps_edition == b->comps_edition &&
+           a->spans_edition == b->spans_edition && strcmp(a->scene, b->scene) == 0 &&
+           strcmp(a->shot, b->shot) == 0;
+}
+
+void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish)
+{
+    if (is_same_wish(wish, &self->wished))
+        return;
+    self->wished = *wish;
+    pthread_mutex_lock(&self->lock);
+    self->wish = *wish;
+    self->wish_number += 1;
+    (void)pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->lock);
+    if (!self->has_thread)
+        self->has_thread = pthread_create(&self->thread, NULL, run, self) == 0;
+}
+
+const timeline_seen *timeline_worker_look(timeline_worker *self)
+{
+    pthread_mutex_lock(&self->lock);
+    if (self->is_fresh) {
+        timeline_seen *seen = self->front;
+        self->front = self->ready;
+        self->ready = seen;
+        self->is_fresh = false;
+    }
+    pthread_mutex_unlock(&self->lock);
+    return self->front;
+}
+
+const timeline_comps *timeline_worker_comps(timeline_worker *self)
+{
+    timeline_comps *old = NULL;
+    pthread_mutex_lock(&self->lock);
+    if (self->has_comps) {
+        old = self->comps;
+        self->comps = self->comps_ready;
+        self->comps_ready = NULL;
+        self->has_comps = false;
+    }
+    pthread_mutex_unlock(&self->lock);
+    timeline_comps_free(old);
+    return self->comps;
+}
