@@ -6,8 +6,7 @@
 #include "face/rig_edit.h"
 #include "rig_help.h"
 #include "stage/face_file.h"
-#include "window/brush.h"
-#include "window/rig_stroke.h"
+#include "window/rig/brush.h"
 
 static face_file puppet;
 static brush *tool;

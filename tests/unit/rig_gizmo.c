@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "window/rig_gizmo.h"
+#include "window/rig/gizmo.h"
 
 #include <math.h>
 #include <string.h>

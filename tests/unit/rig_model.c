@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "face/rig_edit.h"
 #include "stage/face_file.h"
-#include "window/rig_model.h"
+#include "window/rig/model.h"
 
 #include <dirent.h>
 #include <math.h>

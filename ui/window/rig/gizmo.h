@@ -1,8 +1,10 @@
-/* window/rig_gizmo.h - places in space that are taken hold of: which of them the pointer means,
- * where it drags one to, and what the axis of the jaw looks like. mm. Pure; any thread. */
+/* window/rig/gizmo.h - how a rig looks on its face: handles in space that are grabbed, what the
+ * axis of the jaw looks like, and the colours of weights and mobility. mm. Pure; any thread. */
 #ifndef MAROTTE_UI_WINDOW_RIG_GIZMO_H
 #define MAROTTE_UI_WINDOW_RIG_GIZMO_H
 #include "draw/overlay.h"
+
+#include "face/bind.h"
 #include "face/rig_edit.h"
 
 typedef struct rig_ray { /* of the pointer, see viewport_stroke */
@@ -34,5 +36,16 @@ enum { RIG_GIZMO_ITEMS = 48 };
  * RIG_HANDLES: none. Returns how many. */
 uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw,
                         rig_handle held);
+
+void rig_tint_of_bone(float out[3], const rig *r, uint32_t bone); /* RIG_NONE: of mobility */
+uint32_t rig_tint_chip(const rig *r, uint32_t bone);              /* the same as 0xRRGGBBAA */
+
+/* rgb: vertex_count by 3. Bones mixed by weight, the paler the less a vertex can be pulled. */
+void rig_tint_bones(float *rgb, const rig *r, const binding *b);
+void rig_tint_mobility(float *rgb, const binding *b);
+/* share: vertex_count, 0..1: the colour over what recedes. */
+void rig_tint_share(float *rgb, const float *share, uint32_t vertex_count, const float colour[3]);
+void rig_tint_plain(float *rgb, uint32_t vertex_count); /* of a face that could not be laid */
+void rig_tint_mix(float rgb[3], const float colour[3], float share);
 
 #endif

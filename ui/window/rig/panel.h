@@ -1,11 +1,15 @@
-/* window/rig_panel_inside.h - the inside of the rig panel: its state, and its parts that are files
- * of their own. [main] */
-#ifndef MAROTTE_UI_WINDOW_RIG_PANEL_INSIDE_H
-#define MAROTTE_UI_WINDOW_RIG_PANEL_INSIDE_H
+/* window/rig/panel.h - the state of the rig panel, which its files share: panel.c has the panel and
+ * the tabs of regions, contacts and checks, parts.c those of bones, poses and the jaw, on_face.c
+ * what the pointer does on the face and how the rig is shown there. No other room includes this
+ * header. [main] */
+#ifndef MAROTTE_UI_WINDOW_RIG_PANEL_H
+#define MAROTTE_UI_WINDOW_RIG_PANEL_H
 #include "window/panels.h"
-#include "window/rig_gizmo.h"
-#include "window/rig_model.h"
-#include "window/rig_stroke.h"
+#include "window/rig/brush.h"
+#include "window/rig/gizmo.h"
+#include "window/rig/model.h"
+
+#define RIG_PANEL_LABEL 74.0f /* points: where the widgets of a line begin */
 
 typedef enum rig_tab {
     RIG_TAB_REGIONS = 0,
@@ -97,48 +101,33 @@ typedef struct rig_panel {
     rig_shown shown;
 } rig_panel;
 
-/* ---- changes: begin, change the copy, finish; one step of undo (rig_panel.c) ---- */
+/* ---- changes: begin, change the copy, finish; one step of undo (panel.c) ---- */
 
 rig *rig_panel_begin(rig_panel *self); /* NULL: it is said why */
 /* words: "paint jaw". On result < 0 nothing has changed, and it is said why. */
 bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words);
-void rig_panel_say(rig_panel *self, const char *trouble); /* "": nothing */
-void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words);
+void rig_panel_say(rig_panel *self, const char *trouble);            /* "": nothing */
 void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
 uint32_t rig_panel_jaw(const rig *r);                                /* the bone; RIG_NONE */
 
-/* ---- on the face (rig_panel_face.c, rig_panel_shown.c) ---- */
+/* ---- on the face (on_face.c) ---- */
 
 void rig_panel_face(rig_panel *self, viewport *view);    /* each frame in which it is seen */
 void rig_panel_release(rig_panel *self, viewport *view); /* when it no longer is */
-void rig_panel_show(rig_panel *self, viewport *view);    /* tints, shape, gizmo */
 void rig_panel_end_stroke(rig_panel *self);
 void rig_panel_shown_finish(rig_shown *shown);
-vec3 rig_panel_contact_at(const rig_panel *self, uint32_t contact);
 void rig_panel_put_jaw(rig_panel *self); /* what is shown of it into the rig */
 
-/* ---- the tabs (rig_panel_regions.c ...) ---- */
+/* ---- the tabs that are in parts.c ---- */
 
-void rig_panel_draw_regions(rig_panel *self, ui *on);
-void rig_panel_draw_brush(rig_panel *self, ui *on);
-void rig_panel_draw_contacts(rig_panel *self, ui *on);
 void rig_panel_draw_jaw(rig_panel *self, ui *on);
 void rig_panel_draw_parts(rig_panel *self, ui *on);
-void rig_panel_draw_poses(rig_panel *self, ui *on); /* a section of the parts */
-void rig_panel_draw_check(rig_panel *self, ui *on);
 /* At most one of the three. */
 void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
-void rig_panel_keep_part(rig_panel *self);                         /* what is chosen may be gone */
-void rig_panel_draw_turns(rig_panel *self, ui *on, uint32_t bone); /* of a ball */
-void rig_panel_choose_turn(rig_panel *self, uint32_t turn);
-/* A name that is typed; true: it was ended and is another one. */
-bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
-                         const char *name);
+void rig_panel_keep_part(rig_panel *self); /* what is chosen may be gone */
 /* The chosen pose into shown.position; false: it cannot be shown. */
 bool rig_panel_show_pose(rig_panel *self);
 /* What is chosen, as lines and dots. Returns how many. */
 uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t capacity);
-
-#define RIG_PANEL_LABEL 74.0f
 
 #endif

@@ -1,13 +1,27 @@
-/* window/rig_model.h - a rig that a person edits, without looks: its states and what is undone, the
+/* window/rig/model.h - a rig that a person edits, without looks: its states and what is undone, the
  * worker that lays each on the mesh, where it is saved, and the file that keeps what is not saved
- * yet. Leaves out strokes (rig_stroke.h), single changes (face/rig_edit.h), and the stage. [main]
+ * yet. Leaves out strokes (brush.h), single changes (face/rig_edit.h), and the stage. [main]
  */
 #ifndef MAROTTE_UI_WINDOW_RIG_MODEL_H
 #define MAROTTE_UI_WINDOW_RIG_MODEL_H
-#include "window/brush.h"
-#include "window/rig_worker.h"
+#include "window/rig/brush.h"
+#include "face/face.h"
+#include "face/rig_check.h"
+#include "stage/face_file.h"
 
 typedef struct rig_model rig_model;
+
+typedef struct rig_work { /* about one state of the rig */
+    uint64_t number;      /* as asked */
+    rig rig;
+    mrt_result result; /* < 0: it cannot be performed; the findings say why */
+    face_file *file;   /* for the stage, a copy of everything; NULL: result < 0, or it was taken */
+    face *face;        /* to try it; NULL: result < 0. Of `rig` here and of the worker's mesh */
+    rig_findings findings;
+    uint32_t *region_size; /* rig.region_count: vertices that it selects */
+    mrt_result kept;       /* of writing the file */
+    error err, keep_err;   /* of laying, of writing */
+} rig_work;
 
 #define RIG_MODEL_WAIT_S 0.3 /* after a change, before it is laid */
 

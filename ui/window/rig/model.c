@@ -1,0 +1,781 @@
+#include "window/rig/model.h"
+
+#include "base/file.h"
+#include "face/face.h"
+#include "face/rig.h"
+#include "face/rig_check.h"
+#include "face/rig_draft.h"
+#include "face/rig_history.h"
+#include "mesh/copy.h"
+#include "mesh/mesh.h"
+#include "stage/face_file.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct rig_keep {
+    char *path;       /* what is written now; NULL: nothing is kept */
+    char *old_path;   /* of another time; NULL: none is there */
+    char *taken_path; /* the same, taken up and not saved since; NULL: none */
+    bool is_begun;
+} rig_keep;
+
+typedef struct rig_worker rig_worker;
+
+/* the files stay */
+static void rig_keep_close(rig_keep *self);
+
+/* ---- the file that keeps what is not saved ---- */
+
+static mrt_result no_memory_to_keep(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to keep the rig");
+}
+
+/* FNV-1a of the rig's folder: rigs of one name in several folders are kept side by side. */
+static uint32_t hash_of(const char *text, size_t length)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < length; ++i)
+        hash = (hash ^ (unsigned char)text[i]) * 16777619u;
+    return hash;
+}
+
+static char *join(const char *folder, const char *rig_path)
+{
+    char *real = realpath(rig_path, NULL);
+    const char *whole = real ? real : rig_path;
+    const char *slash = strrchr(whole, '/'), *name = slash ? slash + 1 : whole;
+    size_t size = strlen(folder) + strlen(name) + 32;
+    char *out = malloc(size);
+    if (out)
+        (void)snprintf(out, size, "%s%s.%08x.unsaved", folder, name,
+                       hash_of(whole, (size_t)(name - whole)));
+    free(real);
+    return out;
+}
+
+static char *with_ending(const char *path, const char *ending)
+{
+    size_t size = strlen(path) + strlen(ending) + 1;
+    char *out = malloc(size);
+    if (out)
+        (void)snprintf(out, size, "%s%s", path, ending);
+    return out;
+}
+
+static bool is_there(const char *path)
+{
+    return path && access(path, F_OK) == 0;
+}
+
+/* Looks whether something is kept of the rig at rig_path. folder "": nothing is kept. */
+static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *rig_path, error *err)
+{
+    *out = (rig_keep){0};
+    if (!folder[0])
+        return MRT_OK;
+    out->path = join(folder, rig_path);
+    char *moved = out->path ? with_ending(out->path, ".before") : NULL;
+    if (!moved) {
+        rig_keep_close(out);
+        return no_memory_to_keep(err);
+    }
+    if (is_there(out->path)) {
+        out->old_path = strdup(out->path);
+    } else if (is_there(moved)) {
+        out->old_path = moved;
+        moved = NULL;
+    }
+    free(moved);
+    return MRT_OK;
+}
+
+static void rig_keep_close(rig_keep *self)
+{
+    free(self->path);
+    free(self->old_path);
+    free(self->taken_path);
+    *self = (rig_keep){0};
+}
+
+/* The old file may lie where the new one is to be. */
+static void make_way(rig_keep *self)
+{
+    if (!self->old_path || strcmp(self->old_path, self->path) != 0)
+        return;
+    char *moved = with_ending(self->path, ".before");
+    if (!moved || rename(self->path, moved) != 0) {
+        free(moved);
+        return;
+    }
+    free(self->old_path);
+    self->old_path = moved;
+}
+
+/* Where to write the rig as it is now; what another time has left is moved out of the way. NULL:
+ * nowhere. Until rig_keep_close. */
+static const char *rig_keep_begin(rig_keep *self)
+{
+    if (!self->path)
+        return NULL;
+    make_way(self);
+    self->is_begun = true;
+    return self->path;
+}
+
+/* It is saved, or given up: the file goes. Nobody may be writing it. */
+static void rig_keep_end(rig_keep *self)
+{
+    if (self->is_begun)
+        (void)unlink(self->path);
+    if (self->taken_path)
+        (void)unlink(self->taken_path);
+    free(self->taken_path);
+    self->taken_path = NULL;
+    self->is_begun = false;
+}
+
+/* what is of another time goes */
+static void rig_keep_drop_old(rig_keep *self)
+{
+    if (self->old_path)
+        (void)unlink(self->old_path);
+    free(self->old_path);
+    self->old_path = NULL;
+}
+
+static bool rig_keep_has_old(const rig_keep *self)
+{
+    return self->old_path != NULL;
+}
+
+/* What is of another time; refuses one for another mesh. */
+static mrt_result rig_keep_read(rig_keep *self, rig *out, const mesh *m, error *err)
+{
+    if (!self->old_path)
+        return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
+    mrt_result result = rig_read(out, self->old_path, err);
+    if (result >= 0 && out->mesh_vertex_count != 0 && out->mesh_vertex_count != m->vertex_count) {
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "%s: it was made for a mesh of %u vertices, this one has %u",
+                           self->old_path, out->mesh_vertex_count, m->vertex_count);
+        rig_destroy(out);
+    }
+    if (result < 0)
+        return result;
+    free(self->taken_path);
+    self->taken_path = self->old_path;
+    self->old_path = NULL;
+    return result;
+}
+
+/* ---- the worker: lays a state on the mesh and checks it ---- */
+
+typedef struct order { /* what is asked */
+    rig rig;
+    uint64_t number;
+    char *keep_path;
+} order;
+
+struct rig_worker {
+    const mesh *m;
+    const topology *t;
+    pthread_t thread;
+    pthread_mutex_t lock; /* of all below */
+    pthread_cond_t news;
+    order *waiting;
+    rig_work *done;
+    bool is_working, is_ending;
+};
+
+static void destroy_order(order *o)
+{
+    if (!o)
+        return;
+    rig_destroy(&o->rig);
+    free(o->keep_path);
+    free(o);
+}
+
+/* NULL is fine */
+static void rig_work_destroy(rig_work *work)
+{
+    if (!work)
+        return;
+    face_destroy(work->face);
+    face_file_destroy(work->file);
+    free(work->file);
+    rig_findings_finish(&work->findings);
+    rig_destroy(&work->rig);
+    free(work->region_size);
+    free(work);
+}
+
+/* ---- the work [worker] ---- */
+
+/* So that the stage need not find it again. */
+static mrt_result copy_binding(face_file *file, const binding *b, error *err)
+{
+    file->bound = calloc(1, sizeof *file->bound);
+    return file->bound ? binding_copy(file->bound, b, file->rig->contact_count, err)
+                       : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+}
+
+static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *err)
+{
+    face_file *file = calloc(1, sizeof *file);
+    work->file = file;
+    rig *copy = file ? calloc(1, sizeof *copy) : NULL;
+    if (!copy)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+    file->rig = copy;
+    mrt_result result = rig_copy(copy, &work->rig, err);
+    if (result >= 0)
+        result = mesh_copy(&file->mesh, self->m, err);
+    if (result >= 0)
+        result = topology_copy(&file->topology, self->t, err);
+    return result < 0 ? result : copy_binding(file, face_binding(work->face), err);
+}
+
+/* binding: taken over. */
+static mrt_result make_face(rig_work *work, const rig_worker *self, binding *b, error *err)
+{
+    mrt_result result =
+        face_create_bound(&work->face, &work->rig, self->m, b, MRT_MAX_VECTORS, err);
+    return result < 0 ? result : copy_for_stage(work, self, err);
+}
+
+static mrt_result lay(rig_work *work, const rig_worker *self, error *err)
+{
+    binding b = {0};
+    error check_err = {""};
+    const rig *r = &work->rig;
+    mrt_result result = rig_validate(r, self->m, self->t, err);
+    if (result >= 0)
+        result = binding_create(&b, r, self->m, self->t, err);
+    mrt_result checked =
+        rig_check(&work->findings, r, self->m, self->t, result >= 0 ? &b : NULL, &check_err);
+    if (result >= 0)
+        result = make_face(work, self, &b, err);
+    if (result >= 0 && checked < 0) {
+        *err = check_err;
+        result = checked;
+    }
+    binding_destroy(&b);
+    return result;
+}
+
+static void count_regions(rig_work *work, const rig_worker *self)
+{
+    uint32_t vertex_count = self->m->vertex_count;
+    float *share = calloc((size_t)vertex_count + 1, sizeof *share);
+    work->region_size = calloc(work->rig.region_count + 1u, sizeof *work->region_size);
+    for (uint32_t i = 0; share && work->region_size && i < work->rig.region_count; ++i) {
+        if (bind_select(share, &work->rig.region[i].select, self->m, self->t, NULL) < 0)
+            continue;
+        for (uint32_t v = 0; v < vertex_count; ++v)
+            work->region_size[i] += share[v] > 0.0f;
+    }
+    free(share);
+}
+
+static void drop_what_failed(rig_work *work)
+{
+    face_destroy(work->face);
+    face_file_destroy(work->file);
+    free(work->file);
+    work->face = NULL;
+    work->file = NULL;
+}
+
+static rig_work *work_on(const rig_worker *self, order *o)
+{
+    rig_work *work = calloc(1, sizeof *work);
+    if (!work)
+        return NULL;
+    work->number = o->number;
+    work->rig = o->rig;
+    o->rig = (rig){0};
+    if (o->keep_path)
+        work->kept = rig_write(&work->rig, o->keep_path, &work->keep_err);
+    work->result = lay(work, self, &work->err);
+    if (work->result < 0)
+        drop_what_failed(work);
+    count_regions(work, self);
+    return work;
+}
+
+static void *run(void *given)
+{
+    rig_worker *self = given;
+    (void)pthread_mutex_lock(&self->lock);
+    while (!self->is_ending) {
+        order *o = self->waiting;
+        if (!o) {
+            (void)pthread_cond_wait(&self->news, &self->lock);
+            continue;
+        }
+        self->waiting = NULL;
+        self->is_working = true;
+        (void)pthread_mutex_unlock(&self->lock);
+        rig_work *work = work_on(self, o);
+        destroy_order(o);
+        (void)pthread_mutex_lock(&self->lock);
+        rig_work *before = self->done;
+        self->done = work ? work : before;
+        self->is_working = false;
+        if (work)
+            rig_work_destroy(before);
+    }
+    (void)pthread_mutex_unlock(&self->lock);
+    return NULL;
+}
+
+/* ---- [main] ---- */
+
+/* The mesh must outlive it. */
+static mrt_result rig_worker_create(rig_worker **out, const mesh *m, const topology *t, error *err)
+{
+    rig_worker *self = calloc(1, sizeof *self);
+    *out = NULL;
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to check the rig");
+    self->m = m;
+    self->t = t;
+    (void)pthread_mutex_init(&self->lock, NULL);
+    (void)pthread_cond_init(&self->news, NULL);
+    if (pthread_create(&self->thread, NULL, run, self) == 0) {
+        *out = self;
+        return MRT_OK;
+    }
+    (void)pthread_cond_destroy(&self->news);
+    (void)pthread_mutex_destroy(&self->lock);
+    free(self);
+    return error_set(err, MRT_ERR_MEMORY, "no thread to check the rig");
+}
+
+/* waits for what is being worked on; NULL is fine */
+static void rig_worker_destroy(rig_worker *self)
+{
+    if (!self)
+        return;
+    (void)pthread_mutex_lock(&self->lock);
+    self->is_ending = true;
+    (void)pthread_cond_signal(&self->news);
+    (void)pthread_mutex_unlock(&self->lock);
+    (void)pthread_join(self->thread, NULL);
+    destroy_order(self->waiting);
+    rig_work_destroy(self->done);
+    (void)pthread_cond_destroy(&self->news);
+    (void)pthread_mutex_destroy(&self->lock);
+    free(self);
+}
+
+/* Takes the rig over, also on error. keep_path NULL: no file is written. */
+static mrt_result rig_worker_ask(rig_worker *self, rig *r, uint64_t number, const char *keep_path,
+                                 error *err)
+{
+    order *o = calloc(1, sizeof *o);
+    char *path = keep_path ? strdup(keep_path) : NULL;
+    if (!o || (keep_path && !path)) {
+        rig_destroy(r);
+        free(o);
+        free(path);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to check the rig");
+    }
+    *o = (order){*r, number, path};
+    *r = (rig){0};
+    (void)pthread_mutex_lock(&self->lock);
+    order *before = self->waiting;
+    self->waiting = o;
+    (void)pthread_cond_signal(&self->news);
+    (void)pthread_mutex_unlock(&self->lock);
+    destroy_order(before);
+    return MRT_OK;
+}
+
+/* The newest that is done, once; it is the caller's. NULL: nothing new. */
+static rig_work *rig_worker_take(rig_worker *self)
+{
+    (void)pthread_mutex_lock(&self->lock);
+    rig_work *out = self->done;
+    self->done = NULL;
+    (void)pthread_mutex_unlock(&self->lock);
+    return out;
+}
+
+/* something is asked and not done */
+static bool rig_worker_is_busy(rig_worker *self)
+{
+    (void)pthread_mutex_lock(&self->lock);
+    bool is_busy = self->waiting || self->is_working;
+    (void)pthread_mutex_unlock(&self->lock);
+    return is_busy;
+}
+
+/* ---- the model ---- */
+
+struct rig_model {
+    mesh mesh;
+    topology topology;
+    char *mesh_path, *path; /* path: where the rig is saved */
+    char *beside_path;      /* NULL: none */
+    brush *brush;
+    rig_history *history;
+    rig *changing; /* between begin and commit; NULL: none */
+    rig_worker *worker;
+    rig_work *work;       /* NULL: none yet */
+    face_file *for_stage; /* NULL: nothing new */
+    double waits_s;       /* until the worker is asked; < 0: it was, or need not be */
+    uint64_t edition;     /* grows with every change, undone ones too */
+    uint64_t saved_number;
+    bool is_saved_known; /* some state is what the file has */
+    bool is_left;        /* what is not saved is not wanted */
+    rig_keep keep;
+};
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to edit the rig");
+}
+
+/* ---- made ---- */
+
+/* "head.glb" gives "head.rig.json", or where there is one already "head.2.rig.json": a draft never
+ * takes the place of somebody's rig, which is *out_beside then. */
+static char *rig_path_for(const char *mesh_path, char **out_beside)
+{
+    const char *slash = strrchr(mesh_path, '/'), *dot = strrchr(mesh_path, '.');
+    size_t length = dot && (!slash || dot > slash) ? (size_t)(dot - mesh_path) : strlen(mesh_path);
+    size_t size = length + sizeof ".4294967295.rig.json";
+    char *out = malloc(size);
+    if (!out)
+        return NULL;
+    (void)snprintf(out, size, "%.*s.rig.json", (int)length, mesh_path);
+    *out_beside = access(out, F_OK) == 0 ? strdup(out) : NULL;
+    for (uint32_t number = 2; access(out, F_OK) == 0; ++number)
+        (void)snprintf(out, size, "%.*s.%u.rig.json", (int)length, mesh_path, number);
+    return out;
+}
+
+static mrt_result copy_face(rig_model *self, const face_file *of, const char *path, error *err)
+{
+    rig first = {0};
+    mrt_result result = mesh_copy(&self->mesh, &of->mesh, err);
+    if (result >= 0)
+        result = topology_copy(&self->topology, &of->topology, err);
+    if (result >= 0 && of->rig)
+        result = rig_copy(&first, of->rig, err);
+    if (result < 0)
+        return result;
+    self->mesh_path = strdup(of->rig ? of->rig->mesh_path : path);
+    self->path = of->rig ? strdup(path) : rig_path_for(path, &self->beside_path);
+    result = rig_history_create(&self->history, &first, err);
+    return result >= 0 && (!self->mesh_path || !self->path) ? no_memory(err) : result;
+}
+
+mrt_result rig_model_create(rig_model **out, const face_file *of, const char *path,
+                            const char *keep_folder, error *err)
+{
+    rig_model *self = calloc(1, sizeof *self);
+    *out = NULL;
+    if (!self)
+        return no_memory(err);
+    mrt_result result = copy_face(self, of, path, err);
+    self->is_saved_known = true;
+    self->waits_s = of->rig ? 0.0 : -1.0;
+    if (result >= 0)
+        result = rig_keep_open(&self->keep, keep_folder, self->path, err);
+    if (result >= 0)
+        result = brush_create(&self->brush, &self->mesh, &self->topology, err);
+    if (result >= 0)
+        result = rig_worker_create(&self->worker, &self->mesh, &self->topology, err);
+    if (result < 0)
+        rig_model_destroy(self);
+    else
+        *out = self;
+    return result;
+}
+
+static void free_file(face_file *file)
+{
+    face_file_destroy(file);
+    free(file);
+}
+
+/* Changes of the last moment, which the worker has not written. */
+static void keep_last_changes(rig_model *self)
+{
+    const char *path = self->history ? rig_keep_begin(&self->keep) : NULL;
+    if (path && rig_write(rig_model_rig(self), path, NULL) < 0)
+        return; /* what was kept before is still there */
+}
+
+void rig_model_destroy(rig_model *self)
+{
+    if (!self)
+        return;
+    rig_model_abandon(self);
+    rig_worker_destroy(self->worker);
+    if (self->history && (rig_model_is_saved(self) || self->is_left))
+        rig_keep_end(&self->keep);
+    else
+        keep_last_changes(self);
+    rig_work_destroy(self->work);
+    free_file(self->for_stage);
+    brush_destroy(self->brush);
+    rig_history_destroy(self->history);
+    rig_keep_close(&self->keep);
+    mesh_destroy(&self->mesh);
+    topology_destroy(&self->topology);
+    free(self->mesh_path);
+    free(self->path);
+    free(self->beside_path);
+    free(self);
+}
+
+/* ---- what there is ---- */
+
+const rig *rig_model_rig(const rig_model *self)
+{
+    const rig *now = rig_history_now(self->history);
+    return now->bone_count > 0 ? now : NULL;
+}
+
+const mesh *rig_model_mesh(const rig_model *self)
+{
+    return &self->mesh;
+}
+
+const topology *rig_model_topology(const rig_model *self)
+{
+    return &self->topology;
+}
+
+brush *rig_model_brush(rig_model *self)
+{
+    return self->brush;
+}
+
+const rig_work *rig_model_work(const rig_model *self)
+{
+    return self->work;
+}
+
+uint64_t rig_model_number(const rig_model *self)
+{
+    return rig_history_number(self->history);
+}
+
+const char *rig_model_path(const rig_model *self)
+{
+    return self->path;
+}
+
+const char *rig_model_beside(const rig_model *self)
+{
+    return self->beside_path;
+}
+
+bool rig_model_is_laid(const rig_model *self)
+{
+    return self->work && self->work->number == self->edition;
+}
+
+/* ---- laid on the mesh ---- */
+
+/* The draft was undone: the mesh alone is the face again. */
+static void offer_mesh_alone(rig_model *self)
+{
+    face_file *file = calloc(1, sizeof *file);
+    error err;
+    if (file && mesh_copy(&file->mesh, &self->mesh, &err) >= 0 &&
+        topology_copy(&file->topology, &self->topology, &err) >= 0) {
+        self->for_stage = file;
+        return;
+    }
+    free_file(file);
+}
+
+static void ask(rig_model *self)
+{
+    rig copy;
+    error err;
+    const rig *now = rig_model_rig(self);
+    bool keeps = now && !rig_model_is_saved(self);
+    self->waits_s = -1.0;
+    if (!now) {
+        offer_mesh_alone(self);
+        return;
+    }
+    if (rig_copy(&copy, now, &err) < 0)
+        return;
+    const char *keep_path = keeps ? rig_keep_begin(&self->keep) : NULL;
+    if (rig_worker_ask(self->worker, &copy, self->edition, keep_path, &err) < 0)
+        self->waits_s = RIG_MODEL_WAIT_S; /* later, with more memory */
+}
+
+static bool take_work(rig_model *self)
+{
+    rig_work *work = rig_worker_take(self->worker);
+    if (!work)
+        return false;
+    rig_work_destroy(self->work);
+    self->work = work;
+    if (work->file && rig_model_is_laid(self) && self->edition > 0) { /* 0 is there already */
+        free_file(self->for_stage);
+        self->for_stage = work->file;
+        work->file = NULL;
+    }
+    return true;
+}
+
+/* Not while the worker may write it. */
+static void end_keeping(rig_model *self)
+{
+    bool is_wanted = !rig_model_is_saved(self) && !self->is_left;
+    if (!is_wanted && self->waits_s < 0.0 && !rig_worker_is_busy(self->worker))
+        rig_keep_end(&self->keep);
+}
+
+bool rig_model_update(rig_model *self, double dt_s)
+{
+    if (self->waits_s >= 0.0) {
+        self->waits_s -= dt_s;
+        if (self->waits_s < 0.0)
+            ask(self);
+    }
+    end_keeping(self);
+    return take_work(self);
+}
+
+face_file *rig_model_take_face(rig_model *self)
+{
+    face_file *out = self->for_stage;
+    self->for_stage = NULL;
+    return out;
+}
+
+/* ---- changes ---- */
+
+static void has_changed(rig_model *self)
+{
+    free_file(self->for_stage);
+    self->for_stage = NULL;
+    self->edition += 1;
+    self->is_left = false;
+    self->waits_s = RIG_MODEL_WAIT_S;
+}
+
+rig *rig_model_begin(rig_model *self, error *err)
+{
+    const rig *now = rig_model_rig(self);
+    rig_model_abandon(self);
+    if (!now) {
+        (void)error_set(err, MRT_ERR_ARGUMENT, "this mesh has no rig yet; draft one first");
+        return NULL;
+    }
+    rig *copy = calloc(1, sizeof *copy);
+    if (!copy || rig_copy(copy, now, err) < 0) {
+        free(copy);
+        (void)no_memory(err);
+        return NULL;
+    }
+    self->changing = copy;
+    return copy;
+}
+
+uint64_t rig_model_commit(rig_model *self)
+{
+    uint64_t before = rig_model_number(self);
+    if (before < self->saved_number) /* the state that is saved can no longer be gone to */
+        self->is_saved_known = false;
+    rig_history_push(self->history, self->changing);
+    free(self->changing);
+    self->changing = NULL;
+    has_changed(self);
+    return rig_model_number(self);
+}
+
+void rig_model_abandon(rig_model *self)
+{
+    rig_destroy(self->changing);
+    free(self->changing);
+    self->changing = NULL;
+}
+
+bool rig_model_go(rig_model *self, uint64_t number)
+{
+    if (!rig_history_go(self->history, number))
+        return false;
+    has_changed(self);
+    return true;
+}
+
+/* Takes the rig over. */
+static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, error *err)
+{
+    rig_model_abandon(self);
+    self->changing = calloc(1, sizeof *self->changing);
+    if (!self->changing) {
+        rig_destroy(r);
+        return no_memory(err);
+    }
+    *self->changing = *r;
+    *out_number = rig_model_commit(self);
+    return MRT_OK;
+}
+
+mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t *out_number, error *err)
+{
+    rig drafted;
+    mrt_result result = rig_draft_make(&drafted, out_confirm, &self->mesh, self->mesh_path, err);
+    return result < 0 ? result : commit_rig(self, &drafted, out_number, err);
+}
+
+/* ---- files ---- */
+
+bool rig_model_is_saved(const rig_model *self)
+{
+    bool is_same = self->is_saved_known && self->saved_number == rig_model_number(self);
+    return is_same || !rig_model_rig(self);
+}
+
+mrt_result rig_model_save(rig_model *self, error *err)
+{
+    const rig *now = rig_model_rig(self);
+    if (!now)
+        return error_set(err, MRT_ERR_ARGUMENT, "this mesh has no rig yet; draft one first");
+    mrt_result result = rig_write(now, self->path, err);
+    if (result < 0)
+        return result;
+    self->saved_number = rig_model_number(self);
+    self->is_saved_known = true;
+    return result;
+}
+
+bool rig_model_has_kept(const rig_model *self)
+{
+    return rig_keep_has_old(&self->keep);
+}
+
+mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err)
+{
+    rig kept;
+    mrt_result result = rig_keep_read(&self->keep, &kept, &self->mesh, err);
+    return result < 0 ? result : commit_rig(self, &kept, out_number, err);
+}
+
+void rig_model_drop_kept(rig_model *self)
+{
+    rig_keep_drop_old(&self->keep);
+}
+
+void rig_model_leave(rig_model *self)
+{
+    self->is_left = true;
+}

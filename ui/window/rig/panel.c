@@ -1,0 +1,1111 @@
+/* The rig panel: which vertex rides on what, where the face can be pulled, and what is wrong with
+ * it. */
+#include "window/rig/panel.h"
+#include "window/rig/gizmo.h"
+#include "window/theme.h"
+
+#include "base/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the brush: what it paints, how large it is ---- */
+
+enum { INK_ITEMS = RIG_BONES_MAX + 8, ITEM_TEXT = 64 };
+static const ui_range radius_range = {1.0, 80.0, "mm", 0, false, 12.0};
+static const ui_range strength_range = {5.0, 100.0, "%", 0, true, 100.0};
+static const double radius_step = 1.15;
+static const char *const falloff_items[] = {"soft", "hard"};
+
+/* The list of inks: bones first, then what is said of mobility. */
+typedef struct ink_list {
+    char text[INK_ITEMS][ITEM_TEXT];
+    const char *item[INK_ITEMS];
+    rig_stroke_ink ink[INK_ITEMS];
+    uint32_t count;
+} ink_list;
+
+static void add_ink(ink_list *list, rig_ink ink, uint32_t bone, const char *text)
+{
+    uint32_t i = list->count++;
+    (void)snprintf(list->text[i], ITEM_TEXT, "%s", text);
+    list->item[i] = list->text[i];
+    list->ink[i] = (rig_stroke_ink){.ink = ink, .bone = bone};
+}
+
+static void list_inks(ink_list *list, const rig *r)
+{
+    list->count = 0;
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        add_ink(list, RIG_INK_RIDES, i, r->bone[i].name);
+    add_ink(list, RIG_INK_FREE, 0, "mobile");
+    add_ink(list, RIG_INK_STILL, 0, "immobile");
+    add_ink(list, RIG_INK_REGION, 0, "the chosen region");
+    add_ink(list, RIG_INK_ERASER, 0, "eraser");
+}
+
+static bool is_of_bone(rig_ink ink)
+{
+    return ink == RIG_INK_RIDES || ink == RIG_INK_RIGID;
+}
+
+static uint32_t index_of(const ink_list *list, const rig_stroke_ink *ink)
+{
+    for (uint32_t i = 0; i < list->count; ++i) {
+        bool both = is_of_bone(list->ink[i].ink) && is_of_bone(ink->ink);
+        if (both ? list->ink[i].bone == ink->bone : list->ink[i].ink == ink->ink)
+            return i;
+    }
+    return 0;
+}
+
+static void choose_ink(rig_stroke_ink *ink, const rig_stroke_ink *chosen)
+{
+    bool stays_rigid = ink->ink == RIG_INK_RIGID && chosen->ink == RIG_INK_RIDES;
+    ink->ink = stays_rigid ? RIG_INK_RIGID : chosen->ink;
+    ink->bone = chosen->bone;
+}
+
+static void draw_ink(rig_panel *self, ui *on, const rig *r)
+{
+    static const char eraser_hint[] = "Shift while painting is the eraser too.";
+    ink_list list;
+    rig_stroke_ink *ink = &self->painting.ink;
+    list_inks(&list, r);
+    uint32_t index = index_of(&list, ink);
+    if (ui_choice(on, "Paints", RIG_PANEL_LABEL, list.item, list.count, &index)) {
+        choose_ink(ink, &list.ink[index]);
+        self->shown.is_tint_new = true;
+    }
+    ui_hint(on, eraser_hint);
+    bool is_rigid = ink->ink == RIG_INK_RIGID;
+    if (is_of_bone(ink->ink) && ui_check(on, "Rigid: cannot be pulled", &is_rigid))
+        ink->ink = is_rigid ? RIG_INK_RIGID : RIG_INK_RIDES;
+    if (ink->ink == RIG_INK_REGION &&
+        (self->region == RIG_NONE || !rig_edit_can_paint(r, self->region)))
+        ui_text_wrapped(
+            on, UI_STYLE_WARNING,
+            self->region == RIG_NONE
+                ? "Choose a region in the list."
+                : "This region is not given vertex by vertex: \"To paint\" makes it so.");
+}
+
+static void take_keys(rig_panel *self, const ui *on)
+{
+    double *radius = &self->painting.shape.radius_mm;
+    if (ui_pressed(on, '[', 0))
+        *radius /= radius_step;
+    if (ui_pressed(on, ']', 0))
+        *radius *= radius_step;
+    if (*radius < radius_range.min)
+        *radius = radius_range.min;
+    if (*radius > radius_range.max)
+        *radius = radius_range.max;
+}
+
+static void rig_panel_draw_brush(rig_panel *self, ui *on)
+{
+    const rig *r = rig_model_rig(self->model);
+    rig_painting *painting = &self->painting;
+    if (ui_button(on, painting->is_on ? "Painting##brush" : "Paint##brush",
+                  painting->is_on ? UI_ACCENT : UI_PLAIN)) {
+        painting->is_on = !painting->is_on;
+        rig_panel_end_stroke(self);
+        self->shown.is_tint_new = self->shown.is_shape_new = true;
+    }
+    ui_hint(on,
+            "The brush on the face, which is shown at rest. The performance goes on meanwhile.");
+    ui_same_line(on);
+    ui_at(on, 104.0f);
+    (void)ui_check(on, "Both sides##brush", &self->is_even);
+    if (painting->is_on)
+        take_keys(self, on);
+    draw_ink(self, on, r);
+    (void)ui_slider(on, "Radius", RIG_PANEL_LABEL, &radius_range, &painting->shape.radius_mm);
+    ui_hint(on, "[ and ]");
+    double strength = 100.0 * painting->ink.strength;
+    if (ui_slider(on, "Strength", RIG_PANEL_LABEL, &strength_range, &strength))
+        painting->ink.strength = strength / 100.0;
+    uint32_t falloff = (uint32_t)painting->shape.falloff;
+    if (ui_choice(on, "Edge", RIG_PANEL_LABEL, falloff_items, 2, &falloff))
+        painting->shape.falloff = (brush_falloff)falloff;
+}
+
+/* ---- regions: the list, and what the chosen one says ---- */
+
+enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
+static const float chip_width = 8.0f, size_width = 62.0f, size_end = 292.0f;
+static const float list_least = 150.0f, list_most = 420.0f;         /* points high */
+static const float below_list = 235.0f, below_list_chosen = 405.0f; /* what comes below it */
+
+typedef enum region_kind { KIND_RIDES = 0, KIND_RIGID, KIND_MOBILITY } region_kind;
+static const char *const kind_items[] = {"rides on it", "rigid on it", "only mobility"};
+
+/* ---- the list ---- */
+
+static void say_share(char *out, size_t capacity, const char *what, double share)
+{
+    if (share < 1.0)
+        (void)snprintf(out, capacity, "%s %.0f %%", what, 100.0 * share);
+    else
+        (void)snprintf(out, capacity, "%s", what);
+}
+
+/* What it says: "jaw, rigid", "skull 50 %, mobile", "immobile". */
+static void say_region(const rig *r, const rig_region *region, char *out, size_t capacity)
+{
+    char rides[96] = "", mobile[32] = "";
+    const char *bone = region->bone == RIG_NONE ? "" : r->bone[region->bone].name;
+    if (region->is_rigid)
+        (void)snprintf(rides, sizeof rides, "%s, rigid", bone);
+    else if (!isnan(region->weight))
+        say_share(rides, sizeof rides, bone, region->weight);
+    if (!isnan(region->mobility) && region->mobility > 0.0)
+        say_share(mobile, sizeof mobile, "mobile", region->mobility);
+    else if (!isnan(region->mobility))
+        (void)snprintf(mobile, sizeof mobile, "immobile");
+    (void)snprintf(out, capacity, "%s%s%s", rides, rides[0] && mobile[0] ? ", " : "", mobile);
+}
+
+static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
+{
+    char words[140];
+    const rig_region *region = &r->region[index];
+    say_region(r, region, words, sizeof words);
+    (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
+}
+
+static void draw_chip(ui *on, uint32_t colour, uint32_t index)
+{
+    char id[32];
+    ui_canvas canvas;
+    (void)snprintf(id, sizeof id, "chip%u", index);
+    ui_canvas_begin(on, id, chip_width, ui_row_height(on), &canvas);
+    ui_rectangle box = canvas.where;
+    box.y += 5.0f;
+    box.height -= 10.0f;
+    ui_draw_box(on, box, colour, 2.0f);
+    ui_canvas_end(on);
+}
+
+static void draw_size(const rig_panel *self, ui *on, uint32_t index)
+{
+    const rig_work *work = rig_model_work(self->model);
+    char text[32] = "\xe2\x80\xa6";
+    if (rig_model_is_laid(self->model) && work->region_size && index < work->rig.region_count)
+        (void)snprintf(text, sizeof text, "%u", work->region_size[index]);
+    ui_same_line(on);
+    ui_at(on, size_end - ui_text_width(on, UI_STYLE_DIM, text));
+    ui_text(on, UI_STYLE_DIM, text);
+    ui_hint(on, "How many vertices it has.");
+}
+
+static float list_height(const rig_panel *self, const ui *on)
+{
+    float below = self->region == RIG_NONE ? below_list : below_list_chosen;
+    float left = ui_available_height(on) - below;
+    return left < list_least ? list_least : left > list_most ? list_most : left;
+}
+
+static void draw_region_list(rig_panel *self, ui *on, const rig *r)
+{
+    ui_scroll_begin(on, "regions", 0.0f, list_height(self, on));
+    for (uint32_t i = 0; i < r->region_count; ++i) {
+        char label[160];
+        label_of(r, i, label, sizeof label);
+        draw_chip(on, rig_tint_chip(r, r->region[i].bone), i);
+        ui_same_line(on);
+        ui_width(on, -size_width);
+        if (ui_row(on, label, i == self->region) != UI_ROW_NONE)
+            rig_panel_choose(self, RIG_TAB_REGIONS, i == self->region ? RIG_NONE : i);
+        draw_size(self, on, i);
+    }
+    ui_scroll_end(on);
+}
+
+/* ---- changes ---- */
+
+static void add(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    uint32_t index = RIG_NONE;
+    rig_edit_says says = {0, false, 1.0, (double)NAN};
+    if (!r)
+        return;
+    mrt_result result = rig_edit_add_region(r, NULL, &says, &index, &err);
+    if (rig_panel_finish(self, result, &err, "add a region"))
+        rig_panel_choose(self, RIG_TAB_REGIONS, index);
+}
+
+static void remove_region(rig_panel *self, uint32_t index)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_remove_region(r, index, &err), &err,
+                               "take out a region");
+}
+
+static void move(rig_panel *self, uint32_t index, uint32_t to)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r &&
+        rig_panel_finish(self, rig_edit_move_region(r, index, to, &err), &err, "move a region"))
+        self->region = to;
+}
+
+/* What its selector gives becomes its own vertices. */
+static void make_paint(rig_panel *self, uint32_t index)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    const mesh *m = rig_model_mesh(self->model);
+    float *share = self->shown.share;
+    if (!r || !share)
+        return;
+    uint8_t *value = (uint8_t *)self->shown.scratch;
+    mrt_result result =
+        bind_select(share, &r->region[index].select, m, rig_model_topology(self->model), &err);
+    for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
+        value[v] = (uint8_t)(share[v] * 255.0f + 0.5f);
+    if (result >= 0)
+        result = rig_edit_paint(r, index, value, m->vertex_count, &err);
+    (void)rig_panel_finish(self, result, &err, "give a region its vertices one by one");
+}
+
+static void set_says(rig_panel *self, const rig_edit_says *says, const char *words)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_set_region(r, self->region, says, &err), &err, words);
+}
+
+/* ---- the chosen one ---- */
+
+static void draw_region_name(rig_panel *self, ui *on, const rig_region *region)
+{
+    error err = {""};
+    uint32_t number = (uint32_t)rig_model_number(self->model);
+    if (self->region_name_of != self->region || self->region_name_number != number) {
+        (void)snprintf(self->region_name, sizeof self->region_name, "%s",
+                       region->name ? region->name : "");
+        self->region_name_of = self->region;
+        self->region_name_number = number;
+    }
+    ui_width(on, -1.0f);
+    if (!ui_input(on, "region name", "no name", self->region_name, sizeof self->region_name))
+        return;
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_name_region(r, self->region, self->region_name, &err),
+                               &err, "name a region");
+    self->region_name_of = RIG_NONE;
+}
+
+static void draw_buttons(rig_panel *self, ui *on, const rig *r)
+{
+    uint32_t index = self->region;
+    ui_disabled_begin(on, index == 0);
+    if (ui_button(on, "Up", UI_PLAIN))
+        move(self, index, index - 1);
+    ui_disabled_end(on);
+    ui_same_line(on);
+    ui_disabled_begin(on, index + 1 >= r->region_count);
+    if (ui_button(on, "Down", UI_PLAIN))
+        move(self, index, index + 1);
+    ui_disabled_end(on);
+    ui_hint(on,
+            "Where two regions speak of a vertex, the lower one wins; rigid ones win over all.");
+    ui_same_line(on);
+    if (ui_button(on, "Take out", UI_PLAIN))
+        remove_region(self, index);
+    ui_same_line(on);
+    ui_disabled_begin(on, rig_edit_can_paint(r, index));
+    if (ui_button(on, "To paint", UI_PLAIN))
+        make_paint(self, index);
+    ui_disabled_end(on);
+    ui_hint(on, "Its vertices are kept one by one from now on, so that the brush can change them.");
+}
+
+static region_kind kind_of(const rig_edit_says *says)
+{
+    return says->is_rigid ? KIND_RIGID : isnan(says->weight) ? KIND_MOBILITY : KIND_RIDES;
+}
+
+static void change_kind(rig_panel *self, const rig_edit_says *says, region_kind kind)
+{
+    rig_edit_says next = {says->bone, kind == KIND_RIGID, (double)NAN, (double)NAN};
+    if (kind != KIND_MOBILITY && next.bone == RIG_NONE)
+        next.bone = 0;
+    if (kind == KIND_RIDES)
+        next.weight = 1.0;
+    if (kind == KIND_MOBILITY)
+        next.mobility = isnan(says->mobility) ? 1.0 : says->mobility;
+    set_says(self, &next, "change what a region says");
+}
+
+static void draw_region_bone(rig_panel *self, ui *on, const rig *r, const rig_edit_says *says)
+{
+    const char *items[BONE_ITEMS];
+    uint32_t index = says->bone == RIG_NONE ? 0 : says->bone, kind = (uint32_t)kind_of(says);
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        items[i] = r->bone[i].name;
+    if (kind != KIND_MOBILITY &&
+        ui_choice(on, "Bone", RIG_PANEL_LABEL, items, r->bone_count, &index)) {
+        rig_edit_says next = *says;
+        next.bone = index;
+        set_says(self, &next, "change a region's bone");
+        return;
+    }
+    if (ui_choice(on, "Says", RIG_PANEL_LABEL, kind_items, 3, &kind))
+        change_kind(self, says, (region_kind)kind);
+}
+
+/* A slider that is a step of undo once it is let go. True: it is held. */
+static bool draw_share(ui *on, const char *label, double *value)
+{
+    static const ui_range range = {0.0, 100.0, "%", 0, false, 100.0};
+    double percent = 100.0 * *value;
+    if (ui_slider(on, label, RIG_PANEL_LABEL, &range, &percent))
+        *value = percent / 100.0;
+    return ui_slider_is_held(on);
+}
+
+static bool is_said_alike(const rig_edit_says *a, const rig_region *b)
+{
+    bool same_weight = !(a->weight < b->weight) && !(a->weight > b->weight);
+    bool same_mobility = !(a->mobility < b->mobility) && !(a->mobility > b->mobility);
+    return same_weight && same_mobility && isnan(a->mobility) == isnan(b->mobility);
+}
+
+static void draw_shares(rig_panel *self, ui *on, const rig_region *region)
+{
+    rig_edit_says *says = &self->says;
+    bool is_held = false;
+    if (!isnan(says->weight))
+        is_held = draw_share(on, "Weight", &says->weight) || is_held;
+    if (says->is_rigid)
+        return;
+    bool has_mobility = !isnan(says->mobility);
+    if (!isnan(says->weight) && ui_check(on, "and mobility", &has_mobility))
+        says->mobility = has_mobility ? 1.0 : (double)NAN;
+    if (!isnan(says->mobility))
+        is_held = draw_share(on, "Mobility", &says->mobility) || is_held;
+    self->is_says_held = is_held;
+    if (is_held || is_said_alike(says, region))
+        return;
+    rig_edit_says next = *says;
+    set_says(self, &next, "change a region's share");
+}
+
+static void draw_chosen_region(rig_panel *self, ui *on, const rig *r)
+{
+    char words[WORDS];
+    const rig_region *region = &r->region[self->region];
+    rig_edit_says says = {region->bone, region->is_rigid, region->weight, region->mobility};
+    uint64_t number = rig_model_number(self->model);
+    if (!self->is_says_held)
+        self->says = says;
+    draw_region_name(self, on, region);
+    rig_edit_describe(&region->select, words, sizeof words);
+    ui_text_wrapped(on, UI_STYLE_DIM, words);
+    draw_region_bone(self, on, r, &says);
+    if (number == rig_model_number(self->model))
+        draw_shares(self, on, region);
+    if (number == rig_model_number(self->model))
+        draw_buttons(self, on, r);
+}
+
+/* ---- */
+
+static void rig_panel_draw_regions(rig_panel *self, ui *on)
+{
+    const rig *r = rig_model_rig(self->model);
+    draw_region_list(self, on, r);
+    if (ui_button(on, "Add a region", UI_PLAIN)) {
+        add(self);
+        return;
+    }
+    if (self->region != RIG_NONE && self->region < rig_model_rig(self->model)->region_count)
+        draw_chosen_region(self, on, rig_model_rig(self->model));
+    ui_rule(on);
+    rig_panel_draw_brush(self, on);
+}
+
+/* ---- contacts: the list, and the chosen one ---- */
+
+static const float vertex_width = 62.0f, vertex_end = 292.0f;
+static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
+                   below_contact_list = 175.0f; /* points high */
+
+static float contact_list_height(const ui *on)
+{
+    float left = ui_available_height(on) - below_contact_list;
+    return left < contact_list_least  ? contact_list_least
+           : left > contact_list_most ? contact_list_most
+                                      : left;
+}
+
+static void draw_contact_list(rig_panel *self, ui *on, const rig *r)
+{
+    ui_scroll_begin(on, "contacts", 0.0f, contact_list_height(on));
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        char label[160], vertex[32];
+        (void)snprintf(label, sizeof label, "%s##contact%u", r->contact[i].name, i);
+        (void)snprintf(vertex, sizeof vertex, "%u", r->contact[i].vertex);
+        ui_width(on, -vertex_width);
+        if (ui_row(on, label, i == self->contact) != UI_ROW_NONE)
+            rig_panel_choose(self, RIG_TAB_CONTACTS, i == self->contact ? RIG_NONE : i);
+        ui_same_line(on);
+        ui_at(on, vertex_end - ui_text_width(on, UI_STYLE_DIM, vertex));
+        ui_text(on, UI_STYLE_DIM, vertex);
+    }
+    if (r->contact_count == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM, "None yet: nothing can be pulled by name.");
+    ui_scroll_end(on);
+}
+
+/* ---- the chosen one ---- */
+
+static void draw_contact_name(rig_panel *self, ui *on, const rig *r)
+{
+    error err = {""};
+    rig_placing *placing = &self->placing;
+    uint32_t number = (uint32_t)rig_model_number(self->model);
+    if (placing->name_of != self->contact || placing->name_number != number) {
+        (void)snprintf(placing->name, sizeof placing->name, "%s", r->contact[self->contact].name);
+        placing->name_of = self->contact;
+        placing->name_number = number;
+    }
+    ui_width(on, -1.0f);
+    if (!ui_input(on, "contact name", "name", placing->name, sizeof placing->name))
+        return;
+    rig *changed = rig_panel_begin(self);
+    if (changed)
+        (void)rig_panel_finish(self,
+                               rig_edit_name_contact(changed, self->contact, placing->name, &err),
+                               &err, "name a contact");
+    placing->name_of = RIG_NONE;
+}
+
+static void draw_contact_bone(rig_panel *self, ui *on, const rig *r)
+{
+    error err = {""};
+    const char *items[BONE_ITEMS] = {"by its vertex"};
+    uint32_t bone = r->contact[self->contact].bone, index = bone == RIG_NONE ? 0 : bone + 1;
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        items[i + 1] = r->bone[i].name;
+    if (!ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, r->bone_count + 1, &index))
+        return;
+    rig *changed = rig_panel_begin(self);
+    bone = index == 0 ? RIG_NONE : index - 1;
+    if (changed)
+        (void)rig_panel_finish(self, rig_edit_ride(changed, self->contact, bone, &err), &err,
+                               "change what a contact rides on");
+}
+
+static void mirror(rig_panel *self)
+{
+    error err = {""};
+    rig *changed = rig_panel_begin(self);
+    if (!changed)
+        return;
+    uint32_t image =
+        brush_mirror_of(rig_model_brush(self->model), changed->contact[self->contact].vertex);
+    mrt_result result =
+        image == UINT32_MAX
+            ? error_set(&err, MRT_ERR_ARGUMENT, "there is no vertex on the other side of this one")
+            : rig_edit_mirror_contact(changed, self->contact, image, &err);
+    (void)rig_panel_finish(self, result, &err, "mirror a contact");
+}
+
+static void remove_contact(rig_panel *self)
+{
+    error err = {""};
+    rig *changed = rig_panel_begin(self);
+    if (changed && rig_panel_finish(self, rig_edit_remove_contact(changed, self->contact, &err),
+                                    &err, "take out a contact"))
+        self->contact = RIG_NONE;
+}
+
+static void draw_chosen_contact(rig_panel *self, ui *on, const rig *r)
+{
+    const rig_contact *contact = &r->contact[self->contact];
+    uint64_t number = rig_model_number(self->model);
+    draw_contact_name(self, on, r);
+    if (number != rig_model_number(self->model))
+        return;
+    draw_contact_bone(self, on, r);
+    if (number != rig_model_number(self->model))
+        return;
+    ui_fact(on, "Mirror", RIG_PANEL_LABEL, UI_STYLE_BODY,
+            contact->mirror == RIG_NONE ? "none" : r->contact[contact->mirror].name);
+    if (ui_button(on, "Mirror it", UI_PLAIN))
+        mirror(self);
+    ui_hint(on,
+            "Puts the contact of the other side where this one's mirror image is, or makes it.");
+    ui_same_line(on);
+    if (ui_button(on, "Take out", UI_PLAIN) && number == rig_model_number(self->model))
+        remove_contact(self);
+}
+
+static void rig_panel_draw_contacts(rig_panel *self, ui *on)
+{
+    rig_placing *placing = &self->placing;
+    draw_contact_list(self, on, rig_model_rig(self->model));
+    if (ui_button(on, placing->is_adding ? "Click on the face##add" : "Add a contact##add",
+                  placing->is_adding ? UI_ACCENT : UI_PLAIN))
+        placing->is_adding = !placing->is_adding;
+    ui_same_line(on);
+    ui_at(on, 168.0f);
+    (void)ui_check(on, "Both sides##contacts", &self->is_even);
+    if (self->contact != RIG_NONE)
+        draw_chosen_contact(self, on, rig_model_rig(self->model));
+    else
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "Click a dot on the face to choose it, drag it to put it elsewhere.");
+}
+
+/* ---- what is wrong: a click goes to what a finding speaks of ---- */
+
+enum { TITLE = 200 };
+
+static void title_of(const rig *r, const rig_finding *finding, uint32_t number, char *out,
+                     size_t capacity)
+{
+    uint32_t index;
+    switch (rig_edit_kind_at(r, finding->path, &index)) {
+    case RIG_EDIT_REGION:
+        if (r->region[index].name)
+            (void)snprintf(out, capacity, "Region %s##finding%u", r->region[index].name, number);
+        else
+            (void)snprintf(out, capacity, "Region %u##finding%u", index + 1, number);
+        break;
+    case RIG_EDIT_CONTACT:
+        (void)snprintf(out, capacity, "Contact %s##finding%u", r->contact[index].name, number);
+        break;
+    case RIG_EDIT_BONE:
+        (void)snprintf(out, capacity, "Bone %s##finding%u", r->bone[index].name, number);
+        break;
+    case RIG_EDIT_OTHER:
+        (void)snprintf(out, capacity, "%.100s##finding%u",
+                       strcmp(finding->path, "$") == 0        ? "The rig"
+                       : strncmp(finding->path, "$.", 2) == 0 ? finding->path + 2
+                                                              : finding->path,
+                       number);
+        break;
+    }
+}
+
+static void go_to(rig_panel *self, const rig *r, const rig_finding *finding)
+{
+    uint32_t index;
+    rig_edit_kind kind = rig_edit_kind_at(r, finding->path, &index);
+    if (kind == RIG_EDIT_REGION)
+        rig_panel_choose(self, RIG_TAB_REGIONS, index);
+    if (kind == RIG_EDIT_CONTACT)
+        rig_panel_choose(self, RIG_TAB_CONTACTS, index);
+    if (kind == RIG_EDIT_BONE && r->bone[index].kind == BONE_JAW)
+        rig_panel_choose(self, RIG_TAB_JAW, index);
+    self->shown.is_shape_new = true;
+}
+
+static void draw_finding(rig_panel *self, ui *on, const rig *r, const rig_finding *finding,
+                         uint32_t number)
+{
+    static const ui_style style[] = {
+        [RIG_NOTE] = UI_STYLE_DIM, [RIG_WARNING] = UI_STYLE_WARNING, [RIG_ERROR] = UI_STYLE_BAD};
+    char title[TITLE];
+    title_of(r, finding, number, title, sizeof title);
+    if (title[0] >= 'a' && title[0] <= 'z')
+        title[0] = (char)(title[0] - 'a' + 'A');
+    if (ui_row(on, title, false) != UI_ROW_NONE)
+        go_to(self, r, finding);
+    ui_text_wrapped(on, style[finding->severity], finding->text);
+    ui_space(on, 4.0f);
+}
+
+static void draw_confirm(rig_panel *self, ui *on)
+{
+    char line[512];
+    if (!self->confirm || !ui_section(on, "Guessed by the draft", true))
+        return;
+    for (const char *at = self->confirm; *at;) {
+        size_t length = strcspn(at, "\n");
+        (void)snprintf(line, sizeof line, "%.*s", (int)length, at);
+        ui_text_wrapped(on, UI_STYLE_BODY, line);
+        ui_space(on, 4.0f);
+        at += length + (at[length] == '\n');
+    }
+}
+
+static void draw_summary(const rig_work *work, bool is_laid, ui *on)
+{
+    uint32_t errors = rig_findings_count(&work->findings, RIG_ERROR);
+    uint32_t warnings = rig_findings_count(&work->findings, RIG_WARNING);
+    char text[128];
+    if (!is_laid) {
+        ui_text(on, UI_STYLE_DIM, "Looking at the last change \xe2\x80\xa6");
+        return;
+    }
+    if (errors > 0)
+        (void)snprintf(text, sizeof text, "%u to be mended: the stage keeps the rig before.",
+                       errors);
+    else if (warnings > 0)
+        (void)snprintf(text, sizeof text, "It performs; %u to look at.", warnings);
+    else
+        (void)snprintf(text, sizeof text, "Nothing is wrong with it.");
+    ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);
+}
+
+static void rig_panel_draw_check(rig_panel *self, ui *on)
+{
+    const rig_work *work = rig_model_work(self->model);
+    const rig *r = rig_model_rig(self->model);
+    if (!work) {
+        ui_text(on, UI_STYLE_DIM, "Looking at it \xe2\x80\xa6");
+        return;
+    }
+    draw_summary(work, rig_model_is_laid(self->model), on);
+    ui_space(on, 4.0f);
+    for (uint32_t i = 0; i < work->findings.count; ++i)
+        draw_finding(self, on, r, &work->findings.item[i], i);
+    draw_confirm(self, on);
+}
+
+/* ---- the panel ---- */
+
+static const double look_after_s = 1.5; /* for what was kept, when the panel is not seen */
+
+struct panel {
+    rig_panel of;
+};
+
+/* ---- what is said ---- */
+
+void rig_panel_say(rig_panel *self, const char *trouble)
+{
+    (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
+    if (trouble[0])
+        news_list_add(studio_news(self->of), MRT_LOG_ERROR, "rig", trouble);
+}
+
+static void tell(rig_panel *self, const char *text)
+{
+    news_list_add(studio_news(self->of), MRT_LOG_INFO, "rig", text);
+}
+
+/* ---- changes ---- */
+
+static void go(rig_panel *self, uint64_t number)
+{
+    rig_panel_end_stroke(self);
+    self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
+    if (!self->model || !rig_model_go(self->model, number))
+        rig_panel_say(self, "That change of the rig is too long ago to be undone.");
+    self->shown.is_tint_new = self->shown.is_shape_new = true;
+}
+
+static void undo(void *owner, uint64_t number)
+{
+    go(owner, number - 1);
+}
+
+static void redo(void *owner, uint64_t number)
+{
+    go(owner, number);
+}
+
+static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words)
+{
+    studio_step step = {.owner = self, .undo = undo, .redo = redo, .number = number};
+    (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
+    studio_did(self->of, &step);
+    self->shown.is_tint_new = self->shown.is_shape_new = true;
+}
+
+rig *rig_panel_begin(rig_panel *self)
+{
+    error err = {""};
+    rig *out = rig_model_begin(self->model, &err);
+    if (!out)
+        rig_panel_say(self, err.text);
+    return out;
+}
+
+bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words)
+{
+    rig_panel_say(self, result < 0 ? err->text : "");
+    if (result < 0) {
+        rig_model_abandon(self->model);
+        return false;
+    }
+    rig_panel_note_step(self, rig_model_commit(self->model), words);
+    return true;
+}
+
+void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index)
+{
+    self->tab = tab;
+    if (tab == RIG_TAB_REGIONS)
+        self->region = index;
+    if (tab == RIG_TAB_CONTACTS)
+        self->contact = index;
+    self->is_says_held = false;
+    self->shown.is_tint_new = true;
+}
+
+uint32_t rig_panel_jaw(const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (r->bone[i].kind == BONE_JAW)
+            return i;
+    return RIG_NONE;
+}
+
+/* ---- which face ---- */
+
+static void forget_face(rig_panel *self)
+{
+    rig_panel_end_stroke(self);
+    studio_forget_steps(self->of, self);
+    studio_set_unsaved(self->of, NULL);
+    self->was_unsaved = false;
+    rig_model_destroy(self->model);
+    self->model = NULL;
+    rig_panel_shown_finish(&self->shown);
+    free(self->confirm);
+    self->confirm = NULL;
+    self->region = self->contact = RIG_NONE;
+    self->placing = (rig_placing){.name_of = RIG_NONE};
+    self->jawing = (rig_jawing){.held = RIG_HANDLES};
+    rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
+    self->painting.is_on = false;
+    self->trouble[0] = '\0';
+}
+
+static bool is_same_face(const rig_panel *self, const face_file *file)
+{
+    const char *path = studio_face_path(self->of);
+    return file && self->stage_path && path && file->rig == self->stage_rig &&
+           file->mesh.position == self->stage_position && strcmp(path, self->stage_path) == 0;
+}
+
+static void note_face(rig_panel *self)
+{
+    const face_file *file = studio_face(self->of);
+    const char *path = studio_face_path(self->of);
+    free(self->stage_path);
+    self->stage_rig = file ? file->rig : NULL;
+    self->stage_rig_is_file = path && strcmp(file_extension_of(path).text, "json") == 0;
+    self->stage_position = file ? file->mesh.position : NULL;
+    self->stage_path = strdup(path ? path : "");
+}
+
+static void follow_face(rig_panel *self, double dt_s)
+{
+    const face_file *file = studio_face(self->of);
+    self->known_s += dt_s;
+    if (is_same_face(self, file))
+        return;
+    if (self->adopts && self->model && file &&
+        file->mesh.vertex_count == rig_model_mesh(self->model)->vertex_count)
+        note_face(self);
+    else {
+        forget_face(self);
+        note_face(self);
+        self->known_s = 0.0;
+    }
+    self->adopts = false;
+}
+
+/* Not before it is needed: the first face should be on the screen by then. */
+static void open_model(rig_panel *self)
+{
+    error err = {""};
+    const face_file *file = studio_face(self->of);
+    if (self->model || !file || !(self->is_seen || self->known_s > look_after_s))
+        return;
+    if (rig_model_create(&self->model, file, studio_face_path(self->of),
+                         settings_folder(studio_settings(self->of)), &err) < 0) {
+        if (!self->trouble[0])
+            rig_panel_say(self, err.text);
+        return;
+    }
+    self->shown.is_tint_new = self->shown.is_shape_new = true;
+    if (rig_model_has_kept(self->model))
+        tell(self, "Changes of this face's rig that were not saved are still here: F4.");
+}
+
+/* ---- the stage ---- */
+
+static void give_to_stage(rig_panel *self)
+{
+    if (studio_status(self->of)->is_recording)
+        return; /* later: the face of a take does not change */
+    face_file *file = rig_model_take_face(self->model);
+    if (!file)
+        return;
+    if (studio_change_face(self->of, file) < 0)
+        self->trouble[0] = '\0'; /* the studio has said why not */
+    free(file);
+    note_face(self);
+}
+
+/* ---- the file ---- */
+
+/* The first rig of a mesh alone: from now on it is the face, so that the show names it. */
+static void open_saved(rig_panel *self, const char *path)
+{
+    char copy[RIG_PANEL_PATH];
+    (void)snprintf(copy, sizeof copy, "%s", path);
+    self->adopts = studio_open_face(self->of, copy) >= 0;
+}
+
+static mrt_result save(void *owner, error *err)
+{
+    rig_panel *self = owner;
+    rig_panel_end_stroke(self);
+    mrt_result result = rig_model_save(self->model, err);
+    if (result < 0)
+        return result;
+    const char *path = rig_model_path(self->model);
+    char text[RIG_PANEL_TROUBLE];
+    (void)snprintf(text, sizeof text, "Saved %.400s", path);
+    tell(self, text);
+    self->trouble[0] = '\0';
+    if (!self->stage_rig_is_file)
+        open_saved(self, path);
+    return result;
+}
+
+static void leave(void *owner)
+{
+    rig_panel *self = owner;
+    rig_model_leave(self->model);
+}
+
+static const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void save_as_asked(rig_panel *self)
+{
+    error err = {""};
+    if (save(self, &err) < 0)
+        rig_panel_say(self, err.text);
+}
+
+static void tell_unsaved(rig_panel *self)
+{
+    bool is_unsaved = !rig_model_is_saved(self->model);
+    if (is_unsaved == self->was_unsaved)
+        return;
+    studio_unsaved unsaved = {.owner = self, .save = save, .leave = leave};
+    (void)snprintf(unsaved.words, sizeof unsaved.words, "the rig %.100s",
+                   file_name(rig_model_path(self->model)));
+    studio_set_unsaved(self->of, is_unsaved ? &unsaved : NULL);
+    self->was_unsaved = is_unsaved;
+}
+
+/* ---- each frame ---- */
+
+static void keep_choices(rig_panel *self)
+{
+    const rig *r = rig_model_rig(self->model);
+    if (!r || self->region >= r->region_count)
+        self->region = RIG_NONE;
+    if (!r || self->contact >= r->contact_count)
+        self->contact = RIG_NONE;
+    if (!r || self->painting.ink.bone >= r->bone_count)
+        self->painting.ink.bone = 0;
+    rig_panel_keep_part(self);
+}
+
+static void update(panel *self_, double dt_s)
+{
+    rig_panel *self = &self_->of;
+    viewport *view = studio_viewport(self->of);
+    follow_face(self, dt_s);
+    open_model(self);
+    if (self->model) {
+        if (studio_asked(self->of, ACTION_SAVE))
+            save_as_asked(self);
+        if (rig_model_update(self->model, dt_s))
+            self->shown.is_tint_new = self->shown.is_shape_new = true;
+        give_to_stage(self);
+        tell_unsaved(self);
+        keep_choices(self);
+    }
+    if (view && self->model && self->is_seen)
+        rig_panel_face(self, view);
+    else if (view)
+        rig_panel_release(self, view);
+    self->is_seen = false;
+}
+
+/* ---- drawn ---- */
+
+static void draw_head(rig_panel *self, ui *on)
+{
+    char text[128];
+    if (!rig_model_rig(self->model)) {
+        ui_text(on, UI_STYLE_TITLE, file_name(studio_face_path(self->of)));
+        return;
+    }
+    bool is_saved = rig_model_is_saved(self->model);
+    (void)snprintf(text, sizeof text, "%.80s%s", file_name(rig_model_path(self->model)),
+                   is_saved ? "" : " \xe2\x97\x8f");
+    ui_text(on, UI_STYLE_TITLE, text);
+    if (!is_saved)
+        ui_hint(on, "There are changes that are not saved.");
+    ui_same_line(on);
+    ui_at(on, 252.0f);
+    ui_disabled_begin(on, is_saved);
+    if (ui_button(on, "Save##rig", is_saved ? UI_PLAIN : UI_ACCENT))
+        save_as_asked(self);
+    ui_disabled_end(on);
+    ui_hint(on, "Ctrl+S");
+}
+
+static void draw_kept(rig_panel *self, ui *on)
+{
+    uint64_t number;
+    error err = {""};
+    if (!rig_model_has_kept(self->model))
+        return;
+    ui_text_wrapped(on, UI_STYLE_WARNING, "Changes that were not saved last time are still here.");
+    if (ui_button(on, "Take them up", UI_ACCENT)) {
+        mrt_result result = rig_model_take_kept(self->model, &number, &err);
+        rig_panel_say(self, result < 0 ? err.text : "");
+        if (result >= 0)
+            rig_panel_note_step(self, number, "take up what was not saved");
+    }
+    ui_same_line(on);
+    if (ui_button(on, "Forget them", UI_QUIET))
+        rig_model_drop_kept(self->model);
+    ui_rule(on);
+}
+
+static void draft(rig_panel *self)
+{
+    uint64_t number;
+    error err = {""};
+    char *confirm = NULL;
+    mrt_result result = rig_model_draft(self->model, &confirm, &number, &err);
+    rig_panel_say(self, result < 0 ? err.text : "");
+    if (result < 0)
+        return;
+    free(self->confirm);
+    self->confirm = confirm;
+    rig_panel_note_step(self, number, "draft");
+    rig_panel_choose(self, RIG_TAB_CHECK, 0);
+}
+
+static void draw_without_rig(rig_panel *self, ui *on)
+{
+    char label[128], path[1024];
+    const char *beside = rig_model_beside(self->model);
+    ui_text_wrapped(on, UI_STYLE_BODY,
+                    "This mesh has no rig: all of it can be pulled, like clay. A rig gives it a "
+                    "skull, a jaw and places to pull at.");
+    ui_space(on, 6.0f);
+    if (beside) {
+        (void)snprintf(label, sizeof label, "Open %.60s", file_name(beside));
+        (void)snprintf(path, sizeof path, "%s", beside);
+        if (ui_button(on, label, UI_ACCENT) && studio_open_face(self->of, path) >= 0)
+            return;
+        ui_same_line(on);
+    }
+    if (ui_button(on, "Draft a rig", beside ? UI_PLAIN : UI_ACCENT))
+        draft(self);
+}
+
+static void check_title(const rig_panel *self, char *out, size_t capacity)
+{
+    const rig_work *work = rig_model_work(self->model);
+    uint32_t errors = work ? rig_findings_count(&work->findings, RIG_ERROR) : 0;
+    uint32_t count = errors + (work ? rig_findings_count(&work->findings, RIG_WARNING) : 0);
+    if (count > 0)
+        (void)snprintf(out, capacity, "Check %u", count);
+    else
+        (void)snprintf(out, capacity, "Check");
+}
+
+static void draw_tabs(rig_panel *self, ui *on)
+{
+    static void (*const draw_tab[RIG_TABS])(rig_panel *, ui *) = {
+        rig_panel_draw_regions, rig_panel_draw_contacts, rig_panel_draw_jaw, rig_panel_draw_parts,
+        rig_panel_draw_check};
+    char check[32];
+    uint32_t before = self->tab;
+    check_title(self, check, sizeof check);
+    const char *const names[RIG_TABS] = {"Regions", "Contacts", "Jaw", "Parts", check};
+    (void)ui_tabs(on, "tabs", names, RIG_TABS, &self->tab);
+    if (self->tab != before)
+        self->shown.is_tint_new = self->shown.is_shape_new = true;
+    if (self->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_scroll_begin(on, names[self->tab] == check ? "check" : names[self->tab], 0.0f, 0.0f);
+    draw_tab[self->tab](self, on);
+    ui_scroll_end(on);
+}
+
+static void draw(panel *self_, ui *on, ui_rectangle where)
+{
+    rig_panel *self = &self_->of;
+    self->is_seen = true;
+    ui_panel_begin(on, "rig", where, UI_GROUND_PANEL);
+    if (!self->model) {
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        self->trouble[0] ? self->trouble : "There is no face on the stage.");
+    } else {
+        draw_head(self, on);
+        draw_kept(self, on);
+        if (rig_model_rig(self->model))
+            draw_tabs(self, on);
+        else
+            draw_without_rig(self, on);
+    }
+    if (self->model && !rig_model_rig(self->model) && self->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_panel_end(on);
+}
+
+/* ---- made ---- */
+
+static panel *create(studio *of)
+{
+    panel *out = calloc(1, sizeof *out);
+    if (!out)
+        return NULL;
+    rig_panel *self = &out->of;
+    self->of = of;
+    self->region = self->contact = self->region_name_of = RIG_NONE;
+    self->placing.name_of = RIG_NONE;
+    self->jawing.held = RIG_HANDLES;
+    rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
+    self->is_even = true;
+    self->painting.shape = (brush_shape){.radius_mm = 12.0, .sides = BRUSH_BOTH_SIDES};
+    self->painting.ink = (rig_stroke_ink){.ink = RIG_INK_RIDES, .strength = 1.0};
+    self->shown.is_released = true;
+    return out;
+}
+
+static void destroy(panel *self_)
+{
+    if (!self_)
+        return;
+    forget_face(&self_->of);
+    free(self_->of.stage_path);
+    free(self_);
+}
+
+const panel_type panel_rig = {create, destroy, draw, update};

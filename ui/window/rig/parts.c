@@ -1,0 +1,908 @@
+/* The parts of a rig as tabs of its panel: bones, the ellipsoids that skin does not enter, poses,
+ * the turns of a ball, the jaw. */
+#include "window/rig/panel.h"
+#include "rigpose.h"
+
+#include "base/angle.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- turns of a ball: name, axis and limits, tried on the face ---- */
+
+enum { UNDO_WORDS = 160, WAYS = 6, OWN_WAY = WAYS };
+static const double degree = ANGLE_PI / 180.0;
+static const char unit[] = "\xc2\xb0";
+
+/* What a positive angle does, as mappings expect it (rigs/README.md). */
+static const struct {
+    const char *words, *name;
+    vec3 axis;
+} ways[WAYS] = {{"to the subject's left", "yaw", {0, 1, 0}},
+                {"to the subject's right", "turn", {0, -1, 0}},
+                {"up", "pitch", {-1, 0, 0}},
+                {"down", "close", {1, 0, 0}},
+                {"rolls, its left side up", "roll", {0, 0, 1}},
+                {"rolls, its left side down", "tilt", {0, 0, -1}}};
+static const ui_range part_range = {-1.0, 1.0, "", 3, false, 0.0};
+
+static bool is_same(vec3 a, vec3 b)
+{
+    return !(vec3_length(vec3_sub(a, b)) > 1e-9);
+}
+
+static uint32_t way_of(vec3 axis)
+{
+    for (uint32_t i = 0; i < WAYS; ++i)
+        if (is_same(axis, ways[i].axis))
+            return i;
+    return OWN_WAY;
+}
+
+/* ---- changes ---- */
+
+static void set_turn(rig_panel *self, const rig_turn *to, const char *words)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(
+            self, rig_edit_set_turn(r, self->parting.bone, self->parting.turn, to, &err), &err,
+            words);
+}
+
+static void rig_panel_choose_turn(rig_panel *self, uint32_t turn);
+
+static void remove_turn(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self,
+                              rig_edit_remove_turn(r, self->parting.bone, self->parting.turn, &err),
+                              &err, "take out a turn"))
+        rig_panel_choose_turn(self, RIG_NONE);
+}
+
+static bool has_turn(const rig_bone *ball, const char *name)
+{
+    for (uint32_t i = 0; i < ball->turn_count; ++i)
+        if (strcmp(ball->turn[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static bool has_axis(const rig_bone *ball, vec3 axis)
+{
+    for (uint32_t i = 0; i < ball->turn_count; ++i)
+        if (is_same(ball->turn[i].axis, axis) || is_same(ball->turn[i].axis, vec3_scale(axis, -1)))
+            return true;
+    return false;
+}
+
+/* The first way that it does not turn yet. */
+static void add_turn(rig_panel *self, const rig_bone *ball)
+{
+    error err = {""};
+    char name[RIG_PANEL_NAME];
+    uint32_t way = 0, index = RIG_NONE;
+    while (way < WAYS - 1 && has_axis(ball, ways[way].axis))
+        way += 1;
+    (void)snprintf(name, sizeof name, "%s", ways[way].name);
+    for (uint32_t number = 2; has_turn(ball, name); ++number)
+        (void)snprintf(name, sizeof name, "%s %u", ways[way].name, number);
+    const rig_turn made = {name, ways[way].axis, -15.0 * degree, 15.0 * degree};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_add_turn(r, self->parting.bone, &made, &index, &err),
+                              &err, "add a turn"))
+        rig_panel_choose_turn(self, index);
+}
+
+/* ---- one of them ---- */
+
+static bool draw_angle(ui *on, const char *label, double low_deg, double high_deg, double usual_deg,
+                       double *value_rad)
+{
+    const ui_range range = {low_deg, high_deg, unit, 0, false, usual_deg};
+    double value_deg = *value_rad / degree;
+    if (ui_slider(on, label, RIG_PANEL_LABEL, &range, &value_deg))
+        *value_rad = value_deg * degree;
+    return ui_slider_is_held(on);
+}
+
+/* True while a slider is held. */
+static bool draw_own_axis(ui *on, vec3 *axis)
+{
+    bool is_held = false;
+    double *const part[3] = {&axis->x, &axis->y, &axis->z};
+    static const char *const label[3] = {"Across##axis", "Up##axis", "Forward##axis"};
+    for (int i = 0; i < 3; ++i) {
+        (void)ui_slider(on, label[i], RIG_PANEL_LABEL, &part_range, part[i]);
+        is_held = ui_slider_is_held(on) || is_held;
+    }
+    ui_hint(on, "Along its axis, which it turns about as a right hand's fingers do about the "
+                "thumb.");
+    return is_held;
+}
+
+static void draw_turn_try(rig_panel *self, ui *on, const rig_turn *turn)
+{
+    double *tried_rad = &self->parting.tried_rad[self->parting.turn];
+    const double before_rad = *tried_rad;
+    *tried_rad = fmin(fmax(*tried_rad, turn->min_rad), turn->max_rad);
+    (void)draw_angle(on, "Try", turn->min_rad / degree, turn->max_rad / degree, 0.0, tried_rad);
+    ui_hint(on, "On the face, not in the rig. A double click: as the mesh is.");
+    if (fabs(*tried_rad - before_rad) > 0.0)
+        self->shown.is_shape_new = true;
+}
+
+static bool is_changed(const rig_turn *a, const rig_turn *b)
+{
+    return !is_same(a->axis, b->axis) || fabs(a->min_rad - b->min_rad) > 1e-9 ||
+           fabs(a->max_rad - b->max_rad) > 1e-9;
+}
+
+/* The way that is chosen, or its own. True: a slider is held. */
+static bool draw_turn_axis(rig_panel *self, ui *on, rig_turn *now)
+{
+    rig_parting *parting = &self->parting;
+    const char *items[WAYS + 1];
+    for (uint32_t i = 0; i < WAYS; ++i)
+        items[i] = ways[i].words;
+    items[OWN_WAY] = "about an axis of its own";
+    uint32_t way = parting->has_own_axis ? OWN_WAY : way_of(now->axis);
+    if (ui_choice(on, "Turns", RIG_PANEL_LABEL, items, WAYS + 1, &way)) {
+        parting->has_own_axis = way == OWN_WAY;
+        if (way < WAYS)
+            now->axis = ways[way].axis;
+    }
+    ui_hint(on, "What a positive angle does. Mappings look for \"yaw\" to the left, \"pitch\" up, "
+                "\"close\" where a lid closes.");
+    return way == OWN_WAY && draw_own_axis(on, &now->axis);
+}
+
+/* A name that is typed; true: it was ended and is another one. */
+static bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
+                                const char *name);
+
+static void draw_turn(rig_panel *self, ui *on, const rig_bone *ball)
+{
+    rig_parting *parting = &self->parting;
+    const rig_turn *turn = &ball->turn[parting->turn];
+    const uint64_t number = rig_model_number(self->model);
+    rig_turn *now = &parting->turn_now;
+    if (!parting->is_turn_held)
+        *now = *turn;
+    now->name = turn->name;
+    ui_id_begin(on, "turn");
+    if (rig_panel_draw_name(self, on, &parting->turn_name,
+                            parting->bone * RIG_TURNS_MAX + parting->turn, turn->name)) {
+        rig_turn named = *turn;
+        named.name = parting->turn_name.text;
+        set_turn(self, &named, "name a turn");
+    }
+    if (number == rig_model_number(self->model)) {
+        bool is_held = draw_turn_axis(self, on, now);
+        is_held = draw_angle(on, "Least", -180.0, 0.0, 0.0, &now->min_rad) || is_held;
+        is_held = draw_angle(on, "Most", 0.0, 180.0, 0.0, &now->max_rad) || is_held;
+        parting->is_turn_held = is_held;
+        draw_turn_try(self, on, now);
+        if (!is_held && is_changed(now, turn))
+            set_turn(self, now, "change a turn");
+    }
+    ui_disabled_begin(on, ball->turn_count == 1);
+    if (number == rig_model_number(self->model) && ui_button(on, "Take out the turn", UI_PLAIN))
+        remove_turn(self);
+    ui_disabled_end(on);
+    ui_id_end(on);
+}
+
+/* ---- all ---- */
+
+static void rig_panel_choose_turn(rig_panel *self, uint32_t turn)
+{
+    rig_parting *parting = &self->parting;
+    parting->turn = turn;
+    parting->is_turn_held = parting->has_own_axis = false;
+    parting->turn_name.of = RIG_NONE;
+    memset(parting->tried_rad, 0, sizeof parting->tried_rad);
+    self->shown.is_shape_new = true;
+}
+
+/* of a ball */
+static void rig_panel_draw_turns(rig_panel *self, ui *on, uint32_t bone)
+{
+    const uint64_t number = rig_model_number(self->model);
+    const rig_bone *ball = &rig_model_rig(self->model)->bone[bone];
+    rig_parting *parting = &self->parting;
+    if (parting->turn != RIG_NONE && parting->turn >= ball->turn_count)
+        rig_panel_choose_turn(self, RIG_NONE);
+    for (uint32_t i = 0; i < ball->turn_count; ++i) {
+        char label[UNDO_WORDS];
+        const rig_turn *turn = &ball->turn[i];
+        (void)snprintf(label, sizeof label, "%.60s, %.4g%s to %.4g%s##turn%u", turn->name,
+                       turn->min_rad / degree, unit, turn->max_rad / degree, unit, i);
+        if (ui_row(on, label, i == parting->turn) != UI_ROW_NONE)
+            rig_panel_choose_turn(self, i == parting->turn ? RIG_NONE : i);
+    }
+    if (parting->turn != RIG_NONE)
+        draw_turn(self, on, ball);
+    if (number != rig_model_number(self->model) || ball->turn_count >= RIG_TURNS_MAX)
+        return;
+    if (ui_button(on, "Add a turn", UI_PLAIN))
+        add_turn(self, ball);
+    ui_hint(on, "Another way in which it moves; the first of the list is applied last.");
+}
+
+/* ---- poses: listed, shown, made of the shape that is on the stage ---- */
+
+/* ---- shown ---- */
+
+bool rig_panel_show_pose(rig_panel *self)
+{
+    error err;
+    const rig_work *work = rig_model_work(self->model);
+    const uint32_t pose = self->parting.pose;
+    const csrbf_settings solver = studio_view(self->of)->solver;
+    if (pose == RIG_NONE || !work || !work->face || pose >= work->rig.pose_count ||
+        !rig_model_is_laid(self->model) || !(solver.radius > 0.0))
+        return false;
+    if (rigpose_show_on(work->face, &work->rig, pose, &solver, &err) < 0)
+        return false;
+    points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
+    face_reset(work->face); /* as others expect it */
+    return true;
+}
+
+/* ---- made ---- */
+
+static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
+{
+    for (uint32_t number = 1;; ++number) {
+        bool is_taken = false;
+        (void)snprintf(out, RIG_PANEL_NAME, "pose %u", number);
+        for (uint32_t i = 0; i < r->pose_count; ++i)
+            is_taken = is_taken || strcmp(r->pose[i].name, out) == 0;
+        if (!is_taken)
+            return out;
+    }
+}
+
+/* NULL: it can be made. */
+static const char *why_not(const rig_panel *self)
+{
+    const rig_work *work = rig_model_work(self->model);
+    const live_view *view = studio_view(self->of);
+    if (!work || !work->face || !rig_model_is_laid(self->model))
+        return "The rig is being laid on the face.";
+    if (!view->about || view->contact_count != work->rig.contact_count)
+        return "The stage does not have this rig yet.";
+    return NULL;
+}
+
+static void add_pose(rig_panel *self)
+{
+    error err = {""};
+    rig_pose made;
+    char name[RIG_PANEL_NAME];
+    uint32_t index = RIG_NONE;
+    const rig_work *work = rig_model_work(self->model);
+    const live_view *view = studio_view(self->of);
+    const csrbf_settings solver = studio_view(self->of)->solver;
+    mrt_result result =
+        rigpose_of(&made, free_pose_name(rig_model_rig(self->model), name), work->face,
+                   MRT_MAX_VECTORS, &work->rig, &solver, view->contact, view->meter.dof, &err);
+    if (result < 0) {
+        rig_panel_say(self, err.text);
+        return;
+    }
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_add_pose(r, &made, &index, &err), &err, "add a pose"))
+        rig_panel_choose_part(self, RIG_NONE, RIG_NONE, index);
+    rigpose_finish(&made);
+}
+
+static void remove_pose(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_remove_pose(r, self->parting.pose, &err), &err,
+                              "take out a pose"))
+        rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
+}
+
+static void name_pose(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(
+            self, rig_edit_name_pose(r, self->parting.pose, self->parting.pose_name.text, &err),
+            &err, "name a pose");
+}
+
+/* ---- drawn ---- */
+
+static void draw_chosen(rig_panel *self, ui *on, const rig *r)
+{
+    char words[UNDO_WORDS];
+    const uint32_t index = self->parting.pose;
+    const rig_pose *pose = &r->pose[index];
+    const uint64_t number = rig_model_number(self->model);
+    ui_id_begin(on, "pose");
+    (void)snprintf(words, sizeof words, "%u pulls, %u turns", pose->pull_count, pose->dof_count);
+    if (rig_panel_draw_name(self, on, &self->parting.pose_name, index, pose->name))
+        name_pose(self);
+    ui_fact(on, "Holds", RIG_PANEL_LABEL, UI_STYLE_BODY, words);
+    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+        remove_pose(self);
+    ui_id_end(on);
+}
+
+/* a section of the parts */
+static void rig_panel_draw_poses(rig_panel *self, ui *on)
+{
+    const rig *r = rig_model_rig(self->model);
+    for (uint32_t i = 0; i < r->pose_count; ++i) {
+        char label[UNDO_WORDS];
+        (void)snprintf(label, sizeof label, "%s##pose%u", r->pose[i].name, i);
+        if (ui_row(on, label, i == self->parting.pose) != UI_ROW_NONE)
+            rig_panel_choose_part(self, RIG_NONE, RIG_NONE, i == self->parting.pose ? RIG_NONE : i);
+    }
+    if (r->pose_count == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM, "None yet.");
+    if (self->parting.pose != RIG_NONE)
+        draw_chosen(self, on, rig_model_rig(self->model));
+    const char *why = why_not(self);
+    ui_disabled_begin(on, why != NULL);
+    if (ui_button(on, "Add the shape on the stage", UI_PLAIN))
+        add_pose(self);
+    ui_disabled_end(on);
+    ui_hint(on, why ? why : "Bones as they are turned, contacts where they are, become a pose.");
+}
+
+/* ---- bones, ellipsoids, poses: the tab ---- */
+
+enum { RING_STEPS = 32 };
+static const float removes_at = 238.0f;
+static const float ring_rgba[4] = {0.95f, 0.75f, 0.45f, 0.95f};
+static const float rim_rgba[4] = {0.06f, 0.06f, 0.07f, 0.9f};
+static const char *const kind_words[] = {
+    [BONE_FIXED] = "rigid part", [BONE_JAW] = "jaw", [BONE_BALL] = "ball"};
+static const char *const kind_items[] = {"a rigid part", "a jaw, with a hinge",
+                                         "a ball, like an eye"};
+
+/* ---- what is chosen ---- */
+
+void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose)
+{
+    rig_parting *parting = &self->parting;
+    parting->bone = bone;
+    parting->proxy = proxy;
+    parting->pose = pose;
+    parting->is_held = false;
+    parting->bone_name.of = parting->pose_name.of = RIG_NONE;
+    rig_panel_choose_turn(self, RIG_NONE);
+    self->shown.is_shape_new = true;
+}
+
+void rig_panel_keep_part(rig_panel *self)
+{
+    const rig *r = rig_model_rig(self->model);
+    const rig_parting *now = &self->parting;
+    const uint32_t bone = r && now->bone < r->bone_count ? now->bone : RIG_NONE,
+                   proxy = r && now->proxy < r->proxy_count ? now->proxy : RIG_NONE,
+                   pose = r && now->pose < r->pose_count ? now->pose : RIG_NONE;
+    if (bone != now->bone || proxy != now->proxy || pose != now->pose)
+        rig_panel_choose_part(self, bone, proxy, pose);
+}
+
+static bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
+                                const char *name)
+{
+    const uint32_t number = (uint32_t)rig_model_number(self->model);
+    if (naming->of != of || naming->number != number) {
+        (void)snprintf(naming->text, sizeof naming->text, "%s", name);
+        naming->of = of;
+        naming->number = number;
+    }
+    ui_width(on, -1.0f);
+    if (!ui_input(on, "name", "name", naming->text, sizeof naming->text))
+        return false;
+    naming->of = RIG_NONE;
+    return strcmp(naming->text, name) != 0;
+}
+
+/* ---- where something lies: sliders that are a step of undo once they are let go ---- */
+
+typedef struct bounds {
+    vec3 low, high;
+} bounds;
+
+static bounds bounds_of(const rig_panel *self)
+{
+    float low[3], high[3];
+    mesh_bounds(rig_model_mesh(self->model), low, high);
+    return (bounds){{(double)low[0], (double)low[1], (double)low[2]},
+                    {(double)high[0], (double)high[1], (double)high[2]}};
+}
+
+static vec3 middle_of(const bounds *b)
+{
+    return vec3_scale(vec3_add(b->low, b->high), 0.5);
+}
+
+static bool draw_mm(ui *on, const char *label, double low, double high, double *value)
+{
+    const ui_range range = {low, fmax(high, low + 1.0), "mm", 1, false, 0.5 * (low + high)};
+    (void)ui_slider(on, label, RIG_PANEL_LABEL, &range, value);
+    return ui_slider_is_held(on);
+}
+
+static bool draw_place(const rig_panel *self, ui *on, vec3 *at)
+{
+    const bounds b = bounds_of(self);
+    bool is_held = draw_mm(on, "Across", b.low.x, b.high.x, &at->x);
+    is_held = draw_mm(on, "Up", b.low.y, b.high.y, &at->y) || is_held;
+    return draw_mm(on, "Forward", b.low.z, b.high.z, &at->z) || is_held;
+}
+
+static double size_of(const rig_panel *self)
+{
+    const bounds b = bounds_of(self);
+    return vec3_length(vec3_sub(b.high, b.low));
+}
+
+/* ---- bones ---- */
+
+static void list_bones(rig_panel *self, ui *on, const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i) {
+        char label[UNDO_WORDS];
+        (void)snprintf(label, sizeof label, "%s##bone%u", r->bone[i].name, i);
+        ui_width(on, -96.0f);
+        if (ui_row(on, label, i == self->parting.bone) != UI_ROW_NONE)
+            rig_panel_choose_part(self, i == self->parting.bone ? RIG_NONE : i, RIG_NONE, RIG_NONE);
+        const char *words = kind_words[r->bone[i].kind];
+        ui_same_line(on);
+        ui_at(on, 292.0f - ui_text_width(on, UI_STYLE_DIM, words));
+        ui_text(on, UI_STYLE_DIM, words);
+    }
+}
+
+static const char *free_bone_name(const rig *r, rig_bone_kind kind, char out[RIG_PANEL_NAME])
+{
+    static const char *const base[] = {
+        [BONE_FIXED] = "part", [BONE_JAW] = "jaw", [BONE_BALL] = "eye"};
+    (void)snprintf(out, RIG_PANEL_NAME, "%s", base[kind]);
+    for (uint32_t number = 2; rig_find_bone(r, out) != RIG_NONE; ++number)
+        (void)snprintf(out, RIG_PANEL_NAME, "%s %u", base[kind], number);
+    return out;
+}
+
+/* Where it can be seen and taken hold of: a jaw before the ears, a ball in the middle. */
+static void add_bone(rig_panel *self)
+{
+    error err = {""};
+    char name[RIG_PANEL_NAME];
+    uint32_t index = RIG_NONE;
+    const bounds b = bounds_of(self);
+    const rig_bone_kind kind = (rig_bone_kind)self->parting.kind;
+    const double wide = b.high.x - b.low.x;
+    const double half_mm = kind == BONE_JAW ? 0.35 * wide : 0.08 * wide;
+    rig *r = rig_panel_begin(self);
+    if (!r)
+        return;
+    mrt_result result = rig_edit_add_bone(r, free_bone_name(r, kind, name), kind, middle_of(&b),
+                                          fmax(half_mm, 1.0), &index, &err);
+    if (rig_panel_finish(self, result, &err, "add a bone"))
+        rig_panel_choose_part(self, index, RIG_NONE, RIG_NONE);
+}
+
+static void remove_bone(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_remove_bone(r, self->parting.bone, &err), &err,
+                              "take out a bone"))
+        rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
+}
+
+static void name_bone(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(
+            self, rig_edit_name_bone(r, self->parting.bone, self->parting.bone_name.text, &err),
+            &err, "name a bone");
+}
+
+static void draw_ball(rig_panel *self, ui *on, const rig_bone *bone)
+{
+    error err = {""};
+    rig_parting *parting = &self->parting;
+    if (!parting->is_held) {
+        parting->centre = bone->centre;
+        parting->radii = (vec3){bone->radius_mm, 0.0, 0.0};
+    }
+    bool is_held = draw_place(self, on, &parting->centre);
+    is_held = draw_mm(on, "Radius", 1.0, 0.3 * size_of(self), &parting->radii.x) || is_held;
+    const vec3 radius = {bone->radius_mm, 0.0, 0.0};
+    parting->is_held = is_held;
+    if (is_held || (is_same(parting->centre, bone->centre) && is_same(parting->radii, radius)))
+        return;
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(
+            self, rig_edit_set_ball(r, parting->bone, parting->centre, parting->radii.x, &err),
+            &err, "move a ball");
+}
+
+static bool has_region(const rig *r, uint32_t bone)
+{
+    for (uint32_t i = 0; i < r->region_count; ++i)
+        if (r->region[i].bone == bone)
+            return true;
+    return false;
+}
+
+static void add_region(rig_panel *self)
+{
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    const rig_edit_says says = {self->parting.bone, false, 1.0, (double)NAN};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_add_region(r, NULL, &says, &index, &err), &err,
+                              "add a region"))
+        rig_panel_choose(self, RIG_TAB_REGIONS, index);
+}
+
+static void draw_what_rides(rig_panel *self, ui *on)
+{
+    ui_text_wrapped(on, UI_STYLE_WARNING,
+                    "No region says what rides on it: until then the stage has the rig as it was "
+                    "before.");
+    if (ui_button(on, "Add a region for it", UI_ACCENT))
+        add_region(self);
+    ui_hint(on, "It is painted where \"Regions\" is open.");
+}
+
+/* On one that is listed before it. */
+static void draw_parent(rig_panel *self, ui *on, const rig *r)
+{
+    error err = {""};
+    const char *items[RIG_BONES_MAX + 1];
+    const uint32_t index = self->parting.bone, nothing = index;
+    const uint32_t before = r->bone[index].parent == RIG_NONE ? nothing : r->bone[index].parent;
+    uint32_t chosen = before;
+    for (uint32_t i = 0; i < index; ++i)
+        items[i] = r->bone[i].name;
+    items[nothing] = "nothing";
+    if (!ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, index + 1, &chosen) || chosen == before)
+        return;
+    rig *to = rig_panel_begin(self);
+    if (to)
+        (void)rig_panel_finish(
+            self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &err), &err,
+            "change what a bone rides on");
+}
+
+static void draw_bone(rig_panel *self, ui *on, const rig *r)
+{
+    const uint32_t index = self->parting.bone;
+    const rig_bone *bone = &r->bone[index];
+    const uint64_t number = rig_model_number(self->model);
+    const bool stays = index == 0 || strcmp(bone->name, "skull") == 0;
+    ui_id_begin(on, "bone");
+    ui_disabled_begin(on, stays);
+    if (rig_panel_draw_name(self, on, &self->parting.bone_name, index, bone->name))
+        name_bone(self);
+    ui_disabled_end(on);
+    if (number == rig_model_number(self->model) && !stays)
+        draw_parent(self, on, r);
+    if (number == rig_model_number(self->model) && !has_region(r, index))
+        draw_what_rides(self, on);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
+        draw_ball(self, on, bone);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
+        rig_panel_draw_turns(self, on, index);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
+        ui_text_wrapped(on, UI_STYLE_DIM, "Its axis is dragged where \"Jaw\" is open.");
+    ui_disabled_begin(on, stays);
+    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+        remove_bone(self);
+    ui_disabled_end(on);
+    ui_hint(on, stays ? "It carries the face." : "What rides on it rides on its own bone then.");
+    ui_id_end(on);
+}
+
+static void draw_bones(rig_panel *self, ui *on)
+{
+    list_bones(self, on, rig_model_rig(self->model));
+    if (self->parting.bone != RIG_NONE)
+        draw_bone(self, on, rig_model_rig(self->model));
+    ui_width(on, -(292.0f - removes_at + 16.0f));
+    (void)ui_choice(on, "New", RIG_PANEL_LABEL, kind_items, 3, &self->parting.kind);
+    ui_same_line(on);
+    ui_at(on, removes_at);
+    if (ui_button(on, "Add##bone", UI_PLAIN))
+        add_bone(self);
+    ui_hint(on, "Regions say which vertices ride on it.");
+}
+
+/* ---- ellipsoids ---- */
+
+static void add_proxy(rig_panel *self)
+{
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    const bounds b = bounds_of(self);
+    const vec3 half = vec3_scale(vec3_sub(b.high, b.low), 0.5);
+    const rig_proxy made = {
+        .bone = 0,
+        .centre = middle_of(&b),
+        .radii = {fmax(0.6 * half.x, 1.0), fmax(0.6 * half.y, 1.0), fmax(0.6 * half.z, 1.0)}};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_add_proxy(r, &made, &index, &err), &err,
+                              "add an ellipsoid"))
+        rig_panel_choose_part(self, RIG_NONE, index, RIG_NONE);
+}
+
+static void remove_proxy(rig_panel *self)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r && rig_panel_finish(self, rig_edit_remove_proxy(r, self->parting.proxy, &err), &err,
+                              "take out an ellipsoid"))
+        rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
+}
+
+static void set_proxy(rig_panel *self, const rig_proxy *to, const char *words)
+{
+    error err = {""};
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_set_proxy(r, self->parting.proxy, to, &err), &err,
+                               words);
+}
+
+static void draw_proxy(rig_panel *self, ui *on, const rig *r)
+{
+    rig_parting *parting = &self->parting;
+    rig_proxy proxy = r->proxy[parting->proxy];
+    const char *items[RIG_BONES_MAX];
+    const double most = 0.5 * size_of(self);
+    const uint64_t number = rig_model_number(self->model);
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        items[i] = r->bone[i].name;
+    if (!parting->is_held) {
+        parting->centre = proxy.centre;
+        parting->radii = proxy.radii;
+    }
+    ui_id_begin(on, "proxy");
+    bool is_held = draw_place(self, on, &parting->centre);
+    is_held = draw_mm(on, "Wide", 1.0, most, &parting->radii.x) || is_held;
+    is_held = draw_mm(on, "High", 1.0, most, &parting->radii.y) || is_held;
+    is_held = draw_mm(on, "Deep", 1.0, most, &parting->radii.z) || is_held;
+    parting->is_held = is_held;
+    if (!is_held &&
+        (!is_same(parting->centre, proxy.centre) || !is_same(parting->radii, proxy.radii))) {
+        proxy.centre = parting->centre;
+        proxy.radii = parting->radii;
+        set_proxy(self, &proxy, "change an ellipsoid");
+    } else if (ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, r->bone_count, &proxy.bone)) {
+        set_proxy(self, &proxy, "change what an ellipsoid rides on");
+    }
+    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+        remove_proxy(self);
+    ui_id_end(on);
+}
+
+static void draw_proxies(rig_panel *self, ui *on)
+{
+    const rig *r = rig_model_rig(self->model);
+    for (uint32_t i = 0; i < r->proxy_count; ++i) {
+        char label[UNDO_WORDS];
+        const rig_proxy *proxy = &r->proxy[i];
+        (void)snprintf(label, sizeof label, "%.60s, %.0f \u00d7 %.0f \u00d7 %.0f mm##proxy%u",
+                       r->bone[proxy->bone].name, 2.0 * proxy->radii.x, 2.0 * proxy->radii.y,
+                       2.0 * proxy->radii.z, i);
+        if (ui_row(on, label, i == self->parting.proxy) != UI_ROW_NONE)
+            rig_panel_choose_part(self, RIG_NONE, i == self->parting.proxy ? RIG_NONE : i,
+                                  RIG_NONE);
+    }
+    if (r->proxy_count == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM, "None: skin may go into the skull.");
+    if (self->parting.proxy != RIG_NONE)
+        draw_proxy(self, on, r);
+    if (ui_button(on, "Add an ellipsoid", UI_PLAIN))
+        add_proxy(self);
+    ui_hint(on, "Skin slides over it and does not enter it.");
+}
+
+/* ---- on the face ---- */
+
+static uint32_t put_ring(overlay_item *out, vec3 centre, vec3 a, vec3 b)
+{
+    for (uint32_t i = 0; i < RING_STEPS; ++i) {
+        overlay_item *line = &out[i];
+        *line = (overlay_item){.kind = OVERLAY_LINE, .width_px = 1.5f};
+        memcpy(line->rgba, ring_rgba, sizeof line->rgba);
+        for (uint32_t end = 0; end < 2; ++end) {
+            const double turn = 2.0 * ANGLE_PI * (double)(i + end) / RING_STEPS;
+            const vec3 at =
+                vec3_add(centre, vec3_add(vec3_scale(a, cos(turn)), vec3_scale(b, sin(turn))));
+            float *to = end == 0 ? line->from : line->to;
+            to[0] = (float)at.x;
+            to[1] = (float)at.y;
+            to[2] = (float)at.z;
+        }
+    }
+    return RING_STEPS;
+}
+
+static uint32_t put_ellipsoid(overlay_item *out, vec3 centre, vec3 radii)
+{
+    const vec3 x = {radii.x, 0, 0}, y = {0, radii.y, 0}, z = {0, 0, radii.z};
+    uint32_t count = put_ring(out, centre, x, y);
+    count += put_ring(out + count, centre, y, z);
+    count += put_ring(out + count, centre, z, x);
+    for (uint32_t i = 0; i < 2; ++i) { /* the rim first */
+        overlay_item dot = {.kind = OVERLAY_DOT, .width_px = i == 0 ? 11.0f : 8.0f};
+        memcpy(dot.rgba, i == 0 ? rim_rgba : ring_rgba, sizeof dot.rgba);
+        dot.from[0] = (float)centre.x;
+        dot.from[1] = (float)centre.y;
+        dot.from[2] = (float)centre.z;
+        out[count++] = dot;
+    }
+    return count;
+}
+
+uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t capacity)
+{
+    const rig *r = rig_model_rig(self->model);
+    const rig_parting *parting = &self->parting;
+    const bool is_ball = parting->bone != RIG_NONE && parting->bone < r->bone_count &&
+                         r->bone[parting->bone].kind == BONE_BALL;
+    if (capacity < 3 * RING_STEPS + 2)
+        return 0;
+    if (is_ball) {
+        const double radius = fmax(parting->radii.x, 1.0);
+        return put_ellipsoid(out, parting->centre, (vec3){radius, radius, radius});
+    }
+    return parting->proxy != RIG_NONE && parting->proxy < r->proxy_count
+               ? put_ellipsoid(out, parting->centre, parting->radii)
+               : 0;
+}
+
+/* ---- */
+
+void rig_panel_draw_parts(rig_panel *self, ui *on)
+{
+    if (ui_section(on, "Bones", true))
+        draw_bones(self, on);
+    if (ui_section(on, "What skin does not enter", true))
+        draw_proxies(self, on);
+    if (ui_section(on, "Poses", true))
+        rig_panel_draw_poses(self, on);
+}
+
+/* ---- the jaw: its axis and limits, tried on the face ---- */
+
+static const ui_range close_range = {-20.0, 0.0, "\xc2\xb0", 0, false, 0.0};
+static const ui_range open_range = {5.0, 60.0, "\xc2\xb0", 0, false, 32.0};
+static const ui_range lateral_range = {0.0, 30.0, "mm", 1, false, 10.0};
+static const ui_range forward_range = {0.0, 30.0, "mm", 1, false, 8.0};
+static const ui_range slide_range = {0.0, 30.0, "mm", 1, false, 12.0};
+
+/* True while it is held or was changed in this frame. */
+static bool draw_number(ui *on, const char *label, const ui_range *range, double *value)
+{
+    bool has_changed = ui_slider(on, label, RIG_PANEL_LABEL, range, value);
+    return has_changed || ui_slider_is_held(on);
+}
+
+static void draw_limits(rig_panel *self, ui *on)
+{
+    rig_jawing *jawing = &self->jawing;
+    double open_deg = jawing->jaw.open_max_rad / degree;
+    double close_deg = jawing->jaw.open_min_rad / degree;
+    bool was_changing = jawing->is_changing, is_held = false;
+    ui_text(on, UI_STYLE_TITLE, "Limits");
+    if (draw_number(on, "Opens", &open_range, &open_deg)) {
+        jawing->jaw.open_max_rad = open_deg * degree;
+        is_held = true;
+    }
+    if (draw_number(on, "Closes", &close_range, &close_deg)) {
+        jawing->jaw.open_min_rad = close_deg * degree;
+        is_held = true;
+    }
+    ui_hint(on, "Tighter than the mesh has it: where that has a mouth that stands open a little.");
+    is_held = draw_number(on, "Aside", &lateral_range, &jawing->jaw.lateral_mm) || is_held;
+    is_held = draw_number(on, "Forward", &forward_range, &jawing->jaw.forward_mm) || is_held;
+    is_held = draw_number(on, "Slides", &slide_range, &jawing->jaw.slide_mm) || is_held;
+    ui_hint(on, "How far its joints go forward and down as it opens.");
+    if (jawing->held != RIG_HANDLES)
+        return;
+    jawing->is_changing = is_held;
+    if (was_changing && !is_held)
+        rig_panel_put_jaw(self);
+}
+
+static void draw_jaw_place(ui *on, const char *label, vec3 at)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "%.1f  %.1f  %.1f mm", at.x, at.y, at.z);
+    ui_fact(on, label, RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+}
+
+static void draw_jaw_axis(rig_panel *self, ui *on)
+{
+    rig_edit_jaw *jaw = &self->jawing.jaw;
+    bool has_incisor = jaw->has_incisor;
+    ui_text(on, UI_STYLE_TITLE, "Axis");
+    ui_text_wrapped(on, UI_STYLE_DIM,
+                    "Drag the balls on the face: the two joints before the ears, and the edge of "
+                    "the lower front teeth.");
+    draw_jaw_place(on, "Left", jaw->left);
+    draw_jaw_place(on, "Right", jaw->right);
+    if (jaw->has_incisor)
+        draw_jaw_place(on, "Teeth", jaw->incisor);
+    (void)ui_check(on, "Both sides##jaw", &self->is_even);
+    if (!ui_check(on, "The teeth are placed by hand", &has_incisor))
+        return;
+    if (has_incisor) {
+        const rig_work *work = rig_model_work(self->model);
+        jaw->incisor = work && work->face ? face_bones(work->face)->incisor : jaw->incisor;
+    }
+    jaw->has_incisor = has_incisor;
+    rig_panel_put_jaw(self);
+}
+
+static void draw_jaw_try(rig_panel *self, ui *on)
+{
+    rig_jawing *jawing = &self->jawing;
+    ui_range open = {jawing->jaw.open_min_rad / degree,
+                     jawing->jaw.open_max_rad / degree,
+                     "\xc2\xb0",
+                     0,
+                     false,
+                     0.0};
+    ui_range aside = {-jawing->jaw.lateral_mm, jawing->jaw.lateral_mm, "mm", 1, false, 0.0};
+    ui_range forward = {0.0, jawing->jaw.forward_mm, "mm", 1, false, 0.0};
+    char text[64];
+    bool is_new = false;
+    ui_text(on, UI_STYLE_TITLE, "Try");
+    is_new = ui_slider(on, "Open##try", RIG_PANEL_LABEL, &open, &jawing->open_deg) || is_new;
+    if (aside.max > 0.0)
+        is_new = ui_slider(on, "Aside##try", RIG_PANEL_LABEL, &aside, &jawing->aside_mm) || is_new;
+    if (forward.max > 0.0)
+        is_new =
+            ui_slider(on, "Forward##try", RIG_PANEL_LABEL, &forward, &jawing->forward_mm) || is_new;
+    (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
+    ui_fact(on, "Teeth go", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+    if (ui_button(on, "Close##try", UI_PLAIN)) {
+        jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
+        is_new = true;
+    }
+    if (is_new)
+        self->shown.is_shape_new = true;
+}
+
+void rig_panel_draw_jaw(rig_panel *self, ui *on)
+{
+    const rig *r = rig_model_rig(self->model);
+    uint32_t jaw = rig_panel_jaw(r);
+    if (jaw == RIG_NONE) {
+        ui_text_wrapped(on, UI_STYLE_DIM, "This rig has no jaw: no bone of it has a hinge.");
+        return;
+    }
+    if (!self->jawing.is_changing)
+        rig_edit_jaw_of(&self->jawing.jaw, r, jaw);
+    draw_jaw_try(self, on);
+    ui_rule(on);
+    draw_limits(self, on);
+    ui_rule(on);
+    draw_jaw_axis(self, on);
+}
