@@ -207,18 +207,18 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return recording_add(&self->recording, performer_composer(self->performer), work_ns, err);
 }
 
-static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+static void on_step(void *data, const sample_step *s)
 {
     performance *self = data;
     perform_mapping_step(&self->mapping, self->performer, self->record.recorder);
     if (self->record.recorder)
-        recorder_sample(self->record.recorder, from, sample);
+        recorder_step(self->record.recorder, s);
 }
 
-static void on_performed(void *data, uint32_t from, const mrt_sample *sample)
+static void on_performed(void *data, const sample_step *s)
 {
     const performance *self = data;
-    recorder_performed(self->record.recorder, from, sample);
+    recorder_performed(self->record.recorder, s);
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -248,7 +248,7 @@ static mrt_result perform(performance *self, error *err)
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
     if (self->record.recorder || self->mapping.reload)
-        events.sample = on_sample;
+        events.step = on_step;
     if (self->record.recorder)
         events.performed = on_performed;
     if (self->clock == CLOCK_REAL && keys_begin())
@@ -323,6 +323,8 @@ static void report_performance(performance *self, facts *told)
     facts_text(told, "mapping", "mapping", self->mapping.instance.type->id);
     perform_mapping_report(&self->mapping, told);
     facts_number(told, "samples", "samples read", (double)report->sample_count, 0, "");
+    facts_number(told, "steps", "steps", (double)counts->steps, 0, "");
+    facts_number(told, "solves", "solves", (double)counts->solves, 0, "");
     if (report->dropped + report->refused)
         facts_number(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
                      "");

@@ -294,10 +294,10 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return check_mappings(self, err);
 }
 
-static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+static void on_step(void *data, const sample_step *s)
 {
     const performing *self = data;
-    recorder_sample(overdub_recorder(self->overdub), from, sample);
+    recorder_step(overdub_recorder(self->overdub), s);
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -323,7 +323,7 @@ static mrt_result perform(performing *self, error *err)
                                .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                                                perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {
-        .frame = on_frame, .sample = on_sample, .incident = on_incident, .data = self};
+        .frame = on_frame, .step = on_step, .incident = on_incident, .data = self};
     player_stage stage = overdub_stage(self->overdub);
     catch_signals();
     start_sound(self);

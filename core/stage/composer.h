@@ -78,6 +78,7 @@ typedef struct composer_counts {
     uint64_t limited_steps; /* unanchored: the tips were faster than the substeps allow */
     uint64_t folded_steps;  /* unanchored: steps with a determinant <= 0 */
     uint64_t left_out;      /* vectors beyond MRT_MAX_VECTORS */
+    uint64_t solves;        /* of the engine: for an anchored step of all layers, or for a drag */
     uint64_t substeps;
     uint64_t engagements, commits;
     double min_determinant; /* unanchored: the smallest seen, 1 before any */

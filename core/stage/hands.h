@@ -37,9 +37,25 @@ void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t
 void channel_route_calibrate(channel_route *route, uint32_t side,
                              const hand_calibration *calibration);
 
-/* Changes what the sample speaks of in `frame`: hands, pedals. frame->time_ns is the sample's. */
-void hands_read(hands *self, const channel_route *route, const mrt_sample *sample,
-                mrt_frame *frame);
+/* What is performed at once: samples of several inputs that belong to one instant, at most one of
+ * each, in the order of the inputs. All have the step's time. */
+enum { STEP_SAMPLES_MAX = 8 };
+typedef struct step_sample {
+    uint32_t input; /* index */
+    const channel_route *route;
+    mrt_sample sample;
+} step_sample;
+typedef struct sample_step {
+    int64_t time_ns;
+    uint32_t count;
+    step_sample of[STEP_SAMPLES_MAX];
+} sample_step;
+/* Of one sample, of input 0. */
+sample_step sample_step_of(const channel_route *route, const mrt_sample *sample);
+
+/* Changes what the step's samples speak of in `frame`: hands, pedals. frame->time_ns is the step's.
+ */
+void hands_read(hands *self, const sample_step *s, mrt_frame *frame);
 
 /* From the next sample on, eased over 250 ms, the pose that the hand holds now is its neutral pose.
  * Always measured from the tables, so that a second one replaces the first. Refused, MRT_HOLD with

@@ -5,6 +5,7 @@
 #define MAROTTE_STAGE_INPUT_H
 #include "stage/health.h"
 #include "stage/mapping/instance.h"
+#include "stage/scheduler.h"
 #include "stage/wake.h"
 
 typedef struct input input;
@@ -74,6 +75,8 @@ void input_stop(input *self);
  * reads the plugin, and false means that the input is over. */
 bool input_peek(input *self, mrt_sample *out_sample);
 void input_take(input *self); /* [frame] drops what input_peek gave */
+/* [frame] The same, for whoever asks several. */
+sample_source input_source(input *self);
 /* [frame] Of the sample that input_peek gave last: 0 at first. */
 uint32_t input_version(const input *self);
 /* [frame] The oldest incident that has not been taken; false: none now. */

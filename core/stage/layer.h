@@ -22,12 +22,12 @@ void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine
 
 void layer_reset(layer *self); /* as after create; parameters stay */
 
-/* A sample older than the last one counts as simultaneous. `near`: of mrt_frame, what the last pull
- * asked for. */
-void layer_sample(layer *self, const channel_route *route, const mrt_sample *sample, bool near);
+/* The hands of all samples of the step, then the mapping, once. A step older than the last one
+ * counts as simultaneous. `near`: of mrt_frame, what the last pull asked for. */
+void layer_step(layer *self, const sample_step *s, bool near);
 /* What the mapping pulls, after the guard; what it was at first: idle. */
 const mrt_pull *layer_pull(const layer *self);
-/* The hands, pedals and time of the last sample. */
+/* The hands, pedals and time of the last step. */
 const mrt_frame *layer_frame(const layer *self);
 instance *layer_mapping(layer *self);
 /* What the mouse on the face adds to it. */
@@ -64,8 +64,8 @@ double layer_weight(const layer *self);
 const mrt_pull *layer_leaving(const layer *self);
 uint32_t layer_side(const layer *self);
 
-/* Called from within layer_sample when a parameter has another value than in the sample before. */
-typedef void layer_on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value);
+/* Called from within layer_step when a parameter has another value than in the step before. */
+typedef void layer_on_param(void *data, int64_t time_ns, uint32_t param_id, double value);
 void layer_watch_params(layer *self, layer_on_param *on_param, void *data);
 
 /* ---- kept ---- */
@@ -80,7 +80,7 @@ CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error
 void layer_shift_time(layer *self, int64_t by_ns);
 
 typedef struct layer_counts {
-    uint64_t samples;
+    uint64_t samples, steps;
     uint64_t bad_pulls;  /* the guard held the last good pull */
     error first_problem; /* what the guard said first; "" none */
 } layer_counts;

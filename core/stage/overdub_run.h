@@ -54,7 +54,7 @@ CHECKED mrt_result overdub_run_go_to(overdub_run *self, recorder *into, int64_t 
 CHECKED mrt_result overdub_run_end(overdub_run *self, recorder *into, error *err);
 /* A take for the pass that comes. */
 void overdub_run_slate(const overdub_run *self, recorder *into);
-/* A sample is performed, after overdub_run_go_to and recorder_sample of its time. */
+/* A step is performed, after overdub_run_go_to and recorder_step of its time. */
 void overdub_run_note(overdub_run *self, const recorder *into, int64_t clock_ns);
 bool overdub_run_is_recording(const overdub_run *self);
 uint32_t overdub_run_pass(const overdub_run *self);

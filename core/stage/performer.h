@@ -1,7 +1,7 @@
 /* stage/performer.h - one mapping on one face: a layer (steps 3 to 5) whose pull is all that the
- * composer (steps 6 and 7) hears. Steps 3 to 6 run once per sample, in time order; step 7 runs per
- * sample while unanchored and once per drawn frame while anchored: a performance is a function of
- * its samples alone. [frame] after create; no allocation then. */
+ * composer (steps 6 and 7) hears. Steps 3 to 6 run once per step of samples, in time order; step 7
+ * runs per step while unanchored and once per drawn frame while anchored: a performance is a
+ * function of its samples alone. [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "stage/composer.h"
@@ -23,10 +23,10 @@ CHECKED mrt_result performer_create(performer **out, const face_file *file, inst
 void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
 
 /* Steps 3 to 5, and then 6, of the next. */
-void performer_map(performer *self, const channel_route *route, const mrt_sample *sample);
+void performer_map(performer *self, const sample_step *s);
 void performer_constrain(performer *self);
-/* Steps 3 to 6, and 7 while unanchored. A sample older than the last one counts as simultaneous. */
-void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample);
+/* Steps 3 to 6, and 7 while unanchored. A step older than the last one counts as simultaneous. */
+void performer_step(performer *self, const sample_step *s);
 /* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
 CHECKED mrt_result performer_rezero(performer *self, uint32_t side, error *why);
 const rezero_counts *performer_rezeros(const performer *self);
@@ -64,7 +64,7 @@ const mrt_pull *performer_pull(const performer *self);
 bool performer_is_anchored(const performer *self);
 
 typedef struct performer_counts { /* of both: layer.h and composer.h say what each is */
-    uint64_t samples, bad_pulls;
+    uint64_t samples, steps, solves, bad_pulls;
     uint64_t held_pulls, limited_steps, folded_steps, substeps, engagements, commits;
     double min_determinant;
     error first_problem;

@@ -1,7 +1,7 @@
-/* stage/player.h - plays inputs into a performer: samples in time order, drawn frames at a fixed
- * rate between them, in real time or as fast as possible. The samples are performed alike either
- * way; in real time a frame shows those that have arrived by then. [main], or the frame thread of a
- * window. */
+/* stage/player.h - plays inputs into a performer: steps in time order (scheduler.h), drawn frames
+ * at a fixed rate between them, in real time or as fast as possible. The samples are performed
+ * alike either way; in real time a frame shows those that have arrived by then. [main], or the
+ * frame thread of a window. */
 #ifndef MAROTTE_STAGE_PLAYER_H
 #define MAROTTE_STAGE_PLAYER_H
 #include "stage/input.h"
@@ -15,7 +15,7 @@ typedef struct player_settings {
     _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
     const hand_calibration *calibration[2]; /* left, right, for gloves in counts; NULL: shipped */
     /* A stage that goes on whether there are inputs or not, in real time: it is drawn from its
-     * beginning, frames that are late are left out, and `turn` comes between any two samples. */
+     * beginning, frames that are late are left out, and `turn` comes between any two steps. */
     bool goes_on;
 } player_settings;
 
@@ -24,20 +24,20 @@ typedef struct player_events {
      * what steps 3 to 7 took since the last drawn frame. < 0 ends the performance with that result.
      */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
-    /* [frame] Before and after a sample of an input is performed; its time is later than the last
-     * one's, if by a nanosecond. May be NULL. */
-    void (*sample)(void *data, uint32_t input, const mrt_sample *sample);
-    void (*performed)(void *data, uint32_t input, const mrt_sample *sample);
+    /* [frame] Before and after a step is performed; its time is later than the last one's, if by a
+     * nanosecond. May be NULL. */
+    void (*step)(void *data, const sample_step *s);
+    void (*performed)(void *data, const sample_step *s);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
-    /* [frame] goes_on: between samples; here player_add_input and player_remove_input may be
+    /* [frame] goes_on: between steps; here player_add_input and player_remove_input may be
      * called. True: the stage is to be drawn as soon as no sample waits. May be NULL. */
     bool (*turn)(void *data);
     void *data;
 } player_events;
 
 typedef struct player_report {
-    uint64_t sample_count;
+    uint64_t sample_count, step_count;
     uint32_t frame_count;
     uint32_t dropped, refused;
     double duration_s; /* from the first to the last sample */
@@ -46,14 +46,12 @@ typedef struct player_report {
     double away_s;                   /* sum over those that came back */
 } player_report;
 
-enum { PLAYER_INPUTS_MAX = 8 };
+enum { PLAYER_INPUTS_MAX = STEP_SAMPLES_MAX };
 
 /* Who performs what the inputs give. Times are the inputs' clock. [frame] */
 typedef struct player_stage {
     void *self;
-    /* One sample, routed. */
-    CHECKED mrt_result (*sample)(void *self, const channel_route *route, const mrt_sample *sample,
-                                 error *err);
+    CHECKED mrt_result (*step)(void *self, const sample_step *s, error *err);
     /* The face as it is to be seen at time_ns. MRT_END: the performance is over. */
     CHECKED mrt_result (*draw)(void *self, int64_t time_ns, error *err);
 } player_stage;

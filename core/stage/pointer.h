@@ -70,10 +70,9 @@ typedef struct pointer {
 } pointer;
 
 void pointer_reset(pointer *self);
-/* Every sample, in time order: it takes what its route says is the pointer's. True: it speaks of
- * the pointer. about: contacts are known by their rest. */
-bool pointer_read(pointer *self, const mrt_face *about, const channel_route *route,
-                  const mrt_sample *sample);
+/* Every step, in time order: it takes what the routes say is the pointer's. True: the step speaks
+ * of the pointer. about: contacts are known by their rest; time_ns: of the frame. */
+bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, int64_t time_ns);
 
 /* All that is to come depends on, as bytes; as hands_save. */
 size_t pointer_save(const pointer *self, void *bytes, size_t capacity);

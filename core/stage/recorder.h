@@ -74,9 +74,9 @@ bool recorder_is_taking(const recorder *self); /* a take is open, or is to begin
 const char *recorder_problem(const recorder *self);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */
 
-/* [frame] Before a sample of an input is performed, and after. */
-void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample);
-void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample);
+/* [frame] Before a step is performed, and after. */
+void recorder_step(recorder *self, const sample_step *s);
+void recorder_performed(recorder *self, const sample_step *s);
 /* [frame] Before the next sample: a re-zero was asked for and granted. */
 void recorder_rezero(recorder *self, uint32_t side);
 /* [frame] Before the next sample: another version of the mapping performs from it on. identity: as

@@ -57,8 +57,8 @@ typedef struct sequencer_live {
 void sequencer_set_live(sequencer *self, const sequencer_live *live);
 /* How much of it is seen: 0..1, from the next sample or clip on. */
 void sequencer_weigh_live(sequencer *self, double weight);
-/* Its newest sample was performed at an instant that has been played to. */
-void sequencer_live_sample(sequencer *self, const channel_route *route, const mrt_sample *sample);
+/* Its newest step is performed at an instant that has been played to. */
+void sequencer_live_step(sequencer *self, const sample_step *s);
 /* What a layer of these patterns owns: as composer_part, for composer_about's face. `out` has
  * contact_count + dof_count + 1 places. */
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out);

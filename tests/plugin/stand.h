@@ -66,7 +66,8 @@ static inline mrt_sample stand_sample(uint32_t n)
 static inline void stand_step(stand *s, uint32_t n)
 {
     mrt_sample sample = stand_sample(n);
-    performer_sample(s->performer, &s->route, &sample);
+    const sample_step next = sample_step_of(&s->route, &sample);
+    performer_step(s->performer, &next);
 }
 
 static inline void stand_set(stand *s, const char *list)

@@ -137,14 +137,14 @@ static mrt_result no_frame(void *data, uint32_t index, double time_s, int64_t wo
     return MRT_OK;
 }
 
-static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+static void on_step(void *data, const sample_step *s)
 {
-    recorder_sample(((recording_of *)data)->recorder, from, sample);
+    recorder_step(((recording_of *)data)->recorder, s);
 }
 
-static void on_performed(void *data, uint32_t from, const mrt_sample *sample)
+static void on_performed(void *data, const sample_step *s)
 {
-    recorder_performed(((recording_of *)data)->recorder, from, sample);
+    recorder_performed(((recording_of *)data)->recorder, s);
 }
 
 static show *record_base(const char *name, int64_t *out_take)
@@ -176,7 +176,7 @@ static show *record_base(const char *name, int64_t *out_take)
     recorder_take_next(r.recorder, &slate);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
     player_events events = {
-        .frame = no_frame, .sample = on_sample, .performed = on_performed, .data = &r};
+        .frame = no_frame, .step = on_step, .performed = on_performed, .data = &r};
     player_report report;
     must(player_run(p, &h.input, 1, &playing, &events, &report, &err), &err);
     must(recorder_take_end(r.recorder, &err), &err);
@@ -207,9 +207,9 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
     return MRT_OK;
 }
 
-static void over_sample(void *data, uint32_t from, const mrt_sample *sample)
+static void over_step(void *data, const sample_step *s)
 {
-    recorder_sample(((over *)data)->recorder, from, sample);
+    recorder_step(((over *)data)->recorder, s);
 }
 
 static overdub_result perform_over(show *s, int64_t take_id, overdub_settings settings,
@@ -240,7 +240,7 @@ static overdub_result perform_over(show *s, int64_t take_id, overdub_settings se
     o.recorder = overdub_recorder(o.overdub);
     player_stage stage = overdub_stage(o.overdub);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
-    player_events events = {.frame = see_frame, .sample = over_sample, .data = &o};
+    player_events events = {.frame = see_frame, .step = over_step, .data = &o};
     player_report report;
     must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
     overdub_result result;

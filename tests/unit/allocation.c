@@ -59,7 +59,8 @@ static void perform(performer *p, instance *plugin, const channel_route *route)
             press(plugin, "Release");
         if (i == 200)
             press(plugin, "Engage");
-        performer_sample(p, route, &sample);
+        const sample_step next = sample_step_of(route, &sample);
+        performer_step(p, &next);
         if (i % 2)
             performer_draw(p);
     }

@@ -48,7 +48,8 @@ static void give(scene *s)
         s->sample.value[i] = s->value[s->channel[i].semantic - MRT_CH_ANGLE];
     s->sample.value[s->count - 1] = s->pedal;
     s->frame.time_ns = s->sample.time_ns;
-    hands_read(s->hands, &s->route, &s->sample, &s->frame);
+    const sample_step next = sample_step_of(&s->route, &s->sample);
+    hands_read(s->hands, &next, &s->frame);
     s->sample.time_ns += PERIOD_NS;
 }
 
@@ -127,7 +128,8 @@ static void another_input_with_a_tracker_does_not_undo_the_calibration(void **st
     channel_route_init(&route, &tracker, 1);
     mrt_sample sample = {.time_ns = s.sample.time_ns, .count = 1, .value = {50}};
     s.frame.time_ns = sample.time_ns;
-    hands_read(s.hands, &route, &sample, &s.frame);
+    const sample_step next = sample_step_of(&route, &sample);
+    hands_read(s.hands, &next, &s.frame);
     assert_true(angles(&s)[4] == before);
     assert_float_equal(s.frame.hand[MRT_RIGHT].joint[0].x, 50.0f, 1e-5f);
     hands_destroy(s.hands);
@@ -176,7 +178,8 @@ static void each_device_has_its_own_gap(void **state)
     for (int i = 0; i < 300; ++i, s.sample.time_ns += PERIOD_NS) {
         mrt_sample sample = {.time_ns = s.sample.time_ns, .count = 1, .value = {1}};
         s.frame.time_ns = sample.time_ns;
-        hands_read(s.hands, &route, &sample, &s.frame);
+        const sample_step next = sample_step_of(&route, &sample);
+        hands_read(s.hands, &next, &s.frame);
     }
     s.value[4] = 1.0f;
     give(&s);

@@ -234,7 +234,8 @@ static void what_was_kept_by_another_clock_goes_on_too(void **state)
         uint32_t input;
         mrt_sample sample = scene_sample(n, &input);
         sample.time_ns += later_ns;
-        performer_sample(s.performer, &s.route[input], &sample);
+        const sample_step next = sample_step_of(&s.route[input], &sample);
+        performer_step(s.performer, &next);
         assert_memory_equal(performer_pull(s.performer), &told->pull[n], sizeof(mrt_pull));
     }
     performer_draw(s.performer);

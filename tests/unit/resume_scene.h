@@ -235,7 +235,8 @@ static inline void scene_step(scene_stand *s, const scene_play *play, uint32_t n
     uint32_t from;
     mrt_sample sample = scene_sample(n, &from);
     (void)scene_act_on(s->performer, play, n);
-    performer_sample(s->performer, &s->route[from], &sample);
+    const sample_step next = sample_step_of(&s->route[from], &sample);
+    performer_step(s->performer, &next);
 }
 
 #endif

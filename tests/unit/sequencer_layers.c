@@ -334,7 +334,8 @@ static void perform_over(sequencer *s, actor *a, int64_t at_ns)
 {
     mrt_sample sample = live_sample((uint32_t)(at_ns / (20 * help_ms)));
     sample.time_ns = at_ns;
-    sequencer_live_sample(s, &a->route, &sample);
+    const sample_step next = sample_step_of(&a->route, &sample);
+    sequencer_live_step(s, &next);
 }
 
 static void who_performs_over_everything_is_all_that_is_seen(void **state)
@@ -355,7 +356,8 @@ static void who_performs_over_everything_is_all_that_is_seen(void **state)
         perform_over(s, &a, at_ns);
         mrt_sample sample = live_sample((uint32_t)(at_ns / (20 * help_ms)));
         sample.time_ns = at_ns;
-        performer_sample(alone.performer, &a.route, &sample);
+        const sample_step next = sample_step_of(&a.route, &sample);
+        performer_step(alone.performer, &next);
         performer_draw(alone.performer);
         composer_draw(sequencer_composer(s));
         assert_true(scene_distance(face_shown(composer_face(sequencer_composer(s))),

@@ -24,16 +24,18 @@ typedef struct film { /* a recorded performance */
     const scene_play *play;
     performer *performer; /* while it is recorded */
     recorder *recorder;
-    uint32_t count;
-    int64_t at_ns[FILM_SAMPLES]; /* from the first sample on */
+    uint32_t count; /* of steps */
+    uint32_t sample_count;
+    uint64_t solves; /* of the engine */
+    int64_t at_ns[FILM_SAMPLES]; /* from the first step on */
     uint64_t hash[FILM_SAMPLES]; /* of the face after it */
     rezero_counts rezeros;
 } film;
 
 /* ---- recorded ---- */
 
-/* The left hand and its pedals at 37 Hz, for `seconds`. */
-static inline void film_write_left(const film *f, double seconds)
+/* The left hand and its pedals, for `seconds`. */
+static inline void film_write_left(const film *f, double rate_hz, double first_s, double seconds)
 {
     static const char *const sensors[] = {"thumb.roll", "thumb.mpj", "index.mpj",
                                           "middle.mpj", "ring.mpj",  "little.mpj"};
@@ -44,8 +46,8 @@ static inline void film_write_left(const film *f, double seconds)
     for (int i = 0; i < 6; ++i)
         fprintf(out, ",left.%s", sensors[i]);
     fprintf(out, ",pedal.1,pedal.2,pedal.3\nunit,rad,rad,rad,rad,rad,rad,1,1,1\n");
-    for (uint32_t n = 0; (double)n / 37.0 < seconds; ++n) {
-        fprintf(out, "%.6f", (double)n / 37.0);
+    for (uint32_t n = 0; (double)n / rate_hz < seconds; ++n) {
+        fprintf(out, "%.6f", first_s + (double)n / rate_hz);
         for (int i = 0; i < 6; ++i)
             fprintf(out, ",%.5f", (double)scene_angle(n, index[i], 3.0f));
         for (uint32_t i = 0; i < 3; ++i)
@@ -62,29 +64,31 @@ static inline mrt_result film_no_frame(void *data, uint32_t index, double time_s
     return MRT_OK;
 }
 
-static inline void film_on_sample(void *data, uint32_t from, const mrt_sample *sample)
+static inline void film_on_step(void *data, const sample_step *s)
 {
     film *f = data;
     uint32_t rezeroed = scene_act_on(f->performer, f->play, f->count);
     for (uint32_t side = 0; side < 2; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(f->recorder, side);
-    recorder_sample(f->recorder, from, sample);
+    recorder_step(f->recorder, s);
 }
 
-static inline void film_on_performed(void *data, uint32_t from, const mrt_sample *sample)
+static inline void film_on_performed(void *data, const sample_step *s)
 {
     film *f = data;
-    recorder_performed(f->recorder, from, sample);
+    recorder_performed(f->recorder, s);
     assert_true(f->count < FILM_SAMPLES);
     performer_draw(f->performer);
-    f->at_ns[f->count] = sample->time_ns;
+    f->at_ns[f->count] = s->time_ns;
     f->hash[f->count] = scene_hash(performer_face(f->performer));
     f->count += 1;
+    f->sample_count += s->count;
 }
 
-/* Inputs of what is recorded: the demo hand, a left hand beside it. */
-typedef enum film_inputs { FILM_DEMO = 0, FILM_BOTH } film_inputs;
+/* Inputs of what is recorded: the demo hand (100 Hz); a left hand of 37 Hz beside it; one of 100
+ * Hz, 3 ms later. */
+typedef enum film_inputs { FILM_DEMO = 0, FILM_BOTH, FILM_PAIR } film_inputs;
 
 static inline void film_perform(film *f, film_inputs which, const char *span, double seconds)
 {
@@ -94,12 +98,13 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     input *inputs[2] = {NULL, NULL};
     instance mapping;
     const mrt_plugin_type *type;
-    uint32_t count = which == FILM_BOTH ? 2 : 1;
+    uint32_t count = which == FILM_DEMO ? 1 : 2;
     const mrt_plugin_type *log;
     scene_must(plugin_list_find(&f->plugins, "log", MRT_INPUT, &log, &err), &err);
     scene_must(plugin_list_find(&f->plugins, f->play->mapping, MRT_MAPPING, &type, &err), &err);
     snprintf(demo, sizeof demo, "%s/plugins/log/demo_hand.csv", SOURCE_DIR);
-    film_write_left(f, seconds);
+    film_write_left(f, which == FILM_PAIR ? 100.0 : 37.0, which == FILM_PAIR ? 0.003 : 0.0,
+                    seconds);
     for (uint32_t i = 0; i < count; ++i) {
         const char *address = i == 0 ? demo : f->left;
         snprintf(text[i], sizeof text[i], "log:%s", address);
@@ -132,10 +137,8 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     const writer_slate slate = {"1", "a", 0};
     recorder_take_next(f->recorder, &slate);
     player_settings playing = {.fps = 1.0, .clock = CLOCK_VIRTUAL};
-    player_events events = {.frame = film_no_frame,
-                            .sample = film_on_sample,
-                            .performed = film_on_performed,
-                            .data = f};
+    player_events events = {
+        .frame = film_no_frame, .step = film_on_step, .performed = film_on_performed, .data = f};
     player_report report;
     scene_must(player_run(f->performer, inputs, count, &playing, &events, &report, &err), &err);
     scene_must(recorder_take_end(f->recorder, &err), &err);
@@ -144,6 +147,7 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     assert_string_equal(recorder_problem(f->recorder), "");
     assert_int_equal(performer_counted(f->performer)->bad_pulls, 0);
     scene_must(recorder_stop(f->recorder, &err), &err);
+    f->solves = performer_counted(f->performer)->solves;
     performer_destroy(f->performer);
     f->performer = NULL;
     f->recorder = NULL;

@@ -97,7 +97,8 @@ static void run_frame(scene *self, uint32_t round, bool is_cold)
         bench_roof_flush(&self->of->roof);
     double took_ms[STEPS] = {0};
     int64_t at_ns = clock_now_ns();
-    layer_sample(of, &self->route, &sample, composer_is_near(shown, layer_pull(of)));
+    const sample_step next = sample_step_of(&self->route, &sample);
+    layer_step(of, &next, composer_is_near(shown, layer_pull(of)));
     took_ms[STEP_MAP] = lap_ms(&at_ns);
     performer_move(of, shown);
     took_ms[STEP_CONSTRAIN] = lap_ms(&at_ns);

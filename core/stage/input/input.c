@@ -190,6 +190,36 @@ uint32_t input_version(const input *self)
     return self->peeked_version;
 }
 
+/* The state is asked first: what came before the end is still in the ring. */
+static mrt_result peek_source(void *self, mrt_sample *out, uint32_t *out_version, error *err)
+{
+    (void)err;
+    input *in = self;
+    input_state state = input_state_of(in);
+    if (input_peek(in, out)) {
+        *out_version = in->peeked_version;
+        return MRT_OK;
+    }
+    if (in->plugin.clock == CLOCK_REAL && (state == INPUT_RUNNING || state == INPUT_LOST))
+        return MRT_TIMEOUT;
+    return MRT_END;
+}
+
+static void take_source(void *self)
+{
+    input_take(self);
+}
+
+static const mrt_channel *source_channels(void *self, uint32_t version, uint32_t *out_count)
+{
+    return input_channels_of(self, version, out_count);
+}
+
+sample_source input_source(input *self)
+{
+    return (sample_source){self, peek_source, take_source, source_channels};
+}
+
 bool input_take_incident(input *self, input_incident *out)
 {
     return ring_pop(self->incidents, out);

@@ -18,10 +18,9 @@ static double ms_since(int64_t *from_ns)
     return out;
 }
 
-/* ---- samples ---- */
+/* ---- steps ---- */
 
-static mrt_result on_stage_sample(void *data, const channel_route *route, const mrt_sample *sample,
-                                  error *err)
+static mrt_result on_stage_step(void *data, const sample_step *s, error *err)
 {
     live *self = data;
     live_stage *stage = &self->stage;
@@ -29,11 +28,11 @@ static mrt_result on_stage_sample(void *data, const channel_route *route, const 
     mrt_result result = MRT_OK;
     stage->is_dirty = true;
     if (stage->mode == LIVE_OVERDUBS) {
-        result = live_time_sample(stage, route, sample, err);
+        result = live_time_step(stage, s, err);
         stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
         return result;
     }
-    performer_map(stage->scene->performer, route, sample);
+    performer_map(stage->scene->performer, s);
     stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
     performer_constrain(stage->scene->performer);
     stage->step_ms[LIVE_STEP_CONSTRAIN] += ms_since(&at_ns);
@@ -55,31 +54,34 @@ static void follow_reload(live_stage *stage)
         recorder_change_mapping(stage->recorder, reload_identity(r));
 }
 
-static void on_sample(void *data, uint32_t from, const mrt_sample *sample)
+static void on_step(void *data, const sample_step *s)
 {
     live *self = data;
     live_stage *stage = &self->stage;
     follow_reload(stage);
     if (stage->recorder)
-        recorder_sample(stage->recorder, from, sample);
-    if (from == 0)
-        stage->pointed = *sample;
-    else
-        tap_offer(self->tap, from - 1, sample);
-    hear(stage->heard[from], sample);
+        recorder_step(stage->recorder, s);
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const step_sample *of = &s->of[i];
+        if (of->input == 0)
+            stage->pointed = of->sample;
+        else
+            tap_offer(self->tap, of->input - 1, &of->sample);
+        hear(stage->heard[of->input], &of->sample);
+    }
 }
 
-static void on_performed(void *data, uint32_t from, const mrt_sample *sample)
+static void on_performed(void *data, const sample_step *s)
 {
     live *self = data;
     live_stage *stage = &self->stage;
     live_pulse *now = &stage->now;
     if (stage->recorder)
-        recorder_performed(stage->recorder, from, sample);
-    double lag_ms = (double)(clock_now_ns() - sample->time_ns) / (double)NS_PER_MS;
+        recorder_performed(stage->recorder, s);
+    double lag_ms = (double)(clock_now_ns() - s->time_ns) / (double)NS_PER_MS;
     now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
-    now->sample_count += 1;
-    now->last_ns = stage->sample_ns = sample->time_ns;
+    now->sample_count += s->count;
+    now->last_ns = stage->sample_ns = s->time_ns;
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -256,11 +258,11 @@ static void *run(void *data)
 
 mrt_result live_frame_start(live *self, error *err)
 {
-    self->callbacks = (player_stage){self, on_stage_sample, on_draw};
+    self->callbacks = (player_stage){self, on_stage_step, on_draw};
     self->playing = (player_settings){.fps = self->settings.fps > 0.0 ? self->settings.fps : 60.0,
                                       .stop = &self->stop};
     self->events = (player_events){.frame = on_frame,
-                                   .sample = on_sample,
+                                   .step = on_step,
                                    .performed = on_performed,
                                    .incident = on_incident,
                                    .turn = on_turn,

@@ -197,8 +197,7 @@ void live_frame_pulse(live_stage *stage);
 /* ---- live_time.c: [frame] the timeline ---- */
 /* What is shown now, brought to its instant. */
 composer *live_time_shown(live_stage *stage, int64_t now_ns);
-CHECKED mrt_result live_time_sample(live_stage *stage, const channel_route *route,
-                                    const mrt_sample *sample, error *err);
+CHECKED mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err);
 /* What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
 const transport *live_time_motion(const live_stage *stage);

@@ -83,22 +83,21 @@ static mrt_result go_over(live_stage *stage, int64_t clock_ns, error *err)
     return sequencer_play_to(stage->timeline->sequencer, run->at_ns, err);
 }
 
-mrt_result live_time_sample(live_stage *stage, const channel_route *route, const mrt_sample *sample,
-                            error *err)
+mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err)
 {
     overdub_run *run = stage->over;
     sequencer *s = stage->timeline->sequencer;
-    mrt_result result = go_over(stage, sample->time_ns, err);
+    mrt_result result = go_over(stage, performed->time_ns, err);
     if (result < 0)
         tell_error(stage, err);
     if (run->is_over) {
-        end_over(stage, sample->time_ns);
-        performer_sample(stage->scene->performer, route, sample);
+        end_over(stage, performed->time_ns);
+        performer_step(stage->scene->performer, performed);
         return MRT_OK;
     }
-    overdub_run_note(run, stage->recorder, sample->time_ns);
+    overdub_run_note(run, stage->recorder, performed->time_ns);
     sequencer_weigh_live(s, overdub_run_weight(run));
-    sequencer_live_sample(s, route, sample);
+    sequencer_live_step(s, performed);
     return MRT_OK;
 }
 

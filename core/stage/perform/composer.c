@@ -202,6 +202,7 @@ static void drag_along_way(composer *self, voice *v, const csrbf_settings *setti
     drag_from(v, from);
     shorten(v, from, to);
     composer_blend_dofs(self, dof);
+    self->counts.solves += 1;
     mrt_result result =
         face_drag(self->face, settings, from, to, pull->count, dof, v->tip, &step, &err);
     v->tip_count = pull->count;

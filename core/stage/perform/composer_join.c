@@ -129,6 +129,7 @@ static void aim(composer *self, bool (*counts)(const voice *v), const float *dof
     uint8_t rides[MRT_MAX_VECTORS];
     composer_blend_ends(self, counts, end, rides);
     face_ride(self->face, end, rides, dof);
+    self->counts.solves += 1;
     if (face_aim(self->face, end, dof, &err) < 0) {
         self->counts.held_pulls += 1;
         composer_note_problem(self, err.text);

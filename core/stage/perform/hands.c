@@ -279,7 +279,15 @@ static void show_hand(one_hand *hand, int64_t time_ns, mrt_hand *out)
     out->time_ns = time_ns;
 }
 
-void hands_read(hands *self, const channel_route *route, const mrt_sample *sample, mrt_frame *frame)
+sample_step sample_step_of(const channel_route *route, const mrt_sample *sample)
+{
+    sample_step out = {.time_ns = sample->time_ns, .count = 1};
+    out.of[0] = (step_sample){.route = route, .sample = *sample};
+    return out;
+}
+
+static void read_sample(hands *self, const channel_route *route, const mrt_sample *sample,
+                        mrt_frame *frame)
 {
     bool has_angles[2] = {false, false}, has_wrist[2] = {false, false};
     for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
@@ -305,4 +313,10 @@ void hands_read(hands *self, const channel_route *route, const mrt_sample *sampl
             show_hand(hand, frame->time_ns, &frame->hand[side]);
     }
     follow_rezero_pedal(self, frame->time_ns);
+}
+
+void hands_read(hands *self, const sample_step *s, mrt_frame *frame)
+{
+    for (uint32_t i = 0; i < s->count; ++i)
+        read_sample(self, s->of[i].route, &s->of[i].sample, frame);
 }

@@ -310,7 +310,7 @@ static void show_good(layer *self)
 
 /* ---- steps 4 and 5: the mapping and the guard ---- */
 
-static void tell_params(layer *self, const mrt_sample *sample)
+static void tell_params(layer *self, int64_t time_ns)
 {
     const mrt_plugin_type *type = self->mapping->type;
     for (uint32_t i = 0; i < type->param_count; ++i) {
@@ -319,7 +319,7 @@ static void tell_params(layer *self, const mrt_sample *sample)
             continue;
         self->room->last_params[i] = value;
         if (self->on_param)
-            self->on_param(self->on_param_data, sample, type->params[i].id, value);
+            self->on_param(self->on_param_data, time_ns, type->params[i].id, value);
     }
 }
 
@@ -332,10 +332,10 @@ static void give_back_good(layer *self)
 }
 
 /* Fills self->good with what the mapping wants now, if it makes sense. */
-static void run_mapping(layer *self, const mrt_sample *sample)
+static void run_mapping(layer *self, int64_t time_ns)
 {
     instance_latch(self->mapping);
-    tell_params(self, sample);
+    tell_params(self, time_ns);
     self->frame.params = self->mapping->params;
     if (self->seam && !layer_is_fading(self) &&
         self->seam->take_turn(self->mapping->self, &self->pull))
@@ -358,12 +358,10 @@ static void run_mapping(layer *self, const mrt_sample *sample)
     give_back_good(self); /* "on entry: what it held last" stays sane */
 }
 
-static void read_pointer(layer *self, const channel_route *route, const mrt_sample *sample)
+static void read_pointer(layer *self, const sample_step *s)
 {
-    mrt_sample in_time = *sample;
-    in_time.time_ns = self->frame.time_ns;
     pointer_grip before = self->pointer.grip;
-    (void)pointer_read(&self->pointer, self->about, route, &in_time);
+    (void)pointer_read(&self->pointer, self->about, s, self->frame.time_ns);
     self->resets |= self->pointer.grip == POINTER_NEUTRAL && before != POINTER_NEUTRAL;
     const char *fault = guard_fault(&self->guard, &self->pointer.pull);
     if (!fault)
@@ -386,9 +384,9 @@ static void begin_anew(layer *self)
     self->functions->reset(self->mapping->self);
 }
 
-void layer_sample(layer *self, const channel_route *route, const mrt_sample *sample, bool near)
+void layer_step(layer *self, const sample_step *s, bool near)
 {
-    int64_t time_ns = sample->time_ns;
+    int64_t time_ns = s->time_ns;
     if (self->has_time && time_ns < self->frame.time_ns)
         time_ns = self->frame.time_ns;
     uint64_t since_ns = (uint64_t)time_ns - (uint64_t)self->frame.time_ns; /* records may lie */
@@ -397,12 +395,13 @@ void layer_sample(layer *self, const channel_route *route, const mrt_sample *sam
     self->frame.time_ns = time_ns;
     self->frame.near = near;
     self->has_time = true;
-    self->counts.samples += 1;
-    hands_read(self->hands, route, sample, &self->frame);
+    self->counts.samples += s->count;
+    self->counts.steps += 1;
+    hands_read(self->hands, s, &self->frame);
     go_on_fading(self);
-    read_pointer(self, route, sample);
+    read_pointer(self, s);
     begin_anew(self);
-    run_mapping(self, sample);
+    run_mapping(self, s->time_ns);
 }
 
 const mrt_pull *layer_pull(const layer *self)

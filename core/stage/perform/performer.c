@@ -14,6 +14,8 @@ static void count(performer *self)
     const layer_counts *l = layer_counted(self->layer);
     const composer_counts *c = composer_counted(self->composer);
     self->counts.samples = l->samples;
+    self->counts.steps = l->steps;
+    self->counts.solves = c->solves;
     self->counts.bad_pulls = l->bad_pulls;
     self->counts.held_pulls = c->held_pulls;
     self->counts.limited_steps = c->limited_steps;
@@ -116,10 +118,10 @@ void performer_move(layer *of, composer *shown)
     composer_move(shown, part, part_count, layer_frame(of)->dt_s);
 }
 
-void performer_map(performer *self, const channel_route *route, const mrt_sample *sample)
+void performer_map(performer *self, const sample_step *s)
 {
     bool near = composer_is_near(self->composer, layer_pull(self->layer));
-    layer_sample(self->layer, route, sample, near);
+    layer_step(self->layer, s, near);
 }
 
 void performer_constrain(performer *self)
@@ -128,9 +130,9 @@ void performer_constrain(performer *self)
     count(self);
 }
 
-void performer_sample(performer *self, const channel_route *route, const mrt_sample *sample)
+void performer_step(performer *self, const sample_step *s)
 {
-    performer_map(self, route, sample);
+    performer_map(self, s);
     performer_constrain(self);
 }
 

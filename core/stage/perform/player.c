@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* In real time, how long to sleep when nothing comes and no frame is due: how late `stop` is seen.
  */
@@ -21,14 +20,12 @@ struct player_loop {
     player_settings settings;
     player_events events;
     player_report report;
-    channel_route route[PLAYER_INPUTS_MAX];
-    uint32_t route_version[PLAYER_INPUTS_MAX];
+    scheduler scheduler;
     wake signal; /* of the inputs' threads */
     bool started;
     int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
-    int64_t start_ns, last_ns;
+    int64_t start_ns;
     int64_t work_ns;           /* since the last drawn frame */
-    int64_t shown_ns;          /* samples come behind it */
     int64_t drawn_ns, draw_ns; /* goes on: when it was drawn last, and how long that took */
     bool is_wanted;            /* goes on: to be drawn as soon as no sample waits */
 };
@@ -76,33 +73,6 @@ static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
     return result;
 }
 
-/* The input with the earliest sample, or -1. */
-static int earliest(const playing *self, mrt_sample *out, uint32_t *out_version)
-{
-    int found = -1;
-    for (uint32_t i = 0; i < self->input_count; ++i) {
-        mrt_sample sample;
-        if (!input_peek(self->inputs[i], &sample))
-            continue;
-        if (found < 0 || sample.time_ns < out->time_ns) {
-            *out = sample;
-            *out_version = input_version(self->inputs[i]);
-            found = (int)i;
-        }
-    }
-    return found;
-}
-
-static bool are_over(const playing *self)
-{
-    for (uint32_t i = 0; i < self->input_count; ++i) {
-        input_state state = input_state_of(self->inputs[i]);
-        if (state == INPUT_RUNNING || state == INPUT_LOST)
-            return false;
-    }
-    return true;
-}
-
 static bool is_stopped(const playing *self)
 {
     return self->settings.stop && atomic_load(self->settings.stop);
@@ -117,80 +87,51 @@ static bool is_past_end(const playing *self, int64_t time_ns)
     return seconds > 0 && (double)(time_ns - from_ns) >= seconds * 1e9;
 }
 
-static void route_input(playing *self, uint32_t i, uint32_t version)
-{
-    uint32_t count;
-    const mrt_channel *channels = input_channels_of(self->inputs[i], version, &count);
-    channel_route_init(&self->route[i], channels, count);
-    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
-        channel_route_calibrate(&self->route[i], side, self->settings.calibration[side]);
-    self->route_version[i] = version;
-}
-
-/* Samples are performed in an order of their own, which is kept as their times: each is later than
- * the one before, if by a nanosecond. What is recorded can so be performed again in that order. */
-static mrt_sample in_order(const playing *self, const mrt_sample *sample)
-{
-    mrt_sample out = *sample;
-    if (self->report.sample_count > 0 && out.time_ns <= self->last_ns)
-        out.time_ns = self->last_ns + 1;
-    if (out.time_ns <= self->shown_ns)
-        out.time_ns = self->shown_ns + 1;
-    return out;
-}
-
-static mrt_result perform(playing *self, uint32_t from, const mrt_sample *sample, error *err)
+static mrt_result perform(playing *self, const sample_step *s, error *err)
 {
     const player_events *events = &self->events;
     int64_t before = clock_now_ns();
-    if (events->sample)
-        events->sample(events->data, from, sample);
-    mrt_result result = self->stage->sample(self->stage->self, &self->route[from], sample, err);
+    if (events->step)
+        events->step(events->data, s);
+    mrt_result result = self->stage->step(self->stage->self, s, err);
     if (result >= 0 && events->performed)
-        events->performed(events->data, from, sample);
+        events->performed(events->data, s);
     self->work_ns += clock_now_ns() - before;
     return result;
 }
 
-static mrt_result check_gap(const playing *self, int from, const mrt_sample *came, error *err)
+static mrt_result check_gap(const playing *self, const sample_step *came, error *err)
 {
-    if (self->settings.clock != CLOCK_VIRTUAL || self->report.sample_count == 0 ||
-        came->time_ns - self->last_ns <= gap_max_ns)
+    const scheduler *of = &self->scheduler;
+    if (self->settings.clock != CLOCK_VIRTUAL || of->step_count == 0 ||
+        came->time_ns - of->last_ns <= gap_max_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: a gap of %.0f s after sample %ju: set start or end, or split the record",
-                     input_name(self->inputs[from]), (double)(came->time_ns - self->last_ns) / 1e9,
-                     (uintmax_t)self->report.sample_count);
+                     input_name(self->inputs[came->of[0].input]),
+                     (double)(came->time_ns - of->last_ns) / 1e9, (uintmax_t)of->sample_count);
 }
 
-static mrt_result play_sample(playing *self, int from, const mrt_sample *came, error *err)
+/* A step that has its place in the order. */
+static mrt_result play_step(playing *self, const sample_step *s, error *err)
 {
-    if (!self->started) {
-        self->started = true;
-        self->start_ns = came->time_ns;
-    }
-    mrt_result result = check_gap(self, from, came, err);
-    if (result < 0)
-        return result;
-    mrt_sample sample = in_order(self, came);
+    mrt_result result = MRT_OK;
     if (!self->settings.goes_on)
-        result = draw_before(self, sample.time_ns, err);
+        result = draw_before(self, s->time_ns, err);
     if (result < 0 || self->is_over)
         return result;
-    result = perform(self, (uint32_t)from, &sample, err);
-    if (result < 0)
-        return result;
-    self->report.sample_count += 1;
-    self->last_ns = sample.time_ns;
-    return MRT_OK;
+    result = perform(self, s, err);
+    self->report.sample_count += result >= 0 ? s->count : 0;
+    self->report.step_count += result >= 0;
+    return result;
 }
 
-/* Real time, nothing to play since `seen`: draws what is due, or sleeps until there is something.
- */
-static mrt_result idle(playing *self, uint32_t seen, error *err)
+/* Real time, nothing to play since `seen`: draws what is due, or sleeps until there is something,
+ * at the latest at until_ns. */
+static mrt_result idle(playing *self, uint32_t seen, int64_t until_ns, error *err)
 {
     int64_t now = clock_now_ns();
-    int64_t until = now + idle_span_ns;
+    int64_t until = until_ns < now + idle_span_ns ? until_ns : now + idle_span_ns;
     if (self->started) {
         int64_t due = frame_time_ns(self, self->report.frame_count);
         if (due < now)
@@ -217,40 +158,41 @@ static void tell_incidents(playing *self)
         }
 }
 
-/* The sample of `from` that was peeked. */
-static mrt_result take_sample(playing *self, int from, const mrt_sample *sample, uint32_t version,
-                              error *err)
+static mrt_result take_step(playing *self, sample_step *s, error *err)
 {
-    if (version != self->route_version[from])
-        route_input(self, (uint32_t)from, version);
-    input_take(self->inputs[from]);
-    return play_sample(self, from, sample, err);
+    mrt_result result = check_gap(self, s, err);
+    if (result < 0)
+        return result;
+    scheduler_take(&self->scheduler, s);
+    if (!self->started)
+        self->start_ns = s->time_ns;
+    self->started = true;
+    return play_step(self, s, err);
 }
 
 static mrt_result play(playing *self, error *err)
 {
     mrt_result result = MRT_OK;
     while (result >= 0 && !is_stopped(self) && !self->is_over) {
-        mrt_sample sample;
+        sample_step next;
+        int64_t until_ns;
         uint32_t seen = wake_seen(&self->signal);
-        bool over = are_over(self); /* asked first: what came before the end is still in a ring */
-        uint32_t version = 0;
-        int from = earliest(self, &sample, &version);
+        mrt_result found = scheduler_next(&self->scheduler, clock_now_ns(), &next, &until_ns, err);
         tell_incidents(self);
-        if (from >= 0) {
-            if (is_past_end(self, sample.time_ns))
+        if (found == MRT_OK) {
+            if (is_past_end(self, next.time_ns))
                 break;
-            result = take_sample(self, from, &sample, version, err);
-        } else if (over || self->settings.clock == CLOCK_VIRTUAL ||
-                   is_past_end(self, clock_now_ns())) {
+            result = take_step(self, &next, err);
+        } else if (found != MRT_TIMEOUT || is_past_end(self, clock_now_ns())) {
+            result = found;
             break;
         } else {
-            result = idle(self, seen, err);
+            result = idle(self, seen, until_ns, err);
         }
     }
     /* The last samples are shown too. */
     if (result >= 0 && self->started)
-        result = draw_before(self, self->last_ns + 1, err);
+        result = draw_before(self, self->scheduler.last_ns + 1, err);
     return result;
 }
 
@@ -268,24 +210,26 @@ static bool may_be_drawn(const playing *self, bool has_samples, int64_t now_ns)
     return !has_samples || now_ns - self->drawn_ns >= 3 * self->draw_ns;
 }
 
-/* With no sample waiting the stage is drawn when it is wanted, else when it is due. */
+/* With no step waiting the stage is drawn when it is wanted, else when it is due. */
 static mrt_result go_on(playing *self, error *err)
 {
-    mrt_sample sample;
-    uint32_t seen = wake_seen(&self->signal), version = 0;
+    sample_step next;
+    int64_t until_ns;
+    uint32_t seen = wake_seen(&self->signal);
     if (self->events.turn)
         self->is_wanted |= self->events.turn(self->events.data);
-    int from = earliest(self, &sample, &version);
+    mrt_result result = scheduler_next(&self->scheduler, clock_now_ns(), &next, &until_ns, err);
+    bool has_step = result == MRT_OK;
     tell_incidents(self);
-    mrt_result result = MRT_OK;
-    if (from >= 0)
-        result = take_sample(self, from, &sample, version, err);
+    if (has_step)
+        result = take_step(self, &next, err);
     int64_t now_ns = clock_now_ns();
-    bool is_time = now_ns >= next_frame_ns(self) || (from < 0 && self->is_wanted);
-    if (result >= 0 && is_time && may_be_drawn(self, from >= 0, now_ns))
+    bool is_time = now_ns >= next_frame_ns(self) || (!has_step && self->is_wanted);
+    if (result >= 0 && is_time && may_be_drawn(self, has_step, now_ns))
         return draw_newest(self, now_ns, err);
-    if (from < 0 && result >= 0)
-        wake_wait_until_ns(&self->signal, seen, next_frame_ns(self));
+    int64_t frame_ns = next_frame_ns(self);
+    if (!has_step && result >= 0)
+        wake_wait_until_ns(&self->signal, seen, frame_ns < until_ns ? frame_ns : until_ns);
     return result;
 }
 
@@ -308,8 +252,9 @@ void player_add_input(player_loop *self, input *in)
 {
     if (self->input_count == PLAYER_INPUTS_MAX)
         return;
+    const sample_source source = input_source(in);
     self->inputs[self->input_count++] = in;
-    route_input(self, self->input_count - 1, 0);
+    scheduler_add(&self->scheduler, &source, NULL);
 }
 
 void player_remove_input(player_loop *self, uint32_t index)
@@ -317,11 +262,9 @@ void player_remove_input(player_loop *self, uint32_t index)
     if (index >= self->input_count)
         return;
     self->input_count -= 1;
-    for (uint32_t i = index; i < self->input_count; ++i) {
+    for (uint32_t i = index; i < self->input_count; ++i)
         self->inputs[i] = self->inputs[i + 1];
-        self->route[i] = self->route[i + 1];
-        self->route_version[i] = self->route_version[i + 1];
-    }
+    scheduler_remove(&self->scheduler, index);
 }
 
 input *player_input(player_loop *self, uint32_t index)
@@ -331,20 +274,32 @@ input *player_input(player_loop *self, uint32_t index)
 
 void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *calibration)
 {
-    self->settings.calibration[side] = calibration;
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        route_input(self, i, self->route_version[i]);
+    scheduler_calibrate(&self->scheduler, side, calibration);
 }
 
 mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample, error *err)
 {
-    return play_sample(self, (int)index, sample, err);
+    sample_step s = sample_step_of(&self->scheduler.entry[index].route, sample);
+    s.of[0].input = index;
+    scheduler_insert(&self->scheduler, &s);
+    return play_step(self, &s, err);
 }
 
 void player_show_until(player_loop *self, int64_t time_ns)
 {
-    if (time_ns > self->shown_ns)
-        self->shown_ns = time_ns;
+    if (time_ns > self->scheduler.shown_ns)
+        self->scheduler.shown_ns = time_ns;
+}
+
+static void init(playing *self, const player_stage *stage, const player_settings *settings,
+                 const player_events *events)
+{
+    *self = (playing){.stage = stage, .settings = *settings, .events = *events};
+    scheduler_init(&self->scheduler,
+                   settings->clock == CLOCK_VIRTUAL ? SCHEDULE_MEASURED : SCHEDULE_LIVE);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
+        scheduler_calibrate(&self->scheduler, side, settings->calibration[side]);
+    wake_init(&self->signal);
 }
 
 static mrt_result check_fps(const player_settings *settings, error *err)
@@ -365,12 +320,8 @@ mrt_result player_create(player_loop **out, const player_stage *stage,
     player_loop *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform");
-    self->stage = stage;
-    self->settings = *settings;
+    init(self, stage, settings, events);
     self->settings.goes_on = true;
-    self->shown_ns = INT64_MIN;
-    self->events = *events;
-    wake_init(&self->signal);
     *out = self;
     return MRT_OK;
 }
@@ -382,11 +333,10 @@ void player_destroy(player_loop *self)
 
 /* ---- one that ends with its inputs ---- */
 
-static mrt_result sample_performer(void *self, const channel_route *route, const mrt_sample *sample,
-                                   error *err)
+static mrt_result step_performer(void *self, const sample_step *s, error *err)
 {
     (void)err;
-    performer_sample(self, route, sample);
+    performer_step(self, s);
     return MRT_OK;
 }
 
@@ -400,7 +350,7 @@ static mrt_result draw_performer(void *self, int64_t time_ns, error *err)
 
 player_stage player_stage_of(performer *p)
 {
-    return (player_stage){p, sample_performer, draw_performer};
+    return (player_stage){p, step_performer, draw_performer};
 }
 
 mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
@@ -422,16 +372,11 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
     mrt_result result = check_fps(settings, err);
     if (result < 0)
         return result;
-    playing self = {.stage = stage,
-                    .input_count = input_count,
-                    .settings = *settings,
-                    .events = *events,
-                    .shown_ns = INT64_MIN};
-    memcpy(self.inputs, inputs, input_count * sizeof(input *));
-    wake_init(&self.signal);
+    playing self;
+    init(&self, stage, settings, events);
     self.begin_ns = settings->clock == CLOCK_REAL ? clock_now_ns() : 0;
     for (uint32_t i = 0; i < input_count && result >= 0; ++i) {
-        route_input(&self, i, 0);
+        player_add_input(&self, inputs[i]);
         input_set_wake(inputs[i], &self.signal);
         result = input_start(inputs[i], err);
     }
@@ -445,7 +390,7 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
         self.report.refused += input_refused(inputs[i]);
     }
     if (self.started)
-        self.report.duration_s = (double)(self.last_ns - self.start_ns) / 1e9;
+        self.report.duration_s = (double)(self.scheduler.last_ns - self.start_ns) / 1e9;
     *out_report = self.report;
     return result;
 }

@@ -294,20 +294,21 @@ static void pull(pointer *self, const mrt_face *about, vec3 kneads_from)
     places->vector[0] = (mrt_vector){.start = narrow(kneads_from), .end = narrow(self->at)};
 }
 
-bool pointer_read(pointer *self, const mrt_face *about, const channel_route *route,
-                  const mrt_sample *sample)
+bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, int64_t time_ns)
 {
-    said_now now;
-    bool speaks = listen(route, sample, &now);
+    said_now now = {0};
+    bool speaks = false;
+    for (uint32_t i = 0; i < s->count && !speaks; ++i)
+        speaks = listen(s->of[i].route, &s->of[i].sample, &now);
     self->is_fresh = speaks;
     self->commits = false;
     self->restore = 0.0;
     if (!speaks && !self->is_known)
         return false;
-    int64_t passed_ns = sample->time_ns - self->time_ns;
+    int64_t passed_ns = time_ns - self->time_ns;
     double dt_s = self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;
     self->is_known = true;
-    self->time_ns = sample->time_ns;
+    self->time_ns = time_ns;
     ease(self, dt_s);
     vec3 from = self->at;
     pointer_grip before = self->grip;

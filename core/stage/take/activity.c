@@ -317,7 +317,7 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
             continue;
         }
         const mrt_pull *pull = layer_pull(source_layer(self->source));
-        source_step(self->source, composer_is_near(self->world.scratch, pull));
+        (void)source_step(self->source, composer_is_near(self->world.scratch, pull));
         measure(self, value);
         int64_t source_ns = source_now_ns(self->source) - self->from_ns;
         note(self, source_ns > 0 ? source_ns : 0, value);

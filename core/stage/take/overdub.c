@@ -170,16 +170,15 @@ bool overdub_is_recording(const overdub *self)
     return overdub_run_is_recording(&self->run);
 }
 
-static mrt_result on_sample(void *of, const channel_route *route, const mrt_sample *sample,
-                            error *err)
+static mrt_result on_step(void *of, const sample_step *s, error *err)
 {
     overdub *self = of;
-    mrt_result result = go_to(self, sample->time_ns, err);
+    mrt_result result = go_to(self, s->time_ns, err);
     if (result < 0 || self->run.is_over)
         return result;
-    overdub_run_note(&self->run, self->recorder, sample->time_ns);
+    overdub_run_note(&self->run, self->recorder, s->time_ns);
     sequencer_weigh_live(self->sequencer, overdub_run_weight(&self->run));
-    sequencer_live_sample(self->sequencer, route, sample);
+    sequencer_live_step(self->sequencer, s);
     return MRT_OK;
 }
 
@@ -193,7 +192,7 @@ static mrt_result on_draw(void *of, int64_t time_ns, error *err)
 
 player_stage overdub_stage(overdub *self)
 {
-    return (player_stage){self, on_sample, on_draw};
+    return (player_stage){self, on_step, on_draw};
 }
 
 /* ---- it becomes a part of the take ---- */

@@ -28,10 +28,10 @@ void recorder_note_problem(recorder *self, const error *err)
     log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
 }
 
-static void on_param(void *data, const mrt_sample *sample, uint32_t param_id, double value)
+static void on_param(void *data, int64_t time_ns, uint32_t param_id, double value)
 {
     recorder *self = data;
-    take_event event = {.time_ns = sample->time_ns,
+    take_event event = {.time_ns = time_ns,
                         .kind = TAKE_EVENT_PARAM,
                         .param = param_id,
                         .track = self->cast->track[self->current],
@@ -244,37 +244,42 @@ static void tell_rezeros(recorder *self, int64_t time_ns)
     self->rezero = 0;
 }
 
-void recorder_sample(recorder *self, uint32_t from, const mrt_sample *sample)
+void recorder_step(recorder *self, const sample_step *s)
 {
     error err = {""};
-    self->current = from;
+    mrt_result result = MRT_OK;
+    if (s->count == 0)
+        return;
+    self->current = s->of[0].input;
     if (!self->watched)
         layer_watch_params(self->cast->layer, on_param, self);
     self->watched = self->cast->layer;
-    mrt_result result = follow_version(self, from, sample->time_ns, &err);
+    for (uint32_t i = 0; i < s->count && result >= 0; ++i)
+        result = follow_version(self, s->of[i].input, s->time_ns, &err);
     if (result >= 0)
-        result = begin_take(self, sample->time_ns, &err);
+        result = begin_take(self, s->time_ns, &err);
     if (result < 0)
         recorder_note_problem(self, &err);
-    tell_rezeros(self, sample->time_ns);
-    writer_sample(self->writer, self->cast->track[from], sample);
-    self->last_ns = sample->time_ns;
-    if (self->settings.clock != CLOCK_VIRTUAL || ++self->ahead < SAMPLES_AHEAD)
+    tell_rezeros(self, s->time_ns);
+    for (uint32_t i = 0; i < s->count; ++i)
+        writer_sample(self->writer, self->cast->track[s->of[i].input], &s->of[i].sample);
+    self->last_ns = s->time_ns;
+    self->ahead += s->count;
+    if (self->settings.clock != CLOCK_VIRTUAL || self->ahead < SAMPLES_AHEAD)
         return;
     self->ahead = 0;
     if (writer_flush(self->writer, &err) < 0)
         recorder_note_problem(self, &err);
 }
 
-void recorder_performed(recorder *self, uint32_t from, const mrt_sample *sample)
+void recorder_performed(recorder *self, const sample_step *s)
 {
-    (void)from;
     if (!self->cast->performer)
         return;
     int64_t span_ns =
         performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
-    if (self->has_begun && sample->time_ns - self->checkpoint_ns >= span_ns)
-        keep_state(self, sample->time_ns);
+    if (self->has_begun && s->time_ns - self->checkpoint_ns >= span_ns)
+        keep_state(self, s->time_ns);
 }
 
 void recorder_rezero(recorder *self, uint32_t side)

@@ -30,7 +30,7 @@ struct recorder {
     bool is_to_begin; /* another one, with the next sample */
     layer *watched;
     int64_t last_ns, checkpoint_ns;
-    uint32_t current; /* input whose sample is performed */
+    uint32_t current; /* input of the step that is performed: its first */
     uint32_t ahead;
     bool is_take_wanted, is_take_open;
     writer_slate slate;

@@ -400,9 +400,8 @@ static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, er
         return result;
     }
     layer *l = source_layer(p->source);
-    source_step(p->source, composer_is_near(self->composer, layer_pull(l)));
+    self->sample_count += source_step(p->source, composer_is_near(self->composer, layer_pull(l)));
     self->now_ns = sample_ns;
-    self->sample_count += 1;
     *out_is_sample = true;
     move(self, sample_ns, p, layer_frame(l)->dt_s);
     return sequencer_keep_checkpoint(self, err);
@@ -459,12 +458,12 @@ void sequencer_weigh_live(sequencer *self, double weight)
     self->live_weight = weight;
 }
 
-void sequencer_live_sample(sequencer *self, const channel_route *route, const mrt_sample *sample)
+void sequencer_live_step(sequencer *self, const sample_step *s)
 {
     layer *live = self->live.layer;
     if (!live)
         return;
-    layer_sample(live, route, sample, composer_is_near(self->composer, layer_pull(live)));
+    layer_step(live, s, composer_is_near(self->composer, layer_pull(live)));
     self->is_live_fresh = self->is_touched = true;
     move(self, self->now_ns, NULL, layer_frame(live)->dt_s);
     self->is_live_fresh = false;

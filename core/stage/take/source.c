@@ -4,6 +4,7 @@
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
 #include "stage/performer.h"
+#include "stage/scheduler.h"
 #include "take/hash.h"
 
 #include <math.h>
@@ -15,6 +16,7 @@ enum { NOTE = 512, EVENTS_MAX = 1 << 20 };
 
 typedef struct track { /* one input of the performance */
     int64_t id;
+    source *of;
     show_reader *reader;
     channel_route route;
     bool has_pending;
@@ -29,6 +31,9 @@ struct source {
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
+    scheduler scheduler; /* of the tracks */
+    bool has_next;
+    sample_step next;
     double length_mm[2]; /* of the hands, by their calibrations; 0: not said */
     take_event *event;   /* of the whole performance, by time */
     size_t event_count, next_event;
@@ -197,6 +202,49 @@ static mrt_result read_events(source *self, error *err)
     return MRT_OK;
 }
 
+/* Damaged chunks are passed over, and told once: what can be read is performed. */
+static mrt_result read_sample(source *self, track *t, error *err)
+{
+    mrt_result result;
+    while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
+        if (strcmp(self->damage.text, err->text) == 0)
+            continue;
+        self->damage = *err;
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    }
+    return result;
+}
+
+static mrt_result peek_track(void *data, mrt_sample *out, uint32_t *out_version, error *err)
+{
+    track *t = data;
+    if (!t->has_pending) {
+        mrt_result result = read_sample(t->of, t, err);
+        if (result != MRT_OK)
+            return result;
+    }
+    t->has_pending = true;
+    *out = t->pending;
+    *out_version = 0;
+    return MRT_OK;
+}
+
+static void take_sample(void *data)
+{
+    ((track *)data)->has_pending = false;
+}
+
+static void schedule_tracks(source *self)
+{
+    scheduler_init(&self->scheduler, SCHEDULE_RECORDED);
+    for (uint32_t i = 0; i < self->track_count; ++i) {
+        track *t = &self->track[i];
+        const sample_source from = {t, peek_track, take_sample, NULL};
+        t->of = self;
+        scheduler_add(&self->scheduler, &from, &t->route);
+    }
+}
+
 /* ---- opened and closed ---- */
 
 mrt_result source_open(source **out, const source_world *world, int64_t performance, error *err)
@@ -219,6 +267,7 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     result = open_tracks(self, err);
     if (result < 0)
         goto fail;
+    schedule_tracks(self);
     const take_performance *p = &self->info.performance;
     layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
                                .hands.min_cutoff_hz = p->again.min_cutoff_hz,
@@ -277,47 +326,24 @@ int64_t source_now_ns(const source *self)
 
 /* ---- sample by sample ---- */
 
-/* Damaged chunks are passed over, and told once: what can be read is performed. */
-static mrt_result read_sample(source *self, track *t, error *err)
+static mrt_result find_next(source *self, error *err)
 {
-    mrt_result result;
-    while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
-        if (strcmp(self->damage.text, err->text) == 0)
-            continue;
-        self->damage = *err;
-        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
-    }
-    return result;
-}
-
-/* The track with the earliest sample, or -1. */
-static mrt_result earliest(source *self, int *out_track, error *err)
-{
-    *out_track = -1;
-    for (uint32_t i = 0; i < self->track_count; ++i) {
-        track *t = &self->track[i];
-        mrt_result result = MRT_OK;
-        if (!t->has_pending)
-            result = read_sample(self, t, err);
-        if (result < 0)
-            return result;
-        t->has_pending = t->has_pending || result == MRT_OK;
-        if (t->has_pending &&
-            (*out_track < 0 || t->pending.time_ns < self->track[*out_track].pending.time_ns))
-            *out_track = (int)i;
-    }
-    return MRT_OK;
+    int64_t ignored_ns;
+    mrt_result result = MRT_OK;
+    if (!self->has_next)
+        result = scheduler_next(&self->scheduler, 0, &self->next, &ignored_ns, err);
+    self->has_next = self->has_next || result == MRT_OK;
+    return result < 0 ? result : MRT_OK;
 }
 
 mrt_result source_next_ns(source *self, int64_t *out_ns, error *err)
 {
-    int found;
-    mrt_result result = earliest(self, &found, err);
-    *out_ns = result >= 0 && found >= 0 ? self->track[found].pending.time_ns : INT64_MAX;
+    mrt_result result = find_next(self, err);
+    *out_ns = result >= 0 && self->has_next ? self->next.time_ns : INT64_MAX;
     return result;
 }
 
-/* What was asked for before this sample of the track. */
+/* What was asked for before this step. */
 static void obey_events(source *self, int64_t time_ns)
 {
     for (; self->next_event < self->event_count; ++self->next_event) {
@@ -333,17 +359,17 @@ static void obey_events(source *self, int64_t time_ns)
     }
 }
 
-void source_step(source *self, bool near)
+uint32_t source_step(source *self, bool near)
 {
-    int found;
     error ignored = {""};
-    if (earliest(self, &found, &ignored) < 0 || found < 0)
-        return;
-    track *t = &self->track[found];
-    obey_events(self, t->pending.time_ns);
-    layer_sample(self->layer, &t->route, &t->pending, near);
-    self->now_ns = t->pending.time_ns;
-    t->has_pending = false;
+    if (find_next(self, &ignored) < 0 || !self->has_next)
+        return 0;
+    self->has_next = false;
+    scheduler_take(&self->scheduler, &self->next);
+    obey_events(self, self->next.time_ns);
+    layer_step(self->layer, &self->next, near);
+    self->now_ns = self->next.time_ns;
+    return self->next.count;
 }
 
 /* ---- to any instant ---- */
@@ -352,6 +378,7 @@ void source_step(source *self, bool near)
 static mrt_result position(source *self, error *err)
 {
     mrt_result result = MRT_OK;
+    self->has_next = false;
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
         self->track[i].has_pending = false;
         int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
@@ -424,7 +451,7 @@ mrt_result source_seek(source *self, int64_t time_ns, error *err)
         result = source_next_ns(self, &next_ns, err);
         if (result < 0 || next_ns >= time_ns)
             break;
-        source_step(self, composer_is_near(self->world.scratch, layer_pull(self->layer)));
+        (void)source_step(self, composer_is_near(self->world.scratch, layer_pull(self->layer)));
         performer_move(self->layer, self->world.scratch);
     }
     return result;

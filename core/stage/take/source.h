@@ -36,11 +36,11 @@ const char *source_note(const source *self);
 /* An error that says why its mapping's process failed, if it has: a simple one went on. */
 CHECKED mrt_result source_check(const source *self, error *err);
 
-/* Show time of the next sample; INT64_MAX: none is left. */
+/* Show time of the next step; INT64_MAX: none is left. */
 CHECKED mrt_result source_next_ns(source *self, int64_t *out_ns, error *err);
-/* Performs it. Not when none is left. */
-void source_step(source *self, bool near);
-/* Show time of the sample performed last; INT64_MIN: none since the start. */
+/* Performs it; of how many samples. 0: none is left. */
+uint32_t source_step(source *self, bool near);
+/* Show time of the step performed last; INT64_MIN: none since the start. */
 int64_t source_now_ns(const source *self);
 
 /* As if it had performed from its start, all samples before time_ns. The scratch composer's face is
