@@ -26,7 +26,7 @@ typedef struct film { /* a recorded performance */
     recorder *recorder;
     uint32_t count; /* of steps */
     uint32_t sample_count;
-    uint64_t solves; /* of the engine */
+    uint64_t solves;             /* of the engine */
     int64_t at_ns[FILM_SAMPLES]; /* from the first step on */
     uint64_t hash[FILM_SAMPLES]; /* of the face after it */
     rezero_counts rezeros;

@@ -184,7 +184,7 @@ static mrt_result play(playing *self, error *err)
                 break;
             result = take_step(self, &next, err);
         } else if (found != MRT_TIMEOUT || is_past_end(self, clock_now_ns())) {
-            result = found;
+            result = found < 0 ? found : MRT_OK;
             break;
         } else {
             result = idle(self, seen, until_ns, err);
