@@ -1,6 +1,7 @@
 /* marotte rig new: a first rig for a mesh. */
 #include "rig.h"
 
+#include "base/file.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
 #include "stage/face_file.h"
@@ -65,6 +66,16 @@ static void print_lines(const char *prefix, const char *lines)
     }
 }
 
+/* Where rigs may not name it, a person must be told. */
+static void print_place(const drafting *d)
+{
+    error err = {""};
+    char *folder = file_directory(d->out_path);
+    if (folder && file_check_below(folder, d->mesh_path, &err) < 0)
+        printf("confirm  $.mesh: %s\n", err.text);
+    free(folder);
+}
+
 static mrt_result draft(const drafting *d, error *err)
 {
     face_file f;
@@ -87,6 +98,7 @@ static mrt_result draft(const drafting *d, error *err)
         printf("wrote    %s\n", d->out_path);
         print_lines("note     ", f.note);
         print_lines("confirm  ", confirm);
+        print_place(d);
         printf("next     marotte rig check %s\n", d->out_path);
         printf("next     marotte rig show %s --out rig.png\n", d->out_path);
     }

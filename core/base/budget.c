@@ -10,11 +10,12 @@ static const struct {
     const char *name;
     allowance bytes, values, work;
 } kinds[BUDGET_KINDS] = {
-    /* The floors let every good file pass whatever its size; a step of work is about 10 ns, so a
-     * floor of work is 2 s, and a file of 10 MB has 10 s. */
+    /* The floors let every good file pass whatever its size. A step of work is about 10 ns: 200
+     * million are 2 s. Selectors are evaluated several times until a face is there. */
     [BUDGET_SHOW] = {"show", {256u << 20, 20}, {1u << 20, 1}, {200000000, 100}},
     [BUDGET_SALVAGE] = {"damaged show", {64u << 20, 4}, {1u << 20, 1}, {200000000, 100}},
-    [BUDGET_RIG] = {"rig", {64u << 20, 20}, {1u << 20, 1}, {200000000, 100}},
+    [BUDGET_RIG] = {"rig", {256u << 20, 20}, {1u << 20, 1}, {200000000, 20}},
+    [BUDGET_SELECTORS] = {"rig on a mesh", {64u << 20, 20}, {1u << 20, 1}, {50000000, 20}},
     [BUDGET_MESH] = {"mesh", {256u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
     [BUDGET_IMAGE] = {"image", {256u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
 };

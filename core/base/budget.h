@@ -11,9 +11,10 @@
 #include <stdint.h>
 
 typedef enum budget_kind {
-    BUDGET_SHOW = 0, /* a show as it is played, listed, compared: takes, samples, checkpoints */
-    BUDGET_SALVAGE,  /* a damaged show: pages and cells that are looked at */
-    BUDGET_RIG,      /* a rig with all that it includes; selectors on its mesh */
+    BUDGET_SHOW = 0,  /* a show as it is played, listed, compared: takes, samples, checkpoints */
+    BUDGET_SALVAGE,   /* a damaged show: pages and cells that are looked at */
+    BUDGET_RIG,       /* a rig with all that it includes */
+    BUDGET_SELECTORS, /* a rig's regions on a mesh; the size is the mesh's */
     BUDGET_MESH,
     BUDGET_IMAGE,
     BUDGET_KINDS

@@ -173,6 +173,59 @@ mrt_result file_write(const char *path, const void *data, size_t size, error *er
     return file_writer_commit(&writer, err);
 }
 
+/* ---- what one file may name ---- */
+
+static bool climbs(const char *rest)
+{
+    for (const char *at = rest; at; at = strchr(at, '/')) {
+        at += *at == '/';
+        if (strncmp(at, "..", 2) == 0 && (at[2] == '/' || at[2] == '\0'))
+            return true;
+    }
+    return rest[0] == '/';
+}
+
+static bool begins_with_folder(const char *path, const char *folder)
+{
+    size_t length = strlen(folder);
+    while (length > 0 && folder[length - 1] == '/')
+        length -= 1;
+    return strncmp(path, folder, length) == 0 && path[length] == '/';
+}
+
+static bool is_below(const char *folder, const char *path)
+{
+    char *real_folder = realpath(folder[0] ? folder : ".", NULL), *real = realpath(path, NULL);
+    bool below;
+    if (real && real_folder)
+        below = begins_with_folder(real, real_folder);
+    else if (folder[0])
+        below = begins_with_folder(path, folder) && !climbs(path + strlen(folder));
+    else
+        below = !climbs(path);
+    free(real_folder);
+    free(real);
+    return below;
+}
+
+mrt_result file_check_below(const char *folder, const char *path, error *err)
+{
+    const char *named = getenv("MAROTTE_FILE_FOLDERS");
+    bool below = is_below(folder, path);
+    while (!below && named && named[0]) {
+        size_t length = strcspn(named, ":");
+        char *one = strndup(named, length);
+        below = one && one[0] == '/' && is_below(one, path);
+        free(one);
+        named += length + (named[length] == ':');
+    }
+    return below ? MRT_OK
+                 : error_set(err, MRT_ERR_UNSUPPORTED,
+                             "%s: is not in the folder of the file that names it; put it there, or "
+                             "allow its folder: MAROTTE_FILE_FOLDERS=/THAT/FOLDER",
+                             path);
+}
+
 char *file_directory(const char *path)
 {
     const char *slash = strrchr(path, '/');

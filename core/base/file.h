@@ -32,6 +32,12 @@ void file_writer_abandon(file_writer *writer);
 /* Writes `size` bytes as a whole file, by the above. */
 CHECKED mrt_result file_write(const char *path, const void *data, size_t size, error *err);
 
+/* Whether what `path` leads to, links followed, is in `folder` ("": the working directory) or below
+ * it, or in a folder that the person names in $MAROTTE_FILE_FOLDERS (with ':' between them): a file
+ * that somebody else made names only what came with it. A path that leads nowhere is judged by its
+ * words. The message says what to do. */
+CHECKED mrt_result file_check_below(const char *folder, const char *path, error *err);
+
 /* Directory part of path with its final '/', or "" : a copy for the caller to free; NULL: no
  * memory. */
 char *file_directory(const char *path);

@@ -136,13 +136,16 @@ typedef struct rig {
     char *note;            /* unknown keys and the like, lines ended by \n; NULL: nothing */
 } rig;
 
-/* Errors name the file, the JSON path ("$.contacts[3].vertex"), what was expected, and a remedy. */
+/* What it names must lie in its folder or below (file_check_below), and is paid out of a budget.
+ * Errors name the file, the JSON path ("$.contacts[3].vertex"), what was expected, and a remedy. */
 CHECKED mrt_result rig_read(rig *out, const char *path, error *err);
+/* One that the program itself has put aside: what it names may lie anywhere. */
+CHECKED mrt_result rig_read_trusted(rig *out, const char *path, error *err);
 /* From bytes, for tests and the fuzzer: `path` is only for messages and for relative names;
  * includes are refused. */
 CHECKED mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err);
-/* Writes what was read plus what changed in the struct's solver, contacts, regions, bones, poses,
- * contact sets; beside and renamed. */
+/* Writes what was read, included files too, plus what changed in the struct's solver, contacts,
+ * regions, bones, poses, contact sets, as one file; beside and renamed. */
 CHECKED mrt_result rig_write(const rig *r, const char *path, error *err);
 /* Deep; what was read is shared. On error `out` is zeroed. [any] */
 CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);

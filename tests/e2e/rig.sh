@@ -98,7 +98,12 @@ refused 1 "has no morph targets" "$MAROTTE" rig fit new.rig.json new.glb
 
 # A face made with the rig is found again.
 if [ -e "$shared/data/faces/ict_face.glb" ]; then
-    "$MAROTTE" rig new "$shared/data/faces/ict_face.glb" --out ict.rig.json >/dev/null || fail "ict"
+    "$MAROTTE" rig new "$shared/data/faces/ict_face.glb" --out ict.rig.json >far.txt || fail "ict"
+    grep -q '^confirm  $.mesh: .*is not in the folder' far.txt || fail "a mesh elsewhere is no matter"
+    refused 1 'ict.rig.json: $.mesh: ' "$MAROTTE" rig check ict.rig.json
+    MAROTTE_FILE_FOLDERS=$shared "$MAROTTE" rig check ict.rig.json >/dev/null || fail "allowed folder"
+    cp "$shared/data/faces/ict_face.glb" .
+    "$MAROTTE" rig new ict_face.glb --out ict.rig.json --force >/dev/null || fail "ict beside"
     "$MAROTTE" rig fit ict.rig.json "$shared/data/faces/ict_face.glb" --json --out fitted.glb \
         --save-poses posed.rig.json >fit.json || fail "rig fit"
     [ "$(grep -c '"relative_residual"' fit.json)" -eq 14 ] || fail "not 14 targets"

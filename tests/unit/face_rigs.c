@@ -59,6 +59,7 @@ static bool open_ict(actor *out)
         return false;
     }
     (void)fclose(file);
+    (void)setenv("MAROTTE_FILE_FOLDERS", SOURCE_DIR "/../shared", 1);
     open_actor(out, SOURCE_DIR "/tests/face/ict.rig.json");
     return true;
 }

@@ -200,7 +200,7 @@ static void two_paints_never_share_a_name(void **state)
     rig_destroy(&r);
 }
 
-static void included_paint_stays_where_it_is(void **state)
+static void included_paint_is_written_with_the_rest(void **state)
 {
     (void)state;
     char text[4096];
@@ -210,21 +210,38 @@ static void included_paint_stays_where_it_is(void **state)
     put("a.rig.json", head);
     put("b.rig.json", "{\"marotte_rig\": 1, \"include\": \"a.rig.json\", \"mesh\": \"m.obj\"}");
     rig r = read_rig("b.rig.json");
-    written(text, sizeof text, &r, "c.rig.json");
-    assert_null(strstr(text, "\"paints\""));
     must(rig_edit_paint(&r, 1, value, SHEET_VERTICES, &err), &err);
     written(text, sizeof text, &r, "c.rig.json");
-    assert_non_null(strstr(text, "\"include\""));
-    assert_non_null(strstr(text, "\"paints\": {\n    \"low\": [\"3:09\"]"));
+    assert_null(strstr(text, "\"include\""));
+    assert_non_null(strstr(text, "\"low\": [\"3:09\"]"));
+    assert_non_null(strstr(text, "\"spare\""));
     rig_destroy(&r);
     r = read_rig("c.rig.json");
     assert_int_equal(r.region[1].select.range_count, 1);
     assert_int_equal(r.region[1].select.value[0], 9);
-    must(rig_edit_remove_region(&r, 0, &err), &err); /* no include can say that */
-    written(text, sizeof text, &r, "d.rig.json");
-    assert_null(strstr(text, "\"include\""));
-    assert_non_null(strstr(text, "\"spare\""));
     rig_destroy(&r);
+}
+
+static void paint_that_many_regions_use_is_paid_out_of_the_budget(void **state)
+{
+    (void)state;
+    enum { VALUES = 1 << 20, USES = 200 };
+    static char text[2 * VALUES + USES * 64 + 1024];
+    rig r;
+    error err = {""};
+    size_t at = (size_t)snprintf(text, sizeof text,
+                                 "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", \"paints\": "
+                                 "{\"p\": [\"0:");
+    memset(text + at, '0', 2 * VALUES);
+    at += 2 * VALUES;
+    at += (size_t)snprintf(text + at, 256,
+                           "\"]}, \"regions\": [{\"mobility\": 1, \"select\": "
+                           "{\"any\": [");
+    for (int i = 0; i < USES; ++i)
+        at += (size_t)snprintf(text + at, 32, "%s{\"painted\": \"p\"}", i ? "," : "");
+    (void)snprintf(text + at, 32, "]}}]}");
+    assert_int_equal(rig_from(&r, text, &err), MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, "$.paints.p: it asks for more than"));
 }
 
 static void paint_that_makes_no_sense_is_refused_with_its_place(void **state)
@@ -468,7 +485,8 @@ int main(void)
         cmocka_unit_test(what_is_painted_anew_is_read_again),
         cmocka_unit_test(what_is_whole_is_written_as_vertices_and_its_paint_goes),
         cmocka_unit_test(two_paints_never_share_a_name),
-        cmocka_unit_test(included_paint_stays_where_it_is),
+        cmocka_unit_test(included_paint_is_written_with_the_rest),
+        cmocka_unit_test(paint_that_many_regions_use_is_paid_out_of_the_budget),
         cmocka_unit_test(paint_that_makes_no_sense_is_refused_with_its_place),
         cmocka_unit_test(paint_that_is_not_there_is_named),
         cmocka_unit_test(paint_beyond_the_mesh_is_found),

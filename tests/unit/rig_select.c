@@ -147,6 +147,96 @@ static mesh make_named_sheet(void)
     return m;
 }
 
+/* A wide sheet, and a region of `count` times `one`, joined in lists of 200. */
+static mrt_result select_many(float *out, const char *one, int count, error *err)
+{
+    enum { SIDE = 200, TEXT = 1 << 20 };
+    mesh m;
+    rig r;
+    char *text = malloc(TEXT);
+    assert_non_null(text);
+    size_t at = (size_t)snprintf(text, TEXT,
+                                 "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", "
+                                 "\"regions\": [{\"mobility\": 1, \"select\": "
+                                 "{\"any\": [{\"any\": [");
+    for (int i = 0; i < count; ++i)
+        at += (size_t)snprintf(text + at, TEXT - at, "%s%s",
+                               i == 0         ? ""
+                               : i % 200 == 0 ? "]}, {\"any\": ["
+                                              : ", ",
+                               one);
+    (void)snprintf(text + at, TEXT - at, "]}]}}]}");
+    assert_int_equal(mesh_create(&m, SIDE * SIDE, (SIDE - 1) * (SIDE - 1), err), MRT_OK);
+    for (uint32_t v = 0; v < SIDE * SIDE; ++v) {
+        m.position[v * 3 + 0] = (float)(v % SIDE);
+        m.position[v * 3 + 1] = (float)(v / SIDE);
+    }
+    for (uint32_t i = 0; i < m.triangle_count; ++i) {
+        const uint32_t a = i / (SIDE - 1) * SIDE + i % (SIDE - 1);
+        const uint32_t triangle[3] = {a, a + 1, a + SIDE};
+        memcpy(m.triangle + (size_t)i * 3, triangle, sizeof triangle);
+    }
+    topology t = make_topology(&m);
+    mrt_result result = rig_from(&r, text, err);
+    if (result < 0)
+        fail_msg("%s", err->text);
+    free(text);
+    float *share = calloc(SIDE * SIDE, sizeof *share);
+    assert_non_null(share);
+    result = bind_select(share, &r.region[0].select, &m, &t, err);
+    memcpy(out, share, SHEET_VERTICES * sizeof *out);
+    free(share);
+    topology_destroy(&t);
+    mesh_destroy(&m);
+    rig_destroy(&r);
+    return result;
+}
+
+static void selectors_that_would_stall_the_program_are_refused_with_their_place(void **state)
+{
+    (void)state;
+    float out[SHEET_VERTICES];
+    error err = {""};
+    /* A face's worth of them is no matter, however wide. */
+    assert_int_equal(select_many(out, "{\"within\": {\"mm\": 5, \"of\": 3}}", 1000, &err), MRT_OK);
+    assert_true(out[8] > 0.5f && out[9] < 0.5f);
+    assert_int_equal(select_many(out, "{\"within\": {\"mm\": 1e6, \"of\": 3}}", 20, &err), MRT_OK);
+    assert_int_equal(select_many(out, "{\"not\": {\"vertices\": [1]}}", 1000, &err), MRT_OK);
+    assert_true(out[0] > 0.5f);
+    assert_int_equal(select_many(out, "{\"within\": {\"mm\": 1e6, \"of\": 3}}", 2000, &err),
+                     MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, "$.regions[0].select.any[0].any["));
+    assert_non_null(strstr(err.text, "steps of work, which is all that a rig on a mesh of"));
+}
+
+/* Each of them is a run over the mesh if it is done one vertex after the other. */
+static void a_hundred_thousand_ranges_of_all_vertices_are_one(void **state)
+{
+    (void)state;
+    enum { RANGES = 100000 };
+    static char text[RANGES * 10 + 256];
+    size_t at = (size_t)snprintf(text, sizeof text,
+                                 "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", "
+                                 "\"regions\": [{\"mobility\": 1, \"select\": "
+                                 "{\"vertices\": [3");
+    for (int i = 0; i < RANGES; ++i)
+        at += (size_t)snprintf(text + at, 16, ",\"5-%d\"", 6 + i % 10);
+    (void)snprintf(text + at, 16, "]}}]}");
+    rig r;
+    error err = {""};
+    float out[SHEET_VERTICES];
+    if (rig_from(&r, text, &err) < 0)
+        fail_msg("%s", err.text);
+    mesh m = make_sheet();
+    topology t = make_topology(&m);
+    assert_int_equal(bind_select(out, &r.region[0].select, &m, &t, &err), MRT_OK);
+    for (int v = 0; v < SHEET_VERTICES; ++v)
+        assert_true((out[v] > 0.5f) == (v == 3 || (v >= 5 && v <= 15)));
+    topology_destroy(&t);
+    mesh_destroy(&m);
+    rig_destroy(&r);
+}
+
 static void groups_match_parts_and_materials(void **state)
 {
     (void)state;
@@ -297,6 +387,8 @@ int main(void)
         cmocka_unit_test(joined_selectors_are_least_and_greatest),
         cmocka_unit_test(within_measures_along_edges),
         cmocka_unit_test(within_does_not_cross_a_slit),
+        cmocka_unit_test(selectors_that_would_stall_the_program_are_refused_with_their_place),
+        cmocka_unit_test(a_hundred_thousand_ranges_of_all_vertices_are_one),
         cmocka_unit_test(groups_match_parts_and_materials),
         cmocka_unit_test(attributes_give_shares),
         cmocka_unit_test(vertices_that_are_not_there_are_refused),

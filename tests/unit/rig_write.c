@@ -9,6 +9,7 @@
 #include "rig_help.h"
 
 #include <math.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char folder[64];
@@ -20,10 +21,11 @@ static int make_folder(void **state)
     return mkdtemp(folder) ? 0 : -1;
 }
 
-static const char *const files[] = {"a.rig.json",  "b.rig.json",  "c.rig.json",    "out.rig.json",
-                                    "d0.rig.json", "d1.rig.json", "d2.rig.json",   "d3.rig.json",
-                                    "d4.rig.json", "d5.rig.json", "d6.rig.json",   "d7.rig.json",
-                                    "d8.rig.json", "d9.rig.json", "sub/s.rig.json"};
+static const char *const files[] = {
+    "a.rig.json",  "b.rig.json",           "c.rig.json",  "out.rig.json", "d0.rig.json",
+    "d1.rig.json", "d2.rig.json",          "d3.rig.json", "d4.rig.json",  "d5.rig.json",
+    "d6.rig.json", "d7.rig.json",          "d8.rig.json", "d9.rig.json",  "sub/s.rig.json",
+    "sub/m.obj",   "sub/below/b.rig.json", "head.glb"};
 
 static const char *in_folder(const char *name)
 {
@@ -39,6 +41,7 @@ static int remove_folder(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i)
         (void)unlink(in_folder(files[i]));
+    (void)rmdir(in_folder("sub/below"));
     (void)rmdir(in_folder("sub"));
     return rmdir(folder);
 }
@@ -134,24 +137,84 @@ static void only_what_changed_changes(void **state)
     rig_destroy(&again);
 }
 
-static void elsewhere_the_mesh_is_still_found(void **state)
+static void elsewhere_the_mesh_is_named_and_must_be_allowed(void **state)
 {
     (void)state;
     char text[4096], directory[128];
+    rig again;
     error err = {""};
     (void)snprintf(directory, sizeof directory, "%s/sub", folder);
-    char command[256];
-    (void)snprintf(command, sizeof command, "mkdir -p %s", directory);
-    assert_int_equal(system(command), 0);
+    assert_int_equal(mkdir(directory, 0700), 0);
     put("a.rig.json", head);
     rig r = read_rig("a.rig.json");
     assert_int_equal(rig_write(&r, in_folder("sub/s.rig.json"), &err), MRT_OK);
     rig_destroy(&r);
     get(text, sizeof text, "sub/s.rig.json");
     assert_non_null(strstr(text, "\"mesh\": \"../head.glb\""));
-    rig again = read_rig("sub/s.rig.json");
+    assert_true(rig_read(&again, in_folder("sub/s.rig.json"), &err) < 0);
+    assert_non_null(strstr(err.text, "s.rig.json: $.mesh: "));
+    assert_non_null(strstr(err.text, "MAROTTE_FILE_FOLDERS="));
+    assert_null(again.document);
+    assert_int_equal(rig_read_trusted(&again, in_folder("sub/s.rig.json"), &err), MRT_OK);
     assert_non_null(strstr(again.mesh_path, "/sub/../head.glb"));
     rig_destroy(&again);
+    put("head.glb", "x");
+    char list[160];
+    (void)snprintf(list, sizeof list, "/nowhere:%s", folder);
+    assert_int_equal(setenv("MAROTTE_FILE_FOLDERS", list, 1), 0);
+    mrt_result allowed = rig_read(&again, in_folder("sub/s.rig.json"), &err);
+    assert_int_equal(unsetenv("MAROTTE_FILE_FOLDERS"), 0);
+    assert_int_equal(allowed, MRT_OK);
+    rig_destroy(&again);
+}
+
+static void assert_beyond_folder(const char *key, const char *name)
+{
+    rig r;
+    error err = {""};
+    char text[512];
+    (void)snprintf(text, sizeof text, "{\"marotte_rig\": 1, %s\"%s\": \"%s\"}",
+                   strcmp(key, "mesh") == 0 ? "" : "\"mesh\": \"m.obj\", ", key, name);
+    put("sub/s.rig.json", text);
+    if (rig_read(&r, in_folder("sub/s.rig.json"), &err) >= 0)
+        fail_msg("%s: %s is read", key, name);
+    if (!strstr(err.text, "is not in the folder of the file that names it"))
+        fail_msg("%s: %s: %s", key, name, err.text);
+}
+
+static void what_a_rig_names_lies_in_its_folder_or_below(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    char outside[160], link[160];
+    (void)mkdir(in_folder("sub"), 0700);
+    (void)mkdir(in_folder("sub/below"), 0700);
+    put("head.glb", "x");
+    put("a.rig.json", head);
+    (void)snprintf(outside, sizeof outside, "%s", in_folder("a.rig.json"));
+    (void)snprintf(link, sizeof link, "%s", in_folder("sub/link"));
+    for (int i = 0; i < 2; ++i) {
+        const char *key = i ? "include" : "mesh";
+        assert_beyond_folder(key, outside);
+        assert_beyond_folder(key, "../a.rig.json");
+        assert_beyond_folder(key, "../gone");
+        assert_beyond_folder(key, "below/../../a.rig.json");
+        assert_beyond_folder(key, "/etc/hostname");
+        assert_int_equal(symlink(outside, link), 0); /* as an archive may bring one */
+        assert_beyond_folder(key, "link");
+        assert_int_equal(unlink(link), 0);
+    }
+    /* An included file may climb, but not out of the rig's own folder. */
+    put("sub/m.obj", "x");
+    put("sub/below/b.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"../m.obj\"}");
+    put("sub/s.rig.json", "{\"marotte_rig\": 1, \"include\": \"below/b.rig.json\"}");
+    if (rig_read(&r, in_folder("sub/s.rig.json"), &err) < 0)
+        fail_msg("%s", err.text);
+    rig_destroy(&r);
+    put("sub/below/b.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"../../head.glb\"}");
+    assert_true(rig_read(&r, in_folder("sub/s.rig.json"), &err) < 0);
+    assert_non_null(strstr(err.text, "below/b.rig.json: $.mesh: "));
 }
 
 static const char puppet[] = "{\"marotte_rig\": 1, \"include\": \"a.rig.json\", \"unit\": \"mm\",\n"
@@ -176,7 +239,7 @@ static void own_entries_follow_and_override_included_ones(void **state)
     rig_destroy(&r);
 }
 
-static void an_including_file_stays_one_when_written(void **state)
+static void an_including_rig_is_written_as_one_file(void **state)
 {
     (void)state;
     char text[4096];
@@ -184,30 +247,8 @@ static void an_including_file_stays_one_when_written(void **state)
     put("a.rig.json", head);
     put("b.rig.json", puppet);
     rig r = read_rig("b.rig.json");
-    r.contact[0].vertex = 44; /* included, so it is overridden here */
-    assert_int_equal(rig_write(&r, in_folder("out.rig.json"), &err), MRT_OK);
-    rig_destroy(&r);
-    get(text, sizeof text, "out.rig.json");
-    assert_non_null(strstr(text, "\"include\": \"a.rig.json\""));
-    assert_non_null(strstr(text, "\"vertex\": 44"));
-    assert_null(strstr(text, "a.r\", \"bone\""));
-    assert_null(strstr(text, "\"regions\""));
-    assert_null(strstr(text, "\"solver\""));
-    rig again = read_rig("out.rig.json");
-    assert_int_equal(again.contact[0].vertex, 44);
-    assert_int_equal(again.contact_count, 3);
-    rig_destroy(&again);
-}
-
-static void what_an_include_cannot_say_is_written_whole(void **state)
-{
-    (void)state;
-    char text[4096];
-    error err = {""};
-    put("a.rig.json", head);
-    put("b.rig.json", puppet);
-    rig r = read_rig("b.rig.json");
-    r.region[0].weight = 0.5; /* included, and without a name to override it by */
+    r.region[0].weight = 0.5;
+    r.contact[0].vertex = 44;
     assert_int_equal(rig_write(&r, in_folder("out.rig.json"), &err), MRT_OK);
     rig_destroy(&r);
     get(text, sizeof text, "out.rig.json");
@@ -217,8 +258,53 @@ static void what_an_include_cannot_say_is_written_whole(void **state)
     assert_true(fabs(again.region[0].weight - 0.5) < 1e-12);
     assert_true(fabs(again.region[0].select.b.y - 300.0) < 1e-9);
     assert_true(fabs(again.bone[1].hinge_left.x - 50.0) < 1e-12);
+    assert_true(fabs(again.solver.radius - 60.0) < 1e-12);
+    assert_int_equal(again.contact[0].vertex, 44);
     assert_int_equal(again.contact_count, 3);
     rig_destroy(&again);
+}
+
+static void a_file_included_twice_is_read_once(void **state)
+{
+    (void)state;
+    put("a.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", \"what\": 1, \"regions\": "
+                      "[{\"mobility\": 1, \"select\": {\"group\": \"g\"}}]}");
+    put("b.rig.json", "{\"marotte_rig\": 1, \"include\": \"./a.rig.json\"}");
+    put("c.rig.json", "{\"marotte_rig\": 1, \"include\": [\"a.rig.json\", \"b.rig.json\", "
+                      "\"a.rig.json\"]}");
+    rig r = read_rig("c.rig.json");
+    assert_int_equal(r.region_count, 1);
+    const char *note = strstr(r.note, "$.what");
+    assert_non_null(note);
+    assert_null(strstr(note + 1, "$.what"));
+    rig_destroy(&r);
+}
+
+static void included_files_are_paid_out_of_one_budget(void **state)
+{
+    (void)state;
+    enum { VALUES = 1500000 };
+    static char many[2 * VALUES + 64];
+    rig r;
+    error err = {""};
+    int start = snprintf(many, 64, "{\"marotte_rig\": 1, \"many\": [");
+    for (int i = 0; i < VALUES; ++i)
+        memcpy(many + start + 2 * i, "0,", 2);
+    strcpy(many + start + 2 * VALUES, "0]}");
+    for (int i = 0; i < 3; ++i) {
+        char name[32];
+        (void)snprintf(name, sizeof name, "d%d.rig.json", i);
+        put(name, many);
+    }
+    put("a.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", \"include\": [\"d0.rig.json\", "
+                      "\"d0.rig.json\", \"d1.rig.json\"]}");
+    r = read_rig("a.rig.json");
+    rig_destroy(&r);
+    put("a.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", \"include\": [\"d0.rig.json\", "
+                      "\"d1.rig.json\", \"d2.rig.json\"]}");
+    assert_int_equal(rig_read(&r, in_folder("a.rig.json"), &err), MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, "d2.rig.json: it asks for more than"));
+    assert_non_null(strstr(err.text, "bytes of memory, which is all that a rig of"));
 }
 
 static void errors_in_included_files_name_them(void **state)
@@ -276,10 +362,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_read_and_written_is_the_same_text),
         cmocka_unit_test(only_what_changed_changes),
-        cmocka_unit_test(elsewhere_the_mesh_is_still_found),
+        cmocka_unit_test(elsewhere_the_mesh_is_named_and_must_be_allowed),
+        cmocka_unit_test(what_a_rig_names_lies_in_its_folder_or_below),
         cmocka_unit_test(own_entries_follow_and_override_included_ones),
-        cmocka_unit_test(an_including_file_stays_one_when_written),
-        cmocka_unit_test(what_an_include_cannot_say_is_written_whole),
+        cmocka_unit_test(an_including_rig_is_written_as_one_file),
+        cmocka_unit_test(a_file_included_twice_is_read_once),
+        cmocka_unit_test(included_files_are_paid_out_of_one_budget),
         cmocka_unit_test(errors_in_included_files_name_them),
         cmocka_unit_test(cyclic_includes_are_refused_with_the_chain),
         cmocka_unit_test(includes_deeper_than_eight_are_refused),

@@ -1,5 +1,6 @@
 #include "face/rig.h"
 
+#include "base/file.h"
 #include "face/rig/rig_document.h"
 
 #include <stdlib.h>
@@ -18,16 +19,32 @@ static mrt_result finish_reading(rig *out, rig_document *d, const char *path, er
     return result;
 }
 
-mrt_result rig_read(rig *out, const char *path, error *err)
+static mrt_result read_within(rig *out, const char *path, const char *folder, error *err)
 {
-    *out = (rig){0};
     rig_document *d = NULL;
-    mrt_result result = rig_document_read(&d, path, err);
+    mrt_result result = rig_document_read(&d, path, folder, err);
     if (result >= 0)
         result = finish_reading(out, d, path, err);
     if (result < 0 && err && strncmp(err->text, path, strlen(path)) != 0)
         error_prefix(err, path);
     return result;
+}
+
+mrt_result rig_read(rig *out, const char *path, error *err)
+{
+    *out = (rig){0};
+    char *folder = file_directory(path);
+    if (!folder)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
+    mrt_result result = read_within(out, path, folder, err);
+    free(folder);
+    return result;
+}
+
+mrt_result rig_read_trusted(rig *out, const char *path, error *err)
+{
+    *out = (rig){0};
+    return read_within(out, path, NULL, err);
 }
 
 mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err)

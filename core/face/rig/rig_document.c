@@ -15,6 +15,7 @@ static const uint32_t section_cap[RIG_SECTIONS] = {RIG_BONES_MAX, 1024, 1024, 64
 
 typedef struct loading { /* the files being read, outermost first */
     rig_document *document;
+    const char *folder; /* as of rig_document_read */
     const char *path[RIG_INCLUDE_DEPTH_MAX + 1];
     uint32_t depth;
 } loading;
@@ -26,9 +27,12 @@ static mrt_result no_memory(error *err)
 
 /* ---- one file ---- */
 
-static mrt_result parse_root(json_t **out, const void *data, size_t size, error *err)
+static mrt_result parse_root(json_t **out, const void *data, size_t size, budget *b, error *err)
 {
     json_error_t reason;
+    mrt_result result = budget_spend_bytes(b, size + rig_json_memory(data, size), err);
+    if (result < 0)
+        return result;
     *out = json_loadb(data, size, JSON_REJECT_DUPLICATES, &reason);
     if (*out)
         return MRT_OK;
@@ -71,13 +75,14 @@ static mrt_result read_unit(rig_file *file, const rig_node *root, error *err)
 
 /* Takes `root` over, whatever it returns. `shown` names an included file in messages; NULL: the
  * rig itself. */
-static mrt_result add_file(rig_document *d, const char *path, json_t *root, const char *shown,
-                           error *err)
+static mrt_result add_file(rig_document *d, const char *path, const char *real_path, json_t *root,
+                           const char *shown, error *err)
 {
     rig_file *file = &d->file[d->file_count];
     *file = (rig_file){.root = root, .path = strdup(path), .place = {"$"}};
     d->file_count += 1;
-    if (!file->path)
+    file->real_path = real_path ? strdup(real_path) : NULL;
+    if (!file->path || (real_path && !file->real_path))
         return no_memory(err);
     if (shown) {
         rig_word word = rig_word_of(shown);
@@ -121,7 +126,13 @@ static mrt_result include_one(loading *l, const rig_node *at, const char *direct
     if (result < 0)
         return result;
     char *path = join_path(directory, name);
-    result = path ? load_file(l, path, name, err) : no_memory(err);
+    result = path ? MRT_OK : no_memory(err);
+    if (result >= 0 && l->folder)
+        result = file_check_below(l->folder, path, err);
+    if (result < 0)
+        error_prefix(err, at->place.text);
+    else
+        result = load_file(l, path, name, err);
     free(path);
     free(name);
     return result;
@@ -162,13 +173,15 @@ static mrt_result check_chain(const loading *l, const char *real_path, error *er
     return MRT_OK;
 }
 
-static mrt_result read_root(json_t **out, const char *path, error *err)
+static mrt_result read_root(json_t **out, loading *l, const char *path, error *err)
 {
     file_bytes bytes;
     mrt_result result = file_read(&bytes, path, FILE_SIZE_CAP, err);
     if (result < 0)
         return result;
-    result = parse_root(out, bytes.data, bytes.size, err);
+    if (l->depth == 1)
+        l->document->budget = budget_of(BUDGET_RIG, bytes.size);
+    result = parse_root(out, bytes.data, bytes.size, &l->document->budget, err);
     if (result < 0)
         error_prefix(err, path);
     file_bytes_finish(&bytes);
@@ -179,7 +192,8 @@ static mrt_result read_root(json_t **out, const char *path, error *err)
 static mrt_result load_chained(loading *l, const char *path, const char *shown, error *err)
 {
     json_t *root = NULL;
-    mrt_result result = read_root(&root, path, err);
+    const char *real_path = l->path[l->depth - 1];
+    mrt_result result = read_root(&root, l, path, err);
     if (result < 0 && shown)
         error_prefix(err, "$.include");
     if (result < 0)
@@ -190,7 +204,15 @@ static mrt_result load_chained(loading *l, const char *path, const char *shown, 
         json_decref(root);
         return result;
     }
-    return add_file(l->document, path, root, shown, err);
+    return add_file(l->document, path, real_path, root, shown, err);
+}
+
+static bool is_read(const rig_document *d, const char *real_path)
+{
+    for (uint32_t i = 0; i < d->file_count; ++i)
+        if (strcmp(d->file[i].real_path, real_path) == 0)
+            return true;
+    return false;
 }
 
 static mrt_result load_file(loading *l, const char *path, const char *shown, error *err)
@@ -198,7 +220,7 @@ static mrt_result load_file(loading *l, const char *path, const char *shown, err
     char *real_path = realpath(path, NULL);
     const char *known_as = real_path ? real_path : path;
     mrt_result result = check_chain(l, known_as, err);
-    if (result >= 0) {
+    if (result >= 0 && !is_read(l->document, known_as)) {
         l->path[l->depth] = known_as;
         l->depth += 1;
         result = load_chained(l, path, shown, err);
@@ -216,6 +238,9 @@ static mrt_result add_entry(rig_document *d, rig_section section, const rig_entr
 {
     rig_entry *all = d->entry[section];
     uint32_t count = d->entry_count[section];
+    mrt_result result = budget_spend_work(&d->budget, count, err);
+    if (result < 0)
+        return result;
     for (uint32_t i = 0; entry->name[0] && i < count; ++i) {
         if (strcmp(all[i].name, entry->name) != 0)
             continue;
@@ -310,12 +335,13 @@ static mrt_result collect(rig_document *d, error *err)
 
 /* ---- the room's ---- */
 
-mrt_result rig_document_read(rig_document **out, const char *path, error *err)
+mrt_result rig_document_read(rig_document **out, const char *path, const char *folder, error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
         return no_memory(err);
-    loading l = {.document = *out};
+    (*out)->is_trusted = folder == NULL;
+    loading l = {.document = *out, .folder = folder};
     mrt_result result = load_file(&l, path, NULL, err);
     if (result >= 0)
         result = collect(*out, err);
@@ -333,9 +359,10 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
     if (!*out)
         return no_memory(err);
     json_t *root = NULL;
-    mrt_result result = parse_root(&root, data, size, err);
+    (*out)->budget = budget_of(BUDGET_RIG, size);
+    mrt_result result = parse_root(&root, data, size, &(*out)->budget, err);
     if (result >= 0)
-        result = add_file(*out, path, root, NULL, err);
+        result = add_file(*out, path, NULL, root, NULL, err);
     if (result >= 0 && json_object_get(root, "include"))
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "$.include: a rig that is no file cannot include one");
@@ -360,6 +387,7 @@ void rig_document_destroy(rig_document *d)
     for (uint32_t i = 0; i < d->file_count; ++i) {
         json_decref(d->file[i].root);
         free(d->file[i].path);
+        free(d->file[i].real_path);
     }
     for (int section = 0; section < RIG_SECTIONS; ++section)
         free(d->entry[section]);

@@ -4,6 +4,7 @@
  * [main] */
 #ifndef MAROTTE_FACE_RIG_DOCUMENT_H
 #define MAROTTE_FACE_RIG_DOCUMENT_H
+#include "base/budget.h"
 #include "face/rig.h"
 #include "face/rig/rig_json.h"
 
@@ -26,6 +27,7 @@ typedef struct rig_entry {
 
 typedef struct rig_file {
     char *path;
+    char *real_path; /* links followed; NULL: from bytes */
     json_t *root;
     rig_place place;    /* "$", or "base.rig.json: $" for an included one */
     double mm_per_unit; /* of its coordinates */
@@ -38,11 +40,15 @@ typedef struct rig_document {
     uint32_t file_count;
     rig_entry *entry[RIG_SECTIONS]; /* in the order of the rig's arrays */
     uint32_t entry_count[RIG_SECTIONS];
+    budget budget;                 /* for reading it, with all that it includes */
+    bool is_trusted;               /* what it names may lie anywhere */
     _Atomic uint32_t holder_count; /* besides the first: rigs that share it; read-only then */
 } rig_document;
 
-/* Reads the file and what it includes. */
-CHECKED mrt_result rig_document_read(rig_document **out, const char *path, error *err);
+/* Reads the file and what it includes, each file once. `folder`: what it names must be in there or
+ * below; NULL: it is trusted. */
+CHECKED mrt_result rig_document_read(rig_document **out, const char *path, const char *folder,
+                                     error *err);
 /* From bytes; refuses to include. */
 CHECKED mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
                                       const char *path, error *err);
@@ -62,20 +68,20 @@ const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index);
 rig_place rig_where(const rig *r, rig_section section, uint32_t index);
 
 /* Steps of reading, each with its own file; all leave `r` such that rig_destroy frees it. */
-CHECKED mrt_result rig_fill(rig *r, const rig_document *d, error *err); /* rig_parse.c */
+CHECKED mrt_result rig_fill(rig *r, rig_document *d, error *err); /* rig_parse.c */
 /* rig_parse_bone.c: fills r->bone, whose memory is there. */
-CHECKED mrt_result rig_fill_bones(rig *r, const rig_document *d, error *err);
+CHECKED mrt_result rig_fill_bones(rig *r, rig_document *d, error *err);
 extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says none */
 /* rig_parse_pose.c: as above, for poses and contact sets. */
-CHECKED mrt_result rig_fill_poses(rig *r, const rig_document *d, error *err);
-CHECKED mrt_result rig_fill_contact_sets(rig *r, const rig_document *d, error *err);
+CHECKED mrt_result rig_fill_poses(rig *r, rig_document *d, error *err);
+CHECKED mrt_result rig_fill_contact_sets(rig *r, rig_document *d, error *err);
 /* rig_parse_select.c */
 typedef struct rig_selecting {
     double mm_per_unit; /* of the file that the selector is in */
     char **note;
     uint32_t depth, node_count;   /* of all selectors so far: they are bounded */
     const rig_document *document; /* whose paints are taken; NULL: only their names */
-    uint32_t painted_count;       /* ranges of all paints so far: bounded too */
+    budget *budget;
 } rig_selecting;
 CHECKED mrt_result rig_select_parse(rig_select *out, const rig_node *at, rig_selecting *s,
                                     error *err);
@@ -84,8 +90,8 @@ void rig_select_finish(rig_select *select);
 json_t *rig_select_to_json(const rig_select *select, double mm_per_unit);
 bool rig_select_equals(const rig_select *a, const rig_select *b); /* of paints: the name */
 /* rig_write_paints.c: puts "paints" into the root of the file that is written: what the rig's
- * selectors say, where no file that stays says the same. */
-CHECKED mrt_result rig_write_paints(json_t *root, const rig *r, bool keep_include, error *err);
+ * selectors say. */
+CHECKED mrt_result rig_write_paints(json_t *root, const rig *r, error *err);
 /* rig_write_entry.c: entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its
  * source (NULL: none), whose file has source_mm_per_unit, in which only what differs is changed.
  * NULL: no memory. */

@@ -56,7 +56,7 @@ static json_t *draft_proxy(rig_drafting *d)
                      rig_draft_point(radii), "bone", "skull");
 }
 
-static json_t *draft_document(rig_drafting *d, const char *mesh_path)
+static json_t *draft_document(rig_drafting *d, const char *mesh_name)
 {
     d->bones = json_array();
     d->regions = json_array();
@@ -68,14 +68,15 @@ static json_t *draft_document(rig_drafting *d, const char *mesh_path)
     double radius_mm = round(0.27 * (d->head.top_y - d->head.chin.y));
     rig_note(&d->confirm, "solver: radius %.0f mm, a quarter of the head", radius_mm);
     return json_pack("{si, ss, ss, si, so, so, so, so, s{ss, so, ss}}", "marotte_rig", 1, "mesh",
-                     mesh_path, "unit", "mm", "mesh_vertices", (int)d->m->vertex_count, "bones",
+                     mesh_name, "unit", "mm", "mesh_vertices", (int)d->m->vertex_count, "bones",
                      d->bones, "regions", d->regions, "contacts", d->contacts, "skull_proxy",
                      draft_proxy(d), "solver", "kernel", "wendland_c2", "radius_mm",
                      rig_number_to_json(radius_mm), "polynomial", "none");
 }
 
 /* By way of its text, so that a draft is what any rig file is. */
-static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh_path, error *err)
+static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh_path,
+                              const char *mesh_name, error *err)
 {
     char *text = document ? json_dumps(document, 0) : NULL;
     if (!text)
@@ -88,10 +89,8 @@ static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh
     out->document = NULL;
     free(out->name);
     free(out->mesh_path);
-    const char *slash = strrchr(mesh_path, '/');
-    const char *base = slash ? slash + 1 : mesh_path;
-    out->name =
-        strndup(base, strcspn(base, ".") < RIG_NAME_MAX ? strcspn(base, ".") : RIG_NAME_MAX);
+    size_t length = strcspn(mesh_name, ".");
+    out->name = strndup(mesh_name, length < RIG_NAME_MAX ? length : RIG_NAME_MAX);
     out->mesh_path = strdup(mesh_path);
     if (out->name && out->mesh_path)
         return MRT_OK;
@@ -122,8 +121,9 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const cha
         return result;
     d.reach_mm = d.head.nose.y - d.head.chin.y;
     say_what_it_is(&d);
-    json_t *document = draft_document(&d, mesh_path);
-    result = parse_draft(out, document, mesh_path, err);
+    const char *slash = strrchr(mesh_path, '/'), *mesh_name = slash ? slash + 1 : mesh_path;
+    json_t *document = draft_document(&d, mesh_name);
+    result = parse_draft(out, document, mesh_path, mesh_name, err);
     json_decref(document);
     if (result < 0) {
         free(d.confirm);

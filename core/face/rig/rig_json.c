@@ -18,6 +18,26 @@ rig_word rig_word_of(const char *text)
     return out;
 }
 
+size_t rig_json_memory(const void *data, size_t size)
+{
+    enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* of jansson 2.14 */
+    const char *text = data;
+    size_t out = VALUE_BYTES;
+    bool is_quoted = false;
+    for (size_t i = 0; i < size; ++i) {
+        if (is_quoted && text[i] == '\\')
+            ++i;
+        else if (text[i] == '"')
+            is_quoted = !is_quoted;
+        else if (!is_quoted)
+            out += text[i] == '{'   ? OBJECT_BYTES
+                   : text[i] == '[' ? ARRAY_BYTES
+                   : text[i] == ',' ? VALUE_BYTES
+                                    : 0;
+    }
+    return out;
+}
+
 rig_node rig_json_member(const rig_node *of, const char *key)
 {
     rig_node out = {.value = json_object_get(of->value, key)};

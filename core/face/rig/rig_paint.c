@@ -150,16 +150,27 @@ static bool add_line(rig_select *out, const paint_line *line)
     return true;
 }
 
-mrt_result rig_paint_parse(rig_select *out, const rig_node *at, uint32_t range_max, error *err)
+static mrt_result pay(budget *b, size_t range_count, const rig_node *at, error *err)
 {
-    mrt_result result = rig_json_array(at, "a list of vertices and values", range_max, err);
+    enum { RANGE_BYTES = 9 };
+    mrt_result result = budget_spend_work(b, range_count, err);
+    if (result >= 0)
+        result = budget_spend_bytes(b, range_count * RANGE_BYTES, err);
+    if (result < 0)
+        error_prefix(err, at->place.text);
+    return result;
+}
+
+mrt_result rig_paint_parse(rig_select *out, const rig_node *at, budget *b, error *err)
+{
+    mrt_result result = rig_json_array(at, "a list of vertices and values", UINT32_MAX / 2, err);
     if (result < 0)
         return result;
     size_t most = most_ranges(at->value);
-    if (most > range_max)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: more values than fit; paint less",
-                         at->place.text);
-    result = allocate(out, most, err);
+    if (b)
+        result = pay(b, most, at, err);
+    if (result >= 0)
+        result = allocate(out, most, err);
     int64_t last = -1;
     for (size_t i = 0; result >= 0 && i < json_array_size(at->value); ++i) {
         rig_node item = rig_json_item(at, i);

@@ -3,12 +3,13 @@
  * of a range, or of those that follow one. Inside the room. [any] */
 #ifndef MAROTTE_FACE_RIG_PAINT_H
 #define MAROTTE_FACE_RIG_PAINT_H
+#include "base/budget.h"
 #include "face/rig.h"
 #include "face/rig/rig_json.h"
 
-/* Fills first, last, value, range_count; neighbours of one value are one range, 0 is left away. */
-CHECKED mrt_result rig_paint_parse(rig_select *out, const rig_node *at, uint32_t range_max,
-                                   error *err);
+/* Out of the budget (NULL: it was read before) fills first, last, value, range_count; neighbours of
+ * one value are one range, 0 is left away. */
+CHECKED mrt_result rig_paint_parse(rig_select *out, const rig_node *at, budget *b, error *err);
 json_t *rig_paint_to_json(const rig_select *select); /* NULL: no memory */
 bool rig_paint_equals(const rig_select *a, const rig_select *b);
 /* Of a dense array; what was there is freed. */

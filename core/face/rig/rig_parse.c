@@ -36,7 +36,7 @@ static char *name_from_path(const char *path)
     return name;
 }
 
-static mrt_result fill_name(rig *r, const rig_document *d, error *err)
+static mrt_result fill_name(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
     rig_node name = rig_document_scalar(d, "name", &file);
@@ -44,6 +44,14 @@ static mrt_result fill_name(rig *r, const rig_document *d, error *err)
         return rig_json_text(&r->name, &name, "a name", RIG_NAME_MAX, err);
     r->name = name_from_path(r->path);
     return r->name ? MRT_OK : no_memory(err);
+}
+
+static mrt_result check_name(const rig *r, error *err)
+{
+    char *folder = file_directory(r->path);
+    mrt_result result = folder ? file_check_below(folder, r->mesh_path, err) : no_memory(err);
+    free(folder);
+    return result;
 }
 
 static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
@@ -66,7 +74,13 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
         (void)snprintf(r->mesh_path, size, "%s%s", name[0] == '/' ? "" : directory, name);
     free(directory);
     free(name);
-    return r->mesh_path ? MRT_OK : no_memory(err);
+    if (!r->mesh_path)
+        return no_memory(err);
+    if (!d->is_trusted)
+        result = check_name(r, err);
+    if (result < 0)
+        error_prefix(err, mesh.place.text);
+    return result;
 }
 
 static mrt_result fill_hash(rig *r, const rig_node *at, error *err)
@@ -78,7 +92,7 @@ static mrt_result fill_hash(rig *r, const rig_node *at, error *err)
     return MRT_OK;
 }
 
-static mrt_result fill_mesh(rig *r, const rig_document *d, error *err)
+static mrt_result fill_mesh(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
     mrt_result result = fill_mesh_path(r, d, err);
@@ -105,7 +119,7 @@ static mrt_result fill_solver_word(rig *r, const rig_node *solver, const char *k
                                    : "one of none, constant, linear, windowed");
 }
 
-static mrt_result fill_solver(rig *r, const rig_document *d, error *err)
+static mrt_result fill_solver(rig *r, rig_document *d, error *err)
 {
     static const char *const known[] = {"kernel", "polynomial", "radius_mm", "ridge", NULL};
     uint32_t file;
@@ -190,9 +204,9 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, ri
     return result < 0 ? result : rig_select_parse(&region->select, &select, s, err);
 }
 
-static mrt_result fill_regions(rig *r, const rig_document *d, error *err)
+static mrt_result fill_regions(rig *r, rig_document *d, error *err)
 {
-    rig_selecting s = {.note = &r->note, .document = d};
+    rig_selecting s = {.note = &r->note, .document = d, .budget = &d->budget};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_REGIONS]; ++i) {
         const rig_entry *entry = &d->entry[RIG_REGIONS][i];
@@ -255,7 +269,7 @@ static mrt_result check_mirrors(const rig *r, error *err)
     return MRT_OK;
 }
 
-static mrt_result fill_contacts(rig *r, const rig_document *d, error *err)
+static mrt_result fill_contacts(rig *r, rig_document *d, error *err)
 {
     const rig_entry *entry = d->entry[RIG_CONTACTS];
     uint32_t count = d->entry_count[RIG_CONTACTS];
@@ -296,7 +310,7 @@ static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const rig_node *at, doubl
     return find_bone(&proxy->bone, r, &bone, err);
 }
 
-static mrt_result fill_proxies(rig *r, const rig_document *d, error *err)
+static mrt_result fill_proxies(rig *r, rig_document *d, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_PROXIES]; ++i) {
@@ -310,7 +324,7 @@ static mrt_result fill_proxies(rig *r, const rig_document *d, error *err)
 
 /* ---- all of it ---- */
 
-static mrt_result allocate(rig *r, const rig_document *d, error *err)
+static mrt_result allocate(rig *r, rig_document *d, error *err)
 {
     r->bone = calloc(RIG_BONES_MAX, sizeof *r->bone);
     r->region = calloc(d->entry_count[RIG_REGIONS] + 1u, sizeof *r->region);
@@ -331,9 +345,9 @@ static void note_unknown_roots(rig *r, const rig_document *d)
     }
 }
 
-mrt_result rig_fill(rig *r, const rig_document *d, error *err)
+mrt_result rig_fill(rig *r, rig_document *d, error *err)
 {
-    static mrt_result (*const steps[])(rig *, const rig_document *, error *) = {
+    static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
         allocate,     fill_name,     fill_mesh,    fill_solver,    rig_fill_bones,
         fill_regions, fill_contacts, fill_proxies, rig_fill_poses, rig_fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;

@@ -235,7 +235,7 @@ static mrt_result add_default_skull(rig *r, error *err)
     return r->bone[0].name ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
 }
 
-mrt_result rig_fill_bones(rig *r, const rig_document *d, error *err)
+mrt_result rig_fill_bones(rig *r, rig_document *d, error *err)
 {
     uint32_t count = d->entry_count[RIG_BONES];
     mrt_result result = count == 0 ? add_default_skull(r, err) : MRT_OK;

@@ -116,13 +116,21 @@ static mrt_result read_pose(rig *r, rig_pose *pose, const rig_node *at, double m
     return result < 0 ? result : read_pulls(pose, r, &pulls, mm_per_unit, err);
 }
 
-mrt_result rig_fill_poses(rig *r, const rig_document *d, error *err)
+/* Each name is looked for among all contacts. */
+static mrt_result pay_for_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
+{
+    return budget_spend_work(&d->budget, (uint64_t)name_count * r->contact_count, err);
+}
+
+mrt_result rig_fill_poses(rig *r, rig_document *d, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_POSES]; ++i) {
         const rig_entry *entry = &d->entry[RIG_POSES][i];
         r->pose_count = i + 1;
         result = read_pose(r, &r->pose[i], &entry->node, d->file[entry->file].mm_per_unit, err);
+        if (result >= 0)
+            result = pay_for_names(d, r, r->pose[i].pull_count, err);
     }
     return result;
 }
@@ -164,12 +172,14 @@ static mrt_result read_set(rig_contact_set *set, const rig *r, const rig_entry *
     return result;
 }
 
-mrt_result rig_fill_contact_sets(rig *r, const rig_document *d, error *err)
+mrt_result rig_fill_contact_sets(rig *r, rig_document *d, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_SETS]; ++i) {
         r->contact_set_count = i + 1;
         result = read_set(&r->contact_set[i], r, &d->entry[RIG_SETS][i], err);
+        if (result >= 0)
+            result = pay_for_names(d, r, r->contact_set[i].contact_count, err);
     }
     return result;
 }

@@ -11,8 +11,7 @@ enum {
     DEPTH_MAX = 12,
     NODES_MAX = 4096,
     CHILDREN_MAX = 256,
-    RANGES_MAX = 1 << 20,
-    PAINTED_MAX = 1 << 22, /* ranges of all paints */
+    RANGES_MAX = INT32_MAX,
     GROUP_MAX = 255
 };
 
@@ -184,11 +183,8 @@ static mrt_result parse_painted(rig_select *out, const rig_node *at, rig_selecti
         return result;
     uint32_t file;
     rig_node paint = rig_document_paint(s->document, out->name, &file);
-    if (paint.value) {
-        result = rig_paint_parse(out, &paint, PAINTED_MAX - s->painted_count, err);
-        s->painted_count += out->range_count;
-        return result;
-    }
+    if (paint.value)
+        return rig_paint_parse(out, &paint, s->budget, err);
     rig_word word = rig_word_of(out->name);
     return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
                      at->place.text, word.text);

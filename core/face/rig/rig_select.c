@@ -1,6 +1,7 @@
 #include "face/bind.h"
 
-#include "face/rig/rig_within.h"
+#include "base/budget.h"
+#include "face/rig/rig_document.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,14 +10,171 @@
 
 enum { LIST_TEXT = 400 };
 
-static const char *path_of(const rig_select *select)
-{
-    return select->path ? select->path : "select";
-}
-
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory to lay the rig on the mesh");
+}
+
+/* ---- distances along the surface (Dijkstra 1959) ---- */
+
+typedef struct waiting { /* to be visited */
+    double distance;
+    uint32_t vertex;
+} waiting;
+
+typedef struct heap { /* the nearest first; ties by vertex */
+    waiting *item;
+    size_t count;
+} heap;
+
+static bool comes_first(waiting a, waiting b)
+{
+    return a.distance < b.distance || (!(a.distance > b.distance) && a.vertex < b.vertex);
+}
+
+static void heap_push(heap *h, waiting item)
+{
+    size_t at = h->count;
+    h->count += 1;
+    for (; at > 0 && comes_first(item, h->item[(at - 1) / 2]); at = (at - 1) / 2)
+        h->item[at] = h->item[(at - 1) / 2];
+    h->item[at] = item;
+}
+
+static waiting heap_pop(heap *h)
+{
+    waiting first = h->item[0];
+    h->count -= 1;
+    waiting last = h->item[h->count];
+    size_t at = 0;
+    for (;;) {
+        size_t child = 2 * at + 1;
+        if (child >= h->count)
+            break;
+        if (child + 1 < h->count && comes_first(h->item[child + 1], h->item[child]))
+            child += 1;
+        if (!comes_first(h->item[child], last))
+            break;
+        h->item[at] = h->item[child];
+        at = child;
+    }
+    h->item[at] = last;
+    return first;
+}
+
+static double edge_length(const mesh *m, uint32_t a, uint32_t b)
+{
+    const float *p = m->position + (size_t)a * 3, *q = m->position + (size_t)b * 3;
+    double x = (double)p[0] - (double)q[0], y = (double)p[1] - (double)q[1];
+    double z = (double)p[2] - (double)q[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+typedef struct walk { /* as often as wanted: each costs what it reaches */
+    const mesh *m;
+    const topology *t;
+    const uint32_t *twin;
+    heap h;
+    double *distance;  /* vertex_count; infinite where it has not been */
+    uint32_t *reached; /* where it has been */
+    size_t reached_count;
+} walk;
+
+static bool walk_init(walk *out, const mesh *m, const topology *t, const uint32_t *twin,
+                      double *distance, uint32_t start_count)
+{
+    /* Each edge and twin pushes at most once in each direction. */
+    size_t push_max =
+        t->neighbour_start[t->vertex_count] + (twin ? t->vertex_count : 0u) + start_count + 1u;
+    *out = (walk){.m = m, .t = t, .twin = twin, .distance = distance};
+    out->h.item = malloc(push_max * sizeof *out->h.item);
+    out->reached = malloc(((size_t)m->vertex_count + 1) * sizeof *out->reached);
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        distance[v] = (double)INFINITY;
+    return out->h.item && out->reached;
+}
+
+static void walk_finish(walk *w)
+{
+    free(w->h.item);
+    free(w->reached);
+}
+
+/* A nearer way to a vertex, if it is one. */
+static void reach(walk *w, uint32_t vertex, double distance, double reach_mm)
+{
+    if (distance > reach_mm || !(distance < w->distance[vertex]))
+        return;
+    if (isinf(w->distance[vertex]))
+        w->reached[w->reached_count++] = vertex;
+    w->distance[vertex] = distance;
+    heap_push(&w->h, (waiting){distance, vertex});
+}
+
+static void walk_on(walk *w, double reach_mm)
+{
+    const topology *t = w->t;
+    while (w->h.count > 0) {
+        waiting at = heap_pop(&w->h);
+        if (at.distance > w->distance[at.vertex])
+            continue;
+        for (uint32_t i = t->neighbour_start[at.vertex]; i < t->neighbour_start[at.vertex + 1];
+             ++i) {
+            uint32_t next = t->neighbour[i];
+            reach(w, next, at.distance + edge_length(w->m, at.vertex, next), reach_mm);
+        }
+        if (w->twin)
+            reach(w, w->twin[at.vertex], at.distance, reach_mm);
+    }
+}
+
+static void walk_forget(walk *w)
+{
+    for (size_t i = 0; i < w->reached_count; ++i)
+        w->distance[w->reached[i]] = (double)INFINITY;
+    w->reached_count = 0;
+}
+
+bool bind_distances(double *out_distance, const bind_start *start, uint32_t start_count,
+                    double reach_mm, const mesh *m, const topology *t, const uint32_t *twin)
+{
+    walk w;
+    bool has_memory = walk_init(&w, m, t, twin, out_distance, start_count);
+    for (uint32_t i = 0; has_memory && i < start_count; ++i)
+        reach(&w, start[i].vertex, start[i].distance_mm, reach_mm);
+    if (has_memory)
+        walk_on(&w, reach_mm);
+    walk_finish(&w);
+    return has_memory;
+}
+
+/* ---- selectors ---- */
+
+typedef struct selecting {
+    const mesh *m;
+    const topology *t;
+    budget budget;
+    walk walk; /* made when the first selector needs it */
+    double *distance;
+    int32_t *cover; /* vertex_count + 1: how many ranges begin less how many have ended */
+} selecting;
+
+static selecting selecting_on(const mesh *m, const topology *t)
+{
+    size_t size = 12 * ((size_t)m->vertex_count + m->triangle_count);
+    return (selecting){.m = m, .t = t, .budget = budget_of(BUDGET_SELECTORS, size)};
+}
+
+static void selecting_finish(selecting *s)
+{
+    walk_finish(&s->walk);
+    free(s->distance);
+    free(s->cover);
+}
+
+static const char *path_of(const rig_select *select)
+{
+    return select->path ? select->path : "select";
 }
 
 static vec3 position_of(const mesh *m, uint32_t vertex)
@@ -25,17 +183,40 @@ static vec3 position_of(const mesh *m, uint32_t vertex)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
+static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, error *err)
+{
+    mrt_result result = budget_spend_work(&s->budget, steps, err);
+    if (result < 0)
+        error_prefix(err, path_of(select));
+    return result;
+}
+
 /* ---- by number ---- */
 
-static mrt_result select_vertices(float *out, const rig_select *select, const mesh *m, error *err)
+/* Ranges may overlap as often as they like: each costs its two ends. */
+static mrt_result select_vertices(float *out, const rig_select *select, selecting *s, error *err)
 {
+    const uint32_t vertex_count = s->m->vertex_count;
+    mrt_result result = pay(s, select, select->range_count, err);
+    if (result < 0)
+        return result;
+    if (!s->cover)
+        s->cover = malloc(((size_t)vertex_count + 1) * sizeof *s->cover);
+    if (!s->cover)
+        return no_memory(err);
+    memset(s->cover, 0, ((size_t)vertex_count + 1) * sizeof *s->cover);
     for (uint32_t i = 0; i < select->range_count; ++i) {
-        if (select->last[i] >= m->vertex_count)
+        if (select->last[i] >= vertex_count)
             return error_set(err, MRT_ERR_ARGUMENT,
                              "%s.vertices[%u]: vertex %u of a mesh of %u vertices; choose again",
-                             path_of(select), i, select->last[i], m->vertex_count);
-        for (uint32_t v = select->first[i]; v <= select->last[i]; ++v)
-            out[v] = 1.0f;
+                             path_of(select), i, select->last[i], vertex_count);
+        s->cover[select->first[i]] += 1;
+        s->cover[select->last[i] + 1] -= 1;
+    }
+    int32_t open = 0;
+    for (uint32_t v = 0; v < vertex_count; ++v) {
+        open += s->cover[v];
+        out[v] = open > 0 ? 1.0f : 0.0f;
     }
     return MRT_OK;
 }
@@ -146,65 +327,75 @@ static void select_shape(float *out, const rig_select *select, const mesh *m)
     }
 }
 
-static mrt_result select_within(float *out, const rig_select *select, const mesh *m,
-                                const topology *t, error *err)
+static mrt_result select_within(float *out, const rig_select *select, selecting *s, error *err)
 {
+    enum { STEPS_PER_VERTEX = 32 };
+    const mesh *m = s->m;
     if (select->vertex >= m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "%s.within.of: vertex %u of a mesh of %u vertices; choose again",
                          path_of(select), select->vertex, m->vertex_count);
-    double *distance = malloc(((size_t)m->vertex_count + 1) * sizeof *distance);
-    if (!distance || !rig_within(distance, select->vertex, select->within_mm, m, t)) {
-        free(distance);
-        return no_memory(err);
+    if (!s->distance) {
+        s->distance = malloc(((size_t)m->vertex_count + 1) * sizeof *s->distance);
+        if (!s->distance || !walk_init(&s->walk, m, s->t, NULL, s->distance, 1))
+            return no_memory(err);
     }
-    for (uint32_t v = 0; v < m->vertex_count; ++v)
-        out[v] = distance[v] <= select->within_mm ? 1.0f : 0.0f;
-    free(distance);
-    return MRT_OK;
+    walk *w = &s->walk;
+    reach(w, select->vertex, 0.0, select->within_mm);
+    walk_on(w, select->within_mm);
+    for (size_t i = 0; i < w->reached_count; ++i)
+        out[w->reached[i]] = 1.0f;
+    uint64_t steps = (uint64_t)w->reached_count * STEPS_PER_VERTEX;
+    walk_forget(w);
+    return pay(s, select, steps, err);
 }
 
 /* ---- joined ---- */
 
-static mrt_result select_joined(float *out, const rig_select *select, const mesh *m,
-                                const topology *t, error *err)
+static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err);
+
+static mrt_result select_joined(float *out, const rig_select *select, selecting *s, error *err)
 {
+    const uint32_t vertex_count = s->m->vertex_count;
     bool is_all = select->kind == SELECT_ALL;
-    float *one = malloc(((size_t)m->vertex_count + 1) * sizeof *one);
+    float *one = malloc(((size_t)vertex_count + 1) * sizeof *one);
     if (!one)
         return no_memory(err);
-    for (uint32_t v = 0; v < m->vertex_count; ++v)
+    for (uint32_t v = 0; v < vertex_count; ++v)
         out[v] = is_all ? 1.0f : 0.0f;
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < select->child_count; ++i) {
-        result = bind_select(one, &select->child[i], m, t, err);
-        for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
+        result = select_one(one, &select->child[i], s, err);
+        for (uint32_t v = 0; result >= 0 && v < vertex_count; ++v)
             out[v] = is_all ? fminf(out[v], one[v]) : fmaxf(out[v], one[v]);
     }
     free(one);
     return result;
 }
 
-static mrt_result select_not(float *out, const rig_select *select, const mesh *m, const topology *t,
-                             error *err)
+static mrt_result select_not(float *out, const rig_select *select, selecting *s, error *err)
 {
-    mrt_result result = bind_select(out, &select->child[0], m, t, err);
-    for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
+    mrt_result result = select_one(out, &select->child[0], s, err);
+    for (uint32_t v = 0; result >= 0 && v < s->m->vertex_count; ++v)
         out[v] = 1.0f - out[v];
     return result;
 }
 
-mrt_result bind_select(float *out, const rig_select *select, const mesh *m, const topology *t,
-                       error *err)
+static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err)
 {
+    const mesh *m = s->m;
+    mrt_result result = pay(s, select, m->vertex_count / 4u + 1, err);
+    if (result < 0)
+        return result;
     memset(out, 0, (size_t)m->vertex_count * sizeof *out);
     switch (select->kind) {
     case SELECT_NOTHING:
         break;
     case SELECT_VERTICES:
-        return select_vertices(out, select, m, err);
+        return select_vertices(out, select, s, err);
     case SELECT_GROUP:
-        return select_group(out, select, m, err);
+        result = pay(s, select, m->part_count, err);
+        return result < 0 ? result : select_group(out, select, m, err);
     case SELECT_ATTRIBUTE:
         return select_attribute(out, select, m, err);
     case SELECT_BOX:
@@ -213,14 +404,220 @@ mrt_result bind_select(float *out, const rig_select *select, const mesh *m, cons
         select_shape(out, select, m);
         break;
     case SELECT_WITHIN:
-        return select_within(out, select, m, t, err);
+        return select_within(out, select, s, err);
     case SELECT_ALL:
     case SELECT_ANY:
-        return select_joined(out, select, m, t, err);
+        return select_joined(out, select, s, err);
     case SELECT_PAINTED:
-        return select_painted(out, select, m, err);
+        result = pay(s, select, select->range_count, err);
+        return result < 0 ? result : select_painted(out, select, m, err);
     case SELECT_NOT:
-        return select_not(out, select, m, t, err);
+        return select_not(out, select, s, err);
     }
     return MRT_OK;
+}
+
+mrt_result bind_select(float *out, const rig_select *select, const mesh *m, const topology *t,
+                       error *err)
+{
+    selecting s = selecting_on(m, t);
+    mrt_result result = select_one(out, select, &s, err);
+    selecting_finish(&s);
+    return result;
+}
+
+/* ---- marks: what the regions say ---- */
+
+typedef struct marking {
+    bind_marks *marks;
+    const rig *r;
+    const mesh *m;
+    selecting selecting;
+    float *selected;        /* vertex_count: the region's own weights */
+    uint32_t *rigid_region; /* vertex_count: which region made it rigid */
+} marking;
+
+static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
+{
+    return &k->marks->weight[(size_t)bone * k->m->vertex_count + vertex];
+}
+
+/* Others keep their shares as far as there is room beside the new one; a whole share leaves
+ * nothing open. */
+static void mark_weight(const marking *k, uint32_t vertex, uint32_t bone, float weight)
+{
+    float others = 0.0f, room = 1.0f - weight;
+    *weight_at(k, bone, vertex) = weight;
+    for (uint32_t b = 0; b < k->r->bone_count; ++b)
+        if (b != bone && !isnan(*weight_at(k, b, vertex)))
+            others += *weight_at(k, b, vertex);
+    for (uint32_t b = 0; b < k->r->bone_count; ++b) {
+        float *other = weight_at(k, b, vertex);
+        if (b == bone)
+            continue;
+        if (room <= 0.0f)
+            *other = 0.0f;
+        else if (!isnan(*other) && others > room)
+            *other *= room / others;
+    }
+}
+
+static mrt_result refuse_overlap(const marking *k, uint32_t region, uint32_t vertex, error *err)
+{
+    uint32_t first = k->rigid_region[vertex];
+    rig_place a = rig_where(k->r, RIG_REGIONS, first), b = rig_where(k->r, RIG_REGIONS, region);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
+                     "out of one of them",
+                     b.text, a.text, vertex, k->r->bone[k->r->region[region].bone].name,
+                     k->r->bone[k->r->region[first].bone].name);
+}
+
+static mrt_result mark_rigid(const marking *k, uint32_t region, uint32_t vertex, error *err)
+{
+    uint32_t bone = k->r->region[region].bone;
+    uint32_t *rigid_bone = &k->marks->rigid_bone[vertex];
+    if (*rigid_bone != RIG_NONE && *rigid_bone != bone)
+        return refuse_overlap(k, region, vertex, err);
+    if (*rigid_bone == RIG_NONE)
+        k->rigid_region[vertex] = region;
+    *rigid_bone = bone;
+    return MRT_OK;
+}
+
+static mrt_result mark_region(marking *k, uint32_t index, error *err)
+{
+    const rig_region *region = &k->r->region[index];
+    mrt_result result = select_one(k->selected, &region->select, &k->selecting, err);
+    if (result >= 0)
+        result = pay(&k->selecting, &region->select,
+                     (uint64_t)k->m->vertex_count * k->r->bone_count / 4u, err);
+    for (uint32_t v = 0; result >= 0 && v < k->m->vertex_count; ++v) {
+        float share = k->selected[v];
+        if (region->is_rigid) {
+            if (share >= 0.5f)
+                result = mark_rigid(k, index, v, err);
+            continue;
+        }
+        if (!(share > 0.0f))
+            continue;
+        if (!isnan(region->weight))
+            mark_weight(k, v, region->bone, share * (float)region->weight);
+        if (!isnan(region->mobility))
+            k->marks->mobility[v] = share * (float)region->mobility;
+    }
+    return result;
+}
+
+static void put_rigid_over_all(const marking *k)
+{
+    for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
+        if (k->marks->rigid_bone[v] == RIG_NONE)
+            continue;
+        mark_weight(k, v, k->marks->rigid_bone[v], 1.0f);
+        k->marks->mobility[v] = 0.0f;
+    }
+}
+
+static mrt_result check_bones_have_vertices(const marking *k, error *err)
+{
+    for (uint32_t b = 0; k->r->bone_count > 1 && b < k->r->bone_count; ++b) {
+        bool found = false;
+        for (uint32_t v = 0; !found && v < k->m->vertex_count; ++v)
+            found = *weight_at(k, b, v) > 0.0f;
+        if (found)
+            continue;
+        rig_place place = rig_where(k->r, RIG_BONES, b);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: no vertex belongs to the bone \"%s\"; add a region for it to "
+                         "$.regions, or take the bone out",
+                         place.text, k->r->bone[b].name);
+    }
+    return MRT_OK;
+}
+
+static mrt_result check_vertices(const rig *r, const mesh *m, error *err)
+{
+    if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "$.mesh_vertices: the rig was made for a mesh of %u vertices, this one "
+                         "has %u; use that mesh again, or draft a rig with marotte rig new",
+                         r->mesh_vertex_count, m->vertex_count);
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        if (r->contact[i].vertex < m->vertex_count)
+            continue;
+        rig_place place = rig_where(r, RIG_CONTACTS, i);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s.vertex: vertex %u of a mesh of %u vertices; choose again", place.text,
+                         r->contact[i].vertex, m->vertex_count);
+    }
+    return MRT_OK;
+}
+
+static mrt_result allocate(marking *k, error *err)
+{
+    size_t count = (size_t)k->m->vertex_count + 1;
+    bind_marks *marks = k->marks;
+    marks->rigid_bone = malloc(count * sizeof *marks->rigid_bone);
+    marks->weight = malloc(count * k->r->bone_count * sizeof *marks->weight);
+    marks->mobility = malloc(count * sizeof *marks->mobility);
+    k->selected = malloc(count * sizeof *k->selected);
+    k->rigid_region = malloc(count * sizeof *k->rigid_region);
+    if (!marks->rigid_bone || !marks->weight || !marks->mobility || !k->selected ||
+        !k->rigid_region)
+        return no_memory(err);
+    for (size_t i = 0; i < (size_t)k->m->vertex_count * k->r->bone_count; ++i)
+        marks->weight[i] = NAN;
+    for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
+        marks->rigid_bone[v] = RIG_NONE;
+        marks->mobility[v] = NAN;
+    }
+    return MRT_OK;
+}
+
+typedef enum marks_of { OF_ALL = 0, OF_BARE } marks_of;
+
+static mrt_result create(bind_marks *out, marks_of which, const rig *r, const mesh *m,
+                         const topology *t, error *err)
+{
+    marking k = {.marks = out, .r = r, .m = m, .selecting = selecting_on(m, t)};
+    *out = (bind_marks){0};
+    mrt_result result = check_vertices(r, m, err);
+    if (result >= 0)
+        result = allocate(&k, err);
+    for (uint32_t i = 0; result >= 0 && i < r->region_count; ++i)
+        if (which == OF_ALL || !rig_region_is_paint(&r->region[i]))
+            result = mark_region(&k, i, err);
+    if (result >= 0)
+        put_rigid_over_all(&k);
+    if (result >= 0 && which == OF_ALL)
+        result = check_bones_have_vertices(&k, err);
+    selecting_finish(&k.selecting);
+    free(k.selected);
+    free(k.rigid_region);
+    if (result < 0)
+        bind_marks_destroy(out);
+    return result;
+}
+
+mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m, const topology *t,
+                             error *err)
+{
+    return create(out, OF_ALL, r, m, t, err);
+}
+
+mrt_result bind_marks_create_bare(bind_marks *out, const rig *r, const mesh *m, const topology *t,
+                                  error *err)
+{
+    return create(out, OF_BARE, r, m, t, err);
+}
+
+void bind_marks_destroy(bind_marks *marks)
+{
+    if (!marks)
+        return;
+    free(marks->rigid_bone);
+    free(marks->weight);
+    free(marks->mobility);
+    *marks = (bind_marks){0};
 }

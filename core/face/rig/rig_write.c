@@ -118,82 +118,14 @@ static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, 
                              source ? d->file[source->file].mm_per_unit : mm_per_unit, mm_per_unit);
 }
 
-/* Whether an included file says the entry as it is now. */
-static bool is_included_unchanged(const rig *r, rig_section section, uint32_t index)
-{
-    const rig_document *d = r->document;
-    const rig_entry *source = rig_source(r, section, index);
-    if (!source || source->file + 1 == d->file_count)
-        return false;
-    json_t *now = entry_to_json(r, section, index, d->file[source->file].mm_per_unit);
-    bool same = json_equal(now, source->node.value) != 0;
-    json_decref(now);
-    return same;
-}
-
-static uint32_t included_count(const rig_document *d, rig_section section)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < d->entry_count[section]; ++i)
-        count += d->entry[section][i].file + 1 < d->file_count;
-    return count;
-}
-
-static bool is_known(const rig *r, rig_section section, const char *name)
-{
-    for (uint32_t i = 0; i < entry_count_of(r, section); ++i)
-        if (strcmp(entry_name(r, section, i), name) == 0)
-            return true;
-    return false;
-}
-
-/* Included entries can be left to their files unless one with a name is gone, or one without a
- * name is no longer what it was: nothing in this file could say so. */
-static bool section_can_include(const rig *r, rig_section section)
-{
-    const rig_document *d = r->document;
-    uint32_t included = included_count(d, section);
-    if (section == RIG_REGIONS || section == RIG_PROXIES) {
-        if (included > entry_count_of(r, section))
-            return false;
-        for (uint32_t i = 0; i < entry_count_of(r, section); ++i) {
-            const rig_entry *source = rig_source(r, section, i);
-            bool is_in_place = source == &d->entry[section][i];
-            bool is_own = !source || source->file + 1 == d->file_count;
-            if (i < included ? !is_in_place || !is_included_unchanged(r, section, i) : !is_own)
-                return false;
-        }
-        return true;
-    }
-    for (uint32_t i = 0; i < d->entry_count[section]; ++i)
-        if (d->entry[section][i].file + 1 < d->file_count &&
-            !is_known(r, section, d->entry[section][i].name))
-            return false;
-    return true;
-}
-
-static bool can_include(const rig *r, const char *path)
-{
-    const rig_document *d = r->document;
-    if (!d || d->file_count < 2 || !is_same_directory(path, r->path))
-        return false;
-    for (int section = 0; section < RIG_SECTIONS; ++section)
-        if (!section_can_include(r, (rig_section)section))
-            return false;
-    return true;
-}
-
 /* ---- the whole ---- */
 
-static mrt_result put_section(json_t *root, const rig *r, rig_section section, bool keep_include,
-                              error *err)
+static mrt_result put_section(json_t *root, const rig *r, rig_section section, error *err)
 {
     const char *key = rig_section_key[section];
     json_t *all = section == RIG_SETS ? json_object() : json_array();
     int failed = all == NULL;
     for (uint32_t i = 0; !failed && i < entry_count_of(r, section); ++i) {
-        if (keep_include && is_included_unchanged(r, section, i))
-            continue;
         json_t *entry = entry_to_json(r, section, i, r->mm_per_unit);
         failed = section == RIG_SETS ? json_object_set_new(all, entry_name(r, section, i), entry)
                                      : json_array_append_new(all, entry);
@@ -225,7 +157,6 @@ static void update_solver(json_t *solver, const csrbf_settings *settings)
     }
 }
 
-/* Left away where an included file says the same. */
 static mrt_result put_solver(json_t *root, const rig *r, error *err)
 {
     uint32_t file;
@@ -272,37 +203,35 @@ static void put_mesh_facts(json_t *root, const rig *r)
         json_object_set_new(root, "mesh_hash", json_string(hash));
 }
 
-/* This file's keys; and if it no longer includes others, theirs. */
-static json_t *start_root(const rig *r, bool keep_include)
+/* This file's keys, and those of the files that it includes. */
+static json_t *start_root(const rig *r)
 {
     const rig_document *d = r->document;
     if (!d)
         return json_object();
     json_t *root = json_deep_copy(d->file[d->file_count - 1].root);
-    for (uint32_t i = d->file_count - 1; !keep_include && i-- > 0;) {
+    for (uint32_t i = d->file_count - 1; i-- > 0;) {
         json_t *included = json_deep_copy(d->file[i].root);
         json_object_update_missing(root, included);
         json_decref(included);
     }
-    if (root && !keep_include)
+    if (root)
         json_object_del(root, "include");
     return root;
 }
 
-static mrt_result fill_root(json_t *root, const rig *r, const char *path, bool keep_include,
-                            error *err)
+static mrt_result fill_root(json_t *root, const rig *r, const char *path, error *err)
 {
     const rig_document *d = r->document;
     bool stays_alone = d && d->file_count == 1 && is_same_directory(path, r->path);
     mrt_result result = MRT_OK;
-    if (!keep_include && !stays_alone)
+    if (!stays_alone)
         result = put_identity(root, r, path, err);
-    if (!keep_include)
-        put_mesh_facts(root, r);
+    put_mesh_facts(root, r);
     for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
-        result = put_section(root, r, (rig_section)section, keep_include, err);
+        result = put_section(root, r, (rig_section)section, err);
     if (result >= 0)
-        result = rig_write_paints(root, r, keep_include, err);
+        result = rig_write_paints(root, r, err);
     return result < 0 ? result : put_solver(root, r, err);
 }
 
@@ -356,12 +285,11 @@ static void print_root(FILE *stream, json_t *root)
 
 mrt_result rig_write(const rig *r, const char *path, error *err)
 {
-    bool keep_include = can_include(r, path);
-    json_t *root = start_root(r, keep_include);
+    json_t *root = start_root(r);
     if (!root)
         return no_memory(err);
     file_writer writer = {0};
-    mrt_result result = fill_root(root, r, path, keep_include, err);
+    mrt_result result = fill_root(root, r, path, err);
     if (result >= 0)
         result = file_writer_open(&writer, path, err);
     if (result >= 0) {

@@ -7,7 +7,6 @@
 typedef struct painting { /* the file that is written */
     json_t *paints;
     const rig *r;
-    bool keep_include;
     int failed;
 } painting;
 
@@ -60,7 +59,7 @@ static bool says_the_same(const rig_node *paint, const rig_select *select)
 {
     rig_select before = {0};
     bool same =
-        rig_paint_parse(&before, paint, UINT32_MAX, NULL) >= 0 && rig_paint_equals(&before, select);
+        rig_paint_parse(&before, paint, NULL, NULL) >= 0 && rig_paint_equals(&before, select);
     rig_select_finish(&before);
     return same;
 }
@@ -73,8 +72,7 @@ static void put_paint(painting *p, const rig_select *select)
     if (d)
         before = rig_document_paint(d, select->name, &file);
     if (before.value && says_the_same(&before, select)) {
-        bool stays = p->keep_include && file + 1 < d->file_count;
-        if (!stays && !json_object_get(p->paints, select->name))
+        if (!json_object_get(p->paints, select->name))
             p->failed |= json_object_set_new(p->paints, select->name, json_deep_copy(before.value));
         return;
     }
@@ -104,13 +102,13 @@ static void drop_forgotten(painting *p)
     }
 }
 
-/* Those of the files that are no longer included come here too. */
-static json_t *start_paints(const rig *r, const json_t *root, bool keep_include)
+/* Those of included files come here too. */
+static json_t *start_paints(const rig *r, const json_t *root)
 {
     const rig_document *d = r->document;
     const json_t *own = json_object_get(root, "paints");
     json_t *paints = json_is_object(own) ? json_deep_copy(own) : json_object();
-    for (uint32_t i = d && !keep_include ? d->file_count : 0; i-- > 0;) {
+    for (uint32_t i = d ? d->file_count : 0; i-- > 0;) {
         json_t *theirs = json_deep_copy(json_object_get(d->file[i].root, "paints"));
         json_object_update_missing(paints, theirs);
         json_decref(theirs);
@@ -118,9 +116,9 @@ static json_t *start_paints(const rig *r, const json_t *root, bool keep_include)
     return paints;
 }
 
-mrt_result rig_write_paints(json_t *root, const rig *r, bool keep_include, error *err)
+mrt_result rig_write_paints(json_t *root, const rig *r, error *err)
 {
-    painting p = {start_paints(r, root, keep_include), r, keep_include, 0};
+    painting p = {start_paints(r, root), r, 0};
     p.failed = p.paints == NULL;
     drop_forgotten(&p);
     for (uint32_t i = 0; i < r->region_count; ++i)

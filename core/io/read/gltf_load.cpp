@@ -283,7 +283,8 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
     }
     file_bytes bytes;
     std::string path = source->directory + uri;
-    if (file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
+    if (file_check_below(source->directory, path.c_str(), &source->failed) < 0 ||
+        file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
         return false;
     try {
         out->assign(bytes.data, bytes.data + bytes.size);

@@ -2,7 +2,7 @@
 
 #include "face/rig/rig_head.h"
 #include "face/rig/rig_mirror.h"
-#include "face/rig/rig_within.h"
+#include "face/bind.h"
 #include "face/rig_edit.h"
 #include "mesh/normals.h"
 
@@ -20,9 +20,9 @@ struct brush {
     const topology *t;
     brush_shape shape;
     float *normal;     /* vertex_count by 3 */
-    uint32_t *twin;    /* vertex_count, see rig_within_starts */
+    uint32_t *twin;    /* vertex_count, see bind_distances */
     double *distance;  /* vertex_count, scratch */
-    rig_start *start;  /* scratch: a vertex and its neighbours */
+    bind_start *start; /* scratch: a vertex and its neighbours */
     float *touch[2];   /* vertex_count */
     uint32_t *touched; /* vertex_count */
     uint32_t touched_count;
@@ -250,12 +250,12 @@ static mrt_result spread(brush *self, uint32_t vertex, const float place[3], dou
 {
     const topology *t = self->t;
     uint32_t count = 0;
-    self->start[count++] = (rig_start){vertex, distance_between(position_of(self, vertex), place)};
+    self->start[count++] = (bind_start){vertex, distance_between(position_of(self, vertex), place)};
     for (uint32_t i = t->neighbour_start[vertex]; i < t->neighbour_start[vertex + 1]; ++i) {
         uint32_t next = t->neighbour[i];
-        self->start[count++] = (rig_start){next, distance_between(position_of(self, next), place)};
+        self->start[count++] = (bind_start){next, distance_between(position_of(self, next), place)};
     }
-    return rig_within_starts(self->distance, self->start, count, reach_mm, self->m, t, self->twin)
+    return bind_distances(self->distance, self->start, count, reach_mm, self->m, t, self->twin)
                ? MRT_OK
                : error_set(err, MRT_ERR_MEMORY, "no memory to paint");
 }

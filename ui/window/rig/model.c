@@ -158,7 +158,7 @@ static mrt_result rig_keep_read(rig_keep *self, rig *out, const mesh *m, error *
 {
     if (!self->old_path)
         return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
-    mrt_result result = rig_read(out, self->old_path, err);
+    mrt_result result = rig_read_trusted(out, self->old_path, err);
     if (result >= 0 && out->mesh_vertex_count != 0 && out->mesh_vertex_count != m->vertex_count) {
         result = error_set(err, MRT_ERR_ARGUMENT,
                            "%s: it was made for a mesh of %u vertices, this one has %u",
