@@ -15,7 +15,7 @@ typedef struct command {
 } command;
 
 extern const command command_bench, command_calibrate, command_deform, command_devices,
-    command_perform, command_plugin, command_rig, command_take;
+    command_paper, command_perform, command_plugin, command_rig, command_take;
 
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,

@@ -1,9 +1,12 @@
 #include "facts.h"
 
+#include "base/file.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct facts {
     json_t *object; /* NULL: for a person */
@@ -27,6 +30,19 @@ void facts_abandon(facts *self)
         return;
     json_decref(self->object);
     free(self);
+}
+
+mrt_result facts_save(const facts *self, const char *path, error *err)
+{
+    char *text = json_dumps(self->object, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    size_t length = text ? strlen(text) : 0;
+    mrt_result result = text ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %s", path);
+    if (result >= 0) {
+        text[length] = '\n'; /* in the place of its 0 */
+        result = file_write(path, text, length + 1, err);
+    }
+    free(text);
+    return result;
 }
 
 void facts_finish(facts *self)

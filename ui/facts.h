@@ -2,13 +2,15 @@
  * Keys are lower case with the unit at their end ("frame_median_ms"). [main] */
 #ifndef MAROTTE_UI_FACTS_H
 #define MAROTTE_UI_FACTS_H
-#include <stdbool.h>
+#include "base/error.h"
 
 typedef struct facts facts;
 
 facts *facts_create(bool as_json); /* NULL: no memory */
 /* As JSON: prints the object. Frees it; NULL is fine. */
 void facts_finish(facts *self);
+/* As JSON only: writes the object into a file. */
+CHECKED mrt_result facts_save(const facts *self, const char *path, error *err);
 /* Frees it and prints nothing more: the command failed. */
 void facts_abandon(facts *self);
 

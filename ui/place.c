@@ -8,6 +8,7 @@
 
 /* From the folder of the program: installed, and in the build folder. */
 static const char *const prefixes[] = {MAROTTE_PREFIX_FROM_PROGRAM, "."};
+static const char *const data[] = {MAROTTE_DATA_FROM_PROGRAM, "share/marotte"};
 static const char *const rigs[] = {MAROTTE_DATA_FROM_PROGRAM "/rigs", "share/marotte/rigs"};
 enum { PLACES = 2 };
 
@@ -46,6 +47,11 @@ bool place_prefix(char out[PLACE_LENGTH])
         memcpy(out, real, strlen(real) + 1);
     free(real);
     return fits;
+}
+
+bool place_data(char out[PLACE_LENGTH], const char *file)
+{
+    return find(out, data, file);
 }
 
 static bool is_file(const char *path)

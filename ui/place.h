@@ -16,5 +16,7 @@ bool place_prefix(char out[PLACE_LENGTH]);
  * that name wins, and what is neither is given back as it is. A copy for the caller to free; NULL:
  * no memory. */
 char *place_face(const char *given);
+/* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
+bool place_data(char out[PLACE_LENGTH], const char *file);
 
 #endif

@@ -47,7 +47,7 @@ static long cache_bytes(int name)
     return size > 0 ? size : 0;
 }
 
-static void read_processor(char *out, size_t capacity)
+void bench_processor(char *out, size_t capacity)
 {
     char line[256];
     FILE *stream = fopen("/proc/cpuinfo", "re");
@@ -74,7 +74,7 @@ mrt_result bench_machine(bench *self, error *err)
 {
     (void)err;
     char name[128], text[192];
-    read_processor(name, sizeof name);
+    bench_processor(name, sizeof name);
     facts_text(self->told, "processor", "processor", name);
     snprintf(text, sizeof text, "%ld KiB first, %ld KiB second, %ld MiB last level",
              cache_bytes(_SC_LEVEL1_DCACHE_SIZE) / 1024, cache_bytes(_SC_LEVEL2_CACHE_SIZE) / 1024,

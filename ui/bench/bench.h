@@ -83,6 +83,8 @@ typedef struct bench {
     uint32_t promise_count, broken_count; /* broken: not even half kept */
 } bench;
 
+/* What this machine calls its processor; "unknown". */
+void bench_processor(char *out, size_t capacity);
 /* A title over rows, for a person. */
 void bench_title(const bench *self, const char *title);
 

@@ -97,6 +97,13 @@ draw_context *draw_context_create(error *err)
     return NULL;
 }
 
+const char *draw_context_driver(const draw_context *self)
+{
+    (void)self;
+    const GLubyte *name = glGetString(GL_RENDERER);
+    return name ? (const char *)name : "unknown";
+}
+
 void draw_context_destroy(draw_context *self)
 {
     if (!self)

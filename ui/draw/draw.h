@@ -11,6 +11,8 @@
 typedef struct draw_context draw_context;
 draw_context *draw_context_create(error *err); /* NULL: failed */
 void draw_context_destroy(draw_context *self);
+/* What draws, as the driver calls it: "llvmpipe (LLVM 15.0.6, 256 bits)". Until it is destroyed. */
+const char *draw_context_driver(const draw_context *self);
 
 typedef struct draw_target draw_target; /* a multisampled framebuffer and its picture */
 draw_target *draw_target_create(uint32_t width, uint32_t height, error *err);

@@ -1,0 +1,239 @@
+/* Figures 4 and 5: the Moai in the hands of a performer, anchored and unanchored. Each picture is
+ * made by the very command that stands below it, in a process of its own. */
+#include "paper/paper.h"
+
+#include "place.h"
+#include "stage/mapping/plugins.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* ---- a command of this program's, run ---- */
+
+enum { WORDS_MAX = 24, SAID_MAX = 1 << 16, TURN_MS = 100 };
+
+typedef struct said { /* what it prints */
+    char text[SAID_MAX];
+    size_t size;
+    int fd; /* -1: at its end */
+} said;
+
+static bool start(pid_t *out, const char *program, char *const *word, int out_fd, int err_fd)
+{
+    posix_spawn_file_actions_t actions;
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return false;
+    bool is_started =
+        posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0 &&
+        posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO) == 0 &&
+        posix_spawn_file_actions_adddup2(&actions, err_fd, STDERR_FILENO) == 0 &&
+        posix_spawn(out, program, &actions, NULL, word, environ) == 0;
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return is_started;
+}
+
+/* What it says beyond the room is read and dropped: it must not wait for us. */
+static void hear(said *from)
+{
+    char more[4096];
+    ssize_t size = read(from->fd, more, sizeof more);
+    if (size <= 0) {
+        close(from->fd);
+        from->fd = -1;
+        return;
+    }
+    size_t room = sizeof from->text - 1 - from->size;
+    size_t taken = (size_t)size < room ? (size_t)size : room;
+    memcpy(from->text + from->size, more, taken);
+    from->size += taken;
+    from->text[from->size] = '\0';
+}
+
+static mrt_result listen_to(paper *of, pid_t pid, said *facts_said, said *trouble, error *err)
+{
+    mrt_result result = MRT_OK;
+    while (facts_said->fd >= 0 || trouble->fd >= 0) {
+        struct pollfd wanted[2] = {{facts_said->fd, POLLIN, 0}, {trouble->fd, POLLIN, 0}};
+        (void)poll(wanted, 2, TURN_MS);
+        if (wanted[0].revents)
+            hear(facts_said);
+        if (wanted[1].revents)
+            hear(trouble);
+        progress_show(&of->shown, -1.0, "the Moai");
+        if (result >= 0 && (result = paper_check_stop(err)) < 0)
+            (void)kill(pid, SIGTERM);
+    }
+    return result;
+}
+
+/* The last line that is not a note. */
+static const char *reason_of(said *trouble)
+{
+    char *reason = trouble->text;
+    while (trouble->size > 0 && trouble->text[trouble->size - 1] == '\n')
+        trouble->text[--trouble->size] = '\0';
+    char *last = strrchr(reason, '\n');
+    return last ? last + 1 : reason;
+}
+
+static bool open_pipe(int end[2])
+{
+    if (pipe(end) != 0)
+        return false;
+    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
+    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    return true;
+}
+
+static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, error *err)
+{
+    char program[PLACE_LENGTH];
+    int told[2] = {-1, -1}, failed[2] = {-1, -1}, status = 0;
+    pid_t pid = 0;
+    said *facts_said = calloc(1, sizeof *facts_said), *trouble = calloc(1, sizeof *trouble);
+    mrt_result result = MRT_OK;
+    *out_facts = NULL;
+    if (!facts_said || !trouble || !place_program(program) || !open_pipe(told) ||
+        !open_pipe(failed) || !start(&pid, program, word, told[1], failed[1]))
+        result = error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
+                           strerror(errno));
+    if (told[1] >= 0)
+        close(told[1]);
+    if (failed[1] >= 0)
+        close(failed[1]);
+    if (result >= 0) {
+        facts_said->fd = told[0];
+        trouble->fd = failed[0];
+        result = listen_to(of, pid, facts_said, trouble, err);
+        while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+        }
+    }
+    if (result >= 0 && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
+        result = error_set(err, MRT_ERR_IO, "a picture of the page: %s", reason_of(trouble));
+    if (result >= 0 && !(*out_facts = json_loads(facts_said->text, 0, NULL)))
+        result = error_set(err, MRT_ERR_FORMAT, "marotte %s --json gave no object", word[1]);
+    free(facts_said);
+    free(trouble);
+    return result;
+}
+
+/* ---- the pictures ---- */
+
+typedef struct figure {
+    const char *file, *heading, *what, *map, *text;
+} figure;
+
+static const figure figures[] = {
+    {"figure4_anchored.png", "Figure 4: the Moai, anchored",
+     "Eight moments of the Moai, held by ten fingertips in the anchored way", "anchored",
+     "Ten fingertips take hold of the face where they are, and pull: what they let go springs to "
+     "where it was."},
+    {"figure5_unanchored.png", "Figure 5: the Moai, unanchored",
+     "Eight moments of the Moai, kneaded by ten fingertips in the unanchored way", "unanchored",
+     "The same two hands knead the stone as clay: what was pushed stays."},
+};
+
+/* From a clone what stands there, else what was installed. */
+static const char *recording(char room[PLACE_LENGTH])
+{
+    static const char cloned[] = "plugins/log/demo_hand.csv";
+    if (access(cloned, R_OK) == 0)
+        return cloned;
+    return place_data(room, "demo_hand.csv") ? room : cloned;
+}
+
+static double fact_of(const json_t *facts_told, const char *key)
+{
+    return json_number_value(json_object_get(facts_told, key));
+}
+
+static void say_facts(paper *of, const figure *f, const json_t *told)
+{
+    page_caption(
+        of->page,
+        "%s Eight moments, in each eighth of %.0f frames the one furthest from rest, from "
+        "the front and from the side of the cheek. The face moves by up to %.1f mm; folds: "
+        "%.0f, least determinant %.3f.",
+        f->text, fact_of(told, "frames"), fact_of(told, "range_of_motion_mm"),
+        fact_of(told, "folds"), fact_of(told, "min_determinant"));
+    const facts_cell cells[] = {
+        {"file", f->file, 0.0, 0},
+        {"map", f->map, 0.0, 0},
+        {"frames", NULL, fact_of(told, "frames"), 0},
+        {"range_of_motion_mm", NULL, fact_of(told, "range_of_motion_mm"), 3},
+        {"folds", NULL, fact_of(told, "folds"), 0},
+        {"min_determinant", NULL, fact_of(told, "min_determinant"), 4},
+    };
+    facts_row(of->told, "figures", "", "", cells, sizeof cells / sizeof cells[0]);
+}
+
+/* The command as one types it: the picture beside, and no --json. */
+static void say_command(paper *of, const figure *f, char *const *word)
+{
+    char line[2 * PLACE_LENGTH] = "marotte";
+    size_t used = strlen(line);
+    for (int i = 1; word[i] && used < sizeof line; ++i) {
+        bool is_file = strcmp(word[i - 1], "--export") == 0;
+        used +=
+            (size_t)snprintf(line + used, sizeof line - used, " %s", is_file ? f->file : word[i]);
+    }
+    page_command(of->page, line);
+}
+
+static mrt_result add_figure(paper *of, const figure *f, error *err)
+{
+    char path[PATH_MAX], room[PLACE_LENGTH], right[PLACE_LENGTH + 32], left[PLACE_LENGTH + 32];
+    const char *log = recording(room);
+    mrt_result result = paper_add_file(of, path, f->file, err);
+    if (result < 0)
+        return result;
+    (void)snprintf(right, sizeof right, "log:%s", log);
+    (void)snprintf(left, sizeof left, "log:%s,mirror=1", log);
+    char *word[WORDS_MAX] = {"marotte", "perform", "--face", "moai", "--input",  right,
+                             "--input", left,      "--map",  NULL,   "--export", path};
+    int count = 12;
+    char map[96];
+    (void)snprintf(map, sizeof map, "%s", f->map);
+    word[9] = map;
+    if (of->is_quick) {
+        word[count++] = "--seconds";
+        word[count++] = "2";
+    }
+    json_t *told;
+    char *with_json[WORDS_MAX];
+    memcpy(with_json, word, sizeof word);
+    with_json[count] = "--json";
+    result = run_command(of, with_json, &told, err);
+    if (result < 0)
+        return result;
+    page_heading(of->page, f->heading);
+    page_picture(of->page, f->file, f->what, 720, 0);
+    say_command(of, f, word);
+    say_facts(of, f, told);
+    json_decref(told);
+    return MRT_OK;
+}
+
+mrt_result paper_moai(paper *of, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (!of->drawn_by[0]) {
+        page_heading(of->page, "Figures 4 and 5: the Moai");
+        page_text(of->page, "No pictures of the Moai: %s", of->no_drawing.text);
+        return MRT_OK;
+    }
+    for (size_t i = 0; i < sizeof figures / sizeof figures[0] && result >= 0; ++i)
+        result = add_figure(of, &figures[i], err);
+    return result;
+}
