@@ -33,7 +33,10 @@ CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err
 CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
 /* Plays on to a later instant; an earlier one is a seek. */
 CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err);
-/* To the next sample of any clip shown, or (MRT_END) none is left before the take's end. */
+/* What clips of this span perform with is opened now, at most 8 of them: to play it takes no
+ * opening of files and no process. */
+CHECKED mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err);
+/* To the next step of any clip shown, or (MRT_END) none is left before the take's end. */
 CHECKED mrt_result sequencer_step(sequencer *self, error *err);
 int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first instant */
 uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */

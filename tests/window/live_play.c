@@ -348,6 +348,75 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     desk_finish(&d);
 }
 
+/* ---- the frame thread opens and closes nothing ---- */
+
+static struct {
+    const mrt_plugin_type *real;
+    live *on;
+    _Atomic uint32_t made, on_frame_thread; /* instances; made or unmade there */
+} spied;
+
+static void note_thread(void)
+{
+    if (spied.on && pthread_equal(pthread_self(), spied.on->thread))
+        atomic_fetch_add(&spied.on_frame_thread, 1);
+}
+
+static mrt_plugin *spied_create(const mrt_host *host)
+{
+    note_thread();
+    atomic_fetch_add(&spied.made, 1);
+    return spied.real->create(host);
+}
+
+static void spied_destroy(mrt_plugin *self)
+{
+    note_thread();
+    spied.real->destroy(self);
+}
+
+static void what_a_take_needs_is_opened_beside_the_frame_thread(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    live_status status;
+    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    mrt_plugin_type spy = {0};
+    for (uint32_t i = 0; i < d.plugins.entry_count; ++i)
+        if (strcmp(d.plugins.entry[i].type->id, "org.marotte.one_hand") == 0) {
+            spied.real = d.plugins.entry[i].type;
+            spy = *spied.real;
+            d.plugins.entry[i].type = &spy;
+        }
+    spy.create = spied_create;
+    spy.destroy = spied_destroy;
+    spied.on = d.live;
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    show_take_on(&d, id, &t);
+    assert_true(spied.made > 0);
+    for (int i = 0; i < 6; ++i) { /* there and back */
+        int64_t at_ns = i % 2 ? t.duration_ns * 3 / 4 : 10 * NS_PER_MS;
+        live_seek(d.live, at_ns);
+        assert_true(desk_until(&d, stands_at, &at_ns));
+    }
+    const live_over over = {
+        .in_ns = 200 * NS_PER_MS, .out_ns = 500 * NS_PER_MS, .passes = 3, .name = "again"};
+    desk_must(live_record_over(d.live, &over, &err), &err);
+    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    do {
+        desk_frame(&d);
+        live_status_of(d.live, &status);
+    } while (status.is_recording && clock_now_ns() < until_ns);
+    assert_false(status.is_recording);
+    live_show_hands(d.live);
+    assert_int_equal(spied.on_frame_thread, 0);
+    take_finish(&t);
+    spied.on = NULL;
+    desk_finish(&d);
+}
+
 static void recording_over_ends_by_itself_at_its_out(void **state)
 {
     (void)state;
@@ -409,6 +478,7 @@ int main(void)
         cmocka_unit_test(at_its_end_a_take_shows_what_it_ends_with),
         cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
+        cmocka_unit_test(what_a_take_needs_is_opened_beside_the_frame_thread),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
         cmocka_unit_test(seen_face_is_described_by_the_stage_alone),
     };

@@ -202,7 +202,8 @@ void live_frame_pulse(live_stage *stage)
     now->counts = *performer_counted(p);
     now->rezeros = *performer_rezeros(p);
     now->mode = stage->mode;
-    now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
+    if (!stage->timeline || live_time_is_here(stage))
+        now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
     now->is_taking = stage->recorder && recorder_is_taking(stage->recorder);
     now->take = stage->recorder ? recorder_take(stage->recorder) : 0;
     stage->pulse[slot_back(&stage->pulse_slot)] = *now;
@@ -222,6 +223,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     live_stage *stage = &self->stage;
     if (stage->is_dirty || is_moving(stage))
         live_frame_publish(stage);
+    live_time_send(stage, clock_now_ns());
     live_frame_pulse(stage);
     return MRT_OK;
 }
@@ -242,8 +244,10 @@ static bool on_turn(void *data)
     if (slot_take(&stage->motion_slot))
         stage->is_sought = stage->is_dirty = true;
     /* The newest is replaced before it is taken too, so that what is taken is new. */
-    return stage->is_dirty && (live_board_is_taken(&stage->scene->board) ||
-                               clock_now_ns() - stage->published_ns >= least_apart_ns);
+    int64_t now_ns = clock_now_ns();
+    return live_time_may_show(stage, now_ns) && stage->is_dirty &&
+           (live_board_is_taken(&stage->scene->board) ||
+            now_ns - stage->published_ns >= least_apart_ns);
 }
 
 static void *run(void *data)

@@ -16,17 +16,13 @@ typedef struct beginning {
     uint64_t overs;
 } beginning;
 
-/* [frame] What was performed before does not count: so the layer's samples alone say what is seen.
- */
+/* [frame] The take stands at the start. What was performed before does not count: so the layer's
+ * samples alone say what is seen. */
 static mrt_result begin_over(live_stage *stage, void *data, error *err)
 {
     beginning *b = data;
     sequencer *s = stage->timeline->sequencer;
     layer *of = performer_layer(stage->scene->performer);
-    mrt_result result = sequencer_seek(s, b->run->start_ns, err);
-    if (result < 0)
-        return result;
-    sequencer_mark_owned(sequencer_composer(s), b->own, b->owned);
     const sequencer_live performs = {of, b->owned, b->is_additive};
     layer_reset(of);
     sequencer_set_live(s, &performs);
@@ -37,6 +33,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     stage->owned = b->owned;
     stage->over_ns = 0;
     stage->mode = LIVE_OVERDUBS;
+    stage->is_held = stage->is_awaited = stage->has_come = false;
     b->overs = ++stage->now.overs;
     stage->hold_until_ns = 0;
     return live_frame_tick(stage, err);
@@ -122,6 +119,20 @@ static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *
     return result < 0 ? result : recorder_prepare(self->recorder, &as, &b->cast, err);
 }
 
+/* All that the take performs with is opened, and it stands at the start. */
+static mrt_result stand_at_start(live *self, const beginning *b, error *err)
+{
+    sequencer *s = self->timeline->sequencer;
+    const overdub_plan *plan = &b->run->plan;
+    int64_t to_ns = plan->out_ns > 0 ? plan->out_ns : INT64_MAX;
+    mrt_result result = sequencer_seek(s, b->run->start_ns, err);
+    if (result >= 0)
+        result = sequencer_prepare(s, b->run->start_ns, to_ns, err);
+    if (result >= 0)
+        sequencer_mark_owned(sequencer_composer(s), b->own, b->owned);
+    return result;
+}
+
 mrt_result live_record_over(live *self, const live_over *over, error *err)
 {
     overdub_plan plan;
@@ -140,8 +151,14 @@ mrt_result live_record_over(live *self, const live_over *over, error *err)
     if (result < 0)
         return result;
     result = prepare_over(self, &plan, &b, err);
-    if (result >= 0)
-        result = live_ask(self, begin_over, &b, err);
+    if (result >= 0) {
+        live_take_hold(self);
+        result = stand_at_start(self, &b, err);
+        if (result >= 0)
+            result = live_ask(self, begin_over, &b, err);
+        else
+            live_take_release(self);
+    }
     recorder_dismiss(self->recorder, b.cast);
     if (result < 0 && (!b.run || self->stage.over != b.run)) {
         free(plan.own);

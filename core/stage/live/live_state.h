@@ -36,11 +36,21 @@ typedef struct live_scene {
     struct live_scene *before;
 } live_scene;
 
-/* A take on the stage. */
+/* A take on the stage. To bring it to an instant means files, memory, processes: that is done on a
+ * thread of its own, which has the sequencer for that long. Else the frame thread has it, or [main]
+ * while it is held (live_stage.is_held). */
 typedef struct live_timeline {
     show *show; /* its own handle */
     sequencer *sequencer;
     int64_t take;
+    pthread_t thread;
+    bool has_thread;
+    wake work, *done; /* of its thread; of the frame thread */
+    _Atomic bool stop;
+    _Atomic bool is_away; /* its thread has the sequencer, and brings it: */
+    int64_t to_ns;
+    bool is_sought; /* sequencer_seek, not sequencer_play_to */
+    error failed;   /* "" it was brought there */
 } live_timeline;
 
 /* The newest sample of an input. */
@@ -80,6 +90,9 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     publish_slot motion_slot; /* transports from [main] */
     transport motion[3];
     bool is_sought;        /* the transport has changed: sequencer_seek */
+    bool is_held;          /* [main] has the timeline's sequencer */
+    bool is_awaited;       /* its thread has it */
+    bool has_come;         /* to an instant that was not published yet */
     int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
     sound *sound;          /* NULL: none */
     overdub_run *over;     /* performed now, or not yet fetched */
@@ -195,8 +208,17 @@ void live_frame_publish(live_stage *stage); /* the face as it is */
 void live_frame_pulse(live_stage *stage);
 
 /* ---- live_time.c: [frame] the timeline ---- */
-/* What is shown now, brought to its instant. */
+/* What is shown now; NULL: what is shown stays as it is. */
 composer *live_time_shown(live_stage *stage, int64_t now_ns);
+/* Between steps: whether what is shown could be published. */
+bool live_time_may_show(live_stage *stage, int64_t now_ns);
+/* After it was shown: the take goes on to the instant of its transport, beside the frame thread. */
+void live_time_send(live_stage *stage, int64_t now_ns);
+/* Whether the frame thread has the timeline's sequencer. */
+bool live_time_is_here(const live_stage *stage);
+/* [main] The thread of a timeline. */
+CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *err);
+void live_timeline_stop(live_timeline *self);
 CHECKED mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err);
 /* What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
@@ -257,7 +279,10 @@ void live_sound_update(live *self);
 void live_sound_stop(live *self); /* what was recorded is with its take */
 
 /* ---- live_take.c: [main] the timeline ---- */
-void live_take_drop(live *self);           /* none is shown any more */
+void live_take_drop(live *self); /* none is shown any more */
+/* [main] has the sequencer of the take that is shown, until an order gives it back. */
+void live_take_hold(live *self);
+void live_take_release(live *self);
 void live_take_tell_transport(live *self); /* the frame thread: what it does from now on */
 void live_take_finish(live *self);         /* what is left of it, when nothing runs any more */
 

@@ -46,6 +46,7 @@ static void timeline_destroy(live_timeline *t)
 {
     if (!t)
         return;
+    live_timeline_stop(t);
     sequencer_destroy(t->sequencer);
     show_close(t->show);
     free(t);
@@ -73,6 +74,8 @@ static mrt_result timeline_create(live *self, const take *t, int64_t at_ns, live
         result = sequencer_create(&made->sequencer, &settings, t, err);
     if (result >= 0)
         result = sequencer_seek(made->sequencer, live_time_shown_at(&whole, at_ns), err);
+    if (result >= 0)
+        result = live_timeline_start(made, player_wake(self->stage.loop), err);
     if (result < 0) {
         timeline_destroy(made);
         return result;
@@ -164,6 +167,7 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
     stage->timeline = s->timeline;
+    stage->is_awaited = stage->has_come = false;
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
     stage->is_sought = stage->is_dirty = true;
@@ -172,17 +176,39 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
 
 static mrt_result change_take(live_stage *stage, void *data, error *err)
 {
+    (void)err;
     const showing *s = data;
-    mrt_result result = sequencer_set_take(stage->timeline->sequencer, s->take, err);
-    if (result < 0)
-        return result;
     if (stage->mode == LIVE_PERFORMS)
         fade_over(stage);
     stage->mode = LIVE_SHOWS;
+    stage->is_held = false;
     stage->hold_until_ns = 0;
     stage->is_sought = stage->is_dirty = true;
     live_take_tell_transport(s->live);
     return MRT_OK;
+}
+
+static mrt_result hold(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    stage->is_held = *(const bool *)data;
+    return MRT_OK;
+}
+
+void live_take_hold(live *self)
+{
+    error ignored = {""};
+    bool is_held = true;
+    (void)!live_ask(self, hold, &is_held, &ignored);
+    while (atomic_load(&self->timeline->is_away))
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+}
+
+void live_take_release(live *self)
+{
+    error ignored = {""};
+    bool is_held = false;
+    (void)!live_ask(self, hold, &is_held, &ignored);
 }
 
 static mrt_result show_hands(live_stage *stage, void *data, error *err)
@@ -205,17 +231,14 @@ static mrt_result drop_timeline(live_stage *stage, void *data, error *err)
     mrt_result result = show_hands(stage, NULL, err);
     s->old = stage->timeline;
     stage->timeline = NULL;
+    stage->is_awaited = stage->has_come = false;
     return result;
 }
 
-static mrt_result fetch_note(live_stage *stage, void *data, error *err)
+static void add_note(live *self, const sequencer *from)
 {
-    (void)err;
-    live *self = data;
     size_t used = strlen(self->note);
-    snprintf(self->note + used, sizeof self->note - used, "%s",
-             sequencer_note(stage->timeline->sequencer));
-    return MRT_OK;
+    snprintf(self->note + used, sizeof self->note - used, "%s", sequencer_note(from));
 }
 
 static void load_sound(live *self, const take *t)
@@ -245,6 +268,7 @@ static mrt_result show_another(live *self, const take *t, error *err)
     mrt_result result = timeline_create(self, t, at_ns, &s.timeline, err);
     if (result < 0)
         return result;
+    add_note(self, s.timeline->sequencer);
     transport_init(&self->transport, t->duration_ns);
     transport_seek(&self->transport, clock_now_ns(), at_ns);
     result = live_ask(self, put_timeline, &s, err);
@@ -261,7 +285,13 @@ static mrt_result show_again(live *self, const take *t, error *err)
     self->transport.end_ns = t->duration_ns;
     if (place.at_ns > t->duration_ns)
         transport_seek(&self->transport, now_ns, t->duration_ns);
-    return live_ask(self, change_take, &s, err);
+    live_take_hold(self);
+    mrt_result result = sequencer_set_take(self->timeline->sequencer, t, err);
+    add_note(self, self->timeline->sequencer);
+    if (result >= 0)
+        return live_ask(self, change_take, &s, err);
+    live_take_release(self);
+    return result;
 }
 
 mrt_result live_show_take(live *self, const take *t, error *err)
@@ -287,7 +317,6 @@ mrt_result live_show_take(live *self, const take *t, error *err)
     take_finish(&self->shown);
     result = take_copy(&self->shown, t, err);
     load_sound(self, t);
-    (void)!live_ask(self, fetch_note, self, &ignored);
     return result;
 }
 

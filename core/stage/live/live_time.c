@@ -34,18 +34,93 @@ int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
     return at_ns >= motion->end_ns && motion->end_ns > 0 ? motion->end_ns - 1 : at_ns;
 }
 
-/* However often it was sought: only the newest instant is gone to. */
-static void follow_transport(live_stage *stage, int64_t now_ns)
+/* ---- the take's own thread ---- */
+
+static void *bring(void *data)
 {
-    error err = {""};
-    sequencer *s = stage->timeline->sequencer;
+    live_timeline *self = data;
+    while (!atomic_load(&self->stop)) {
+        uint32_t seen = wake_seen(&self->work);
+        if (!atomic_load(&self->is_away)) {
+            if (!atomic_load(&self->stop))
+                wake_wait_until_ns(&self->work, seen, clock_now_ns() + NS_PER_S);
+            continue;
+        }
+        self->failed.text[0] = '\0';
+        mrt_result result = self->is_sought
+                                ? sequencer_seek(self->sequencer, self->to_ns, &self->failed)
+                                : sequencer_play_to(self->sequencer, self->to_ns, &self->failed);
+        if (result >= 0)
+            self->failed.text[0] = '\0';
+        atomic_store(&self->is_away, false);
+        wake_signal(self->done);
+    }
+    return NULL;
+}
+
+mrt_result live_timeline_start(live_timeline *self, wake *done, error *err)
+{
+    wake_init(&self->work);
+    self->done = done;
+    atomic_init(&self->stop, false);
+    atomic_init(&self->is_away, false);
+    if (pthread_create(&self->thread, NULL, bring, self) != 0)
+        return error_set(err, MRT_ERR_MEMORY, "no thread to play a take on");
+    self->has_thread = true;
+    return MRT_OK;
+}
+
+void live_timeline_stop(live_timeline *self)
+{
+    if (!self->has_thread)
+        return;
+    atomic_store(&self->stop, true);
+    wake_signal(&self->work);
+    pthread_join(self->thread, NULL);
+    self->has_thread = false;
+}
+
+bool live_time_is_here(const live_stage *stage)
+{
+    return stage->timeline && !stage->is_held && !atomic_load(&stage->timeline->is_away);
+}
+
+/* What its thread was sent for has been done. */
+static void receive(live_stage *stage)
+{
+    if (!stage->is_awaited || !live_time_is_here(stage))
+        return;
+    stage->is_awaited = false;
+    stage->has_come = stage->is_dirty = true;
+    if (stage->timeline->failed.text[0])
+        tell_error(stage, &stage->timeline->failed);
+}
+
+bool live_time_may_show(live_stage *stage, int64_t now_ns)
+{
+    receive(stage);
+    return stage->mode != LIVE_SHOWS || !stage->timeline ||
+           (now_ns >= stage->hold_until_ns && live_time_is_here(stage) &&
+            (stage->has_come || !stage->is_sought));
+}
+
+/* However often it was sought: only the newest instant is gone to. */
+void live_time_send(live_stage *stage, int64_t now_ns)
+{
+    receive(stage);
+    if (stage->mode != LIVE_SHOWS || !live_time_is_here(stage) || now_ns < stage->hold_until_ns)
+        return;
+    live_timeline *to = stage->timeline;
     const transport *motion = live_time_motion(stage);
     int64_t at_ns = live_time_shown_at(motion, transport_at(motion, now_ns).at_ns);
-    mrt_result result =
-        stage->is_sought ? sequencer_seek(s, at_ns, &err) : sequencer_play_to(s, at_ns, &err);
+    if (!stage->is_sought && at_ns == sequencer_now_ns(to->sequencer))
+        return;
+    to->to_ns = at_ns;
+    to->is_sought = stage->is_sought;
     stage->is_sought = false;
-    if (result < 0)
-        tell_error(stage, &err);
+    stage->is_awaited = true;
+    atomic_store(&to->is_away, true);
+    wake_signal(&to->work);
 }
 
 /* ---- over the take ---- */
@@ -112,7 +187,6 @@ static composer *shown_over(live_stage *stage, int64_t now_ns)
     return sequencer_composer(stage->timeline->sequencer);
 }
 
-/* NULL: what is shown stays as it is. */
 composer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
@@ -120,8 +194,8 @@ composer *live_time_shown(live_stage *stage, int64_t now_ns)
     tell_sound(stage, now_ns);
     if (stage->mode == LIVE_OVERDUBS)
         return shown_over(stage, now_ns);
-    if (now_ns < stage->hold_until_ns)
+    if (!live_time_may_show(stage, now_ns))
         return NULL;
-    follow_transport(stage, now_ns);
+    stage->has_come = false;
     return sequencer_composer(stage->timeline->sequencer);
 }

@@ -120,6 +120,7 @@ void sequencer_destroy(sequencer *self)
     if (!self)
         return;
     sequencer_close_plays(self);
+    sequencer_close_spares(self);
     sequencer_forget_checkpoints(self);
     composer_destroy(self->composer);
     composer_destroy(self->scratch);
@@ -138,6 +139,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
         return result;
     int64_t at_ns = self->now_ns;
     sequencer_close_plays(self);
+    sequencer_close_spares(self); /* performances may have become longer */
     sequencer_forget_checkpoints(self);
     take_finish(&self->take);
     self->take = fresh;
@@ -222,7 +224,7 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
         return MRT_OK;
     }
     *p = (play){.clip = clip, .layer = lane, .is_wanted = true};
-    mrt_result result = source_open(&p->source, &self->world, clip->performance, err);
+    mrt_result result = sequencer_open(self, clip->performance, &p->source, err);
     if (result >= 0)
         result = source_seek(p->source, show_ns, err);
     if (result >= 0 && brings_shape(self, p))
@@ -415,6 +417,36 @@ mrt_result sequencer_restart(sequencer *self, error *err)
     self->now_ns = SEQUENCER_BEFORE;
     self->is_touched = false;
     return turn(self, 0, &is_changed, err);
+}
+
+static bool is_open(const sequencer *self, int64_t performance)
+{
+    bool out = false;
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        out |= source_performance(self->spare[i]) == performance;
+    return out;
+}
+
+mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
+        const take_layer *l = &self->take.layer[i];
+        for (uint32_t j = 0; own_layer_is_heard(&self->take, i) && j < l->clip_count; ++j) {
+            const take_clip *c = &l->clip[j];
+            bool is_shown = !c->is_muted && c->start_ns + l->offset_ns < to_ns &&
+                            c->end_ns + l->offset_ns > from_ns;
+            if (!is_shown || is_open(self, c->performance) ||
+                self->spare_count >= SEQUENCER_PREPARED)
+                continue;
+            result =
+                source_open(&self->spare[self->spare_count], &self->world, c->performance, err);
+            if (result < 0)
+                return result;
+            self->spare_count += 1;
+        }
+    }
+    return result;
 }
 
 mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err)

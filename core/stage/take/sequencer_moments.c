@@ -9,12 +9,48 @@
 
 static const int64_t span_min_ns = NS_PER_S / 2;
 
+/* What opening takes (a file's hash, a process) is done once for all the clips of a performance. */
+mrt_result sequencer_open(sequencer *self, int64_t performance, source **out, error *err)
+{
+    for (uint32_t i = 0; i < self->spare_count; ++i) {
+        if (source_performance(self->spare[i]) != performance)
+            continue;
+        *out = self->spare[i];
+        self->spare_count -= 1;
+        memmove(&self->spare[i], &self->spare[i + 1],
+                (self->spare_count - i) * sizeof *self->spare);
+        return MRT_OK;
+    }
+    return source_open(out, &self->world, performance, err);
+}
+
+static void keep_spare(sequencer *self, source *s)
+{
+    if (self->spare_count == SEQUENCER_SPARES) {
+        source_close(self->spare[0]);
+        self->spare_count -= 1;
+        memmove(&self->spare[0], &self->spare[1], self->spare_count * sizeof *self->spare);
+    }
+    self->spare[self->spare_count++] = s;
+}
+
+void sequencer_close_spares(sequencer *self)
+{
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        source_close(self->spare[i]);
+    self->spare_count = 0;
+}
+
 void sequencer_close_play(sequencer *self, play *p)
 {
     error why = {""};
-    if (p->source && source_check(p->source, &why) < 0 && !self->failed.text[0])
+    bool has_failed = p->source && source_check(p->source, &why) < 0;
+    if (has_failed && !self->failed.text[0])
         self->failed = why;
-    source_close(p->source);
+    if (has_failed)
+        source_close(p->source);
+    else if (p->source)
+        keep_spare(self, p->source);
     *p = (play){0};
 }
 
@@ -122,7 +158,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     size_t size = bytes_take_u32(in);
     if (in->failed || size > (size_t)(in->end - in->at))
         return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
-    mrt_result result = source_open(&p->source, &self->world, clip->performance, err);
+    mrt_result result = sequencer_open(self, clip->performance, &p->source, err);
     if (result >= 0)
         result = source_load(p->source, in->at, size, err);
     in->at += size;

@@ -6,7 +6,9 @@
 enum {
     SEQUENCER_PLAYS_MAX = PERFORMER_SLOTS - 1,
     SEQUENCER_LIVE_SLOT = PERFORMER_SLOTS - 1,
-    SEQUENCER_BEFORE = -1 /* now_ns before the first instant */
+    SEQUENCER_SPARES = 16,  /* sources kept open */
+    SEQUENCER_PREPARED = 8, /* so that none need be closed while a take is played */
+    SEQUENCER_BEFORE = -1   /* now_ns before the first instant */
 };
 
 typedef struct play { /* a clip that is shown now; its index is its slot in the composer */
@@ -31,6 +33,8 @@ struct sequencer {
     take take;
     composer *composer, *scratch;
     play play[SEQUENCER_PLAYS_MAX];
+    source *spare[SEQUENCER_SPARES]; /* open, of no clip: the oldest first */
+    uint32_t spare_count;
     int64_t *turn; /* ascending: when clips of heard layers start and end */
     size_t turn_count;
     uint8_t *owned; /* layer_count rows */
@@ -59,7 +63,10 @@ CHECKED mrt_result sequencer_restart(sequencer *self, error *err);
 void sequencer_note_text(sequencer *self, const char *text);
 
 /* ---- sequencer_moments.c ---- */
-void sequencer_close_play(sequencer *self, play *p);
+/* One that is open already, or a new one; wherever it is: to be sought or loaded. */
+CHECKED mrt_result sequencer_open(sequencer *self, int64_t performance, source **out, error *err);
+void sequencer_close_play(sequencer *self, play *p); /* its source stays open for a while */
+void sequencer_close_spares(sequencer *self);
 void sequencer_close_plays(sequencer *self);
 bool sequencer_reserve(sequencer *self, size_t size); /* scratch_bytes; false: no memory */
 void sequencer_forget_checkpoints(sequencer *self);

@@ -304,6 +304,11 @@ void source_close(source *self)
     free(self);
 }
 
+int64_t source_performance(const source *self)
+{
+    return self->info.performance.id;
+}
+
 layer *source_layer(source *self)
 {
     return self->layer;

@@ -29,6 +29,7 @@ CHECKED mrt_result source_open(source **out, const source_world *world, int64_t 
                                error *err);
 void source_close(source *self); /* NULL is fine */
 
+int64_t source_performance(const source *self);
 layer *source_layer(source *self);
 /* What is not as it was when it was recorded; "" nothing. */
 const char *source_note(const source *self);
