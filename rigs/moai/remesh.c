@@ -275,13 +275,19 @@ static int compare_candidates(const void *a, const void *b)
     return (p->h > q->h) - (p->h < q->h);
 }
 
+static int touches_corner(const skin *s, int32_t h)
+{
+    return (s->hold[s->origin[h]] | s->hold[skin_target(s, h)]) & SKIN_CORNER;
+}
+
 /* Collapses edges, the shortest first, until triangle_count are left or the candidates are used up:
- * one edge on the border if an odd number is to go, then inner edges. */
+ * one edge on the border if an odd number is to go, then inner edges; none at a corner, which could
+ * not give way. */
 static void collapse_shortest(skin *s, const form *shape, int32_t triangle_count, candidate *list)
 {
     int32_t count = 0;
     for (int32_t h = 0; h < 3 * s->triangle_count; ++h)
-        if (skin_is_edge(s, h))
+        if (skin_is_edge(s, h) && !touches_corner(s, h))
             list[count++] = (candidate){relative_length(s, shape, h), h};
     qsort(list, (size_t)count, sizeof *list, compare_candidates);
     int is_odd = (s->live_triangle_count - triangle_count) % 2;
@@ -290,7 +296,7 @@ static void collapse_shortest(skin *s, const form *shape, int32_t triangle_count
             is_odd = !collapse_edge(s, shape, list[i].h);
     for (int32_t i = 0; i < count && s->live_triangle_count > triangle_count; ++i) {
         int32_t h = list[i].h;
-        if (s->origin[h] != SKIN_NONE && s->twin[h] != SKIN_NONE)
+        if (s->origin[h] != SKIN_NONE && s->twin[h] != SKIN_NONE && !touches_corner(s, h))
             (void)collapse_edge(s, shape, h);
     }
 }

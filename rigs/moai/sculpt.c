@@ -5,9 +5,9 @@
 const vec3 SCULPT_LOW = {-80.0, -150.0, -80.0}, SCULPT_HIGH = {80.0, 150.0, 90.0};
 const vec3 SCULPT_LINE_END[SCULPT_LINES] = {
     {27.0, -54.0, 20.0},   /* between the lips */
-    {26.0, -52.1, 20.0},   /* upper lip */
-    {26.0, -55.9, 20.0},   /* lower lip */
-    {48.0, 65.1, 40.0},    /* edge of the brow */
+    {26.0, -51.8, 20.0},   /* upper lip */
+    {26.0, -56.2, 20.0},   /* lower lip */
+    {51.0, 65.1, 34.0},    /* edge of the brow */
     {80.0, -149.7, -80.0}, /* rim of the base */
     {80.0, -145.5, -80.0}, /* a band above it, which keeps its shading narrow */
 };
@@ -153,7 +153,7 @@ static double brow(vec3 p)
     double y = p.y - BROW_Y;
     double face = p.z - CURVE(FACE, y) + 0.0056 * p.x * p.x;
     double ledge = common(face * 0.9, -y, 4.0);
-    return common(ledge, larger(larger(p.x - 53.0, -30.0 - p.z), y - 44.0), 8.0);
+    return common(ledge, larger(larger(p.x - 54.0, -30.0 - p.z), y - 44.0), 5.0);
 }
 
 static double nose(vec3 p)
@@ -206,7 +206,7 @@ static double lips(vec3 p)
     vec3 lower = {p.x, rise + 5.6 * taper, p.z + bend - 46.5};
     double a = box3(upper, (vec3){29.0, 5.0 * taper, 14.0}, 4.7 * taper);
     double b = box3(lower, (vec3){28.0, 5.6 * taper, 13.5}, 5.0 * taper);
-    return joined(a, b, 3.4);
+    return joined(a, b, 1.2);
 }
 
 static double muzzle(vec3 p)
@@ -222,13 +222,20 @@ static double chin(vec3 p)
     return box3(q, (vec3){42.0, 18.0, 22.0}, 6.0);
 }
 
+/* A long ear that leans back: a plate with a rim around it, the hollow of the ear above, and the
+ * stretched lobe with its slot below. It stands out most at the top of the hollow and at the lobe.
+ */
 static double ear(vec3 p)
 {
-    double lean = 0.06 * (p.y + 10.0);
-    vec3 q = {p.x - 54.0, p.y + 12.0, p.z + 14.0 + lean};
-    double lobe = box3(q, (vec3){9.0, 74.0, 12.5}, 6.0);
-    vec3 inner = {p.x - 66.0, p.y - 22.0, q.z - 0.5};
-    return carved(lobe, ellipsoid(inner, (vec3){6.0, 36.0, 7.0}), 6.0);
+    static const knot HALF_DEPTH[] = {{-86, 12.5}, {-62, 14.5}, {-24, 11}, {24, 14}, {62, 12.5}};
+    static const knot REACH[] = {{-88, 57}, {-62, 62}, {-22, 58.5}, {14, 60}, {46, 63}, {66, 57.5}};
+    double z = p.z + 14.0 + 0.06 * (p.y + 10.0), reach = CURVE(REACH, p.y);
+    double outline = box2(z, p.y + 12.0, CURVE(HALF_DEPTH, p.y), 74.0, 11.0);
+    double plate = common(outline, p.x - reach + 2.0, 7.0);
+    double rim = common(fabs(outline + 4.2) - 4.2, p.x - reach - 2.5, 6.0);
+    double hollow = ellipsoid((vec3){p.x - 61.5, p.y - 27.0, z - 0.5}, (vec3){8.0, 24.0, 7.5});
+    double slot = ellipsoid((vec3){p.x - 61.0, p.y + 60.0, z}, (vec3){7.5, 14.0, 6.5});
+    return carved(joined(plate, rim, 4.0), smaller(hollow, slot), 4.0);
 }
 
 double sculpt_rough_distance(vec3 p)
@@ -270,7 +277,7 @@ double sculpt_edge_mm(vec3 p)
         {{0, 70, 50}, {54, 8, 14}, 4.2},    /* brow */
         {{0, -94, 50}, {42, 18, 14}, 5.0},  /* chin */
         {{0, -10, 40}, {46, 95, 16}, 5.8},  /* cheeks, forehead */
-        {{60, -12, -13}, {6, 78, 17}, 5.0}, /* ear */
+        {{62, -12, -13}, {5, 76, 16}, 5.2}, /* ear */
         {{50, -98, 0}, {8, 8, 40}, 6.0},    /* jaw */
         {{0, 138, -6}, {40, 10, 40}, 8.5},  /* crown */
         {{50, -150, -16}, {4, 2, 34}, 7.0}, /* rim of the base: sides, front, back */

@@ -8,7 +8,7 @@
 /* The box that holds the stone. */
 extern const vec3 SCULPT_LOW, SCULPT_HIGH;
 /* Where the level lines end that the mesh should follow (remesh_cut_level). */
-enum { SCULPT_LINES = 6 };
+enum { SCULPT_LIP_LINE = 0, SCULPT_LINES = 6 };
 extern const vec3 SCULPT_LINE_END[SCULPT_LINES];
 
 /* Below 0 inside the stone; near its surface, about the distance to it. */
