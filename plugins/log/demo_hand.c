@@ -1,14 +1,15 @@
-/* demo_hand [FILE] - writes the performance that marotte shows first: a right hand, 20 s at 100 Hz,
- * as a log table. It talks (two sentences on the thumb), lifts the index finger, spreads, makes a
- * fist, moves slowly and rests. Movements are minimum-jerk; neighbours follow a moving finger;
- * sensors have the steps and ranges that measure_log found in real recordings (README.md).
- * The same bytes on every machine: integers, + - * / and a generator of its own. */
+/* demo_hand right|left [FILE] - writes the performances that marotte shows first, 20 s at 100 Hz,
+ * as log tables. The right hand talks (two sentences on the thumb), lifts the index finger,
+ * spreads, makes a fist, moves slowly and rests. The left hand is its partner with a part of its
+ * own: it talks along in other words, answers the lift, reaches out where the other makes a fist.
+ * Movements are minimum-jerk; neighbours follow a moving finger; sensors have the steps and ranges
+ * that measure_log found in real recordings (README.md). The same bytes on every machine: integers,
+ * + - * / and a generator of its own. */
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { RATE_HZ = 100, RECORD_COUNT = 20 * RATE_HZ, MOVE_MAX = 512 };
-static const uint64_t SEED = 20141128;
 
 /* ---- the sensors, in the order of their columns ---- */
 
@@ -114,7 +115,7 @@ static void add_hand_stroke(performance *p, timing t, double mpj_rad, double pij
     }
 }
 
-/* ---- the performance ---- */
+/* ---- the right hand's performance ---- */
 
 typedef struct syllable {
     double duration_s, opening; /* 3 to 5 a second; 0 .. 1 */
@@ -189,9 +190,8 @@ static void add_slow_moves(performance *p)
     add_stroke(p, PITCH, (timing){16.10, 0.90, 0.20, 1.10}, -0.14);
 }
 
-static void author(performance *p)
+static void author_right(performance *p)
 {
-    p->count = 0;
     add_sentence(p, 1.30, first_sentence, sizeof first_sentence / sizeof first_sentence[0]);
     add_sentence(p, 4.95, second_sentence, sizeof second_sentence / sizeof second_sentence[0]);
     add_brow_lifts(p);
@@ -199,6 +199,60 @@ static void author(performance *p)
     add_fist(p);
     add_slow_moves(p);
 }
+
+/* ---- the left hand's ---- */
+
+static const syllable first_answer[] = {
+    {0.31, 0.70}, {0.24, 0.95}, {0.22, 0.50}, {0.34, 0.85}, {0.21, 0.40},
+    {0.27, 0.75}, {0.29, 1.00}, {0.23, 0.55}, {0.36, 0.80},
+};
+static const syllable second_answer[] = {
+    {0.26, 0.85}, {0.21, 0.45}, {0.30, 0.70}, {0.24, 0.95}, {0.22, 0.60},
+    {0.28, 0.80}, {0.20, 0.40}, {0.33, 1.00}, {0.25, 0.50}, {0.35, 0.90},
+};
+
+static void add_answering_lifts(performance *p)
+{
+    add_finger_stroke(p, 2, (timing){4.20, 0.26, 0.20, 0.34}, -0.40, -0.30);
+    add_finger_stroke(p, 0, (timing){8.95, 0.24, 0.30, 0.34}, -0.54, -0.30);
+}
+
+/* All fingers stretch, the little one furthest, and stay while the other hand closes. */
+static void add_reach(performance *p)
+{
+    timing t = {10.60, 0.62, 2.35, 0.85};
+    add_hand_stroke(p, t, -0.44, -0.34);
+    add_finger_stroke(p, 3, (timing){12.55, 0.40, 0.40, 0.55}, -0.26, -0.20);
+    add_stroke(p, LITTLE_ABD, t, 0.24);
+    add_stroke(p, RING_ABD, t, 0.14);
+    add_stroke(p, THUMB_ABD, (timing){12.30, 0.50, 0.55, 0.60}, 0.24);
+    add_stroke(p, ROLL, t, -0.40);
+    add_stroke(p, PITCH, t, 0.10);
+}
+
+/* The wave runs from the index finger outwards, and ends in half a fist. */
+static void add_slow_answer(performance *p)
+{
+    add_finger_stroke(p, 0, (timing){14.75, 0.85, 0.30, 0.90}, -0.46, -0.30);
+    add_finger_stroke(p, 1, (timing){15.20, 0.80, 0.25, 0.90}, -0.36, -0.28);
+    add_finger_stroke(p, 2, (timing){15.60, 0.80, 0.25, 0.85}, -0.30, -0.22);
+    add_finger_stroke(p, 3, (timing){15.95, 0.75, 0.30, 0.80}, -0.44, -0.36);
+    add_hand_stroke(p, (timing){17.10, 0.50, 0.30, 0.60}, 0.34, 0.50);
+    add_stroke(p, THUMB_ABD, (timing){15.00, 0.90, 0.40, 1.00}, 0.20);
+    add_stroke(p, ROLL, (timing){17.15, 0.45, 0.30, 0.60}, 0.22);
+    add_stroke(p, YAW, (timing){15.10, 1.20, 0.20, 1.40}, -0.08);
+}
+
+static void author_left(performance *p)
+{
+    add_sentence(p, 1.44, first_answer, sizeof first_answer / sizeof first_answer[0]);
+    add_sentence(p, 5.12, second_answer, sizeof second_answer / sizeof second_answer[0]);
+    add_answering_lifts(p);
+    add_reach(p);
+    add_slow_answer(p);
+}
+
+/* ---- in time ---- */
 
 /* Flash and Hogan 1985: the smoothest way from 0 to 1. */
 static double minimum_jerk(double s)
@@ -306,28 +360,45 @@ static void write_angle(FILE *out, int32_t hundred_thousandths)
         fprintf(out, ",%s%d.%05d", sign, magnitude / 100000, magnitude % 100000);
 }
 
-static void write_header(FILE *out)
+typedef struct part {
+    const char *side, *about;
+    uint64_t seed;
+    void (*author)(performance *p);
+} part;
+
+static const part parts[2] = {
+    {"right",
+     "# Rests, talks in two sentences, lifts the index finger twice, spreads, makes a fist,\n"
+     "# moves slowly, rests.",
+     20141128, author_right},
+    {"left",
+     "# Rests, talks along in its own words, lifts the ring and the index finger, reaches out,\n"
+     "# moves slowly, makes half a fist, rests.",
+     20141129, author_left},
+};
+
+static void write_header(FILE *out, const part *hand)
 {
-    fputs("# marotte log: a right hand performs for 20 s. Written by plugins/log/demo_hand.c.\n"
-          "# Rests, talks in two sentences, lifts the index finger twice, spreads, makes a fist,\n"
-          "# moves slowly, rests. Distal joints are not measured: they are estimated.\n"
-          "time_s",
-          out);
+    fprintf(out,
+            "# marotte log: a %s hand performs for 20 s. Written by plugins/log/demo_hand.c.\n"
+            "%s Distal joints are not measured: they are estimated.\n"
+            "time_s",
+            hand->side, hand->about);
     for (int i = 0; i < SENSOR_COUNT; ++i)
-        fprintf(out, ",right.%s", sensors[i].name);
+        fprintf(out, ",%s.%s", hand->side, sensors[i].name);
     fputs("\nunit", out);
     for (int i = 0; i < SENSOR_COUNT; ++i)
         fputs(",rad", out);
     fputc('\n', out);
 }
 
-static void write_records(FILE *out)
+static void write_records(FILE *out, const part *hand)
 {
-    performance p;
+    performance p = {.count = 0};
     glove g;
     memset(&g, 0, sizeof g);
-    g.random = SEED;
-    author(&p);
+    g.random = hand->seed;
+    hand->author(&p);
     for (int k = 0; k < RECORD_COUNT; ++k) {
         double time_s = (double)k / RATE_HZ, angle_rad[SENSOR_COUNT];
         pose_at(&p, time_s, angle_rad);
@@ -342,16 +413,20 @@ static void write_records(FILE *out)
 int main(int argument_count, char **arguments)
 {
     FILE *out = stdout;
-    if (argument_count > 2) {
-        fputs("usage: demo_hand [FILE]\n", stderr);
+    const part *hand = NULL;
+    for (int i = 0; i < 2 && argument_count > 1; ++i)
+        if (strcmp(arguments[1], parts[i].side) == 0)
+            hand = &parts[i];
+    if (!hand || argument_count > 3) {
+        fputs("usage: demo_hand right|left [FILE]\n", stderr);
         return 2;
     }
-    if (argument_count == 2 && !(out = fopen(arguments[1], "wb"))) {
-        fprintf(stderr, "demo_hand: cannot write %s\n", arguments[1]);
+    if (argument_count == 3 && !(out = fopen(arguments[2], "wb"))) {
+        fprintf(stderr, "demo_hand: cannot write %s\n", arguments[2]);
         return 1;
     }
-    write_header(out);
-    write_records(out);
+    write_header(out, hand);
+    write_records(out, hand);
     int failed = ferror(out);
     if (fclose(out) != 0 || failed) {
         fputs("demo_hand: the file is not complete\n", stderr);

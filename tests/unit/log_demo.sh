@@ -1,8 +1,18 @@
 #!/usr/bin/env bash
-# demo_hand.csv is, byte for byte, what demo_hand writes; and it stays small.
+# The demo recordings are, byte for byte, what demo_hand writes; they stay small; and the left hand
+# has a part of its own.
 set -u
-fresh=$BUILD_DIR/tests/unit/demo_hand.csv
-"$BUILD_DIR/plugins/demo_hand" "$fresh" || exit 1
-cmp "$fresh" "$SOURCE_DIR/plugins/log/demo_hand.csv" || exit 1
-size=$(wc -c <"$fresh")
-[ "$size" -le 409600 ] || { echo "demo_hand.csv has $size bytes, more than 400 KB"; exit 1; }
+demo() { # hand, file
+    local fresh=$BUILD_DIR/tests/unit/$2 size
+    "$BUILD_DIR/plugins/demo_hand" "$1" "$fresh" || exit 1
+    cmp "$fresh" "$SOURCE_DIR/plugins/log/$2" || exit 1
+    size=$(wc -c <"$fresh")
+    [ "$size" -le 409600 ] || { echo "$2 has $size bytes, more than 400 KB"; exit 1; }
+}
+demo right demo_hand.csv
+demo left demo_left_hand.csv
+values() { grep '^[0-9]' "$BUILD_DIR/tests/unit/$1"; }
+[ "$(values demo_hand.csv | wc -l)" -eq "$(values demo_left_hand.csv | wc -l)" ] ||
+    { echo "the two hands do not perform equally long"; exit 1; }
+same=$(paste -d: <(values demo_hand.csv) <(values demo_left_hand.csv) | awk -F: '$1 == $2' | wc -l)
+[ "$same" -lt 200 ] || { echo "the left hand does what the right hand does in $same records"; exit 1; }
