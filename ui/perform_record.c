@@ -1,6 +1,7 @@
 #include "perform_record.h"
 #include "base/file.h"
 #include "base/text.h"
+#include "stage/take/taught.h"
 #include "stage/take/kept_solver.h"
 
 #include <stdio.h>
@@ -81,6 +82,9 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
         result = open_show(out, options->record, err);
     if (result < 0)
         return result;
+    out->performer = of->performer;
+    out->log = of->log;
+    taught_recall(out->show, layer_mapping(performer_layer(of->performer)), of->log);
     const char *texts[PERFORM_INPUTS_MAX];
     for (uint32_t i = 0; i < options->input_count; ++i)
         texts[i] = out->input_text[i];
@@ -149,6 +153,7 @@ mrt_result perform_record_end(perform_record *self, facts *told, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result >= 0)
         result = perform_sound_attach(&self->sound, self->take, told, err);
+    taught_keep_now(self->show, layer_mapping(performer_layer(self->performer)), self->log);
     writer_status status = writer_status_of(recorder_writer(self->recorder));
     error later = {""};
     mrt_result stopped = recorder_stop(self->recorder, &later);

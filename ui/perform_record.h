@@ -8,7 +8,9 @@
 
 typedef struct perform_record {
     show *show;
-    recorder *recorder; /* NULL: nothing is recorded */
+    recorder *recorder;   /* NULL: nothing is recorded */
+    performer *performer; /* that is recorded */
+    log_queue *log;
     perform_sound sound;
     char *input_text[PERFORM_INPUTS_MAX];
     char *calibration[2];

@@ -13,6 +13,8 @@ typedef struct layer_settings {
     hands_settings hands;
     double reach_mm; /* the guard: no vector leads further from `centre` */
     vec3 centre;
+    /* What the mapping was taught outlives a reset; false: as it was before this was so. */
+    bool keeps_taught;
 } layer_settings;
 
 /* [main] The mapping and `about` must outlive it; the mapping is activated and reset. */
@@ -21,6 +23,8 @@ CHECKED mrt_result layer_create(layer **out, instance *mapping, const mrt_face *
 void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
 
 void layer_reset(layer *self); /* as after create; parameters stay */
+/* [frame] The same; what the mapping was taught stays (MRT_STATE). */
+void layer_begin_anew(layer *self);
 
 /* The hands of all samples of the step, then the mapping, once. A step older than the last one
  * counts as simultaneous. `near`: of mrt_frame, what the last pull asked for. */

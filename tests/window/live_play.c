@@ -2,6 +2,7 @@
 #include "window/live_desk.h"
 
 #include "stage/take/kept_solver.h"
+#include "stage/take/taught.h"
 #include "stage/sequencer.h"
 
 static const writer_slate slate = {"1", "a", 0};
@@ -453,6 +454,128 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
 }
 
 /* What is seen of a take stays when the take goes. */
+/* ---- what a mapping was taught ---- */
+
+static bool has_performed(live_desk *d, void *data)
+{
+    live_status status;
+    live_status_of(d->live, &status);
+    return status.sample_count > *(const uint64_t *)data;
+}
+
+static void let_perform(live_desk *d, uint64_t samples)
+{
+    live_status status;
+    live_status_of(d->live, &status);
+    uint64_t until = status.sample_count + samples;
+    assert_true(desk_until(d, has_performed, &until));
+}
+
+static void add_poses(live_desk *d)
+{
+    char path[DESK_PATH], text[DESK_PATH + 64];
+    error err = {""};
+    snprintf(path, sizeof path, "%s/plugins/poses.so", BUILD_DIR);
+    desk_must(plugin_list_add(&d->plugins, path, &err), &err);
+    desk_must(live_set_mapping(d->live, "poses", &err), &err);
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    desk_must(desk_add_input(d, text, &err), &err);
+    let_perform(d, 60);
+}
+
+static void press(live_desk *d, const char *group)
+{
+    instance *mapping = live_mapping(d->live);
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        if (strcmp(mapping->type->params[i].group, group) == 0 &&
+            mapping->type->params[i].flags & MRT_PARAM_TRIGGER) {
+            instance_trigger(mapping, i);
+            return;
+        }
+    fail_msg("%s has no button to teach", mapping->type->id);
+}
+
+enum { NOTE = 2 * TAUGHT_BYTES_MAX + 1 };
+
+static char *note_of(live_desk *d)
+{
+    error err = {""};
+    char *out = calloc(NOTE, 1);
+    live_cast_keep_taught(d->live);
+    desk_must(show_note_read(d->show, "taught.org.marotte.poses", out, NOTE, &err), &err);
+    return out;
+}
+
+static void what_was_taught_stays_with_the_take_and_the_show(void **state)
+{
+    (void)state;
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    edit *edits;
+    uint32_t count, frames = 0, compared = 0;
+    film_frame *frame = calloc(FRAMES_MAX, sizeof *frame);
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
+    add_poses(&d);
+    char *shipped = note_of(&d);
+    press(&d, "Teach");
+    let_perform(&d, 30);
+    char *taught = note_of(&d);
+    assert_true(taught[0] && strcmp(taught, shipped) != 0);
+    live_neutral(d.live); /* which resets the mapping */
+    let_perform(&d, 100);
+    char *after_reset = note_of(&d);
+    assert_string_equal(after_reset, taught);
+    show_take_on(&d, id, &t);
+    ease(&d);
+    const live_over over = {.passes = 1};
+    desk_must(live_record_over(d.live, &over, &err), &err);
+    int64_t until_ns = clock_now_ns() + 1000 * NS_PER_MS;
+    while (clock_now_ns() < until_ns || frames < 10) {
+        desk_frame(&d);
+        bool is_new = frames == 0 || frame[frames - 1].at_ns != d.view->at_ns;
+        if (d.view->mode != LIVE_OVERDUBS || !is_new || frames == FRAMES_MAX)
+            continue;
+        frame[frames].at_ns = d.view->at_ns;
+        frame[frames++].hash = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+    }
+    desk_must(live_record_end(d.live, &err), &err);
+    if (!live_take_over(d.live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    apply_edits(&d, &t, edits, count);
+    projector alone;
+    project(&d, &t, &alone);
+    for (uint32_t i = 0; i < frames; ++i) {
+        if (frame[i].at_ns < t.layer[1].clip[0].start_ns ||
+            frame[i].at_ns >= t.layer[1].clip[0].end_ns)
+            continue;
+        compared += 1;
+        if (projected(&d, &alone, frame[i].at_ns) != frame[i].hash)
+            fail_msg("face %u of %u, at %.4f s, is another one", i, frames,
+                     (double)frame[i].at_ns / 1e9);
+    }
+    assert_true(compared > frames / 2);
+    pack_up(&alone);
+    char *after_over = note_of(&d);
+    assert_string_equal(after_over, taught);
+    /* Another session of the show. */
+    desk_stop_live(&d);
+    const live_settings settings = {.plugins = &d.plugins,
+                                    .log = d.log,
+                                    .show = d.show,
+                                    .face = &d.face,
+                                    .face_path = d.face_path,
+                                    .mapping = "poses"};
+    desk_must(live_start(&d.live, &settings, &err), &err);
+    char *another_session = note_of(&d);
+    assert_string_equal(another_session, taught);
+    free(shipped), free(taught), free(after_reset), free(after_over), free(another_session);
+    free(frame);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
 static void seen_face_is_described_by_the_stage_alone(void **state)
 {
     (void)state;
@@ -480,6 +603,7 @@ int main(void)
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
         cmocka_unit_test(what_a_take_needs_is_opened_beside_the_frame_thread),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
+        cmocka_unit_test(what_was_taught_stays_with_the_take_and_the_show),
         cmocka_unit_test(seen_face_is_described_by_the_stage_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

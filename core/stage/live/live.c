@@ -52,6 +52,8 @@ static mrt_result set_stage(live *self, error *err)
     live_own_solver(self, s->solver);
     mrt_result result = live_mapping_create(&self->role, s->mapping, s->plugins, s->log, err);
     if (result >= 0)
+        taught_recall(self->show, &self->role->instance, s->log);
+    if (result >= 0)
         result = live_scene_create(self, s->face, s->face_path, s->unit_mm, self->role,
                                    &self->scene, err);
     if (result < 0)

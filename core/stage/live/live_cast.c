@@ -173,6 +173,53 @@ mrt_result live_cast_anew(live *self, error *err)
     return result;
 }
 
+/* ---- what the mapping was taught ---- */
+
+typedef struct taught {
+    unsigned char bytes[TAUGHT_BYTES_MAX];
+    size_t size;
+} taught;
+
+static mrt_result save_taught(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    taught *out = data;
+    out->size = taught_save(layer_mapping(performer_layer(stage->scene->performer)), out->bytes,
+                            sizeof out->bytes);
+    return MRT_OK;
+}
+
+/* To be freed; NULL: it was taught nothing, or no memory. */
+static taught *fetch_taught(live *self)
+{
+    error ignored = {""};
+    taught *out = malloc(sizeof *out);
+    if (out && live_ask(self, save_taught, out, &ignored) >= 0 && out->size > 0)
+        return out;
+    free(out);
+    return NULL;
+}
+
+/* For another instance of it, on another face. */
+static void teach(live *self, live_mapping_role *role)
+{
+    error ignored = {""};
+    taught *t = fetch_taught(self);
+    if (t && taught_load(&role->instance, t->bytes, t->size, &ignored) < 0)
+        log_push(self->settings.log, MRT_LOG_WARNING, "stage",
+                 "the mapping does not take what it was taught over to this face");
+    free(t);
+}
+
+void live_cast_keep_taught(live *self)
+{
+    error err = {""};
+    taught *t = self->show && self->scene && self->scene->performer ? fetch_taught(self) : NULL;
+    if (t && taught_keep(self->show, self->role->instance.type, t->bytes, t->size, &err) < 0)
+        log_push(self->settings.log, MRT_LOG_WARNING, "show", err.text);
+    free(t);
+}
+
 /* ---- the mapping ---- */
 
 /* MRT_HOLD: one comes already; later. */
@@ -247,6 +294,8 @@ mrt_result live_set_mapping(live *self, const char *text, error *err)
         result = live_mapping_create(&role, text, self->settings.plugins, self->settings.log, err);
     if (result < 0)
         return result;
+    live_cast_keep_taught(self);
+    taught_recall(self->show, &role->instance, self->settings.log);
     result = activate(self, role, err);
     if (result < 0) {
         live_mapping_destroy(role);
@@ -267,39 +316,6 @@ instance *live_mapping(live *self)
 }
 
 /* ---- another face ---- */
-
-/* What a mapping was taught, for another instance of it. */
-typedef struct taught {
-    unsigned char *bytes;
-    size_t capacity, size;
-} taught;
-
-static mrt_result save_taught(live_stage *stage, void *data, error *err)
-{
-    (void)err;
-    taught *out = data;
-    instance *now = layer_mapping(performer_layer(stage->scene->performer));
-    const mrt_state *state = plugin_interface(now->type, MRT_STATE);
-    out->size = state ? state->save(now->self, out->bytes, out->capacity) : 0;
-    if (out->size > out->capacity)
-        out->size = 0;
-    return MRT_OK;
-}
-
-static mrt_result teach(live *self, live_mapping_role *role, error *err)
-{
-    taught t = {.capacity = (size_t)1 << 20};
-    t.bytes = malloc(t.capacity);
-    if (!t.bytes)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for a mapping");
-    mrt_result result = live_ask(self, save_taught, &t, err);
-    const mrt_state *state = plugin_interface(role->instance.type, MRT_STATE);
-    if (result >= 0 && t.size > 0 && state && state->load(role->instance.self, t.bytes, t.size) < 0)
-        log_push(self->settings.log, MRT_LOG_WARNING, "stage",
-                 "the mapping does not take what it was taught over to this face");
-    free(t.bytes);
-    return result;
-}
 
 static mrt_result switch_scene(live_stage *stage, void *data, error *err)
 {
@@ -349,10 +365,9 @@ static mrt_result set_scene(live *self, const face_file *file, const char *path,
         return result;
     live_mapping_copy_params(&role->instance, live_mapping_now(last));
     if (last == self->role)
-        result = teach(self, role, err);
+        teach(self, role);
     drop_coming(self);
-    if (result >= 0)
-        result = live_scene_create(self, file, path, unit_mm, role, &scene, err);
+    result = live_scene_create(self, file, path, unit_mm, role, &scene, err);
     live_change c = {.scene = scene, .role = role};
     if (result >= 0) {
         const recorder_settings as = cast_settings(self, scene, role, true);

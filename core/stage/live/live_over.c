@@ -24,7 +24,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     sequencer *s = stage->timeline->sequencer;
     layer *of = performer_layer(stage->scene->performer);
     const sequencer_live performs = {of, b->owned, b->is_additive};
-    layer_reset(of);
+    layer_begin_anew(of);
     sequencer_set_live(s, &performs);
     sequencer_weigh_live(s, 0.0);
     b->cast = recorder_change(stage->recorder, b->cast);

@@ -58,6 +58,7 @@ mrt_result live_record_stop(live *self, error *err)
     if (self->status.is_recording)
         result = live_record_end(self, err);
     live_sound_stop(self);
+    live_cast_keep_taught(self);
     (void)!live_ask(self, leave_recorder, NULL, &ignored);
     mrt_result stopped = recorder_stop(self->recorder, result < 0 ? &ignored : err);
     self->recorder = NULL;

@@ -10,6 +10,7 @@
 #include "stage/player.h"
 #include "stage/recorder.h"
 #include "stage/sequencer.h"
+#include "stage/take/taught.h"
 #include "stage/tap.h"
 
 #include <pthread.h>
@@ -260,6 +261,8 @@ CHECKED mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err
 void live_cast_dismiss(live *self, live_change *c); /* what has ended, or was not needed */
 /* Another performance begins, as things are now. */
 CHECKED mrt_result live_cast_anew(live *self, error *err);
+/* What the mapping was taught becomes a note of the show, for another session. */
+void live_cast_keep_taught(live *self);
 void live_cast_watch(live *self); /* the mapping's library, if it has one */
 void live_cast_update(live *self);
 

@@ -1,6 +1,7 @@
 #include "stage/perform/layer_state.h"
 #include "base/clock.h"
 #include "stage/mapping/plugins.h"
+#include "stage/take/taught.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,6 +13,24 @@ static void let_bones_go(mrt_pull *pull)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         pull->dof[i] = NAN;
+}
+
+/* What it was taught by now is what a reset returns to. */
+static void keep_taught(layer *self)
+{
+    error ignored = {""};
+    unsigned char *bytes = self->room->taught;
+    if (!self->settings.keeps_taught || !bytes)
+        return;
+    size_t size = taught_save(self->mapping, bytes, TAUGHT_BYTES_MAX);
+    if (size > 0 && taught_load(self->mapping, bytes, size, &ignored) < 0)
+        return;
+}
+
+void layer_begin_anew(layer *self)
+{
+    keep_taught(self);
+    layer_reset(self);
 }
 
 void layer_reset(layer *self)
@@ -36,7 +55,10 @@ layer_room *layer_room_create(const instance *mapping)
         return NULL;
     room->last_params = calloc(count, sizeof *room->last_params);
     room->stored_params = calloc(count, sizeof *room->stored_params);
-    if (room->last_params && room->stored_params)
+    bool learns = plugin_interface(mapping->type, MRT_STATE) != NULL;
+    if (learns)
+        room->taught = malloc(TAUGHT_BYTES_MAX);
+    if (room->last_params && room->stored_params && (room->taught || !learns))
         return room;
     layer_room_destroy(room);
     return NULL;
@@ -48,6 +70,7 @@ void layer_room_destroy(layer_room *room)
         return;
     free(room->last_params);
     free(room->stored_params);
+    free(room->taught);
     free(room);
 }
 
@@ -381,6 +404,7 @@ static void begin_anew(layer *self)
     self->resets = false;
     layer_cut(self);
     let_bones_go(&self->pull);
+    keep_taught(self);
     self->functions->reset(self->mapping->self);
 }
 

@@ -8,6 +8,8 @@
 struct layer_room {
     double *last_params;   /* of the sample before */
     double *stored_params; /* while a state is loaded */
+    unsigned char
+        *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
 };
 
 /* From one who pulls to another. */

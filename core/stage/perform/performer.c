@@ -38,7 +38,7 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     mrt_result result = composer_create(&self->composer, file, &settings->solver, err);
     if (result < 0)
         goto fail;
-    layer_settings guard = {.hands.rezero_pedal = settings->rezero_pedal};
+    layer_settings guard = {.hands.rezero_pedal = settings->rezero_pedal, .keeps_taught = true};
     for (int side = 0; side < 2; ++side)
         guard.hands.length_mm[side] = settings->hand_length_mm > 0 ? settings->hand_length_mm
                                                                    : settings->side_length_mm[side];

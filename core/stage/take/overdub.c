@@ -49,7 +49,7 @@ static mrt_result create_live(overdub *self, error *err)
 {
     const overdub_settings *s = &self->settings;
     composer *shown = sequencer_composer(self->sequencer);
-    layer_settings guard = {.hands.rezero_pedal = s->rezero_pedal};
+    layer_settings guard = {.hands.rezero_pedal = s->rezero_pedal, .keeps_taught = true};
     for (int side = 0; side < 2; ++side)
         guard.hands.length_mm[side] =
             s->hand_length_mm > 0 ? s->hand_length_mm : s->side_length_mm[side];
@@ -93,6 +93,7 @@ static mrt_result create_recorder(overdub *self, error *err)
         .unit_mm = s->unit_mm,
         .hand_length_mm = s->hand_length_mm,
         .rezero_pedal = s->rezero_pedal,
+        .state_bytes = SOURCE_STATE_MIN,
     };
     mrt_result result = recorder_start(&self->recorder, &settings, err);
     if (result < 0)
@@ -116,8 +117,10 @@ static mrt_result create(overdub *self, error *err)
     result = sequencer_create(&self->sequencer, &playing, &self->take, err);
     if (result >= 0)
         result = sequencer_seek(self->sequencer, self->run.start_ns, err);
-    if (result >= 0)
+    if (result >= 0) {
+        taught_recall(s->show, s->mapping, s->log);
         result = create_live(self, err);
+    }
     if (result >= 0)
         result = create_recorder(self, err);
     return result;
@@ -228,6 +231,7 @@ mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result < 0)
         return result;
+    taught_keep_now(self->settings.show, layer_mapping(self->layer), self->settings.log);
     edit_store *store = NULL;
     history *h = NULL;
     result = edit_store_open(&store, self->settings.show, self->settings.take, clock_utc_ms, err);

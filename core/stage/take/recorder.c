@@ -174,14 +174,13 @@ writer *recorder_writer(recorder *self)
 static void keep_state(recorder *self, int64_t time_ns)
 {
     recorder_cast *cast = self->cast;
-    if (!cast->performer)
-        return;
     void *buffer = writer_checkpoint_buffer(self->writer);
     size_t capacity = self->state_capacity;
     if (!buffer)
         return; /* the disk does not keep up: the next one then */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
-    size_t size = source_keep(cast->performer, offset_ns, buffer, capacity);
+    size_t size =
+        source_keep(layer_mapping(cast->layer), cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
     writer_checkpoint(self->writer, cast->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
@@ -199,7 +198,8 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
         return result;
     self->has_begun = true;
     self->checkpoint_ns = time_ns;
-    if (goes_on) /* it does not start at rest */
+    bool is_taught = taught_save(layer_mapping(self->cast->layer), NULL, 0) > 0;
+    if (is_taught || (goes_on && self->cast->performer)) /* it does not start at rest */
         keep_state(self, time_ns - 1);
     return MRT_OK;
 }

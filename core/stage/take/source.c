@@ -38,6 +38,10 @@ struct source {
     take_event *event;   /* of the whole performance, by time */
     size_t event_count, next_event;
     int64_t now_ns;
+    unsigned char
+        *taught; /* what its mapping had been taught when it began; NULL: it learns nothing */
+    size_t taught_size;
+    bool keeps_taught;   /* it was recorded by a program that keeps it when it resets */
     bool is_same_plugin; /* stored states are of this very library */
     error damage;        /* what of it was told last */
     char note[NOTE];
@@ -245,6 +249,63 @@ static void schedule_tracks(source *self)
     }
 }
 
+/* ---- what its mapping was taught ---- */
+
+/* Of a kept state: what its mapping had been taught, and the rest. */
+typedef struct kept_parts {
+    int64_t show_offset_ns;
+    const unsigned char *taught, *state;
+    size_t taught_size, state_size;
+} kept_parts;
+
+enum { WITHOUT_TAUGHT = 2 }; /* version */
+
+static bool take_apart(kept_parts *out, const show_checkpoint *kept)
+{
+    *out = (kept_parts){0};
+    if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > SOURCE_CHECKPOINT_VERSION)
+        return false;
+    bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
+    bytes_take(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
+    if (kept->version > WITHOUT_TAUGHT)
+        out->taught_size = bytes_take_u32(&in);
+    if (in.failed || out->taught_size > (size_t)(in.end - in.at))
+        return false;
+    out->taught = in.at;
+    out->state = in.at + out->taught_size;
+    out->state_size = (size_t)(in.end - out->state);
+    return true;
+}
+
+/* As it was when the performance began: what a reset leads back to. */
+static mrt_result read_taught(source *self, error *err)
+{
+    show_checkpoint kept;
+    kept_parts parts;
+    const take_performance *p = &self->info.performance;
+    if (!plugin_interface(self->mapping.type, MRT_STATE))
+        return MRT_OK;
+    mrt_result result = show_checkpoint_before(self->world.show, p->again.of ? p->again.of : p->id,
+                                               self->info.from_ns, &kept, err);
+    if (result == MRT_ERR_FORMAT)
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    else if (result < 0)
+        return result;
+    error why = {""};
+    if (result >= 0 && take_apart(&parts, &kept) && parts.taught_size > 0) {
+        self->keeps_taught = true;
+        if (taught_load(&self->mapping, parts.taught, parts.taught_size, &why) < 0)
+            log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
+    }
+    if (result >= 0)
+        show_checkpoint_finish(&kept);
+    self->taught_size = taught_save(&self->mapping, NULL, 0);
+    self->taught = self->taught_size > 0 ? malloc(self->taught_size) : NULL;
+    if (self->taught)
+        (void)taught_save(&self->mapping, self->taught, self->taught_size);
+    return MRT_OK;
+}
+
 /* ---- opened and closed ---- */
 
 mrt_result source_open(source **out, const source_world *world, int64_t performance, error *err)
@@ -264,7 +325,9 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     if (result < 0)
         goto fail;
     set_first_params(self);
-    result = open_tracks(self, err);
+    result = read_taught(self, err);
+    if (result >= 0)
+        result = open_tracks(self, err);
     if (result < 0)
         goto fail;
     schedule_tracks(self);
@@ -272,7 +335,8 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
                                .hands.min_cutoff_hz = p->again.min_cutoff_hz,
                                .hands.has_beta = p->again.has_beta,
-                               .hands.beta = p->again.beta};
+                               .hands.beta = p->again.beta,
+                               .keeps_taught = self->keeps_taught};
     for (int side = 0; side < 2; ++side)
         settings.hands.length_mm[side] =
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
@@ -300,6 +364,7 @@ void source_close(source *self)
     instance_destroy(&self->mapping);
     isolate_destroy(self->isolate);
     free(self->event);
+    free(self->taught);
     show_performance_finish(&self->info);
     free(self);
 }
@@ -398,25 +463,22 @@ static mrt_result position(source *self, error *err)
 
 static mrt_result rewind_all(source *self, error *err)
 {
+    error why = {""};
     self->now_ns = INT64_MIN;
     set_first_params(self);
+    if (self->taught && taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
+        log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     layer_reset(self->layer);
     composer_reset(self->world.scratch);
     return position(self, err);
 }
 
 /* Takes up what source_keep has written. */
-static mrt_result take_up(source *self, const show_checkpoint *kept, composer *into, error *err)
+static mrt_result take_up(source *self, const kept_parts *kept, composer *into, error *err)
 {
-    bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
-    int64_t show_offset_ns;
-    bytes_take(&in, &show_offset_ns, sizeof show_offset_ns);
-    if (in.failed)
-        return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
-    mrt_result result =
-        performer_load_into(self->layer, into, in.at, (size_t)(in.end - in.at), err);
+    mrt_result result = performer_load_into(self->layer, into, kept->state, kept->state_size, err);
     if (result >= 0)
-        layer_shift_time(self->layer, show_offset_ns);
+        layer_shift_time(self->layer, kept->show_offset_ns);
     return result;
 }
 
@@ -433,9 +495,9 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
         return MRT_HOLD; /* damaged: the samples themselves tell it too */
     if (result < 0)
         return result;
-    bool is_wanted =
-        kept.bytes && kept.version == SOURCE_CHECKPOINT_VERSION && kept.time_ns >= least_ns;
-    bool is_usable = is_wanted && take_up(self, &kept, into, &ignored) >= 0;
+    kept_parts parts;
+    bool is_wanted = kept.time_ns >= least_ns && take_apart(&parts, &kept) && parts.state_size > 0;
+    bool is_usable = is_wanted && take_up(self, &parts, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
     show_checkpoint_finish(&kept);
     if (!is_wanted)
@@ -464,14 +526,19 @@ mrt_result source_seek(source *self, int64_t time_ns, error *err)
 
 /* ---- kept ---- */
 
-size_t source_keep(performer *of, int64_t show_offset_ns, void *bytes, size_t capacity)
+size_t source_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
+                   size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    size_t size = performer_save(of, NULL, 0);
-    if (size == 0)
+    size_t taught = taught_save(mapping, NULL, 0), size = of ? performer_save(of, NULL, 0) : 0;
+    if (size == 0 && taught == 0)
         return 0;
     bytes_put(&out, &show_offset_ns, sizeof show_offset_ns);
-    if (out.data && size <= out.capacity && out.size <= out.capacity - size)
+    bytes_put_u32(&out, (uint32_t)taught);
+    if (out.data && taught > 0 && taught <= out.capacity - out.size)
+        (void)taught_save(mapping, out.data + out.size, taught);
+    out.size += taught;
+    if (out.data && size > 0 && out.size <= out.capacity && size <= out.capacity - out.size)
         performer_save(of, out.data + out.size, size);
     return out.size + size;
 }

@@ -6,6 +6,7 @@
 #define MAROTTE_STAGE_SOURCE_H
 #include "stage/performer.h"
 #include "stage/mapping/plugins.h"
+#include "stage/take/taught.h"
 #include "take/show.h"
 
 /* What all sources of a take share; must outlive them. */
@@ -17,10 +18,14 @@ typedef struct source_world {
 } source_world;
 
 /* How stored states are told from those of another way to keep them (show_checkpoint.version). */
-enum { SOURCE_CHECKPOINT_VERSION = 2 };
-/* [frame] The state of a performance that is recorded, for source_recall; as performer_save.
- * show_offset_ns: what its clock lacks to show time. */
-size_t source_keep(performer *of, int64_t show_offset_ns, void *bytes, size_t capacity);
+enum { SOURCE_CHECKPOINT_VERSION = 3 };
+/* [frame] The state of a performance that is recorded, for source_recall: what its mapping was
+ * taught, and of a performer that alone moves its face all that frames to come depend on; NULL:
+ * others move it too. show_offset_ns: what its clock lacks to show time. Returns the size that it
+ * takes, at most `capacity` are written; 0: there is nothing to keep. */
+enum { SOURCE_STATE_MIN = TAUGHT_BYTES_MAX + 64 }; /* room for what was taught alone */
+size_t source_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
+                   size_t capacity);
 
 typedef struct source source;
 
