@@ -1,107 +1,14 @@
-#include "face/bind.h"
-#include "face/rig_check.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+/* A rig from bytes: whatever they are, they are read or refused with a reason, and what was read
+ * can be laid on a mesh or is refused with a reason. */
+#include "fuzz_rig.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void require(bool holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "does not hold: %s\n", what);
-    abort();
-}
-
-enum { SIDE = 5, VERTICES = SIDE * SIDE };
-
-/* A grid of quads, joined up and across: enough for every selector. */
-typedef struct grid {
-    mesh m;
-    topology t;
-    uint32_t neighbour_start[VERTICES + 1], neighbour[VERTICES * 4];
-    uint8_t on_border[VERTICES];
-} grid;
-
-static void link_grid(grid *g)
-{
-    uint32_t count = 0;
-    for (uint32_t v = 0; v < VERTICES; ++v) {
-        g->neighbour_start[v] = count;
-        if (v >= SIDE)
-            g->neighbour[count++] = v - SIDE;
-        if (v % SIDE > 0)
-            g->neighbour[count++] = v - 1;
-        if (v % SIDE < SIDE - 1)
-            g->neighbour[count++] = v + 1;
-        if (v + SIDE < VERTICES)
-            g->neighbour[count++] = v + SIDE;
-    }
-    g->neighbour_start[VERTICES] = count;
-    g->t = (topology){.vertex_count = VERTICES,
-                      .neighbour_start = g->neighbour_start,
-                      .neighbour = g->neighbour,
-                      .on_border = g->on_border};
-}
-
-static grid *the_grid(void)
-{
-    static grid *made;
-    if (made)
-        return made;
-    error err;
-    made = calloc(1, sizeof *made);
-    require(made && mesh_create(&made->m, VERTICES, (SIDE - 1) * (SIDE - 1), &err) == MRT_OK,
-            "memory");
-    for (uint32_t v = 0; v < VERTICES; ++v) {
-        made->m.position[v * 3 + 0] = 20.0f * (float)(v % SIDE) - 40.0f;
-        made->m.position[v * 3 + 1] = 20.0f * (float)(v / SIDE) - 40.0f;
-    }
-    for (uint32_t i = 0; i < (SIDE - 1) * (SIDE - 1); ++i) {
-        uint32_t corner = i / (SIDE - 1) * SIDE + i % (SIDE - 1);
-        const uint32_t triangle[3] = {corner, corner + 1, corner + SIDE};
-        memcpy(made->m.triangle + (size_t)i * 3, triangle, sizeof triangle);
-    }
-    link_grid(made);
-    return made;
-}
-
-static void check_indices(const rig *r)
-{
-    for (uint32_t i = 0; i < r->bone_count; ++i)
-        require(r->bone[i].parent == RIG_NONE || r->bone[i].parent < i, "parents come first");
-    for (uint32_t i = 0; i < r->contact_count; ++i) {
-        uint32_t mirror = r->contact[i].mirror;
-        require(mirror == RIG_NONE || (mirror < r->contact_count && r->contact[mirror].mirror == i),
-                "mirrors point back");
-    }
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        for (uint32_t k = 0; k < r->pose[i].pull_count; ++k)
-            require(r->pose[i].pull_contact[k] < r->contact_count, "pulls pull contacts");
-}
-
-/* What was read can be laid on a mesh, or is refused with a reason. */
-static void check_use(const rig *r)
-{
-    grid *g = the_grid();
-    bind_marks marks;
-    rig_findings findings;
-    error err = {""};
-    mrt_result result = bind_marks_create(&marks, r, &g->m, &g->t, &err);
-    require(result == MRT_OK || err.text[0] != '\0', "a reason");
-    if (result == MRT_OK)
-        bind_marks_destroy(&marks);
-    require(rig_check(&findings, r, &g->m, &g->t, NULL, &err) == MRT_OK, "a check");
-    require(result == MRT_OK || rig_findings_count(&findings, RIG_ERROR) > 0, "it is found");
-    rig_findings_finish(&findings);
-}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     rig r;
     error err = {""};
+    const clock_t start = clock();
     if (rig_parse(&r, data, size, "fuzz", &err) < 0) {
         require(err.text[0] != '\0' && !strchr(err.text, '\n'), "one line of reason");
         require(!r.document && !r.bone && !r.note, "nothing is left on failure");
@@ -110,5 +17,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     check_indices(&r);
     check_use(&r);
     rig_destroy(&r);
+    fuzz_require_quick(start);
     return 0;
 }
