@@ -1,5 +1,7 @@
 #include "hand/calibration_folder.h"
 
+#include "base/text.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
@@ -187,7 +189,7 @@ static void describe(calibration_entry *out, const calibration_file *file, const
     if (!name[0]) {
         const char *own = file_name_of(path);
         size_t length = strlen(own) - strlen(".json");
-        (void)snprintf(name, sizeof name, "%.*s", (int)length, own);
+        text_copy(name, sizeof name, text_view_of(own, length));
     }
     (void)snprintf(out->date, sizeof out->date, "%s", file->date);
     (void)snprintf(out->label, sizeof out->label, "%s%s%.10s", name, file->date[0] ? ", " : "",

@@ -109,19 +109,11 @@ mrt_result json_place_pair(double out[2], const json_place *at, double low, doub
     return result;
 }
 
-static bool is_printable(const char *text, size_t length)
-{
-    for (size_t i = 0; i < length; ++i)
-        if ((unsigned char)text[i] < 0x20 || text[i] == 0x7f)
-            return false;
-    return true;
-}
-
 mrt_result json_place_text(char *out, size_t capacity, const json_place *at, error *err)
 {
     const char *text = json_string_value(at->value);
     size_t length = json_string_length(at->value);
-    if (!text || length >= capacity || !is_printable(text, length)) {
+    if (!text || length >= capacity || !text_is_printable(text_view_of(text, length))) {
         char expected[EXPECTED_TEXT];
         (void)snprintf(expected, sizeof expected,
                        "a text of at most %zu bytes without control characters", capacity - 1);

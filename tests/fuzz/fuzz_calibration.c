@@ -3,6 +3,8 @@
 #include "hand/calibration_file.h"
 #include "hand/virtualhand.h"
 
+#include "fuzz_text.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +22,7 @@ static void require(bool holds, const char *what)
 
 static void check_refusal(const calibration_file *file, const error *err)
 {
-    require(err->text[0] != '\0' && !strchr(err->text, '\n'), "one line of reason");
+    require(fuzz_is_reason(err->text), "one line of reason");
     require(!file->document && calibration_file_sensor_count(file) == 0, "nothing is left");
 }
 
@@ -29,6 +31,7 @@ static void check_use(const calibration_file *file)
     hand_calibration use;
     float raw[MRT_ANGLES], rad[MRT_ANGLES];
     calibration_file_use(file, &use);
+    require(fuzz_is_shown(file->name) && fuzz_is_shown(file->date), "names are shown");
     require(file->side <= MRT_RIGHT && memchr(file->name, 0, sizeof file->name) != NULL, "a name");
     for (int value = -1; value < 257; value += 43) {
         for (int i = 0; i < MRT_ANGLES; ++i)

@@ -2,6 +2,7 @@
  * run, or it is said why not. Cases that are long by their own measure (the engine's own time) are
  * read only. */
 #include "deform_case.h"
+#include "fuzz_text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,7 @@ static void check_run(const deform_case *c, deform_precision precision)
     double *out = calloc(numbers + 1, sizeof *out);
     require(out != NULL, "memory");
     if (deform_case_run(c, precision, out, &err) < 0)
-        require(err.text[0] != '\0' && !strchr(err.text, '\n'), "one line of reason");
+        require(fuzz_is_reason(err.text), "one line of reason");
     else
         for (size_t i = 0; i < numbers; ++i)
             require(isfinite(out[i]), "positions are finite");
@@ -38,11 +39,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     deform_case c;
     error err = {""};
     if (deform_case_read(&c, data, size, "fuzz.json", &err) < 0) {
-        require(strncmp(err.text, "fuzz.json", 9) == 0 && !strchr(err.text, '\n'),
+        require(strncmp(err.text, "fuzz.json", 9) == 0 && fuzz_is_reason(err.text),
                 "one line of reason");
         return 0;
     }
     require(c.tip_count > 0 && c.frame_count > 0 && c.point_count > 0, "a case has something");
+    require(fuzz_is_shown(c.unknown), "unknown keys are shown");
     const uint32_t centres = c.tip_count + c.skull_count + c.jaw_count;
     if (centres <= CENTRES_MAX && (uint64_t)centres * c.frame_count * c.point_count <= WORK_MAX) {
         check_run(&c, DEFORM_F64);

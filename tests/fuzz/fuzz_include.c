@@ -122,12 +122,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     path_of(path, names[0]);
     const clock_t start = clock();
     if (rig_read(&r, path, &err) < 0) {
-        require(err.text[0] != '\0' && !strchr(err.text, '\n'), "one line of reason");
+        require(fuzz_is_reason(err.text), "one line of reason");
         require(!r.document && !r.bone && !r.note, "nothing is left on failure");
         return 0;
     }
     require(!reads_outside(&r) || contains(data, size, secret), "nothing outside is read");
     check_indices(&r);
+    check_names(&r);
     check_use(&r);
     check_written(&r);
     rig_destroy(&r);

@@ -10,11 +10,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     error err = {""};
     const clock_t start = clock();
     if (rig_parse(&r, data, size, "fuzz", &err) < 0) {
-        require(err.text[0] != '\0' && !strchr(err.text, '\n'), "one line of reason");
+        require(fuzz_is_reason(err.text), "one line of reason");
         require(!r.document && !r.bone && !r.note, "nothing is left on failure");
         return 0;
     }
     check_indices(&r);
+    check_names(&r);
     check_use(&r);
     rig_destroy(&r);
     fuzz_require_quick(start);

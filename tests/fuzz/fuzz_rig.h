@@ -3,6 +3,7 @@
 #define MAROTTE_FUZZ_RIG_H
 #include "face/bind.h"
 #include "face/rig_check.h"
+#include "fuzz_text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -84,6 +85,30 @@ static inline void check_indices(const rig *r)
             require(r->pose[i].pull_contact[k] < r->contact_count, "pulls pull contacts");
 }
 
+/* All that is printed of it. */
+static inline void check_names(const rig *r)
+{
+    require(fuzz_is_reason(r->name) && fuzz_is_reason(r->mesh_path), "names are shown");
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        require(fuzz_is_reason(r->bone[i].name), "bones are shown");
+    for (uint32_t i = 0; i < r->region_count; ++i)
+        require(!r->region[i].name || fuzz_is_reason(r->region[i].name), "regions are shown");
+    for (uint32_t i = 0; i < r->contact_count; ++i)
+        require(fuzz_is_reason(r->contact[i].name), "contacts are shown");
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        require(fuzz_is_reason(r->pose[i].name), "poses are shown");
+    for (uint32_t i = 0; i < r->contact_set_count; ++i)
+        require(fuzz_is_reason(r->contact_set[i].name), "sets are shown");
+    for (const char *at = r->note; at && *at; ++at)
+        require(*at == '\n' || (*at & 0x60) != 0 || (*at & 0x80) != 0, "notes are shown");
+}
+
+static inline void check_findings(const rig_findings *findings)
+{
+    for (uint32_t i = 0; i < findings->count; ++i)
+        require(fuzz_is_reason(findings->item[i].text), "findings are shown");
+}
+
 /* What was read can be laid on a mesh, or is refused with a reason. */
 static inline void check_use(const rig *r)
 {
@@ -92,11 +117,12 @@ static inline void check_use(const rig *r)
     rig_findings findings;
     error err = {""};
     mrt_result result = bind_marks_create(&marks, r, &g->m, &g->t, &err);
-    require(result == MRT_OK || err.text[0] != '\0', "a reason");
+    require(result == MRT_OK || fuzz_is_reason(err.text), "one line of reason");
     if (result == MRT_OK)
         bind_marks_destroy(&marks);
     require(rig_check(&findings, r, &g->m, &g->t, NULL, &err) == MRT_OK, "a check");
     require(result == MRT_OK || rig_findings_count(&findings, RIG_ERROR) > 0, "it is found");
+    check_findings(&findings);
     rig_findings_finish(&findings);
 }
 

@@ -1,5 +1,6 @@
 /* The window's settings: whatever lies in the file, the window starts; what made no sense lies
  * aside, and is said. What is set is kept, beside what was there. */
+#include "fuzz_text.h"
 #include "window/settings.h"
 
 #include <stdio.h>
@@ -72,7 +73,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     settings *self = opened(note, sizeof note);
     require((note[0] != '\0') == (access(aside, F_OK) == 0),
             "what made no sense is aside, and said");
-    require(!strchr(note, '\n'), "one line");
+    require(fuzz_is_shown(note), "one line");
     (void)snprintf(key, sizeof key, "%.*s", (int)(size < 40 ? size : 40), (const char *)data);
     walk(self, "mapping", 0);
     walk(self, "looks", 0);

@@ -1,6 +1,7 @@
 #include "window/settings.h"
 
 #include "base/file.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -68,6 +69,7 @@ static void set_aside(settings *self, const char *why, char *out_note, size_t ca
                             : "the settings make no sense (%s): %s is not used, and the window "
                               "starts as new",
                    why, is_aside ? aside : self->path);
+    text_make_printable(out_note); /* why: with words of the file */
     free(aside);
 }
 

@@ -1,6 +1,7 @@
 #include "face/rig/rig_document.h"
 
 #include "base/file.h"
+#include "base/text.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -286,7 +287,8 @@ static mrt_result add_members(rig_document *d, rig_section section, const rig_no
          at = json_object_iter_next(value, at)) {
         const char *key = json_object_iter_key(at);
         rig_entry entry = {.node = rig_json_member(object, key), .name = key, .file = file};
-        if (key[0] == '\0' || strlen(key) > RIG_NAME_MAX)
+        if (key[0] == '\0' || strlen(key) > RIG_NAME_MAX ||
+            !text_is_printable(text_view_of(key, strlen(key))))
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: expected a name of 1 to %d letters as the key",
                              entry.node.place.text, RIG_NAME_MAX);

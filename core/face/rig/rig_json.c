@@ -154,14 +154,6 @@ mrt_result rig_json_point(vec3 *out, const rig_node *at, double scale, error *er
     return MRT_OK;
 }
 
-static bool is_printable(const char *text, size_t length)
-{
-    for (size_t i = 0; i < length; ++i)
-        if ((unsigned char)text[i] < 0x20 || text[i] == 0x7f)
-            return false;
-    return true;
-}
-
 mrt_result rig_json_text(char **out, const rig_node *at, const char *expected, size_t length_max,
                          error *err)
 {
@@ -169,7 +161,7 @@ mrt_result rig_json_text(char **out, const rig_node *at, const char *expected, s
     size_t length = json_string_length(at->value);
     if (!text || length == 0)
         return rig_json_unexpected(err, at, expected);
-    if (length > length_max || !is_printable(text, length))
+    if (length > length_max || !text_is_printable(text_view_of(text, length)))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected at most %zu letters and no control characters",
                          at->place.text, length_max);

@@ -38,7 +38,7 @@ CHECKED mrt_result rig_json_flag(bool *out, const rig_node *at, error *err);
 CHECKED mrt_result rig_json_index(uint32_t *out, const rig_node *at, error *err);
 /* Three numbers within +-1e6, times `scale`. */
 CHECKED mrt_result rig_json_point(vec3 *out, const rig_node *at, double scale, error *err);
-/* 1..length_max bytes without control characters; a copy to be freed. */
+/* 1..length_max bytes that can be shown (text_is_printable); a copy to be freed. */
 CHECKED mrt_result rig_json_text(char **out, const rig_node *at, const char *expected,
                                  size_t length_max, error *err);
 
