@@ -16,7 +16,7 @@ static const struct {
     [BUDGET_SALVAGE] = {"damaged show", {64u << 20, 4}, {1u << 20, 1}, {200000000, 100}},
     [BUDGET_RIG] = {"rig", {256u << 20, 20}, {1u << 20, 1}, {200000000, 20}},
     [BUDGET_SELECTORS] = {"rig on a mesh", {64u << 20, 20}, {1u << 20, 1}, {50000000, 20}},
-    [BUDGET_MESH] = {"mesh", {256u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
+    [BUDGET_MESH] = {"mesh", {64u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
     [BUDGET_IMAGE] = {"image", {256u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
 };
 

@@ -229,7 +229,11 @@ static void what_is_no_rig_is_refused(void **state)
                  {"{\"marotte_rig\": 1,\n \"mesh\": \"a\" \"b\"}", "line 2"},
                  {"{\"marotte_rig\": 1, \"marotte_rig\": 1, \"mesh\": \"a\"}", "uplicate"},
                  {"{\"marotte_rig\": 1, \"mesh\": \"a\\u0000b\"}", "is not JSON"},
-                 {"{\"marotte_rig\": 1, \"mesh\": \"a\\nb\"}", "no control characters"}};
+                 {"{\"marotte_rig\": 1, \"mesh\": \"a\\nb\"}", "no control characters"},
+                 {"{\"marotte_rig\": 1, \"mesh\": \"a\", \"name\": \"\\u009b31m\"}",
+                  "no control characters"},
+                 {"{\"marotte_rig\": 1, \"mesh\": \"a\", \"contact_sets\": {\"\\u001b]0;x\": []}}",
+                  "as the key"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         rig r;
         error err = {""};

@@ -1,6 +1,7 @@
 #include "face/rig.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "face/rig/rig_document.h"
 
 #include <math.h>
@@ -33,6 +34,7 @@ static char *name_from_path(const char *path)
         return NULL;
     memcpy(name, base, length);
     name[length] = '\0';
+    text_make_printable(name);
     return name;
 }
 

@@ -322,6 +322,7 @@ void gltf_fail(mrt_result code, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    text_make_printable(text); /* names of the file are in it */
     throw gltf_failure(code, text);
 }
 

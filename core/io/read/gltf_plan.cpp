@@ -4,6 +4,7 @@
 #include <set>
 
 extern "C" {
+#include "base/budget.h"
 #include "io/read/mesh_build.h"
 }
 
@@ -30,10 +31,12 @@ group_key key_of(const tinygltf::Primitive &primitive)
 class planner
 {
   public:
-    planner(const tinygltf::Model &model, size_t file_size) : model_(model), plan_(), budget_(0)
+    planner(const tinygltf::Model &model, size_t file_size) : model_(model), plan_()
     {
-        /* Enough for a sparse file, which may well be much smaller than what it unfolds to. */
-        budget_ = std::min<size_t>((size_t)1 << 28, ((size_t)1 << 24) + 64 * file_size);
+        size_t size = file_size;
+        for (const tinygltf::Buffer &buffer : model.buffers)
+            size += buffer.data.size();
+        budget_ = budget_of(BUDGET_MESH, size);
         const auto &used = model.extensionsUsed;
         is_quantised_ = std::count(used.begin(), used.end(), "KHR_mesh_quantization") > 0;
     }
@@ -194,10 +197,18 @@ class planner
         size_t per_vertex = 6 + 3 * plan_.targets.size();
         for (const gltf_attribute_plan &attribute : plan_.attributes)
             per_vertex += attribute.component_count;
-        if (plan_.triangle_count > budget_ / 3 || plan_.vertex_count > budget_ / per_vertex)
-            gltf_fail(MRT_ERR_UNSUPPORTED,
-                      "%zu vertices with %zu targets, and %zu triangles, are too many",
-                      plan_.vertex_count, plan_.targets.size(), plan_.triangle_count);
+        check_budget(plan_.vertex_count * per_vertex + plan_.triangle_count * 3);
+    }
+
+    /* A sparse file may well be much smaller than what it unfolds to; an instance costs nothing. */
+    void check_budget(size_t number_count) const
+    {
+        budget all = budget_;
+        error failed = {""};
+        mrt_result result = budget_spend_bytes(&all, number_count * sizeof(float), &failed);
+        if (result < 0)
+            gltf_fail(result, "%zu vertices with %zu targets, and %zu triangles: %s",
+                      plan_.vertex_count, plan_.targets.size(), plan_.triangle_count, failed.text);
     }
 
     struct slot_key {
@@ -213,7 +224,7 @@ class planner
     static constexpr size_t ATTRIBUTES_MAX = 64;
     const tinygltf::Model &model_;
     gltf_plan plan_;
-    size_t budget_; /* numbers of 4 bytes */
+    budget budget_; /* of all instances together */
     bool is_quantised_;
     std::map<slot_key, size_t> slots_;
 };
