@@ -1,4 +1,5 @@
 #include "command.h"
+#include "base/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -10,6 +11,7 @@ int command_usage(const command *self, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    text_make_printable(text);
     fprintf(stderr, "marotte %s: %s (marotte %s --help)\n", self->name, text, self->name);
     return COMMAND_USAGE;
 }

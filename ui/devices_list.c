@@ -1,6 +1,8 @@
 /* What is plugged in, for a person and for machines. */
 #include "devices.h"
 
+#include "base/program.h"
+
 #include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,7 +47,11 @@ void devices_print(const device_list *found, const plugin_list *plugins)
     for (uint32_t i = 0; i < found->count; ++i) {
         const device_found *one = &found->one[i];
         printf("%-8s %s\n", state_name(one->device.state), one->device.name);
-        printf("         --input %s:%s\n", device_list_plugin_name(one->type), one->device.address);
+        char spec[256], word[4 * sizeof spec];
+        (void)snprintf(spec, sizeof spec, "%.48s:%s", device_list_plugin_name(one->type),
+                       one->device.address);
+        program_quote(word, sizeof word, spec);
+        printf("         --input %s\n", word);
         if (one->device.advice[0])
             printf("         %s\n", one->device.advice);
     }

@@ -1,4 +1,5 @@
 #include "facts.h"
+#include "base/text.h"
 
 #include "base/file.h"
 
@@ -11,6 +12,23 @@
 struct facts {
     json_t *object; /* NULL: for a person */
 };
+
+/* Names in it may be those of files that somebody else has made. */
+static void print_text(const char *text)
+{
+    char *shown = strdup(text);
+    if (shown)
+        text_make_printable(shown);
+    fputs(shown ? shown : "", stdout);
+    free(shown);
+}
+
+static void print_line(const char *label, const char *text)
+{
+    printf("%-18s ", label);
+    print_text(text);
+    putchar('\n');
+}
 
 facts *facts_create(bool as_json)
 {
@@ -70,7 +88,7 @@ void facts_text(facts *self, const char *key, const char *label, const char *val
     if (self->object)
         json_object_set_new(self->object, key, json_string_nocheck(value));
     else
-        printf("%-18s %s\n", label, value);
+        print_line(label, value);
 }
 
 static json_t *list_of(facts *self, const char *key)
@@ -88,7 +106,7 @@ void facts_list(facts *self, const char *key, const char *label, const char *val
     if (self->object)
         json_array_append_new(list_of(self, key), json_string_nocheck(value));
     else
-        printf("%-18s %s\n", label, value);
+        print_line(label, value);
 }
 
 static json_t *value_of(const facts_cell *cell)
@@ -105,7 +123,7 @@ void facts_row(facts *self, const char *key, const char *label, const char *line
                const facts_cell *cells, int count)
 {
     if (!self->object) {
-        printf("%-18s %s\n", label, line);
+        print_line(label, line);
         return;
     }
     json_t *row = json_object();

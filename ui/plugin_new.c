@@ -2,6 +2,7 @@
 #include "plugin.h"
 
 #include "base/file.h"
+#include "base/program.h"
 #include "base/text.h"
 #include "place.h"
 #include "template_files.h"
@@ -199,21 +200,11 @@ static mrt_result write_all(const wish *w, error *err)
 
 /* ---- what is next ---- */
 
-/* As a shell reads it back. */
 static void print_quoted(const char *text)
 {
-    if (text[0] && strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                "/._-+:,@%") == strlen(text)) {
-        fputs(text, stdout);
-        return;
-    }
-    putchar('\'');
-    for (const char *c = text; *c; ++c)
-        if (*c == '\'')
-            fputs("'\\''", stdout);
-        else
-            putchar(*c);
-    putchar('\'');
+    char word[4 * PLACE_LENGTH + 4];
+    program_quote(word, sizeof word, text);
+    fputs(word, stdout);
 }
 
 static bool is_on_path(const char *program)

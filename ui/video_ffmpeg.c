@@ -1,6 +1,8 @@
 #include "video_ffmpeg.h"
 
+#include "base/clock.h"
 #include "base/file.h"
+#include "base/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,6 +17,9 @@
 #include <unistd.h>
 
 extern char **environ;
+
+/* For what is left to encode and to write when the last picture was given. */
+static const int64_t patience_ns = 600 * NS_PER_S;
 
 enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, SAID_MAX = 4096 };
 
@@ -217,12 +222,11 @@ static mrt_result run(video_ffmpeg *self, words *w, int in_fd, error *err)
 static mrt_result run_with_pipe(video_ffmpeg *self, words *w, error *err)
 {
     int end[2];
-    if (pipe(end) != 0)
-        return error_set(err, MRT_ERR_IO, "%s: no pipe: %s", self->file.path, strerror(errno));
-    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
-    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    mrt_result result = program_pipe(end, err);
+    if (result < 0)
+        return result;
     self->fd = end[1];
-    mrt_result result = run(self, w, end[0], err);
+    result = run(self, w, end[0], err);
     close(end[0]);
     return result;
 }
@@ -264,15 +268,12 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
 
 static void wait_for(video_ffmpeg *self)
 {
-    pid_t ended;
     if (self->fd >= 0)
         close(self->fd);
     self->fd = -1;
     if (self->pid == 0)
         return;
-    do
-        ended = waitpid(self->pid, &self->status, 0);
-    while (ended < 0 && errno == EINTR);
+    (void)program_wait(self->pid, &self->status, patience_ns);
     self->pid = 0;
 }
 

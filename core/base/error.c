@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "base/text.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,6 +13,7 @@ mrt_result error_set(error *out, mrt_result code, const char *format, ...)
         va_start(arguments, format);
         (void)vsnprintf(out->text, sizeof out->text, format, arguments);
         va_end(arguments);
+        text_make_printable(out->text);
     }
     return code;
 }
@@ -31,4 +33,5 @@ void error_prefix(error *out, const char *prefix)
         text_length = room;
     memcpy(out->text + length, text, text_length);
     out->text[(size_t)length + text_length] = '\0';
+    text_make_printable(out->text);
 }

@@ -11,7 +11,8 @@ typedef struct error {
     char text[1024]; /* one line without a newline; "" when nothing failed */
 } error;
 
-/* Writes the text (cut at the end if too long) and returns `code`. `out` may be NULL. */
+/* Writes the text (cut at the end if too long) and returns `code`. `out` may be NULL. Whatever
+ * names of files and words of others are in it, it is one printable line (text_make_printable). */
 __attribute__((format(printf, 3, 4))) mrt_result error_set(error *out, mrt_result code,
                                                            const char *format, ...);
 

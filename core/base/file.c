@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+enum { WILD = 6 }; /* letters of a temporary name that are drawn */
+
 mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err)
 {
     *out = (file_bytes){0};
@@ -77,6 +79,25 @@ void file_bytes_finish(file_bytes *bytes)
     *bytes = (file_bytes){0};
 }
 
+/* As mkstemps, but not readable by its owner alone: the file has the mode that the umask gives,
+ * which is the whole process's and cannot be asked for without changing it. Its name is the path
+ * with `suffix`, whose X become letters. -1 and errno. */
+static int make_temporary(char *name, size_t length)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+    unsigned char random[WILD];
+    for (int attempt = 0; attempt < 100; ++attempt) {
+        if (getentropy(random, sizeof random) != 0)
+            return -1;
+        for (size_t i = 0; i < WILD; ++i)
+            name[length + 1 + i] = letters[random[i] % (sizeof letters - 1)];
+        int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    return -1;
+}
+
 mrt_result file_writer_open(file_writer *out, const char *path, error *err)
 {
     static const char suffix[] = ".XXXXXX.tmp";
@@ -98,16 +119,13 @@ mrt_result file_writer_open(file_writer *out, const char *path, error *err)
     }
     memcpy(out->temporary_path, path, length);
     memcpy(out->temporary_path + length, suffix, sizeof suffix);
-    fd = mkstemps(out->temporary_path, 4);
+    fd = make_temporary(out->temporary_path, length);
     if (fd < 0) {
         error_set(err, result, "%s: cannot write: %s", path, strerror(errno));
         free(out->temporary_path);
         out->temporary_path = NULL;
         goto fail;
     }
-    mode_t mask = umask(0);
-    umask(mask);
-    (void)fchmod(fd, 0666 & ~mask);
     out->stream = fdopen(fd, "wb");
     if (!out->stream) {
         error_set(err, result, "%s: cannot write: %s", path, strerror(errno));
@@ -243,4 +261,43 @@ file_extension file_extension_of(const char *path)
     for (size_t i = 0; dot[1 + i]; ++i)
         out.text[i] = (char)tolower((unsigned char)dot[1 + i]);
     return out;
+}
+
+mrt_result file_home_path(char *out, size_t capacity, file_home which, const char *rest, error *err)
+{
+    static const struct {
+        const char *variable, *below_home;
+    } homes[] = {[FILE_HOME_CONFIG] = {"XDG_CONFIG_HOME", ".config"},
+                 [FILE_HOME_DATA] = {"XDG_DATA_HOME", ".local/share"},
+                 [FILE_HOME_CACHE] = {"XDG_CACHE_HOME", ".cache"}};
+    const char *chosen = getenv(homes[which].variable), *home = getenv("HOME");
+    int length = -1;
+    if (chosen && chosen[0] == '/')
+        length = snprintf(out, capacity, "%s/marotte/%s", chosen, rest);
+    else if (home && home[0] == '/')
+        length = snprintf(out, capacity, "%s/%s/marotte/%s", home, homes[which].below_home, rest);
+    if (length > 0 && (size_t)length < capacity)
+        return MRT_OK;
+    if (capacity > 0)
+        out[0] = '\0';
+    return error_set(err, MRT_ERR_IO, "there is no folder marotte/%s: set HOME", rest);
+}
+
+mrt_result file_make_folders(const char *path, error *err)
+{
+    char *partial = strdup(path);
+    if (!partial)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = MRT_OK;
+    for (char *slash = partial; slash && result >= 0;) {
+        slash = strchr(slash + 1, '/');
+        if (slash)
+            *slash = '\0';
+        if (mkdir(partial, 0777) != 0 && errno != EEXIST)
+            result = error_set(err, MRT_ERR_IO, "%s cannot be made: %s", partial, strerror(errno));
+        if (slash)
+            *slash = '/';
+    }
+    free(partial);
+    return result;
 }

@@ -38,6 +38,14 @@ CHECKED mrt_result file_write(const char *path, const void *data, size_t size, e
  * words. The message says what to do. */
 CHECKED mrt_result file_check_below(const char *folder, const char *path, error *err);
 
+/* Where the person's own files of marotte lie: $XDG_CONFIG_HOME/marotte/REST, or without the
+ * variable ~/.config/marotte/REST; data and cache likewise. An error when neither is known. */
+typedef enum file_home { FILE_HOME_CONFIG = 0, FILE_HOME_DATA, FILE_HOME_CACHE } file_home;
+CHECKED mrt_result file_home_path(char *out, size_t capacity, file_home which, const char *rest,
+                                  error *err);
+/* Every folder of an absolute path, from the top; what is there stays as it is. */
+CHECKED mrt_result file_make_folders(const char *path, error *err);
+
 /* Directory part of path with its final '/', or "" : a copy for the caller to free; NULL: no
  * memory. */
 char *file_directory(const char *path);

@@ -1,4 +1,5 @@
 #include "base/log.h"
+#include "base/text.h"
 
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -42,6 +43,7 @@ static void copy_text(char *out, size_t capacity, const char *text)
     size_t length = strnlen(text, capacity - 1);
     memcpy(out, text, length);
     out[length] = '\0';
+    text_make_printable(out);
 }
 
 void log_push(log_queue *queue, int32_t level, const char *source, const char *text)

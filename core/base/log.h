@@ -18,7 +18,8 @@ typedef struct log_queue log_queue;
 log_queue *log_queue_create(void); /* NULL: no memory */
 void log_queue_destroy(log_queue *queue);
 
-/* [any] wait-free but for a bounded number of retries; texts are cut to fit. */
+/* [any] wait-free but for a bounded number of retries; texts are cut to fit, and made printable:
+ * plugins say what devices and the network have told them. */
 void log_push(log_queue *queue, int32_t level, const char *source, const char *text);
 __attribute__((format(printf, 4, 5))) void log_pushf(log_queue *queue, int32_t level,
                                                      const char *source, const char *format, ...);

@@ -1,27 +1,53 @@
 #include "base/program.h"
+#include "base/clock.h"
+#include "base/text.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+/* ---- where it is ---- */
 
 static bool is_program(const char *path)
 {
     return access(path, X_OK) == 0;
 }
 
-static bool is_beside(char out[PATH_MAX], const char *name)
+static bool running_program(char out[PATH_MAX])
 {
-    size_t size = strlen(name) + 1;
-    ssize_t length = size < PATH_MAX ? readlink("/proc/self/exe", out, PATH_MAX - size) : -1;
+    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - 1);
     if (length <= 0)
         return false;
     out[length] = '\0';
-    char *slash = strrchr(out, '/');
-    if (!slash)
+    return true;
+}
+
+static bool is_beside(char out[PATH_MAX], const char *name)
+{
+    char *slash = running_program(out) ? strrchr(out, '/') : NULL;
+    size_t size = strlen(name) + 1;
+    if (!slash || (size_t)(slash + 1 - out) + size > PATH_MAX)
         return false;
     memcpy(slash + 1, name, size);
     return is_program(out);
+}
+
+static bool runs_from(const char *folder)
+{
+    char program[PATH_MAX];
+    char *real = realpath(folder, NULL);
+    size_t length = real ? strlen(real) : 0;
+    bool does = length > 0 && running_program(program) && strncmp(program, real, length) == 0 &&
+                program[length] == '/';
+    free(real);
+    return does;
 }
 
 mrt_result program_find(char out[PATH_MAX], const char *name, const char *variable,
@@ -38,9 +64,101 @@ mrt_result program_find(char out[PATH_MAX], const char *name, const char *variab
     if (is_beside(out, name))
         return MRT_OK;
     int written = snprintf(out, PATH_MAX, "%s/%s", build_dir, name);
-    if (written > 0 && written < PATH_MAX && is_program(out))
+    if (written > 0 && written < PATH_MAX && runs_from(build_dir) && is_program(out))
         return MRT_OK;
     return error_set(err, MRT_ERR_IO,
                      "%s is not beside the program: %s; install it there or name it in %s", name,
                      purpose, variable);
+}
+
+/* ---- beside a running one ---- */
+
+mrt_result program_pipe(int out_end[2], error *err)
+{
+    if (syscall(SYS_pipe2, out_end, O_CLOEXEC) == 0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO, "no pipe: %s", strerror(errno));
+}
+
+/* Until it has ended or the time is over. */
+static void sleep_beside(int pidfd, int64_t left_ns)
+{
+    static const int64_t step_ns = 5 * NS_PER_MS;
+    struct pollfd end = {.fd = pidfd, .events = POLLIN};
+    if (pidfd >= 0)
+        (void)poll(&end, 1, (int)(left_ns / NS_PER_MS) + 1);
+    else
+        clock_sleep_until_ns(clock_now_ns() + (left_ns < step_ns ? left_ns : step_ns));
+}
+
+static bool ends_within(pid_t pid, int pidfd, int *out_status, int64_t patience_ns)
+{
+    const int64_t until_ns = clock_now_ns() + patience_ns;
+    for (;;) {
+        pid_t ended = waitpid(pid, out_status, WNOHANG);
+        int64_t left_ns = until_ns - clock_now_ns();
+        if (ended == pid || (ended < 0 && errno != EINTR))
+            return true;
+        if (left_ns <= 0)
+            return false;
+        if (ended == 0)
+            sleep_beside(pidfd, left_ns);
+    }
+}
+
+bool program_wait(pid_t pid, int *out_status, int64_t patience_ns)
+{
+    *out_status = 0;
+    int pidfd = (int)syscall(SYS_pidfd_open, pid, 0u); /* closed in children: so it is made */
+    bool has_ended = ends_within(pid, pidfd, out_status, patience_ns);
+    if (!has_ended && kill(pid, SIGKILL) == 0)
+        (void)ends_within(pid, pidfd, out_status, NS_PER_S);
+    if (pidfd >= 0)
+        close(pidfd);
+    return has_ended;
+}
+
+/* ---- as a shell reads it ---- */
+
+typedef struct words {
+    char *out;
+    size_t used, capacity; /* used may grow beyond */
+} words;
+
+static void put(words *to, const char *text)
+{
+    for (; *text; ++text, ++to->used)
+        if (to->used + 1 < to->capacity)
+            to->out[to->used] = *text;
+}
+
+static void put_letter(words *to, unsigned char letter, bool is_escaped)
+{
+    char text[8];
+    if (is_escaped && (letter < 32 || letter >= 127))
+        (void)snprintf(text, sizeof text, "\\%03o", letter);
+    else if (is_escaped && (letter == '\'' || letter == '\\'))
+        (void)snprintf(text, sizeof text, "\\%c", letter);
+    else if (letter == '\'')
+        (void)snprintf(text, sizeof text, "'\\''");
+    else
+        (void)snprintf(text, sizeof text, "%c", letter);
+    put(to, text);
+}
+
+void program_quote(char *out, size_t capacity, const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "/._-+:,@%";
+    words to = {.out = out, .capacity = capacity};
+    const size_t length = strlen(word);
+    const bool is_plain = length > 0 && strspn(word, plain) == length;
+    const bool is_escaped = !text_is_printable(text_view_of(word, length));
+    if (capacity == 0)
+        return;
+    put(&to, is_plain ? "" : is_escaped ? "$'" : "'");
+    for (const char *c = word; *c; ++c)
+        put_letter(&to, (unsigned char)*c, is_escaped);
+    put(&to, is_plain ? "" : "'");
+    out[to.used < capacity ? to.used : 0] = '\0';
 }

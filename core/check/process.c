@@ -90,10 +90,9 @@ mrt_result check_process_start(check_process *out, const check_words *words, err
 {
     int end[2];
     *out = (check_process){.fd = -1};
-    if (pipe(end) != 0)
-        return error_set(err, MRT_ERR_IO, "no pipe: %s", strerror(errno));
-    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
-    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    mrt_result result = program_pipe(end, err);
+    if (result < 0)
+        return result;
     int failed = spawn(out, words, end[1]);
     close(end[1]);
     if (failed) {
@@ -138,10 +137,7 @@ static void take_lines(check_process *self, check_on_line *on_line, void *data)
 
 static void reap(check_process *self)
 {
-    pid_t ended;
-    do
-        ended = waitpid(self->pid, &self->status, 0);
-    while (ended < 0 && errno == EINTR);
+    (void)program_wait(self->pid, &self->status, NS_PER_S);
     close(self->fd);
     self->fd = -1;
     self->pid = 0;

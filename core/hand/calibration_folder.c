@@ -1,4 +1,5 @@
 #include "hand/calibration_folder.h"
+#include "base/file.h"
 
 #include "base/text.h"
 
@@ -30,29 +31,6 @@ char *calibration_folder_path(void)
     return NULL;
 }
 
-/* Every folder of an absolute path, from the top. */
-static mrt_result make_folders(const char *path, error *err)
-{
-    char *partial = strdup(path);
-    if (!partial)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    mrt_result result = MRT_OK;
-    for (size_t i = 1; result >= 0; ++i) {
-        char at = partial[i];
-        if (at != '/' && at != '\0')
-            continue;
-        partial[i] = '\0';
-        if (mkdir(partial, 0755) != 0 && errno != EEXIST)
-            result = error_set(err, MRT_ERR_IO, "%s: the folder could not be made: %s", partial,
-                               strerror(errno));
-        partial[i] = at;
-        if (at == '\0')
-            break;
-    }
-    free(partial);
-    return result;
-}
-
 static bool is_file_name(const char *name)
 {
     size_t length = strlen(name);
@@ -76,7 +54,7 @@ mrt_result calibration_folder_place(char **out_path, const char *name, error *er
     if (!folder)
         return error_set(err, MRT_ERR_IO,
                          "neither XDG_CONFIG_HOME nor HOME says where calibrations are kept");
-    mrt_result result = make_folders(folder, err);
+    mrt_result result = file_make_folders(folder, err);
     char *base = joined(folder, "/", name);
     *out_path = base ? joined(base, ".json", "") : NULL;
     if (result >= 0 && !*out_path)

@@ -2,6 +2,8 @@
  * made by the very command that stands below it, in a process of its own. */
 #include "paper/paper.h"
 
+#include "base/clock.h"
+#include "base/program.h"
 #include "place.h"
 #include "stage/mapping/plugins.h"
 
@@ -18,6 +20,9 @@
 #include <unistd.h>
 
 extern char **environ;
+
+/* From the end of what it says to its own. */
+static const int64_t goodbye_ns = 5 * NS_PER_S;
 
 /* ---- a command of this program's, run ---- */
 
@@ -87,15 +92,6 @@ static const char *reason_of(said *trouble)
     return last ? last + 1 : reason;
 }
 
-static bool open_pipe(int end[2])
-{
-    if (pipe(end) != 0)
-        return false;
-    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
-    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
-    return true;
-}
-
 static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, error *err)
 {
     char program[PLACE_LENGTH];
@@ -104,8 +100,8 @@ static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, 
     said *facts_said = calloc(1, sizeof *facts_said), *trouble = calloc(1, sizeof *trouble);
     mrt_result result = MRT_OK;
     *out_facts = NULL;
-    if (!facts_said || !trouble || !place_program(program) || !open_pipe(told) ||
-        !open_pipe(failed) || !start(&pid, program, word, told[1], failed[1]))
+    if (!facts_said || !trouble || !place_program(program) || program_pipe(told, err) < 0 ||
+        program_pipe(failed, err) < 0 || !start(&pid, program, word, told[1], failed[1]))
         result = error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
                            strerror(errno));
     if (told[1] >= 0)
@@ -116,8 +112,7 @@ static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, 
         facts_said->fd = told[0];
         trouble->fd = failed[0];
         result = listen_to(of, pid, facts_said, trouble, err);
-        while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-        }
+        (void)program_wait(pid, &status, goodbye_ns);
     }
     if (result >= 0 && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
         result = error_set(err, MRT_ERR_IO, "a picture of the page: %s", reason_of(trouble));

@@ -1,5 +1,6 @@
 #include "window/studio_export.h"
 
+#include "base/clock.h"
 #include "base/program.h"
 
 #include <assert.h>
@@ -17,6 +18,9 @@
 enum { JOBS_MAX = 4, LINE = 1024, NICENESS = 10 /* whoever performs goes first */ };
 
 extern char **environ;
+
+/* For an export to clear up after itself. */
+static const int64_t goodbye_patience_ns = 5 * NS_PER_S;
 
 typedef struct job {
     pid_t pid; /* 0: free */
@@ -36,14 +40,6 @@ studio_export *studio_export_create(void)
     return calloc(1, sizeof(studio_export));
 }
 
-static void wait_for(pid_t pid, int *out_status)
-{
-    pid_t ended;
-    do
-        ended = waitpid(pid, out_status, 0);
-    while (ended < 0 && errno == EINTR);
-}
-
 void studio_export_destroy(studio_export *self)
 {
     if (!self)
@@ -53,7 +49,7 @@ void studio_export_destroy(studio_export *self)
         if (self->job[i].pid == 0)
             continue;
         (void)kill(self->job[i].pid, SIGTERM);
-        wait_for(self->job[i].pid, &status);
+        (void)program_wait(self->job[i].pid, &status, goodbye_patience_ns);
         close(self->job[i].said);
     }
     free(self);
@@ -167,10 +163,9 @@ static int spawn(pid_t *out_pid, const call *what, int said)
 static mrt_result begin_job(job *self, const call *what, error *err)
 {
     int end[2];
-    if (pipe(end) != 0)
-        return error_set(err, MRT_ERR_IO, "nothing can be exported now: %s", strerror(errno));
-    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
-    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    mrt_result result = program_pipe(end, err);
+    if (result < 0)
+        return result;
     (void)fcntl(end[0], F_SETFL, O_NONBLOCK);
     const int failed = spawn(&self->pid, what, end[1]);
     close(end[1]);

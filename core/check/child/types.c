@@ -4,25 +4,28 @@
 #include "check/rules.h"
 
 #include <dlfcn.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 static const void *open_library(const char *path)
 {
     struct stat status;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
+    char whole[PATH_MAX]; /* dlopen looks for a name without a slash in the system's folders */
+    if (!realpath(path, whole) || stat(whole, &status) != 0 || !S_ISREG(status.st_mode)) {
         tell_failed(RULE_LIBRARY_LOAD, "%s is no file: name the .so that the build made", path);
         return NULL;
     }
     tell_doing(RULE_LIBRARY_LOAD, "loading the library");
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    void *library = dlopen(whole, RTLD_NOW | RTLD_LOCAL);
     if (!library) {
         const char *why = dlerror();
         tell_failed(RULE_LIBRARY_LOAD, "%s", why ? why : "it cannot be loaded");
         return NULL;
     }
     tell_ok(RULE_LIBRARY_LOAD, "%s", "");
-    place_learn(path);
+    place_learn(whole);
     const void *table = dlsym(library, "marotte_plugins");
     if (!table)
         tell_failed(RULE_LIBRARY_SYMBOL,

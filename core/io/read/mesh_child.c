@@ -63,10 +63,9 @@ static mrt_result start(pid_t *out_pid, int *out_fd, const char *path, error *er
     mrt_result result = find_program(program, err);
     if (result < 0)
         return result;
-    if (pipe(end) != 0)
-        return error_set(err, MRT_ERR_IO, "no pipe: %s", strerror(errno));
-    (void)fcntl(end[0], F_SETFD, FD_CLOEXEC);
-    (void)fcntl(end[1], F_SETFD, FD_CLOEXEC);
+    result = program_pipe(end, err);
+    if (result < 0)
+        return result;
     int failed = spawn(out_pid, program, path, end[1]);
     close(end[1]);
     if (failed) {
@@ -116,15 +115,17 @@ static mrt_result read_answer(answer *a, int fd, error *err)
     return result;
 }
 
+/* From the end of its answer to its own. */
+static const int64_t goodbye_ns = 10 * NS_PER_S;
+
 /* How it ended, if that was not of its own will. */
 static mrt_result judge(pid_t pid, error *err)
 {
-    int status = 0;
-    pid_t ended;
-    do
-        ended = waitpid(pid, &status, 0);
-    while (ended < 0 && errno == EINTR);
-    if (ended < 0 || !WIFSIGNALED(status))
+    int status;
+    if (!program_wait(pid, &status, goodbye_ns))
+        return error_set(err, MRT_ERR_FORMAT,
+                         "its reader does not end: the file is probably damaged");
+    if (!WIFSIGNALED(status))
         return MRT_OK;
     if (WTERMSIG(status) == SIGXCPU)
         return error_set(err, MRT_ERR_FORMAT,

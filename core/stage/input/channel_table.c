@@ -1,4 +1,5 @@
 #include "stage/input/channel_table.h"
+#include "base/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -7,6 +8,8 @@ static void copy_channel(channel_table *out, uint32_t i, const mrt_channel *from
 {
     snprintf(out->name[i], CHANNEL_NAME, "%s", from->name);
     snprintf(out->unit[i], CHANNEL_UNIT, "%s", from->unit);
+    text_make_printable(out->name[i]); /* devices and senders name channels too */
+    text_make_printable(out->unit[i]);
     out->channel[i] = *from;
     out->channel[i].name = out->name[i];
     out->channel[i].unit = out->unit[i];

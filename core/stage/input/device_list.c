@@ -21,10 +21,8 @@ static const mrt_devices *knows_devices(const mrt_plugin_type *type)
 /* A device's name comes from the device: nothing of it may steer a terminal. */
 static void make_printable(char *text, size_t capacity)
 {
-    char copy[512];
-    text_copy(copy, capacity < sizeof copy ? capacity : sizeof copy,
-              text_view_of(text, strnlen(text, capacity)));
-    memcpy(text, copy, strlen(copy) + 1);
+    text[capacity - 1] = '\0';
+    text_make_printable(text);
 }
 
 static void keep(device_list *out, const mrt_plugin_type *type, const mrt_device *device)

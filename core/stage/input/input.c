@@ -1,5 +1,6 @@
 #include "stage/input.h"
 #include "base/clock.h"
+#include "base/text.h"
 #include "stage/input/input_inside.h"
 #include "stage/mapping/plugins.h"
 
@@ -15,6 +16,7 @@ void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char
     const char *slash = strrchr(address, '/');
     snprintf(out, INPUT_NAME, "%.31s%s%.63s", dot ? dot + 1 : type->id, address[0] ? " " : "",
              slash ? slash + 1 : address);
+    text_make_printable(out); /* addresses come from devices too */
 }
 
 /* "" found some device: the name says which. */

@@ -135,15 +135,11 @@ static void tell_end(int status, error *out)
 
 void isolate_link_end(isolate_link *self, error *out_how)
 {
-    int status = 0;
-    pid_t ended;
+    int status;
     if (self->pid == 0)
         return;
     (void)kill(self->pid, SIGKILL);
-    do
-        ended = waitpid(self->pid, &status, 0);
-    while (ended < 0 && errno == EINTR);
-    if (ended > 0 && out_how)
+    if (program_wait(self->pid, &status, NS_PER_S) && out_how)
         tell_end(status, out_how);
     self->pid = 0;
     self->cpu = CLOCK_REALTIME;

@@ -1,6 +1,7 @@
 #include "stage/mapping/isolate_report.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/program.h"
 #include "hand/sensor.h"
 #include "take/hash.h"
 
@@ -29,44 +30,14 @@ void isolate_memory_add(isolate_memory *self, const mrt_frame *frame)
 
 /* ---- where ---- */
 
-static mrt_result make_folder(const char *path, error *err)
-{
-    if (mkdir(path, 0777) == 0 || errno == EEXIST)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "%s cannot be made: %s", path, strerror(errno));
-}
-
-static mrt_result make_folders(char *path, error *err)
-{
-    mrt_result result = MRT_OK;
-    for (char *slash = strchr(path + 1, '/'); slash && result >= 0;
-         slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        result = make_folder(path, err);
-        *slash = '/';
-    }
-    return result < 0 ? result : make_folder(path, err);
-}
-
-static mrt_result find_reports(char out[PATH_MAX], error *err)
-{
-    const char *data = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
-    int length = -1;
-    if (data && data[0] == '/')
-        length = snprintf(out, PATH_MAX, "%s/marotte/reports", data);
-    else if (home && home[0] == '/')
-        length = snprintf(out, PATH_MAX, "%s/.local/share/marotte/reports", home);
-    if (length <= 0 || length >= PATH_MAX)
-        return error_set(err, MRT_ERR_IO, "there is no folder for reports: set HOME");
-    return make_folders(out, err);
-}
-
 /* "2026-11-21 20-31-07 anchored", and " 2" if there is one already. */
 static mrt_result make_report_folder(const mrt_plugin_type *type, char *out, size_t capacity,
                                      error *err)
 {
     char reports[PATH_MAX], when[32] = "";
-    mrt_result result = find_reports(reports, err);
+    mrt_result result = file_home_path(reports, sizeof reports, FILE_HOME_DATA, "reports", err);
+    if (result >= 0)
+        result = file_make_folders(reports, err);
     if (result < 0)
         return result;
     time_t now = time(NULL);
@@ -79,7 +50,7 @@ static mrt_result make_report_folder(const mrt_plugin_type *type, char *out, siz
         if (n > 1)
             (void)snprintf(number, sizeof number, " %d", n);
         int length = snprintf(out, capacity, "%s/%s %.60s%s", reports, when,
-                              dot && !strchr(dot, '/') ? dot + 1 : "mapping", number);
+                              dot ? dot + 1 : type->id, number);
         if (length <= 0 || (size_t)length >= capacity)
             return error_set(err, MRT_ERR_IO, "the folder of reports has too long a name");
         if (mkdir(out, 0777) == 0)
@@ -184,8 +155,10 @@ static void put_words(FILE *to, const isolate_report *r)
     error ignored = {""};
     if (hash_file(hash, r->library, &ignored) < 0)
         (void)snprintf(hash, sizeof hash, "-");
+    char library[4 * PATH_MAX]; /* as a word of a command */
+    program_quote(library, sizeof library, r->library);
     (void)fprintf(to, "plugin: %s %s\nlibrary: %s\nsha256: %s\nreason: %s\n", r->type->id,
-                  r->type->version, r->library, hash, r->reason);
+                  r->type->version, library, hash, r->reason);
     for (uint32_t i = 0; i < r->type->param_count; ++i)
         (void)fprintf(to, "parameter: %s/%s = %.17g %s\n", r->type->params[i].group,
                       r->type->params[i].name, r->params[i], r->type->params[i].unit);
@@ -193,7 +166,7 @@ static void put_words(FILE *to, const isolate_report *r)
     (void)fprintf(to,
                   "\nThe last frame is the one that it failed in. To see it again, with your "
                   "own face:\nmarotte perform --face FACE --map %s",
-                  r->library);
+                  library);
     for (int side = 0; side < 2; ++side)
         if (is_side_seen(r->memory, side))
             (void)fprintf(to, " --input log:%s.csv", side_names[side]);
