@@ -52,7 +52,7 @@ static mrt_result open_glove(guiding *self, error *err)
     const mrt_plugin_type *type;
     mrt_result result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
-        result = plugin_list_find(&self->plugins, spec->plugin, MRT_INPUT, &type, err);
+        result = plugin_list_choose(&self->plugins, spec->plugin, MRT_INPUT, &type, err);
     if (result < 0)
         return result;
     const mrt_input *functions = plugin_interface(type, MRT_INPUT);

@@ -71,7 +71,7 @@ mrt_result devices_learn(const devices_options *options, plugin_list *plugins, l
     const mrt_plugin_type *type;
     input *in = NULL;
     const plugin_spec *spec = &options->learn;
-    mrt_result result = plugin_list_find(plugins, spec->plugin, MRT_INPUT, &type, err);
+    mrt_result result = plugin_list_choose(plugins, spec->plugin, MRT_INPUT, &type, err);
     if (result >= 0)
         result = input_create_stoppable(&in, type, spec->address, spec->params, CLOCK_REAL, log,
                                         stop, err);

@@ -68,7 +68,7 @@ static mrt_result open_named(watch *self, error *err)
     for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
         const plugin_spec *spec = &self->options->input[i];
         const mrt_plugin_type *type;
-        result = plugin_list_find(self->plugins, spec->plugin, MRT_INPUT, &type, err);
+        result = plugin_list_choose(self->plugins, spec->plugin, MRT_INPUT, &type, err);
         if (result >= 0)
             result = open_input(self, type, spec->address, spec->params, err);
     }

@@ -72,8 +72,8 @@ static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_typ
 {
     self->clock = self->options->is_realtime ? CLOCK_REAL : CLOCK_VIRTUAL;
     for (uint32_t i = 0; i < self->options->input_count; ++i) {
-        mrt_result result = plugin_list_find(&self->plugins, self->options->input[i].plugin,
-                                             MRT_INPUT, &out_types[i], err);
+        mrt_result result = plugin_list_choose(&self->plugins, self->options->input[i].plugin,
+                                               MRT_INPUT, &out_types[i], err);
         if (result < 0)
             return result;
         const mrt_input *functions = plugin_interface(out_types[i], MRT_INPUT);

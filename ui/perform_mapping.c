@@ -20,11 +20,10 @@ mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
 {
     const mrt_plugin_type *type;
     *out = (perform_mapping){.settings = {.clock = with->clock, .writes_reports = true}};
-    mrt_result result = plugin_list_find(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
+    mrt_result result = plugin_list_choose(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
     if (result < 0)
         return result;
-    const char *path = plugin_list_path_of(with->plugins, type);
-    out->library = path ? path : spec->plugin; /* given as a path, beside another of that id */
+    out->library = plugin_list_path_of(with->plugins, type);
     if (is_to_be_isolated(out, with->isolation))
         result = isolate_mapping(out, &type, err);
     if (result >= 0)

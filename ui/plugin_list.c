@@ -97,7 +97,7 @@ int plugin_list_run(int argc, char **argv)
         else
             return command_usage(&command_plugin, "\"%s\" is not expected here", argv[i]);
     }
-    plugin_list list;
+    plugin_list list = {0};
     error err = {""};
     if (plugin_list_load(&list, &err) < 0)
         return command_failed(&command_plugin, &err);

@@ -68,7 +68,7 @@ static mrt_result open_inputs(performing *self, error *err)
             return take_misused(call, err, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
                                 call->input[i]);
         mrt_result result =
-            plugin_list_find(&self->plugins, self->spec[i].plugin, MRT_INPUT, &types[i], err);
+            plugin_list_choose(&self->plugins, self->spec[i].plugin, MRT_INPUT, &types[i], err);
         if (result < 0)
             return result;
         const mrt_input *functions = plugin_interface(types[i], MRT_INPUT);

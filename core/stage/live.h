@@ -19,7 +19,7 @@
 typedef struct live live;
 
 typedef struct live_settings { /* all must outlive it */
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log;
     show *show; /* writable, [main]'s; NULL, or one that can only be read: nothing is recorded, and
                    live_look says why */

@@ -17,7 +17,7 @@ typedef struct overdub overdub;
 
 typedef struct overdub_settings {
     show *show; /* writable */
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log;
     int64_t take;
     const face_file *face;

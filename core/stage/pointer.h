@@ -20,7 +20,9 @@ typedef enum pointer_grip {
     POINTER_NEUTRAL  /* the same, the mapping begins anew, and the base becomes the rest shape */
 } pointer_grip;
 
-/* The channels, all MRT_NO_HAND: semantic MRT_CH_POINTER + these. */
+/* The channels, all MRT_NO_HAND: semantic POINTER_SEMANTIC + these; beyond all that a
+ * plugin may say. */
+enum { POINTER_SEMANTIC = 96 };
 typedef enum pointer_channel {
     POINTER_REST_X = 0, /* mm: the place of the rest face that is held: exactly a contact's rest, or
                            any other */

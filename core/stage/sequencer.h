@@ -13,7 +13,7 @@ typedef struct sequencer sequencer;
 
 typedef struct sequencer_settings {
     show *show;
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log;
     const face_file *face;
     const csrbf_settings *solver; /* read by create; NULL: as the show says (kept_solver.h); radius

@@ -73,7 +73,7 @@ int main(int argc, char **argv)
     instance here = {0}, there = {0};
     error err = {""};
     log_queue *log = log_queue_create();
-    mrt_result result = plugin_list_find(&list, path, MRT_MAPPING, &type, &err);
+    mrt_result result = plugin_list_choose(&list, path, MRT_MAPPING, &type, &err);
     if (result >= 0)
         result = isolate_create(&apart, type, path, &settings, &err);
     if (result >= 0)

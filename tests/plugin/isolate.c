@@ -139,7 +139,7 @@ static void a_plugin_that_cannot_be_created_says_why(void **state)
     const isolate_settings settings = {.clock = CLOCK_REAL};
     isolate *apart;
     instance made;
-    scene_must(plugin_list_find(&list, path, MRT_MAPPING, &type, &err), &err);
+    scene_must(plugin_list_choose(&list, path, MRT_MAPPING, &type, &err), &err);
     scene_must(isolate_create(&apart, type, path, &settings, &err), &err);
     assert_true(instance_create(&made, isolate_type(apart), CLOCK_REAL, NULL, &err) < 0);
     assert_non_null(strstr(err.text, "no licence for this machine"));

@@ -21,7 +21,7 @@ static inline const mrt_plugin_type *stand_load(stand *s, const char *path)
 {
     error err = {""};
     const mrt_plugin_type *type = NULL;
-    scene_must(plugin_list_find(&s->plugins, path, MRT_MAPPING, &type, &err), &err);
+    scene_must(plugin_list_choose(&s->plugins, path, MRT_MAPPING, &type, &err), &err);
     return type;
 }
 

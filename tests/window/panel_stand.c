@@ -24,7 +24,7 @@ static studio *const a_studio = (studio *)(void *)&here;
 
 /* ---- the studio ---- */
 
-plugin_list *studio_plugins(studio *self)
+const plugin_list *studio_plugins(studio *self)
 {
     (void)self;
     return &here->plugins;

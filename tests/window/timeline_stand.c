@@ -28,7 +28,7 @@ struct live {
 };
 static live the_stage;
 
-plugin_list *studio_plugins(studio *self)
+const plugin_list *studio_plugins(studio *self)
 {
     (void)self;
     return NULL;
@@ -294,7 +294,7 @@ struct timeline_worker {
     timeline_seen seen;
 };
 
-timeline_worker *timeline_worker_create(plugin_list *plugins)
+timeline_worker *timeline_worker_create(const plugin_list *plugins)
 {
     (void)plugins;
     return calloc(1, sizeof(timeline_worker));

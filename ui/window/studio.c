@@ -161,9 +161,14 @@ void studio_update(studio *self, double dt_s)
 
 mrt_result studio_open_input(studio *self, const char *text)
 {
+    char *spec;
     self->input_trouble = (error){""};
-    const mrt_result result =
-        studio_inputs_open(self->inputs, &text, 1, false, &self->input_trouble);
+    mrt_result result =
+        plugin_list_choose_spec(&self->plugins, text, MRT_INPUT, &spec, &self->input_trouble);
+    const char *const one = spec;
+    if (result >= 0)
+        result = studio_inputs_open(self->inputs, &one, 1, false, &self->input_trouble);
+    free(spec);
     return studio_said(self, result, &self->input_trouble);
 }
 
@@ -184,7 +189,7 @@ const char *studio_opening_trouble(const studio *self)
 
 /* ---- what there is ---- */
 
-plugin_list *studio_plugins(studio *self)
+const plugin_list *studio_plugins(studio *self)
 {
     return &self->plugins;
 }

@@ -31,7 +31,7 @@ void studio_update(studio *self, double dt_s);
 
 /* ---- what there is ---- */
 
-plugin_list *studio_plugins(studio *self);
+const plugin_list *studio_plugins(studio *self);
 log_queue *studio_log(studio *self);
 live *studio_live(studio *self);
 const live_view *studio_view(const studio *self);     /* never NULL; of this frame */

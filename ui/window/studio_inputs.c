@@ -40,7 +40,7 @@ typedef struct opening_job { /* some inputs, one after the other, on a thread of
 } opening_job;
 
 struct studio_inputs {
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log;
     uint64_t number; /* of the newest job */
     opening_job *job[STUDIO_OPENINGS_MAX];
@@ -115,8 +115,7 @@ static void free_job(opening_job *job)
     free(job);
 }
 
-/* Libraries are loaded here, on [main]: others look at the list. */
-static void read_wish(wish *out, plugin_list *plugins, const char *text)
+static void read_wish(wish *out, const plugin_list *plugins, const char *text)
 {
     mrt_result result = MRT_OK;
     (void)snprintf(out->text, sizeof out->text, "%s", text);
@@ -190,7 +189,7 @@ static bool is_done(opening_job *job)
 
 static const uint64_t places = 2 * STUDIO_INPUTS_MAX; /* more than a job has texts */
 
-studio_inputs *studio_inputs_create(plugin_list *plugins, log_queue *log)
+studio_inputs *studio_inputs_create(const plugin_list *plugins, log_queue *log)
 {
     studio_inputs *self = calloc(1, sizeof *self);
     if (!self)

@@ -10,7 +10,8 @@ enum { STUDIO_INPUTS_MAX = 8, STUDIO_OPENINGS_MAX = 8, STUDIO_INPUT_TEXT = 512 }
 
 typedef struct studio_inputs studio_inputs;
 
-studio_inputs *studio_inputs_create(plugin_list *plugins, log_queue *log); /* NULL: no memory */
+studio_inputs *studio_inputs_create(const plugin_list *plugins,
+                                    log_queue *log); /* NULL: no memory */
 /* Gives up what is being opened, and waits until it is; what was not taken is closed. NULL is fine.
  */
 void studio_inputs_destroy(studio_inputs *self);

@@ -318,16 +318,48 @@ static mrt_result start_live(studio *self, const char *mapping, error *err)
     return open_at_rest(self, &with, err) < 0 ? result : MRT_OK;
 }
 
-static void start_inputs(studio *self, const studio_options *options)
+/* What the command line names, once its libraries are loaded: see plugin_list_choose_spec. */
+typedef struct chosen {
+    char *mapping; /* NULL: none was named */
+    char *input[STUDIO_INPUTS_MAX];
+    uint32_t input_count;
+} chosen;
+
+static void chosen_finish(chosen *self)
+{
+    free(self->mapping);
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        free(self->input[i]);
+}
+
+/* Before the folders are looked through: a library that the person names hides others of its id. */
+static mrt_result choose(studio *self, const studio_options *options, chosen *out, error *err)
+{
+    *out = (chosen){NULL, {NULL}, 0};
+    for (uint32_t i = 0; i < options->input_count && out->input_count < STUDIO_INPUTS_MAX; ++i) {
+        error why = {0};
+        char **one = &out->input[out->input_count];
+        if (plugin_list_choose_spec(&self->plugins, options->inputs[i], MRT_INPUT, one, &why) >= 0)
+            out->input_count += 1;
+        else
+            (void)studio_said(self, MRT_ERR_ARGUMENT, &why);
+    }
+    if (!options->mapping)
+        return MRT_OK;
+    return plugin_list_choose_spec(&self->plugins, options->mapping, MRT_MAPPING, &out->mapping,
+                                   err);
+}
+
+static void start_inputs(studio *self, const studio_options *options, const chosen *named)
 {
     const char *kept[STUDIO_INPUTS_MAX];
     uint32_t count = 0;
     error err = {0};
     if (options->inputs) {
-        if (options->input_count)
-            (void)studio_said(self,
-                              studio_inputs_open(self->inputs, options->inputs,
-                                                 options->input_count, false, &err),
+        for (; count < named->input_count; ++count)
+            kept[count] = named->input[count];
+        if (count)
+            (void)studio_said(self, studio_inputs_open(self->inputs, kept, count, false, &err),
                               &err);
         return;
     }
@@ -365,20 +397,25 @@ static mrt_result load_face_and_plugins(studio *self, const studio_options *opti
 
 mrt_result studio_open_first(studio *self, const studio_options *options, error *err)
 {
+    chosen named = {NULL, {NULL}, 0};
     mrt_result result = open_first_show(self, options->show_path, err);
     if (result >= 0) {
         studio_solver_read(self);
-        result = load_face_and_plugins(self, options, err);
+        result = choose(self, options, &named, err);
     }
     if (result >= 0)
-        result = start_live(self, options->mapping, err);
+        result = load_face_and_plugins(self, options, err);
+    if (result >= 0)
+        result = start_live(self, named.mapping, err);
     if (result < 0)
-        return result;
+        goto done;
     for (uint32_t i = 0; i < self->plugins.refusal_count; ++i)
         studio_say(self, MRT_LOG_INFO, "%s is not loaded: %s", self->plugins.refusal[i].path,
                    self->plugins.refusal[i].reason);
     settings_set_text(self->settings, "last.face", self->face_path);
     tell_face(self);
-    start_inputs(self, options);
-    return MRT_OK;
+    start_inputs(self, options, &named);
+done:
+    chosen_finish(&named);
+    return result;
 }

@@ -66,8 +66,20 @@ typedef struct mrt_host {
      * this, and with nothing else, can be replayed at any speed. */
     int64_t (*wait_until_ns)(const struct mrt_host *host, int64_t time_ns);
     void (*request_restart)(const struct mrt_host *host); /* [any] stop and start me soon */
-    const void *(*service)(const struct mrt_host *host, const char *id); /* [main] NULL: unknown */
+    /* [main] The functions of MRT_FOLDERS ..., until destroy() returns; NULL: this host has none.
+     */
+    const void *(*service)(const struct mrt_host *host, const char *id);
 } mrt_host;
+
+/* ---- a service: folders that a plugin may write into; nothing else on the disk is its own ---- */
+#define MRT_FOLDERS "marotte.folders/1"
+typedef struct mrt_folders {
+    /* [main] An absolute path, of all instances of this type and of nobody else. The folder is made
+     * if need be. `out` is "" after an error, which is logged. */
+    mrt_result (*settings)(const struct mrt_host *host, char *out,
+                           size_t capacity);                                      /* to be kept */
+    mrt_result (*cache)(const struct mrt_host *host, char *out, size_t capacity); /* may vanish */
+} mrt_folders;
 
 /* ---- parameters: the host owns the values; sliders, presets and takes follow from this ---- */
 enum {
@@ -104,10 +116,9 @@ extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
 enum { MRT_MAX_CHANNELS = 32, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
 enum {
     MRT_CH_OTHER = 0,
-    MRT_CH_ANGLE = 1,   /* + 0..21, in sensor order: thumb roll ... wrist yaw */
-    MRT_CH_WRIST = 32,  /* + 0..6: position x y z in mm, orientation quaternion x y z w */
-    MRT_CH_PEDAL = 64,  /* + 0..3 */
-    MRT_CH_POINTER = 96 /* + 0..8: the mouse on the face; the host's own, no mapping sees it */
+    MRT_CH_ANGLE = 1,  /* + 0..21, in sensor order: thumb roll ... wrist yaw */
+    MRT_CH_WRIST = 32, /* + 0..6: position x y z in mm, orientation quaternion x y z w */
+    MRT_CH_PEDAL = 64  /* + 0..3; 96 and above are the host's own */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
 typedef struct mrt_channel {
@@ -255,6 +266,41 @@ typedef struct mrt_resume {
      * for bit, as they did after save. Bytes from elsewhere, and damaged ones, are refused. */
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
 } mrt_resume;
+
+/* ---- the layout, on every machine with pointers of 64 bits: who changes it changes MRT_ABI ----
+ */
+#if UINTPTR_MAX == UINT64_MAX
+#ifdef __cplusplus
+#define MRT_LAYOUT(type, size, last, offset)                                                       \
+    static_assert(sizeof(type) == size && offsetof(type, last) == offset, #type)
+#else
+#define MRT_LAYOUT(type, size, last, offset)                                                       \
+    _Static_assert(sizeof(type) == size && offsetof(type, last) == offset, #type)
+#endif
+MRT_LAYOUT(mrt_vec3, 12, z, 8);
+MRT_LAYOUT(mrt_host, 48, service, 40);
+MRT_LAYOUT(mrt_folders, 16, cache, 8);
+MRT_LAYOUT(mrt_param, 72, labels, 64);
+MRT_LAYOUT(mrt_interface, 16, functions, 8);
+MRT_LAYOUT(mrt_plugin_type, 72, destroy, 64);
+MRT_LAYOUT(mrt_channel, 32, max, 28);
+MRT_LAYOUT(mrt_sample, 144, value, 16);
+MRT_LAYOUT(mrt_input, 40, flags, 32);
+MRT_LAYOUT(mrt_device, 644, state, 640);
+MRT_LAYOUT(mrt_devices, 16, current, 8);
+MRT_LAYOUT(mrt_output, 24, close, 16);
+MRT_LAYOUT(mrt_hand, 456, palm, 356);
+MRT_LAYOUT(mrt_frame, 960, params, 952);
+MRT_LAYOUT(mrt_contact, 40, normal, 28);
+MRT_LAYOUT(mrt_dof, 24, max, 20);
+MRT_LAYOUT(mrt_face, 48, high, 36);
+MRT_LAYOUT(mrt_vector, 28, contact, 24);
+MRT_LAYOUT(mrt_pull, 1948, dof, 1820);
+MRT_LAYOUT(mrt_mapping, 32, process, 24);
+MRT_LAYOUT(mrt_state, 16, load, 8);
+MRT_LAYOUT(mrt_resume, 16, load, 8);
+#undef MRT_LAYOUT
+#endif
 
 #ifdef __cplusplus
 }

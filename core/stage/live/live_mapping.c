@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static mrt_result find_type(live_mapping_role *self, plugin_list *plugins,
+static mrt_result find_type(live_mapping_role *self, const plugin_list *plugins,
                             const mrt_plugin_type **out, const char **out_params, error *err)
 {
     size_t length = strcspn(self->text, ",");
@@ -29,8 +29,8 @@ static mrt_result find_type(live_mapping_role *self, plugin_list *plugins,
     return result;
 }
 
-mrt_result live_mapping_create(live_mapping_role **out, const char *text, plugin_list *plugins,
-                               log_queue *log, error *err)
+mrt_result live_mapping_create(live_mapping_role **out, const char *text,
+                               const plugin_list *plugins, log_queue *log, error *err)
 {
     const mrt_plugin_type *type = NULL;
     const char *params = "";

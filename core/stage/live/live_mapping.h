@@ -17,7 +17,7 @@ typedef struct live_mapping_role {
 
 /* text: "PLUGIN[,key=value]"; NULL or "": nothing. It does not move afterwards. */
 CHECKED mrt_result live_mapping_create(live_mapping_role **out, const char *text,
-                                       plugin_list *plugins, log_queue *log, error *err);
+                                       const plugin_list *plugins, log_queue *log, error *err);
 /* It is active on `about`. */
 CHECKED mrt_result live_mapping_watch(live_mapping_role *self, const mrt_face *about,
                                       log_queue *log, error *err);

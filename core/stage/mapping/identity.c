@@ -16,9 +16,9 @@ char *identity_of_plugin(const plugin_list *plugins, const mrt_plugin_type *type
     char hash[TAKE_HASH] = "-";
     error ignored = {""};
     type = isolate_inner(type);
-    for (uint32_t i = 0; i < plugins->entry_count; ++i)
-        if (plugins->entry[i].type == type && hash_file(hash, plugins->entry[i].path, &ignored) < 0)
-            snprintf(hash, sizeof hash, "-");
+    const char *path = plugin_list_path_of(plugins, type);
+    if (path && hash_file(hash, path, &ignored) < 0)
+        snprintf(hash, sizeof hash, "-");
     size_t size = strlen(type->id) + strlen(type->version) + sizeof hash + 3;
     char *out = malloc(size);
     if (out)

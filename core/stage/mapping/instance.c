@@ -1,6 +1,7 @@
 #include "stage/mapping/instance.h"
 #include "base/clock.h"
 #include "base/text.h"
+#include "stage/mapping/services.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -75,11 +76,32 @@ static void host_request_restart(const mrt_host *host)
         log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
 }
 
+static mrt_result said(const mrt_host *host, mrt_result result, const error *err)
+{
+    if (result < 0)
+        host_log(host, MRT_LOG_ERROR, err->text);
+    return result;
+}
+
+static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    const instance *self = host->data;
+    error err = {""};
+    return said(host, services_settings_folder(self->type->id, out, capacity, &err), &err);
+}
+
+static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    const instance *self = host->data;
+    error err = {""};
+    return said(host, services_cache_folder(self->type->id, out, capacity, &err), &err);
+}
+
 static const void *host_service(const mrt_host *host, const char *id)
 {
+    static const mrt_folders folders = {settings_folder, cache_folder};
     (void)host;
-    (void)id;
-    return NULL; /* this host offers none yet */
+    return strcmp(id, MRT_FOLDERS) == 0 ? &folders : NULL;
 }
 
 static mrt_result allocate(instance *self, error *err)

@@ -3,9 +3,9 @@
  * it ends with the program that has started it. */
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"
-#include "stage/mapping/library_file.h"
+#include "stage/mapping/library.h"
+#include "stage/mapping/services.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -78,11 +78,32 @@ static void host_request_restart(const mrt_host *host)
     host_log(host, MRT_LOG_WARNING, "asks to be restarted");
 }
 
+static mrt_result said(const mrt_host *host, mrt_result result, const error *err)
+{
+    if (result < 0)
+        host_log(host, MRT_LOG_ERROR, err->text);
+    return result;
+}
+
+static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    const guest *self = host->data;
+    error err = {""};
+    return said(host, services_settings_folder(self->type->id, out, capacity, &err), &err);
+}
+
+static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    const guest *self = host->data;
+    error err = {""};
+    return said(host, services_cache_folder(self->type->id, out, capacity, &err), &err);
+}
+
 static const void *host_service(const mrt_host *host, const char *id)
 {
+    static const mrt_folders folders = {settings_folder, cache_folder};
     (void)host;
-    (void)id;
-    return NULL;
+    return strcmp(id, MRT_FOLDERS) == 0 ? &folders : NULL;
 }
 
 /* ---- the plugin ---- */
@@ -98,20 +119,14 @@ static const void *interface_of(const mrt_plugin_type *type, const char *id)
 static bool find_type(guest *self, const char *path, const char *id)
 {
     error err = {""};
-    if (library_file_check(path, &err) < 0) {
-        say(self->block, MRT_LOG_ERROR, err.text);
-        return false;
-    }
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    const mrt_plugin_type *const *types = library ? dlsym(library, "marotte_plugins") : NULL;
+    const mrt_plugin_type *const *types = library_open(path, &err);
     for (; types && *types && (*types)->abi == MRT_ABI; ++types)
         if (strcmp((*types)->id, id) == 0 && interface_of(*types, MRT_MAPPING))
             self->type = *types;
-    if (self->type)
-        return true;
-    const char *reason = library ? NULL : dlerror();
-    say(self->block, MRT_LOG_ERROR, reason ? reason : "the library has changed: its type is gone");
-    return false;
+    if (!self->type)
+        say(self->block, MRT_LOG_ERROR,
+            err.text[0] ? err.text : "the library has changed: its type is gone");
+    return self->type != NULL;
 }
 
 static mrt_result create(guest *self)

@@ -1,9 +1,10 @@
 #include "stage/mapping/plugins.h"
 
-#include "stage/mapping/library_file.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "stage/mapping/library.h"
 
 #include <dirent.h>
-#include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,11 +21,27 @@ const void *plugin_interface(const mrt_plugin_type *type, const char *interface_
     return NULL;
 }
 
+/* What is shown of a plugin, and goes into errors, shows and the names of folders. */
+static bool is_shown_well(const char *text)
+{
+    return !text || text_is_printable(text_view_of(text, strlen(text)));
+}
+
+static bool is_id(const char *text)
+{
+    return text[0] && strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                   "0123456789._-") == strlen(text);
+}
+
 static mrt_result check_param(const mrt_plugin_type *type, uint32_t index, error *err)
 {
     const mrt_param *p = &type->params[index];
     if (!p->name || !p->name[0] || !p->group || !p->unit || !p->help)
         return error_set(err, MRT_ERR_FORMAT, "%s: parameter %u lacks a text", type->id, index);
+    if (!is_shown_well(p->name) || !is_shown_well(p->group) || !is_shown_well(p->unit) ||
+        !is_shown_well(p->help))
+        return error_set(err, MRT_ERR_FORMAT, "%s: a text of parameter %u cannot be printed",
+                         type->id, index);
     if (!isfinite(p->min) || !isfinite(p->max) || !isfinite(p->initial) || !(p->min < p->max) ||
         p->initial < p->min || p->initial > p->max)
         return error_set(err, MRT_ERR_FORMAT,
@@ -40,8 +57,12 @@ static mrt_result check_param(const mrt_plugin_type *type, uint32_t index, error
         return error_set(err, MRT_ERR_FORMAT, "%s: parameter \"%s\" has labels but no steps",
                          type->id, p->name);
     double count = 0;
-    while (count <= p->max - p->min && p->labels[(size_t)count])
+    while (count <= p->max - p->min && p->labels[(size_t)count]) {
+        if (!is_shown_well(p->labels[(size_t)count]))
+            return error_set(err, MRT_ERR_FORMAT, "%s: a label of \"%s\" cannot be printed",
+                             type->id, p->name);
         count += 1;
+    }
     if (count < p->max - p->min + 1)
         return error_set(err, MRT_ERR_FORMAT, "%s: parameter \"%s\" has %g labels for %g values",
                          type->id, p->name, count, p->max - p->min + 1);
@@ -80,6 +101,12 @@ mrt_result plugin_type_check(const mrt_plugin_type *type, error *err)
                          type->abi, MRT_ABI);
     if (!type->id || !type->id[0] || !type->name || !type->version || !type->about)
         return error_set(err, MRT_ERR_FORMAT, "a type lacks its id, name, version or about");
+    if (!is_id(type->id))
+        return error_set(err, MRT_ERR_FORMAT, "%s: an id has letters, digits, '.', '_' and '-'",
+                         type->id);
+    if (!is_shown_well(type->name) || !is_shown_well(type->version) || !is_shown_well(type->about))
+        return error_set(err, MRT_ERR_FORMAT, "%s: name, version or about cannot be printed",
+                         type->id);
     if (!type->create || !type->destroy)
         return error_set(err, MRT_ERR_FORMAT, "%s: lacks create or destroy", type->id);
     if (type->param_count > PARAM_COUNT_MAX || (type->param_count && !type->params))
@@ -92,109 +119,119 @@ mrt_result plugin_type_check(const mrt_plugin_type *type, error *err)
     return check_interfaces(type, err);
 }
 
-static void *grown(void *array, uint32_t count, size_t size)
-{
-    /* Room for one more, in steps of eight. */
-    return count % 8 == 0 ? realloc(array, ((size_t)count + 8) * size) : array;
-}
-
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory for the list of plugins");
 }
 
+/* All of it at once: what others read while a library is added stays where it is. */
+static mrt_result make_room(plugin_list *list, error *err)
+{
+    if (list->entry)
+        return MRT_OK;
+    list->entry = calloc(PLUGIN_LIST_MAX, sizeof *list->entry);
+    list->hidden = calloc(PLUGIN_LIST_MAX, sizeof *list->hidden);
+    list->refusal = calloc(PLUGIN_LIST_MAX, sizeof *list->refusal);
+    if (list->entry && list->hidden && list->refusal)
+        return MRT_OK;
+    plugin_list_destroy(list);
+    return no_memory(err);
+}
+
 static void refuse(plugin_list *list, const char *path, const char *reason)
 {
-    plugin_refusal *refusal = grown(list->refusal, list->refusal_count, sizeof *refusal);
-    if (!refusal)
+    uint32_t count = list->refusal_count;
+    if (count == PLUGIN_LIST_MAX)
         return;
-    list->refusal = refusal;
-    refusal += list->refusal_count;
-    refusal->path = strdup(path);
-    refusal->reason = strdup(reason);
-    if (refusal->path && refusal->reason) {
-        list->refusal_count += 1;
-    } else {
-        free(refusal->path);
-        free(refusal->reason);
+    plugin_refusal made = {.path = strdup(path), .reason = strdup(reason)};
+    if (!made.path || !made.reason) {
+        free(made.path);
+        free(made.reason);
+        return;
     }
+    list->refusal[count] = made;
+    list->refusal_count = count + 1;
+}
+
+static const plugin_entry *entry_of(const plugin_list *list, const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < list->entry_count; ++i)
+        if (list->entry[i].type == type)
+            return &list->entry[i];
+    for (uint32_t i = 0; i < list->hidden_count; ++i)
+        if (list->hidden[i].type == type)
+            return &list->hidden[i];
+    return NULL;
+}
+
+static const plugin_entry *entry_with_id(const plugin_list *list, const char *id)
+{
+    for (uint32_t i = 0; i < list->entry_count; ++i)
+        if (strcmp(list->entry[i].type->id, id) == 0)
+            return &list->entry[i];
+    return NULL;
 }
 
 static mrt_result add_type(plugin_list *list, const mrt_plugin_type *type, const char *path,
                            error *err)
 {
-    for (uint32_t i = 0; i < list->entry_count; ++i) {
-        if (strcmp(list->entry[i].type->id, type->id) != 0)
-            continue;
-        char reason[512];
-        snprintf(reason, sizeof reason, "%s is already loaded from %s", type->id,
-                 list->entry[i].path);
-        if (list->entry[i].type != type)
-            refuse(list, path, reason);
+    char reason[512];
+    if (entry_of(list, type))
         return MRT_OK;
-    }
-    plugin_entry *entry = grown(list->entry, list->entry_count, sizeof *entry);
-    if (!entry)
+    const plugin_entry *first = entry_with_id(list, type->id);
+    uint32_t count = first ? list->hidden_count : list->entry_count;
+    char *kept_path = count < PLUGIN_LIST_MAX ? strdup(path) : NULL;
+    if (count == PLUGIN_LIST_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: there are too many plugins", path);
+    if (!kept_path)
         return no_memory(err);
-    list->entry = entry;
-    list->entry[list->entry_count++] = (plugin_entry){type, path};
+    if (first) {
+        (void)snprintf(reason, sizeof reason, "%s is already loaded from %s", type->id,
+                       first->path);
+        refuse(list, path, reason);
+        list->hidden[count] = (plugin_entry){type, kept_path};
+        list->hidden_count = count + 1;
+    } else {
+        list->entry[count] = (plugin_entry){type, kept_path};
+        list->entry_count = count + 1;
+    }
     return MRT_OK;
 }
 
-/* The types of a library, or NULL and why. */
-static const mrt_plugin_type *const *open_library(const char *path, error *err)
-{
-    if (library_file_check(path, err) < 0)
-        return NULL;
-    dlerror();
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library) {
-        const char *reason = dlerror();
-        error_set(err, MRT_ERR_FORMAT, "%s", reason ? reason : "cannot be loaded");
-        return NULL;
-    }
-    const mrt_plugin_type *const *types = dlsym(library, "marotte_plugins");
-    if (!types)
-        error_set(err, MRT_ERR_FORMAT, "has no symbol marotte_plugins: not a marotte plugin");
-    else if (!types[0])
-        error_set(err, MRT_ERR_FORMAT, "its marotte_plugins is empty");
-    else
-        return types;
-    return NULL; /* the library stays: what has run is never unloaded */
-}
-
-mrt_result plugin_list_add(plugin_list *list, const char *path, error *err)
+/* out_types: what is in the library. */
+static mrt_result add(plugin_list *list, const char *path, const mrt_plugin_type *const **out_types,
+                      error *err)
 {
     error reason = {""};
-    const mrt_plugin_type *const *types = open_library(path, &reason);
+    mrt_result result = make_room(list, err);
+    if (result < 0)
+        return result;
+    const mrt_plugin_type *const *types = library_open(path, &reason);
+    *out_types = types;
     if (!types) {
         refuse(list, path, reason.text);
         return error_set(err, MRT_ERR_FORMAT, "plugin %s: %s", path, reason.text);
     }
-    char **library = grown(list->library_path, list->library_count, sizeof *library);
-    char *kept_path = strdup(path);
-    if (library)
-        list->library_path = library;
-    if (!library || !kept_path) {
-        free(kept_path);
-        return no_memory(err);
-    }
-    list->library_path[list->library_count++] = kept_path;
-    mrt_result result = MRT_OK;
     for (; *types; ++types) {
         mrt_result one = plugin_type_check(*types, &reason);
-        if (one < 0) {
-            refuse(list, path, reason.text);
-            result = error_set(err, one, "plugin %s: %s", path, reason.text);
-            if ((*types)->abi != MRT_ABI)
-                break; /* the table's other entries are of that ABI too */
-        } else {
-            one = add_type(list, *types, kept_path, err);
+        if (one >= 0) {
+            one = add_type(list, *types, path, err);
             if (one < 0)
                 return one;
+            continue;
         }
+        refuse(list, path, reason.text);
+        result = error_set(err, one, "plugin %s: %s", path, reason.text);
+        if ((*types)->abi != MRT_ABI)
+            break; /* the table's other entries are of that ABI too */
     }
     return result;
+}
+
+mrt_result plugin_list_add(plugin_list *list, const char *path, error *err)
+{
+    const mrt_plugin_type *const *types;
+    return add(list, path, &types, err);
 }
 
 static int is_library(const struct dirent *entry)
@@ -241,14 +278,7 @@ static void add_path_list(plugin_list *list, const char *folders)
 static void add_user_folder(plugin_list *list)
 {
     char folder[PATH_LENGTH];
-    const char *data = getenv("XDG_DATA_HOME");
-    const char *home = getenv("HOME");
-    int length = -1;
-    if (data && data[0] == '/')
-        length = snprintf(folder, sizeof folder, "%s/marotte/plugins", data);
-    else if (home && home[0] == '/')
-        length = snprintf(folder, sizeof folder, "%s/.local/share/marotte/plugins", home);
-    if (length > 0 && (size_t)length < sizeof folder)
+    if (file_home_path(folder, sizeof folder, FILE_HOME_DATA, "plugins", NULL) >= 0)
         add_folder(list, folder);
 }
 
@@ -296,21 +326,26 @@ bool plugin_is_shipped(const char *library)
 
 const char *plugin_list_path_of(const plugin_list *list, const mrt_plugin_type *type)
 {
-    for (uint32_t i = 0; i < list->entry_count; ++i)
-        if (list->entry[i].type == type)
-            return list->entry[i].path;
-    return NULL;
+    const plugin_entry *entry = entry_of(list, type);
+    return entry ? entry->path : NULL;
 }
 
-mrt_result plugin_list_load(plugin_list *out, error *err)
+mrt_result plugin_list_load(plugin_list *list, error *err)
 {
-    (void)err;
-    *out = (plugin_list){0};
-    add_path_list(out, getenv("MAROTTE_PLUGIN_PATH"));
-    add_user_folder(out);
-    add_program_folder(out, MAROTTE_PLUGINS_FROM_PROGRAM);
-    add_program_folder(out, "plugins");
+    mrt_result result = make_room(list, err);
+    if (result < 0)
+        return result;
+    add_path_list(list, getenv("MAROTTE_PLUGIN_PATH"));
+    add_user_folder(list);
+    add_program_folder(list, MAROTTE_PLUGINS_FROM_PROGRAM);
+    add_program_folder(list, "plugins");
     return MRT_OK;
+}
+
+static void free_paths(plugin_entry *entry, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        free(entry[i].path);
 }
 
 void plugin_list_destroy(plugin_list *list)
@@ -321,11 +356,11 @@ void plugin_list_destroy(plugin_list *list)
         free(list->refusal[i].path);
         free(list->refusal[i].reason);
     }
-    for (uint32_t i = 0; i < list->library_count; ++i)
-        free(list->library_path[i]);
+    free_paths(list->entry, list->entry_count);
+    free_paths(list->hidden, list->hidden_count);
     free(list->entry);
+    free(list->hidden);
     free(list->refusal);
-    free(list->library_path);
     *list = (plugin_list){0};
 }
 
@@ -351,28 +386,17 @@ static void name_all(const plugin_list *list, const char *interface_id, char *ou
     }
 }
 
-static mrt_result find_in_library(plugin_list *list, const char *path, const char *interface_id,
-                                  const mrt_plugin_type **out_type, error *err)
+static const char *kind_of(const char *interface_id)
 {
-    mrt_result result = plugin_list_add(list, path, err);
-    if (result < 0)
-        return result;
-    const mrt_plugin_type *const *types = open_library(path, err);
-    for (; types && *types; ++types) {
-        if (!plugin_interface(*types, interface_id))
-            continue;
-        *out_type = *types;
-        return MRT_OK;
-    }
-    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: has no %s", path, interface_id);
+    return strcmp(interface_id, MRT_INPUT) == 0    ? "input"
+           : strcmp(interface_id, MRT_OUTPUT) == 0 ? "output"
+                                                   : "mapping";
 }
 
-mrt_result plugin_list_find(plugin_list *list, const char *name, const char *interface_id,
+mrt_result plugin_list_find(const plugin_list *list, const char *name, const char *interface_id,
                             const mrt_plugin_type **out_type, error *err)
 {
     *out_type = NULL;
-    if (strchr(name, '/'))
-        return find_in_library(list, name, interface_id, out_type, err);
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
         if (is_named(type, name) && plugin_interface(type, interface_id)) {
@@ -390,9 +414,107 @@ mrt_result plugin_list_find(plugin_list *list, const char *name, const char *int
     }
     char names[256];
     name_all(list, interface_id, names, sizeof names);
-    const char *kind = strcmp(interface_id, MRT_INPUT) == 0    ? "input"
-                       : strcmp(interface_id, MRT_OUTPUT) == 0 ? "output"
-                                                               : "mapping";
-    return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\" (there are: %s)", kind,
-                     name, names[0] ? names : "none");
+    return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\" (there are: %s)",
+                     kind_of(interface_id), name, names[0] ? names : "none");
+}
+
+/* ---- what the person wrote ---- */
+
+/* "./wave.so", and "wave.so" if it lies here. */
+static bool is_path(const char *words)
+{
+    size_t length = strlen(words);
+    bool is_library = length > 3 && strcmp(words + length - 3, ".so") == 0;
+    return strchr(words, '/') || (is_library && access(words, F_OK) == 0);
+}
+
+/* "./two.so/tide": the library is "./two.so", and out_name "tide"; "" when none is named. */
+static bool split_path(const char *words, char out_path[PATH_LENGTH], const char **out_name)
+{
+    const char *end = words + strlen(words), *slash = strrchr(words, '/');
+    bool is_within = slash && slash - words > 3 && strncmp(slash - 3, ".so", 3) == 0;
+    size_t length = (size_t)((is_within ? slash : end) - words);
+    *out_name = is_within ? slash + 1 : "";
+    if (length >= PATH_LENGTH)
+        return false;
+    memcpy(out_path, words, length);
+    out_path[length] = '\0';
+    return true;
+}
+
+/* Of those in a library that have the interface: the one that is named, or the only one. */
+static mrt_result pick(const mrt_plugin_type *const *types, const char *path, const char *name,
+                       const char *interface_id, const mrt_plugin_type **out_type, error *err)
+{
+    char names[256] = "";
+    size_t used = 0;
+    uint32_t count = 0;
+    for (; *types; ++types) {
+        if (!plugin_interface(*types, interface_id))
+            continue;
+        const char *dot = strrchr((*types)->id, '.');
+        int length = used < sizeof names
+                         ? snprintf(names + used, sizeof names - used, "%s%s/%s", used ? ", " : "",
+                                    path, dot ? dot + 1 : (*types)->id)
+                         : 0;
+        used += length > 0 ? (size_t)length : 0;
+        if (name[0] && !is_named(*types, name))
+            continue;
+        *out_type = *types;
+        count += 1;
+    }
+    if (count == 1)
+        return MRT_OK;
+    *out_type = NULL;
+    if (!names[0])
+        return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: has no %s", path,
+                         kind_of(interface_id));
+    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s: write %s", path,
+                     name[0] ? "has no such type" : "which of its types?", names);
+}
+
+mrt_result plugin_list_choose(plugin_list *list, const char *words, const char *interface_id,
+                              const mrt_plugin_type **out_type, error *err)
+{
+    char path[PATH_LENGTH];
+    const char *name;
+    const mrt_plugin_type *const *types;
+    if (!is_path(words))
+        return plugin_list_find(list, words, interface_id, out_type, err);
+    *out_type = NULL;
+    if (!split_path(words, path, &name))
+        return error_set(err, MRT_ERR_ARGUMENT, "\"%.200s...\" is too long a name", words);
+    mrt_result result = add(list, path, &types, err);
+    return result < 0 ? result : pick(types, path, name, interface_id, out_type, err);
+}
+
+mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec, const char *interface_id,
+                                   char **out_spec, error *err)
+{
+    const mrt_plugin_type *type;
+    const size_t length = strcspn(spec, ":,");
+    *out_spec = NULL;
+    char *words = strndup(spec, length);
+    if (!words)
+        return no_memory(err);
+    const bool is_library = is_path(words);
+    mrt_result result = MRT_OK;
+    if (is_library)
+        result = plugin_list_choose(list, words, interface_id, &type, err);
+    if (result >= 0 && is_library && entry_with_id(list, type->id)->type != type)
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "plugin %s: %s is already loaded from %s: take that one away, or name "
+                           "the folder of yours in MAROTTE_PLUGIN_PATH",
+                           words, type->id, entry_with_id(list, type->id)->path);
+    if (result >= 0) {
+        const char *id = is_library ? type->id : words;
+        size_t size = strlen(id) + strlen(spec + length) + 1;
+        *out_spec = malloc(size);
+        if (*out_spec)
+            (void)snprintf(*out_spec, size, "%s%s", id, spec + length);
+        else
+            result = no_memory(err);
+    }
+    free(words);
+    return result;
 }

@@ -1,39 +1,55 @@
 /* stage/mapping/plugins.h - which plugins there are: shared libraries found in the folders of the
  * path list, loaded, checked, and never unloaded. One that cannot be used says why and is skipped.
- * [main]; read-only afterwards. */
+ * Only [main] adds to a list; any thread may read it meanwhile: what is in it never moves. */
 #ifndef MAROTTE_STAGE_PLUGINS_H
 #define MAROTTE_STAGE_PLUGINS_H
 #include "base/error.h"
 
+#include <stdatomic.h>
+
+enum { PLUGIN_LIST_MAX = 1024 };
+
 typedef struct plugin_entry {
     const mrt_plugin_type *type;
-    const char *path; /* of the library */
+    char *path; /* of the library */
 } plugin_entry;
 
 typedef struct plugin_refusal {
     char *path, *reason;
 } plugin_refusal;
 
-typedef struct plugin_list {
+typedef struct plugin_list { /* zeroed: empty; each has room for PLUGIN_LIST_MAX */
     plugin_entry *entry;     /* in the order of the path list; the first of an id wins */
-    plugin_refusal *refusal; /* what was not loaded, and what a second one of an id is hidden by */
-    char **library_path;
-    uint32_t entry_count, refusal_count, library_count;
+    plugin_entry *hidden;    /* another of that id was there before */
+    plugin_refusal *refusal; /* what was not loaded, and what is hidden */
+    _Atomic uint32_t entry_count, hidden_count, refusal_count;
 } plugin_list;
 
 /* Looks into $MAROTTE_PLUGIN_PATH (folders with ':' between), the user's data folder, the installed
  * folder (found from the running program: an installation may be moved), and the folder `plugins`
- * beside the program. Missing folders are no error. */
-CHECKED mrt_result plugin_list_load(plugin_list *out, error *err);
+ * beside the program. Missing folders are no error. What is in the list already comes first. */
+CHECKED mrt_result plugin_list_load(plugin_list *list, error *err);
 /* Adds one library. A refused one is an error that says why. */
 CHECKED mrt_result plugin_list_add(plugin_list *list, const char *path, error *err);
 void plugin_list_destroy(plugin_list *list);
 
-/* By id ("org.marotte.log"), by the last part of the id ("log"), or by the path of a library that
- * is loaded for it ("./wave.so": the first type with that interface). The error names what there
- * is. */
-CHECKED mrt_result plugin_list_find(plugin_list *list, const char *name, const char *interface_id,
-                                    const mrt_plugin_type **out_type, error *err);
+/* [any] By id ("org.marotte.log") or by the last part of the id ("log"), among what is loaded: for
+ * whatever a show, a setting or the network says. It cannot load: no text is a path to it. The
+ * error names what there is. */
+CHECKED mrt_result plugin_list_find(const plugin_list *list, const char *name,
+                                    const char *interface_id, const mrt_plugin_type **out_type,
+                                    error *err);
+
+/* [main] For what the person has just written, and nothing else (tests/house/borders.sh): as
+ * plugin_list_find, and the path of a library ("wave.so", "build/wave.so") loads it;
+ * "wave.so/tide" names one of several types with that interface. */
+CHECKED mrt_result plugin_list_choose(plugin_list *list, const char *words,
+                                      const char *interface_id, const mrt_plugin_type **out_type,
+                                      error *err);
+/* The same for "PLUGIN[:ADDRESS][,key=value]": out_spec is that text with the id of the type
+ * instead of a path, for plugin_list_find. To be freed. */
+CHECKED mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec,
+                                           const char *interface_id, char **out_spec, error *err);
 
 /* The functions of an interface, or NULL. */
 const void *plugin_interface(const mrt_plugin_type *type, const char *interface_id);

@@ -1,15 +1,19 @@
 #include "stage/mapping/reload.h"
 #include "base/clock.h"
+#include "base/file.h"
 #include "check/check.h"
 #include "stage/guard.h"
-#include "stage/mapping/library_file.h"
+#include "stage/mapping/library.h"
 #include "stage/mapping/plugins.h"
-#include "stage/mapping/reload_library.h"
+#include "take/hash.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* How often the file is looked at; it is complete when it has not changed in between. */
@@ -18,6 +22,94 @@ static const int64_t look_span_ns = 20 * NS_PER_MS;
 static const int64_t part_span_ns = 2 * NS_PER_MS;
 static const int64_t answer_patience_ns = 100 * NS_PER_MS;
 static const size_t state_capacity = (size_t)1 << 20;
+
+/* ---- a library file that is watched, and copies of it that are loaded: a rebuilt file of the same
+ * name would not be loaded again, and would change under the program ---- */
+
+typedef struct stamp { /* zeroed: no such file */
+    int64_t time_ns, size;
+    uint64_t file;
+} stamp;
+
+static const size_t library_bytes_max = (size_t)256 << 20;
+
+static stamp stamp_of(const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return (stamp){0};
+    return (stamp){.time_ns = (int64_t)status.st_mtim.tv_sec * NS_PER_S + status.st_mtim.tv_nsec,
+                   .size = (int64_t)status.st_size,
+                   .file = (uint64_t)status.st_ino};
+}
+
+static bool is_same_stamp(const stamp *a, const stamp *b)
+{
+    return a->time_ns == b->time_ns && a->size == b->size && a->file == b->file;
+}
+
+/* A folder for copies, which nobody else may enter. */
+static mrt_result make_folder(char out[PATH_MAX], error *err)
+{
+    const char *chosen = getenv("TMPDIR");
+    int length =
+        snprintf(out, PATH_MAX, "%s/marotte-XXXXXX", chosen && chosen[0] == '/' ? chosen : "/tmp");
+    if (length > 0 && length < PATH_MAX && mkdtemp(out))
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO, "no folder for rebuilt plugins: %s", strerror(errno));
+}
+
+/* Copies the file as number `n`; its SHA-256 goes to out_hash. */
+static mrt_result copy_library(const char *library, const char *folder, uint32_t n,
+                               char out_path[PATH_MAX], char out_hash[TAKE_HASH], error *err)
+{
+    file_bytes bytes;
+    const char *slash = strrchr(library, '/');
+    mrt_result result = library_check_file(library, err);
+    if (result >= 0)
+        result = file_read(&bytes, library, library_bytes_max, err);
+    if (result < 0)
+        return result;
+    int length =
+        snprintf(out_path, PATH_MAX, "%s/%u-%.200s", folder, n, slash ? slash + 1 : library);
+    hash_bytes(out_hash, bytes.data, bytes.size);
+    if (length <= 0 || length >= PATH_MAX)
+        result = error_set(err, MRT_ERR_IO, "%s: too long a name", library);
+    FILE *copy = result >= 0 ? fopen(out_path, "wbx") : NULL;
+    if (copy) { /* not file_write: it need not survive a power cut */
+        bool is_written = fwrite(bytes.data, bytes.size, 1, copy) == 1;
+        is_written &= fclose(copy) == 0;
+        if (!is_written)
+            result =
+                error_set(err, MRT_ERR_IO, "%s cannot be written: %s", out_path, strerror(errno));
+    } else if (result >= 0) {
+        result = error_set(err, MRT_ERR_IO, "%s cannot be made: %s", out_path, strerror(errno));
+    }
+    file_bytes_finish(&bytes);
+    return result;
+}
+
+/* The mapping of that id in a library, loaded and its tables checked. */
+static mrt_result open_version(const char *path, const char *type_id,
+                               const mrt_plugin_type **out_type, error *err)
+{
+    *out_type = NULL;
+    const mrt_plugin_type *const *types = library_open(path, err);
+    if (!types)
+        return MRT_ERR_FORMAT;
+    for (; *types; ++types) {
+        mrt_result result = plugin_type_check(*types, err);
+        if (result < 0)
+            return result;
+        if (strcmp((*types)->id, type_id) != 0 || !plugin_interface(*types, MRT_MAPPING))
+            continue;
+        *out_type = *types;
+        return MRT_OK;
+    }
+    return error_set(err, MRT_ERR_FORMAT, "has no mapping %s any more", type_id);
+}
+
+/* ---- the whole ---- */
 
 /* One version of the mapping; does not move. */
 typedef struct version {
@@ -57,7 +149,7 @@ struct reload {
     unsigned char *state; /* state_capacity */
     size_t state_size;    /* what STEP_SAVE has found; 0: nothing */
     bool is_state_lost;   /* the new one did not take it */
-    reload_stamp loaded;  /* of the file when it began */
+    stamp loaded;         /* of the file when it began */
     uint32_t number;
     int64_t seen_ns;
     const char *identity;
@@ -104,11 +196,11 @@ static mrt_result version_make(reload *self, version *v, error *err)
     char hash[TAKE_HASH];
     const mrt_plugin_type *type;
     mrt_result result =
-        reload_copy(self->library, self->folder, self->number++, v->path, hash, err);
+        copy_library(self->library, self->folder, self->number++, v->path, hash, err);
     if (result >= 0)
         result = check_quick(v->path, err);
     if (result >= 0)
-        result = reload_open(v->path, self->first->id, &type, err);
+        result = open_version(v->path, self->first->id, &type, err);
     if (result < 0)
         return result;
     (void)snprintf(v->identity, sizeof v->identity, "%.159s %.63s %s", type->id, type->version,
@@ -269,17 +361,17 @@ static void load_version(reload *self)
 static void *loader_main(void *data)
 {
     reload *self = data;
-    reload_stamp loaded = self->loaded, last = loaded;
+    stamp loaded = self->loaded, last = loaded;
     while (!is_stopping(self)) {
         clock_sleep_until_ns(clock_now_ns() + look_span_ns);
-        reload_stamp now = reload_stamp_of(self->library);
-        bool is_settled = reload_stamp_equal(&now, &last);
+        stamp now = stamp_of(self->library);
+        bool is_settled = is_same_stamp(&now, &last);
         if (!is_settled)
             self->seen_ns = clock_now_ns();
         last = now;
         error ignored;
-        bool is_complete = is_settled && now.size > 0 && !reload_stamp_equal(&now, &loaded) &&
-                           library_file_check(self->library, &ignored) >= 0;
+        bool is_complete = is_settled && now.size > 0 && !is_same_stamp(&now, &loaded) &&
+                           library_check_file(self->library, &ignored) >= 0;
         if (!is_complete)
             continue;
         loaded = now;
@@ -371,12 +463,12 @@ mrt_result reload_start(reload **out, const reload_settings *settings, error *er
     self->library = strdup(settings->library);
     self->state = malloc(state_capacity);
     if (self->library)
-        self->loaded = reload_stamp_of(self->library);
+        self->loaded = stamp_of(self->library);
     mrt_result result = MRT_OK;
     if (!self->library || !self->state)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to watch %s", settings->library);
     if (result >= 0)
-        result = reload_folder_make(self->folder, err);
+        result = make_folder(self->folder, err);
     if (result >= 0 && pthread_create(&self->loader, NULL, loader_main, self) != 0) {
         (void)rmdir(self->folder);
         result = error_set(err, MRT_ERR_IO, "no thread to watch %s", settings->library);

@@ -20,15 +20,15 @@ static mrt_vec3 narrow(vec3 v)
 const mrt_channel *pointer_channels(uint32_t *out_count)
 {
     static const mrt_channel channel[POINTER_CHANNELS] = {
-        {"rest x", "mm", MRT_CH_POINTER + POINTER_REST_X, MRT_NO_HAND, 0.0f, 0.0f},
-        {"rest y", "mm", MRT_CH_POINTER + POINTER_REST_Y, MRT_NO_HAND, 0.0f, 0.0f},
-        {"rest z", "mm", MRT_CH_POINTER + POINTER_REST_Z, MRT_NO_HAND, 0.0f, 0.0f},
-        {"at x", "mm", MRT_CH_POINTER + POINTER_AT_X, MRT_NO_HAND, 0.0f, 0.0f},
-        {"at y", "mm", MRT_CH_POINTER + POINTER_AT_Y, MRT_NO_HAND, 0.0f, 0.0f},
-        {"at z", "mm", MRT_CH_POINTER + POINTER_AT_Z, MRT_NO_HAND, 0.0f, 0.0f},
-        {"grip", "", MRT_CH_POINTER + POINTER_GRIP, MRT_NO_HAND, 0.0f, 0.0f},
-        {"stays", "", MRT_CH_POINTER + POINTER_STAYS, MRT_NO_HAND, 0.0f, 0.0f},
-        {"radius", "mm", MRT_CH_POINTER + POINTER_RADIUS, MRT_NO_HAND, 0.0f, 0.0f},
+        {"rest x", "mm", POINTER_SEMANTIC + POINTER_REST_X, MRT_NO_HAND, 0.0f, 0.0f},
+        {"rest y", "mm", POINTER_SEMANTIC + POINTER_REST_Y, MRT_NO_HAND, 0.0f, 0.0f},
+        {"rest z", "mm", POINTER_SEMANTIC + POINTER_REST_Z, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at x", "mm", POINTER_SEMANTIC + POINTER_AT_X, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at y", "mm", POINTER_SEMANTIC + POINTER_AT_Y, MRT_NO_HAND, 0.0f, 0.0f},
+        {"at z", "mm", POINTER_SEMANTIC + POINTER_AT_Z, MRT_NO_HAND, 0.0f, 0.0f},
+        {"grip", "", POINTER_SEMANTIC + POINTER_GRIP, MRT_NO_HAND, 0.0f, 0.0f},
+        {"stays", "", POINTER_SEMANTIC + POINTER_STAYS, MRT_NO_HAND, 0.0f, 0.0f},
+        {"radius", "mm", POINTER_SEMANTIC + POINTER_RADIUS, MRT_NO_HAND, 0.0f, 0.0f},
     };
     *out_count = POINTER_CHANNELS;
     return channel;
@@ -61,8 +61,8 @@ static bool listen(const channel_route *route, const mrt_sample *sample, said_no
     float value[POINTER_CHANNELS] = {0};
     bool speaks = false;
     for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
-        uint32_t channel = route->semantic[i] - MRT_CH_POINTER;
-        if (channel >= POINTER_CHANNELS || route->semantic[i] < MRT_CH_POINTER)
+        uint32_t channel = route->semantic[i] - POINTER_SEMANTIC;
+        if (channel >= POINTER_CHANNELS || route->semantic[i] < POINTER_SEMANTIC)
             continue;
         value[channel] = sample->value[i];
         speaks = true;

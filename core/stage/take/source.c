@@ -61,14 +61,6 @@ static plugin_words words_of(const char *text)
     return out;
 }
 
-static const char *library_of(const plugin_list *plugins, const mrt_plugin_type *type)
-{
-    for (uint32_t i = 0; i < plugins->entry_count; ++i)
-        if (plugins->entry[i].type == type)
-            return plugins->entry[i].path;
-    return "";
-}
-
 /* As on the stage: what does not come with the program may crash without taking it along. */
 static mrt_result set_apart(source *self, const char *library, const mrt_plugin_type **type,
                             error *err)
@@ -95,7 +87,7 @@ static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, e
         return result;
     char hash[TAKE_HASH] = "";
     error ignored = {""};
-    const char *path = library_of(self->world.plugins, *out_type);
+    const char *path = plugin_list_path_of(self->world.plugins, *out_type);
     self->is_same_plugin = hash_file(hash, path, &ignored) >= 0 && strcmp(hash, then.hash) == 0;
     if (!self->is_same_plugin)
         snprintf(

@@ -12,7 +12,7 @@
 /* What all sources of a take share; must outlive them. */
 typedef struct source_world {
     show *show;
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log;
     composer *scratch; /* its face is moved wherever a source has to be brought to some instant */
 } source_world;

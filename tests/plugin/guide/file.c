@@ -1,6 +1,7 @@
 /* Around the guide's blocks "in: file": what a plugin's file has above them. */
 #include <marotte/plugin.h>
 
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -1,6 +1,8 @@
 /* Around the guide's blocks "in: process": the body of a mapping's process(). */
 #include <marotte/plugin.h>
 
+#include <math.h>
+
 struct mrt_plugin {
     const mrt_face *face;
     float neutral;

@@ -21,7 +21,7 @@ typedef struct worker_curve { /* of a performance */
 } worker_curve;
 
 typedef struct worker_desk { /* [thread] */
-    plugin_list *plugins;
+    const plugin_list *plugins;
     log_queue *log; /* what recordings have to say was said when they were made */
     show *show;
     face_file face;
@@ -523,7 +523,7 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-timeline_worker *timeline_worker_create(plugin_list *plugins)
+timeline_worker *timeline_worker_create(const plugin_list *plugins)
 {
     timeline_worker *self = calloc(1, sizeof *self);
     if (!self)

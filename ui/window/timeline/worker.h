@@ -11,7 +11,7 @@
 typedef struct timeline_worker timeline_worker;
 
 /* The thread begins with the first wish. NULL: no memory. The list outlives it. */
-timeline_worker *timeline_worker_create(plugin_list *plugins);
+timeline_worker *timeline_worker_create(const plugin_list *plugins);
 void timeline_worker_destroy(timeline_worker *self); /* NULL is fine */
 /* Where it reads, and a face to perform on; what was of another show is forgotten. NULL: nothing.
  */

@@ -1,5 +1,7 @@
-#include "stage/mapping/library_file.h"
+#include "stage/mapping/library.h"
 
+#include <dlfcn.h>
+#include <limits.h>
 #include <link.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -46,7 +48,7 @@ static mrt_result check_segments(FILE *file, uint64_t size, error *err)
     return MRT_OK;
 }
 
-mrt_result library_file_check(const char *path, error *err)
+mrt_result library_check_file(const char *path, error *err)
 {
     struct stat status;
     if (stat(path, &status) != 0)
@@ -59,4 +61,36 @@ mrt_result library_file_check(const char *path, error *err)
     mrt_result result = check_segments(file, (uint64_t)status.st_size, err);
     (void)fclose(file);
     return result;
+}
+
+/* A name without a slash would be looked for in the system's folders. */
+static bool as_path(char out[PATH_MAX], const char *path)
+{
+    int length = snprintf(out, PATH_MAX, "%s%s", strchr(path, '/') ? "" : "./", path);
+    return length > 0 && length < PATH_MAX;
+}
+
+const mrt_plugin_type *const *library_open(const char *path, error *err)
+{
+    char name[PATH_MAX];
+    if (!as_path(name, path)) {
+        (void)error_set(err, MRT_ERR_ARGUMENT, "has too long a name");
+        return NULL;
+    }
+    if (library_check_file(name, err) < 0)
+        return NULL;
+    dlerror();
+    void *library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+        const char *reason = dlerror();
+        (void)error_set(err, MRT_ERR_FORMAT, "%s", reason ? reason : "cannot be loaded");
+        return NULL;
+    }
+    const mrt_plugin_type *const *types = dlsym(library, "marotte_plugins");
+    if (types && types[0])
+        return types;
+    (void)error_set(err, MRT_ERR_FORMAT,
+                    types ? "its marotte_plugins is empty"
+                          : "has no symbol marotte_plugins: not a marotte plugin");
+    return NULL;
 }

@@ -1,0 +1,126 @@
+/* What a show names is looked up among what is loaded: no id in it is the path of a library, for
+ * performing again as for drawing the timeline. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "unit/sequencer_scene.h"
+
+#include "stage/activity.h"
+
+#include <dlfcn.h>
+#include <sqlite3.h>
+
+static const scene_play play = {.mapping = "anchored", .face = "moai", .params = ""};
+static const char library[] = BUILD_DIR "/tests/plugin/troubled.so";
+
+static bool is_loaded(void)
+{
+    return dlopen(library, RTLD_LAZY | RTLD_NOLOAD) != NULL;
+}
+
+static void store_identity(const film *f, const char *identity)
+{
+    sqlite3 *db;
+    sqlite3_stmt *change;
+    assert_int_equal(sqlite3_open(f->path, &db), SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db,
+                           "UPDATE plugin SET identity = ? WHERE id IN (SELECT plugin FROM "
+                           "performance)",
+                           -1, &change, NULL),
+        SQLITE_OK);
+    assert_int_equal(sqlite3_bind_text(change, 1, identity, -1, SQLITE_STATIC), SQLITE_OK);
+    assert_int_equal(sqlite3_step(change), SQLITE_DONE);
+    assert_int_equal(sqlite3_changes(db), 1);
+    sqlite3_finalize(change);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+static void no_stored_id_is_a_path(void **state)
+{
+    (void)state;
+    static const char *const before[] = {"", "", "org.marotte.anchored", "./"};
+    static const char *const behind[] = {" 1.0 0", "/troubled 1.0 0", " 1.0 0", ""};
+    film *f = film_shoot(&play, FILM_DEMO, "start=3,end=5", 0.0);
+    composer *scratch;
+    const csrbf_settings of_rig = {.radius = 0};
+    error err = {""};
+    scene_must(composer_create(&scratch, &f->file, &of_rig, &err), &err);
+    const uint32_t refusals = f->plugins.refusal_count, entries = f->plugins.entry_count;
+    for (size_t i = 0; i < sizeof before / sizeof *before; ++i) {
+        char identity[FILM_PATH * 2];
+        source *again = NULL;
+        activity *drawn = NULL;
+        (void)snprintf(identity, sizeof identity, "%s%s%s", before[i], library, behind[i]);
+        store_identity(f, identity);
+        const source_world world = {
+            .show = f->show, .plugins = &f->plugins, .log = f->log, .scratch = scratch};
+        assert_true(source_open(&again, &world, f->performance, &err) < 0);
+        assert_null(again);
+        assert_non_null(strstr(err.text, "there is no mapping plugin"));
+        assert_true(activity_create(&drawn, &world, f->performance, &err) < 0);
+        assert_false(is_loaded());
+    }
+    assert_int_equal(f->plugins.refusal_count, refusals);
+    assert_int_equal(f->plugins.entry_count, entries);
+    composer_destroy(scratch);
+    film_burn(f);
+}
+
+/* The command line is the person's word: there a path is one, and one of several types is named. */
+static void chosen_words_may_be_a_path(void **state)
+{
+    (void)state;
+    plugin_list list = {0};
+    const mrt_plugin_type *type;
+    error err = {""};
+    char *spec;
+    assert_true(plugin_list_find(&list, library, MRT_MAPPING, &type, &err) < 0);
+    assert_false(is_loaded());
+    scene_must(plugin_list_choose(&list, library, MRT_MAPPING, &type, &err), &err);
+    assert_string_equal(type->id, "org.example.troubled");
+    assert_string_equal(plugin_list_path_of(&list, type), library);
+    scene_must(plugin_list_find(&list, "troubled", MRT_MAPPING, &type, &err), &err);
+    assert_true(plugin_list_choose(&list, library, MRT_INPUT, &type, &err) < 0);
+    assert_non_null(strstr(err.text, "has no input"));
+    scene_must(plugin_list_choose_spec(&list, BUILD_DIR "/tests/plugin/troubled.so,trouble=crash",
+                                       MRT_MAPPING, &spec, &err),
+               &err);
+    assert_string_equal(spec, "org.example.troubled,trouble=crash");
+    free(spec);
+    plugin_list_destroy(&list);
+}
+
+static void one_of_several_types_is_named(void **state)
+{
+    (void)state;
+    static const char two[] = BUILD_DIR "/tests/plugin/two_types.so";
+    plugin_list list = {0};
+    const mrt_plugin_type *type;
+    error err = {""};
+    char words[sizeof two + 32];
+    assert_true(plugin_list_choose(&list, two, MRT_MAPPING, &type, &err) < 0);
+    assert_non_null(strstr(err.text, "two_types.so/first, "));
+    assert_non_null(strstr(err.text, "two_types.so/second"));
+    static const char *const names[] = {"first", "second", "org.example.second"};
+    for (size_t i = 0; i < 3; ++i) {
+        (void)snprintf(words, sizeof words, "%s/%s", two, names[i]);
+        scene_must(plugin_list_choose(&list, words, MRT_MAPPING, &type, &err), &err);
+        assert_string_equal(type->id, i == 0 ? "org.example.first" : "org.example.second");
+    }
+    (void)snprintf(words, sizeof words, "%s/third", two);
+    assert_true(plugin_list_choose(&list, words, MRT_MAPPING, &type, &err) < 0);
+    plugin_list_destroy(&list);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(no_stored_id_is_a_path),
+                                       cmocka_unit_test(chosen_words_may_be_a_path),
+                                       cmocka_unit_test(one_of_several_types_is_named)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
