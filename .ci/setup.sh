@@ -10,7 +10,7 @@ setup_build_packages=(
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
 setup_test_packages=(libcmocka-dev libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
-    xvfb xauth xdotool ffmpeg)
+    xvfb xdotool ffmpeg gdb)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)

@@ -17,6 +17,9 @@ add_library(plugin MODULE template_name.c)
 set_target_properties(plugin PROPERTIES PREFIX "" OUTPUT_NAME template_name
                       C_VISIBILITY_PRESET hidden LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 target_compile_options(plugin PRIVATE -Wall -Wextra -Wpedantic)
+if(UNIX)
+  target_link_libraries(plugin PRIVATE m) # sqrtf, fminf ...
+endif()
 if(MAROTTE_INCLUDE)
   target_include_directories(plugin PRIVATE ${MAROTTE_INCLUDE})
   target_compile_options(plugin PRIVATE -ffp-contract=off) # same take, same bits, on every machine

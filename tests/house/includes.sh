@@ -1,23 +1,48 @@
 #!/usr/bin/env bash
 # A file includes only from its own room or from lower floors; a plugin includes the contract and
-# nothing else of marotte.
+# nothing else of marotte. Files of different subjects (a .c and its .h are one), and the folders
+# within a room, include each other in no circle: those of includes_known.txt are being unmade.
 set -u
 cd "$SOURCE_DIR" || exit 1
-declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [take]=3 [check]=3 [stage]=4)
-checked=0
+known=tests/house/includes_known.txt
 failed=0
 complain() { echo "$1"; failed=1; }
 
-while IFS=: read -r file line text; do
-    checked=$((checked + 1))
-    target=$(sed -E 's/.*#include +["<]([^">]+)[">].*/\1/' <<<"$text")
-    room=${target%%/*}
+# ---- every include of ours, as "FILE LINE FILE": where the second one lies is looked up ----
+edges=$(mktemp)
+trap 'rm -f "$edges" "$edges".*' EXIT
+find core ui plugins rigs \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' \) | sort >"$edges.files"
+grep -nE '^ *# *include +"' -r core ui plugins rigs --include=*.c --include=*.h --include=*.cpp --include=*.hpp >"$edges.lines"
+awk -v FILES="$edges.files" '
+    function folder(path) { sub("/[^/]*$", "", path); return path }
+    function found(path, name) { while (sub("[^/]+/\\.\\./", "", path)); return (path in is_file) ? path : "" }
+    BEGIN { while ((getline file <FILES) > 0) is_file[file] = 1 }
+    {
+        split($0, part, ":")
+        file = part[1]; line = part[2]
+        match($0, "\"[^\"]*\""); name = substr($0, RSTART + 1, RLENGTH - 2)
+        split(file, step, "/")
+        at = found(folder(file) "/" name)
+        if (at == "") at = found("core/" name)
+        if (at == "") at = found("ui/" name)
+        if (at == "" && step[1] == "plugins") at = found("plugins/" step[2] "/" name)
+        if (at == "") at = found("plugins/hands/" name)
+        if (at == "") at = found("plugins/devices/" name)
+        if (at == "") at = found("plugins/template/" name)
+        print file, line, at == "" ? "?" name : at
+    }' "$edges.lines" >"$edges"
+checked=$(wc -l <"$edges")
+
+# ---- floors ----
+declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [take]=3 [check]=3 [stage]=4)
+while read -r file line target; do
     case $file in
     core/include/*) complain "$file:$line: the contract includes $target" ;;
     core/*)
         own=$(cut -d/ -f2 <<<"$file")
+        room=$(cut -d/ -f2 <<<"$target")
         [ -n "${floor[$own]:-}" ] || { complain "$file: room $own has no floor"; continue; }
-        if [ -z "${floor[$room]:-}" ]; then
+        if [[ $target != core/* ]] || [ -z "${floor[$room]:-}" ]; then
             complain "$file:$line: includes $target, which is no room of core"
         elif [ "$room" != "$own" ] && [ "${floor[$room]}" -ge "${floor[$own]}" ]; then
             complain "$file:$line: floor ${floor[$own]} includes $target of floor ${floor[$room]}"
@@ -25,16 +50,62 @@ while IFS=: read -r file line text; do
     plugins/*/*)
         own=$(cut -d/ -f2 <<<"$file")
         # A plugin's own headers lie in its own folder; mappings share hands/, inputs share devices/.
-        [ -e "plugins/$own/$target" ] || [ -e "plugins/hands/$target" ] || [ -e "plugins/devices/$target" ] || complain "$file:$line: a plugin includes $target" ;;
+        case $target in
+        "plugins/$own/"* | plugins/hands/* | plugins/devices/* | plugins/template/*) ;;
+        *) complain "$file:$line: a plugin includes $target" ;;
+        esac ;;
+    ui/draw/*) [[ $target != ui/window/* ]] || complain "$file:$line: the renderer includes the window, $target" ;;
     esac
-done < <(grep -rnE '#include +"' core plugins --include=*.c --include=*.h --include=*.cpp)
+done < <(awk '{ split($1, a, "/"); split($3, b, "/") } a[1] != b[1] || a[2] != b[2]' "$edges")
 
 # In angle brackets only <marotte/plugin.h> may be ours.
 while IFS=: read -r file line text; do
     complain "$file:$line: $text"
-done < <(grep -rnE '#include +<(marotte/[^p]|base/|csrbf/|hand/|mesh/|face/|io/|take/|stage/|draw/)' \
+done < <(grep -rnE '#include +<(marotte/[^p]|base/|csrbf/|hand/|mesh/|face/|io/|take/|stage/|check/|draw/|window/)' \
     core plugins ui rigs tests --include=*.c --include=*.h --include=*.cpp)
 
-[ "$checked" -gt 30 ] || complain "only $checked includes were found: the search is broken"
-echo "$checked includes checked"
+# ---- circles: of subjects, and of the folders of a room ----
+awk '
+    function stem(path) { sub("\\.[a-z]+$", "", path); return path }
+    # A header that lies apart from its .c belongs to the folder of that.
+    function folder(path, s) {
+        s = stem(path)
+        if (path ~ "\\.h$" && !(s in source)) { sub(".*/", "", s); if (apart[s] != "") return apart[s] }
+        sub("/[^/]*$", "", path)
+        return path
+    }
+    function room(path, step) { split(path, step, "/"); return step[1] == "ui" ? "ui" : step[1] "/" step[2] }
+    FILENAME == ARGV[1] && /\.c(pp)?$/ {
+        s = stem($1); source[s] = 1
+        f = $1; sub("/[^/]*$", "", f); sub(".*/", "", s); apart[s] = (s in apart) ? "" : f
+        next
+    }
+    FILENAME == ARGV[1] || $3 ~ "^[?]" { next }
+    {
+        a = stem($1); b = stem($3)
+        if (a != b) print a, b
+        a = folder($1); b = folder($3)
+        if (a != b && room($1) == room($3)) print a "/", b "/"
+    }' "$edges.files" "$edges" | sort -u >"$edges.pairs"
+grep -v '^#' "$known" | sort -u >"$edges.known"
+while read -r a b; do
+    complain "$known: $a includes $b no more: take the line away"
+done < <(comm -13 "$edges.pairs" "$edges.known")
+# What is left when all that nobody includes, and all that includes nothing, is taken away again and again.
+comm -23 "$edges.pairs" "$edges.known" | awk '
+    { from[NR] = $1; to[NR] = $2; alive[NR] = 1 }
+    END {
+        do {
+            delete out; delete into
+            for (i = 1; i <= NR; ++i) if (alive[i]) { out[from[i]] = 1; into[to[i]] = 1 }
+            gone = 0
+            for (i = 1; i <= NR; ++i)
+                if (alive[i] && (!(from[i] in into) || !(to[i] in out))) { alive[i] = 0; gone = 1 }
+        } while (gone)
+        for (i = 1; i <= NR; ++i) if (alive[i]) print from[i] " includes " to[i]
+    }' >"$edges.circles"
+[ ! -s "$edges.circles" ] || { complain "a circle of includes (let one of them not know the other):"; cat "$edges.circles"; }
+
+[ "$checked" -gt 1000 ] || complain "only $checked includes were found: the search is broken"
+echo "$checked includes checked, $(wc -l <"$edges.known") known ones close a circle"
 exit $failed

@@ -24,7 +24,7 @@ for block in "$scratch"/blocks/*; do
         sh_count=$((sh_count + 1))
         if ! command -v gdb >/dev/null && grep -q '^gdb' "$block"; then
             echo "SKIPPED: gdb is not installed"
-            sed -i '/^gdb/d' "$block"
+            sed -i '/^gdb/,/[^\\]$/d' "$block" # with the lines that go on
         fi
         { echo "set -e"; cat "$block"; echo "pwd >'$scratch/folder'"; } >"$scratch/block.sh"
         bash "$scratch/block.sh" >"$scratch/log" 2>&1 || {

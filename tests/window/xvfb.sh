@@ -1,13 +1,20 @@
 # What the scripts with a real window share: an X server of their own, the window in it, hands on its
 # keyboard and mouse. Sourced first, with the script's arguments; starts the script again within Xvfb.
 # shellcheck shell=bash
-for program in Xvfb xvfb-run xdotool; do
+for program in Xvfb xdotool; do
     command -v "$program" >/dev/null && continue
-    echo "SKIPPED: $program is not installed (packages xvfb, xauth, xdotool)"
+    echo "SKIPPED: $program is not installed (packages xvfb, xdotool)"
     exit 77
 done
-if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then
-    MAROTTE_WITHIN_XVFB=yes exec xvfb-run -a -s "-screen 0 ${MAROTTE_SCREEN:-1280x720x24} -nolisten tcp" bash "$0" "$@"
+if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then # a display of its own, whatever else runs: the server takes a free number
+    numbers=$(mktemp -d) && mkfifo "$numbers/number" || exit 1
+    Xvfb -displayfd 3 -screen 0 "${MAROTTE_SCREEN:-1280x720x24}" -nolisten tcp \
+        3>"$numbers/number" >"$numbers/said" 2>&1 </dev/null &
+    server=$!
+    trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$numbers"' EXIT
+    read -r number <"$numbers/number" || { echo "Xvfb does not start:"; cat "$numbers/said"; exit 1; }
+    MAROTTE_WITHIN_XVFB=yes DISPLAY=:$number bash "$0" "$@"
+    exit $?
 fi
 source "$(dirname "$0")/../e2e/lib.sh"
 export HOME=$scratch XDG_DOCUMENTS_DIR=$scratch # what is left open there is nobody's
