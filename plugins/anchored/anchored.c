@@ -21,7 +21,11 @@ enum { FINGERS = 5, CONTACT_MOST = 256 };
 
 typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
 
+/* Points nearer to each other than this part of the radius share their place. */
+static const float least_apart = 0.15f;
+
 struct mrt_plugin {
+    const mrt_host *host;
     const mrt_face *face;
     placement placement;
     clutch clutch;
@@ -29,13 +33,17 @@ struct mrt_plugin {
     uint32_t count;                           /* of points held */
     mrt_vec3 reference[PLACEMENT_POINTS_MAX]; /* where each hand point counts from */
     mrt_vec3 let_go[PLACEMENT_POINTS_MAX];    /* springing: the displacement at release */
+    uint32_t leader[PLACEMENT_POINTS_MAX];    /* which points share a place (placement_share) */
+    bool has_told;                            /* that some do */
     double spring_s;                          /* since release */
 };
 
 static mrt_plugin *create(const mrt_host *host)
 {
-    (void)host;
-    return calloc(1, sizeof(mrt_plugin));
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (self)
+        self->host = host;
+    return self;
 }
 
 static void destroy(mrt_plugin *self)
@@ -95,10 +103,35 @@ static bool has_other_contacts(const mrt_pull *pull, const uint32_t *contact, ui
     return false;
 }
 
-/* New starts where the hand is now; nothing moves, so nothing jumps. */
-static void take_hold(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
-                      const uint32_t *contact, uint32_t count)
+/* Which points share a place, at the radius that holds now. A finger that is linked to a contact
+ * has a place of its own. */
+static void share_places(mrt_plugin *self, const mrt_pull *pull, const mrt_vec3 *point,
+                         const uint32_t *contact, uint32_t count)
 {
+    mrt_vec3 free_point[PLACEMENT_POINTS_MAX];
+    uint32_t index[PLACEMENT_POINTS_MAX], leader[PLACEMENT_POINTS_MAX], free_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        self->leader[i] = i;
+        if (contact[i])
+            continue;
+        free_point[free_count] = point[i];
+        index[free_count++] = i;
+    }
+    uint32_t shared_count =
+        placement_share(free_point, free_count, least_apart * pull->radius_mm, leader);
+    for (uint32_t k = 0; k < free_count; ++k)
+        self->leader[index[k]] = index[leader[k]];
+    if (shared_count > 0 && !self->has_told)
+        self->host->log(self->host, MRT_LOG_WARNING, placement_shared_text);
+    self->has_told |= shared_count > 0;
+}
+
+/* New starts where the hand is now; nothing moves, so nothing jumps. */
+static void take_hold(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, const uint32_t *contact,
+                      uint32_t count)
+{
+    share_places(self, pull, point, contact, count);
+    placement_blend(point, count, self->leader);
     for (uint32_t i = 0; i < count; ++i) {
         self->reference[i] = point[i];
         pull->vector[i] = vector_at(self, point[i], contact[i]);
@@ -130,8 +163,9 @@ static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double 
     }
 }
 
-static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, const mrt_vec3 *point)
+static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, mrt_vec3 *point)
 {
+    placement_blend(point, self->count, self->leader);
     const double *params = frame->params;
     float gain = (float)params[GAIN];
     float reach_mm = pull->radius_mm * (float)(0.01 * params[REACH]);
@@ -227,7 +261,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
 /* ---- resume ---- */
 
-enum { MEMORY_VERSION = 1 };
+enum { MEMORY_VERSION = 2 };
 
 static memory_list memory_of(mrt_plugin *self)
 {
@@ -240,6 +274,7 @@ static memory_list memory_of(mrt_plugin *self)
                              MEMORY_WHOLES(self->count, PLACEMENT_POINTS_MAX),
                              MEMORY_FLOATS(self->reference),
                              MEMORY_FLOATS(self->let_go),
+                             MEMORY_WHOLES(self->leader, PLACEMENT_POINTS_MAX - 1),
                              MEMORY_DOUBLES(self->spring_s),
                          }};
 }

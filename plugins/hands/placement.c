@@ -7,6 +7,18 @@ const char *const placement_hands_labels[] = {"Both", "Left", "Right", NULL};
 const char *const placement_off_on_labels[] = {"Off", "On", NULL};
 const char *const placement_posture_labels[] = {"In the head", "Before the face", NULL};
 
+const char placement_shared_text[] =
+    "fingertips are laid so near to each other that they share a place of the face: it follows "
+    "their mean; lay the hands further apart, or make the radius smaller";
+
+/* Two hands side by side, where nobody says how far apart they are. Beside one hand's placement:
+ * turned so that thumbs point down and fingers up, a little lower, and further back, for beside its
+ * middle a face recedes. In shares of the face's width: a hand of this length leaves a fifth of it
+ * between the index fingers, which are next to each other, and its little finger beside the cheek.
+ */
+static const double pair_roll_deg = 25.0, pair_pitch_deg = 45.0, pair_up = -4.0, pair_depth = -15.0;
+static const double pair_apart = 0.62, pair_length = 1.4;
+
 enum { HANDS_BOTH, HANDS_LEFT, HANDS_RIGHT };
 enum { POSTURE_IN_HEAD, POSTURE_BEFORE_FACE };
 
@@ -63,15 +75,27 @@ static turn turn_compose(const turn *second, const turn *first)
     return out;
 }
 
-/* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
-static turn posture_turn(const double *params, uint32_t side)
+/* Both hands pull, and how they stand together is found from the face. */
+static bool is_pair(const mrt_frame *frame)
 {
+    return frame->params[PLACEMENT_APART] <= 0.0 && placement_pulls(frame, MRT_LEFT) &&
+           placement_pulls(frame, MRT_RIGHT);
+}
+
+/* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
+static turn posture_turn(const mrt_frame *frame, uint32_t side)
+{
+    const double *params = frame->params;
     double mirror = side == MRT_LEFT ? -1.0 : 1.0;
     static const turn in_head = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     static const turn before_face = {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};
-    turn out = (int)params[PLACEMENT_POSTURE] == POSTURE_BEFORE_FACE ? before_face : in_head;
-    turn roll = turn_about(2, mirror * params[PLACEMENT_ROLL]);
-    turn pitch = turn_about(0, -params[PLACEMENT_PITCH]);
+    bool is_before_face = (int)params[PLACEMENT_POSTURE] == POSTURE_BEFORE_FACE;
+    bool is_turned = !is_before_face && is_pair(frame);
+    double roll_deg = params[PLACEMENT_ROLL] + (is_turned ? pair_roll_deg : 0.0);
+    double pitch_deg = params[PLACEMENT_PITCH] + (is_turned ? pair_pitch_deg : 0.0);
+    turn out = is_before_face ? before_face : in_head;
+    turn roll = turn_about(2, mirror * roll_deg);
+    turn pitch = turn_about(0, -pitch_deg);
     turn yaw = turn_about(1, mirror * params[PLACEMENT_YAW]);
     out = turn_compose(&roll, &out);
     out = turn_compose(&pitch, &out);
@@ -116,12 +140,28 @@ static mrt_vec3 centre_of_tips(const mrt_hand *hand)
 static mrt_vec3 place_of(const placement *self, const mrt_frame *frame, uint32_t side)
 {
     const double *params = frame->params;
-    double across = params[PLACEMENT_ACROSS];
-    if (placement_pulls(frame, MRT_LEFT) && placement_pulls(frame, MRT_RIGHT))
-        across += (side == MRT_LEFT ? 0.5 : -0.5) * params[PLACEMENT_APART];
+    double across = params[PLACEMENT_ACROSS], up = params[PLACEMENT_UP];
+    double depth = params[PLACEMENT_DEPTH], half = side == MRT_LEFT ? 0.5 : -0.5;
+    if (is_pair(frame)) {
+        across += half * 100.0 * pair_apart;
+        up += pair_up;
+        depth += pair_depth;
+    } else if (placement_pulls(frame, MRT_LEFT) && placement_pulls(frame, MRT_RIGHT)) {
+        across += half * params[PLACEMENT_APART];
+    }
     return (mrt_vec3){self->low.x + self->size.x * (float)(0.01 * across),
-                      self->low.y + self->size.y * (float)(0.01 * params[PLACEMENT_UP]),
-                      self->low.z + self->size.z * (float)(0.01 * params[PLACEMENT_DEPTH])};
+                      self->low.y + self->size.y * (float)(0.01 * up),
+                      self->low.z + self->size.z * (float)(0.01 * depth)};
+}
+
+/* From mm of the hand to mm of the face. */
+static float scale_of(const placement *self, const mrt_frame *frame)
+{
+    float length_mm = placement_face_height(self) * (float)(0.01 * frame->params[PLACEMENT_SIZE]);
+    float most_mm = self->size.x * (float)pair_length;
+    if (is_pair(frame) && length_mm > most_mm)
+        length_mm = most_mm;
+    return length_mm / hand_length_mm;
 }
 
 static mrt_vec3 laid(const turn *t, float scale, mrt_vec3 home, mrt_vec3 place, mrt_vec3 p)
@@ -136,8 +176,7 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX])
 {
     const double *params = frame->params;
-    float scale =
-        placement_face_height(self) * (float)(0.01 * params[PLACEMENT_SIZE]) / hand_length_mm;
+    float scale = scale_of(self, frame);
     uint32_t count = 0;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         const mrt_hand *hand = &frame->hand[side];
@@ -147,7 +186,7 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             self->home[side] = centre_of_tips(hand);
             self->is_laid[side] = true;
         }
-        turn t = posture_turn(params, side);
+        turn t = posture_turn(frame, side);
         mrt_vec3 home = self->home[side], place = place_of(self, frame, side);
         for (int finger = 0; finger < 5; ++finger)
             out_point[count++] = laid(&t, scale, home, place, hand->joint[4 + 4 * finger]);
@@ -155,6 +194,49 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             out_point[count++] = laid(&t, scale, home, place, hand->palm[i]);
     }
     return count;
+}
+
+static bool are_near(mrt_vec3 a, mrt_vec3 b, float least_mm)
+{
+    float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return x * x + y * y + z * z < least_mm * least_mm;
+}
+
+uint32_t placement_share(const mrt_vec3 *point, uint32_t count, float least_mm,
+                         uint32_t out_leader[PLACEMENT_POINTS_MAX])
+{
+    uint32_t shared_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        out_leader[i] = i;
+        for (uint32_t k = 0; k < i; ++k) {
+            if (!are_near(point[k], point[i], least_mm) || out_leader[k] == out_leader[i])
+                continue;
+            uint32_t first = out_leader[k] < out_leader[i] ? out_leader[k] : out_leader[i];
+            uint32_t other = out_leader[k] < out_leader[i] ? out_leader[i] : out_leader[k];
+            for (uint32_t j = 0; j <= i; ++j)
+                if (out_leader[j] == other)
+                    out_leader[j] = first;
+            ++shared_count;
+        }
+    }
+    return shared_count;
+}
+
+void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader)
+{
+    mrt_vec3 sum[PLACEMENT_POINTS_MAX] = {{0, 0, 0}};
+    float share_count[PLACEMENT_POINTS_MAX] = {0};
+    for (uint32_t i = 0; i < count; ++i) {
+        mrt_vec3 *s = &sum[leader[i]];
+        *s = (mrt_vec3){s->x + point[i].x, s->y + point[i].y, s->z + point[i].z};
+        share_count[leader[i]] += 1.0f;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        mrt_vec3 s = sum[leader[i]];
+        float n = share_count[leader[i]];
+        if (n > 1.0f)
+            point[i] = (mrt_vec3){s.x / n, s.y / n, s.z / n};
+    }
 }
 
 static float larger(float a, float b)

@@ -26,10 +26,10 @@ enum { PLACEMENT_POINTS_MAX = 2 * (5 + MRT_PALM) };
 extern const char *const placement_hands_labels[];
 extern const char *const placement_off_on_labels[];
 extern const char *const placement_posture_labels[];
-/* PLACEMENT_PARAMS with other initial values: palm, posture, size, up, depth, roll. */
+/* PLACEMENT_PARAMS with other initial values: palm, posture, size, up, depth, apart, roll. */
 /* clang-format off */
-#define PLACEMENT_PARAMS PLACEMENT_PARAMS_WITH(0, 0, 90, 36, 95, -45)
-#define PLACEMENT_PARAMS_WITH(palm, posture, size, up, depth, roll) \
+#define PLACEMENT_PARAMS PLACEMENT_PARAMS_WITH(0, 0, 90, 36, 95, 0, -45)
+#define PLACEMENT_PARAMS_WITH(palm, posture, size, up, depth, apart, roll) \
     {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Which hands pull.", \
      0, 2, 0, placement_hands_labels}, \
     {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Whether eight points of the palm pull too.", \
@@ -48,8 +48,9 @@ extern const char *const placement_posture_labels[];
     {7, 0, "Depth", "Placement", "%", \
      "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
     {8, 0, "Apart", "Placement", "%", \
-     "With both hands: how far apart they are laid, in per cent of the face's width.", \
-     0, 200, 50, NULL}, \
+     "With both hands: how far apart they are laid, in per cent of the face's width; 0: side by " \
+     "side as its width allows, smaller if need be, thumbs down, fingers up.", \
+     0, 200, apart, NULL}, \
     {9, 0, "Pitch", "Placement", "deg", "Turns the hand: fingertips up.", -180, 180, 0, NULL}, \
     {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the thumb's side.", \
      -180, 180, 0, NULL}, \
@@ -77,6 +78,16 @@ bool placement_pulls(const mrt_frame *frame, uint32_t side);
  * little, then the palm points. Returns their number, 0 when no hand that pulls is present. */
 uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
+
+/* Points that are nearer to each other than least_mm, or joined by such, share one place, or they
+ * would tear at it: out_leader[i] is the first point of the place of point i. Returns how many are
+ * not the first of theirs. */
+uint32_t placement_share(const mrt_vec3 *point, uint32_t count, float least_mm,
+                         uint32_t out_leader[PLACEMENT_POINTS_MAX]);
+/* Each point becomes the mean of those that share its place. */
+void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader);
+/* What to log, once, when points share a place. */
+extern const char placement_shared_text[];
 
 /* p, or the nearest place that is no further from the face than four times its size: the host's
  * guard holds the whole pull beyond ten. For points that add up what hands do. */

@@ -248,7 +248,7 @@ static const char *const tool_labels[] = {"Push", "Pull", "Smooth", "Grab", NULL
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
-    PLACEMENT_PARAMS_WITH(1, 1, 85, 78, 80, 0),
+    PLACEMENT_PARAMS_WITH(1, 1, 85, 78, 80, 50, 0),
     {12, MRT_PARAM_STEPPED, "Tool", "Tool", "",
      "Push: only motion into the face counts, deeper than before. Pull: only out of it. Smooth: the face eases back "
      "while the hand moves near it. Grab: all motion.", 0, TOOL_COUNT - 1, 0, tool_labels},

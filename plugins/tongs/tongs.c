@@ -298,7 +298,7 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
-    PLACEMENT_PARAMS_WITH(0, 0, 90, 40, 92, -45),
+    PLACEMENT_PARAMS_WITH(0, 0, 90, 40, 92, 50, -45),
     {12, 0, "Gain", "Pull", "", "How far the face moves when the tongs move by 1.",
      0, 4, 0.8, NULL},
     {13, 0, "Radius", "Pull", "%",

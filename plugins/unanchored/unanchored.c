@@ -12,18 +12,26 @@ enum { GAIN = PLACEMENT_COUNT, RADIUS, GATE, LEAK, CLUTCH, PARAM_COUNT = CLUTCH 
 /* In so many times the release time a spring back has come e^-3 = 5 % near its end. */
 static const double release_rate = 3.0;
 
+/* Points nearer to each other than this part of the radius share their place. */
+static const float least_apart = 0.15f;
+
 struct mrt_plugin {
+    const mrt_host *host;
     placement placement;
     clutch clutch;
     bool is_touching;
     uint32_t count;
-    mrt_vec3 hand[PLACEMENT_POINTS_MAX]; /* the hand's points in the last frame */
+    mrt_vec3 hand[PLACEMENT_POINTS_MAX];   /* the hand's points in the last frame */
+    uint32_t leader[PLACEMENT_POINTS_MAX]; /* which of them share a place (placement_share) */
+    bool has_told;                         /* that some do */
 };
 
 static mrt_plugin *create(const mrt_host *host)
 {
-    (void)host;
-    return calloc(1, sizeof(mrt_plugin));
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (self)
+        self->host = host;
+    return self;
 }
 
 static void destroy(mrt_plugin *self)
@@ -51,8 +59,14 @@ static void reset(mrt_plugin *self)
 }
 
 /* The points of the pull start where the hand is: the first frame of a touch moves nothing. */
-static void touch(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, uint32_t count)
+static void touch(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, uint32_t count)
 {
+    if (placement_share(point, count, least_apart * pull->radius_mm, self->leader) > 0 &&
+        !self->has_told) {
+        self->has_told = true;
+        self->host->log(self->host, MRT_LOG_WARNING, placement_shared_text);
+    }
+    placement_blend(point, count, self->leader);
     for (uint32_t i = 0; i < count; ++i) {
         mrt_vec3 p = placement_within_reach(&self->placement, point[i]);
         pull->vector[i] = (mrt_vector){p, p, 0};
@@ -90,8 +104,10 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         self->is_touching = false;
     else if (count > 0 && (events.engage || (self->is_touching && count != self->count)))
         touch(self, pull, point, count);
-    else if (self->is_touching && count > 0)
+    else if (self->is_touching && count > 0) {
+        placement_blend(point, count, self->leader);
         drag(self, pull, point, (float)params[GAIN]);
+    }
     for (uint32_t i = 0; i < count; ++i)
         self->hand[i] = point[i];
 
@@ -104,7 +120,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
 /* ---- resume ---- */
 
-enum { MEMORY_VERSION = 1 };
+enum { MEMORY_VERSION = 2 };
 
 static memory_list memory_of(mrt_plugin *self)
 {
@@ -116,6 +132,7 @@ static memory_list memory_of(mrt_plugin *self)
                              MEMORY_BOOLS(self->is_touching),
                              MEMORY_WHOLES(self->count, PLACEMENT_POINTS_MAX),
                              MEMORY_FLOATS(self->hand),
+                             MEMORY_WHOLES(self->leader, PLACEMENT_POINTS_MAX - 1),
                          }};
 }
 

@@ -234,17 +234,82 @@ static void both_hands_and_palms_pull_with_all_their_points(void **state)
 {
     (void)state;
     rig r;
-    set_up(&r, "anchored", "palm=on,hands=both");
+    set_up(&r, "anchored", "palm=on,hands=both,apart=100");
     (void)step(&r, MRT_RIGHT, 0.1f);
     assert_int_equal(r.pull.count, 13);
     (void)step(&r, MRT_LEFT, 0.1f); /* the left hand comes in: hold anew, nothing jumps */
     assert_int_equal(r.pull.count, 26);
     assert_true(longest(&r.pull) <= 0.0f);
-    float apart = 0; /* the left hand lies on the subject's left: half of the face's width */
+    float apart = 0; /* the left hand lies on the subject's left: the face's width */
     for (int i = 0; i < 5; ++i)
         apart += (r.pull.vector[i].start.x - r.pull.vector[13 + i].start.x) / 5.0f;
-    assert_true(fabsf(apart - 75.0f) < 0.01f);
+    assert_true(fabsf(apart - 150.0f) < 0.01f);
     tear_down(&r);
+}
+
+static float distance_of(mrt_vec3 a, mrt_vec3 b)
+{
+    float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return sqrtf(x * x + y * y + z * z);
+}
+
+/* Ten tips have ten places, whatever the head: narrow as a Moai, as wide as high, of a child. */
+static void two_hands_stand_beside_each_other_on_any_face(void **state)
+{
+    (void)state;
+    static const float width_and_height[][2] = {{130, 300}, {200, 300}, {300, 300}, {16, 24}};
+    for (size_t k = 0; k < sizeof width_and_height / sizeof width_and_height[0]; ++k) {
+        float half = 0.5f * width_and_height[k][0], height = width_and_height[k][1];
+        mrt_face head = {.low = {-half, 0, -half}, .high = {half, height, half}};
+        rig r;
+        set_up(&r, "anchored", "");
+        r.functions->deactivate(r.plugin.self);
+        assert_int_equal(r.functions->activate(r.plugin.self, &head), MRT_OK);
+        (void)step(&r, MRT_RIGHT, 0.6f);
+        (void)step(&r, MRT_LEFT, 0.6f);
+        assert_int_equal(r.pull.count, 10);
+        for (int i = 0; i < 10; ++i) {
+            mrt_vec3 tip = r.pull.vector[i].start;
+            assert_true(i < 5 ? tip.x > 0.0f : tip.x < 0.0f); /* each hand on its own side */
+            assert_true(fabsf(tip.x) < 1.25f * half);
+            assert_true(tip.y > 0.1f * height && tip.y < 0.6f * height);
+            for (int j = 0; j < i; ++j)
+                assert_true(distance_of(tip, r.pull.vector[j].start) > 0.1f * half);
+        }
+        assert_true(distance_of(r.pull.vector[1].start, r.pull.vector[6].start) > 0.25f * half);
+        tear_down(&r);
+    }
+}
+
+/* Where two hands are laid onto each other, opposite tips take one place and do not fight for it:
+ * they follow the mean of what they do. */
+static void tips_too_near_to_each_other_share_a_place(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"anchored", "unanchored"};
+    for (int k = 0; k < 2; ++k) {
+        rig r;
+        set_up(&r, names[k], "apart=0.01,roll=90,gain=1");
+        (void)step(&r, MRT_RIGHT, 0.3f);
+        (void)step(&r, MRT_LEFT, 0.3f);
+        (void)step(&r, MRT_RIGHT, 0.3f);
+        (void)step(&r, MRT_RIGHT, 0.4f); /* one hand moves, the other stays */
+        assert_int_equal(r.pull.count, 10);
+        int shared_count = 0;
+        for (int i = 0; i < 5; ++i)
+            for (int j = 5; j < 10; ++j) {
+                mrt_vector a = r.pull.vector[i], b = r.pull.vector[j];
+                if (distance_of(a.start, b.start) > 0.0f) {
+                    assert_true(distance_of(a.start, b.start) > 8.0f);
+                    continue;
+                }
+                ++shared_count;
+                assert_true(distance_of(a.end, b.end) <= 0.0f);
+                assert_true(length_of(&a) > 0.1f);
+            }
+        assert_true(shared_count > 0);
+        tear_down(&r);
+    }
 }
 
 static void left_hand_mirrors_the_right_one(void **state)
@@ -364,6 +429,8 @@ int main(void)
         cmocka_unit_test(anchored_release_holds_or_springs_back_without_a_jump),
         cmocka_unit_test(anchored_leak_eases_a_held_pull_away),
         cmocka_unit_test(both_hands_and_palms_pull_with_all_their_points),
+        cmocka_unit_test(two_hands_stand_beside_each_other_on_any_face),
+        cmocka_unit_test(tips_too_near_to_each_other_share_a_place),
         cmocka_unit_test(left_hand_mirrors_the_right_one),
         cmocka_unit_test(hand_is_laid_where_the_placement_says),
         cmocka_unit_test(unanchored_goes_on_from_its_last_ends),
