@@ -196,7 +196,7 @@ static void a_commit_at_the_gate_goes_on_with_the_same_bits(void **state)
     (void)state;
     const scene_play play = {.mapping = "anchored",
                              .face = "puppet",
-                             .params = "gate=on,radius=12,reach=100,up=160,depth=100",
+                             .params = "gate=on,radius=12,reach=100,up=160,depth=100,apart=50",
                              .act = {{.at = 44, .press = "Commit"},
                                      {.at = 60, .set = "up=22"}, /* the jaw goes along */
                                      {.at = 125, .set = "depth=170"},
