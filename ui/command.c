@@ -3,6 +3,53 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WORD_MAX = 40, LINE_MAX = 8192 };
+
+/* "log:/a/long/way/plugins/log/hand.csv,end=8" becomes "log:…/log/hand.csv,end=8". */
+static const char *shortened(char *word)
+{
+    char *end = strrchr(word, '/'), *colon = strchr(word, ':');
+    char *path = colon && colon < end ? colon + 1 : word;
+    if (strlen(word) <= WORD_MAX || !end || end == path)
+        return word;
+    char *folder = end - 1;
+    while (folder > path && *folder != '/')
+        --folder;
+    if (folder - path < 4)
+        return word; /* what would be gained is less than it hides */
+    static const char ellipsis[] = "…";
+    memcpy(path, ellipsis, sizeof ellipsis - 1);
+    memmove(path + sizeof ellipsis - 1, folder, strlen(folder) + 1);
+    return word;
+}
+
+static bool is_plain(const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_-./:=,+%@…";
+    return word[0] != '\0' && word[strspn(word, plain)] == '\0';
+}
+
+void command_typed(char *out, size_t capacity)
+{
+    char line[LINE_MAX];
+    FILE *stream = fopen("/proc/self/cmdline", "re");
+    size_t size = stream ? fread(line, 1, sizeof line - 1, stream) : 0, used = 0;
+    if (stream)
+        fclose(stream);
+    line[size] = '\0';
+    out[0] = '\0';
+    for (char *word = line; word < line + size && used < capacity;) {
+        char *next = word + strlen(word) + 1;
+        const char *quote = word == line || is_plain(word) ? "" : "'";
+        used += (size_t)snprintf(out + used, capacity - used, "%s%s%s%s", used ? " " : "", quote,
+                                 word == line ? "marotte" : shortened(word), quote);
+        word = next;
+    }
+}
 
 int command_usage(const command *self, const char *format, ...)
 {

@@ -17,6 +17,10 @@ typedef struct command {
 extern const command command_bench, command_calibrate, command_deform, command_devices,
     command_paper, command_perform, command_plugin, command_rig, command_take;
 
+/* What the person typed, "marotte perform --face moai ...": words quoted where a shell needs it, of
+ * long paths the last folders. */
+void command_typed(char *out, size_t capacity);
+
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,
                                                         ...);

@@ -3,6 +3,8 @@
 #include "draw/sheet.h"
 
 #include <errno.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -75,6 +77,29 @@ mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
     return MRT_OK;
 }
 
+void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
+                         const double *value)
+{
+    const char *dot = strrchr(type->id, '.');
+    int used = snprintf(out, capacity, "%s %s", dot ? dot + 1 : type->id, type->version);
+    const char *between = ": ";
+    for (uint32_t i = 0; i < type->param_count && used > 0 && (size_t)used < capacity; ++i) {
+        const mrt_param *p = &type->params[i];
+        const char *label = p->labels ? p->labels[(size_t)(value[i] - p->min + 0.5)] : NULL;
+        bool is_off =
+            label ? strcmp(label, "Off") == 0 || strcmp(label, "None") == 0 : fabs(value[i]) <= 0.0;
+        if ((p->flags & MRT_PARAM_TRIGGER) || (is_off && value[i] <= p->initial))
+            continue;
+        size_t left = capacity - (size_t)used;
+        if (label)
+            used += snprintf(out + used, left, "%s%s %s", between, p->name, label);
+        else
+            used += snprintf(out + used, left, "%s%s %g%s%s", between, p->name, value[i],
+                             p->unit[0] ? " " : "", p->unit);
+        between = ", ";
+    }
+}
+
 static void on_export(void *data, double done)
 {
     progress_show(data, done, "");
@@ -110,7 +135,10 @@ static mrt_result write_one(const exports_file *file, const clip *frames,
     case EXPORTS_CSV:
         return csv_write(file->path, frames, steps, err);
     case EXPORTS_PNG:
-        return sheet_write(file->path, frames, settings->title, err);
+        return sheet_write(
+            file->path, frames,
+            &(sheet_about){settings->title, settings->made_from, settings->width, settings->height},
+            err);
     case EXPORTS_NONE:
     case EXPORTS_MP4:
     case EXPORTS_FOLDER:

@@ -37,8 +37,15 @@ CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error
 typedef struct exports_settings {
     double tolerance_mm; /* of glTF; 0: its default */
     uint32_t max_targets;
-    const char *title; /* of pictures */
+    /* of contact sheets (draw/sheet.h) */
+    const char *title, *made_from;
+    uint32_t width, height; /* 0: as usual */
 } exports_settings;
+
+/* A line on what a mapping was set to, "anchored 1.0: Hands Both, Size 90 %, ...": all that it
+ * has but triggers, and what is off unless somebody sets it. */
+void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
+                         const double *value);
 
 /* All but the videos. Tells each file that was written, and the memory that was used. frames: may
  * be NULL where no clip is needed. */

@@ -366,21 +366,48 @@ static mrt_result report_constraints(performance *self, facts *told, error *err)
     return MRT_OK;
 }
 
-/* What the picture is called. */
+/* What the picture is called: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
 static void name_performance(const performance *self, char *out, size_t capacity)
 {
     const char *dot = strrchr(self->mapping.instance.type->id, '.');
-    snprintf(out, capacity, "%s, %s", input_name(self->inputs[0]),
-             dot ? dot + 1 : self->mapping.instance.type->id);
+    const char *slash = strrchr(self->options->face, '/');
+    int used = snprintf(out, capacity, "%s: ", slash ? slash + 1 : self->options->face);
+    for (uint32_t i = 0; i < self->input_count && used >= 0 && (size_t)used < capacity; ++i)
+        used += snprintf(out + used, capacity - (size_t)used, "%s%s", i ? " + " : "",
+                         input_name(self->inputs[i]));
+    if (used >= 0 && (size_t)used < capacity)
+        (void)snprintf(out + used, capacity - (size_t)used, ", %s",
+                       dot ? dot + 1 : self->mapping.instance.type->id);
+}
+
+/* What it takes to make it again. */
+static void tell_making(const performance *self, char *out, size_t capacity)
+{
+    const instance *mapping =
+        self->mapping.current ? self->mapping.current : &self->mapping.instance;
+    const csrbf_settings solver = performer_solver(self->performer);
+    command_typed(out, capacity - 1);
+    size_t used = strlen(out);
+    out[used++] = '\n';
+    exports_tell_params(out + used, capacity - used, mapping->type, mapping->params);
+    used += strlen(out + used);
+    (void)snprintf(out + used, capacity - used,
+                   "; kernel %s, polynomial %s; marotte " MAROTTE_VERSION "\n",
+                   csrbf_kernel_name(solver.kernel), csrbf_polynomial_name(solver.polynomial));
 }
 
 static mrt_result write_exports(performance *self, facts *told, error *err)
 {
-    char title[256];
+    char title[256], making[4096];
     name_performance(self, title, sizeof title);
+    tell_making(self, making, sizeof making);
+    const video_look *look = &self->options->look;
     exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
                                  .max_targets = self->options->max_targets,
-                                 .title = title};
+                                 .title = title,
+                                 .made_from = making,
+                                 .width = look->is_sized ? look->width : 0,
+                                 .height = look->is_sized ? look->height : 0};
     return exports_write(self->options->exports, self->options->export_count, self->recording.clip,
                          &settings, &self->progress, told, err);
 }
@@ -466,7 +493,7 @@ const command command_perform = {
         "                     .png   a contact sheet of eight moments\n"
         "                     .mp4   H.264 (by the program ffmpeg); with --sound, as recorded\n"
         "                     frames/   a folder: pictures 00001.png and on\n"
-        "  --size WxH         of .mp4 and pictures, pixels (1280x720)\n"
+        "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
         "  --view front|side|three-quarter   from where the face is seen\n"
         "  --mirror           left and right change places\n"
         "  --background #RRGGBB|transparent   (a dark wall); transparent: pictures only\n"

@@ -14,6 +14,8 @@ enum { /* pixels */
        TITLE_SIZE = 24,
        LEGEND_SIZE = 18,
        LEGEND_TOP = 42,
+       MADE_TOP = 72,
+       MADE_SIZE = 15,
        SWATCH = 16
 };
 enum { LABELS_MAX = RIGPICTURE_LABELS_MAX, STROKES_PER_LABEL = 3 };
@@ -39,6 +41,8 @@ typedef struct picture {
     uint32_t stroke_count;
     float *number; /* LABELS_MAX by 2, scratch */
     float *rgb;    /* vertex_count by 3 */
+    const rigpicture_about *about;
+    uint32_t view_width, view_height; /* pixels */
 } picture;
 
 /* ---- colours ---- */
@@ -251,11 +255,12 @@ static void draw_axis(picture *p, const draw_camera *camera, const uint32_t rect
 
 static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
 {
-    const uint32_t rectangle[4] = {index * RIGPICTURE_WIDTH, RIGPICTURE_HEADER, RIGPICTURE_WIDTH,
-                                   RIGPICTURE_HEIGHT};
+    const uint32_t rectangle[4] = {index * p->view_width, RIGPICTURE_HEADER, p->view_width,
+                                   p->view_height};
     float low[3], high[3];
     mesh_bounds(p->m, low, high);
-    draw_camera camera = draw_camera_framing(low, high, 0.74f); /* room for labels */
+    const float aspect = (float)p->view_width / (float)p->view_height;
+    draw_camera camera = draw_camera_framing(low, high, 0.74f * aspect); /* room for labels */
     camera.yaw_rad = view->yaw_rad;
     camera.pitch_rad = view->pitch_rad;
     draw_render(p->easel.renderer, p->easel.target, p->easel.face, &camera, rectangle[0],
@@ -289,7 +294,9 @@ static void draw_legend(picture *p)
     char words[160];
     (void)snprintf(words, sizeof words, "%s: what rides on which bone; pale: cannot be pulled",
                    p->r->name);
-    draw_text(p->easel.renderer, p->easel.target, words, x, 10.0f, TITLE_SIZE, ink);
+    const float room = (float)p->easel.width - 2 * MARGIN;
+    easel_words(&p->easel, words, x, 10.0f, TITLE_SIZE, room, ink);
+    easel_words(&p->easel, p->about->made_from, x, MADE_TOP, MADE_SIZE, room, faint);
     p->stroke_count = 0;
     for (uint32_t i = 0; i < p->r->bone_count; ++i) {
         rigpicture_colour colour = rigpicture_bone_colour(p->r, i);
@@ -323,14 +330,22 @@ static mrt_result init(picture *p, uint32_t view_count, error *err)
     p->rgb = calloc((size_t)p->m->vertex_count * 3 + 1, sizeof *p->rgb);
     if (!p->label || !p->stroke || !p->number || !p->rgb)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the picture");
-    return easel_init(&p->easel, p->m, view_count * RIGPICTURE_WIDTH,
-                      RIGPICTURE_HEADER + RIGPICTURE_HEIGHT, err);
+    uint32_t width = p->about->width ? p->about->width : view_count * RIGPICTURE_WIDTH;
+    uint32_t height = p->about->height ? p->about->height : RIGPICTURE_HEADER + RIGPICTURE_HEIGHT;
+    p->view_width = width / view_count;
+    if (height < 2 * RIGPICTURE_HEADER || p->view_width < RIGPICTURE_HEADER)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "a picture of a rig and its names takes at least %u by %u pixels",
+                         view_count * RIGPICTURE_HEADER, 2 * RIGPICTURE_HEADER);
+    p->view_height = height - RIGPICTURE_HEADER;
+    return easel_init(&p->easel, p->m, width, height, err);
 }
 
 mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
-                            const rigpicture_view *view, uint32_t view_count, error *err)
+                            const rigpicture_view *view, uint32_t view_count,
+                            const rigpicture_about *about, error *err)
 {
-    picture p = {.r = r, .m = m, .b = b};
+    picture p = {.r = r, .m = m, .b = b, .about = about};
     mrt_result result = init(&p, view_count, err);
     if (result >= 0) {
         colour_vertices(&p);

@@ -8,7 +8,7 @@ enum {
     RIGPICTURE_VIEWS_MAX = 3,
     RIGPICTURE_WIDTH = 900,
     RIGPICTURE_HEIGHT = 900,
-    RIGPICTURE_HEADER = 76,
+    RIGPICTURE_HEADER = 98,
     RIGPICTURE_LABELS_MAX = 1024 /* of one view */
 };
 
@@ -16,10 +16,15 @@ typedef struct rigpicture_view {
     float yaw_rad, pitch_rad;
 } rigpicture_view;
 
-/* Writes view_count views of RIGPICTURE_WIDTH by RIGPICTURE_HEIGHT side by side, under a legend of
- * RIGPICTURE_HEADER, as a PNG. */
+typedef struct rigpicture_about {
+    const char *made_from;  /* the command that makes it again */
+    uint32_t width, height; /* pixels of the whole; 0: of views of RIGPICTURE_WIDTH by _HEIGHT */
+} rigpicture_about;
+
+/* Writes view_count views side by side, under a legend of RIGPICTURE_HEADER, as a PNG. */
 CHECKED mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
-                                    const rigpicture_view *view, uint32_t view_count, error *err);
+                                    const rigpicture_view *view, uint32_t view_count,
+                                    const rigpicture_about *about, error *err);
 
 /* Where at most RIGPICTURE_LABELS_MAX labels stand, for the tests: y in pixels, ascending, at least
  * `gap` apart and within low..high as far as they fit, else from low on; as near to `wanted`

@@ -4,10 +4,13 @@
 
 #include <math.h>
 
-enum { NAME_SIZE = 26, NAME_TOP = 7, NAME_MARGIN = 16 }; /* pixels */
+/* Shares of a panel's width, and of a header's height. */
+static const float name_size = 0.065f, name_top = 0.0175f, name_margin = 0.04f;
+static const float title_size = 0.28f, made_size = 0.16f, header_margin = 0.13f;
+static const float least_px = 9; /* smaller letters cannot be read */
 static const double field_of_view_rad = 0.42;
 static const double air = 0.025; /* of a panel, at each edge that the faces come near */
-static const float ink[4] = {0.92f, 0.93f, 0.95f, 1.0f};
+static const float ink[4] = {0.92f, 0.93f, 0.95f, 1.0f}, calm[4] = {0.62f, 0.64f, 0.68f, 1.0f};
 
 rigpicture_view rigportraits_usual_view(void)
 {
@@ -81,41 +84,100 @@ draw_camera rigportraits_frame_camera(const rigportraits_frame *self)
 
 /* ---- the picture ---- */
 
-static mrt_result draw_portrait(easel *e, rigpose_stage *stage, uint32_t pose,
-                                const draw_camera *camera, error *err)
+/* In so many columns; the panels as large as they can be. */
+static rigportraits_grid lay_out_columns(rigportraits_grid g, uint32_t count, uint32_t column_count)
+{
+    const float caption = (float)RIGPORTRAITS_CAPTION / RIGPORTRAITS_WIDTH;
+    const float aspect = (float)RIGPORTRAITS_HEIGHT / RIGPORTRAITS_WIDTH;
+    g.columns = column_count;
+    g.rows = (count + column_count - 1) / column_count;
+    float across = (float)g.width / (float)column_count;
+    float down = (float)(g.height - g.header) / (float)g.rows / (aspect + caption);
+    float panel = floorf(fmaxf(fminf(across, down) + 1e-3f, 1.0f));
+    g.panel_width = (uint32_t)panel;
+    g.panel_height = (uint32_t)fmaxf(panel * aspect, 1.0f);
+    g.caption = (uint32_t)(panel * caption);
+    uint32_t used_across = g.columns * g.panel_width;
+    uint32_t used_down = g.header + g.rows * (g.panel_height + g.caption);
+    g.left = used_across < g.width ? (g.width - used_across) / 2 : 0;
+    g.top = g.header + (used_down < g.height ? (g.height - used_down) / 2 : 0);
+    return g;
+}
+
+rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t height)
+{
+    rigportraits_grid g = {.width = width, .height = height};
+    uint32_t usual = count < RIGPORTRAITS_COLUMNS ? count : RIGPORTRAITS_COLUMNS;
+    if (width == 0) {
+        uint32_t rows = (count + usual - 1) / usual;
+        g.width = usual * RIGPORTRAITS_WIDTH;
+        g.header = RIGPORTRAITS_HEADER;
+        g.height = g.header + rows * (RIGPORTRAITS_HEIGHT + RIGPORTRAITS_CAPTION);
+        return lay_out_columns(g, count, usual);
+    }
+    float header = fminf(RIGPORTRAITS_HEADER * (float)width / (4.0f * RIGPORTRAITS_WIDTH),
+                         0.12f * (float)height);
+    header = fmaxf(header, least_px / made_size);
+    g.header = header < 0.25f * (float)height ? (uint32_t)header : 0;
+    rigportraits_grid best = lay_out_columns(g, count, 1);
+    for (uint32_t column_count = 2; column_count <= count; ++column_count) {
+        rigportraits_grid other = lay_out_columns(g, count, column_count);
+        best = other.panel_width > best.panel_width ? other : best;
+    }
+    return best;
+}
+
+/* The title, and in two lines how to make it again. */
+static void write_header(easel *e, const rigportraits_grid *g, const rigportraits_about *about)
+{
+    const float unit = (float)g->header, margin = header_margin * unit;
+    const float width = (float)g->width - 2 * margin;
+    const float title = fmaxf(title_size * unit, least_px);
+    if (g->header == 0)
+        return;
+    easel_words(e, about->title, margin, 0.5f * margin, title, width, ink);
+    easel_paragraph(e, about->made_from, margin, 0.5f * margin + easel_line_px(title),
+                    fmaxf(made_size * unit, least_px), width, 2, calm);
+}
+
+static mrt_result draw_portrait(easel *e, const rigportraits_grid *g, rigpose_stage *stage,
+                                uint32_t pose, const draw_camera *camera, error *err)
 {
     mrt_result result = rigpose_show(stage, pose, err);
     if (result < 0)
         return result;
-    const uint32_t x = pose % RIGPORTRAITS_COLUMNS * RIGPORTRAITS_WIDTH;
-    const uint32_t y = pose / RIGPORTRAITS_COLUMNS * (RIGPORTRAITS_HEIGHT + RIGPORTRAITS_CAPTION);
+    const uint32_t x = g->left + pose % g->columns * g->panel_width;
+    const uint32_t y = g->top + pose / g->columns * (g->panel_height + g->caption);
+    if (x + g->panel_width > g->width || y + g->panel_height > g->height)
+        return MRT_OK; /* a tiny picture has no room for all */
     const char *name = stage->rig->pose[pose].name;
-    const float room = RIGPORTRAITS_WIDTH - 2 * NAME_MARGIN;
+    const float panel = (float)g->panel_width, size = fmaxf(name_size * panel, least_px);
+    const float room = (1.0f - 2.0f * name_margin) * panel;
     draw_face_update(e->face, stage->position, NULL);
-    draw_render(e->renderer, e->target, e->face, camera, x, y, RIGPORTRAITS_WIDTH,
-                RIGPORTRAITS_HEIGHT);
-    float width = fminf(draw_text_width(e->renderer, name, NAME_SIZE), room);
-    easel_words(e, name, (float)x + 0.5f * (RIGPORTRAITS_WIDTH - width),
-                (float)(y + RIGPORTRAITS_HEIGHT + NAME_TOP), NAME_SIZE, room, ink);
+    draw_render(e->renderer, e->target, e->face, camera, x, y, g->panel_width, g->panel_height);
+    float width = fminf(draw_text_width(e->renderer, name, size), room);
+    if ((float)g->caption >= size)
+        easel_words(e, name, (float)x + 0.5f * (panel - width),
+                    (float)(y + g->panel_height) + name_top * panel, size, room, ink);
     return MRT_OK;
 }
 
 mrt_result rigportraits_write(const char *path, rigpose_stage *stage,
-                              const rigportraits_frame *frame, error *err)
+                              const rigportraits_frame *frame, const rigportraits_about *about,
+                              error *err)
 {
     uint32_t count = stage->rig->pose_count;
     if (count > RIGPORTRAITS_MAX)
         count = RIGPORTRAITS_MAX;
-    uint32_t across = count < RIGPORTRAITS_COLUMNS ? count : RIGPORTRAITS_COLUMNS;
-    uint32_t down = (count + RIGPORTRAITS_COLUMNS - 1) / RIGPORTRAITS_COLUMNS;
+    const rigportraits_grid g = rigportraits_lay_out(count, about->width, about->height);
     draw_camera camera = rigportraits_frame_camera(frame);
     easel e;
-    mrt_result result = easel_init(&e, stage->mesh, across * RIGPORTRAITS_WIDTH,
-                                   down * (RIGPORTRAITS_HEIGHT + RIGPORTRAITS_CAPTION), err);
+    mrt_result result = easel_init(&e, stage->mesh, g.width, g.height, err);
     if (result < 0)
         return result;
+    write_header(&e, &g, about);
     for (uint32_t i = 0; result >= 0 && i < count; ++i)
-        result = draw_portrait(&e, stage, i, &camera, err);
+        result = draw_portrait(&e, &g, stage, i, &camera, err);
     if (result >= 0)
         result = easel_save(&e, path, err);
     easel_finish(&e);

@@ -6,12 +6,13 @@
 #include "rigpose.h"
 #include "draw/draw.h"
 
-enum { /* panels side by side, then rows; pixels */
+enum { /* at most so many, usually so many side by side; pixels */
        RIGPORTRAITS_MAX = 32,
        RIGPORTRAITS_COLUMNS = 4,
        RIGPORTRAITS_WIDTH = 400,
        RIGPORTRAITS_HEIGHT = 480,
-       RIGPORTRAITS_CAPTION = 44
+       RIGPORTRAITS_CAPTION = 44,
+       RIGPORTRAITS_HEADER = 104
 };
 
 /* From where a portrait is looked at when nothing else is asked for. */
@@ -29,8 +30,21 @@ void rigportraits_frame_add(rigportraits_frame *self, const float *position, uin
 /* Shows all that was added as large as a panel can, with a little air. */
 draw_camera rigportraits_frame_camera(const rigportraits_frame *self);
 
+typedef struct rigportraits_about {
+    const char *title, *made_from; /* as in draw/sheet.h */
+    uint32_t width, height;        /* pixels of the whole; 0: as many as the panels take */
+} rigportraits_about;
+
+/* Where the panels of so many poses stand: below a header, each above its caption. */
+typedef struct rigportraits_grid {
+    uint32_t width, height, header, columns, rows, left, top; /* left, top: of the first panel */
+    uint32_t panel_width, panel_height, caption;
+} rigportraits_grid;
+rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t height);
+
 /* Writes the first RIGPORTRAITS_MAX poses of the stage's rig as a PNG; frame: of all of them. */
 CHECKED mrt_result rigportraits_write(const char *path, rigpose_stage *stage,
-                                      const rigportraits_frame *frame, error *err);
+                                      const rigportraits_frame *frame,
+                                      const rigportraits_about *about, error *err);
 
 #endif

@@ -2,6 +2,7 @@
 #include "rig.h"
 
 #include "rigportraits.h"
+#include "video_look.h"
 #include "stage/face_file.h"
 
 #include "base/text.h"
@@ -14,6 +15,7 @@ typedef struct showing {
     rigpicture_view view[RIGPICTURE_VIEWS_MAX];
     uint32_t view_count; /* 0: from the usual sides */
     bool has_poses;      /* --poses: them instead of the rig */
+    video_look look;     /* its size */
 } showing;
 
 static const double radian_per_degree = 0.017453292519943295;
@@ -35,6 +37,9 @@ static bool read_options(showing *s, int argc, char **argv)
             s->out_path = argv[++i];
         } else if (strcmp(argv[i], "--poses") == 0) {
             s->has_poses = true;
+        } else if (strcmp(argv[i], "--size") == 0 && has_value) {
+            if (!video_look_size(&s->look, argv[++i]))
+                return false;
         } else if (strcmp(argv[i], "--yaw") == 0 && has_value) {
             s->view_count = 1;
             if (!read_angle(&s->view[0].yaw_rad, argv[++i]))
@@ -72,7 +77,11 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
     mrt_result result = binding_create(&b, f->rig, &f->mesh, &f->topology, err);
     if (result < 0)
         return result;
-    result = rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, err);
+    char typed[1024];
+    command_typed(typed, sizeof typed);
+    const rigpicture_about about = {typed, s->look.width, s->look.height};
+    result =
+        rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, &about, err);
     binding_destroy(&b);
     if (result >= 0)
         printf("wrote %s: %u bones, %u contacts, %u views\n", s->out_path, f->rig->bone_count,
@@ -102,7 +111,11 @@ static mrt_result print_poses(rigpose_stage *stage, rigportraits_frame *frame, e
 static mrt_result draw_poses(const showing *s, rigpose_stage *stage,
                              const rigportraits_frame *frame, error *err)
 {
-    mrt_result result = rigportraits_write(s->out_path, stage, frame, err);
+    char title[256], typed[1024];
+    command_typed(typed, sizeof typed);
+    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, stage->rig->pose_count);
+    const rigportraits_about about = {title, typed, s->look.width, s->look.height};
+    mrt_result result = rigportraits_write(s->out_path, stage, frame, &about, err);
     if (result < 0)
         return result;
     if (stage->rig->pose_count > RIGPORTRAITS_MAX)
@@ -152,8 +165,9 @@ int rigshow_run(int argc, char **argv)
     showing s = {0};
     error err = {""};
     if (!read_options(&s, argc, argv))
-        return command_usage(&command_rig,
-                             "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
-                             "degrees, and --poses for its poses (then --out may be left away)");
+        return command_usage(
+            &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
+                          "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
+                          "poses (then --out may be left away)");
     return show(&s, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }

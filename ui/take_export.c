@@ -144,6 +144,63 @@ static mrt_result play_frames(take_call *call, take_stage *stage, const take_fra
     return exports_video_finish(into->videos, call->told, err);
 }
 
+/* What a performance was made from: its mapping and how it was set when it began, its face, its
+ * hands. Returns what was written. */
+static size_t tell_performance(char *out, size_t capacity, take_call *call, take_stage *stage,
+                               int64_t id)
+{
+    show_performance of;
+    error ignored;
+    size_t used = 0;
+    if (show_performance_read(call->show, id, &of, &ignored) < 0)
+        return 0; /* damage is told elsewhere */
+    const take_performance *p = &of.performance;
+    const mrt_plugin_type *type = NULL;
+    char mapping[128];
+    (void)snprintf(mapping, sizeof mapping, "%.*s", (int)strcspn(p->mapping, " "), p->mapping);
+    if (plugin_list_find(&stage->plugins, mapping, MRT_MAPPING, &type, &ignored) >= 0) {
+        double value[TAKE_PARAMS_MAX] = {0};
+        for (uint32_t i = 0; i < type->param_count && i < TAKE_PARAMS_MAX; ++i) {
+            value[i] = type->params[i].initial;
+            for (uint32_t k = 0; k < p->param_count; ++k)
+                if (p->param[k].id == type->params[i].id)
+                    value[i] = p->param[k].value;
+        }
+        exports_tell_params(out, capacity, type, value);
+        used = strlen(out);
+    }
+    for (uint32_t i = 0; i < p->track_count && used + 1 < capacity; ++i) {
+        show_track from;
+        if (show_track_read(call->show, p->track[i], &from, &ignored) < 0)
+            continue;
+        used += (size_t)snprintf(out + used, capacity - used, "; %s", from.track.device);
+        show_track_finish(&from);
+    }
+    if (used < capacity)
+        used += (size_t)snprintf(out + used, capacity - used,
+                                 "; on %s; marotte " MAROTTE_VERSION "\n", p->rig);
+    show_performance_finish(&of);
+    return used < capacity ? used : capacity - 1;
+}
+
+/* What it takes to make a sheet again: the command, and what the take itself was made from. */
+static void tell_making(char *out, size_t capacity, take_call *call, take_stage *stage)
+{
+    const take *t = &stage->take;
+    int64_t told = 0;
+    command_typed(out, capacity - 1);
+    size_t used = strlen(out);
+    out[used++] = '\n';
+    out[used] = '\0';
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
+            int64_t id = t->layer[i].clip[k].performance;
+            if (id != told && used + 1 < capacity)
+                used += tell_performance(out + used, capacity - used, call, stage, id);
+            told = id;
+        }
+}
+
 static mrt_result export_frames(take_call *call, take_stage *stage, const take_frames *frames,
                                 exports_video *videos, error *err)
 {
@@ -152,7 +209,13 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
         take_slate_text(stage->take.scene, stage->take.shot, stage->take.number);
     char title[sizeof slate.text + 8];
     (void)snprintf(title, sizeof title, "take %s", slate.text);
-    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title};
+    char making[4096];
+    tell_making(making, sizeof making, call, stage);
+    const video_look *look = &videos->look;
+    exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title,
+                                 .made_from = making,
+                                 .width = look->is_sized ? look->width : 0,
+                                 .height = look->is_sized ? look->height : 0};
     mrt_result result = read_settings(call, &settings, err);
     if (result >= 0)
         result = recording_create(&into.measured, &stage->face.mesh, timecode_fps(frames->rate),

@@ -31,7 +31,7 @@ static const take_verb play_verbs[] = {
      "  --face FILE    on this face (that which it was performed on)\n"
      "  --tolerance MM, --max-targets N   of glTF, as in marotte perform\n"
      "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
-     "                 of .mp4 and pictures, as in marotte perform\n",
+     "                 of .mp4, pictures and sheets, as in marotte perform\n",
      "frames, pictures and sound for other programs",
      TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |

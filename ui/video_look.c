@@ -41,6 +41,7 @@ bool video_look_size(video_look *self, const char *text)
         return false;
     self->width = width;
     self->height = height;
+    self->is_sized = true;
     return true;
 }
 

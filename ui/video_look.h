@@ -13,6 +13,7 @@ typedef enum video_ground {
 
 typedef struct video_look {
     uint32_t width, height; /* pixels */
+    bool is_sized;          /* by the person; else a contact sheet has a size of its own */
     video_view view;
     bool is_mirrored;
     video_ground ground;

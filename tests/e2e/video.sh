@@ -44,6 +44,16 @@ cmp -s frames/00001.png frames/00040.png && fail "the pictures do not move"
 perform "${small[@]}" --export again/
 [ "$(sums frames)" = "$(sums again)" ] || fail "two performances are not the same pictures"
 
+# A contact sheet has the size that is asked for, or its own.
+png_size() { od -An -tu1 -j16 -N8 "$1" | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'; }
+perform --size 640x360 --seconds 0.2 --export sheet.png
+[ "$(png_size sheet.png)" = 640x360 ] || fail "a sheet of $(png_size sheet.png) instead of 640x360"
+perform --seconds 0.2 --export sheet.png
+[ "$(png_size sheet.png)" = 1920x960 ] || fail "a sheet of $(png_size sheet.png)"
+"$MAROTTE" rig show "$puppet" --poses --size 500x400 --out poses.png >/dev/null || fail "rig show --poses --size"
+[ "$(png_size poses.png)" = 500x400 ] || fail "poses on $(png_size poses.png)"
+refused 1 'at least 294 by 196' "$MAROTTE" rig show "$puppet" --size 160x90 --out out/rig.png
+
 # A shorter one in its place leaves none of the longer one, and what is not ours.
 echo mine >again/notes.txt
 before=$(sums frames)

@@ -164,21 +164,76 @@ static double bright_middle(const picture *p, uint32_t x, uint32_t y, uint32_t w
     return count > 0.0 ? sum / count : -1.0;
 }
 
-/* The places of the layout, pixels. */
-static uint32_t moment_x(uint32_t i)
+static const sheet_grid *usual_grid(void)
 {
-    return 28 + 216 + i % 4 * 416;
+    static sheet_grid grid;
+    grid = sheet_lay_out(SHEET_WIDTH, SHEET_HEIGHT, 0.0f);
+    return &grid;
 }
 
-static uint32_t moment_y(uint32_t i)
+/* What is bright in a view of the usual layout, and below it. */
+static uint32_t bright_in_view(const picture *p, uint32_t which, uint32_t view)
 {
-    return 98 + i / 4 * 370;
+    uint32_t at[2];
+    sheet_place(at, usual_grid(), which, view);
+    return bright_count(p, at[0], at[1], usual_grid()->view_width, usual_grid()->view_height);
 }
 
-static void check_words(const picture *p, uint32_t x, uint32_t y, bool has_font)
+static double bright_middle_of(const picture *p, uint32_t which, uint32_t view)
 {
+    uint32_t at[2];
+    sheet_place(at, usual_grid(), which, view);
+    return bright_middle(p, at[0], at[1], usual_grid()->view_width, usual_grid()->view_height);
+}
+
+static void check_words(const picture *p, uint32_t which, bool has_font)
+{
+    const sheet_grid *g = usual_grid();
+    uint32_t at[2];
+    sheet_place(at, g, which, 0);
     if (has_font)
-        assert_true(bright_count(p, x, y + 326, 200, 44) > 40);
+        assert_true(bright_count(p, at[0], at[1] + g->view_height, g->view_width,
+                                 g->row_height - g->view_height) > 40);
+}
+
+/* A rectangle of a layout that must not touch another. */
+typedef struct part {
+    float low[2], high[2];
+} part;
+
+static bool overlap(const part *a, const part *b)
+{
+    const float hair = 0.01f;
+    return a->low[0] + hair < b->high[0] && b->low[0] + hair < a->high[0] &&
+           a->low[1] + hair < b->high[1] && b->low[1] + hair < a->high[1];
+}
+
+static void nothing_overlaps_at_any_size(void **state)
+{
+    (void)state;
+    static const uint32_t side[] = {120, 160, 333, 480, 640, 720, 1080, 1920, 3000, 8192};
+    enum { SIDES = sizeof side / sizeof side[0], PLACES = 9 };
+    for (int w = 0; w < SIDES; ++w)
+        for (int h = 0; h < SIDES; ++h) {
+            const float made_px = 0.2f * (float)side[h];
+            sheet_grid g = sheet_lay_out(side[w], side[h], made_px);
+            part parts[2 * PLACES + 1] = {
+                {{0, 0}, {(float)side[w], g.header > 0 ? g.header + made_px : 0}}};
+            for (uint32_t i = 0; i < PLACES; ++i)
+                for (uint32_t view = 0; view < 2; ++view) {
+                    uint32_t at[2];
+                    sheet_place(at, &g, i < 8 ? i : SHEET_REST, view);
+                    part *p = &parts[1 + 2 * i + view];
+                    p->low[0] = (float)at[0];
+                    p->low[1] = (float)at[1];
+                    p->high[0] = p->low[0] + (float)g.view_width;
+                    p->high[1] = p->low[1] + (float)g.row_height; /* with its words */
+                    assert_true(p->high[0] <= (float)side[w] && p->high[1] <= (float)side[h]);
+                }
+            for (int i = 0; i <= 2 * PLACES; ++i)
+                for (int k = 0; k < i; ++k)
+                    assert_false(overlap(&parts[i], &parts[k]));
+        }
 }
 
 static bool font_exists(void)
@@ -204,29 +259,65 @@ static void sheet_shows_rest_and_every_moment(void **state)
         shift_mm[f] = (float)(f / 2 * 12 + f % 2);
     clip *c = shifted_clip(&m, shift_mm, 16, 25.0);
     error err = {{0}};
-    assert_int_equal(sheet_write(path, c, "A ball goes left", &err), MRT_OK);
+    assert_int_equal(sheet_write(path, c, &(sheet_about){.title = "A ball goes left"}, &err),
+                     MRT_OK);
     assert_true(has_font == (err.text[0] == '\0'));
     picture p = read_picture();
     assert_int_equal(p.width, SHEET_WIDTH);
     assert_int_equal(p.height, SHEET_HEIGHT);
-    check_words(&p, 28, 98, has_font);
+    check_words(&p, SHEET_REST, has_font);
     if (has_font)
         assert_true(bright_count(&p, 28, 16, 400, 40) > 300); /* the title */
-    double before = bright_middle(&p, 28, 98, 200, 326);
-    assert_near(bright_middle(&p, 28, 98 + 370, 200, 326), before, 12.0);
+    double before = bright_middle_of(&p, SHEET_REST, 0);
+    assert_near(bright_middle_of(&p, SHEET_REST, 1), before, 12.0);
     for (uint32_t i = 0; i < 8; ++i) {
-        uint32_t x = moment_x(i), y = moment_y(i);
-        assert_true(bright_count(&p, x, y, 200, 326) > 2000);
-        assert_true(bright_count(&p, x + 200, y, 200, 326) > 2000);
-        double middle = bright_middle(&p, x, y, 200, 326);
+        assert_true(bright_in_view(&p, i, 0) > 2000 && bright_in_view(&p, i, 1) > 2000);
+        double middle = bright_middle_of(&p, i, 0);
         assert_true(i == 0 || middle > before + 2.0); /* one framing: the motion is seen */
-        assert_true(i == 0 || middle < 200.0);
+        assert_true(i == 0 || middle < usual_grid()->view_width);
         before = middle;
-        check_words(&p, x, y, has_font);
+        check_words(&p, i, has_font);
     }
     free(p.rgba);
     clip_destroy(c);
     mesh_destroy(&m);
+}
+
+/* So many pixels of the words between the header and the views: what a sheet was made from. */
+static uint32_t made_from_pixels(const char *made_from, uint32_t width, uint32_t height)
+{
+    mesh m = shapes_balls(&(ball){{0, 0, 0}, 100}, 1);
+    const float shift_mm[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    clip *c = shifted_clip(&m, shift_mm, 8, 25.0);
+    error err = {{0}};
+    const sheet_about about = {"A title", made_from, width, height};
+    assert_int_equal(sheet_write(path, c, &about, &err), MRT_OK);
+    picture p = read_picture();
+    assert_int_equal(p.width, width);
+    assert_int_equal(p.height, height);
+    const sheet_grid g = sheet_lay_out(width, height, 0.0f);
+    const uint32_t top = (uint32_t)g.header, line = height / 48;
+    uint32_t count = bright_count(&p, 0, top, width, line);
+    assert_int_equal(bright_count(&p, width - 2, 0, 2, height), 0); /* nothing runs off the edge */
+    free(p.rgba);
+    clip_destroy(c);
+    mesh_destroy(&m);
+    return count;
+}
+
+static void a_sheet_says_what_it_was_made_from(void **state)
+{
+    (void)state;
+    static char endless[4000];
+    if (!drawable || !font_exists())
+        skip();
+    memset(endless, 'm', sizeof endless - 1);
+    for (int i = 0; i < 3; ++i) {
+        static const uint32_t size[3][2] = {{1920, 960}, {640, 360}, {600, 1200}};
+        assert_true(made_from_pixels("marotte perform --face moai --map anchored\nanchored 1.0\n",
+                                     size[i][0], size[i][1]) > 50);
+        assert_true(made_from_pixels(endless, size[i][0], size[i][1]) > 50);
+    }
 }
 
 static void sheet_of_three_frames_leaves_the_rest_empty(void **state)
@@ -238,10 +329,10 @@ static void sheet_of_three_frames_leaves_the_rest_empty(void **state)
     const float shift_mm[3] = {0, 5, 10};
     clip *c = shifted_clip(&m, shift_mm, 3, 25.0);
     error err = {{0}};
-    assert_int_equal(sheet_write(path, c, NULL, &err), MRT_OK);
+    assert_int_equal(sheet_write(path, c, &(sheet_about){0}, &err), MRT_OK);
     picture p = read_picture();
     for (uint32_t i = 0; i < 8; ++i)
-        assert_true((bright_count(&p, moment_x(i), moment_y(i), 400, 360) > 0) == (i < 3));
+        assert_true((bright_in_view(&p, i, 0) > 0) == (i < 3));
     assert_int_equal(bright_count(&p, 28, 16, 1800, 40), 0); /* no title */
     free(p.rgba);
     clip_destroy(c);
@@ -256,11 +347,12 @@ static void sheet_without_frames_shows_the_rest_face(void **state)
     mesh m = shapes_balls(&(ball){{0, 0, 0}, 100}, 1);
     error err = {{0}};
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    assert_int_equal(sheet_write(path, c, "Nothing yet", &err), MRT_OK);
+    assert_int_equal(sheet_write(path, c, &(sheet_about){.title = "Nothing yet"}, &err), MRT_OK);
     picture p = read_picture();
     assert_int_equal(p.width, SHEET_WIDTH);
-    assert_true(bright_count(&p, 480, 98, 480, 690) > 30000);
-    assert_true(bright_count(&p, 960, 98, 480, 690) > 30000);
+    const uint32_t top = (uint32_t)usual_grid()->top;
+    assert_true(bright_count(&p, 480, top, 480, 700) > 30000);
+    assert_true(bright_count(&p, 960, top, 480, 700) > 30000);
     free(p.rgba);
     clip_destroy(c);
     mesh_destroy(&m);
@@ -278,10 +370,10 @@ static void wild_moments_and_titles_are_survived(void **state)
     for (size_t i = 0; i + 2 < sizeof title; i += 2)
         memcpy(title + i, "\xc3\xa9", 2);
     error err = {{0}};
-    assert_int_equal(sheet_write(path, c, title, &err), MRT_OK);
+    assert_int_equal(sheet_write(path, c, &(sheet_about){.title = title}, &err), MRT_OK);
     picture p = read_picture();
-    assert_true(bright_count(&p, 28, 98, 200, 326) > 500); /* rest is still to be seen */
-    assert_true(bright_count(&p, moment_x(1), moment_y(1), 200, 326) > 500);
+    assert_true(bright_in_view(&p, SHEET_REST, 0) > 500); /* rest is still to be seen */
+    assert_true(bright_in_view(&p, 1, 0) > 500);
     assert_int_equal(bright_count(&p, 1900, 0, 20, 98), 0); /* the title ends in time */
     free(p.rgba);
     clip_destroy(c);
@@ -298,7 +390,7 @@ static void sheet_uses_the_context_that_is_current(void **state)
     draw_target *target = draw_target_create(8, 8, &err);
     mesh m = shapes_wall(50, 0);
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    assert_int_equal(sheet_write(path, c, NULL, &err), MRT_OK);
+    assert_int_equal(sheet_write(path, c, &(sheet_about){0}, &err), MRT_OK);
     uint8_t pixels[8 * 8 * 4];
     draw_read(target, pixels); /* the caller's context is current and whole */
     assert_int_equal(pixels[3], 255);
@@ -316,7 +408,7 @@ static void sheet_to_an_impossible_path_is_an_error(void **state)
     mesh m = shapes_wall(50, 0);
     error err = {{0}};
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    assert_true(sheet_write(BUILD_DIR "/no/such/folder/sheet.png", c, NULL, &err) < 0);
+    assert_true(sheet_write(BUILD_DIR "/no/such/folder/sheet.png", c, &(sheet_about){0}, &err) < 0);
     assert_non_null(strstr(err.text, "no/such/folder"));
     clip_destroy(c);
     mesh_destroy(&m);
@@ -334,7 +426,9 @@ int main(void)
         cmocka_unit_test(moments_are_the_furthest_of_each_eighth),
         cmocka_unit_test(short_clips_have_fewer_moments),
         cmocka_unit_test(anchored_moments_agree_with_the_vertices),
+        cmocka_unit_test(nothing_overlaps_at_any_size),
         cmocka_unit_test(sheet_shows_rest_and_every_moment),
+        cmocka_unit_test(a_sheet_says_what_it_was_made_from),
         cmocka_unit_test(sheet_of_three_frames_leaves_the_rest_empty),
         cmocka_unit_test(sheet_without_frames_shows_the_rest_face),
         cmocka_unit_test(wild_moments_and_titles_are_survived),

@@ -106,6 +106,24 @@ static void a_portrait_of_nothing_has_a_camera(void **state)
     assert_true(camera.distance_mm > 0.0f && isfinite(camera.target[0] + camera.target[1]));
 }
 
+static void portraits_stay_inside_at_any_size(void **state)
+{
+    (void)state;
+    static const uint32_t side[] = {160, 333, 640, 1080, 1920, 8192};
+    enum { SIDES = sizeof side / sizeof side[0] };
+    for (uint32_t count = 1; count <= RIGPORTRAITS_MAX; ++count)
+        for (int i = 0; i < SIDES * SIDES; ++i) {
+            const uint32_t width = side[i % SIDES], height = side[i / SIDES];
+            rigportraits_grid g = rigportraits_lay_out(count, width, height);
+            assert_true(g.columns * g.rows >= count && g.columns * (g.rows - 1) < count);
+            assert_true(g.left + g.columns * g.panel_width <= width && g.top >= g.header);
+            assert_true(g.top + g.rows * (g.panel_height + g.caption) <= height);
+        }
+    rigportraits_grid usual = rigportraits_lay_out(6, 0, 0);
+    assert_int_equal(usual.columns, RIGPORTRAITS_COLUMNS);
+    assert_int_equal(usual.panel_width, RIGPORTRAITS_WIDTH);
+}
+
 static void bones_of_a_puppet_have_different_colours(void **state)
 {
     (void)state;
@@ -138,6 +156,7 @@ int main(void)
         cmocka_unit_test(crowded_labels_give_way_to_both_sides),
         cmocka_unit_test(a_portrait_shows_all_as_large_as_it_can),
         cmocka_unit_test(a_portrait_of_nothing_has_a_camera),
+        cmocka_unit_test(portraits_stay_inside_at_any_size),
         cmocka_unit_test(bones_of_a_puppet_have_different_colours),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

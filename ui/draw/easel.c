@@ -3,6 +3,7 @@
 #include "draw/gl.h"
 #include "io/export.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,6 +61,70 @@ void easel_words(easel *self, const char *words, float x, float y, float size_px
         memcpy(line + length, "…", sizeof "…");
     }
     draw_text(self->renderer, self->target, line, x, y, size_px, rgba);
+}
+
+float easel_line_px(float size_px)
+{
+    return ceilf(1.3f * size_px);
+}
+
+enum { LINE_MAX = 512 };
+
+static size_t letter_bytes(const char *at)
+{
+    size_t bytes = 1;
+    while (((unsigned char)at[bytes] & 0xc0) == 0x80)
+        ++bytes;
+    return bytes;
+}
+
+/* Letters stand side by side (letters.h): their widths add up. */
+static float letter_width(easel *self, const char *at, size_t bytes, float size_px)
+{
+    char letter[8];
+    (void)snprintf(letter, sizeof letter, "%.*s", (int)bytes, at);
+    return draw_text_width(self->renderer, letter, size_px);
+}
+
+/* How much of the words goes on one line: at least a letter. */
+static size_t line_length(easel *self, const char *words, float size_px, float width_px)
+{
+    size_t length = 0, broken = 0;
+    float width = 0.0f;
+    while (words[length]) {
+        size_t more = letter_bytes(words + length);
+        width += letter_width(self, words + length, more, size_px);
+        if (length + more >= LINE_MAX || width > width_px)
+            break;
+        length += more;
+        if (words[length] == ' ' || words[length - 1] == ',')
+            broken = length;
+    }
+    if (!words[length])
+        return length;
+    if (broken > 0)
+        return broken;
+    return length > 0 ? length : letter_bytes(words);
+}
+
+uint32_t easel_paragraph(easel *self, const char *words, float x, float y, float size_px,
+                         float width_px, uint32_t max_lines, const float rgba[4])
+{
+    uint32_t count = 0;
+    while (*words && count < max_lines) {
+        char line[LINE_MAX];
+        size_t length = line_length(self, words, size_px, width_px);
+        bool is_cut = count + 1 == max_lines && words[length];
+        (void)snprintf(line, sizeof line, "%.*s%s", (int)length, words, is_cut ? " …" : "");
+        if (rgba)
+            easel_words(self, line, x, y, size_px, width_px, rgba);
+        y += easel_line_px(size_px);
+        ++count;
+        words += length;
+        while (*words == ' ')
+            ++words;
+    }
+    return count;
 }
 
 mrt_result easel_save(easel *self, const char *path, error *err)

@@ -22,6 +22,13 @@ void easel_finish(easel *self); /* accepts NULL and zeroed */
 /* draw_text in at most width_px, cut with an ellipsis. */
 void easel_words(easel *self, const char *words, float x, float y, float size_px, float width_px,
                  const float rgba[4]);
+/* The same in lines below each other, broken at blanks and behind commas, else where it must be;
+ * the last of at most max_lines is cut. Returns how many lines there are; rgba NULL: only counts.
+ */
+uint32_t easel_paragraph(easel *self, const char *words, float x, float y, float size_px,
+                         float width_px, uint32_t max_lines, const float rgba[4]);
+/* From one of its lines to the next. */
+float easel_line_px(float size_px);
 /* Writes what is painted as a PNG. */
 CHECKED mrt_result easel_save(easel *self, const char *path, error *err);
 

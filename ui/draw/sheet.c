@@ -7,22 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { /* pixels */
-       MARGIN = 28,
-       TITLE_TOP = 20,
-       TITLE_SIZE = 34,
-       LEGEND_TOP = 60,
-       LEGEND_SIZE = 19,
-       GRID_TOP = 98,
-       GAP = 16, /* between moments */
-       VIEW_WIDTH = 200,
-       VIEW_HEIGHT = 326,
-       LABEL_SIZE = 20,
-       ROW_HEIGHT = VIEW_HEIGHT + LABEL_SIZE + 24,
-       COLUMNS = 4,
-       REST_WIDTH = 480, /* of a sheet without moments */
-       REST_HEIGHT = 690
-};
+/* Pixels of a sheet of SHEET_WIDTH by SHEET_HEIGHT; another one's are in proportion. */
+static const float margin_px = 28, title_px = 34, legend_px = 19, small_px = 16, label_px = 20,
+                   gap_px = 16;
+/* Smaller letters cannot be read: words are left out then. */
+static const float least_px = 9;
+static const float view_aspect = 200.0f / 326.0f;
+/* Of the sheet's height: what a header may take at most, else there are no words; and what it was
+ * made from, else that is shrunk and then cut. */
+static const float header_share = 0.24f, made_share = 0.2f;
+
 static const float ink_strong[4] = {0.92f, 0.93f, 0.95f, 1.0f};
 static const float ink_calm[4] = {0.62f, 0.64f, 0.68f, 1.0f};
 
@@ -33,6 +27,8 @@ typedef struct sheet {
     uint32_t moment_count;
     float *position; /* of one frame */
     easel easel;
+    const sheet_about *about;
+    sheet_grid grid;
 } sheet;
 
 static void sheet_finish(sheet *s)
@@ -41,16 +37,19 @@ static void sheet_finish(sheet *s)
     free(s->position);
 }
 
-static mrt_result sheet_init(sheet *s, const clip *c, error *err)
+static mrt_result sheet_init(sheet *s, const clip *c, const sheet_about *about, error *err)
 {
-    *s = (sheet){.clip = c, .mesh = clip_mesh(c)};
+    const uint32_t width = about->width ? about->width : SHEET_WIDTH,
+                   height = about->height ? about->height : SHEET_HEIGHT;
+    *s = (sheet){.clip = c, .mesh = clip_mesh(c), .about = about};
+
     s->position = malloc(((size_t)s->mesh->vertex_count * 3 + 1) * sizeof *s->position);
     if (!s->position)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the contact sheet");
     mrt_result result = moments_choose(s->moment, &s->moment_count, c, err);
     if (result != MRT_OK)
         return result;
-    return easel_init(&s->easel, s->mesh, SHEET_WIDTH, SHEET_HEIGHT, err);
+    return easel_init(&s->easel, s->mesh, width, height, err);
 }
 
 /* Grows the box by the shape, at most by `limit` beyond its first size: one wild moment must not
@@ -109,36 +108,168 @@ static void format_time(char *out, size_t capacity, const clip *c, uint32_t fram
     snprintf(out, capacity, "%.0f:%05.2f", minutes, (hundredths - minutes * 6000.0) / 100.0);
 }
 
-static void write_header(sheet *s, const char *title)
+/* ---- where everything stands ---- */
+
+/* The pairs of views in so many columns. */
+static void lay_out_columns(sheet_grid *g, uint32_t width, uint32_t height, uint32_t columns)
+{
+    const float across_px = (float)width - 2 * g->margin;
+    const float words = ceilf(1.9f * g->label);
+    g->columns = columns;
+    g->rows = MOMENTS_MAX / columns;
+    g->rest_across = g->rows == 1 ? 2 : 1;
+    const float views = (float)(2 * columns + g->rest_across), rows = (float)g->rows;
+    float across = (across_px - gap_px * g->unit * (float)columns) / views;
+    float down = ((float)height - g->top - (g->label > 0 ? 0 : g->margin)) / rows - words;
+    float view = floorf(fmaxf(fminf(across, down * view_aspect), 1.0f));
+    g->view_width = (uint32_t)view;
+    g->view_height = (uint32_t)fmaxf(view / view_aspect, 1.0f);
+    g->row_height = g->view_height + (uint32_t)words;
+    g->gap = fmaxf(fminf((across_px - views * view) / (float)columns, view), 0.0f);
+}
+
+sheet_grid sheet_lay_out(uint32_t width, uint32_t height, float made_px)
+{
+    sheet_grid g = {.unit = fminf((float)width / SHEET_WIDTH, (float)height / SHEET_HEIGHT)};
+    g.margin = ceilf(margin_px * g.unit);
+    g.title = fmaxf(title_px * g.unit, least_px);
+    g.legend = fmaxf(legend_px * g.unit, least_px);
+    g.label = fmaxf(label_px * g.unit, least_px);
+    g.header = 0.7f * g.margin + easel_line_px(g.title) + easel_line_px(g.legend);
+    if (g.header > header_share * (float)height)
+        g.title = g.legend = g.label = g.header = made_px = 0.0f;
+    g.top = ceilf(g.header + made_px + 0.5f * g.margin);
+    sheet_grid best = g;
+    for (uint32_t columns = 1; columns <= MOMENTS_MAX; columns *= 2) {
+        lay_out_columns(&g, width, height, columns);
+        if (best.view_width < g.view_width)
+            best = g;
+    }
+    return best;
+}
+
+void sheet_place(uint32_t out[2], const sheet_grid *of, uint32_t which, uint32_t view)
+{
+    uint32_t x = (uint32_t)of->margin, y = (uint32_t)of->top;
+    if (which == SHEET_REST) {
+        out[0] = x + (of->rest_across == 2 ? view * of->view_width : 0);
+        out[1] = y + (of->rest_across == 2 ? 0 : view * of->row_height);
+        return;
+    }
+    const float column = (float)(which % of->columns);
+    x += of->rest_across * of->view_width + view * of->view_width;
+    out[0] = x + (uint32_t)(of->gap + column * ((float)(2 * of->view_width) + of->gap));
+    out[1] = y + which / of->columns * of->row_height;
+}
+
+/* ---- the words at the top ---- */
+
+/* Draws, or (ink NULL) only counts. */
+static uint32_t write_lines(sheet *s, const char *lines, float top, float size_px,
+                            uint32_t max_lines, const float *ink)
+{
+    const float width = (float)s->easel.width - 2 * s->grid.margin;
+    uint32_t count = 0;
+    while (lines && *lines && count < max_lines) {
+        char line[4096];
+        size_t length = strcspn(lines, "\n");
+        (void)snprintf(line, sizeof line, "%.*s", (int)length, lines);
+        count += easel_paragraph(&s->easel, line, s->grid.margin,
+                                 top + (float)count * easel_line_px(size_px), size_px, width,
+                                 max_lines - count, ink);
+        lines += length + (lines[length] == '\n');
+    }
+    return count;
+}
+
+/* Smaller letters before anything is cut. Returns how high it is. */
+static float write_made_from(sheet *s)
+{
+    const sheet_grid *g = &s->grid;
+    const float room = made_share * (float)s->easel.height;
+    float size_px = fmaxf(small_px * g->unit, least_px);
+    uint32_t count = write_lines(s, s->about->made_from, 0, size_px, UINT32_MAX, NULL);
+    while (size_px > least_px && (float)count * easel_line_px(size_px) > room) {
+        size_px = fmaxf(size_px - 1.0f, least_px);
+        count = write_lines(s, s->about->made_from, 0, size_px, UINT32_MAX, NULL);
+    }
+    const uint32_t lines = (uint32_t)(room / easel_line_px(size_px));
+    count = write_lines(s, s->about->made_from, g->header, size_px, lines, ink_calm);
+    return (float)count * easel_line_px(size_px);
+}
+
+static void describe_moments(char *out, size_t capacity, const clip *c)
+{
+    uint32_t frame_count = clip_frame_count(c);
+    if (frame_count == 0)
+        snprintf(out, capacity, "The face at rest: the performance has no frames.");
+    else
+        snprintf(out, capacity,
+                 "%u frame%s at %g per second, %.2f s. In each eighth of it the moment furthest "
+                 "from rest: its time, and how far the vertices are (root mean square).",
+                 frame_count, frame_count == 1 ? "" : "s", clip_fps(c), frame_count / clip_fps(c));
+}
+
+/* Afterwards the views have what is left. */
+static void write_header(sheet *s)
 {
     char legend[256];
-    const float width = SHEET_WIDTH - 2 * MARGIN;
-    uint32_t frame_count = clip_frame_count(s->clip);
-    if (title)
-        easel_words(&s->easel, title, MARGIN, TITLE_TOP, TITLE_SIZE, width, ink_strong);
-    if (frame_count == 0)
-        snprintf(legend, sizeof legend, "The face at rest: the performance has no frames.");
-    else
-        snprintf(legend, sizeof legend,
-                 "%u frame%s at %g per second, %.2f s.  In each eighth of it the moment furthest "
-                 "from rest: its time, and how far the vertices are (root mean square).",
-                 frame_count, frame_count == 1 ? "" : "s", clip_fps(s->clip),
-                 frame_count / clip_fps(s->clip));
-    easel_words(&s->easel, legend, MARGIN, LEGEND_TOP, LEGEND_SIZE, width, ink_calm);
+    s->grid = sheet_lay_out(s->easel.width, s->easel.height, 0.0f);
+    const sheet_grid *g = &s->grid;
+    const float width = (float)s->easel.width - 2 * g->margin;
+    if (g->header <= 0.0f || !draw_text_font(s->easel.renderer))
+        return;
+    if (s->about->title)
+        easel_words(&s->easel, s->about->title, g->margin, 0.7f * g->margin, g->title, width,
+                    ink_strong);
+    describe_moments(legend, sizeof legend, s->clip);
+    easel_words(&s->easel, legend, g->margin, 0.7f * g->margin + easel_line_px(g->title), g->legend,
+                width, ink_calm);
+    s->grid = sheet_lay_out(s->easel.width, s->easel.height, write_made_from(s));
+}
+
+/* ---- the faces ---- */
+
+static void write_label(sheet *s, const char *words, float x, float y, float width,
+                        const float ink[4])
+{
+    const float size = s->grid.label;
+    if (size > 0.0f && draw_text_width(s->easel.renderer, words, size) <= width)
+        draw_text(s->easel.renderer, s->easel.target, words, x, y, size, ink);
+}
+
+/* A tiny sheet has no room for all of them. */
+static void draw_view(sheet *s, const draw_camera *camera, uint32_t which, uint32_t view)
+{
+    const sheet_grid *g = &s->grid;
+    uint32_t at[2];
+    sheet_place(at, g, which, view);
+    if (at[0] + g->view_width <= s->easel.width && at[1] + g->view_height <= s->easel.height)
+        draw_render(s->easel.renderer, s->easel.target, s->easel.face, camera, at[0], at[1],
+                    g->view_width, g->view_height);
+}
+
+static void draw_pair(sheet *s, const draw_camera *front, uint32_t which)
+{
+    const draw_camera turned = three_quarter(front);
+    draw_view(s, front, which, 0);
+    draw_view(s, &turned, which, 1);
+}
+
+static float label_top(const sheet *s, uint32_t y)
+{
+    return (float)(y + s->grid.view_height) + 0.3f * s->grid.label;
 }
 
 static void draw_rest(sheet *s, const draw_camera *front)
 {
-    draw_camera turned = three_quarter(front);
-    const float width = VIEW_WIDTH;
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, front, MARGIN, GRID_TOP,
-                VIEW_WIDTH, VIEW_HEIGHT);
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, MARGIN,
-                GRID_TOP + ROW_HEIGHT, VIEW_WIDTH, VIEW_HEIGHT);
-    for (int row = 0; row < 2; ++row)
-        easel_words(&s->easel, "at rest", MARGIN,
-                    (float)(GRID_TOP + row * ROW_HEIGHT + VIEW_HEIGHT + 6), LABEL_SIZE, width,
+    draw_pair(s, front, SHEET_REST);
+    for (uint32_t view = 0; view < 2; ++view) {
+        uint32_t at[2];
+        sheet_place(at, &s->grid, SHEET_REST, view);
+        write_label(s, "at rest", (float)at[0], label_top(s, at[1]), (float)s->grid.view_width,
                     ink_calm);
+    }
 }
 
 static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, error *err)
@@ -147,28 +278,25 @@ static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, er
     if (result != MRT_OK)
         return result;
     draw_face_update(s->easel.face, s->position, NULL);
-    draw_camera turned = three_quarter(front);
-    uint32_t column = i % COLUMNS, row = i / COLUMNS;
-    uint32_t x = MARGIN + VIEW_WIDTH + GAP + column * (2 * VIEW_WIDTH + GAP);
-    uint32_t y = GRID_TOP + row * ROW_HEIGHT;
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, front, x, y, VIEW_WIDTH,
-                VIEW_HEIGHT);
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, x + VIEW_WIDTH, y,
-                VIEW_WIDTH, VIEW_HEIGHT);
+    draw_pair(s, front, i);
     char label[64];
+    uint32_t at[2];
+    sheet_place(at, &s->grid, i, 0);
+    const float size = s->grid.label, room = (float)(2 * s->grid.view_width);
     format_time(label, sizeof label, s->clip, s->moment[i].frame);
-    float top = (float)(y + VIEW_HEIGHT + 6);
-    easel_words(&s->easel, label, (float)x, top, LABEL_SIZE, VIEW_WIDTH, ink_strong);
-    float right = (float)x + draw_text_width(s->easel.renderer, label, LABEL_SIZE) + 14.0f;
+    write_label(s, label, (float)at[0], label_top(s, at[1]), room, ink_strong);
+    const float used = draw_text_width(s->easel.renderer, label, size) + 0.7f * size;
     snprintf(label, sizeof label, "%.1f mm from rest", s->moment[i].distance_mm);
-    easel_words(&s->easel, label, right, top, LABEL_SIZE, 2 * VIEW_WIDTH - 100, ink_calm);
+    if (draw_text_width(s->easel.renderer, label, size) > room - used)
+        snprintf(label, sizeof label, "%.1f mm", s->moment[i].distance_mm);
+    write_label(s, label, (float)at[0] + used, label_top(s, at[1]), room - used, ink_calm);
     return MRT_OK;
 }
 
 static mrt_result draw_moments(sheet *s, error *err)
 {
     draw_camera front;
-    mrt_result result = frame_all(s, (float)VIEW_WIDTH / VIEW_HEIGHT, &front, err);
+    mrt_result result = frame_all(s, view_aspect, &front, err);
     if (result != MRT_OK)
         return result;
     draw_face_update(s->easel.face, s->mesh->position, NULL); /* shaded as the moments are */
@@ -178,33 +306,36 @@ static mrt_result draw_moments(sheet *s, error *err)
     return result;
 }
 
+/* Two large views in the middle. */
 static mrt_result draw_rest_alone(sheet *s, error *err)
 {
     draw_camera front;
-    mrt_result result = frame_all(s, (float)REST_WIDTH / REST_HEIGHT, &front, err);
+    sheet_grid *g = &s->grid;
+    const float room = (float)s->easel.height - g->top - 1.9f * g->label - 0.5f * g->margin;
+    const float height = fmaxf(room, 1.0f);
+    const float width = fminf(0.7f * height, 0.5f * ((float)s->easel.width - 2 * g->margin));
+    g->rest_across = 2;
+    g->view_width = (uint32_t)fmaxf(width, 1.0f);
+    g->view_height = (uint32_t)height;
+    g->margin = 0.5f * (float)s->easel.width - (float)g->view_width;
+    mrt_result result = frame_all(s, width / height, &front, err);
     if (result != MRT_OK)
         return result;
-    draw_camera turned = three_quarter(&front);
-    const uint32_t x = (SHEET_WIDTH - 2 * REST_WIDTH) / 2;
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &front, x, GRID_TOP, REST_WIDTH,
-                REST_HEIGHT);
-    draw_render(s->easel.renderer, s->easel.target, s->easel.face, &turned, x + REST_WIDTH,
-                GRID_TOP, REST_WIDTH, REST_HEIGHT);
-    easel_words(&s->easel, "at rest", (float)x, GRID_TOP + REST_HEIGHT + 8, LABEL_SIZE, REST_WIDTH,
-                ink_calm);
+    draw_face_update(s->easel.face, s->mesh->position, NULL);
+    draw_rest(s, &front);
     return MRT_OK;
 }
 
-mrt_result sheet_write(const char *path, const clip *c, const char *title, error *err)
+mrt_result sheet_write(const char *path, const clip *c, const sheet_about *about, error *err)
 {
     sheet s;
-    mrt_result result = sheet_init(&s, c, err);
-    if (result == MRT_OK)
-        result = s.moment_count ? draw_moments(&s, err) : draw_rest_alone(&s, err);
+    mrt_result result = sheet_init(&s, c, about, err);
     if (result == MRT_OK) {
-        write_header(&s, title);
-        result = easel_save(&s.easel, path, err);
+        write_header(&s);
+        result = s.moment_count ? draw_moments(&s, err) : draw_rest_alone(&s, err);
     }
+    if (result == MRT_OK)
+        result = easel_save(&s.easel, path, err);
     if (result == MRT_OK)
         error_set(err, MRT_OK, "%s",
                   draw_text_font(s.easel.renderer)

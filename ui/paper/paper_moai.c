@@ -204,6 +204,8 @@ static mrt_result add_figure(paper *of, const figure *f, error *err)
     if (of->is_quick) {
         word[count++] = "--seconds";
         word[count++] = "2";
+        word[count++] = "--size";
+        word[count++] = "960x480";
     }
     json_t *told;
     char *with_json[WORDS_MAX];
