@@ -1,4 +1,6 @@
 #include "command.h"
+
+#include "base/program.h"
 #include "base/text.h"
 
 #include <stdarg.h>
@@ -6,14 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORD_MAX = 40, LINE_MAX = 8192 };
+enum { SHOWN_WORD = 40, TYPED_MAX = 8192 };
 
 /* "log:/a/long/way/plugins/log/hand.csv,end=8" becomes "log:…/log/hand.csv,end=8". */
 static const char *shortened(char *word)
 {
     char *end = strrchr(word, '/'), *colon = strchr(word, ':');
     char *path = colon && colon < end ? colon + 1 : word;
-    if (strlen(word) <= WORD_MAX || !end || end == path)
+    if (strlen(word) <= SHOWN_WORD || !end || end == path)
         return word;
     char *folder = end - 1;
     while (folder > path && *folder != '/')
@@ -35,7 +37,7 @@ static bool is_plain(const char *word)
 
 void command_typed(char *out, size_t capacity)
 {
-    char line[LINE_MAX];
+    char line[TYPED_MAX];
     FILE *stream = fopen("/proc/self/cmdline", "re");
     size_t size = stream ? fread(line, 1, sizeof line - 1, stream) : 0, used = 0;
     if (stream)
@@ -43,10 +45,13 @@ void command_typed(char *out, size_t capacity)
     line[size] = '\0';
     out[0] = '\0';
     for (char *word = line; word < line + size && used < capacity;) {
-        char *next = word + strlen(word) + 1;
-        const char *quote = word == line || is_plain(word) ? "" : "'";
-        used += (size_t)snprintf(out + used, capacity - used, "%s%s%s%s", used ? " " : "", quote,
-                                 word == line ? "marotte" : shortened(word), quote);
+        char *next = word + strlen(word) + 1, quoted[TYPED_MAX];
+        const char *said = word == line ? "marotte" : shortened(word);
+        if (!is_plain(said)) {
+            program_quote(quoted, sizeof quoted, said);
+            said = quoted;
+        }
+        used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? " " : "", said);
         word = next;
     }
 }

@@ -42,8 +42,8 @@ grep -q FOLDS poses.txt && fail "a pose of the puppet folds"
 if [ -e rig.png ]; then
     "$MAROTTE" rig show "$puppet.rig.json" --poses --out poses.png >shown.txt || fail "portraits"
     [ "$(tail -1 shown.txt)" = "wrote poses.png: 4 poses" ] || fail "$(tail -1 shown.txt)"
-    [ "$(od -An -tu1 -j16 -N8 poses.png | tr -s ' ')" = " 0 0 6 64 0 0 2 12" ] ||
-        fail "the portraits are not 1600 by 524"
+    [ "$(od -An -tu1 -j16 -N8 poses.png | tr -s ' ')" = " 0 0 6 64 0 0 2 116" ] ||
+        fail "the portraits are not 1600 by 628"
     "$MAROTTE" rig show "$puppet.rig.json" --poses --yaw -20 --out other.png >/dev/null || fail "--yaw"
     cmp -s poses.png other.png && fail "--yaw does not turn the portraits"
 fi

@@ -34,7 +34,8 @@ typedef struct said { /* what it prints */
     int fd; /* -1: at its end */
 } said;
 
-static bool start(pid_t *out, const char *program, char *const *word, int out_fd, int err_fd)
+/* posix_spawn does not write to the words: it is only declared so. */
+static bool start(pid_t *out, const char *program, const char *const *word, int out_fd, int err_fd)
 {
     posix_spawn_file_actions_t actions;
     if (posix_spawn_file_actions_init(&actions) != 0)
@@ -43,7 +44,7 @@ static bool start(pid_t *out, const char *program, char *const *word, int out_fd
         posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0 &&
         posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO) == 0 &&
         posix_spawn_file_actions_adddup2(&actions, err_fd, STDERR_FILENO) == 0 &&
-        posix_spawn(out, program, &actions, NULL, word, environ) == 0;
+        posix_spawn(out, program, &actions, NULL, (char *const *)(uintptr_t)word, environ) == 0;
     (void)posix_spawn_file_actions_destroy(&actions);
     return is_started;
 }
@@ -92,7 +93,7 @@ static const char *reason_of(said *trouble)
     return last ? last + 1 : reason;
 }
 
-static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, error *err)
+static mrt_result run_command(paper *of, const char *const *word, json_t **out_facts, error *err)
 {
     char program[PLACE_LENGTH];
     int told[2] = {-1, -1}, failed[2] = {-1, -1}, status = 0;
@@ -108,6 +109,10 @@ static mrt_result run_command(paper *of, char *const *word, json_t **out_facts, 
         close(told[1]);
     if (failed[1] >= 0)
         close(failed[1]);
+    if (result < 0 && told[0] >= 0)
+        close(told[0]);
+    if (result < 0 && failed[0] >= 0)
+        close(failed[0]);
     if (result >= 0) {
         facts_said->fd = told[0];
         trouble->fd = failed[0];
@@ -132,86 +137,102 @@ typedef struct figure {
 static const figure figures[] = {
     {"figure4_anchored.png", "Figure 4: the Moai, anchored",
      "Eight moments of the Moai, held by ten fingertips in the anchored way", "anchored",
-     "Ten fingertips take hold of the face where they are, and pull: what they let go springs to "
-     "where it was."},
+     "Ten fingertips take hold of the face where they are, and pull; what they let go is where it "
+     "was."},
     {"figure5_unanchored.png", "Figure 5: the Moai, unanchored",
      "Eight moments of the Moai, kneaded by ten fingertips in the unanchored way", "unanchored",
      "The same two hands knead the stone as clay: what was pushed stays."},
 };
 
-/* From a clone what stands there, else what was installed. */
-static const char *recording(char room[PLACE_LENGTH])
+/* A recording that comes with marotte: from a clone what stands there, else what was installed. */
+static void name_recording(char out[PLACE_LENGTH], const char *file)
 {
-    static const char cloned[] = "plugins/log/demo_hand.csv";
-    if (access(cloned, R_OK) == 0)
-        return cloned;
-    return place_data(room, "demo_hand.csv") ? room : cloned;
+    char cloned[PLACE_LENGTH];
+    (void)snprintf(cloned, sizeof cloned, "plugins/log/%s", file);
+    if (access(cloned, R_OK) == 0 || !place_data(out, file))
+        memcpy(out, cloned, sizeof cloned);
 }
 
-static double fact_of(const json_t *facts_told, const char *key)
+static double fact_of(const json_t *told, const char *key)
 {
-    return json_number_value(json_object_get(facts_told, key));
+    return json_number_value(json_object_get(told, key));
 }
+
+/* Facts of perform that the page repeats: the key, and the words around the number. */
+static const struct {
+    const char *key, *before, *behind;
+    int decimals;
+} told_facts[] = {
+    {"range_of_motion_mm", "moves by up to ", " mm", 1},
+    {"folds", "", " folds", 0},
+    {"min_determinant", "least determinant ", "", 3},
+    {"inside_out", "", " triangles inside out", 0},
+    {"bent_edges", "", " edges bent by more than 120 degrees", 0},
+    {"stretch", "stretched at most ", " times", 1},
+    {"held_back_mm", "held back by at most ", " mm", 1},
+};
+enum { TOLD_FACTS = sizeof told_facts / sizeof told_facts[0] };
 
 static void say_facts(paper *of, const figure *f, const json_t *told)
 {
-    page_caption(
-        of->page,
-        "%s Eight moments, in each eighth of %.0f frames the one furthest from rest, from "
-        "the front and from the side of the cheek. The face moves by up to %.1f mm; folds: "
-        "%.0f, least determinant %.3f.",
-        f->text, fact_of(told, "frames"), fact_of(told, "range_of_motion_mm"),
-        fact_of(told, "folds"), fact_of(told, "min_determinant"));
-    const facts_cell cells[] = {
-        {"file", f->file, 0.0, 0},
-        {"map", f->map, 0.0, 0},
-        {"frames", NULL, fact_of(told, "frames"), 0},
-        {"range_of_motion_mm", NULL, fact_of(told, "range_of_motion_mm"), 3},
-        {"folds", NULL, fact_of(told, "folds"), 0},
-        {"min_determinant", NULL, fact_of(told, "min_determinant"), 4},
-    };
-    facts_row(of->told, "figures", "", "", cells, sizeof cells / sizeof cells[0]);
+    char line[512] = "";
+    facts_cell cells[TOLD_FACTS + 3] = {{"file", f->file, 0.0, 0},
+                                        {"map", f->map, 0.0, 0},
+                                        {"frames", NULL, fact_of(told, "frames"), 0}};
+    int count = 3;
+    for (int i = 0; i < TOLD_FACTS; ++i) {
+        if (!json_object_get(told, told_facts[i].key))
+            continue;
+        size_t used = strlen(line);
+        double value = fact_of(told, told_facts[i].key);
+        (void)snprintf(line + used, sizeof line - used, "%s%s%.*f%s", used ? ", " : "",
+                       told_facts[i].before, told_facts[i].decimals, value, told_facts[i].behind);
+        cells[count++] = (facts_cell){told_facts[i].key, NULL, value, 4};
+    }
+    page_caption(of->page,
+                 "%s Eight moments, in each eighth of %.0f frames the one furthest from rest, from "
+                 "the front and from three quarters. The face %s.",
+                 f->text, fact_of(told, "frames"), line);
+    facts_row(of->told, "figures", "", "", cells, count);
 }
 
-/* The command as one types it: the picture beside, and no --json. */
-static void say_command(paper *of, const figure *f, char *const *word)
+/* As one types it: the picture beside, and no --json. */
+static void say_command(paper *of, const figure *f, const char *const *word)
 {
-    char line[2 * PLACE_LENGTH] = "marotte";
+    char line[3 * PLACE_LENGTH] = "marotte";
     size_t used = strlen(line);
     for (int i = 1; word[i] && used < sizeof line; ++i) {
-        bool is_file = strcmp(word[i - 1], "--export") == 0;
-        used +=
-            (size_t)snprintf(line + used, sizeof line - used, " %s", is_file ? f->file : word[i]);
+        bool is_picture = strcmp(word[i - 1], "--export") == 0;
+        char quoted[PLACE_LENGTH + 64];
+        program_quote(quoted, sizeof quoted, is_picture ? f->file : word[i]);
+        used += (size_t)snprintf(line + used, sizeof line - used, " %s", quoted);
     }
     page_command(of->page, line);
 }
 
 static mrt_result add_figure(paper *of, const figure *f, error *err)
 {
-    char path[PATH_MAX], room[PLACE_LENGTH], right[PLACE_LENGTH + 32], left[PLACE_LENGTH + 32];
-    const char *log = recording(room);
+    char path[PATH_MAX], file[PLACE_LENGTH], right[PLACE_LENGTH + 8], left[PLACE_LENGTH + 8];
+    json_t *told;
     mrt_result result = paper_add_file(of, path, f->file, err);
     if (result < 0)
         return result;
-    (void)snprintf(right, sizeof right, "log:%s", log);
-    (void)snprintf(left, sizeof left, "log:%s,mirror=1", log);
-    char *word[WORDS_MAX] = {"marotte", "perform", "--face", "moai", "--input",  right,
-                             "--input", left,      "--map",  NULL,   "--export", path};
+    name_recording(file, "demo_hand.csv");
+    (void)snprintf(right, sizeof right, "log:%s", file);
+    name_recording(file, "demo_left_hand.csv");
+    (void)snprintf(left, sizeof left, "log:%s", file);
+    const char *word[WORDS_MAX] = {"marotte", "perform", "--face", "moai", "--input",  right,
+                                   "--input", left,      "--map",  f->map, "--export", path};
     int count = 12;
-    char map[96];
-    (void)snprintf(map, sizeof map, "%s", f->map);
-    word[9] = map;
     if (of->is_quick) {
-        word[count++] = "--seconds";
-        word[count++] = "2";
-        word[count++] = "--size";
-        word[count++] = "960x480";
+        static const char *const quick[] = {"--seconds", "2", "--size", "960x480"};
+        for (int i = 0; i < 4; ++i)
+            word[count++] = quick[i];
     }
-    json_t *told;
-    char *with_json[WORDS_MAX];
-    memcpy(with_json, word, sizeof word);
-    with_json[count] = "--json";
-    result = run_command(of, with_json, &told, err);
+    const char *run[WORDS_MAX];
+    memcpy(run, word, sizeof word);
+    run[count] = "--json";
+    result = run_command(of, run, &told, err);
     if (result < 0)
         return result;
     page_heading(of->page, f->heading);
