@@ -85,6 +85,22 @@ head -c $((32 + frame_bytes)) build11.pc2 | tail -c $frame_bytes >rest
 head -c $((32 + 76 * frame_bytes)) build11.pc2 | tail -c $frame_bytes >fist
 cmp -s rest fist && fail "the fist's frame is the rest frame"
 
+# ---- an installed program does not look where it was built ----
+mv "$prefix/bin/marotte-pluginhost" "$scratch/away"
+refused 1 "marotte-pluginhost is not beside the program" "${alone[@]}" marotte perform --face puppet \
+    --input log:take.csv --map build11/wave.so
+mv "$scratch/away" "$prefix/bin/marotte-pluginhost"
+
+# ---- the installed guides lead nowhere else ----
+guides=0
+while read -r guide; do
+    guides=$((guides + 1))
+    while read -r target; do
+        [ -e "$(dirname "$guide")/${target%%#*}" ] || fail "${guide#"$prefix/"} links to $target, which is not installed"
+    done < <(grep -oE '\]\([^)#:]+(#[^)]*)?\)' "$guide" | sed 's/](\(.*\))/\1/')
+done < <(find "$prefix" -name '*.md' -not -name CHANGELOG.md -not -name CONTRIBUTING.md -not -name ARCHITECTURE.md)
+[ $guides -ge 8 ] || fail "only $guides guides are installed"
+
 # ---- what the READMEs of both kinds say, command by command ----
 cd "$scratch/work" || exit 1
 ln -s "$prefix" "$scratch/plain" # a shell takes $(pkg-config ...) apart at blanks

@@ -37,6 +37,28 @@ done
 awk -v a="$(fact "range of motion" "$scratch/less")" -v b="$(fact "range of motion" "$scratch/more")" \
     'BEGIN { exit !(a + 5 < b) }' || fail "push=0 and push=6 move the same"
 
+# ---- one that takes a root: the template links what it needs; built without, it is loaded all the same ----
+cp -r my_mapping rooted && rm -r rooted/build
+sed -i 's/#include <stdlib.h>/#include <math.h>\n&/; s/float mm = self->bend \*/float mm = sqrtf(self->bend * self->bend) */' rooted/my_mapping.c
+grep -q 'sqrtf' rooted/my_mapping.c || fail "the template has no such line any more"
+prefix=$(grep -o -- '-D[^ ]*' <<<"${next[0]}" | head -n 1)
+(cd rooted && eval "cmake -B build $prefix && cmake --build build") >"$scratch/facts" 2>&1 || { fail "rooted"; cat "$scratch/facts"; }
+nm -D rooted/build/my_mapping.so | grep -q ' U sqrtf' || fail "sqrtf is no call: this tests nothing"
+readelf -d rooted/build/my_mapping.so | grep -q 'NEEDED.*libm' || fail "the template links no libm"
+cc -O2 -shared -fPIC -ffp-contract=off -I "$SOURCE_DIR/core/include" rooted/my_mapping.c -o rooted/bare.so || fail "cc"
+for library in rooted/build/my_mapping.so rooted/bare.so; do
+    "$MAROTTE" plugin check $library >"$scratch/facts" 2>&1 || { fail "$library"; cat "$scratch/facts"; }
+    "$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $library --isolate on \
+        >"$scratch/facts" 2>&1 || { fail "$library apart"; cat "$scratch/facts"; }
+    moved 5 "$scratch/facts"
+done
+
+# ---- a library that lies here is named without a path too ----
+(cd rooted && "$MAROTTE" plugin check bare.so) >"$scratch/facts" 2>&1 || { fail "check bare.so"; cat "$scratch/facts"; }
+(cd rooted && "$MAROTTE" perform --face puppet --input log:take.csv --map bare.so,push=4) >"$scratch/facts" 2>&1 ||
+    { fail "--map bare.so"; cat "$scratch/facts"; }
+moved 5 "$scratch/facts"
+
 # ---- the input gives what its take holds, to the bit, however fast it runs ----
 "$MAROTTE" perform --face puppet --input my_input/build/my_input.so,seconds=1.99 --map one_hand \
     --export "$scratch/now.csv" >/dev/null 2>&1 || fail "the input"

@@ -42,6 +42,17 @@ report=$(find "$XDG_DATA_HOME/marotte/reports" -name report.txt | head -1)
 performs again --input "log:${report%report.txt}right.csv" --map "$troubled" --isolate off
 [ "$(fact "samples read" "$scratch/again")" -ge 1 ] || fail "the report plays nothing"
 
+# The command in it can be copied, wherever the library lies.
+odd="$scratch/it's \$(odd)"
+mkdir "$odd" && cp "$troubled" "$odd/troubled.so"
+find "$XDG_DATA_HOME/marotte/reports" -mindepth 1 -delete
+timeout 60 "$MAROTTE" perform --face moai --input "$hands" --map "$odd/troubled.so,trouble=crash" \
+    --calibration none >"$scratch/stdout" 2>"$scratch/stderr" && fail "a crash offline is no error"
+report=$(find "$XDG_DATA_HOME/marotte/reports" -name report.txt | head -1)
+command=$(sed -n 's/^marotte perform --face FACE /"$MAROTTE" perform --face moai /p' "$report")
+[ -n "$command" ] || fail "the report has no command: $(cat "$report")"
+(cd "$(dirname "$report")" && eval "$command") >"$scratch/stdout" 2>&1 || fail "$command: $(cat "$scratch/stdout")"
+
 # ---- killed at random instants while it is recorded ----
 RANDOM=8
 worst=0
