@@ -33,7 +33,7 @@ CHECKED mrt_result perform_mapping_watch(perform_mapping *self, const perform_op
                                          performer *of, log_queue *log, error *err);
 /* [frame] Before a sample. recorder: NULL: nothing is recorded. */
 void perform_mapping_step(perform_mapping *self, performer *of, recorder *into);
-/* A process that has failed: on stage something simpler went on; an offline performance fails. */
+/* A process that has failed: on stage the face was held; an offline performance fails. */
 CHECKED mrt_result perform_mapping_check(const perform_mapping *self, error *err);
 void perform_mapping_report(const perform_mapping *self, facts *told);
 void perform_mapping_close(perform_mapping *self); /* after the performer; zeroed is fine */

@@ -266,7 +266,7 @@ static void move_sound(performing *self)
     sound_move(self->sound, &motion);
 }
 
-/* Offline a mapping that has failed ends it; on a stage something simpler goes on. */
+/* Offline a mapping that has failed ends it; on a stage the face is held. */
 static mrt_result check_mappings(const performing *self, error *err)
 {
     mrt_result result = perform_mapping_check(&self->mapping, err);

@@ -44,7 +44,7 @@ size_t sequencer_kept_bytes(const sequencer *self);     /* of checkpoints */
 
 /* The face shown: composer_draw it. */
 composer *sequencer_composer(sequencer *self);
-/* An error that says which mapping's process has failed, if one has: a simple one goes on. */
+/* An error that says which mapping's process has failed, if one has: the face is held. */
 CHECKED mrt_result sequencer_check(const sequencer *self, error *err);
 /* What is not as it was when it was recorded, lines ended by \n; "" nothing. */
 const char *sequencer_note(const sequencer *self);

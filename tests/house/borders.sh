@@ -31,7 +31,7 @@ only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what 
 # Processes: no shell, ever.
 only "${word}(system|popen|execl|execlp|execle|execv|execvp|fork|vfork)\(" "starts a process through a shell or by fork" # nobody
 only "${word}posix_spawnp?\(" "starts a process: see CONTRIBUTING.md" \
-    core/check/process.c core/io/read/mesh_child.c core/stage/mapping/isolate_link.c ui/paper/paper_moai.c \
+    core/check/process.c core/io/read/mesh_child.c core/stage/mapping/isolate_process.c ui/paper/paper_moai.c \
     ui/video_ffmpeg.c ui/window/studio_export.c
 # Beside posix_spawn: descriptors that children do not get, waits that end, nothing that is the whole process's.
 only "${word}pipe\(" "is inherited by programs that start meanwhile: program_pipe" # nobody

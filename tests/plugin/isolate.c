@@ -203,37 +203,37 @@ static void check_trouble(const char *trouble, const char *reason)
     stand_lie_down(&other);
 }
 
-static void a_crash_is_held_bridged_and_restarted(void **state)
+static void a_crash_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("crash", "was ended by signal 11");
 }
 
-static void a_hang_is_held_bridged_and_restarted(void **state)
+static void a_hang_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("hang", "did not answer for ");
 }
 
-static void one_that_is_stuck_is_held_bridged_and_restarted(void **state)
+static void one_that_is_stuck_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("stuck", "did not answer for ");
 }
 
-static void nonsense_is_held_bridged_and_restarted(void **state)
+static void nonsense_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("nonsense", "gave a control vector that is not finite");
 }
 
-static void one_that_leaves_is_held_bridged_and_restarted(void **state)
+static void one_that_leaves_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("leave", "ended its process with code 3");
 }
 
-static void one_that_refuses_frames_is_held_bridged_and_restarted(void **state)
+static void one_that_refuses_frames_is_held_and_restarted(void **state)
 {
     (void)state;
     check_trouble("refuse", "returned -2");
@@ -333,7 +333,7 @@ static void a_reset_of_one_that_is_late_forgets(void **state)
 
 /* ---- what becomes of it ---- */
 
-static void a_second_failure_within_a_minute_leaves_the_simple_mapping(void **state)
+static void a_second_failure_within_a_minute_leaves_the_face_held(void **state)
 {
     (void)state;
     stand s;
@@ -356,8 +356,7 @@ static void a_second_failure_within_a_minute_leaves_the_simple_mapping(void **st
         stand_step(&s, n);
     assert_true(stand_counts(&s).is_away);
     assert_int_equal(performer_pull(s.performer)->mode, MRT_ANCHORED);
-    /* The hand still moves the face. */
-    assert_memory_not_equal(performer_pull(s.performer), &before, sizeof before);
+    assert_memory_equal(performer_pull(s.performer), &before, sizeof before);
     assert_int_equal(performer_save(s.performer, NULL, 0), 0); /* nothing to take up */
     stand_lie_down(&s);
 }
@@ -481,16 +480,16 @@ int main(int argc, char **argv)
         cmocka_unit_test(every_shipped_mapping_gives_the_same_bits),
         cmocka_unit_test(its_words_and_its_parameters_come_through),
         cmocka_unit_test(a_plugin_that_cannot_be_created_says_why),
-        cmocka_unit_test(a_crash_is_held_bridged_and_restarted),
-        cmocka_unit_test(a_hang_is_held_bridged_and_restarted),
-        cmocka_unit_test(one_that_is_stuck_is_held_bridged_and_restarted),
+        cmocka_unit_test(a_crash_is_held_and_restarted),
+        cmocka_unit_test(a_hang_is_held_and_restarted),
+        cmocka_unit_test(one_that_is_stuck_is_held_and_restarted),
         cmocka_unit_test(a_slow_one_is_held_and_followed),
         cmocka_unit_test(one_that_sleeps_is_held_and_followed),
         cmocka_unit_test(a_reset_of_one_that_is_late_forgets),
-        cmocka_unit_test(nonsense_is_held_bridged_and_restarted),
-        cmocka_unit_test(one_that_leaves_is_held_bridged_and_restarted),
-        cmocka_unit_test(one_that_refuses_frames_is_held_bridged_and_restarted),
-        cmocka_unit_test(a_second_failure_within_a_minute_leaves_the_simple_mapping),
+        cmocka_unit_test(nonsense_is_held_and_restarted),
+        cmocka_unit_test(one_that_leaves_is_held_and_restarted),
+        cmocka_unit_test(one_that_refuses_frames_is_held_and_restarted),
+        cmocka_unit_test(a_second_failure_within_a_minute_leaves_the_face_held),
         cmocka_unit_test(a_reset_while_it_is_away_forgets),
         cmocka_unit_test(the_report_has_what_it_saw_and_why),
         cmocka_unit_test(kills_never_make_the_face_jump),

@@ -136,8 +136,8 @@ static inline double stand_distance(const stand_shape *a, const stand_shape *b)
 }
 
 /* Two mappings see the same hand, the other one in this process, without trouble. In a sample the
- * face may go twice as far as that one ever does by the hand's own motion (a simple mapping takes
- * other shares of it), and by the share of a fade of what the two differ. */
+ * face may go twice as far as that one ever does by the hand's own motion, and by the share of a
+ * fade of what the two differ. */
 typedef struct stand_watch {
     stand_shape face, before, ought, ought_before;
     double furthest_step_mm; /* of the other */

@@ -33,7 +33,7 @@ ended crash $? ": mapping org.example.troubled was ended by signal 11"
 [ "$(fact "samples performed" "$scratch/crash")" -ge 1 ] || fail "no sample is kept: $(cat "$scratch/crash")"
 is_whole
 
-# In life's pace something simpler goes on, and every sample is recorded.
+# In life's pace the face is held, and every sample is recorded.
 "$MAROTTE" take record "$show" 1 --input "$hands,speed=4" --map "$troubled,trouble=crash" \
     --calibration none --realtime >"$scratch/live" 2>&1 || fail "record: $(cat "$scratch/live")"
 grep -q "was ended by signal 11" "$scratch/live" || fail "live: the crash is not told: $(cat "$scratch/live")"

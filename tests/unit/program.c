@@ -114,7 +114,7 @@ static void a_pipe_is_closed_in_programs_that_start_meanwhile(void **state)
 static void a_child_that_does_not_end_is_ended(void **state)
 {
     (void)state;
-    char shell[] = "/bin/sh", option[] = "-c", command[] = "trap '' TERM; sleep 100 & wait; wait";
+    char shell[] = "/bin/sh", option[] = "-c", command[] = "exec sleep 100";
     char *words[] = {shell, option, command, NULL};
     pid_t pid;
     int status;

@@ -97,7 +97,7 @@ static void draw_isolation(ui *on, const instance *mapping, const isolate_counts
                    why[0] ? why : "it failed");
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
     if (counts->is_away)
-        ui_text_wrapped(on, UI_STYLE_WARNING, "A simple mapping goes on in its place.");
+        ui_text_wrapped(on, UI_STYLE_WARNING, "The face is held. Choose it again, or another one.");
 }
 
 static void draw_state(mapping_panel *self, ui *on, const instance *mapping)

@@ -1,12 +1,21 @@
 #include "stage/mapping/isolate.h"
-#include "stage/mapping/isolate_state.h"
+#include "base/clock.h"
+#include "stage/guard.h"
+#include "stage/mapping/isolate_process.h"
+#include "stage/mapping/isolate_report.h"
 #include "stage/mapping/plugins.h"
 #include "stage/seam.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <math.h>
+#include <poll.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 static const int64_t deadline_default_ns = 3 * NS_PER_MS;
 static const int64_t virtual_deadline_ns = 5 * NS_PER_S;
@@ -26,6 +35,63 @@ enum { HELD_MAX = 64 };
 /* How often the child's state is asked for. */
 static const int64_t resume_span_ns = NS_PER_S;
 
+/* Who has what: while RUNNING the thread that calls the plugin has all of it; from FAILED on the
+ * supervisor has all of it, until READY, when the caller may take it back, or LOST. */
+enum { ISOLATE_RUNNING = 1, ISOLATE_FAILED, ISOLATE_READY, ISOLATE_LOST };
+
+struct mrt_plugin {
+    const mrt_host *host;
+    const mrt_plugin_type *inner;
+    const char *library;
+    bool is_virtual, can_resume, writes_reports;
+    int64_t deadline_ns;
+    uint32_t param_count;
+
+    _Atomic uint32_t phase;
+    _Atomic uint32_t failed_count, restarted_count, late_count;
+    _Atomic int32_t pid;
+
+    isolate_process link;
+    guard guard;
+    bool is_to_reset; /* before the next request */
+    uint32_t owed;    /* the request that the child still owes an answer to; 0: none */
+    bool has_saved;   /* the block's bytes are the answer to saved_kind */
+    uint32_t saved_kind;
+    int32_t late_score;
+    bool is_late_told;
+    uint32_t held_frames; /* in a row, for one late answer */
+    bool has_turn;        /* the layer knows that it comes back */
+    int64_t asked_ns, asked_cpu_ns;
+    double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
+    isolate_memory memory;
+    char reason[160];       /* why it has failed; "ended": as the process did */
+    char first_reason[160]; /* of the first failure; written before failed_count says so */
+
+    unsigned char *resume; /* MRT_RESUME, and the pull held then; ISOLATE_BYTES of room */
+    uint32_t resume_size;  /* 0: none */
+    mrt_pull resume_pull;
+    bool has_asked_resume;
+    int64_t resume_asked_ns;
+
+    bool is_forgotten; /* the caller's: reset was called while the child was away */
+
+    pthread_mutex_t busy; /* held by [main] functions, and by the supervisor while it recovers */
+    const mrt_face *face; /* under busy; NULL: not active */
+    void *state;          /* under busy: MRT_STATE as loaded last */
+    size_t state_size;
+
+    /* the supervisor's */
+    pthread_t supervisor;
+    int wake_fd;
+    pthread_mutex_t start_mutex;
+    pthread_cond_t start_cond;
+    int start; /* 0: not yet, 1: it runs, -1: failed */
+    error start_error;
+    _Atomic bool is_stopping;
+    bool has_failed_before;
+    int64_t failed_ns;
+};
+
 struct isolate {
     mrt_plugin_type type; /* first: types are found by it */
     const mrt_plugin_type *inner;
@@ -39,21 +105,372 @@ static const isolate *isolate_of(const mrt_plugin_type *type)
     return (const isolate *)(const void *)type;
 }
 
+/* ---- the supervisor: the thread that starts a process, sees it end, and starts another ---- */
+
+static const int64_t start_patience_ns = 5 * NS_PER_S;
+static const int64_t goodbye_patience_ns = NS_PER_S / 5;
+static const int64_t slice_ns = 20 * NS_PER_MS;
+static const int64_t again_ns = 60 * NS_PER_S;
+enum { DEATH_MS = 20 };
+
+static void say(const mrt_plugin *self, int32_t level, const char *text)
+{
+    self->host->log(self->host, level, text);
+}
+
+static bool has_ended(const isolate_process *link, int timeout_ms)
+{
+    struct pollfd end = {.fd = link->pidfd, .events = POLLIN};
+    return link->pidfd >= 0 && poll(&end, 1, timeout_ms) > 0;
+}
+
+/* ---- a child is started ---- */
+
+/* As ask_child, from the supervisor, but notices the child's end by itself. */
+static mrt_result ask(isolate_process *link, uint32_t kind, int64_t patience_ns)
+{
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    mrt_result result = MRT_TIMEOUT;
+    isolate_process_ask(link, kind);
+    while (result == MRT_TIMEOUT && clock_now_ns() < until_ns) {
+        result = isolate_process_wait_until_ns(link, clock_now_ns() + slice_ns);
+        if (result == MRT_TIMEOUT && has_ended(link, 0))
+            isolate_process_tell_dead(link);
+    }
+    return result == MRT_OK ? link->block->result : MRT_ERR_IO;
+}
+
+static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *bytes, size_t size)
+{
+    if (size > ISOLATE_BYTES)
+        return MRT_ERR_ARGUMENT;
+    memcpy(link->block->bytes, bytes, size);
+    link->block->size = (uint32_t)size;
+    return ask(link, kind, start_patience_ns);
+}
+
+static bool is_same_table(const mrt_plugin *self, const isolate_block *block)
+{
+    return block->param_count == self->inner->param_count &&
+           block->param_sum == isolate_param_sum(self->inner);
+}
+
+/* The plugin's words, or how its process went. */
+static mrt_result explain_start(mrt_plugin *self, error *err)
+{
+    error how = {""};
+    bool died = has_ended(&self->link, 0);
+    (void)error_set(err, MRT_ERR_UNSUPPORTED, "its process gave no answer");
+    bool has_words = isolate_process_why(&self->link, err);
+    isolate_process_end(&self->link, &how);
+    if (died && !has_words)
+        *err = how;
+    isolate_process_finish(&self->link);
+    return MRT_ERR_UNSUPPORTED;
+}
+
+/* Started, and the plugin created. On failure nothing is left. */
+static mrt_result start(mrt_plugin *self, error *err)
+{
+    mrt_result result = isolate_process_start(&self->link, self->library, self->inner->id, err);
+    if (result < 0)
+        return result;
+    result = ask(&self->link, ISOLATE_CREATE, start_patience_ns);
+    if (result < 0)
+        return explain_start(self, err);
+    isolate_process_drain(&self->link, self->host);
+    if (is_same_table(self, self->link.block)) {
+        atomic_store(&self->pid, (int32_t)self->link.pid);
+        return MRT_OK;
+    }
+    isolate_process_end(&self->link, NULL);
+    isolate_process_finish(&self->link);
+    return error_set(err, MRT_ERR_FORMAT, "its library has changed: its parameters are others");
+}
+
+/* As the one that has failed was a second ago at most. */
+static mrt_result bring_up(mrt_plugin *self)
+{
+    isolate_process *link = &self->link;
+    error why = {""};
+    mrt_result result = start(self, &why);
+    if (result < 0) {
+        say(self, MRT_LOG_WARNING, why.text);
+        return result;
+    }
+    if (self->state)
+        result = ask_with(link, ISOLATE_STATE_LOAD, self->state, self->state_size);
+    if (result >= 0) {
+        size_t size = isolate_face_put(link->block->bytes, ISOLATE_BYTES, self->face);
+        link->block->size = (uint32_t)size;
+        result = ask(link, ISOLATE_ACTIVATE, start_patience_ns);
+    }
+    if (result >= 0)
+        result = ask(link, ISOLATE_RESET, start_patience_ns);
+    if (result >= 0 && self->resume_size > 0 &&
+        ask_with(link, ISOLATE_RESUME_LOAD, self->resume, self->resume_size) < 0) {
+        self->resume_size = 0;
+        result = ask(link, ISOLATE_RESET, start_patience_ns);
+    }
+    isolate_process_drain(link, self->host);
+    return result;
+}
+
+/* ---- a child has failed ---- */
+
+static void end_child(mrt_plugin *self, error *out_how)
+{
+    atomic_store(&self->pid, 0);
+    isolate_process_end(&self->link, out_how);
+    if (self->link.block)
+        isolate_process_drain(&self->link, self->host);
+    isolate_process_finish(&self->link);
+}
+
+static void write_report(mrt_plugin *self, const char *reason)
+{
+    char folder[PATH_MAX];
+    error err = {""}, text = {""};
+    if (!self->writes_reports || !self->face)
+        return;
+    const isolate_report report = {.type = self->inner,
+                                   .library = self->library,
+                                   .reason = reason,
+                                   .face = self->face,
+                                   .params = self->params,
+                                   .memory = &self->memory};
+    mrt_result result = isolate_report_write(&report, folder, sizeof folder, &err);
+    if (result < 0)
+        (void)error_set(&text, result, "no report was written: %s", err.text);
+    else
+        (void)error_set(&text, MRT_OK, "what it saw last is kept in %s", folder);
+    say(self, result < 0 ? MRT_LOG_WARNING : MRT_LOG_INFO, text.text);
+}
+
+/* Why it has failed, in words; the process is gone. */
+static void explain_end(mrt_plugin *self, error *out_reason)
+{
+    error how = {""};
+    bool died = has_ended(&self->link, DEATH_MS);
+    end_child(self, &how);
+    if (died && how.text[0])
+        *out_reason = how;
+    else
+        (void)error_set(out_reason, MRT_ERR_IO, "%s", self->reason);
+}
+
+static void recover(mrt_plugin *self)
+{
+    error reason = {""}, text = {""};
+    int64_t now_ns = clock_now_ns();
+    bool is_again = self->has_failed_before && now_ns - self->failed_ns < again_ns;
+    explain_end(self, &reason);
+    if (atomic_load(&self->failed_count) == 0)
+        snprintf(self->first_reason, sizeof self->first_reason, "%.150s", reason.text);
+    atomic_fetch_add(&self->failed_count, 1);
+    self->has_failed_before = true;
+    self->failed_ns = now_ns;
+    (void)error_set(&text, MRT_OK, "%s: the face is held%s", reason.text,
+                    is_again ? "; it has failed twice within a minute: choose a mapping" : "");
+    say(self, MRT_LOG_WARNING, text.text);
+    write_report(self, reason.text);
+    self->memory.count = 0;
+    bool is_up = !is_again && self->face && bring_up(self) >= 0;
+    if (is_up) {
+        atomic_fetch_add(&self->restarted_count, 1);
+        say(self, MRT_LOG_INFO, "runs again in a new process");
+    } else {
+        end_child(self, NULL);
+        if (!is_again && self->face)
+            say(self, MRT_LOG_WARNING, "could not be started again: the face stays held");
+    }
+    atomic_store(&self->phase, is_up ? ISOLATE_READY : ISOLATE_LOST);
+}
+
+/* ---- the thread ---- */
+
+static void supervisor_wake(mrt_plugin *self)
+{
+    const uint64_t one = 1;
+    ssize_t written = write(self->wake_fd, &one, sizeof one);
+    (void)written; /* full: it is awake already */
+}
+
+static void clear_wake(const mrt_plugin *self)
+{
+    uint64_t count;
+    ssize_t got = read(self->wake_fd, &count, sizeof count);
+    (void)got;
+}
+
+static void keep(mrt_plugin *self)
+{
+    bool is_told = false;
+    while (!atomic_load(&self->is_stopping)) {
+        struct pollfd on[2] = {{.fd = self->wake_fd, .events = POLLIN},
+                               {.fd = is_told ? -1 : self->link.pidfd, .events = POLLIN}};
+        if (poll(on, 2, -1) < 0 && errno != EINTR)
+            return;
+        if (on[1].revents) {
+            isolate_process_tell_dead(&self->link);
+            is_told = true;
+        }
+        if (on[0].revents)
+            clear_wake(self);
+        if (atomic_load(&self->phase) != ISOLATE_FAILED || atomic_load(&self->is_stopping))
+            continue;
+        pthread_mutex_lock(&self->busy);
+        recover(self);
+        pthread_mutex_unlock(&self->busy);
+        is_told = false;
+    }
+}
+
+static void ask_to_end(mrt_plugin *self)
+{
+    uint32_t phase = atomic_load(&self->phase);
+    bool answers = phase == ISOLATE_RUNNING || phase == ISOLATE_READY;
+    if (answers && self->link.block && !self->owed && !has_ended(&self->link, 0))
+        (void)ask(&self->link, ISOLATE_DESTROY, goodbye_patience_ns);
+    end_child(self, NULL);
+}
+
+static void *supervisor_main(void *data)
+{
+    mrt_plugin *self = data;
+    mrt_result result = start(self, &self->start_error);
+    pthread_mutex_lock(&self->start_mutex);
+    self->start = result < 0 ? -1 : 1;
+    if (result >= 0)
+        atomic_store(&self->phase, ISOLATE_RUNNING);
+    pthread_cond_signal(&self->start_cond);
+    pthread_mutex_unlock(&self->start_mutex);
+    if (result < 0)
+        return NULL;
+    keep(self);
+    ask_to_end(self);
+    return NULL;
+}
+
+static mrt_result supervisor_start(mrt_plugin *self)
+{
+    self->link.pidfd = -1;
+    self->wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (self->wake_fd < 0)
+        return MRT_ERR_IO;
+    pthread_mutex_init(&self->busy, NULL);
+    pthread_mutex_init(&self->start_mutex, NULL);
+    pthread_cond_init(&self->start_cond, NULL);
+    bool is_up = pthread_create(&self->supervisor, NULL, supervisor_main, self) == 0;
+    pthread_mutex_lock(&self->start_mutex);
+    while (is_up && self->start == 0)
+        pthread_cond_wait(&self->start_cond, &self->start_mutex);
+    pthread_mutex_unlock(&self->start_mutex);
+    if (is_up && self->start > 0)
+        return MRT_OK;
+    if (is_up)
+        pthread_join(self->supervisor, NULL);
+    say(self, MRT_LOG_ERROR, self->start_error.text); /* from the thread that is listened to */
+    close(self->wake_fd);
+    pthread_cond_destroy(&self->start_cond);
+    pthread_mutex_destroy(&self->start_mutex);
+    pthread_mutex_destroy(&self->busy);
+    return MRT_ERR_UNSUPPORTED;
+}
+
+static void supervisor_stop(mrt_plugin *self)
+{
+    atomic_store(&self->is_stopping, true);
+    supervisor_wake(self);
+    pthread_join(self->supervisor, NULL);
+    close(self->wake_fd);
+    pthread_cond_destroy(&self->start_cond);
+    pthread_mutex_destroy(&self->start_mutex);
+    pthread_mutex_destroy(&self->busy);
+}
+
+/* ---- what is asked of the process ---- */
+
+static bool runs(const mrt_plugin *self)
+{
+    return atomic_load(&self->phase) == ISOLATE_RUNNING;
+}
+
+/* From here on the supervisor has all of it, and the face is held. */
+static void fail(mrt_plugin *self, const char *reason)
+{
+    (void)snprintf(self->reason, sizeof self->reason, "%s", reason);
+    self->owed = 0;
+    atomic_store(&self->phase, ISOLATE_FAILED);
+    supervisor_wake(self);
+}
+
+/* The block is the child's until it has answered. MRT_TIMEOUT: it owes that; MRT_ERR_IO: it ended.
+ */
+static mrt_result put_request(mrt_plugin *self, uint32_t kind, int64_t until_ns)
+{
+    self->has_saved = false;
+    self->owed = kind;
+    self->asked_cpu_ns = isolate_process_cpu_ns(&self->link);
+    self->asked_ns = clock_now_ns();
+    isolate_process_ask(&self->link, kind);
+    mrt_result result = isolate_process_wait_until_ns(&self->link, until_ns);
+    if (result == MRT_OK)
+        self->owed = 0;
+    return result;
+}
+
+/* As put_request: the block is free, and a reset that was put off is done. An answer owed is
+ * dropped. */
+static mrt_result settle(mrt_plugin *self, int64_t until_ns)
+{
+    mrt_result result = self->owed ? isolate_process_wait_until_ns(&self->link, until_ns) : MRT_OK;
+    if (result == MRT_OK)
+        self->owed = 0;
+    if (result != MRT_OK || !self->is_to_reset)
+        return result;
+    self->is_to_reset = false;
+    return put_request(self, ISOLATE_RESET, until_ns);
+}
+
+/* Both. */
+static mrt_result put_settled(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
+{
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    mrt_result result = settle(self, until_ns);
+    if (result == MRT_OK)
+        result = put_request(self, kind, until_ns);
+    isolate_process_drain(&self->link, self->host);
+    return result;
+}
+
+/* Both, and no answer is a failure; the result is the child's. Not for process. */
+static mrt_result ask_child(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
+{
+    if (!runs(self))
+        return MRT_ERR_UNSUPPORTED;
+    mrt_result result = put_settled(self, kind, patience_ns);
+    if (result == MRT_OK)
+        return self->link.block->result;
+    fail(self, result == MRT_ERR_IO ? "ended" : "did not answer");
+    return MRT_ERR_IO;
+}
+
 /* ---- process ---- */
 
-static void fail_late(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held)
+static void fail_late(mrt_plugin *self)
 {
     char reason[64];
     (void)snprintf(reason, sizeof reason, "did not answer for %.1f s",
                    (double)(clock_now_ns() - self->asked_ns) * 1e-9);
-    isolate_call_fail(self, frame, held, reason);
+    fail(self, reason);
 }
 
 /* The mapping is to blame, not a machine that had no turn for its process or for this one. */
 static bool hangs(const mrt_plugin *self)
 {
     int64_t owed_ns = clock_now_ns() - self->asked_ns;
-    bool has_had_turns = isolate_link_cpu_ns(&self->link) - self->asked_cpu_ns >= turn_ns;
+    bool has_had_turns = isolate_process_cpu_ns(&self->link) - self->asked_cpu_ns >= turn_ns;
     return self->held_frames >= HANG_FRAMES &&
            owed_ns >= (has_had_turns ? hang_ns : hang_without_turn_ns);
 }
@@ -80,27 +497,27 @@ static void count_in_time(mrt_plugin *self)
     self->is_late_told = self->is_late_told && self->late_score > 0;
 }
 
-static void hold_late(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *held)
+static void hold_late(mrt_plugin *self)
 {
     count_late(self);
     if (self->is_virtual || hangs(self))
-        fail_late(self, frame, held);
+        fail_late(self);
 }
 
-static mrt_result take_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+static mrt_result take_answer(mrt_plugin *self, mrt_pull *pull)
 {
     const isolate_block *block = self->link.block;
     mrt_pull answer = block->pull;
     mrt_result result = block->result;
     char reason[160];
     const char *fault = result == MRT_OK ? guard_fault(&self->guard, &answer) : NULL;
-    isolate_link_drain(&self->link, self->host);
+    isolate_process_drain(&self->link, self->host);
     if (fault || (result != MRT_OK && result != MRT_HOLD)) {
         if (fault)
             (void)snprintf(reason, sizeof reason, "gave %s", fault);
         else
             (void)snprintf(reason, sizeof reason, "returned %d", (int)result);
-        isolate_call_fail(self, frame, pull, reason);
+        fail(self, reason);
         return MRT_HOLD;
     }
     if (result == MRT_OK)
@@ -111,21 +528,18 @@ static mrt_result take_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull
         self->resume_size = size;
         self->resume_pull = *pull;
     }
-    self->held = *pull;
-    self->has_held = true;
     return result;
 }
 
 /* The answer to an earlier request; true: the child is free for this frame. out_late: of that
  * answer. */
-static bool take_late_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull,
-                             mrt_result *out_late)
+static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_late)
 {
     *out_late = MRT_HOLD;
     if (!self->owed)
         return true;
     bool is_wanted = self->owed == ISOLATE_PROCESS && !self->is_to_reset;
-    mrt_result waited = isolate_link_wait_until_ns(&self->link, 0);
+    mrt_result waited = isolate_process_wait_until_ns(&self->link, 0);
     if (waited == MRT_OK && is_wanted && self->held_frames > 1 && self->held_frames < HELD_MAX &&
         !self->has_turn) {
         self->held_frames += 1; /* the layer is between two pulls: it would jump now */
@@ -136,13 +550,13 @@ static bool take_late_answer(mrt_plugin *self, const mrt_frame *frame, mrt_pull 
         self->held_frames = 0;
         self->has_turn = false;
         if (is_wanted)
-            *out_late = take_answer(self, frame, pull);
-        return isolate_call_runs(self);
+            *out_late = take_answer(self, pull);
+        return runs(self);
     }
     if (waited == MRT_ERR_IO)
-        isolate_call_fail(self, frame, pull, "ended");
+        fail(self, "ended");
     else
-        hold_late(self, frame, pull);
+        hold_late(self);
     return false;
 }
 
@@ -166,33 +580,31 @@ static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     mrt_pull entry = *pull; /* what is held should it fail */
     mrt_result late;
     int64_t until_ns = clock_now_ns() + self->deadline_ns;
-    if (!take_late_answer(self, frame, pull, &late)) {
+    if (!take_late_answer(self, pull, &late)) {
         *pull = entry;
         return MRT_HOLD;
     }
-    mrt_result waited = isolate_call_settle(self, until_ns);
+    mrt_result waited = settle(self, until_ns);
     if (waited == MRT_OK) {
         put_frame(self, frame, pull);
-        waited = isolate_call_put(self, ISOLATE_PROCESS, until_ns);
+        waited = put_request(self, ISOLATE_PROCESS, until_ns);
     }
     if (waited == MRT_TIMEOUT) {
-        hold_late(self, frame, &entry);
+        hold_late(self);
         return late; /* one that is always late is seen too */
     }
     if (waited < 0) {
-        isolate_call_fail(self, frame, &entry, "ended");
+        fail(self, "ended");
         return MRT_HOLD;
     }
     count_in_time(self);
-    return take_answer(self, frame, pull);
+    return take_answer(self, pull);
 }
 
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
-    if (!isolate_call_runs(self)) {
-        isolate_fallback_process(&self->fallback, frame, pull);
-        return MRT_OK;
-    }
+    if (!runs(self))
+        return MRT_HOLD;
     isolate_memory_add(&self->memory, frame);
     memcpy(self->params, frame->params, self->param_count * sizeof *self->params);
     return forward(self, frame, pull);
@@ -202,7 +614,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 static bool comes_back(const mrt_plugin *self)
 {
     const isolate_block *block = self->link.block;
-    return isolate_call_runs(self) && self->owed == ISOLATE_PROCESS && self->held_frames > 1 &&
+    return runs(self) && self->owed == ISOLATE_PROCESS && self->held_frames > 1 &&
            atomic_load(&block->answered) == atomic_load(&block->asked);
 }
 
@@ -217,7 +629,6 @@ static bool take_turn(mrt_plugin *self, mrt_pull *pull)
     self->owed = 0;
     self->late_score = 0;
     self->held_frames = 0;
-    self->held = !is_forgotten && self->resume_size > 0 ? self->resume_pull : *pull;
     atomic_store(&self->phase, ISOLATE_RUNNING);
     if (!is_forgotten && self->resume_size > 0)
         *pull = self->resume_pull; /* what it held in the state that it goes on from */
@@ -226,15 +637,12 @@ static bool take_turn(mrt_plugin *self, mrt_pull *pull)
 
 static void reset(mrt_plugin *self)
 {
-    static const mrt_frame nothing = {0};
-    mrt_pull idle = isolate_call_idle();
-    if (!isolate_call_runs(self)) {
+    if (!runs(self)) {
         self->is_forgotten = true;
-        isolate_fallback_begin(&self->fallback, &nothing, &idle);
         return;
     }
     self->resume_size = 0;
-    self->has_held = self->has_asked_resume = false;
+    self->has_asked_resume = false;
     self->memory.count = 0;
     self->is_to_reset = true; /* before the next frame, within its deadline */
 }
@@ -254,13 +662,12 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
                                                0.5),
                           .reach_mm = 10.0 * size};
     mrt_result result = MRT_ERR_UNSUPPORTED;
-    bool is_free = isolate_call_runs(self) &&
-                   isolate_call_settle(self, clock_now_ns() + main_patience_ns) == MRT_OK;
+    bool is_free = runs(self) && settle(self, clock_now_ns() + main_patience_ns) == MRT_OK;
     size_t bytes =
         is_free ? isolate_face_put(self->link.block->bytes, ISOLATE_BYTES, face) : ISOLATE_BYTES;
     if (bytes < ISOLATE_BYTES) {
         self->link.block->size = (uint32_t)bytes;
-        result = isolate_call_ask(self, ISOLATE_ACTIVATE, main_patience_ns);
+        result = ask_child(self, ISOLATE_ACTIVATE, main_patience_ns);
     } else {
         self->host->log(self->host, MRT_LOG_ERROR,
                         is_free ? "the face has too many contacts for a process of its own"
@@ -275,8 +682,8 @@ static void deactivate(mrt_plugin *self)
 {
     pthread_mutex_lock(&self->busy);
     self->face = NULL;
-    if (isolate_call_runs(self))
-        (void)isolate_call_ask(self, ISOLATE_DEACTIVATE, main_patience_ns);
+    if (runs(self))
+        (void)ask_child(self, ISOLATE_DEACTIVATE, main_patience_ns);
     pthread_mutex_unlock(&self->busy);
 }
 
@@ -295,26 +702,25 @@ static size_t saved_bytes(mrt_plugin *self, uint32_t kind, void *out, size_t cap
 
 static bool has_saved(const mrt_plugin *self, uint32_t kind)
 {
-    return self->has_saved && self->saved_kind == kind && isolate_call_runs(self);
+    return self->has_saved && self->saved_kind == kind && runs(self);
 }
 
 static mrt_result load_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_ns,
                              const void *bytes, size_t size)
 {
-    if (!isolate_call_runs(self) || size > ISOLATE_BYTES ||
-        isolate_call_settle(self, clock_now_ns() + patience_ns) != MRT_OK)
+    if (!runs(self) || size > ISOLATE_BYTES || settle(self, clock_now_ns() + patience_ns) != MRT_OK)
         return MRT_ERR_UNSUPPORTED;
     self->has_saved = false;
     memcpy(self->link.block->bytes, bytes, size);
     self->link.block->size = (uint32_t)size;
-    return isolate_call_ask(self, kind, patience_ns);
+    return ask_child(self, kind, patience_ns);
 }
 
 static size_t state_save(mrt_plugin *self, void *out, size_t capacity)
 {
     pthread_mutex_lock(&self->busy);
     bool is_there = has_saved(self, ISOLATE_STATE_SAVE) ||
-                    isolate_call_ask(self, ISOLATE_STATE_SAVE, main_patience_ns) >= 0;
+                    ask_child(self, ISOLATE_STATE_SAVE, main_patience_ns) >= 0;
     size_t size = is_there ? saved_bytes(self, ISOLATE_STATE_SAVE, out, capacity) : 0;
     pthread_mutex_unlock(&self->busy);
     return size;
@@ -342,19 +748,19 @@ static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)
 {
     bool is_there = has_saved(self, ISOLATE_RESUME_SAVE);
     if (!is_there && self->is_virtual)
-        is_there = isolate_call_ask(self, ISOLATE_RESUME_SAVE, virtual_deadline_ns) >= 0;
-    else if (!is_there && isolate_call_runs(self))
-        is_there = isolate_call_settled(self, ISOLATE_RESUME_SAVE, save_patience_ns) == MRT_OK &&
+        is_there = ask_child(self, ISOLATE_RESUME_SAVE, virtual_deadline_ns) >= 0;
+    else if (!is_there && runs(self))
+        is_there = put_settled(self, ISOLATE_RESUME_SAVE, save_patience_ns) == MRT_OK &&
                    self->link.block->result >= 0;
     return is_there ? saved_bytes(self, ISOLATE_RESUME_SAVE, out, capacity) : 0;
 }
 
 static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    if (!isolate_call_runs(self))
+    if (!runs(self))
         return MRT_ERR_UNSUPPORTED;
     self->resume_size = 0;
-    self->has_held = self->has_asked_resume = false;
+    self->has_asked_resume = false;
     return load_bytes(self, ISOLATE_RESUME_LOAD, self->is_virtual ? virtual_deadline_ns : hang_ns,
                       bytes, size);
 }
@@ -383,7 +789,7 @@ static mrt_plugin *create(const mrt_host *host)
     self->param_count = of->inner->param_count;
     self->can_resume = plugin_interface(of->inner, MRT_RESUME) != NULL;
     self->resume = resume;
-    if (isolate_keeper_start(self) >= 0)
+    if (supervisor_start(self) >= 0)
         return self;
     free(resume);
     free(self);
@@ -394,7 +800,7 @@ static void destroy(mrt_plugin *self)
 {
     if (!self)
         return;
-    isolate_keeper_stop(self);
+    supervisor_stop(self);
     free(self->resume);
     free(self->state);
     free(self);
@@ -405,7 +811,7 @@ isolate_counts isolate_counted(const mrt_plugin *self)
     return (isolate_counts){.failed = atomic_load(&self->failed_count),
                             .restarted = atomic_load(&self->restarted_count),
                             .late = atomic_load(&self->late_count),
-                            .is_away = !isolate_call_runs(self)};
+                            .is_away = !runs(self)};
 }
 
 const char *isolate_first_reason(const mrt_plugin *self)
@@ -419,11 +825,10 @@ mrt_result isolate_check(const instance *of, error *err)
     if (!self || isolate_inner(of->type) == of->type)
         return MRT_OK;
     int64_t until_ns =
-        clock_now_ns() + main_patience_ns; /* it is away before its keeper knows why */
-    while (!isolate_call_runs(self) && atomic_load(&self->failed_count) == 0 &&
-           clock_now_ns() < until_ns)
+        clock_now_ns() + main_patience_ns; /* it is away before its supervisor knows why */
+    while (!runs(self) && atomic_load(&self->failed_count) == 0 && clock_now_ns() < until_ns)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
-    if (isolate_call_runs(self) && atomic_load(&self->failed_count) == 0)
+    if (runs(self) && atomic_load(&self->failed_count) == 0)
         return MRT_OK;
     const char *why = isolate_first_reason(self);
     return error_set(err, MRT_ERR_FORMAT, "mapping %s %s", of->type->id,

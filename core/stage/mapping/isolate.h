@@ -1,10 +1,9 @@
 /* stage/mapping/isolate.h - a mapping in a process of its own, as a type like any other: whoever
  * uses it sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and
  * it goes on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for
- * a second, or for three if its process had no turn), the call gives MRT_HOLD, a simple mapping
- * goes on from the next frame (isolate_fallback.h), what it saw is written down (isolate_report.h),
- * and a new process takes over once, by way of seam.h. A second failure within a minute: the simple
- * one stays. */
+ * a second, or for three if its process had no turn), the face is held, what it saw is written
+ * down (isolate_report.h), and a new process takes over once, by way of seam.h. A second failure
+ * within a minute: the face stays held. */
 #ifndef MAROTTE_STAGE_ISOLATE_H
 #define MAROTTE_STAGE_ISOLATE_H
 #include "stage/mapping/instance.h"
@@ -31,7 +30,7 @@ const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type);
 typedef struct isolate_counts {
     uint32_t failed, restarted; /* processes */
     uint32_t late;              /* frames that were held because it had not answered */
-    bool is_away;               /* the simple mapping goes on now */
+    bool is_away;               /* no process answers now: the face is held */
 } isolate_counts;
 /* [any] Of an instance of such a type. */
 isolate_counts isolate_counted(const mrt_plugin *self);

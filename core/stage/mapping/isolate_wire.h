@@ -1,7 +1,7 @@
 /* stage/mapping/isolate_wire.h - what a mapping in a process of its own and the program share: one
  * block of memory with a request, its answer and two futexes. Leaves out who makes the block
- * (isolate_link.h) and what a request does (isolate_child.c). One request at a time. Whoever reads
- * what the child may have written checks it: the child may be writing nonsense. */
+ * (isolate_process.h) and what a request does (isolate_child.c). One request at a time. Whoever
+ * reads what the child may have written checks it: the child may be writing nonsense. */
 #ifndef MAROTTE_STAGE_ISOLATE_WIRE_H
 #define MAROTTE_STAGE_ISOLATE_WIRE_H
 #include "base/error.h"

@@ -39,7 +39,7 @@ layer *source_layer(source *self);
 /* What is not as it was when it was recorded; "" nothing. */
 const char *source_note(const source *self);
 
-/* An error that says why its mapping's process failed, if it has: a simple one went on. */
+/* An error that says why its mapping's process failed, if it has: the face was held. */
 CHECKED mrt_result source_check(const source *self, error *err);
 
 /* Show time of the next step; INT64_MAX: none is left. */

@@ -1,4 +1,4 @@
-#include "stage/mapping/isolate_link.h"
+#include "stage/mapping/isolate_process.h"
 #include "base/clock.h"
 #include "base/program.h"
 
@@ -28,7 +28,7 @@ static mrt_result find_program(char out[PATH_MAX], error *err)
 
 /* ---- started and ended ---- */
 
-static mrt_result make_block(isolate_link *out, int *out_fd, error *err)
+static mrt_result make_block(isolate_process *out, int *out_fd, error *err)
 {
     int fd = (int)syscall(SYS_memfd_create, "marotte-mapping", MFD_CLOEXEC);
     if (fd < 0)
@@ -92,12 +92,12 @@ static int spawn(pid_t *out_pid, char *program, const char *library, const char 
     return failed;
 }
 
-mrt_result isolate_link_start(isolate_link *out, const char *library, const char *type_id,
-                              error *err)
+mrt_result isolate_process_start(isolate_process *out, const char *library, const char *type_id,
+                                 error *err)
 {
     char program[PATH_MAX];
     int fd = -1;
-    *out = (isolate_link){.pidfd = -1};
+    *out = (isolate_process){.pidfd = -1};
     mrt_result result = find_program(program, err);
     if (result >= 0)
         result = make_block(out, &fd, err);
@@ -113,7 +113,7 @@ mrt_result isolate_link_start(isolate_link *out, const char *library, const char
         close(fd);
     if (failed) {
         out->pid = 0;
-        isolate_link_finish(out);
+        isolate_process_finish(out);
         return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", program, strerror(failed));
     }
     out->pidfd = (int)syscall(SYS_pidfd_open, out->pid, 0u);
@@ -133,7 +133,7 @@ static void tell_end(int status, error *out)
         error_set(out, MRT_ERR_IO, "ended its process with code %d", WEXITSTATUS(status));
 }
 
-void isolate_link_end(isolate_link *self, error *out_how)
+void isolate_process_end(isolate_process *self, error *out_how)
 {
     int status;
     if (self->pid == 0)
@@ -148,14 +148,14 @@ void isolate_link_end(isolate_link *self, error *out_how)
     self->pidfd = -1;
 }
 
-void isolate_link_finish(isolate_link *self)
+void isolate_process_finish(isolate_process *self)
 {
     if (self->block)
         munmap(self->block, sizeof *self->block);
-    *self = (isolate_link){.pidfd = -1};
+    *self = (isolate_process){.pidfd = -1};
 }
 
-void isolate_link_tell_dead(isolate_link *self)
+void isolate_process_tell_dead(isolate_process *self)
 {
     atomic_store(&self->block->is_dead, 1);
     isolate_wake(&self->block->answered);
@@ -163,7 +163,7 @@ void isolate_link_tell_dead(isolate_link *self)
 
 /* ---- asked ---- */
 
-void isolate_link_ask(isolate_link *self, uint32_t kind)
+void isolate_process_ask(isolate_process *self, uint32_t kind)
 {
     isolate_block *block = self->block;
     block->kind = kind;
@@ -177,7 +177,7 @@ static bool has_answered(const isolate_block *block)
     return atomic_load(&block->answered) == atomic_load(&block->asked);
 }
 
-mrt_result isolate_link_wait_until_ns(isolate_link *self, int64_t time_ns)
+mrt_result isolate_process_wait_until_ns(isolate_process *self, int64_t time_ns)
 {
     isolate_block *block = self->block;
     int64_t spun_ns = clock_now_ns() + spin_ns;
@@ -195,7 +195,7 @@ mrt_result isolate_link_wait_until_ns(isolate_link *self, int64_t time_ns)
     return atomic_load(&block->is_dead) ? MRT_ERR_IO : MRT_TIMEOUT;
 }
 
-int64_t isolate_link_cpu_ns(const isolate_link *self)
+int64_t isolate_process_cpu_ns(const isolate_process *self)
 {
     struct timespec used;
     if (self->cpu == CLOCK_REALTIME || clock_gettime(self->cpu, &used) != 0)
@@ -203,7 +203,7 @@ int64_t isolate_link_cpu_ns(const isolate_link *self)
     return (int64_t)used.tv_sec * NS_PER_S + used.tv_nsec;
 }
 
-void isolate_link_drain(isolate_link *self, const mrt_host *to)
+void isolate_process_drain(isolate_process *self, const mrt_host *to)
 {
     if (!self->block)
         return;
@@ -218,7 +218,7 @@ void isolate_link_drain(isolate_link *self, const mrt_host *to)
     }
 }
 
-bool isolate_link_why(const isolate_link *self, error *out)
+bool isolate_process_why(const isolate_process *self, error *out)
 {
     uint32_t count = atomic_load(&self->block->log_count);
     uint32_t kept = count < ISOLATE_LOGS ? count : ISOLATE_LOGS;
