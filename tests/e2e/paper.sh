@@ -23,6 +23,10 @@ for heading in 'Table 1' 'Figure 1' 'Figure 2' 'Figure 3' 'Figure' 'The solver' 
     grep -q "<h[23]>$heading" "$out/paper.html" || fail "nothing is said of $heading"
 done
 
+for default in 'Polynomial' 'Gain, anchored' 'Gain, unanchored' 'Radius, anchored' 'Soft end of a pull'; do
+    grep -q "^| $default | [^|]" "$out/paper.md" || fail "nothing is said of the default: $default"
+done
+
 # All 40 cells; pairs within 2 % of the paper's; its largest model is faster anchored at each radius.
 awk -F'[:,]' '
     function value() { v = $2; gsub(/[ "]/, "", v); return v }
