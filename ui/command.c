@@ -44,9 +44,13 @@ void command_typed(char *out, size_t capacity)
         fclose(stream);
     line[size] = '\0';
     out[0] = '\0';
+    bool is_written = false; /* a file that is written: where it lies is no part of how */
     for (char *word = line; word < line + size && used < capacity;) {
         char *next = word + strlen(word) + 1, quoted[TYPED_MAX];
-        const char *said = word == line ? "marotte" : shortened(word);
+        const char *slash = is_written ? strrchr(word, '/') : NULL;
+        bool has_file = slash && slash[1] != '\0';
+        const char *said = word == line ? "marotte" : has_file ? slash + 1 : shortened(word);
+        is_written = strcmp(word, "--export") == 0 || strcmp(word, "--out") == 0;
         if (!is_plain(said)) {
             program_quote(quoted, sizeof quoted, said);
             said = quoted;

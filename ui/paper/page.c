@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TEXT_MAX = 4096 };
+enum { TEXT_MAX = 4096, SHORT_WORD = 40 };
 
 typedef struct half { /* the page in one of its two forms */
     FILE *stream;
@@ -28,7 +28,7 @@ static const char style[] =
     "@media(prefers-color-scheme:dark){:root{--paper:#16181b;--ink:#e6e8ea;--calm:#9ba1a9;"
     "--line:#363a40;--wash:#202328;--link:#7ab8f5}}\n"
     "*{box-sizing:border-box}\n"
-    "body{margin:0 auto;padding:1.5rem 1rem 4rem;max-width:66rem;background:var(--paper);"
+    "body{margin:0 auto;padding:1.5rem 1rem 4rem;max-width:72rem;background:var(--paper);"
     "color:var(--ink);font:1rem/1.55 system-ui,-apple-system,\"Segoe UI\",sans-serif;"
     "overflow-wrap:break-word}\n"
     "h1{font-size:1.9rem;line-height:1.2;margin:.5rem 0 1rem}\n"
@@ -44,12 +44,13 @@ static const char style[] =
     ".wide{overflow-x:auto;margin:.9rem 0}\n"
     ".wide img{display:block;width:100%;height:auto;border:1px solid var(--line);"
     "border-radius:5px}\n"
-    "table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}\n"
-    "th,td{padding:.3rem .6rem;text-align:left;vertical-align:top;border-bottom:1px solid "
+    "table{border-collapse:collapse;font-size:.88rem;font-variant-numeric:tabular-nums}\n"
+    "th,td{padding:.3rem .5rem;text-align:left;vertical-align:top;border-bottom:1px solid "
     "var(--line)}\n"
     "th{font-weight:600;vertical-align:bottom;border-bottom-width:2px}\n"
     "td.n,th.n{text-align:right}\n"
     "td.n{white-space:nowrap}\n"
+    "pre span{white-space:nowrap}\n"
     "tbody tr:nth-child(even){background:var(--wash)}\n"
     ".caption{color:var(--calm);font-size:.9rem;margin-top:.3rem}\n";
 
@@ -171,11 +172,24 @@ void page_caption(page *self, const char *format, ...)
     put_both(self, "<p class=\"caption\">", text, "</p>\n", "");
 }
 
+/* Lines are broken between its words; within one only where it is long. */
 void page_command(page *self, const char *command)
 {
-    fputs("<pre>", self->html.stream);
-    put_html(self->html.stream, command);
-    fputs("</pre>\n", self->html.stream);
+    FILE *html = self->html.stream;
+    fputs("<pre>", html);
+    for (const char *word = command; *word;) {
+        char text[TEXT_MAX];
+        size_t length = strcspn(word, " ");
+        bool is_short = length < SHORT_WORD;
+        (void)snprintf(text, sizeof text, "%.*s", (int)length, word);
+        fputs(is_short ? "<span>" : "", html);
+        put_html(html, text);
+        fputs(is_short ? "</span>" : "", html);
+        word += length;
+        for (; *word == ' '; ++word)
+            fputc(' ', html);
+    }
+    fputs("</pre>\n", html);
     fprintf(self->markdown.stream, "```sh\n%s\n```\n\n", command);
 }
 

@@ -449,10 +449,10 @@ static void say_what_is_seen(const table *self)
         self->of->page,
         "As in the paper, %s. There the anchored way is %.0f to %.0f %% faster, display "
         "included; here the engine alone is %.1f times as fast anchored at R = 10 and %.1f "
-        "times at R = 80: an anchored frame multiplies responses that were computed when "
-        "the hands took hold, whatever the radius, while an unanchored one solves and "
-        "evaluates anew, more of it the larger the radius. With the display both are as "
-        "fast as the display.",
+        "times at R = 80: an anchored frame sums responses that were computed when the "
+        "hands took hold, whatever the radius, while an unanchored one evaluates its field "
+        "anew, at more vertices the larger the radius. With the display both are as fast "
+        "as the display.",
         has_order ? "anchored is the faster way at every radius"
                   : "anchored should be the faster way, but was not in this run",
         100.0 * (least - 1.0), 100.0 * (most - 1.0),

@@ -15,7 +15,7 @@ typedef struct misprint {
 
 static const misprint misprints[] = {
     {"Table 1, 32 768 polygons, R = 60: 115 812 pairs", "155 812",
-     "9.30 and 9.37 pairs a vertex stand above and below it in the same column; 115 812 would be "
+     "9.34 and 9.37 pairs a vertex stand above and below it in the same column; 115 812 would be "
      "6.96, 155 812 is 9.36. Our own points give 156 670."},
     {"“65 536 polygons ... 28 frames a second at R = 80”", "13.4, or 32 768 polygons",
      "Table 1 has 13.4 for 65 536 polygons; 28.0 is its row of 32 768."},
@@ -74,7 +74,7 @@ static const departure departures[] = {
     {"Unit of time", NULL, NULL, NULL, "a sample of the gloves", "a frame that is drawn",
      "a performance must not depend on how fast the picture is drawn"},
     {"An anchored frame", NULL, NULL, NULL, "sums responses computed at engage",
-     "solves and evaluates anew", "the same result, several times as fast at any radius"},
+     "evaluates its field anew", "the same result, several times as fast at any radius"},
     {"Order of centres", NULL, NULL, NULL, "Morton curve up to 64, then the longest axis", "octree",
      "the envelope is smaller, and the result has the same bits however they are numbered"},
     {"Factorisation", NULL, NULL, NULL, "Cholesky within the envelope", "of a band",
