@@ -1,5 +1,6 @@
 #include "calibrate_guide.h"
 
+#include "base/cancel.h"
 #include "base/clock.h"
 #include "calibrate_screen.h"
 #include "hand/guide.h"
@@ -8,7 +9,6 @@
 #include "stage/input.h"
 #include "stage/mapping/plugins.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,22 +28,6 @@ typedef struct guiding {
     int64_t heard_ns, drawn_ns; /* host clock: of the last sample, of the last drawing */
 } guiding;
 
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
 /* ---- the glove ---- */
 
 static mrt_result open_glove(guiding *self, error *err)
@@ -58,7 +42,7 @@ static mrt_result open_glove(guiding *self, error *err)
     const mrt_input *functions = plugin_interface(type, MRT_INPUT);
     self->clock = functions->flags & MRT_INPUT_RECORDED ? CLOCK_VIRTUAL : CLOCK_REAL;
     result = input_create_stoppable(&self->input, type, spec->address, spec->params, self->clock,
-                                    self->log, &stop_asked, err);
+                                    self->log, cancel_flag(), err);
     if (result < 0)
         return result;
     uint32_t count;
@@ -267,7 +251,7 @@ static mrt_result guide_person(guiding *self, error *err)
     mrt_result result = input_start(self->input, err);
     while (result >= 0 && !is_done(self)) {
         result = follow_keys(self, err);
-        if (result >= 0 && (self->is_quit || stop_asked))
+        if (result >= 0 && (self->is_quit || cancel_is_asked()))
             result = error_set(err, MRT_ERR_ARGUMENT, "given up; nothing is written");
         if (result >= 0 && !is_done(self))
             result = follow_glove(self, err);
@@ -299,7 +283,7 @@ mrt_result calibrate_guide_run(calibration_file *out, guide_judgement *out_judge
                                const calibrate_guide_options *options, error *err)
 {
     guiding self = {.options = options};
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, NULL);
     mrt_result result = prepare(&self, err);
     if (result >= 0)
         result = guide_person(&self, err);

@@ -1,30 +1,19 @@
 /* marotte devices: what is plugged in, how it is doing, and passing it on. */
 #include "devices.h"
+#include "base/cancel.h"
 #include "base/text.h"
 #include "news.h"
 
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static _Atomic bool stop_asked;
 static wake stop_wake; /* of whatever waits: inputs signal it too */
 
-static void ask_stop(int number)
+static void wake_up(void)
 {
-    (void)number;
-    atomic_store(&stop_asked, true);
     wake_signal(&stop_wake);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
 }
 
 enum { OPTION_JSON = 1, OPTION_WATCH, OPTION_INPUT, OPTION_SECONDS, OPTION_FORWARD, OPTION_LEARN };
@@ -150,9 +139,9 @@ static mrt_result run_with(const devices_options *options, plugin_list *plugins,
                            error *err)
 {
     if (options->is_learn)
-        return devices_learn(options, plugins, log, &stop_wake, &stop_asked, err);
+        return devices_learn(options, plugins, log, &stop_wake, cancel_flag(), err);
     if (options->is_watch)
-        return devices_watch(options, plugins, log, &stop_wake, &stop_asked, err);
+        return devices_watch(options, plugins, log, &stop_wake, cancel_flag(), err);
     return list_devices(options, plugins, log, err);
 }
 
@@ -167,7 +156,7 @@ static int run(int argc, char **argv)
         return code;
     }
     wake_init(&stop_wake);
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, wake_up);
     log_queue *log = log_queue_create();
     mrt_result result =
         log ? plugin_list_load(&plugins, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");

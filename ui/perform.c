@@ -1,4 +1,5 @@
 /* marotte perform: a performance without a window. */
+#include "base/cancel.h"
 #include "command.h"
 #include "constraint_cost.h"
 #include "exports_video.h"
@@ -16,7 +17,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,22 +42,6 @@ typedef struct performance {
     player_report report;
     progress progress;
 } performance;
-
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 static void print_note(const char *note)
 {
@@ -90,7 +74,7 @@ static mrt_result open_inputs(performance *self, error *err)
     for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
         const plugin_spec *spec = &self->options->input[i];
         result = input_create_stoppable(&self->inputs[i], types[i], spec->address, spec->params,
-                                        self->clock, self->log, &stop_asked, err);
+                                        self->clock, self->log, cancel_flag(), err);
         self->input_count += result >= 0;
     }
     return result;
@@ -192,7 +176,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     char text[64];
     news_print(self->log);
     perform_record_watch(&self->record);
-    uint32_t rezeroed = perform_hands_keys(self->performer, &stop_asked, &self->progress);
+    uint32_t rezeroed = perform_hands_keys(self->performer, cancel_flag(), &self->progress);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && self->record.recorder; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(self->record.recorder, side);
@@ -243,7 +227,7 @@ static mrt_result perform(performance *self, error *err)
         .fps = self->options->fps,
         .seconds = self->options->seconds,
         .clock = self->clock,
-        .stop = &stop_asked,
+        .stop = cancel_flag(),
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
@@ -435,7 +419,7 @@ static int run(int argc, char **argv)
         return code;
     performance self = {.options = &options};
     error err = {""};
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, NULL);
     facts *told = facts_create(options.is_json);
     mrt_result result = told ? prepare(&self, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)

@@ -28,7 +28,7 @@ static char *spec_text(const plugin_spec *spec)
 static mrt_result open_show(perform_record *out, const char *path, error *err)
 {
     bool is_there = access(path, F_OK) == 0;
-    mrt_result result = is_there ? show_open(&out->show, path, SHOW_WRITE, err)
+    mrt_result result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
                                  : show_create(&out->show, path, err);
     if (result < 0 || show_is_writable(out->show))
         return result;

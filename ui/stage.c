@@ -1,6 +1,7 @@
 /* marotte: the stage, in a window or without one. */
 #include "stage.h"
 
+#include "base/cancel.h"
 #include "base/memory.h"
 #include "facts.h"
 #include "window/desk.h"
@@ -10,8 +11,6 @@
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,25 +39,6 @@ typedef struct stage {
     struct timespec began;
     char settings_note[1024]; /* of the first time they were read */
 } stage;
-
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction how = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND}, before;
-    sigemptyset(&how.sa_mask);
-    sigaction(SIGINT, &how, NULL);
-    sigaction(SIGTERM, &how, NULL);
-    /* the terminal it was started from is closed, unless nohup let it outlive that */
-    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-        sigaction(SIGHUP, &how, NULL);
-}
 
 /* ---- options ---- */
 
@@ -275,7 +255,7 @@ static mrt_result run(stage *self, error *err)
 {
     uint64_t frames = 0;
     mrt_result result = MRT_OK;
-    while (!atomic_load(&stop_asked)) {
+    while (!cancel_is_asked()) {
         if (!desk_frame(self->desk))
             break;
         if (++frames == WARM_FRAMES)
@@ -334,7 +314,7 @@ static int stage_run(int argc, char **argv)
         return code;
     stage self = {.options = &options};
     (void)clock_gettime(CLOCK_MONOTONIC, &self.began);
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, NULL);
     mrt_result result = open_stage(&self, &err);
     if (result >= 0)
         result = run(&self, &err);

@@ -1,6 +1,7 @@
 /* marotte take: work on takes. Finds the subcommand, opens its show, says what came of it. */
 #include "take.h"
 
+#include "base/cancel.h"
 #include "place.h"
 
 #include <stdio.h>
@@ -80,6 +81,7 @@ static const take_verb *find(int argc, char **argv, int *out_used)
 static mrt_result work(take_call *call, error *err)
 {
     mrt_result result = MRT_OK;
+    cancel_on_signals(call->verb->use == TAKE_RECORDS ? CANCEL_WAITS : CANCEL_A_SECOND, NULL);
     if (call->verb->use != TAKE_OPENS_ITSELF)
         result = take_open_show(call, err);
     return result < 0 ? result : call->verb->run(call, err);

@@ -92,6 +92,7 @@ typedef struct take_call { /* one run of a subcommand */
 typedef enum take_use { /* of the show */
                         TAKE_READS = 0,
                         TAKE_WRITES,
+                        TAKE_RECORDS, /* writes, and keeps what was performed however it ends */
                         TAKE_OPENS_ITSELF
 } take_use;
 

@@ -71,14 +71,17 @@ static void check_states(checking *self, int64_t performance, int64_t from_ns, i
     error problem = {""};
     for (int64_t at_ns = to_ns; at_ns >= from_ns;) {
         show_checkpoint kept;
-        if (show_checkpoint_before(self->call->show, performance, at_ns, &kept, &problem) < 0) {
+        if (show_checkpoint_before(self->call->show, performance, at_ns, 0, &kept, &problem) < 0) {
             note(self, &problem);
             return;
         }
         if (!kept.bytes)
             return;
-        at_ns = kept.time_ns - 1;
+        bool is_first = kept.time_ns == INT64_MIN;
+        at_ns = is_first ? at_ns : kept.time_ns - 1;
         show_checkpoint_finish(&kept);
+        if (is_first)
+            return;
     }
 }
 

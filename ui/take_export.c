@@ -1,4 +1,5 @@
 /* Takes out of the program: frames at a true frame rate, sound, and the sum of all vertices. */
+#include "base/cancel.h"
 #include "base/file.h"
 #include "exports_video.h"
 #include "recording.h"
@@ -6,29 +7,9 @@
 #include "take_play.h"
 #include "take_stage.h"
 
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- Ctrl-C: what is half done is removed ---- */
-
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* ---- what the videos look like ---- */
 
@@ -65,7 +46,7 @@ static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
     kept *self = data;
     composer *shown = sequencer_composer(from->sequencer);
-    if (atomic_load(&stop_asked))
+    if (cancel_is_asked())
         return error_set(err, MRT_ERR_IO, "stopped at frame %ju: nothing is written",
                          (uintmax_t)self->frame_count);
     self->frame_count += 1;
@@ -334,7 +315,6 @@ mrt_result take_export_run(take_call *call, error *err)
         result = exports_video_check(&videos, err);
     if (result >= 0 && wav)
         result = exports_check(&sound, 1, err);
-    catch_signals();
     if (result >= 0)
         result = export_all(call, &stage, &videos, wav, err);
     take_stage_finish(&stage);

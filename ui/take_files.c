@@ -171,6 +171,9 @@ static mrt_result run_recover(take_call *call, error *err)
         return result;
     facts_number(call->told, "rows", "rows copied", (double)report.row_count, 0, "");
     facts_number(call->told, "damaged", "damaged, left out", (double)report.damaged_count, 0, "");
+    if (report.is_cut)
+        fprintf(stderr, "warning: %s leads in circles: not all of it was looked at\n",
+                call->word[0]);
     facts_list(call->told, "files", "wrote", call->text[TAKE_OUT]);
     return MRT_OK;
 }

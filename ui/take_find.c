@@ -17,10 +17,15 @@ take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
 
 mrt_result take_open_show(take_call *call, error *err)
 {
-    bool writes = call->verb->use == TAKE_WRITES;
-    mrt_result result = show_open(&call->show, call->word[0], writes ? SHOW_WRITE : SHOW_READ, err);
+    static const show_mode modes[] = {
+        [TAKE_READS] = SHOW_READ, [TAKE_WRITES] = SHOW_WRITE, [TAKE_RECORDS] = SHOW_RECORD};
+    const show_mode mode = modes[call->verb->use];
+    const bool writes = mode != SHOW_READ;
+    mrt_result result = show_open(&call->show, call->word[0], mode, err);
     if (result < 0)
         return result;
+    if (mode != SHOW_RECORD)
+        show_limit_work(call->show);
     const char *notice = show_notice(call->show);
     if (writes && !show_is_writable(call->show))
         return error_set(err, MRT_ERR_IO, "%s", notice);

@@ -21,7 +21,7 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_COUNT_IN) | TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) |
          TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) |
          TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
-     TAKE_WRITES, take_record_run},
+     TAKE_RECORDS, take_record_run},
     {"export", "SHOW TAKE",
      "  --export FILE  .glb .pc2 .mdd .csv .png; .mp4: with its sound and time code; frames/: a\n"
      "                 folder of pictures; .wav: its sound; may be given many times\n"

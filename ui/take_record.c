@@ -1,4 +1,5 @@
 /* marotte take record: somebody performs over a take that plays. */
+#include "base/cancel.h"
 #include "base/clock.h"
 #include "keys.h"
 #include "news.h"
@@ -12,7 +13,6 @@
 #include "take_play.h"
 #include "take_stage.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,22 +39,6 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     player_report report;
     bool is_waiting_told; /* that the disk does not take it now */
 } performing;
-
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
 
 /* ---- who performs ---- */
 
@@ -286,7 +270,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
                                 &self->is_waiting_told);
     for (char key = keys_next(); key; key = keys_next())
         if (key == 'q')
-            atomic_store(&stop_asked, true);
+            cancel_ask();
     snprintf(text, sizeof text, "%s %.1f s",
              overdub_is_recording(self->overdub) ? "recording" : "ready",
              (double)overdub_at_ns(self->overdub) / 1e9);
@@ -319,13 +303,13 @@ static mrt_result perform(performing *self, error *err)
 {
     player_settings playing = {.fps = 30.0,
                                .clock = self->clock,
-                               .stop = &stop_asked,
+                               .stop = cancel_flag(),
                                .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                                                perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {
         .frame = on_frame, .step = on_step, .incident = on_incident, .data = self};
     player_stage stage = overdub_stage(self->overdub);
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, NULL);
     start_sound(self);
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: q ends\n");

@@ -20,7 +20,7 @@ static mrt_result limit_of(const journal *self, sqlite *db, int64_t now_ns, int6
                                      "SELECT MAX(c.time_ns) FROM performance p JOIN checkpoint c"
                                      "  ON c.performance = p.id WHERE c.time_ns <= ?1"
                                      "  AND COALESCE(p.to_ns, ?1) >= ?1",
-                                     "i", *out);
+                                     "I", "i", *out);
     if (result < 0)
         return result;
     result = sqlite_step(row, err);
@@ -40,7 +40,7 @@ static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns,
     *out_last = self->looked_at_id;
     mrt_result result =
         sqlite_query(db, &rows, err, "SELECT id, to_ns FROM chunk WHERE id > ? ORDER BY id LIMIT ?",
-                     "ii", self->looked_at_id, (int64_t)CHUNKS_A_STEP);
+                     "ii", "ii", self->looked_at_id, (int64_t)CHUNKS_A_STEP);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK && sqlite_int(rows, 1) < limit_ns) {
@@ -71,7 +71,7 @@ static mrt_result delete_chunks(const journal *self, sqlite *db, int64_t last_id
         "    AND (performance IS NULL OR EXISTS(SELECT 1 FROM performance_track p"
         "      WHERE p.performance = span.performance AND p.track = chunk.track)))"
         " RETURNING to_ns",
-        "ii", self->looked_at_id, last_id);
+        "i", "ii", self->looked_at_id, last_id);
     if (result < 0)
         return result;
     while ((result = sqlite_step(gone, err)) == MRT_OK)

@@ -21,6 +21,7 @@ typedef struct identity {
     int64_t application, version, oldest_reader;
 } identity;
 
+/* The log may say otherwise than the header that SQLite was let in by. */
 static mrt_result read_identity(sqlite *db, const char *path, identity *out, error *err)
 {
     *out = (identity){0};
@@ -29,11 +30,13 @@ static mrt_result read_identity(sqlite *db, const char *path, identity *out, err
         result = sqlite_number(db, "PRAGMA user_version", 0, &out->version, err);
     if (result < 0)
         return result;
-    if (out->application != SHOW_APPLICATION || out->version < 1)
+    if (out->application != SQLITE_APPLICATION || out->version < 1)
         return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
                          path);
-    result = sqlite_number(db, "SELECT value FROM meta WHERE key = 'oldest_reader'", INT64_MAX,
-                           &out->oldest_reader, err);
+    result = show_schema_check(db, out->version, err);
+    if (result >= 0)
+        result = sqlite_number(db, "SELECT value FROM meta WHERE key = 'oldest_reader'", INT64_MAX,
+                               &out->oldest_reader, err);
     if (result >= 0 && out->oldest_reader > SHOW_VERSION)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: was made by a newer marotte (format %lld, this one reads up to %d): "
@@ -117,11 +120,11 @@ static mrt_result connect_for_reading(show *self, identity *out, error *err)
 static mrt_result use_log(sqlite *db, const char *path, error *err)
 {
     sqlite_statement *statement;
-    mrt_result result = sqlite_prepare(db, &statement, "PRAGMA journal_mode = WAL", err);
+    mrt_result result = sqlite_prepare(db, &statement, "PRAGMA journal_mode = WAL", "t", err);
     if (result < 0)
         return result;
     result = sqlite_step(statement, err);
-    if (result == MRT_OK && strcmp(sqlite_text(statement, 0), "wal") != 0)
+    if (result == MRT_OK && strcmp(sqlite_exact_text(statement, 0), "wal") != 0)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "%s: this disk does not allow a show to be recorded: use another", path);
     sqlite_finish(statement);
@@ -134,7 +137,7 @@ static mrt_result configure(sqlite *db, error *err)
 {
     return sqlite_run(db,
                       "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
-                      "PRAGMA secure_delete = OFF; PRAGMA cell_size_check = ON;"
+                      "PRAGMA secure_delete = OFF;"
                       "PRAGMA wal_autocheckpoint = 4000; PRAGMA journal_size_limit = 1048576;"
                       "PRAGMA cache_size = -8000",
                       err);
@@ -148,7 +151,10 @@ mrt_result show_connect(const show *self, sqlite **out, error *err)
     if (result < 0) {
         sqlite_close(*out);
         *out = NULL;
+        return result;
     }
+    sqlite_ignore_cancel(*out);
+    sqlite_limit_each(*out);
     return result;
 }
 
@@ -212,7 +218,7 @@ mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out
 {
     sqlite_statement *query;
     show_rows rows = {0};
-    mrt_result result = sqlite_query(self->db, &query, err, sql, "");
+    mrt_result result = sqlite_query(self->db, &query, err, sql, "i", "");
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_id, err);
     *out = rows.item;
@@ -341,7 +347,7 @@ static mrt_result open_for_writing(show *self, error *err)
 
 static mrt_result open_any_way(show *self, show_mode mode, error *err)
 {
-    if (mode == SHOW_WRITE && may_write(self)) {
+    if (mode != SHOW_READ && may_write(self)) {
         mrt_result result = open_for_writing(self, err);
         if (result >= 0 || !self->notice[0])
             return result;
@@ -370,13 +376,22 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
         show_close(self);
         return result;
     }
+    sqlite_limit_each(self->db);
+    if (mode == SHOW_RECORD)
+        sqlite_ignore_cancel(self->db);
     *out = self;
     return MRT_OK;
 }
 
+void show_limit_work(show *self)
+{
+    sqlite_limit_all(self->db);
+}
+
+/* There may be voices in it: it is nobody else's to read, unless its owner says so. */
 static mrt_result make_file(const char *path, error *err)
 {
-    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd < 0)
         return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", path, strerror(errno));
     close(fd);
@@ -411,6 +426,8 @@ mrt_result show_create(show **out, const char *path, error *err)
         (void)unlink(path);
         return result;
     }
+    sqlite_limit_each(self->db);
+    sqlite_ignore_cancel(self->db);
     self->version = SHOW_VERSION;
     self->is_writable = true;
     remember_file(self);
@@ -457,7 +474,10 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     struct stat status;
     if (stat(out_path, &status) == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: is there already; name a new file", out_path);
-    mrt_result result = sqlite_copy(self->db, out_path, err);
+    mrt_result result = make_file(out_path, err);
+    if (result < 0)
+        return result;
+    result = sqlite_copy(self->db, out_path, err);
     if (result < 0)
         (void)unlink(out_path);
     return result;

@@ -13,14 +13,24 @@
 
 typedef struct show show;
 
-typedef enum show_mode { SHOW_READ = 0, SHOW_WRITE } show_mode;
+typedef enum show_mode {
+    SHOW_READ = 0,
+    SHOW_WRITE,
+    SHOW_RECORD /* SHOW_WRITE, and what is under way is kept though the person cancels (cancel.h) */
+} show_mode;
 
 /* The file must not exist. */
 CHECKED mrt_result show_create(show **out, const char *path, error *err);
-/* SHOW_WRITE gives a show that can only be read, and a notice that says why and what to do, when
- * another program writes it, its folder or file cannot be written, or a newer version made it.
- * What a program that was killed left behind is closed: takes end at their last sample. */
+/* Anybody may have made the file: one that is no show of ours, table by table, is refused before
+ * anything is written, what its rows say is checked when they are read, and texts that are shown
+ * are printable (base/text.h). SHOW_WRITE gives a show that can only be read, and a notice that
+ * says why and what to do, when another program writes it, its folder or file cannot be written, or
+ * a newer version made it. What a program that was killed left behind is closed: takes end at their
+ * last sample. */
 CHECKED mrt_result show_open(show **out, const char *path, show_mode mode, error *err);
+/* All that is asked of it from now on is paid out of one budget (base/budget.h), as fits a command
+ * that ends; without, each question has one of its own. */
+void show_limit_work(show *self);
 void show_close(show *self); /* its readers and its writer first; NULL is fine */
 
 const char *show_path(const show *self);
@@ -44,6 +54,7 @@ typedef struct show_recovery {
     int64_t row_count; /* copied */
     int64_t
         damaged_count; /* rows that were found damaged and left out; others may be gone unseen */
+    bool is_cut;       /* it leads in circles: not all of it was looked at */
 } show_recovery;
 CHECKED mrt_result show_recover(show_recovery *out, const char *path, const char *out_path,
                                 error *err);
@@ -152,9 +163,10 @@ typedef struct show_checkpoint {
     void *bytes;
     size_t size;
 } show_checkpoint;
-/* The last one of the performance at or before time_ns; bytes NULL: there is none. */
+/* The last one of the performance at or before time_ns; bytes NULL: there is none. One that would
+ * unpack to more than `most` bytes is damaged; 0: all are unpacked, out of the show's budget. */
 CHECKED mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_ns,
-                                          show_checkpoint *out, error *err);
+                                          size_t most, show_checkpoint *out, error *err);
 void show_checkpoint_finish(show_checkpoint *checkpoint);
 
 /* ---- samples of one track in time order, one chunk in memory ---- */

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { RATE_MAX = 768000, CHANNELS_MAX = 64, PIECE_BYTES_MAX = 16 * 1024 * 1024 };
+enum { RATE_MAX = 768000, CHANNELS_MAX = 64, PIECE_BYTES_MAX = 1024 * 1024 };
 
 /* 0: no such format. */
 static uint32_t sample_bytes(const char *format)
@@ -63,17 +63,17 @@ static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio
                      "  (SELECT first_frame + frame_count FROM audio_chunk WHERE audio = audio.id"
                      "   ORDER BY first_frame DESC LIMIT 1), 0)"
                      " FROM audio WHERE id = ?",
-                     "i", id);
+                     "itiiiti", "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(row, err);
     if (result == MRT_OK) {
         out->id = sqlite_int(row, 0);
-        snprintf(out->name, sizeof out->name, "%s", sqlite_text(row, 1));
+        sqlite_text(row, 1, out->name, sizeof out->name);
         out->start_ns = sqlite_int(row, 2);
         out->rate_hz = (uint32_t)sqlite_int(row, 3);
         out->channel_count = (uint32_t)sqlite_int(row, 4);
-        snprintf(out->format, sizeof out->format, "%s", sqlite_text(row, 5));
+        sqlite_text(row, 5, out->format, sizeof out->format);
         out->frame_count = sqlite_int(row, 6);
         result = check(out, out_frame_bytes, MRT_ERR_FORMAT, err);
     } else if (result == MRT_END) {
@@ -133,8 +133,8 @@ static mrt_result copy_piece(sqlite_statement *row, int64_t id, int64_t frame, u
     size_t size;
     const uint8_t *bytes = sqlite_blob(row, 3, &size);
     int64_t first = sqlite_int(row, 0), count = sqlite_int(row, 1);
-    if (first > frame || count < 0 || first > INT64_MAX - count || first + count <= frame ||
-        (uint64_t)count != size / frame_size || size % frame_size != 0 ||
+    if (size > PIECE_BYTES_MAX || first > frame || count < 0 || first > INT64_MAX - count ||
+        first + count <= frame || (uint64_t)count != size / frame_size || size % frame_size != 0 ||
         (int64_t)crc32_z(0, bytes, size) != sqlite_int(row, 2))
         return error_set(err, MRT_ERR_FORMAT, "audio %lld is damaged or missing at frame %lld",
                          (long long)id, (long long)frame);
@@ -161,7 +161,7 @@ mrt_result show_audio_read(show *self, int64_t id, int64_t first_frame, void *ou
                           "WHERE audio = ?1 AND first_frame >= COALESCE("
                           "  (SELECT MAX(first_frame) FROM audio_chunk"
                           "   WHERE audio = ?1 AND first_frame <= ?2), 0) ORDER BY first_frame",
-                          "ii", id, frame);
+                          "iiib", "ii", id, frame);
     if (result < 0)
         return result;
     while (frame < audio.frame_count && capacity - *out_size >= frame_size &&
@@ -208,7 +208,7 @@ mrt_result show_audio_anchors(show *self, int64_t id, show_audio_anchor **out, s
     mrt_result result = sqlite_query(self->db, &query, err,
                                      "SELECT first_frame, time_ns FROM audio_chunk "
                                      "WHERE audio = ? AND time_ns <> 0 ORDER BY first_frame",
-                                     "i", id);
+                                     "ii", "i", id);
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_anchor, err);
     *out = rows.item;

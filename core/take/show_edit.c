@@ -39,7 +39,7 @@ static mrt_result add_edit(show_edits *out, sqlite_statement *row, int64_t take_
     show_edit *edit = &out->edit[out->count];
     *edit = (show_edit){.n = (int32_t)sqlite_int(row, 0),
                         .utc_ms = sqlite_int(row, 1),
-                        .json = strdup(sqlite_text(row, 3))};
+                        .json = strdup(sqlite_exact_text(row, 3))};
     if (!edit->json)
         return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
     ++out->count;
@@ -64,7 +64,7 @@ mrt_result show_edits_read(show *self, int64_t take_id, show_edits *out, error *
     result = sqlite_query(self->db, &rows, err,
                           "SELECT n, utc_ms, crc, json FROM edit "
                           "WHERE take = ? AND branch = 0 ORDER BY n",
-                          "i", take_id);
+                          "iiit", "i", take_id);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK) {

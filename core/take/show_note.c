@@ -8,16 +8,16 @@ mrt_result show_note_read(show *self, const char *key, char *out, size_t capacit
 {
     sqlite_statement *rows;
     out[0] = '\0';
-    mrt_result result = sqlite_query(self->db, &rows, err,
-                                     "SELECT value FROM meta WHERE key = 'note.' || ?", "t", key);
+    mrt_result result = sqlite_query(
+        self->db, &rows, err, "SELECT value FROM meta WHERE key = 'note.' || ?", "t", "t", key);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
-    if (result == MRT_OK && strlen(sqlite_text(rows, 0)) >= capacity)
+    if (result == MRT_OK && strlen(sqlite_exact_text(rows, 0)) >= capacity)
         result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is longer than any is",
                            self->path, key);
     else if (result == MRT_OK)
-        (void)snprintf(out, capacity, "%s", sqlite_text(rows, 0));
+        sqlite_text(rows, 0, out, capacity);
     sqlite_finish(rows);
     return result < 0 ? result : MRT_OK;
 }

@@ -7,7 +7,10 @@
 #include <string.h>
 #include <zlib.h>
 
-enum { CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024 };
+enum {
+    CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024,
+    BYTES_A_STEP = 4 /* unpacked in a step of work */
+};
 
 /* ---- performances ---- */
 
@@ -69,12 +72,12 @@ mrt_result show_performance_insert(sqlite *db, int64_t session, const take_perfo
 static bool read_performance(show_performance *out, sqlite_statement *row)
 {
     take_performance *p = &out->performance;
-    p->mapping = strdup(sqlite_text(row, 0));
-    p->rig = strdup(sqlite_text(row, 1));
-    snprintf(p->rig_hash, sizeof p->rig_hash, "%s", sqlite_text(row, 2));
-    snprintf(p->mesh_hash, sizeof p->mesh_hash, "%s", sqlite_text(row, 3));
+    p->mapping = sqlite_text_copy(row, 0);
+    p->rig = sqlite_text_copy(row, 1);
+    sqlite_text(row, 2, p->rig_hash, sizeof p->rig_hash);
+    sqlite_text(row, 3, p->mesh_hash, sizeof p->mesh_hash);
     bool has_json = !sqlite_is_null(row, 4);
-    p->rig_json = has_json ? strdup(sqlite_text(row, 4)) : NULL;
+    p->rig_json = has_json ? strdup(sqlite_exact_text(row, 4)) : NULL;
     p->unit_mm = sqlite_double(row, 5);
     p->hand_length_mm = sqlite_double(row, 6);
     p->rezero_pedal = (uint32_t)sqlite_int(row, 7);
@@ -89,7 +92,7 @@ static mrt_result read_tracks(sqlite *db, take_performance *p, error *err)
     mrt_result result = sqlite_query(db, &rows, err,
                                      "SELECT track FROM performance_track WHERE performance = ? "
                                      "ORDER BY n LIMIT ?",
-                                     "ii", p->id, (int64_t)TAKE_TRACKS_MAX);
+                                     "i", "ii", p->id, (int64_t)TAKE_TRACKS_MAX);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK)
@@ -105,7 +108,7 @@ static mrt_result read_params(sqlite *db, take_performance *p, error *err)
         sqlite_query(db, &rows, err,
                      "SELECT param, value FROM performance_param WHERE performance = ? "
                      "ORDER BY n LIMIT ?",
-                     "ii", p->id, (int64_t)TAKE_PARAMS_MAX);
+                     "if", "ii", p->id, (int64_t)TAKE_PARAMS_MAX);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK)
@@ -167,7 +170,7 @@ static bool read_again_row(take_again *out, sqlite_statement *row)
     out->ignores_params = sqlite_int(row, 1) != 0;
     for (int side = 0; side < 2; ++side)
         if (!sqlite_is_null(row, 2 + side)) {
-            out->calibration[side] = strdup(sqlite_text(row, 2 + side));
+            out->calibration[side] = strdup(sqlite_exact_text(row, 2 + side));
             if (!out->calibration[side])
                 return false;
         }
@@ -184,7 +187,7 @@ static mrt_result read_again(sqlite *db, take_performance *p, error *err)
         sqlite_query(db, &rows, err,
                      "SELECT of, ignores_params, left_calibration, right_calibration,"
                      "  min_cutoff_hz, beta FROM again WHERE performance = ?",
-                     "i", p->id);
+                     "iiTTff", "i", p->id);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
@@ -198,7 +201,8 @@ mrt_result show_performance_read(show *self, int64_t id, show_performance *out, 
 {
     *out = (show_performance){.performance.id = id};
     sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err, PERFORMANCE_QUERY, "i", id);
+    mrt_result result =
+        sqlite_query(self->db, &rows, err, PERFORMANCE_QUERY, "ttttTffiii", "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
@@ -254,7 +258,7 @@ static void read_event(void *item, sqlite_statement *row)
                         .param = (uint32_t)sqlite_int(row, 3),
                         .hand = (uint32_t)sqlite_int(row, 4),
                         .value = sqlite_double(row, 5)};
-    snprintf(out->text, sizeof out->text, "%s", sqlite_text(row, 6));
+    sqlite_text(row, 6, out->text, sizeof out->text);
 }
 
 mrt_result show_events(show *self, int64_t from_ns, int64_t to_ns, take_event **out,
@@ -266,7 +270,7 @@ mrt_result show_events(show *self, int64_t from_ns, int64_t to_ns, take_event **
                                      "SELECT time_ns, kind, track, param, hand, value, text "
                                      "FROM event WHERE time_ns BETWEEN ? AND ? "
                                      "ORDER BY time_ns, id",
-                                     "ii", from_ns, to_ns);
+                                     "iiiiidt", "ii", from_ns, to_ns);
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_event, err);
     *out = rows.item;
@@ -301,13 +305,15 @@ mrt_result show_checkpoint_insert(sqlite *db, const show_packed *packed, error *
                          (const void *)packed->bytes, packed->size);
 }
 
-static mrt_result unpack(show_checkpoint *out, sqlite_statement *row, error *err)
+static mrt_result unpack(show_checkpoint *out, sqlite_statement *row, size_t most, error *err)
 {
     size_t packed_size;
     const uint8_t *packed = sqlite_blob(row, 4, &packed_size);
     int64_t size = sqlite_int(row, 2);
-    if (size < 0 || size > CHECKPOINT_BYTES_MAX ||
-        (int64_t)crc32_z(0, packed, packed_size) != sqlite_int(row, 3))
+    if (size < 0 || (uint64_t)size > most)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "a checkpoint is damaged: it would unpack to %lld bytes", (long long)size);
+    if ((int64_t)crc32_z(0, packed, packed_size) != sqlite_int(row, 3))
         return error_set(err, MRT_ERR_FORMAT, "a checkpoint is damaged: its CRC-32 differs");
     out->time_ns = sqlite_int(row, 0);
     out->version = (uint32_t)sqlite_int(row, 1);
@@ -323,7 +329,7 @@ static mrt_result unpack(show_checkpoint *out, sqlite_statement *row, error *err
     return MRT_OK;
 }
 
-mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_ns,
+mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_ns, size_t most,
                                   show_checkpoint *out, error *err)
 {
     *out = (show_checkpoint){0};
@@ -332,12 +338,18 @@ mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_
                                      "SELECT time_ns, version, size, crc, bytes FROM checkpoint "
                                      "WHERE performance = ? AND time_ns <= ? "
                                      "ORDER BY time_ns DESC, id DESC LIMIT 1",
-                                     "ii", performance, time_ns);
+                                     "iiiib", "ii", performance, time_ns);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
+    if (result == MRT_OK && sqlite_int(rows, 0) > time_ns)
+        result = error_set(err, MRT_ERR_FORMAT,
+                           "%s: is damaged: checkpoints of performance %lld are out of order",
+                           self->path, (long long)performance);
+    if (result == MRT_OK && most == 0 && sqlite_int(rows, 2) > 0)
+        result = sqlite_spend(self->db, (uint64_t)sqlite_int(rows, 2) / BYTES_A_STEP, err);
     if (result == MRT_OK) {
-        result = unpack(out, rows, err);
+        result = unpack(out, rows, most ? most : CHECKPOINT_BYTES_MAX, err);
         if (result < 0)
             error_prefix(err, self->path);
     }

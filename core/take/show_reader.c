@@ -41,19 +41,19 @@ static const char lawful_sql[] =
 static mrt_result prepare_all(show_reader *self, error *err)
 {
     sqlite *db = self->owner->db;
-    mrt_result result = sqlite_prepare(db, &self->before, before_sql, err);
+    mrt_result result = sqlite_prepare(db, &self->before, before_sql, "ii**", err);
     if (result >= 0)
-        result = sqlite_prepare(db, &self->after, after_sql, err);
+        result = sqlite_prepare(db, &self->after, after_sql, "ii**", err);
     if (result >= 0)
-        result = sqlite_prepare(db, &self->again, again_sql, err);
+        result = sqlite_prepare(db, &self->again, again_sql, "iiib", err);
     if (result >= 0)
-        result = sqlite_prepare(db, &self->lawful, lawful_sql, err);
+        result = sqlite_prepare(db, &self->lawful, lawful_sql, "i", err);
     if (result >= 0)
         result =
             sqlite_prepare(db, &self->chunk_count,
                            self->owner->version < 2 ? "SELECT NULL FROM track WHERE id = ?1"
                                                     : "SELECT chunk_count FROM track WHERE id = ?1",
-                           err);
+                           "I", err);
     return result;
 }
 
@@ -130,21 +130,31 @@ static mrt_result check_gap(show_reader *self, int64_t from_ns, int64_t to_ns, i
         (long long)to_ns);
 }
 
+/* Time goes on from chunk to chunk, whatever a broken index says. */
+static bool goes_on(const show_reader *self, sqlite_statement *row)
+{
+    int64_t id = sqlite_int(row, 0), from_ns = sqlite_int(row, 1);
+    return from_ns > self->chunk_from_ns || (from_ns == self->chunk_from_ns && id > self->chunk_id);
+}
+
 /* Takes the chunk of the row in; the first `given` samples of it were given already. Where it
  * cannot be read, or others before it are missing, that is an error once. */
 static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
 {
     chunk_head head;
-    size_t size;
-    const uint8_t *bytes = sqlite_blob(row, 3, &size);
+    size_t size = 0;
+    bool is_typed = sqlite_is(row, 2, 'i') && sqlite_is(row, 3, 'b');
+    const uint8_t *bytes = is_typed ? sqlite_blob(row, 3, &size) : NULL;
     int64_t gap_from_ns = self->has_chunk ? self->chunk_to_ns : INT64_MIN;
     self->has_chunk = true;
     self->chunk_id = sqlite_int(row, 0);
     self->chunk_from_ns = sqlite_int(row, 1);
-    self->chunk_to_ns = sqlite_int(row, 2);
+    self->chunk_to_ns = is_typed ? sqlite_int(row, 2) : self->chunk_from_ns;
     self->chunk_size = size;
     self->count = self->at = 0;
-    mrt_result result = chunk_decode(self->sample, &head, bytes, size, err);
+    mrt_result result =
+        is_typed ? chunk_decode(self->sample, &head, bytes, size, err)
+                 : error_set(err, MRT_ERR_FORMAT, "a chunk of samples is damaged: it is no blob");
     if (result >= 0)
         result = check_against_row(self, &head, err);
     if (result < 0) {
@@ -237,6 +247,12 @@ static mrt_result load_next(show_reader *self, error *err)
         return MRT_END;
     sqlite_bind(self->after, "iii", self->track, self->chunk_from_ns, self->chunk_id);
     mrt_result next = step_over(self, self->after, err);
+    if (next == MRT_OK && !goes_on(self, self->after)) {
+        self->is_over = true;
+        next = error_set(err, MRT_ERR_FORMAT,
+                         "%s: track %lld is damaged at %lld ns: its chunks are out of order",
+                         self->owner->path, (long long)self->track, (long long)self->chunk_from_ns);
+    }
     mrt_result result = next < 0 ? next : load_rest(self, err);
     if (result == MRT_END)
         result = next == MRT_OK ? take_in(self, self->after, 0, err) : check_end(self, err);

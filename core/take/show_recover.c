@@ -1,6 +1,8 @@
 /* Out of a damaged show into a new one: row by row, and only what proves to be whole. */
 #include "take/show_file.h"
 
+#include "base/budget.h"
+#include "base/cancel.h"
 #include "base/file.h"
 #include "take/chunk.h"
 #include "take/show_salvage.h"
@@ -13,18 +15,29 @@
 #include <unistd.h>
 #include <zlib.h>
 
-enum { PROBES_MAX = 4000000, EDITS_LOST_BRANCH = 1 << 20 };
+enum {
+    PROBES_MAX = 4000000,
+    EDITS_LOST_BRANCH = 1 << 20,
+    STEPS_A_ROW = 400 /* of work, as base/budget.h counts it */
+};
 
 /* ---- which rows are whole ---- */
 
 typedef struct recovery {
     sqlite *from, *to;
-    int64_t rows_left; /* more would be a file that leads in circles */
+    budget left; /* a file that leads in circles uses it up */
     show_recovery *out;
     mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
     bool has_lost;      /* a table could not be read to its end */
     error *err;
 } recovery;
+
+/* False: it has cost more than a file of its size can; what was copied until then counts. */
+static bool pay(recovery *self, uint64_t steps)
+{
+    self->out->is_cut |= budget_spend_work(&self->left, steps, NULL) < 0;
+    return !self->out->is_cut && !cancel_is_asked();
+}
 
 static bool is_whole_chunk(recovery *self, sqlite_statement *row)
 {
@@ -32,6 +45,7 @@ static bool is_whole_chunk(recovery *self, sqlite_statement *row)
     size_t size;
     const uint8_t *bytes = sqlite_blob(row, 4, &size);
     return chunk_decode(self->sample, &head, bytes, size, NULL) >= 0 &&
+           pay(self, (uint64_t)head.sample_count * head.channel_count) &&
            head.track == sqlite_int(row, 1) && head.from_ns == sqlite_int(row, 2) &&
            self->sample[head.sample_count - 1].time_ns == sqlite_int(row, 3);
 }
@@ -39,8 +53,8 @@ static bool is_whole_chunk(recovery *self, sqlite_statement *row)
 static bool is_whole_edit(recovery *self, sqlite_statement *row)
 {
     (void)self;
-    return show_edit_crc(sqlite_int(row, 0), (int32_t)sqlite_int(row, 2), sqlite_text(row, 5)) ==
-           sqlite_int(row, 4);
+    return show_edit_crc(sqlite_int(row, 0), (int32_t)sqlite_int(row, 2),
+                         sqlite_exact_text(row, 5)) == sqlite_int(row, 4);
 }
 
 static bool has_crc(sqlite_statement *row, int crc_column, int bytes_column)
@@ -62,43 +76,38 @@ static bool is_whole_audio(recovery *self, sqlite_statement *row)
     return has_crc(row, 5, 6);
 }
 
-typedef struct table {
-    const char *name;
-    const char *key; /* by which its rows are in order */
-    bool has_id;     /* the key is a number: rows behind damage can be asked for one by one */
-    int column_count;
-    bool (*is_whole)(recovery *self, sqlite_statement *row); /* NULL: nothing to tell it by */
-} table;
+/* What else proves a row of that table to be whole; NULL: nothing. */
+static bool (*proof_of(const char *table))(recovery *self, sqlite_statement *row)
+{
+    static const struct proof {
+        const char *table;
+        bool (*is_whole)(recovery *self, sqlite_statement *row);
+    } proofs[] = {{"edit", is_whole_edit},
+                  {"chunk", is_whole_chunk},
+                  {"checkpoint", is_whole_checkpoint},
+                  {"audio_chunk", is_whole_audio}};
+    for (size_t i = 0; i < sizeof proofs / sizeof proofs[0]; ++i)
+        if (strcmp(proofs[i].table, table) == 0)
+            return proofs[i].is_whole;
+    return NULL;
+}
 
-static const table tables[] = {
-    {"meta", "key", false, 2, NULL},
-    {"session", "id", true, 7, NULL},
-    {"rig", "id", true, 6, NULL},
-    {"plugin", "id", true, 2, NULL},
-    {"calibration", "hash", false, 2, NULL},
-    {"track", "id", true, 8, NULL},
-    {"channel", "track, n", false, 8, NULL},
-    {"performance", "id", true, 8, NULL},
-    {"performance_track", "performance, n", false, 3, NULL},
-    {"performance_param", "performance, n", false, 4, NULL},
-    {"again", "performance", true, 7, NULL},
-    {"take", "id", true, 10, NULL},
-    {"span", "take, n", false, 7, NULL},
-    {"edit", "take, branch, n", false, 6, is_whole_edit},
-    {"event", "id", true, 8, NULL},
-    {"chunk", "id", true, 5, is_whole_chunk},
-    {"checkpoint", "id", true, 7, is_whole_checkpoint},
-    {"audio", "id", true, 6, NULL},
-    {"audio_chunk", "id", true, 7, is_whole_audio},
-};
+static bool is_whole(recovery *self, const show_table *of, sqlite_statement *row)
+{
+    for (int i = 0; of->kinds[i]; ++i)
+        if (!sqlite_is(row, i, of->kinds[i]))
+            return false;
+    bool (*proof)(recovery *, sqlite_statement *) = proof_of(of->name);
+    return !proof || proof(self, row);
+}
 
 /* ---- copying ---- */
 
 /* A row that the new show refuses is damaged too: two of one key, NULL where there is none. */
-static mrt_result copy_row(recovery *self, const table *of, sqlite_statement *row,
+static mrt_result copy_row(recovery *self, const show_table *of, sqlite_statement *row,
                            sqlite_statement *insert, error *err)
 {
-    if (of->is_whole && !of->is_whole(self, row)) {
+    if (!is_whole(self, of, row)) {
         ++self->out->damaged_count;
         return MRT_OK;
     }
@@ -115,7 +124,7 @@ static mrt_result copy_row(recovery *self, const table *of, sqlite_statement *ro
 
 /* Rows in this order until there is none, or none can be read: *out_last_id is where. A failure is
  * one of the new show. */
-static mrt_result copy_run(recovery *self, const table *of, const char *order,
+static mrt_result copy_run(recovery *self, const show_table *of, const char *order,
                            sqlite_statement *insert, int64_t *out_last_id, bool *out_is_whole,
                            error *err)
 {
@@ -128,46 +137,54 @@ static mrt_result copy_run(recovery *self, const table *of, const char *order,
         (void)snprintf(sql, sizeof sql, "SELECT * FROM %s ORDER BY %s%s", of->name, of->key, order);
     sqlite_statement *rows;
     *out_is_whole = false;
-    if (sqlite_prepare(self->from, &rows, sql, NULL) < 0)
+    if (sqlite_prepare(self->from, &rows, sql, "*", NULL) < 0)
         return MRT_OK;
     mrt_result result = MRT_OK, step;
-    while ((step = sqlite_step(rows, NULL)) == MRT_OK && result >= 0 && self->rows_left-- > 0) {
-        *out_last_id = of->has_id ? sqlite_int(rows, 0) : 0;
+    bool has_last = false, goes_on = true;
+    while ((step = sqlite_step(rows, NULL)) == MRT_OK && result >= 0 && goes_on) {
+        int64_t id = of->has_id ? sqlite_int(rows, 0) : 0;
+        goes_on =
+            (!has_last || !of->has_id || (order[0] ? id < *out_last_id : id > *out_last_id)) &&
+            pay(self, STEPS_A_ROW);
+        if (!goes_on)
+            break;
+        *out_last_id = id;
+        has_last = true;
         result = copy_row(self, of, rows, insert, err);
     }
     *out_is_whole = step == MRT_END;
     sqlite_finish(rows);
-    return result;
+    return result < 0 ? result : cancel_check(err);
 }
 
-static mrt_result probe(recovery *self, const table *of, int64_t from_id, int64_t to_id,
+static mrt_result probe(recovery *self, const show_table *of, int64_t from_id, int64_t to_id,
                         sqlite_statement *insert, error *err)
 {
     char sql[96];
     sqlite_statement *row;
     (void)snprintf(sql, sizeof sql, "SELECT * FROM %s WHERE id = ?", of->name);
-    if (to_id - from_id > PROBES_MAX || sqlite_prepare(self->from, &row, sql, NULL) < 0)
+    if (to_id - from_id > PROBES_MAX || sqlite_prepare(self->from, &row, sql, "*", NULL) < 0)
         return MRT_OK;
     mrt_result result = MRT_OK;
-    for (int64_t id = from_id; id < to_id && result >= 0; ++id) {
+    for (int64_t id = from_id; id < to_id && result >= 0 && pay(self, STEPS_A_ROW); ++id) {
         sqlite_bind(row, "i", id);
         if (sqlite_step(row, NULL) == MRT_OK)
             result = copy_row(self, of, row, insert, err);
     }
     sqlite_finish(row);
-    return result;
+    return result < 0 ? result : cancel_check(err);
 }
 
 /* From the front until damage, from the back until damage, and between them one by one. */
-static mrt_result copy_table(recovery *self, const table *of, error *err)
+static mrt_result copy_table(recovery *self, const show_table *of, error *err)
 {
     char sql[160] = "";
     sqlite_statement *insert;
     int length = snprintf(sql, sizeof sql, "INSERT OR IGNORE INTO %s VALUES(?", of->name);
-    for (int i = 1; i < of->column_count; ++i)
+    for (size_t i = 1; i < strlen(of->kinds); ++i)
         length += snprintf(sql + length, sizeof sql - (size_t)length, ", ?");
     (void)snprintf(sql + length, sizeof sql - (size_t)length, ")");
-    mrt_result result = sqlite_prepare(self->to, &insert, sql, err);
+    mrt_result result = sqlite_prepare(self->to, &insert, sql, "", err);
     if (result < 0)
         return result;
     bool is_whole;
@@ -205,6 +222,8 @@ static mrt_result salvage_chunk(recovery *self, const show_salvage_row *row)
     if (row->column_count != 5 || !bytes->is_blob ||
         chunk_decode(self->sample, &head, bytes->bytes, bytes->size, NULL) < 0)
         return MRT_OK;
+    if (!pay(self, (uint64_t)head.sample_count * head.channel_count))
+        return MRT_END;
     int64_t to_ns = self->sample[head.sample_count - 1].time_ns;
     mrt_result result = sqlite_change(
         self->to, self->err,
@@ -222,6 +241,8 @@ static mrt_result salvage_blob(recovery *self, const show_salvage_row *row)
     const show_salvage_value *column = row->column;
     if (!is_blob_of_crc(row))
         return MRT_OK;
+    if (!pay(self, STEPS_A_ROW + column[6].size / 8))
+        return MRT_END;
     mrt_result result = sqlite_change(
         self->to, self->err,
         is_packed(row) ? "INSERT OR IGNORE INTO checkpoint VALUES(?, ?, ?, ?, ?, ?, ?)"
@@ -237,7 +258,7 @@ static mrt_result salvage_row(void *data, const show_salvage_row *row)
 {
     recovery *self = data;
     mrt_result result = salvage_chunk(self, row);
-    return result < 0 ? result : salvage_blob(self, row);
+    return result == MRT_OK ? salvage_blob(self, row) : result;
 }
 
 /* What the rows refer to and is gone gets a stand-in; edits behind a missing one are set aside. */
@@ -258,9 +279,9 @@ static mrt_result mend(sqlite *db, error *err)
         "  (SELECT hash FROM calibration);"
         "UPDATE track SET right_calibration = NULL WHERE right_calibration NOT IN"
         "  (SELECT hash FROM calibration);"
-        "UPDATE edit SET branch = %d WHERE branch = 0 AND n > 0 AND n <>"
-        "  (SELECT COUNT(*) FROM edit e WHERE e.take = edit.take AND e.branch = 0"
-        "     AND e.n BETWEEN 1 AND edit.n);"
+        "UPDATE edit SET branch = %d WHERE branch = 0 AND (take, n) IN (SELECT take, n FROM"
+        "  (SELECT take, n, ROW_NUMBER() OVER (PARTITION BY take ORDER BY n) AS row FROM edit"
+        "   WHERE branch = 0 AND n > 0) WHERE n <> row);"
         "UPDATE take SET edit_head = MAX(0, MIN(edit_head, (SELECT COALESCE(MAX(n), 0) FROM edit"
         "  WHERE edit.take = take.id AND branch = 0)));"
         "INSERT OR IGNORE INTO take(id, created_ns, start_ns, end_ns, is_recovered, scene, shot,"
@@ -288,10 +309,14 @@ static mrt_result copy_all(recovery *self, const char *path, error *err)
         result = sqlite_begin(self->to, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < sizeof tables / sizeof tables[0] && result >= 0; ++i)
-        result = copy_table(self, &tables[i], err);
+    for (int i = 0; i < SHOW_TABLES && result >= 0; ++i)
+        result = copy_table(self, &show_tables[i], err);
     if (result >= 0 && self->has_lost)
-        result = show_salvage(path, salvage_row, self, err);
+        result = show_salvage(path, salvage_row, self, &self->left, err);
+    if (result == MRT_END) {
+        self->out->is_cut = true;
+        result = MRT_OK;
+    }
     if (result >= 0)
         result = mend(self->to, err);
     return sqlite_end(self->to, result, err);
@@ -327,8 +352,8 @@ static mrt_result lend_contents(FILE *out, const file_bytes *fresh, sqlite *fres
 {
     size_t page_bytes = (size_t)fresh->data[16] << 8 | fresh->data[17];
     sqlite_statement *is_root;
-    mrt_result result =
-        sqlite_prepare(fresh_db, &is_root, "SELECT 1 FROM sqlite_schema WHERE rootpage = ?", err);
+    mrt_result result = sqlite_prepare(fresh_db, &is_root,
+                                       "SELECT 1 FROM sqlite_schema WHERE rootpage = ?", "i", err);
     if (result < 0)
         return result;
     bool good = fseek(out, 0, SEEK_END) == 0;
@@ -349,13 +374,17 @@ static mrt_result lend_contents(FILE *out, const file_bytes *fresh, sqlite *fres
 }
 
 /* Opens a copy of the damaged file, at copy_path, with the contents of a new show. */
-static mrt_result open_with_lent_contents(sqlite **out, const char *path, const char *copy_path,
+static mrt_result open_with_lent_contents(sqlite **out, const char *path, char *copy_path,
                                           show *fresh, error *err)
 {
     file_bytes pages = {0};
-    FILE *copy = fopen(copy_path, "wb+");
-    if (!copy)
+    int fd = mkstemp(copy_path); /* nobody can have put something of that name there */
+    FILE *copy = fd < 0 ? NULL : fdopen(fd, "wb+");
+    if (!copy) {
+        if (fd >= 0)
+            close(fd);
         return error_set(err, MRT_ERR_IO, "%s: cannot be written", copy_path);
+    }
     mrt_result result = copy_file(path, copy, err);
     if (result >= 0) /* what is in its log, into the file */
         result = sqlite_checkpoint(fresh->db, err);
@@ -377,7 +406,7 @@ static bool has_contents(sqlite *db)
 {
     int64_t application, count;
     return sqlite_number(db, "PRAGMA application_id", 0, &application, NULL) >= 0 &&
-           application == SHOW_APPLICATION &&
+           application == SQLITE_APPLICATION &&
            sqlite_number(db,
                          "SELECT COUNT(*) FROM sqlite_schema WHERE name IN ('chunk', 'track',"
                          "'take', 'performance', 'span', 'edit', 'meta')",
@@ -385,7 +414,7 @@ static bool has_contents(sqlite *db)
            count == 7 && sqlite_number(db, "SELECT id FROM chunk LIMIT 1", 0, &count, NULL) >= 0;
 }
 
-static mrt_result open_damaged(sqlite **out, const char *path, const char *copy_path, show *fresh,
+static mrt_result open_damaged(sqlite **out, const char *path, char *copy_path, show *fresh,
                                error *err)
 {
     static const sqlite_mode modes[] = {SQLITE_MODE_READ, SQLITE_MODE_READ_FROZEN};
@@ -398,10 +427,12 @@ static mrt_result open_damaged(sqlite **out, const char *path, const char *copy_
     return open_with_lent_contents(out, path, copy_path, fresh, err);
 }
 
-static mrt_result recover_into(show *fresh, const char *path, const char *copy_path,
-                               int64_t file_bytes_count, show_recovery *out, error *err)
+static mrt_result recover_into(show *fresh, const char *path, char *copy_path, uint64_t file_size,
+                               show_recovery *out, error *err)
 {
-    recovery self = {.to = fresh->db, .rows_left = file_bytes_count, .out = out, .err = err};
+    recovery self = {
+        .to = fresh->db, .left = budget_of(BUDGET_SALVAGE, file_size), .out = out, .err = err};
+    sqlite_expect(fresh->db, file_size);
     self.sample = malloc(CHUNK_SAMPLES_MAX * sizeof *self.sample);
     if (!self.sample)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
@@ -421,17 +452,18 @@ mrt_result show_recover(show_recovery *out, const char *path, const char *out_pa
     struct stat status;
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return error_set(err, MRT_ERR_IO, "%s: is not a file; a damaged show was expected", path);
-    char *copy_path = show_beside(out_path, ".damaged.tmp");
+    char *copy_path = show_beside(out_path, ".damaged-XXXXXX");
     if (!copy_path)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
     show *fresh;
     mrt_result result = show_create(&fresh, out_path, err);
     if (result >= 0) {
-        result = recover_into(fresh, path, copy_path, status.st_size, out, err);
+        result = recover_into(fresh, path, copy_path, (uint64_t)status.st_size, out, err);
         show_close(fresh);
         if (result < 0)
             (void)unlink(out_path);
-        (void)unlink(copy_path);
+        if (!strstr(copy_path, "XXXXXX"))
+            (void)unlink(copy_path);
     }
     free(copy_path);
     return result;

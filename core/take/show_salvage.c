@@ -1,6 +1,8 @@
 /* The format of pages, cells and records: sqlite.org/fileformat2.html, sections 1.6, 2.1. */
 #include "take/show_salvage.h"
 
+#include "base/cancel.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +11,9 @@ enum {
     PAGE_BYTES = 4096, /* of every show */
     LEAF_OF_TABLE = 13,
     LEAF_HEAD = 8,
-    PAYLOAD_MAX = 64 * 1024 * 1024
+    PAYLOAD_MAX = 64 * 1024 * 1024,
+    STEPS_A_PAGE = 200, /* of work, as base/budget.h counts it: reading one */
+    STEPS_A_CELL = 50
 };
 
 typedef struct pages {
@@ -17,6 +21,9 @@ typedef struct pages {
     uint32_t count;
     uint8_t *payload; /* PAYLOAD_MAX at most; grown as needed */
     size_t payload_capacity;
+    uint32_t *seen; /* by page: the last chain that it was a part of; count + 1 */
+    uint32_t chain_count;
+    budget *left;
 } pages;
 
 static bool read_page(const pages *in, uint32_t number, uint8_t out[PAGE_BYTES])
@@ -78,14 +85,17 @@ static bool read_payload(pages *in, const uint8_t *at, const uint8_t *end, size_
     uint8_t page[PAGE_BYTES];
     size_t got = local_size(size);
     size_t chained = got < size ? 4 : 0;
-    if (size == 0 || size > PAYLOAD_MAX || (size_t)(end - at) < got + chained ||
-        !reserve_payload(in, size))
+    if (size == 0 || size > PAYLOAD_MAX || size > (size_t)in->count * PAGE_BYTES ||
+        (size_t)(end - at) < got + chained || !reserve_payload(in, size))
         return false;
     memcpy(in->payload, at, got);
     uint32_t next = chained ? big_endian(at + got, 4) : 0;
+    in->chain_count += 1;
     while (got < size) {
-        if (!read_page(in, next, page))
-            return false;
+        if (next > in->count || in->seen[next] == in->chain_count || !read_page(in, next, page) ||
+            budget_spend_work(in->left, STEPS_A_PAGE, NULL) < 0)
+            return false; /* it ends, leads in a circle, or costs too much */
+        in->seen[next] = in->chain_count;
         size_t part = size - got < PAGE_BYTES - 4 ? size - got : PAGE_BYTES - 4;
         memcpy(in->payload + got, page + 4, part);
         next = big_endian(page, 4);
@@ -134,6 +144,7 @@ static bool get_row(show_salvage_row *out, const uint8_t *payload, size_t size)
     return true;
 }
 
+/* MRT_END: nothing more may be spent. */
 static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
                                mrt_result (*each)(void *data, const show_salvage_row *row),
                                void *data)
@@ -143,6 +154,8 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
     if (page[0] != LEAF_OF_TABLE || LEAF_HEAD + 2 * cell_count > PAGE_BYTES)
         return MRT_OK;
     for (uint32_t i = 0; i < cell_count && result >= 0; ++i) {
+        if (cancel_is_asked() || budget_spend_work(in->left, STEPS_A_CELL, NULL) < 0)
+            return MRT_END;
         show_salvage_row row;
         uint64_t size, id;
         const uint8_t *at = page + big_endian(page + LEAF_HEAD + 2 * i, 2);
@@ -159,20 +172,23 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
 
 mrt_result show_salvage(const char *path,
                         mrt_result (*each)(void *data, const show_salvage_row *row), void *data,
-                        error *err)
+                        budget *left, error *err)
 {
-    pages in = {.file = fopen(path, "rb")};
+    pages in = {.file = fopen(path, "rb"), .left = left};
     if (!in.file)
         return error_set(err, MRT_ERR_IO, "%s: cannot be read", path);
     long size = fseek(in.file, 0, SEEK_END) == 0 ? ftell(in.file) : 0;
     in.count = size > 0 ? (uint32_t)(size / PAGE_BYTES) : 0;
-    mrt_result result = MRT_OK;
-    for (uint32_t number = 2; number <= in.count && result >= 0; ++number) {
+    in.seen = calloc((size_t)in.count + 1, sizeof *in.seen);
+    mrt_result result =
+        in.seen ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
+    for (uint32_t number = 2; number <= in.count && result == MRT_OK; ++number) {
         uint8_t page[PAGE_BYTES];
         if (read_page(&in, number, page))
             result = salvage_page(&in, page, each, data);
     }
     (void)fclose(in.file);
+    free(in.seen);
     free(in.payload);
     return result;
 }

@@ -3,7 +3,7 @@
  * that carry their own CRC are worth it. Reads any bytes. For show_recover.c. */
 #ifndef MAROTTE_TAKE_SHOW_SALVAGE_H
 #define MAROTTE_TAKE_SHOW_SALVAGE_H
-#include "base/error.h"
+#include "base/budget.h"
 
 enum { SHOW_SALVAGE_COLUMNS_MAX = 8 };
 
@@ -19,9 +19,10 @@ typedef struct show_salvage_row {
     show_salvage_value column[SHOW_SALVAGE_COLUMNS_MAX];
 } show_salvage_row;
 
-/* Calls `each` for every row of at most SHOW_SALVAGE_COLUMNS_MAX columns, until it fails. */
+/* Calls `each` for every row of at most SHOW_SALVAGE_COLUMNS_MAX columns, until it fails. MRT_END:
+ * what may be spent was used up before the end of the file. */
 CHECKED mrt_result show_salvage(const char *path,
                                 mrt_result (*each)(void *data, const show_salvage_row *row),
-                                void *data, error *err);
+                                void *data, budget *left, error *err);
 
 #endif

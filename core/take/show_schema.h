@@ -4,9 +4,22 @@
 #define MAROTTE_TAKE_SHOW_SCHEMA_H
 #include "take/sqlite.h"
 
-/* "MaRT" in the file's header says that it is a show. */
-enum { SHOW_APPLICATION = 0x4d615254, SHOW_VERSION = 2 };
+enum { SHOW_VERSION = 2 };
 
+typedef struct show_table {
+    const char *name;
+    const char *key;   /* by which its rows are in order */
+    bool has_id;       /* the key is a number: rows behind damage can be asked for one by one */
+    const char *kinds; /* what each column holds, as sqlite_prepare has it */
+    const char *light; /* its columns but the blob, which is last; "*": there is none */
+} show_table;
+enum { SHOW_TABLES = 19 };
+extern const show_table show_tables[SHOW_TABLES];
+
+/* Whether the tables of a file of that version are those that marotte makes, and nothing else is
+ * there: SQLite would evaluate the expressions of columns, indexes and views. A newer version may
+ * have more tables, and more columns of plain values. Reads only. */
+CHECKED mrt_result show_schema_check(sqlite *db, int64_t version, error *err);
 /* In an empty database. */
 CHECKED mrt_result show_schema_create(sqlite *db, error *err);
 /* From `version`, 1..SHOW_VERSION, to SHOW_VERSION in one transaction: all or nothing. */

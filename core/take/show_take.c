@@ -108,6 +108,8 @@ mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_
     " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n > 0),"             \
     " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n <= 0)"
 
+#define TAKE_KINDS "iiiiiittitiii"
+
 static void read_take(void *item, sqlite_statement *row)
 {
     show_take *out = item;
@@ -121,17 +123,17 @@ static void read_take(void *item, sqlite_statement *row)
                        .edit_head = (int32_t)sqlite_int(row, 10),
                        .edit_count = (int32_t)sqlite_int(row, 11),
                        .base_edit_count = (int32_t)sqlite_int(row, 12)};
-    snprintf(out->scene, sizeof out->scene, "%s", sqlite_text(row, 6));
-    snprintf(out->shot, sizeof out->shot, "%s", sqlite_text(row, 7));
-    snprintf(out->origin, sizeof out->origin, "%s", sqlite_text(row, 9));
+    sqlite_text(row, 6, out->scene, sizeof out->scene);
+    sqlite_text(row, 7, out->shot, sizeof out->shot);
+    sqlite_text(row, 9, out->origin, sizeof out->origin);
 }
 
 mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err)
 {
     sqlite_statement *query;
     show_rows rows = {0};
-    mrt_result result =
-        sqlite_query(self->db, &query, err, "SELECT " TAKE_COLUMNS " FROM take ORDER BY id", "");
+    mrt_result result = sqlite_query(
+        self->db, &query, err, "SELECT " TAKE_COLUMNS " FROM take ORDER BY id", TAKE_KINDS, "");
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_take, err);
     *out = rows.item;
@@ -143,8 +145,9 @@ mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err)
 {
     *out = (show_take){0};
     sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err,
-                                     "SELECT " TAKE_COLUMNS " FROM take WHERE id = ?", "i", id);
+    mrt_result result =
+        sqlite_query(self->db, &rows, err, "SELECT " TAKE_COLUMNS " FROM take WHERE id = ?",
+                     TAKE_KINDS, "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
@@ -175,7 +178,7 @@ mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_
         result = sqlite_query(self->db, &query, err,
                               "SELECT performance, from_ns, MAX(from_ns, COALESCE(to_ns, ?2)),"
                               "  is_shown FROM span WHERE take = ?1 ORDER BY n",
-                              "ii", id, of.end_ns);
+                              "Iiii", "ii", id, of.end_ns);
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_span, err);
     *out = rows.item;
@@ -268,7 +271,7 @@ static mrt_result count_chunks_of(sqlite *db, int64_t track, error *err)
     mrt_result result = sqlite_query(db, &last, err,
                                      "SELECT bytes FROM chunk WHERE track = ? "
                                      "ORDER BY from_ns DESC, id DESC LIMIT 1",
-                                     "i", track);
+                                     "b", "i", track);
     if (result < 0)
         return result;
     int64_t count = 0;
@@ -290,7 +293,7 @@ static mrt_result count_chunks(sqlite *db, error *err)
 {
     sqlite_statement *tracks;
     mrt_result result =
-        sqlite_query(db, &tracks, err, "SELECT id FROM track WHERE chunk_count IS NULL", "");
+        sqlite_query(db, &tracks, err, "SELECT id FROM track WHERE chunk_count IS NULL", "i", "");
     if (result < 0)
         return result;
     while ((result = sqlite_step(tracks, err)) == MRT_OK) {

@@ -65,11 +65,18 @@ mrt_result show_track_insert(sqlite *db, int64_t session, const take_track *trac
 
 /* ---- rows out ---- */
 
-static char *text_or_null(sqlite_statement *row, int column, bool *out_failed)
+static char *exact_or_null(sqlite_statement *row, int column, bool *out_failed)
 {
     if (sqlite_is_null(row, column))
         return NULL;
-    char *text = strdup(sqlite_text(row, column));
+    char *text = strdup(sqlite_exact_text(row, column));
+    *out_failed |= !text;
+    return text;
+}
+
+static char *text_of(sqlite_statement *row, int column, bool *out_failed)
+{
+    char *text = sqlite_text_copy(row, column);
     *out_failed |= !text;
     return text;
 }
@@ -80,7 +87,7 @@ static mrt_result read_channels(sqlite *db, take_track *out, error *err)
     mrt_result result = sqlite_query(db, &rows, err,
                                      "SELECT n, name, unit, semantic, hand, min, max FROM channel "
                                      "WHERE track = ? ORDER BY n",
-                                     "i", out->id);
+                                     "ittiidd", "i", out->id);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK) {
@@ -94,8 +101,8 @@ static mrt_result read_channels(sqlite *db, take_track *out, error *err)
         channel->hand = (uint32_t)sqlite_int(rows, 4);
         channel->min = (float)sqlite_double(rows, 5);
         channel->max = (float)sqlite_double(rows, 6);
-        snprintf(channel->name, sizeof channel->name, "%s", sqlite_text(rows, 1));
-        snprintf(channel->unit, sizeof channel->unit, "%s", sqlite_text(rows, 2));
+        sqlite_text(rows, 1, channel->name, sizeof channel->name);
+        sqlite_text(rows, 2, channel->unit, sizeof channel->unit);
     }
     sqlite_finish(rows);
     return result < 0 ? result : MRT_OK;
@@ -113,17 +120,17 @@ mrt_result show_track_read(show *self, int64_t id, show_track *out, error *err)
 {
     *out = (show_track){.track.id = id};
     sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err, TRACK_QUERY, "i", id);
+    mrt_result result = sqlite_query(self->db, &rows, err, TRACK_QUERY, "tttTTII", "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(rows, err);
     if (result == MRT_OK) {
         bool no_memory = false;
-        out->track.input = text_or_null(rows, 0, &no_memory);
-        out->track.device = text_or_null(rows, 1, &no_memory);
-        out->track.plugin = text_or_null(rows, 2, &no_memory);
-        out->track.calibration[0] = text_or_null(rows, 3, &no_memory);
-        out->track.calibration[1] = text_or_null(rows, 4, &no_memory);
+        out->track.input = text_of(rows, 0, &no_memory);
+        out->track.device = text_of(rows, 1, &no_memory);
+        out->track.plugin = text_of(rows, 2, &no_memory);
+        out->track.calibration[0] = exact_or_null(rows, 3, &no_memory);
+        out->track.calibration[1] = exact_or_null(rows, 4, &no_memory);
         out->from_ns = sqlite_int(rows, 5);
         out->to_ns = sqlite_int(rows, 6);
         if (no_memory)

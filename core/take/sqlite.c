@@ -1,28 +1,56 @@
 #include "take/sqlite.h"
 
+#include "base/budget.h"
+#include "base/cancel.h"
+#include "base/text.h"
+
 #include <limits.h>
+#include <math.h>
 #include <sqlite3.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum {
     BUSY_MS = 5000,
     VALUE_BYTES_MAX = 256 * 1024 * 1024, /* of a row: more is damage */
-    SQL_BYTES_MAX = 100000
+    SQL_BYTES_MAX = 100000,
+    IDLE_MAX = 32, /* statements kept to be used again */
+    OPCODES_A_LOOK =
+        1000, /* of SQLite's machine, about 10 ns each: how often limits are looked at */
+    HEADER_BYTES = 100,
+    HEADER_APPLICATION = 68
 };
 
+/* The files that SQLite may touch for one connection: an operating system of its own. */
+typedef struct guard {
+    sqlite3_vfs vfs, *base;
+    char name[32];
+    char *path;      /* of the file that was opened; owned */
+    bool is_fresh;   /* it is being made */
+    bool is_foreign; /* it is another program's database */
+} guard;
+
 struct sqlite {
+    guard files;
     sqlite3 *handle;
     char *path;
     int code; /* of the last failure, extended */
+    uint64_t file_size;
+    budget left;
+    error over_budget; /* what it said when it was used up; "" */
+    bool ignores_cancel, limits_each;
+    sqlite_statement *idle[IDLE_MAX]; /* the oldest first */
+    uint32_t idle_count;
 };
 
 struct sqlite_statement {
     sqlite *owner;
     sqlite3_stmt *handle;
-    int bind_code; /* of the first bind that failed */
+    const char *columns; /* what its rows hold */
+    int bind_code;       /* of the first bind that failed */
 };
 
 /* ---- failures ---- */
@@ -78,6 +106,13 @@ static const char *advice(sqlite_trouble trouble)
 static mrt_result failed(sqlite *self, int code, error *err)
 {
     self->code = code;
+    if ((code & 255) == SQLITE_INTERRUPT && self->over_budget.text[0])
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s", self->path, self->over_budget.text);
+    if ((code & 255) == SQLITE_INTERRUPT)
+        return error_set(err, MRT_ERR_IO, "%s: stopped", self->path);
+    if (self->files.is_foreign)
+        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
+                         self->path);
     sqlite_trouble trouble = sqlite_trouble_of(self);
     const char *text = self->handle && sqlite3_errcode(self->handle) == (code & 255)
                            ? sqlite3_errmsg(self->handle)
@@ -101,6 +136,223 @@ static mrt_result result_of(sqlite *self, int code, error *err)
     return failed(self, code, err);
 }
 
+/* ---- the files that it may touch ---- */
+
+static guard *guard_of(sqlite3_vfs *vfs)
+{
+    return vfs->pAppData;
+}
+
+/* The file itself ("") or one of those that SQLite keeps beside it. */
+static bool is_own(const guard *self, const char *path, bool is_itself_too)
+{
+    size_t length = self->path ? strlen(self->path) : 0;
+    if (length == 0 || !path || strncmp(path, self->path, length) != 0)
+        return false;
+    const char *rest = path + length;
+    return (is_itself_too && !rest[0]) || strcmp(rest, "-journal") == 0 ||
+           strcmp(rest, "-wal") == 0;
+}
+
+/* Where something is, it must be a file: opening a pipe may wait for ever. */
+static bool may_be_opened(const char *path)
+{
+    struct stat status;
+    return lstat(path, &status) != 0 || S_ISREG(status.st_mode);
+}
+
+/* Before anything beside it is looked at: is it a show? */
+static int check_header(guard *self, sqlite3_file *file)
+{
+    static const char magic[16] = "SQLite format 3";
+    unsigned char header[HEADER_BYTES];
+    if (self->is_fresh)
+        return SQLITE_OK;
+    if (file->pMethods->xRead(file, header, HEADER_BYTES, 0) != SQLITE_OK ||
+        memcmp(header, magic, sizeof magic) != 0)
+        return SQLITE_NOTADB;
+    const unsigned char *id = header + HEADER_APPLICATION;
+    self->is_foreign = ((uint32_t)id[0] << 24 | (uint32_t)id[1] << 16 | (uint32_t)id[2] << 8 |
+                        id[3]) != SQLITE_APPLICATION;
+    return self->is_foreign ? SQLITE_NOTADB : SQLITE_OK;
+}
+
+static int open_main(guard *self, const char *path, sqlite3_file *file, int flags, int *out_flags)
+{
+    if (self->path) /* one is enough */
+        return SQLITE_CANTOPEN;
+    self->path = strdup(path);
+    int code =
+        self->path ? self->base->xOpen(self->base, path, file, flags, out_flags) : SQLITE_NOMEM;
+    if (code == SQLITE_OK)
+        code = check_header(self, file);
+    if (code != SQLITE_OK && file->pMethods) {
+        (void)file->pMethods->xClose(file);
+        file->pMethods = NULL;
+    }
+    return code;
+}
+
+/* A file without a name is a temporary one, made by SQLite where nobody else finds it. A journal
+ * may name another one as its master, which would be read and deleted: there is none. */
+static int guard_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *file, int flags,
+                      int *out_flags)
+{
+    guard *self = guard_of(vfs);
+    file->pMethods = NULL;
+    if (path && !may_be_opened(path))
+        return SQLITE_CANTOPEN;
+    if (path && flags & SQLITE_OPEN_MAIN_DB)
+        return open_main(self, path, file, flags, out_flags);
+    const int beside = SQLITE_OPEN_MAIN_JOURNAL | SQLITE_OPEN_WAL;
+    if (path && !(flags & beside && is_own(self, path, false)))
+        return SQLITE_CANTOPEN;
+    return self->base->xOpen(self->base, path, file, flags, out_flags);
+}
+
+static int guard_delete(sqlite3_vfs *vfs, const char *path, int sync_folder)
+{
+    guard *self = guard_of(vfs);
+    return is_own(self, path, false) ? self->base->xDelete(self->base, path, sync_folder)
+                                     : SQLITE_IOERR_DELETE;
+}
+
+static int guard_access(sqlite3_vfs *vfs, const char *path, int flags, int *out)
+{
+    guard *self = guard_of(vfs);
+    *out = 0;
+    return is_own(self, path, true) ? self->base->xAccess(self->base, path, flags, out) : SQLITE_OK;
+}
+
+static int guard_full_path(sqlite3_vfs *vfs, const char *path, int capacity, char *out)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xFullPathname(self->base, path, capacity, out);
+}
+
+static void *guard_library(sqlite3_vfs *vfs, const char *path)
+{
+    (void)vfs, (void)path;
+    return NULL;
+}
+
+static int guard_randomness(sqlite3_vfs *vfs, int size, char *out)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xRandomness(self->base, size, out);
+}
+
+static int guard_sleep(sqlite3_vfs *vfs, int time_us)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xSleep(self->base, time_us);
+}
+
+static int guard_time(sqlite3_vfs *vfs, double *out)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xCurrentTime(self->base, out);
+}
+
+static int guard_time_ms(sqlite3_vfs *vfs, sqlite3_int64 *out)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xCurrentTimeInt64(self->base, out);
+}
+
+static int guard_last_error(sqlite3_vfs *vfs, int capacity, char *out)
+{
+    guard *self = guard_of(vfs);
+    return self->base->xGetLastError(self->base, capacity, out);
+}
+
+/* Found by its name while the file is opened, and never again. */
+static int guard_init(guard *self, bool is_fresh)
+{
+    sqlite3_vfs *base = sqlite3_vfs_find(NULL);
+    if (!base)
+        return SQLITE_ERROR;
+    *self = (guard){.base = base, .is_fresh = is_fresh};
+    (void)snprintf(self->name, sizeof self->name, "show-%p", (void *)self);
+    self->vfs = (sqlite3_vfs){.iVersion = 2,
+                              .szOsFile = base->szOsFile,
+                              .mxPathname = base->mxPathname,
+                              .zName = self->name,
+                              .pAppData = self,
+                              .xOpen = guard_open,
+                              .xDelete = guard_delete,
+                              .xAccess = guard_access,
+                              .xFullPathname = guard_full_path,
+                              .xDlOpen = guard_library,
+                              .xRandomness = guard_randomness,
+                              .xSleep = guard_sleep,
+                              .xCurrentTime = guard_time,
+                              .xGetLastError = guard_last_error,
+                              .xCurrentTimeInt64 = guard_time_ms};
+    return sqlite3_vfs_register(&self->vfs, 0);
+}
+
+/* ---- what it may cost ---- */
+
+static bool is_cancelled(const sqlite *self)
+{
+    return !self->ignores_cancel && cancel_is_asked();
+}
+
+static int look(void *data)
+{
+    sqlite *self = data;
+    if (is_cancelled(self))
+        return 1;
+    return budget_spend_work(&self->left, OPCODES_A_LOOK, &self->over_budget) < 0;
+}
+
+static void refill(sqlite *self)
+{
+    self->left = budget_of(BUDGET_SHOW, self->file_size);
+    self->over_budget.text[0] = '\0';
+}
+
+void sqlite_limit_each(sqlite *self)
+{
+    self->limits_each = true;
+    refill(self);
+}
+
+void sqlite_limit_all(sqlite *self)
+{
+    self->limits_each = false;
+    refill(self);
+}
+
+void sqlite_expect(sqlite *self, uint64_t file_size)
+{
+    self->file_size = file_size;
+    refill(self);
+}
+
+void sqlite_ignore_cancel(sqlite *self)
+{
+    self->ignores_cancel = true;
+}
+
+mrt_result sqlite_spend(sqlite *self, uint64_t steps, error *err)
+{
+    if (budget_spend_work(&self->left, steps, &self->over_budget) >= 0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_FORMAT, "%s: %s", self->path, self->over_budget.text);
+}
+
+const char *sqlite_path(const sqlite *self)
+{
+    return self->path;
+}
+
+uint64_t sqlite_file_size(const sqlite *self)
+{
+    return self->file_size;
+}
+
 /* ---- opening ---- */
 
 /* "file:" and the path with every byte that means something in a URI as %xx. */
@@ -121,24 +373,51 @@ static char *uri_of(const char *path, bool frozen)
     return uri;
 }
 
-static int configure(sqlite3 *handle)
+static int configure(sqlite *self)
 {
     static const struct setting {
         int option, value;
-    } settings[] = {
-        {SQLITE_DBCONFIG_DEFENSIVE, 1},      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
-        {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
-        {SQLITE_DBCONFIG_ENABLE_FKEY, 1},    {SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0},
-    };
+    } settings[] =
+        {
+            {SQLITE_DBCONFIG_DEFENSIVE, 1},      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+            {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, {SQLITE_DBCONFIG_ENABLE_VIEW, 0},
+            {SQLITE_DBCONFIG_ENABLE_FKEY, 1},    {SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0},
+            {SQLITE_DBCONFIG_DQS_DDL, 0},        {SQLITE_DBCONFIG_DQS_DML, 0},
+        },
+      limits[] = {
+          {SQLITE_LIMIT_LENGTH, VALUE_BYTES_MAX},
+          {SQLITE_LIMIT_SQL_LENGTH, SQL_BYTES_MAX},
+          {SQLITE_LIMIT_ATTACHED, 0},
+          {SQLITE_LIMIT_COLUMN, 100},
+          {SQLITE_LIMIT_EXPR_DEPTH, 100},
+          {SQLITE_LIMIT_COMPOUND_SELECT, 10},
+          {SQLITE_LIMIT_VDBE_OP, 25000},
+          {SQLITE_LIMIT_FUNCTION_ARG, 10},
+          {SQLITE_LIMIT_LIKE_PATTERN_LENGTH, 50},
+          {SQLITE_LIMIT_VARIABLE_NUMBER, 32},
+          {SQLITE_LIMIT_TRIGGER_DEPTH, 1},
+      };
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; ++i) {
-        int code = sqlite3_db_config(handle, settings[i].option, settings[i].value, NULL);
+        int code = sqlite3_db_config(self->handle, settings[i].option, settings[i].value, NULL);
         if (code != SQLITE_OK)
             return code;
     }
-    sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, VALUE_BYTES_MAX);
-    sqlite3_limit(handle, SQLITE_LIMIT_SQL_LENGTH, SQL_BYTES_MAX);
-    sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 1);
-    return sqlite3_busy_timeout(handle, BUSY_MS);
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i)
+        sqlite3_limit(self->handle, limits[i].option, limits[i].value);
+    sqlite3_progress_handler(self->handle, OPCODES_A_LOOK, look, self);
+    int code = sqlite3_exec(self->handle, "PRAGMA cell_size_check = ON", NULL, NULL, NULL);
+    return code == SQLITE_OK ? sqlite3_busy_timeout(self->handle, BUSY_MS) : code;
+}
+
+static uint64_t measure(const char *path)
+{
+    char log[4096];
+    struct stat status;
+    uint64_t size = stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0;
+    (void)snprintf(log, sizeof log, "%s-wal", path);
+    if (stat(log, &status) == 0 && status.st_size > 0)
+        size += (uint64_t)status.st_size;
+    return size;
 }
 
 static int open_handle(sqlite *self, sqlite_mode mode)
@@ -153,36 +432,70 @@ static int open_handle(sqlite *self, sqlite_mode mode)
     if (!uri)
         return SQLITE_NOMEM;
     int flags = mode_flags[mode] | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_EXRESCODE;
-    int code = sqlite3_open_v2(uri, &self->handle, flags, NULL);
+    int code = guard_init(&self->files, mode == SQLITE_MODE_MAKE);
+    if (code == SQLITE_OK) {
+        code = sqlite3_open_v2(uri, &self->handle, flags, self->files.name);
+        (void)sqlite3_vfs_unregister(&self->files.vfs);
+    }
     free(uri);
-    return code == SQLITE_OK ? configure(self->handle) : code;
+    self->file_size = measure(self->path);
+    refill(self);
+    return code == SQLITE_OK ? configure(self) : code;
+}
+
+static mrt_result allocate(sqlite **out, const char *path, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (*out)
+        (*out)->path = strdup(path);
+    if (*out && (*out)->path)
+        return MRT_OK;
+    free(*out);
+    *out = NULL;
+    return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+}
+
+static mrt_result opened(sqlite **out, int code, error *err)
+{
+    mrt_result result = result_of(*out, code, err);
+    if (result < 0) {
+        sqlite_close(*out);
+        *out = NULL;
+    }
+    return result;
 }
 
 mrt_result sqlite_open(sqlite **out, const char *path, sqlite_mode mode, error *err)
 {
-    *out = NULL;
-    sqlite *self = calloc(1, sizeof *self);
-    if (!self)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    self->path = strdup(path);
-    if (!self->path) {
-        free(self);
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    }
-    mrt_result result = result_of(self, open_handle(self, mode), err);
-    if (result < 0) {
-        sqlite_close(self);
+    mrt_result result = allocate(out, path, err);
+    return result < 0 ? result : opened(out, open_handle(*out, mode), err);
+}
+
+mrt_result sqlite_open_memory(sqlite **out, error *err)
+{
+    mrt_result result = allocate(out, "memory", err);
+    if (result < 0)
         return result;
-    }
-    *out = self;
-    return MRT_OK;
+    refill(*out);
+    int code = sqlite3_open_v2(":memory:", &(*out)->handle,
+                               SQLITE_OPEN_READWRITE | SQLITE_OPEN_EXRESCODE, NULL);
+    return opened(out, code == SQLITE_OK ? configure(*out) : code, err);
+}
+
+static void destroy(sqlite_statement *statement)
+{
+    (void)sqlite3_finalize(statement->handle);
+    free(statement);
 }
 
 void sqlite_close(sqlite *self)
 {
     if (!self)
         return;
+    for (uint32_t i = 0; i < self->idle_count; ++i)
+        destroy(self->idle[i]);
     sqlite3_close(self->handle);
+    free(self->files.path);
     free(self->path);
     free(self);
 }
@@ -208,27 +521,56 @@ mrt_result sqlite_end(sqlite *self, mrt_result result, error *err)
     return result;
 }
 
-mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql, error *err)
+/* One that was used before and says the same. */
+static sqlite_statement *take_idle(sqlite *self, const char *sql)
 {
+    for (uint32_t i = self->idle_count; i-- > 0;) {
+        sqlite_statement *found = self->idle[i];
+        if (strcmp(sqlite3_sql(found->handle), sql) != 0)
+            continue;
+        memmove(self->idle + i, self->idle + i + 1,
+                (--self->idle_count - i) * sizeof self->idle[0]);
+        return found;
+    }
+    return NULL;
+}
+
+mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql,
+                          const char *columns, error *err)
+{
+    *out = take_idle(self, sql);
+    if (*out) {
+        (*out)->columns = columns;
+        return MRT_OK;
+    }
     *out = calloc(1, sizeof **out);
     if (!*out)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", self->path);
     (*out)->owner = self;
+    (*out)->columns = columns;
     int code =
         sqlite3_prepare_v3(self->handle, sql, -1, SQLITE_PREPARE_PERSISTENT, &(*out)->handle, NULL);
     if (code == SQLITE_OK)
         return MRT_OK;
-    sqlite_finish(*out);
+    destroy(*out);
     *out = NULL;
     return failed(self, code, err);
 }
 
+/* It may be asked for again. */
 void sqlite_finish(sqlite_statement *statement)
 {
     if (!statement)
         return;
-    (void)sqlite3_finalize(statement->handle);
-    free(statement);
+    sqlite *self = statement->owner;
+    (void)sqlite3_reset(statement->handle);
+    (void)sqlite3_clear_bindings(statement->handle);
+    statement->bind_code = SQLITE_OK;
+    if (self->idle_count == IDLE_MAX) {
+        destroy(self->idle[0]);
+        memmove(self->idle, self->idle + 1, --self->idle_count * sizeof self->idle[0]);
+    }
+    self->idle[self->idle_count++] = statement;
 }
 
 static int bind_one(sqlite3_stmt *handle, int index, char kind, va_list *arguments)
@@ -258,6 +600,8 @@ static int bind_one(sqlite3_stmt *handle, int index, char kind, va_list *argumen
 static void bind_all(sqlite_statement *statement, const char *format, va_list *arguments)
 {
     sqlite_reset(statement);
+    if (statement->owner->limits_each)
+        refill(statement->owner);
     statement->bind_code = SQLITE_OK;
     for (int i = 0; format[i] && statement->bind_code == SQLITE_OK; ++i)
         statement->bind_code = bind_one(statement->handle, i + 1, format[i], arguments);
@@ -271,16 +615,72 @@ void sqlite_bind(sqlite_statement *statement, const char *format, ...)
     va_end(arguments);
 }
 
+static bool is_of_kind(sqlite3_stmt *row, int column, char kind)
+{
+    const int type = sqlite3_column_type(row, column);
+    switch (kind) {
+    case 'I':
+        return type == SQLITE_INTEGER || type == SQLITE_NULL;
+    case 'i':
+        return type == SQLITE_INTEGER;
+    case 'F':
+    case 'D':
+        if (type == SQLITE_NULL)
+            return true;
+        return (type == SQLITE_FLOAT || type == SQLITE_INTEGER) &&
+               (kind == 'D' || isfinite(sqlite3_column_double(row, column)));
+    case 'f':
+    case 'd':
+        return (type == SQLITE_FLOAT || type == SQLITE_INTEGER) &&
+               (kind == 'd' || isfinite(sqlite3_column_double(row, column)));
+    case 'T':
+        return type == SQLITE_TEXT || type == SQLITE_NULL;
+    case 't':
+        return type == SQLITE_TEXT;
+    case 'B':
+        return type == SQLITE_BLOB || type == SQLITE_NULL;
+    case 'b':
+        return type == SQLITE_BLOB;
+    default:
+        return kind == '*';
+    }
+}
+
+/* SQLite's tables keep any value in any column, whatever they were declared as. */
+static mrt_result check_row(sqlite_statement *statement, error *err)
+{
+    sqlite3_stmt *row = statement->handle;
+    const int count = sqlite3_column_count(row);
+    for (int i = 0; i < count; ++i) {
+        const char kind = statement->columns[0] == '*' ? '*' : statement->columns[i];
+        if (is_of_kind(row, i, kind))
+            continue;
+        statement->owner->code = SQLITE_CORRUPT;
+        mrt_result result =
+            error_set(err, MRT_ERR_FORMAT, "%s: is damaged: a value of \"%.60s\" is no %s",
+                      statement->owner->path, sqlite3_column_name(row, i),
+                      strchr("tT", kind)   ? "text"
+                      : strchr("bB", kind) ? "blob"
+                                           : "number");
+        (void)sqlite3_reset(row);
+        return result;
+    }
+    return MRT_OK;
+}
+
 mrt_result sqlite_step(sqlite_statement *statement, error *err)
 {
+    sqlite *self = statement->owner;
     int code = statement->bind_code;
+    if (code == SQLITE_OK && is_cancelled(self))
+        code = SQLITE_INTERRUPT;
     if (code == SQLITE_OK)
         code = sqlite3_step(statement->handle);
     if (code == SQLITE_ROW || code == SQLITE_DONE) {
-        statement->owner->code = SQLITE_OK;
-        return code == SQLITE_ROW ? MRT_OK : MRT_END;
+        self->code = SQLITE_OK;
+        return code == SQLITE_DONE ? MRT_END : check_row(statement, err);
     }
-    mrt_result result = failed(statement->owner, code, err);
+    mrt_result result = failed(self, code, err);
     (void)sqlite3_reset(statement->handle);
     return result;
 }
@@ -299,9 +699,9 @@ void sqlite_reset(sqlite_statement *statement)
 }
 
 mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err, const char *sql,
-                        const char *format, ...)
+                        const char *columns, const char *format, ...)
 {
-    mrt_result result = sqlite_prepare(self, out, sql, err);
+    mrt_result result = sqlite_prepare(self, out, sql, columns, err);
     if (result < 0)
         return result;
     va_list arguments;
@@ -314,7 +714,7 @@ mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err, const 
 mrt_result sqlite_change(sqlite *self, error *err, const char *sql, const char *format, ...)
 {
     sqlite_statement *statement;
-    mrt_result result = sqlite_prepare(self, &statement, sql, err);
+    mrt_result result = sqlite_prepare(self, &statement, sql, "", err);
     if (result < 0)
         return result;
     va_list arguments;
@@ -336,7 +736,29 @@ double sqlite_double(sqlite_statement *statement, int column)
     return sqlite3_column_double(statement->handle, column);
 }
 
-const char *sqlite_text(sqlite_statement *statement, int column)
+static text_view text_of(sqlite_statement *statement, int column)
+{
+    const unsigned char *text = sqlite3_column_text(statement->handle, column);
+    int size = text ? sqlite3_column_bytes(statement->handle, column) : 0;
+    return text_view_of(text ? (const char *)text : "", size > 0 ? (size_t)size : 0);
+}
+
+void sqlite_text(sqlite_statement *statement, int column, char *out, size_t capacity)
+{
+    text_copy(out, capacity, text_of(statement, column));
+}
+
+char *sqlite_text_copy(sqlite_statement *statement, int column)
+{
+    text_view text = text_of(statement, column);
+    size_t capacity = (size_t)(text.end - text.at) + 1;
+    char *out = malloc(capacity);
+    if (out)
+        text_copy(out, capacity, text);
+    return out;
+}
+
+const char *sqlite_exact_text(sqlite_statement *statement, int column)
 {
     const unsigned char *text = sqlite3_column_text(statement->handle, column);
     return text ? (const char *)text : "";
@@ -348,6 +770,11 @@ const uint8_t *sqlite_blob(sqlite_statement *statement, int column, size_t *out_
     const uint8_t *bytes = sqlite3_column_blob(statement->handle, column);
     *out_size = bytes ? (size_t)sqlite3_column_bytes(statement->handle, column) : 0;
     return bytes ? bytes : nothing;
+}
+
+bool sqlite_is(sqlite_statement *statement, int column, char kind)
+{
+    return is_of_kind(statement->handle, column, kind);
 }
 
 bool sqlite_is_null(sqlite_statement *statement, int column)
@@ -369,7 +796,7 @@ mrt_result sqlite_number(sqlite *self, const char *sql, int64_t fallback, int64_
 {
     sqlite_statement *statement;
     *out = fallback;
-    mrt_result result = sqlite_prepare(self, &statement, sql, err);
+    mrt_result result = sqlite_query(self, &statement, err, sql, "I", "");
     if (result < 0)
         return result;
     result = sqlite_step(statement, err);

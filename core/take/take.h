@@ -40,9 +40,9 @@ typedef enum take_event_kind {                        /* numbers are stored: nev
                                TAKE_EVENT_REZERO = 2, /* hand: a quick re-zero was asked for */
                                TAKE_EVENT_WENT = 3,   /* track: its device went away */
                                TAKE_EVENT_CAME = 4,   /* track: it came back */
-                               TAKE_EVENT_LOST =
-                                   5, /* track, value: so many samples could not be recorded */
-                               TAKE_EVENT_MARK = 6 /* text: somebody marked this instant */
+                               TAKE_EVENT_LOST = 5, /* value: so many samples of the track could not
+                                                       be recorded; text "events": so many events */
+                               TAKE_EVENT_MARK = 6  /* text: somebody marked this instant */
 } take_event_kind;
 typedef struct take_event {
     int64_t time_ns;

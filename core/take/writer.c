@@ -36,7 +36,8 @@ void writer_sample(writer *self, int64_t track, const mrt_sample *sample)
 void writer_event(writer *self, const take_event *event)
 {
     writer_record r = {.kind = WRITER_RECORD_EVENT, .of.event = *event};
-    (void)spool_push(self->ring, &r);
+    if (!spool_push(self->ring, &r))
+        atomic_fetch_add_explicit(&self->ring_lost_events, 1, memory_order_relaxed);
 }
 
 void *writer_checkpoint_buffer(writer *self)
@@ -406,6 +407,7 @@ writer_status writer_status_of(const writer *self)
         .backlog = atomic_load(&self->given_samples) - atomic_load(&self->taken_samples),
         .committed_count = atomic_load(&self->committed_count),
         .lost_count = atomic_load(&self->lost_count),
+        .lost_event_count = atomic_load(&self->lost_event_count),
         .held_bytes = atomic_load(&self->held_bytes),
         .committed_ns = atomic_load(&self->committed_ns),
     };
@@ -427,6 +429,11 @@ void writer_message(writer *self, char *out, size_t capacity)
     else if (status.lost_count > 0)
         (void)snprintf(out, capacity, "%s: %llu samples were lost", show_path(self->of),
                        (unsigned long long)status.lost_count);
+    else if (status.lost_event_count > 0)
+        (void)snprintf(out, capacity,
+                       "%s: %llu changes of parameters were lost: what follows them is performed "
+                       "otherwise than it was seen",
+                       show_path(self->of), (unsigned long long)status.lost_event_count);
     else
         (void)snprintf(out, capacity, "%s", "");
     pthread_mutex_unlock(&self->lock);

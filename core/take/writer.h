@@ -86,12 +86,13 @@ typedef enum writer_state {
 } writer_state;
 typedef struct writer_status {
     writer_state state;
-    bool is_missing;          /* show_is_missing() */
-    uint32_t backlog;         /* samples that are not committed */
-    uint64_t committed_count; /* samples since writer_start that are in the show */
-    uint64_t lost_count;      /* samples since then that were lost: memory ran out too */
-    size_t held_bytes;        /* of memory, waiting to be written */
-    int64_t committed_ns;     /* host clock of the newest sample that is committed */
+    bool is_missing;           /* show_is_missing() */
+    uint32_t backlog;          /* samples that are not committed */
+    uint64_t committed_count;  /* samples since writer_start that are in the show */
+    uint64_t lost_count;       /* samples since then that were lost: memory ran out too */
+    uint64_t lost_event_count; /* events, changes of parameters above all */
+    size_t held_bytes;         /* of memory, waiting to be written */
+    int64_t committed_ns;      /* host clock of the newest sample that is committed */
 } writer_status;
 writer_status writer_status_of(const writer *self);
 /* [main] What is wrong, in one line for the person in front of it; "" when nothing is. */

@@ -3,11 +3,13 @@
 
 #include "base/clock.h"
 
+#include <stdio.h>
+
 static const int64_t journal_step_ns = NS_PER_S;
 
 bool writer_commit_is_due(const writer *self)
 {
-    if (self->pending.first || self->ring_lost_untold > 0)
+    if (self->pending.first || self->ring_lost_untold > 0 || self->events_lost_untold > 0)
         return true;
     for (uint32_t i = 0; i < self->track_slots; ++i)
         if (self->track[i].count > self->track[i].committed_count || self->track[i].lost_count > 0)
@@ -15,18 +17,22 @@ bool writer_commit_is_due(const writer *self)
     return false;
 }
 
-static mrt_result tell_loss(writer *self, int64_t track, uint32_t count, error *err)
+static mrt_result tell_loss(writer *self, int64_t track, uint32_t count, const char *of, error *err)
 {
     if (count == 0)
         return MRT_OK;
     take_event event = {.kind = TAKE_EVENT_LOST, .track = track, .value = (double)count};
     event.time_ns = writer_show_ns(self, self->newest_ns);
+    (void)snprintf(event.text, sizeof event.text, "%s", of);
     return show_event_insert(self->store.db, &event, err);
 }
 
-static mrt_result put_tracks(writer *self, error *err)
+/* *out_failed: the track that failed, where it was one. */
+static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err)
 {
-    mrt_result result = tell_loss(self, 0, self->ring_lost_untold, err);
+    mrt_result result = tell_loss(self, 0, self->ring_lost_untold, "", err);
+    if (result >= 0)
+        result = tell_loss(self, 0, self->events_lost_untold, "events", err);
     for (uint32_t i = 0; i < self->track_slots && result >= 0; ++i) {
         writer_track *track = &self->track[i];
         if (track->count > track->committed_count) {
@@ -35,15 +41,18 @@ static mrt_result put_tracks(writer *self, error *err)
             result = writer_track_put(track, &self->store, err);
         }
         if (result >= 0)
-            result = tell_loss(self, track->id, track->lost_count, err);
+            result = tell_loss(self, track->id, track->lost_count, "", err);
+        *out_failed = result < 0 ? track : NULL;
     }
     return result;
 }
 
-/* *out_failed: the job that failed, where it was one. */
-static mrt_result put_all(writer *self, writer_job **out_failed, error *err)
+/* *out_failed, *out_failed_track: the job or the track that failed, where it was one. */
+static mrt_result put_all(writer *self, writer_job **out_failed, writer_track **out_failed_track,
+                          error *err)
 {
     *out_failed = NULL;
+    *out_failed_track = NULL;
     mrt_result result = sqlite_begin(self->store.db, err);
     if (result < 0)
         return result;
@@ -52,7 +61,7 @@ static mrt_result put_all(writer *self, writer_job **out_failed, error *err)
         *out_failed = result < 0 ? job : NULL;
     }
     if (result >= 0)
-        result = put_tracks(self, err);
+        result = put_tracks(self, out_failed_track, err);
     return sqlite_end(self->store.db, result, err);
 }
 
@@ -85,7 +94,7 @@ static void settle(writer *self)
         track->committed_count = track->count;
         track->lost_count = 0;
     }
-    self->ring_lost_untold = 0;
+    self->ring_lost_untold = self->events_lost_untold = 0;
     spool_settle(self->ring);
 }
 
@@ -108,13 +117,11 @@ static void drop_job(writer *self, writer_job *bad)
     self->pending = kept;
 }
 
-static void drop_unknown_tracks(writer *self)
+/* Neither must a track that the show has no row of. */
+static void drop_track(writer *self, writer_track *bad)
 {
-    for (uint32_t i = 0; i < self->track_slots; ++i)
-        if (self->track[i].count > self->track[i].committed_count) {
-            writer_in_lose(self, NULL, self->track[i].count - self->track[i].committed_count);
-            writer_track_finish(&self->track[i]);
-        }
+    writer_in_lose(self, NULL, bad->count - bad->committed_count);
+    writer_track_finish(bad);
 }
 
 static void report(writer *self, mrt_result result, const error *err)
@@ -139,16 +146,17 @@ mrt_result writer_commit(writer *self)
     mrt_result result = MRT_OK, refusal = MRT_OK;
     while (writer_commit_is_due(self)) {
         writer_job *failed;
-        result = put_all(self, &failed, &err);
+        writer_track *failed_track;
+        result = put_all(self, &failed, &failed_track, &err);
         if (result >= 0) {
             settle(self);
-        } else if (result == MRT_ERR_ARGUMENT) {
+        } else if (result == MRT_ERR_ARGUMENT && (failed || failed_track)) {
             refusal = result;
             refused = err;
             if (failed)
                 drop_job(self, failed);
             else
-                drop_unknown_tracks(self);
+                drop_track(self, failed_track);
         } else {
             break;
         }

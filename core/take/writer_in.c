@@ -102,12 +102,20 @@ static void take_sample(writer *self, int64_t id, const mrt_sample *sample)
     self->has_newest = true;
 }
 
+static void lose_events(writer *self, uint32_t count)
+{
+    self->events_lost_untold += count;
+    atomic_fetch_add(&self->lost_event_count, count);
+}
+
 static void take_event_in(writer *self, const take_event *event)
 {
     bool is_fit = has_memory(self) && writer_track_is_time(event->time_ns);
     writer_job *job = is_fit ? writer_job_create(WRITER_JOB_EVENT) : NULL;
-    if (!job)
+    if (!job) {
+        lose_events(self, 1);
         return;
+    }
     job->of.event = *event;
     job->of.event.time_ns = writer_show_ns(self, event->time_ns);
     hold(self, job);
@@ -199,6 +207,9 @@ static void count_ring_losses(writer *self)
     self->ring_lost_untold += lost - self->ring_lost_seen;
     writer_in_lose(self, NULL, lost - self->ring_lost_seen);
     self->ring_lost_seen = lost;
+    lost = atomic_load(&self->ring_lost_events);
+    lose_events(self, lost - self->events_lost_seen);
+    self->events_lost_seen = lost;
 }
 
 /* What is asked is looked at after the records were staged: so a track, asked for before its first

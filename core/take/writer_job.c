@@ -92,7 +92,7 @@ mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, 
                                 "INSERT INTO chunk(id, track, from_ns, to_ns, bytes)"
                                 "VALUES(?, ?, ?, ?, ?) ON CONFLICT(id) DO UPDATE"
                                 " SET to_ns = excluded.to_ns, bytes = excluded.bytes",
-                                err);
+                                "", err);
     if (result < 0)
         writer_store_close(out);
     return result;
@@ -128,8 +128,8 @@ static mrt_result end_performance(sqlite *db, int64_t time_ns, error *err)
 static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t from_ns, error *err)
 {
     sqlite_statement *takes;
-    mrt_result result =
-        sqlite_query(db, &takes, err, "SELECT id, start_ns FROM take WHERE end_ns IS NULL", "");
+    mrt_result result = sqlite_query(
+        db, &takes, err, "SELECT id, start_ns FROM take WHERE end_ns IS NULL", "ii", "");
     if (result < 0)
         return result;
     while ((result = sqlite_step(takes, err)) == MRT_OK) {
@@ -205,7 +205,7 @@ static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int
                                      "SELECT id, MAX(from_ns, ?1), MIN(COALESCE(to_ns, ?2), ?2)"
                                      " FROM performance WHERE from_ns < ?2"
                                      " AND COALESCE(to_ns, ?2) > ?1 ORDER BY from_ns",
-                                     "ii", from_ns, to_ns);
+                                     "iii", "ii", from_ns, to_ns);
     if (result < 0)
         return result;
     while ((result = sqlite_step(performances, err)) == MRT_OK) {

@@ -30,7 +30,7 @@ static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, e
     mrt_result result = sqlite_query(self->store.db, &last, err,
                                      "SELECT bytes FROM chunk WHERE track = ? "
                                      "ORDER BY from_ns DESC, id DESC LIMIT 1",
-                                     "i", id);
+                                     "b", "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(last, err);
@@ -59,7 +59,7 @@ static mrt_result add_track(leftover *self, int64_t id, leftover_track **out, er
     if (self->track_count == WRITER_TRACKS_MAX)
         return MRT_OK;
     mrt_result result = sqlite_query(self->store.db, &channels, err,
-                                     "SELECT COUNT(*) FROM channel WHERE track = ?", "i", id);
+                                     "SELECT COUNT(*) FROM channel WHERE track = ?", "i", "i", id);
     if (result < 0)
         return result;
     result = sqlite_step(channels, err);
@@ -130,7 +130,7 @@ static mrt_result take_event_once(leftover *self, const take_event *given, error
     mrt_result result = sqlite_query(self->store.db, &same, err,
                                      "SELECT 1 FROM event WHERE time_ns = ? AND kind = ?"
                                      " AND track = ? AND param = ? AND value = ?",
-                                     "iiiid", event.time_ns, (int64_t)event.kind, event.track,
+                                     "i", "iiiid", event.time_ns, (int64_t)event.kind, event.track,
                                      (int64_t)event.param, event.value);
     if (result < 0)
         return result;

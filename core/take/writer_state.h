@@ -48,7 +48,7 @@ struct writer {
     spool *ring;
     uint8_t *checkpoint[WRITER_CHECKPOINTS];
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
-    _Atomic uint32_t ring_lost_samples, given_samples;
+    _Atomic uint32_t ring_lost_samples, ring_lost_events, given_samples;
 
     _Atomic uint32_t track_count; /* [main], and who records */
 
@@ -74,11 +74,12 @@ struct writer {
     bool has_newest;
     writer_jobs ending;                        /* tracks that end once the ring is empty */
     uint32_t ring_lost_seen, ring_lost_untold; /* of ring_lost_samples */
+    uint32_t events_lost_seen, events_lost_untold;
     writer_record staged[WRITER_STAGED];
 
     /* [any] */
     _Atomic int32_t state;
-    _Atomic uint64_t committed_count, lost_count;
+    _Atomic uint64_t committed_count, lost_count, lost_event_count;
     _Atomic uint32_t taken_samples; /* committed or lost */
     _Atomic size_t held_bytes;
     _Atomic int64_t committed_ns;

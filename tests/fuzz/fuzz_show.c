@@ -61,7 +61,7 @@ static void read_performance(show *s, int64_t id)
     show_checkpoint checkpoint;
     if (show_performance_read(s, id, &performance, &err) >= 0)
         show_performance_finish(&performance);
-    if (show_checkpoint_before(s, id, INT64_MAX, &checkpoint, &err) >= 0)
+    if (show_checkpoint_before(s, id, INT64_MAX, 0, &checkpoint, &err) >= 0)
         show_checkpoint_finish(&checkpoint);
 }
 

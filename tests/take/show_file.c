@@ -455,25 +455,6 @@ static void a_replaced_file_is_noticed(void **state)
     show_close(got);
 }
 
-/* ---- what a hostile file may not do ---- */
-
-static void nothing_in_a_file_runs(void **state)
-{
-    scene *s = *state;
-    error err = {""};
-    show *got;
-    int64_t track = record_some(s->path, 10);
-    run_sql(s->path, "CREATE TRIGGER evil AFTER INSERT ON track BEGIN DELETE FROM chunk; END");
-    scene_must(show_open(&got, s->path, SHOW_WRITE, &err), &err);
-    writer_options options = scene_options();
-    scene_recording r;
-    scene_record(&r, got, &options);
-    scene_give(&r, 0, 10);
-    scene_stop(&r);
-    scene_expect(got, track, 0, 10);
-    show_close(got);
-}
-
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(void)
@@ -492,7 +473,6 @@ int main(void)
         TEST(a_newer_show_opens_for_reading_if_it_can_be_read),
         TEST(recording_goes_on_into_a_deleted_file_and_can_be_rescued),
         TEST(a_replaced_file_is_noticed),
-        TEST(nothing_in_a_file_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

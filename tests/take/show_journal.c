@@ -214,18 +214,18 @@ static void a_checkpoint_shortens_what_a_take_needs(void **state)
         0);
     show_checkpoint got;
     scene_must(
-        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 28 * NS_PER_S, &got, &err),
+        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 28 * NS_PER_S, 0, &got, &err),
         &err);
     assert_int_equal(got.time_ns, scene_utc_ns + 25 * NS_PER_S);
     show_checkpoint_finish(&got);
     /* The ring itself begins at a checkpoint, so that all of it can be kept and replayed. */
     scene_must(
-        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 49 * NS_PER_S, &got, &err),
+        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 49 * NS_PER_S, 0, &got, &err),
         &err);
     assert_int_equal(got.time_ns, scene_utc_ns + 45 * NS_PER_S);
     show_checkpoint_finish(&got);
     scene_must(
-        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 42 * NS_PER_S, &got, &err),
+        show_checkpoint_before(r.show, r.performance, scene_utc_ns + 42 * NS_PER_S, 0, &got, &err),
         &err);
     assert_int_equal(got.time_ns, scene_utc_ns + 30 * NS_PER_S); /* the take's last */
     show_checkpoint_finish(&got);

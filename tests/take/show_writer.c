@@ -305,14 +305,14 @@ static void events_and_checkpoints_come_back(void **state)
     assert_string_equal(events[1].text, "good one");
     free(events);
     show_checkpoint got;
-    scene_must(show_checkpoint_before(s, r.performance, scene_utc_ns + 2999, &got, &err), &err);
+    scene_must(show_checkpoint_before(s, r.performance, scene_utc_ns + 2999, 0, &got, &err), &err);
     assert_int_equal(got.time_ns, scene_utc_ns + 2000);
     assert_int_equal(got.version, 2);
     assert_int_equal(got.size, 5000);
     for (size_t i = 0; i < got.size; ++i)
         assert_int_equal(((uint8_t *)got.bytes)[i], 2);
     show_checkpoint_finish(&got);
-    scene_must(show_checkpoint_before(s, r.performance, scene_utc_ns + 999, &got, &err), &err);
+    scene_must(show_checkpoint_before(s, r.performance, scene_utc_ns + 999, 0, &got, &err), &err);
     assert_null(got.bytes);
     show_close(s);
 }

@@ -25,7 +25,7 @@ static bool exists(const char *path)
 
 static mrt_result open_or_make(show **out, const char *path, error *err)
 {
-    return exists(path) ? show_open(out, path, SHOW_WRITE, err) : show_create(out, path, err);
+    return exists(path) ? show_open(out, path, SHOW_RECORD, err) : show_create(out, path, err);
 }
 
 /* The one of today, in the folder for documents. */
@@ -72,7 +72,7 @@ static mrt_result open_first_show(studio *self, const char *path, error *err)
             keep_show_path(self);
         return result;
     }
-    if (last && exists(last) && show_open(&self->show, last, SHOW_WRITE, &why) < 0)
+    if (last && exists(last) && show_open(&self->show, last, SHOW_RECORD, &why) < 0)
         (void)studio_said(self, MRT_ERR_IO, &why);
     if (!self->show && make_show(&self->show, &why) < 0)
         (void)studio_said(self, MRT_ERR_IO, &why);

@@ -474,6 +474,13 @@ static mrt_result take_up(source *self, const kept_parts *kept, composer *into, 
     return result;
 }
 
+/* Bytes of the largest state of this face. */
+static size_t most_kept(const source *self)
+{
+    const points *rest = face_rest(composer_face(self->world.scratch));
+    return SOURCE_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+}
+
 mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
                          error *err)
 {
@@ -482,7 +489,7 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
     if (!self->is_same_plugin || time_ns == INT64_MIN)
         return MRT_HOLD;
     mrt_result result = show_checkpoint_before(self->world.show, self->info.performance.id,
-                                               time_ns - 1, &kept, err);
+                                               time_ns - 1, most_kept(self), &kept, err);
     if (result == MRT_ERR_FORMAT)
         return MRT_HOLD; /* damaged: the samples themselves tell it too */
     if (result < 0)

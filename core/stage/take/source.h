@@ -18,7 +18,10 @@ typedef struct source_world {
 } source_world;
 
 /* How stored states are told from those of another way to keep them (show_checkpoint.version). */
-enum { SOURCE_CHECKPOINT_VERSION = 3 };
+enum {
+    SOURCE_CHECKPOINT_VERSION = 3,
+    SOURCE_CHECKPOINT_BYTES = 4 << 20 /* and what the face takes: no state is larger */
+};
 /* [frame] The state of a performance that is recorded, for source_recall: what its mapping was
  * taught, and of a performer that alone moves its face all that frames to come depend on; NULL:
  * others move it too. show_offset_ns: what its clock lacks to show time. Returns the size that it
