@@ -334,6 +334,7 @@ static void a_log_that_cannot_be_read_is_said(void **state)
 {
     scene *s = *state;
     record_some(s->path, 100);
+    assert_int_equal(chmod(s->path, 0644), 0);
     char log[SCENE_PATH + 8];
     snprintf(log, sizeof log, "%s-wal", s->path);
     write_file(log, "x", 1);
