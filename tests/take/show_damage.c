@@ -163,8 +163,8 @@ static void read_the_rest(const whole *w, show *s, outcome *out)
     show_performance_finish(&performance);
     for (int64_t n = 0; n < SAMPLES; n += 500) {
         show_checkpoint checkpoint;
-        result = show_checkpoint_before(s, w->performance, scene_utc_ns + n * scene_step_ns,
-                                        0, &checkpoint, &err);
+        result = show_checkpoint_before(s, w->performance, scene_utc_ns + n * scene_step_ns, 0,
+                                        &checkpoint, &err);
         note(out, result, &err);
         if (result >= 0 && checkpoint.bytes) {
             assert_int_equal(checkpoint.size, 20000);
