@@ -1,6 +1,7 @@
 /* marotte paper: the paper beside the program, on one page. */
 #include "paper/paper.h"
 
+#include "base/cancel.h"
 #include "base/clock.h"
 #include "base/isa.h"
 #include "base/pool.h"
@@ -11,8 +12,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,26 +36,9 @@ static const char help[] =
     "It takes a minute or two, and needs no display. On Ctrl-C, or when anything fails, what was\n"
     "there before is still there.\n";
 
-static _Atomic bool stop_asked;
-
-static void ask_stop(int number)
-{
-    (void)number;
-    atomic_store(&stop_asked, true);
-}
-
-static void catch_signals(void)
-{
-    struct sigaction action = {.sa_handler = ask_stop, .sa_flags = (int)SA_RESETHAND};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
 mrt_result paper_check_stop(error *err)
 {
-    return atomic_load(&stop_asked) ? error_set(err, MRT_ERR_IO, "stopped: nothing is written")
-                                    : MRT_OK;
+    return cancel_is_asked() ? error_set(err, MRT_ERR_IO, "stopped: nothing is written") : MRT_OK;
 }
 
 void paper_count(char out[32], double value)
@@ -300,7 +282,7 @@ static int run(int argc, char **argv)
         else
             return command_usage(&command_paper, "\"%s\" is no option%s", argv[i],
                                  strcmp(argv[i], "--out") == 0 ? " without a folder" : "");
-    catch_signals();
+    cancel_on_signals(CANCEL_WAITS, NULL);
     mrt_result result = make(&self, folder, &err);
     remove_unfinished(&self);
     page_destroy(self.page);

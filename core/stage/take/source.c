@@ -269,6 +269,13 @@ static bool take_apart(kept_parts *out, const show_checkpoint *kept)
     return true;
 }
 
+/* Bytes of the largest state of this face. */
+static size_t most_kept(const source *self)
+{
+    const points *rest = face_rest(composer_face(self->world.scratch));
+    return SOURCE_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+}
+
 /* As it was when the performance began: what a reset leads back to. */
 static mrt_result read_taught(source *self, error *err)
 {
@@ -278,7 +285,7 @@ static mrt_result read_taught(source *self, error *err)
     if (!plugin_interface(self->mapping.type, MRT_STATE))
         return MRT_OK;
     mrt_result result = show_checkpoint_before(self->world.show, p->again.of ? p->again.of : p->id,
-                                               self->info.from_ns, &kept, err);
+                                               self->info.from_ns, most_kept(self), &kept, err);
     if (result == MRT_ERR_FORMAT)
         log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
     else if (result < 0)
@@ -472,13 +479,6 @@ static mrt_result take_up(source *self, const kept_parts *kept, composer *into, 
     if (result >= 0)
         layer_shift_time(self->layer, kept->show_offset_ns);
     return result;
-}
-
-/* Bytes of the largest state of this face. */
-static size_t most_kept(const source *self)
-{
-    const points *rest = face_rest(composer_face(self->world.scratch));
-    return SOURCE_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
 
 mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
