@@ -1,9 +1,14 @@
-/* exports.h - frames out of the program, in the format that a file's name asks for. [main] */
+/* exports.h - frames out of the program, in the format that a file's name asks for: meshes from a
+ * clip when the performance is over, videos opened before it, fed with each frame, and the sound
+ * that belongs to them. [main] */
 #ifndef MAROTTE_UI_EXPORTS_H
 #define MAROTTE_UI_EXPORTS_H
 #include "facts.h"
 #include "io/export.h"
 #include "progress.h"
+#include "stage/composer.h"
+#include "take/show.h"
+#include "video.h"
 
 enum { EXPORTS_MAX = 16 };
 
@@ -27,8 +32,6 @@ typedef struct exports_file {
 extern const char exports_names[];
 /* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);
-/* Written frame by frame while it is performed (exports_video.h); all others from a clip. */
-bool exports_is_video(exports_format format);
 bool exports_need_clip(const exports_file *file, uint32_t count);
 
 /* A file that cannot be written is better known before an hour of performing. */
@@ -52,5 +55,35 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
 CHECKED mrt_result exports_write(const exports_file *file, uint32_t count, const clip *frames,
                                  const exports_settings *settings, progress *shown, facts *told,
                                  error *err);
+
+typedef struct exports_video {
+    video *video; /* NULL: no video is wanted */
+    video_file file[VIDEO_FILES_MAX];
+    uint32_t count;
+    video_look look;
+    bool is_told; /* that it has failed */
+} exports_video;
+
+/* The videos among the files. */
+void exports_video_choose(exports_video *out, const exports_file *file, uint32_t count,
+                          const video_look *look);
+const char *exports_video_mp4(const exports_video *self); /* the first one; NULL: none */
+CHECKED mrt_result exports_video_check(const exports_video *self, error *err);
+CHECKED mrt_result exports_video_open(exports_video *self, const video_settings *settings,
+                                      error *err);
+/* The face as drawn. Live, a failure is said once on stderr, and the performance goes on. */
+CHECKED mrt_result exports_video_add(exports_video *self, composer *from, error *err);
+CHECKED mrt_result exports_video_finish(exports_video *self, facts *told, error *err);
+/* Removes what is not finished. */
+void exports_video_close(exports_video *self);
+
+/* The sound of a range of a take as a WAV without a name of its own; to be removed. */
+CHECKED mrt_result exports_video_sound(char **out_path, show *s, const take *t, int64_t from_ns,
+                                       int64_t to_ns, const char *beside, progress *shown,
+                                       error *err);
+void exports_video_sound_remove(char *path); /* NULL is fine */
+/* Into the .mp4 files that are there already. */
+CHECKED mrt_result exports_video_add_sound(const exports_video *self, const char *sound,
+                                           error *err);
 
 #endif

@@ -2,7 +2,7 @@
 #include "base/cancel.h"
 #include "command.h"
 #include "constraint_cost.h"
-#include "exports_video.h"
+#include "exports.h"
 #include "facts.h"
 #include "keys.h"
 #include "news.h"

@@ -5,7 +5,7 @@
 #include "exports.h"
 #include "io/mesh_file.h"
 #include "stage/spec.h"
-#include "video_look.h"
+#include "video.h"
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 

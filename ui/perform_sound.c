@@ -1,6 +1,6 @@
 #include "perform_sound.h"
 #include "base/clock.h"
-#include "exports_video.h"
+#include "exports.h"
 #include "take/edit_store.h"
 
 #include <stdio.h>

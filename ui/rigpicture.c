@@ -1,6 +1,6 @@
 #include "rigpicture.h"
 
-#include "draw/easel.h"
+#include "draw/offscreen.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -34,7 +34,7 @@ typedef struct picture {
     const rig *r;
     const mesh *m;
     const binding *b;
-    easel easel;
+    offscreen offscreen;
     label *label; /* of one view */
     uint32_t label_count;
     draw_stroke *stroke;
@@ -217,15 +217,15 @@ static void place_column(picture *p, uint32_t first, uint32_t count, const uint3
                       (float)(rectangle[1] + rectangle[3]) - 3 * LABEL_SIZE);
     for (uint32_t i = 0; i < count; ++i) {
         const label *l = &p->label[first + i];
-        float width = draw_text_width(p->easel.renderer, l->name, LABEL_SIZE);
+        float width = draw_text_width(p->offscreen.renderer, l->name, LABEL_SIZE);
         float left = l->is_right ? (float)(rectangle[0] + rectangle[2]) - MARGIN - width
                                  : (float)rectangle[0] + MARGIN;
         float end[2] = {l->is_right ? left - 5.0f : left + width + 5.0f, y[i]};
         add_stroke(p, end, l->at, 1.4f, leader);
         add_stroke(p, l->at, l->at, 11.0f, rim);
         add_stroke(p, l->at, l->at, 7.5f, dot);
-        draw_text(p->easel.renderer, p->easel.target, l->name, left, y[i] - 0.55f * LABEL_SIZE,
-                  LABEL_SIZE, ink);
+        draw_text(p->offscreen.renderer, p->offscreen.target, l->name, left,
+                  y[i] - 0.55f * LABEL_SIZE, LABEL_SIZE, ink);
     }
 }
 
@@ -263,8 +263,8 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
     draw_camera camera = draw_camera_framing(low, high, 0.74f * aspect); /* room for labels */
     camera.yaw_rad = view->yaw_rad;
     camera.pitch_rad = view->pitch_rad;
-    draw_render(p->easel.renderer, p->easel.target, p->easel.face, &camera, rectangle[0],
-                rectangle[1], rectangle[2], rectangle[3]);
+    draw_render(p->offscreen.renderer, p->offscreen.target, p->offscreen.face, &camera,
+                rectangle[0], rectangle[1], rectangle[2], rectangle[3]);
     p->stroke_count = 0;
     draw_axis(p, &camera, rectangle);
     collect_labels(p, &camera, rectangle);
@@ -273,12 +273,12 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
         left_count += 1;
     place_column(p, 0, left_count, rectangle);
     place_column(p, left_count, p->label_count - left_count, rectangle);
-    draw_strokes(p->easel.renderer, p->easel.target, p->stroke, p->stroke_count);
+    draw_strokes(p->offscreen.renderer, p->offscreen.target, p->stroke, p->stroke_count);
     char words[64];
     const double degree = 57.29577951308232;
     (void)snprintf(words, sizeof words, "yaw %.0f°  pitch %.0f°", (double)view->yaw_rad * degree,
                    (double)view->pitch_rad * degree);
-    draw_text(p->easel.renderer, p->easel.target, words, (float)rectangle[0] + MARGIN,
+    draw_text(p->offscreen.renderer, p->offscreen.target, words, (float)rectangle[0] + MARGIN,
               (float)(rectangle[1] + rectangle[3]) - 30.0f, LABEL_SIZE, faint);
 }
 
@@ -294,28 +294,28 @@ static void draw_legend(picture *p)
     char words[160];
     (void)snprintf(words, sizeof words, "%s: what rides on which bone; pale: cannot be pulled",
                    p->r->name);
-    const float room = (float)p->easel.width - 2 * MARGIN;
-    easel_words(&p->easel, words, x, 10.0f, TITLE_SIZE, room, ink);
-    easel_words(&p->easel, p->about->made_from, x, MADE_TOP, MADE_SIZE, room, faint);
+    const float room = (float)p->offscreen.width - 2 * MARGIN;
+    offscreen_words(&p->offscreen, words, x, 10.0f, TITLE_SIZE, room, ink);
+    offscreen_words(&p->offscreen, p->about->made_from, x, MADE_TOP, MADE_SIZE, room, faint);
     p->stroke_count = 0;
     for (uint32_t i = 0; i < p->r->bone_count; ++i) {
         rigpicture_colour colour = rigpicture_bone_colour(p->r, i);
         float rgba[4] = {coded(colour.rgb[0]), coded(colour.rgb[1]), coded(colour.rgb[2]), 1.0f};
         float at[2] = {x + 0.5f * SWATCH, LEGEND_TOP + 0.6f * LEGEND_SIZE};
-        float width = draw_text_width(p->easel.renderer, p->r->bone[i].name, LEGEND_SIZE);
-        if (x + SWATCH + width + 40.0f > (float)p->easel.width)
+        float width = draw_text_width(p->offscreen.renderer, p->r->bone[i].name, LEGEND_SIZE);
+        if (x + SWATCH + width + 40.0f > (float)p->offscreen.width)
             break;
         add_stroke(p, at, at, SWATCH, rgba);
-        draw_text(p->easel.renderer, p->easel.target, p->r->bone[i].name, x + SWATCH + 6.0f,
+        draw_text(p->offscreen.renderer, p->offscreen.target, p->r->bone[i].name, x + SWATCH + 6.0f,
                   LEGEND_TOP, LEGEND_SIZE, faint);
         x += SWATCH + width + 30.0f;
     }
-    draw_strokes(p->easel.renderer, p->easel.target, p->stroke, p->stroke_count);
+    draw_strokes(p->offscreen.renderer, p->offscreen.target, p->stroke, p->stroke_count);
 }
 
 static void finish(picture *p)
 {
-    easel_finish(&p->easel);
+    offscreen_finish(&p->offscreen);
     free(p->label);
     free(p->stroke);
     free(p->number);
@@ -338,7 +338,7 @@ static mrt_result init(picture *p, uint32_t view_count, error *err)
                          "a picture of a rig and its names takes at least %u by %u pixels",
                          view_count * RIGPICTURE_HEADER, 2 * RIGPICTURE_HEADER);
     p->view_height = height - RIGPICTURE_HEADER;
-    return easel_init(&p->easel, p->m, width, height, err);
+    return offscreen_init(&p->offscreen, p->m, width, height, err);
 }
 
 mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
@@ -349,11 +349,11 @@ mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const
     mrt_result result = init(&p, view_count, err);
     if (result >= 0) {
         colour_vertices(&p);
-        draw_face_colour(p.easel.face, p.rgb);
+        draw_face_colour(p.offscreen.face, p.rgb);
         for (uint32_t i = 0; i < view_count; ++i)
             draw_view(&p, &view[i], i);
         draw_legend(&p);
-        result = easel_save(&p.easel, path, err);
+        result = offscreen_save(&p.offscreen, path, err);
     }
     finish(&p);
     return result;

@@ -1,6 +1,6 @@
 #include "rigportraits.h"
 
-#include "draw/easel.h"
+#include "draw/offscreen.h"
 
 #include <math.h>
 
@@ -128,19 +128,19 @@ rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t 
 }
 
 /* The title, and in two lines how to make it again. */
-static void write_header(easel *e, const rigportraits_grid *g, const rigportraits_about *about)
+static void write_header(offscreen *e, const rigportraits_grid *g, const rigportraits_about *about)
 {
     const float unit = (float)g->header, margin = header_margin * unit;
     const float width = (float)g->width - 2 * margin;
     const float title = fmaxf(title_size * unit, least_px);
     if (g->header == 0)
         return;
-    easel_words(e, about->title, margin, 0.5f * margin, title, width, ink);
-    easel_paragraph(e, about->made_from, margin, 0.5f * margin + easel_line_px(title),
-                    fmaxf(made_size * unit, least_px), width, 2, calm);
+    offscreen_words(e, about->title, margin, 0.5f * margin, title, width, ink);
+    offscreen_paragraph(e, about->made_from, margin, 0.5f * margin + offscreen_line_px(title),
+                        fmaxf(made_size * unit, least_px), width, 2, calm);
 }
 
-static mrt_result draw_portrait(easel *e, const rigportraits_grid *g, rigpose_stage *stage,
+static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rigpose_stage *stage,
                                 uint32_t pose, const draw_camera *camera, error *err)
 {
     mrt_result result = rigpose_show(stage, pose, err);
@@ -157,8 +157,8 @@ static mrt_result draw_portrait(easel *e, const rigportraits_grid *g, rigpose_st
     draw_render(e->renderer, e->target, e->face, camera, x, y, g->panel_width, g->panel_height);
     float width = fminf(draw_text_width(e->renderer, name, size), room);
     if ((float)g->caption >= size)
-        easel_words(e, name, (float)x + 0.5f * (panel - width),
-                    (float)(y + g->panel_height) + name_top * panel, size, room, ink);
+        offscreen_words(e, name, (float)x + 0.5f * (panel - width),
+                        (float)(y + g->panel_height) + name_top * panel, size, room, ink);
     return MRT_OK;
 }
 
@@ -171,15 +171,15 @@ mrt_result rigportraits_write(const char *path, rigpose_stage *stage,
         count = RIGPORTRAITS_MAX;
     const rigportraits_grid g = rigportraits_lay_out(count, about->width, about->height);
     draw_camera camera = rigportraits_frame_camera(frame);
-    easel e;
-    mrt_result result = easel_init(&e, stage->mesh, g.width, g.height, err);
+    offscreen e;
+    mrt_result result = offscreen_init(&e, stage->mesh, g.width, g.height, err);
     if (result < 0)
         return result;
     write_header(&e, &g, about);
     for (uint32_t i = 0; result >= 0 && i < count; ++i)
         result = draw_portrait(&e, &g, stage, i, &camera, err);
     if (result >= 0)
-        result = easel_save(&e, path, err);
-    easel_finish(&e);
+        result = offscreen_save(&e, path, err);
+    offscreen_finish(&e);
     return result;
 }

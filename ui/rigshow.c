@@ -2,7 +2,7 @@
 #include "rig.h"
 
 #include "rigportraits.h"
-#include "video_look.h"
+#include "video.h"
 #include "stage/face_file.h"
 
 #include "base/text.h"

@@ -4,8 +4,8 @@
 #include "base/cancel.h"
 #include "base/memory.h"
 #include "facts.h"
-#include "window/desk.h"
-#include "window/front.h"
+#include "window/workspace.h"
+#include "window/gui/window.h"
 #include "window/script.h"
 
 #include <errno.h>
@@ -20,7 +20,7 @@
 enum { INPUTS_MAX = 8, WIDTH = 1280, HEIGHT = 720, WARM_FRAMES = 120 };
 
 typedef struct stage_options {
-    studio_options studio;
+    app_options app;
     const char *input[INPUTS_MAX];
     uint32_t width, height; /* points; 0: as last time */
     double scale, seconds;
@@ -30,9 +30,9 @@ typedef struct stage_options {
 
 typedef struct stage {
     const stage_options *options;
-    studio *studio;
-    front *front;
-    desk *desk;
+    app *app;
+    window *window;
+    workspace *workspace;
     script *script;
     uint64_t sample_count;
     double warm_mb, end_mb;
@@ -96,16 +96,16 @@ static int read_option(stage_options *out, int option, const char *value)
 {
     switch (option) {
     case OPTION_FACE:
-        out->studio.face_path = value;
+        out->app.face_path = value;
         return COMMAND_DONE;
     case OPTION_MAP:
-        out->studio.mapping = value;
+        out->app.mapping = value;
         return COMMAND_DONE;
     case OPTION_INPUT:
-        if (out->studio.input_count == INPUTS_MAX)
+        if (out->app.input_count == INPUTS_MAX)
             return command_usage(&command_stage, "at most %d inputs", INPUTS_MAX);
-        out->input[out->studio.input_count++] = value;
-        out->studio.inputs = out->input;
+        out->input[out->app.input_count++] = value;
+        out->app.inputs = out->input;
         return COMMAND_DONE;
     case OPTION_SIZE:
         return read_size(value, out) ? COMMAND_DONE
@@ -131,7 +131,7 @@ static int read_option(stage_options *out, int option, const char *value)
         out->picture = value;
         return COMMAND_DONE;
     case OPTION_SETTINGS:
-        out->studio.settings_path = value;
+        out->app.settings_path = value;
         return COMMAND_DONE;
     case OPTION_JSON:
         out->is_json = true;
@@ -155,9 +155,9 @@ static int read_options(stage_options *out, int argc, char **argv)
         return command_usage(&command_stage, "one show at a time: \"%s\" is too much",
                              argv[optind + 1]);
     if (optind < argc)
-        out->studio.show_path = argv[optind];
-    if (out->is_hidden && !out->studio.settings_path)
-        out->studio.settings_path = "";
+        out->app.show_path = argv[optind];
+    if (out->is_hidden && !out->app.settings_path)
+        out->app.settings_path = "";
     if (out->is_hidden && !out->script && out->seconds <= 0.0)
         return command_usage(&command_stage, "--hidden needs --script or --seconds");
     return COMMAND_DONE;
@@ -166,12 +166,12 @@ static int read_options(stage_options *out, int argc, char **argv)
 /* ---- the stage ---- */
 
 /* As it was left; what is not there is not made. Damaged settings are set aside here already: the
- * studio finds none, and is told. */
+ * application finds none, and is told. */
 static void remember_size(stage *self, double *out_width, double *out_height)
 {
     settings *kept = NULL;
     error ignored;
-    if (settings_open(&kept, self->options->studio.settings_path, self->settings_note,
+    if (settings_open(&kept, self->options->app.settings_path, self->settings_note,
                       sizeof self->settings_note, &ignored) < 0)
         return;
     const double width = settings_number(kept, "window.width", 0.0);
@@ -194,10 +194,10 @@ static mrt_result open_front(stage *self, error *err)
         remember_size(self, &width, &height);
     }
     if (options->is_hidden)
-        return front_open_hidden(&self->front, (uint32_t)lround(width * options->scale),
-                                 (uint32_t)lround(height * options->scale), (float)options->scale,
-                                 0.0, err);
-    return front_open_window(&self->front, (uint32_t)width, (uint32_t)height, "marotte", err);
+        return window_open_hidden(&self->window, (uint32_t)lround(width * options->scale),
+                                  (uint32_t)lround(height * options->scale), (float)options->scale,
+                                  0.0, err);
+    return window_open_window(&self->window, (uint32_t)width, (uint32_t)height, "marotte", err);
 }
 
 static mrt_result open_stage(stage *self, error *err)
@@ -207,22 +207,22 @@ static mrt_result open_stage(stage *self, error *err)
         result = script_read(&self->script, self->options->script, err);
     if (result >= 0) /* first: without a display nothing is left behind */
         result = open_front(self, err);
-    studio_options with = self->options->studio;
+    app_options with = self->options->app;
     with.note = self->settings_note;
     if (result >= 0)
-        result = studio_create(&self->studio, &with, err);
+        result = app_create(&self->app, &with, err);
     if (result >= 0)
-        result = desk_create(&self->desk, self->studio, self->front, err);
+        result = workspace_create(&self->workspace, self->app, self->window, err);
     if (result >= 0 && self->script)
-        ui_note_words(desk_ui(self->desk), true);
+        ui_note_words(workspace_ui(self->workspace), true);
     return result;
 }
 
 static void close_stage(stage *self)
 {
-    desk_destroy(self->desk);
-    studio_destroy(self->studio);
-    front_close(self->front);
+    workspace_destroy(self->workspace);
+    app_destroy(self->app);
+    window_close(self->window);
     script_destroy(self->script);
 }
 
@@ -241,12 +241,12 @@ static double seconds_since(const struct timespec *began)
 /* MRT_END: the script is over. */
 static mrt_result step_script(stage *self, error *err)
 {
-    const uint32_t width = front_width_px(self->front), height = front_height_px(self->front);
-    const float scale = desk_scale(self->desk);
+    const uint32_t width = window_width_px(self->window), height = window_height_px(self->window);
+    const float scale = workspace_scale(self->workspace);
     const script_stage on = {
-        .ui = desk_ui(self->desk),
-        .studio = self->studio,
-        .front = self->front,
+        .ui = workspace_ui(self->workspace),
+        .app = self->app,
+        .window = self->window,
         .screen = {.width = (float)width / scale, .height = (float)height / scale, .scale = scale}};
     return script_step(self->script, &on, err);
 }
@@ -256,7 +256,7 @@ static mrt_result run(stage *self, error *err)
     uint64_t frames = 0;
     mrt_result result = MRT_OK;
     while (!cancel_is_asked()) {
-        if (!desk_frame(self->desk))
+        if (!workspace_frame(self->workspace))
             break;
         if (++frames == WARM_FRAMES)
             self->warm_mb = resident_mb();
@@ -268,9 +268,9 @@ static mrt_result run(stage *self, error *err)
             break;
     }
     self->end_mb = resident_mb();
-    self->sample_count = studio_status(self->studio)->sample_count;
+    self->sample_count = app_status(self->app)->sample_count;
     if (result >= 0 && self->options->picture)
-        result = front_picture(self->front, self->options->picture, err);
+        result = window_picture(self->window, self->options->picture, err);
     return result < 0 ? result : MRT_OK;
 }
 
@@ -278,12 +278,12 @@ static mrt_result run(stage *self, error *err)
 
 static void tell(const stage *self)
 {
-    desk_counts counts;
+    workspace_counts counts;
     struct rusage used;
     facts *told = facts_create(self->options->is_json);
     if (!told)
         return;
-    desk_counted(self->desk, &counts);
+    workspace_counted(self->workspace, &counts);
     facts_number(told, "frames", "frames", (double)counts.frame_count, 0, "");
     facts_number(told, "samples", "samples performed", (double)self->sample_count, 0, "");
     facts_number(told, "first_face_s", "first face", counts.first_face_s, 2, "s");

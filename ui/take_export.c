@@ -1,7 +1,7 @@
 /* Takes out of the program: frames at a true frame rate, sound, and the sum of all vertices. */
 #include "base/cancel.h"
 #include "base/file.h"
-#include "exports_video.h"
+#include "exports.h"
 #include "recording.h"
 #include "take/sound_file.h"
 #include "take_play.h"

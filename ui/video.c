@@ -1,13 +1,767 @@
 #include "video.h"
+#include "draw/offscreen.h"
 
-#include "draw/easel.h"
-#include "video_ffmpeg.h"
-#include "video_folder.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/program.h"
+#include "base/text.h"
+#include "io/export.h"
 
+#include <jansson.h>
+
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
 #include <pthread.h>
 #include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* ---- how the face is seen ---- */
+
+enum { SIDE_MIN = 16, SIDE_MAX = 16384 };
+
+const char video_look_sizes[] = "WIDTHxHEIGHT in pixels, 16 to 16384 each, such as 1920x1080";
+const char video_look_views[] = "front, side or three-quarter";
+const char video_look_grounds[] = "transparent, or a colour such as #00b140";
+
+static const struct {
+    const char *name;
+    float yaw_rad, pitch_rad;
+} views[] = {[VIDEO_FRONT] = {"front", 0.0f, 0.0f},
+             [VIDEO_SIDE] = {"side", 1.5708f, 0.0f},
+             [VIDEO_THREE_QUARTER] = {"three-quarter", 0.6109f, 0.0873f}}; /* 35 and 5 degrees */
+
+video_look video_look_usual(void)
+{
+    return (video_look){.width = 1280, .height = 720};
+}
+
+static bool read_side(text_view word, uint32_t *out)
+{
+    int64_t value;
+    if (!text_int(word, &value) || value < SIDE_MIN || value > SIDE_MAX)
+        return false;
+    *out = (uint32_t)value;
+    return true;
+}
+
+bool video_look_size(video_look *self, const char *text)
+{
+    const char *cross = strchr(text, 'x');
+    uint32_t width, height;
+    if (!cross || !read_side(text_view_of(text, (size_t)(cross - text)), &width) ||
+        !read_side(text_view_of(cross + 1, strlen(cross + 1)), &height))
+        return false;
+    self->width = width;
+    self->height = height;
+    self->is_sized = true;
+    return true;
+}
+
+bool video_look_view(video_look *self, const char *text)
+{
+    for (size_t i = 0; i < sizeof views / sizeof *views; ++i) {
+        if (strcmp(views[i].name, text) != 0)
+            continue;
+        self->view = (video_view)i;
+        return true;
+    }
+    return false;
+}
+
+static int digit_of(char letter)
+{
+    static const char digits[] = "0123456789abcdef";
+    const char *at = memchr(digits, tolower((unsigned char)letter), 16);
+    return at ? (int)(at - digits) : -1;
+}
+
+bool video_look_ground(video_look *self, const char *text)
+{
+    if (strcmp(text, "transparent") == 0) {
+        self->ground = VIDEO_NOTHING;
+        memset(self->rgba, 0, sizeof self->rgba);
+        return true;
+    }
+    if (text[0] != '#' || strlen(text) != 7)
+        return false;
+    float rgba[4] = {0.0f, 0.0f, 0.0f, 1.0f};
+    for (int i = 0; i < 3; ++i) {
+        int high = digit_of(text[1 + 2 * i]), low = digit_of(text[2 + 2 * i]);
+        if (high < 0 || low < 0)
+            return false;
+        rgba[i] = (float)(16 * high + low) / 255.0f;
+    }
+    self->ground = VIDEO_COLOUR;
+    memcpy(self->rgba, rgba, sizeof rgba);
+    return true;
+}
+
+mrt_result video_look_check_mp4(const video_look *self, const char *path, error *err)
+{
+    uint32_t width = self->width + self->width % 2, height = self->height + self->height % 2;
+    if (self->ground == VIDEO_NOTHING)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: an .mp4 cannot be transparent: --export FOLDER/ writes pictures that "
+                         "can, or choose --background #rrggbb",
+                         path);
+    if (width != self->width || height != self->height)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: an .mp4 has an even number of pixels a side: --size %ux%u", path,
+                         width, height);
+    return MRT_OK;
+}
+
+draw_camera video_look_camera(const video_look *self, const float low[3], const float high[3])
+{
+    const float chin = 0.03f, nearer = 0.92f; /* the face is the picture, and nothing turns */
+    const float lowest[3] = {low[0], low[1] - chin * (high[1] - low[1]), low[2]};
+    draw_camera camera =
+        draw_camera_framing(lowest, high, (float)self->width / (float)self->height);
+    camera.distance_mm *= nearer;
+    camera.yaw_rad = views[self->view].yaw_rad;
+    camera.pitch_rad = views[self->view].pitch_rad;
+    return camera;
+}
+
+void video_look_mirror(uint8_t *rgba, uint32_t width, uint32_t height)
+{
+    for (uint32_t y = 0; y < height; ++y) {
+        uint8_t *row = rgba + (size_t)y * width * 4;
+        for (uint32_t x = 0; x < width / 2; ++x) {
+            uint8_t kept[4], *left = row + (size_t)x * 4,
+                             *right = row + (size_t)(width - 1 - x) * 4;
+            memcpy(kept, left, 4);
+            memcpy(left, right, 4);
+            memcpy(right, kept, 4);
+        }
+    }
+}
+
+/* ---- a folder of pictures ---- */
+
+enum { DIGITS = 5, NOTE_BYTES_MAX = 1 << 16, FRAMES_MAX = 99999999 };
+static const char note_name[] = "frames.json";
+
+struct video_folder {
+    char path[PATH_MAX];      /* ends in '/' */
+    char meanwhile[PATH_MAX]; /* a folder within it, ends in '/'; "" none */
+    bool was_made;            /* the folder is ours to remove */
+    uint32_t earlier_count;   /* pictures of the sequence that is replaced */
+    uint32_t count;
+    video_folder_about about;
+    char timecode[TIMECODE_TEXT];
+};
+
+static mrt_result name_in(char out[PATH_MAX], const char *folder, const char *name, error *err)
+{
+    int length = snprintf(out, PATH_MAX, "%s%s", folder, name);
+    if (length > 0 && length < PATH_MAX)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", folder);
+}
+
+static mrt_result picture_in(char out[PATH_MAX], const char *folder, uint32_t number, error *err)
+{
+    char name[32];
+    (void)snprintf(name, sizeof name, "%0*u.png", DIGITS, number);
+    return name_in(out, folder, name, err);
+}
+
+/* The number of a picture of a sequence, 0: it is called otherwise. */
+static uint32_t number_of(const char *name)
+{
+    char *end;
+    if (strlen(name) < DIGITS + 4 || name[0] < '0' || name[0] > '9')
+        return 0;
+    unsigned long number = strtoul(name, &end, 10);
+    return strcmp(end, ".png") == 0 && number <= FRAMES_MAX ? (uint32_t)number : 0;
+}
+
+/* ---- what is there ---- */
+
+/* Pictures that our note speaks of; 0: no note of ours. */
+static uint32_t noted_count(const char *folder)
+{
+    char path[PATH_MAX];
+    file_bytes bytes;
+    error ignored;
+    if (name_in(path, folder, note_name, &ignored) < 0 ||
+        file_read(&bytes, path, NOTE_BYTES_MAX, &ignored) < 0)
+        return 0;
+    json_t *note = json_loadb((const char *)bytes.data, bytes.size, 0, NULL);
+    file_bytes_finish(&bytes);
+    json_int_t version = json_integer_value(json_object_get(note, "marotte_frames"));
+    json_int_t count = json_integer_value(json_object_get(note, "count"));
+    json_decref(note);
+    return version == 1 && count > 0 && count <= FRAMES_MAX ? (uint32_t)count : 0;
+}
+
+static mrt_result check_entry(const char *path, const char *name, uint32_t earlier_count,
+                              error *err)
+{
+    uint32_t number = number_of(name);
+    if (name[0] == '.')
+        return MRT_OK;
+    if (earlier_count == 0)
+        return error_set(err, MRT_ERR_IO,
+                         "%s: has %s in it and no pictures that marotte wrote there: name a folder "
+                         "that is empty or not there yet",
+                         path, name);
+    if (number > earlier_count)
+        return error_set(err, MRT_ERR_IO,
+                         "%s: %s is not of the %u pictures that marotte wrote there: move it away, "
+                         "or name another folder",
+                         path, name, earlier_count);
+    return MRT_OK;
+}
+
+static mrt_result check_entries(const char *path, uint32_t earlier_count, error *err)
+{
+    DIR *folder = opendir(path);
+    if (!folder)
+        return error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
+    mrt_result result = MRT_OK;
+    const struct dirent *entry;
+    while (result >= 0 && (entry = readdir(folder)))
+        result = check_entry(path, entry->d_name, earlier_count, err);
+    closedir(folder);
+    return result;
+}
+
+static mrt_result check_parent(const char *path, error *err)
+{
+    char parent[PATH_MAX];
+    struct stat status;
+    size_t length = strlen(path);
+    while (length > 0 && path[length - 1] == '/')
+        --length;
+    while (length > 0 && path[length - 1] != '/')
+        --length;
+    (void)snprintf(parent, sizeof parent, "%.*s", (int)length, path);
+    const char *folder = parent[0] ? parent : ".";
+    if (stat(folder, &status) != 0)
+        return error_set(err, MRT_ERR_IO, "%s: the folder %s: %s", path, folder, strerror(errno));
+    if (!S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
+        return error_set(err, MRT_ERR_IO, "%s: no folder can be made in %s", path, folder);
+    return MRT_OK;
+}
+
+mrt_result video_folder_check(const char *path, error *err)
+{
+    struct stat status;
+    if (strlen(path) > PATH_MAX - 64)
+        return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", path);
+    if (stat(path, &status) != 0)
+        return errno == ENOENT ? check_parent(path, err)
+                               : error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
+    if (access(path, R_OK | W_OK | X_OK) != 0)
+        return error_set(err, MRT_ERR_IO, "%s: no pictures can be written into it: %s", path,
+                         strerror(errno));
+    return check_entries(path, noted_count(path), err);
+}
+
+/* ---- written ---- */
+
+static mrt_result make_folders(video_folder *self, error *err)
+{
+    self->was_made = mkdir(self->path, 0777) == 0;
+    if (!self->was_made && errno != EEXIST)
+        return error_set(err, MRT_ERR_IO, "%s: cannot be made: %s", self->path, strerror(errno));
+    char meanwhile[PATH_MAX];
+    mrt_result result = name_in(meanwhile, self->path, "unfinished.XXXXXX", err);
+    if (result < 0)
+        return result;
+    if (!mkdtemp(meanwhile))
+        return error_set(err, MRT_ERR_IO, "%s: cannot write: %s", self->path, strerror(errno));
+    return name_in(self->meanwhile, meanwhile, "/", err);
+}
+
+mrt_result video_folder_open(video_folder **out, const char *path, const video_folder_about *about,
+                             error *err)
+{
+    *out = NULL;
+    mrt_result result = video_folder_check(path, err);
+    video_folder *self = result >= 0 ? calloc(1, sizeof *self) : NULL;
+    if (!self)
+        return result < 0 ? result : error_set(err, MRT_ERR_MEMORY, "no memory for pictures");
+    size_t length = strlen(path);
+    (void)snprintf(self->path, sizeof self->path, "%s%s", path,
+                   length > 0 && path[length - 1] == '/' ? "" : "/");
+    self->earlier_count = noted_count(self->path);
+    self->about = *about;
+    (void)snprintf(self->timecode, sizeof self->timecode, "%s", about->timecode);
+    result = make_folders(self, err);
+    if (result < 0)
+        video_folder_abandon(self);
+    else
+        *out = self;
+    return result;
+}
+
+mrt_result video_folder_add(video_folder *self, const uint8_t *rgba, error *err)
+{
+    char path[PATH_MAX];
+    error why = {""};
+    if (self->count == FRAMES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d pictures", self->path,
+                         FRAMES_MAX);
+    mrt_result result = picture_in(path, self->meanwhile, self->count + 1, err);
+    if (result < 0)
+        return result;
+    result = png_write_as(path, rgba, self->about.width, self->about.height,
+                          self->about.has_alpha ? PNG_WITH_ALPHA : PNG_OPAQUE, &why);
+    if (result < 0) { /* where it lies meanwhile is nobody's concern */
+        const char *reason = strstr(why.text, "cannot write: ");
+        return error_set(err, result, "%s%0*u.png: %s", self->path, DIGITS, self->count + 1,
+                         reason ? reason : why.text);
+    }
+    self->count += 1;
+    return MRT_OK;
+}
+
+static mrt_result write_note(const video_folder *self, uint32_t count, error *err)
+{
+    char path[PATH_MAX], rate[32];
+    (void)snprintf(rate, sizeof rate, "%u/%u", self->about.rate.num, self->about.rate.den);
+    mrt_result result = name_in(path, self->path, note_name, err);
+    json_t *note =
+        json_pack("{si,sI,ss,si,si}", "marotte_frames", 1, "count", (json_int_t)count, "rate", rate,
+                  "width", (int)self->about.width, "height", (int)self->about.height);
+    if (note && self->timecode[0])
+        (void)json_object_set_new(note, "timecode", json_string(self->timecode));
+    char *text = note ? json_dumps(note, JSON_INDENT(2)) : NULL;
+    json_decref(note);
+    if (result >= 0 && !text)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for %s", path);
+    if (result >= 0)
+        result = file_write(path, text, strlen(text), err);
+    free(text);
+    return result;
+}
+
+static mrt_result move_picture(const video_folder *self, uint32_t number, error *err)
+{
+    char from[PATH_MAX], to[PATH_MAX];
+    mrt_result result = picture_in(from, self->meanwhile, number, err);
+    if (result >= 0)
+        result = picture_in(to, self->path, number, err);
+    if (result >= 0 && rename(from, to) != 0)
+        result = error_set(err, MRT_ERR_IO, "%s: cannot write: %s", to, strerror(errno));
+    return result;
+}
+
+static void remove_pictures(const char *folder, uint32_t first, uint32_t last)
+{
+    char path[PATH_MAX];
+    error ignored;
+    for (uint32_t i = first; i <= last; ++i)
+        if (picture_in(path, folder, i, &ignored) >= 0)
+            (void)unlink(path);
+}
+
+mrt_result video_folder_commit(video_folder *self, error *err)
+{
+    /* Should it end midway, all that is there is known to be ours. */
+    uint32_t moved = 0,
+             most = self->count > self->earlier_count ? self->count : self->earlier_count;
+    mrt_result result = write_note(self, most, err);
+    for (; moved < self->count && result >= 0; moved += result >= 0)
+        result = move_picture(self, moved + 1, err);
+    if (result >= 0) {
+        remove_pictures(self->path, self->count + 1, self->earlier_count);
+        result = write_note(self, self->count, err);
+    }
+    self->was_made = self->was_made && result < 0 && moved == 0;
+    video_folder_abandon(self);
+    return result;
+}
+
+void video_folder_abandon(video_folder *self)
+{
+    if (!self)
+        return;
+    if (self->meanwhile[0]) {
+        remove_pictures(self->meanwhile, 1, self->count + 1);
+        (void)rmdir(self->meanwhile);
+    }
+    if (self->was_made)
+        (void)rmdir(self->path);
+    free(self);
+}
+
+/* ---- the ffmpeg program ---- */
+
+extern char **environ;
+
+/* For what is left to encode and to write when the last picture was given. */
+static const int64_t patience_ns = 600 * NS_PER_S;
+
+enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, SAID_MAX = 4096 };
+
+struct video_ffmpeg {
+    file_writer file; /* ffmpeg writes into its temporary file */
+    FILE *said;       /* what ffmpeg says: a file without a name */
+    pid_t pid;        /* 0: not running */
+    int fd;           /* to ffmpeg; -1 */
+    int status;       /* how it ended */
+    size_t picture_size;
+    uint64_t count; /* of pictures */
+};
+
+/* ---- which one ---- */
+
+static bool is_program(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, X_OK) == 0;
+}
+
+static bool find_program(char out[PATH_MAX])
+{
+    const char *at = getenv("PATH");
+    while (at && *at) {
+        int length = (int)strcspn(at, ":");
+        int written = snprintf(out, PATH_MAX, "%.*s%sffmpeg", length, at, length ? "/" : "");
+        if (written > 0 && written < PATH_MAX && is_program(out))
+            return true;
+        at += length;
+        at += *at == ':';
+    }
+    return false;
+}
+
+static mrt_result find(char out[PATH_MAX], const char *path, error *err)
+{
+    if (find_program(out))
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "%s: needs the program ffmpeg, which is not installed (package ffmpeg); "
+                     "--export FOLDER/ writes pictures without it",
+                     path);
+}
+
+mrt_result video_ffmpeg_check(const char *path, error *err)
+{
+    char program[PATH_MAX];
+    return find(program, path, err);
+}
+
+/* ---- its command line ---- */
+
+typedef struct words { /* of a command line */
+    char text[WORDS_MAX][WORD];
+    char *word[WORDS_MAX + 1];
+    uint32_t count;
+} words;
+
+static void add_word(words *w, const char *word)
+{
+    if (w->count == WORDS_MAX)
+        return;
+    (void)snprintf(w->text[w->count], WORD, "%s", word);
+    w->word[w->count] = w->text[w->count];
+    w->word[++w->count] = NULL;
+}
+
+/* Blanks part them. */
+static void add_words(words *w, const char *text)
+{
+    char word[256];
+    for (const char *at = text; *at; at += strcspn(at, " "), at += *at == ' ') {
+        (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(at, " "), at);
+        add_word(w, word);
+    }
+}
+
+/* A file's name may look like an option or a protocol: this one is neither. */
+static void add_file(words *w, const char *path)
+{
+    char word[WORD];
+    (void)snprintf(word, sizeof word, "file:%s", path);
+    add_word(w, word);
+}
+
+/* Whole rates up to 120 and those of film and television have time code. */
+static bool can_time_code(const video_ffmpeg_about *about)
+{
+    const timecode_rate rate = about->rate;
+    bool is_whole = rate.den == 1 && rate.num >= 10 && rate.num <= 120;
+    return about->timecode[0] && about->timecode[0] != '-' && (is_whole || rate.den == 1001);
+}
+
+static void describe_video(words *w, const char *program, const video_ffmpeg_about *about,
+                           const char *path)
+{
+    char text[256];
+    add_word(w, program);
+    add_words(w, "-hide_banner -nostdin -nostats -loglevel error -y");
+    (void)snprintf(text, sizeof text,
+                   "-f rawvideo -pixel_format rgba -video_size %ux%u -framerate %u/%u -i pipe:0",
+                   about->width, about->height, about->rate.num, about->rate.den);
+    add_words(w, text);
+    if (about->sound) {
+        add_word(w, "-i");
+        add_file(w, about->sound);
+        add_words(w, "-map 0:v -map 1:a -c:a aac -b:a 192k");
+    }
+    add_words(w, "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -c:v libx264 "
+                 "-preset medium -crf 18 -color_range tv -colorspace bt709 -color_primaries bt709 "
+                 "-color_trc bt709");
+    if (can_time_code(about)) {
+        add_word(w, "-timecode");
+        add_word(w, about->timecode);
+    }
+    add_words(w, "-map_metadata -1 -movflags +faststart -f mp4");
+    add_file(w, path);
+}
+
+static void describe_sound(words *w, const char *program, const char *pictures, const char *sound,
+                           const char *path)
+{
+    add_word(w, program);
+    add_words(w, "-hide_banner -nostdin -nostats -loglevel error -y -i");
+    add_file(w, pictures);
+    add_word(w, "-i");
+    add_file(w, sound);
+    add_words(w, "-map 0:v -map 1:a -c:v copy -c:a aac -b:a 192k -movflags +faststart -f mp4");
+    add_file(w, path);
+}
+
+/* ---- started ---- */
+
+static int set_actions(posix_spawn_file_actions_t *actions, int in_fd, int said_fd)
+{
+    int failed = in_fd >= 0 ? posix_spawn_file_actions_adddup2(actions, in_fd, STDIN_FILENO)
+                            : posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null",
+                                                               O_RDONLY, 0);
+    if (!failed)
+        failed = posix_spawn_file_actions_addopen(actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    return failed ? failed : posix_spawn_file_actions_adddup2(actions, said_fd, STDERR_FILENO);
+}
+
+/* Signals as usual; a group of its own, which Ctrl-C does not reach. */
+static int set_attributes(posix_spawnattr_t *attributes)
+{
+    sigset_t none, usual;
+    sigemptyset(&none);
+    sigemptyset(&usual);
+    sigaddset(&usual, SIGPIPE);
+    sigaddset(&usual, SIGINT);
+    sigaddset(&usual, SIGTERM);
+    int failed = posix_spawnattr_setsigmask(attributes, &none);
+    if (!failed)
+        failed = posix_spawnattr_setsigdefault(attributes, &usual);
+    if (!failed)
+        failed = posix_spawnattr_setpgroup(attributes, 0);
+    return failed ? failed
+                  : posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK |
+                                                             POSIX_SPAWN_SETSIGDEF |
+                                                             POSIX_SPAWN_SETPGROUP);
+}
+
+static int spawn(pid_t *out_pid, words *w, int in_fd, int said_fd)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed) {
+        failed = set_actions(&actions, in_fd, said_fd);
+        if (!failed)
+            failed = set_attributes(&attributes);
+        if (!failed)
+            failed = posix_spawn(out_pid, w->word[0], &actions, &attributes, w->word, environ);
+        (void)posix_spawnattr_destroy(&attributes);
+    }
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+static mrt_result run_ffmpeg(video_ffmpeg *self, words *w, int in_fd, error *err)
+{
+    self->said = tmpfile();
+    if (!self->said)
+        return error_set(err, MRT_ERR_IO, "%s: no temporary file: %s", self->file.path,
+                         strerror(errno));
+    (void)fcntl(fileno(self->said), F_SETFD, FD_CLOEXEC);
+    int failed = spawn(&self->pid, w, in_fd, fileno(self->said));
+    if (!failed)
+        return MRT_OK;
+    self->pid = 0;
+    return error_set(err, MRT_ERR_IO, "%s: %s cannot be run: %s", self->file.path, w->word[0],
+                     strerror(failed));
+}
+
+static mrt_result run_with_pipe(video_ffmpeg *self, words *w, error *err)
+{
+    int end[2];
+    mrt_result result = program_pipe(end, err);
+    if (result < 0)
+        return result;
+    self->fd = end[1];
+    result = run_ffmpeg(self, w, end[0], err);
+    close(end[0]);
+    return result;
+}
+
+static mrt_result create(video_ffmpeg **out, words **out_words, const char *path, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    *out_words = calloc(1, sizeof **out_words);
+    if (!*out || !*out_words)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    (*out)->fd = -1;
+    return file_writer_open(&(*out)->file, path, err);
+}
+
+/* NULL is fine */
+static void video_ffmpeg_abandon(video_ffmpeg *self);
+
+mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_ffmpeg_about *about,
+                             error *err)
+{
+    char program[PATH_MAX];
+    words *w = NULL;
+    *out = NULL;
+    mrt_result result = find(program, path, err);
+    if (result < 0)
+        return result;
+    result = create(out, &w, path, err);
+    if (result >= 0) {
+        (*out)->picture_size = (size_t)about->width * about->height * 4;
+        describe_video(w, program, about, (*out)->file.temporary_path);
+        result = run_with_pipe(*out, w, err);
+    }
+    free(w);
+    if (result >= 0)
+        return result;
+    video_ffmpeg_abandon(*out);
+    *out = NULL;
+    return result;
+}
+
+/* ---- ended ---- */
+
+static void wait_for(video_ffmpeg *self)
+{
+    if (self->fd >= 0)
+        close(self->fd);
+    self->fd = -1;
+    if (self->pid == 0)
+        return;
+    (void)program_wait(self->pid, &self->status, patience_ns);
+    self->pid = 0;
+}
+
+/* The last line that ffmpeg said; "" nothing. */
+static void read_last_line(video_ffmpeg *self, char *out, size_t capacity)
+{
+    char text[SAID_MAX];
+    out[0] = '\0';
+    if (fseek(self->said, 0, SEEK_END) != 0)
+        return;
+    long size = ftell(self->said);
+    if (size <= 0 || fseek(self->said, size < SAID_MAX ? 0 : size - SAID_MAX + 1, SEEK_SET) != 0)
+        return;
+    size_t length = fread(text, 1, sizeof text - 1, self->said);
+    while (length > 0 && (unsigned char)text[length - 1] <= ' ')
+        --length;
+    text[length] = '\0';
+    const char *newline = strrchr(text, '\n');
+    (void)snprintf(out, capacity, "%.400s", newline ? newline + 1 : text);
+}
+
+static mrt_result judge(video_ffmpeg *self, error *err)
+{
+    char line[512];
+    wait_for(self);
+    if (WIFEXITED(self->status) && WEXITSTATUS(self->status) == 0)
+        return MRT_OK;
+    if (WIFSIGNALED(self->status))
+        return error_set(err, MRT_ERR_IO, "%s: ffmpeg was ended (%s) at frame %ju", self->file.path,
+                         strsignal(WTERMSIG(self->status)), (uintmax_t)self->count);
+    read_last_line(self, line, sizeof line);
+    return error_set(err, MRT_ERR_IO, "%s: ffmpeg failed at frame %ju: %s", self->file.path,
+                     (uintmax_t)self->count, line[0] ? line : "it does not say why");
+}
+
+/* ffmpeg takes no more: why. */
+static mrt_result stopped_taking(video_ffmpeg *self, int reason, error *err)
+{
+    mrt_result result = judge(self, err);
+    if (result < 0)
+        return result;
+    return error_set(err, MRT_ERR_IO, "%s: ffmpeg took no more pictures from frame %ju on: %s",
+                     self->file.path, (uintmax_t)self->count, strerror(reason));
+}
+
+mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err)
+{
+    size_t written = 0;
+    self->count += 1;
+    while (written < self->picture_size) {
+        ssize_t got = write(self->fd, rgba + written, self->picture_size - written);
+        if (got < 0 && errno != EINTR)
+            return stopped_taking(self, errno, err);
+        written += got > 0 ? (size_t)got : 0;
+    }
+    return MRT_OK;
+}
+
+mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err)
+{
+    mrt_result result = judge(self, err);
+    if (result >= 0)
+        result = file_writer_commit(&self->file, err);
+    video_ffmpeg_abandon(self);
+    return result;
+}
+
+static void video_ffmpeg_abandon(video_ffmpeg *self)
+{
+    if (!self)
+        return;
+    if (self->pid)
+        (void)kill(self->pid, SIGKILL);
+    wait_for(self);
+    if (self->said)
+        (void)fclose(self->said);
+    file_writer_abandon(&self->file);
+    free(self);
+}
+
+mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *err)
+{
+    char program[PATH_MAX];
+    video_ffmpeg *self = NULL;
+    words *w = NULL;
+    mrt_result result = find(program, path, err);
+    if (result < 0)
+        return result;
+    result = create(&self, &w, path, err);
+    if (result >= 0) {
+        describe_sound(w, program, path, sound, self->file.temporary_path);
+        result = run_ffmpeg(self, w, -1, err);
+    }
+    free(w);
+    if (result >= 0)
+        return video_ffmpeg_commit(self, err);
+    video_ffmpeg_abandon(self);
+    return result;
+}
+
+/* ---- frames to pictures ---- */
 
 enum { QUEUE = 4 };
 
@@ -43,7 +797,7 @@ struct video {
     mrt_result result; /* < 0: failed, for `why` */
     error why;
     /* of the thread; [main] after it */
-    easel easel;
+    offscreen offscreen;
     draw_camera camera;
     sink sink[VIDEO_FILES_MAX];
     video_report report;
@@ -89,17 +843,17 @@ static mrt_result open_drawing(video *self, error *err)
     mesh_bounds(self->settings.mesh, low, high);
     self->camera = video_look_camera(look, low, high);
     mrt_result result =
-        easel_init(&self->easel, self->settings.mesh, look->width, look->height, err);
+        offscreen_init(&self->offscreen, self->settings.mesh, look->width, look->height, err);
     if (result < 0)
         return result;
-    draw_ground(self->easel.renderer, look->ground == VIDEO_WALL ? NULL : look->rgba);
+    draw_ground(self->offscreen.renderer, look->ground == VIDEO_WALL ? NULL : look->rgba);
     return open_sinks(self, err);
 }
 
 static void draw_picture(video *self, const float *position)
 {
     const video_look *look = &self->settings.look;
-    easel *e = &self->easel;
+    offscreen *e = &self->offscreen;
     draw_face_update(e->face, position, NULL);
     draw_render(e->renderer, e->target, e->face, &self->camera, 0, 0, look->width, look->height);
     draw_read(e->target, e->pixels);
@@ -112,8 +866,8 @@ static mrt_result write_picture(video *self, error *err)
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->file_count && result >= 0; ++i)
         result = self->sink[i].folder
-                     ? video_folder_add(self->sink[i].folder, self->easel.pixels, err)
-                     : video_ffmpeg_add(self->sink[i].ffmpeg, self->easel.pixels, err);
+                     ? video_folder_add(self->sink[i].folder, self->offscreen.pixels, err)
+                     : video_ffmpeg_add(self->sink[i].ffmpeg, self->offscreen.pixels, err);
     self->report.picture_count += result >= 0;
     return result;
 }
@@ -193,7 +947,7 @@ static void *run(void *data)
         video_folder_abandon(self->sink[i].folder);
         video_ffmpeg_abandon(self->sink[i].ffmpeg);
     }
-    easel_finish(&self->easel);
+    offscreen_finish(&self->offscreen);
     tell(self, VIDEO_RUNS, result, &err);
     return NULL;
 }

@@ -1,13 +1,92 @@
 /* video.h - a performance as moving pictures: frames come in one by one and are drawn, encoded and
  * forgotten in a thread of their own, so that memory stays the same at any length. The same
- * renderer as everywhere, without a window. Leaves out the formats of video (video_folder.h,
- * video_ffmpeg.h) and of meshes (exports.h). [main] */
+ * renderer as everywhere, without a window. Encoders are a folder of PNG (FOLDER/00001.png and on,
+ * and FOLDER/frames.json, which says how many there are and at what rate; they come into the folder
+ * when all are there, and only a sequence of ours is replaced) and the ffmpeg program (pictures go
+ * in by a pipe, an .mp4 of H.264 and AAC comes out, complete or absent). Leaves out the formats of
+ * meshes (exports.h). [main]; an encoder on one thread, what it starts has signals as usual, and
+ * does not hear the terminal's. */
 #ifndef MAROTTE_UI_VIDEO_H
 #define MAROTTE_UI_VIDEO_H
+#include "draw/draw.h"
+
 #include "csrbf/points.h"
 #include "mesh/mesh.h"
 #include "take/timecode.h"
-#include "video_look.h"
+
+typedef enum video_view { VIDEO_FRONT = 0, VIDEO_SIDE, VIDEO_THREE_QUARTER } video_view;
+typedef enum video_ground {
+    VIDEO_WALL = 0, /* of the studio */
+    VIDEO_COLOUR,
+    VIDEO_NOTHING /* alpha is the face's coverage */
+} video_ground;
+
+typedef struct video_look {
+    uint32_t width, height; /* pixels */
+    bool is_sized;          /* by the person; else a contact sheet has a size of its own */
+    video_view view;
+    bool is_mirrored;
+    video_ground ground;
+    float rgba[4]; /* of VIDEO_COLOUR and VIDEO_NOTHING: sRGB-coded */
+} video_look;
+
+/* 1280 by 720, from the front, before the wall. */
+video_look video_look_usual(void);
+
+/* What an option says: "1920x1080"; "front", "side", "three-quarter"; "#00b140", "transparent".
+ * false: it is none, and the text below says what is. */
+bool video_look_size(video_look *self, const char *text);
+bool video_look_view(video_look *self, const char *text);
+bool video_look_ground(video_look *self, const char *text);
+extern const char video_look_sizes[], video_look_views[], video_look_grounds[];
+
+/* Whether H.264 can show it; the error says what to write instead. */
+CHECKED mrt_result video_look_check_mp4(const video_look *self, const char *path, error *err);
+
+/* Shows a face with these bounds at rest, with room for a jaw that opens. */
+draw_camera video_look_camera(const video_look *self, const float low[3], const float high[3]);
+/* Left and right change places; rows of width pixels, in place. */
+void video_look_mirror(uint8_t *rgba, uint32_t width, uint32_t height);
+
+typedef struct video_folder video_folder;
+
+typedef struct video_folder_about {
+    uint32_t width, height;
+    bool has_alpha;
+    timecode_rate rate;
+    const char *timecode; /* of the first frame; "" none */
+} video_folder_about;
+
+/* Whether a sequence may be written there: the folder is not there yet, empty, or has one of ours.
+ */
+CHECKED mrt_result video_folder_check(const char *path, error *err);
+CHECKED mrt_result video_folder_open(video_folder **out, const char *path,
+                                     const video_folder_about *about, error *err);
+CHECKED mrt_result video_folder_add(video_folder *self, const uint8_t *rgba, error *err);
+/* Freed whatever the result. */
+CHECKED mrt_result video_folder_commit(video_folder *self, error *err);
+void video_folder_abandon(video_folder *self); /* NULL is fine */
+
+typedef struct video_ffmpeg video_ffmpeg;
+
+typedef struct video_ffmpeg_about {
+    uint32_t width, height; /* even */
+    timecode_rate rate;
+    const char *timecode; /* of the first frame; "" none */
+    const char *sound;    /* a WAV whose first sample belongs to the first picture; NULL: silent */
+} video_ffmpeg_about;
+
+/* Whether there is an ffmpeg in $PATH; `path` is what it is needed for. */
+CHECKED mrt_result video_ffmpeg_check(const char *path, error *err);
+CHECKED mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path,
+                                     const video_ffmpeg_about *about, error *err);
+/* Waits while ffmpeg is busy. rgba: rows from the top. */
+CHECKED mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err);
+/* Waits until the file is there. Freed whatever the result. */
+CHECKED mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err);
+
+/* The .mp4 gets this sound in place of what it has, its pictures stay as they are. */
+CHECKED mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *err);
 
 enum { VIDEO_FILES_MAX = 16 };
 

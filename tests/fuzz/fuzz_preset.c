@@ -1,7 +1,7 @@
 /* A preset's name and text, as a settings file has them: values stay in their ranges, what is not
  * understood is said in a line, and what is written of the values is read as the same values. */
 #include "fuzz_text.h"
-#include "window/presets.h"
+#include "window/app/presets.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* The window's settings: whatever lies in the file, the window starts; what made no sense lies
  * aside, and is said. What is set is kept, beside what was there. */
 #include "fuzz_text.h"
-#include "window/settings.h"
+#include "window/app/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>

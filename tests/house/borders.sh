@@ -23,16 +23,16 @@ word='(^|[^_[:alnum:]>.])'
 
 # Libraries: of plugins by library_open alone (the checker has its own), of the system by their names.
 only "${word}dlopen\(" "loads a library: plugins go through stage/mapping/library.h" \
-    core/stage/mapping/library.c core/check/child/types.c ui/draw/context.c ui/draw/gl.c ui/window/front_window.c
+    core/stage/mapping/library.c core/check/child/types.c ui/draw/gl.c ui/window/gui/window.c
 # A path to a plugin is what the person has just written: on the command line, or in the window.
 only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what is stored is looked up by plugin_list_find" \
-    core/stage/mapping/plugins.c core/stage/mapping/plugins.h ui/calibrate_guide.c ui/devices_learn.c ui/devices_watch.c \
-    ui/perform.c ui/perform_mapping.c ui/take_record.c ui/window/studio.c ui/window/studio_open.c
+    core/stage/mapping/plugins.c core/stage/mapping/plugins.h ui/calibrate.c ui/devices.c \
+    ui/perform.c ui/perform_mapping.c ui/take_record.c ui/window/app/app.c
 # Processes: no shell, ever.
 only "${word}(system|popen|execl|execlp|execle|execv|execvp|fork|vfork)\(" "starts a process through a shell or by fork" # nobody
 only "${word}posix_spawnp?\(" "starts a process: see CONTRIBUTING.md" \
     core/check/process.c core/io/read/mesh_child.c core/stage/mapping/isolate_process.c ui/paper/paper_moai.c \
-    ui/video_ffmpeg.c ui/window/studio_export.c
+    ui/video.c ui/window/app/exporter.c
 # Beside posix_spawn: descriptors that children do not get, waits that end, nothing that is the whole process's.
 only "${word}pipe\(" "is inherited by programs that start meanwhile: program_pipe" # nobody
 only "waitpid\([^)]*, 0\)" "waits for ever: program_wait" # nobody

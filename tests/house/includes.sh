@@ -58,6 +58,23 @@ while read -r file line target; do
     esac
 done < <(awk '{ split($1, a, "/"); split($3, b, "/") } a[1] != b[1] || a[2] != b[2]' "$edges")
 
+# The rooms of the window, each above those that it may include; what lies in none of them is on top.
+declare -A window_floor=([gui]=0 [app]=1 [viewport]=2 [panels]=3 [timeline]=4 [rig]=4 [top]=5)
+room_of() { # window/timeline/axis.h -> timeline; window/workspace.c -> top
+    local name=${1#window/}
+    [[ $name = */* ]] && echo "${name%%/*}" || echo top
+}
+while IFS=: read -r file line text; do
+    checked=$((checked + 1))
+    own=$(room_of "${file#ui/}")
+    room=$(room_of "$(sed -E 's/.*#include +"([^"]+)".*/\1/' <<<"$text")")
+    if [ -z "${window_floor[$own]:-}" ] || [ -z "${window_floor[$room]:-}" ]; then
+        complain "$file:$line: room $own or $room has no floor"
+    elif [ "$room" != "$own" ] && [ "${window_floor[$room]}" -ge "${window_floor[$own]}" ]; then
+        complain "$file:$line: floor ${window_floor[$own]} includes $room of floor ${window_floor[$room]}"
+    fi
+done < <(grep -rnE '#include +"window/' ui/window --include=*.c --include=*.h --include=*.cpp)
+
 # In angle brackets only <marotte/plugin.h> may be ours.
 while IFS=: read -r file line text; do
     complain "$file:$line: $text"

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "draw/draw.h"
-#include "draw/letters.h"
+#include "draw/annotations.h"
 #include "draw_help.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "draw/seams.h"
+#include "draw/face.h"
 #include "draw_help.h"
 
 static void seam_vertices_share_one_normal(void **state)

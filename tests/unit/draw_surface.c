@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "draw/surface.h"
+#include "draw/face.h"
 
 static surface surface_named(const char *name, float roughness, float metallic)
 {

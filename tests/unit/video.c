@@ -9,8 +9,6 @@
 #include "base/file.h"
 #include "draw_help.h"
 #include "video.h"
-#include "video_ffmpeg.h"
-#include "video_folder.h"
 
 #include <dirent.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* ui/window/learn.h: which finger somebody moves, and which parameter links it. */
+/* ui/window/panels/mapping.h: which finger somebody moves, and which parameter links it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "window/learn.h"
+#include "window/panels/mapping.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* ui/window/devices_panel_words.h: how an input is doing, in words; which devices are open. */
+/* ui/window/panels/devices.h: how an input is doing, in words; which devices are open. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -8,9 +8,9 @@
 
 #include "base/memory.h"
 #include "stage/input.h"
-#include "window/devices_panel_words.h"
-#include "window/engine_panel_words.h"
-#include "window/mapping_panel_pedal_table.h"
+#include "window/panels/devices.h"
+#include "window/panels/engine.h"
+#include "window/panels/mapping.h"
 
 #include <math.h>
 #include <stdio.h>

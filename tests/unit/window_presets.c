@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "window/presets.h"
+#include "window/app/presets.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "window/theme.h"
+#include "window/gui/theme.h"
 
 #include <math.h>
 

@@ -12,18 +12,18 @@
 static bool has_recorded(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->recorded_ns > NS_PER_S;
+    return app_status(s->app)->recorded_ns > NS_PER_S;
 }
 
 static bool has_take(scene *s, void *data)
 {
     (void)data;
-    return studio_take(s->studio) != NULL && !studio_status(s->studio)->is_recording;
+    return app_take(s->app) != NULL && !app_status(s->app)->is_recording;
 }
 
 static bool are_exports(scene *s, void *data)
 {
-    return studio_exports_going(s->studio) == *(uint32_t *)data;
+    return app_exports_going(s->app) == *(uint32_t *)data;
 }
 
 static void open_with_a_take(scene *s)
@@ -60,7 +60,7 @@ static void what_is_there_is_replaced_when_asked_twice(void **state)
     assert_true(scene_until(&s, are_exports, &none));
     scene_do(&s, ACTION_EXPORT);
     scene_click_word(&s, "Export");
-    assert_int_equal(studio_exports_going(s.studio), 0);
+    assert_int_equal(app_exports_going(s.app), 0);
     assert_non_null(scene_word_with(&s, "is there already"));
     scene_picture(&s, "export_replaces");
     scene_check_words(&s);
@@ -77,7 +77,7 @@ static void what_goes_on_is_seen_and_cancelled(void **state)
     uint32_t none = 0;
     open_with_a_take(&s);
     ask_for_an_export(&s, "Pictures, a folder of PNG");
-    assert_int_equal(studio_exports_going(s.studio), 1);
+    assert_int_equal(app_exports_going(s.app), 1);
     const ui_word *word = scene_word_with(&s, "Exporting");
     assert_non_null(word);
     scene_click(&s, word->where.x + 4.0f, word->where.y + 4.0f);
@@ -104,7 +104,7 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene s;
     open_with_a_take(&s);
     ask_for_an_export(&s, "Pictures, a folder of PNG");
-    assert_int_equal(studio_exports_going(s.studio), 1);
+    assert_int_equal(app_exports_going(s.app), 1);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
     assert_false(s.is_over);
@@ -114,7 +114,7 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene_click_word(&s, "Stay");
     scene_frames(&s, 3);
     assert_null(scene_word(&s, "An export goes on"));
-    assert_int_equal(studio_exports_going(s.studio), 1);
+    assert_int_equal(app_exports_going(s.app), 1);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
     scene_click_word(&s, "Quit when done");

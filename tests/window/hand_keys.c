@@ -10,26 +10,25 @@
 
 static uint32_t input_count(const scene *s)
 {
-    return live_input_count(studio_live(s->studio));
+    return live_input_count(app_live(s->app));
 }
 
 static bool has_hand(scene *s, void *data)
 {
     (void)data;
-    return input_count(s) == 1 && studio_view(s->studio)->hand[MRT_RIGHT].present;
+    return input_count(s) == 1 && app_view(s->app)->hand[MRT_RIGHT].present;
 }
 
 static bool is_recorded(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->is_recording &&
-           studio_status(s->studio)->recorded_ns > 100 * NS_PER_MS;
+    return app_status(s->app)->is_recording && app_status(s->app)->recorded_ns > 100 * NS_PER_MS;
 }
 
 static bool has_moved(scene *s, void *data)
 {
     const float *rest = data;
-    const live_view *view = studio_view(s->studio);
+    const live_view *view = app_view(s->app);
     for (size_t i = 0; i < (size_t)view->vertex_count * 3; ++i)
         if (fabsf(view->position[i] - rest[i]) > 3.0f)
             return true;
@@ -41,20 +40,20 @@ static void a_gamepad_is_a_hand_that_moves_the_face(void **state)
     scene s;
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    const live_view *view = studio_view(s.studio);
+    const live_view *view = app_view(s.app);
     const size_t size = (size_t)view->vertex_count * 3 * sizeof *view->position;
     float *rest = malloc(size);
     assert_non_null(rest);
     memcpy(rest, view->position, size);
-    front_gamepad pad = {.axis = {0.0f, 0.9f}, .name = "a pad"};
-    front_hidden_gamepad(s.front, &pad);
+    window_gamepad pad = {.axis = {0.0f, 0.9f}, .name = "a pad"};
+    window_hidden_gamepad(s.window, &pad);
     assert_true(scene_until(&s, has_hand, NULL));
     for (int i = 0; i < 6; ++i)
         pad.axis[i] = 0.9f;
-    front_hidden_gamepad(s.front, &pad);
+    window_hidden_gamepad(s.window, &pad);
     assert_true(scene_until(&s, has_moved, rest));
     scene_picture(&s, "hand_keys_gamepad");
-    front_hidden_gamepad(s.front, NULL);
+    window_hidden_gamepad(s.window, NULL);
     scene_frames(&s, 3);
     free(rest);
     scene_close(&s);
@@ -62,7 +61,7 @@ static void a_gamepad_is_a_hand_that_moves_the_face(void **state)
 
 static uint32_t times_said(const scene *s, const char *part)
 {
-    const news_list *news = studio_news(s->studio);
+    const news_list *news = app_news(s->app);
     uint32_t count = 0;
     for (uint32_t i = 0; i < news_list_count(news); ++i)
         count += strstr(news_list_at(news, i)->text, part) != NULL;
@@ -80,7 +79,7 @@ static void a_hand_that_comes_during_a_take_is_refused_once_and_joins_behind_it(
     scene_frames(&s, 20);
     assert_int_equal(times_said(&s, "end it first"), 1);
     assert_int_equal(input_count(&s), 0);
-    studio_do(s.studio, ACTION_RECORD);
+    app_do(s.app, ACTION_RECORD);
     assert_true(scene_until(&s, has_hand, NULL));
     scene_close(&s);
 }

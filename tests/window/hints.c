@@ -16,33 +16,32 @@ static const char taken[] = "A take is shown. L: back to the live hands";
 static bool has_samples(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->sample_count > 60;
+    return app_status(s->app)->sample_count > 60;
 }
 
 static bool is_recorded(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->is_recording &&
-           studio_status(s->studio)->recorded_ns > 300 * NS_PER_MS;
+    return app_status(s->app)->is_recording && app_status(s->app)->recorded_ns > 300 * NS_PER_MS;
 }
 
 static bool is_chosen(scene *s, void *data)
 {
     (void)data;
-    return !studio_status(s->studio)->is_recording && studio_take_id(s->studio) != 0;
+    return !app_status(s->app)->is_recording && app_take_id(s->app) != 0;
 }
 
 static bool is_shown(scene *s, void *data)
 {
     (void)data;
-    return studio_view(s->studio)->mode == LIVE_SHOWS;
+    return app_view(s->app)->mode == LIVE_SHOWS;
 }
 
 static bool has_other_take(scene *s, void *data)
 {
     const int64_t *other_than = data;
-    const int64_t chosen = studio_take_id(s->studio);
-    return !studio_status(s->studio)->is_recording && chosen != 0 && chosen != *other_than;
+    const int64_t chosen = app_take_id(s->app);
+    return !app_status(s->app)->is_recording && chosen != 0 && chosen != *other_than;
 }
 
 static void record(scene *s)
@@ -80,7 +79,7 @@ static void that_a_take_is_shown_is_said_at_the_edge_not_on_the_face(void **stat
     for (uint32_t k = 0; k < 2; ++k) {
         scene s;
         open_with_take(&s, size[k][0], size[k][1], (float)(k + 1));
-        assert_int_equal(studio_choose_take(s.studio, studio_take_id(s.studio)), MRT_OK);
+        assert_int_equal(app_choose_take(s.app, app_take_id(s.app)), MRT_OK);
         assert_true(scene_until(&s, is_shown, NULL));
         point_at_face(&s);
         const ui_word *word = scene_word(&s, taken);
@@ -97,18 +96,18 @@ static void page_up_goes_up_the_list_of_takes(void **state)
     scene s;
     (void)state;
     open_with_take(&s, 1280, 720, 1.0f);
-    int64_t first = studio_take_id(s.studio);
+    int64_t first = app_take_id(s.app);
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, is_recorded, NULL));
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, has_other_take, &first));
-    const int64_t second = studio_take_id(s.studio);
+    const int64_t second = app_take_id(s.app);
     const ui_word *upper = scene_word(&s, "2"), *lower = scene_word(&s, "1");
     assert_true(upper && lower && upper->where.y < lower->where.y); /* the newest on top */
     scene_key(&s, UI_KEY_PAGE_DOWN, 0);
-    assert_int_equal(studio_take_id(s.studio), first);
+    assert_int_equal(app_take_id(s.app), first);
     scene_key(&s, UI_KEY_PAGE_UP, 0);
-    assert_int_equal(studio_take_id(s.studio), second);
+    assert_int_equal(app_take_id(s.app), second);
     scene_close(&s);
 }
 
@@ -120,7 +119,7 @@ static bool says(scene *s, void *data)
 static void a_take_is_duplicated_by_its_menu_and_by_its_key(void **state)
 {
     scene s;
-    const studio_take_line *line;
+    const app_take_line *line;
     char words[] = "duplicate take 1";
     (void)state;
     open_with_take(&s, 1280, 720, 1.0f);
@@ -131,9 +130,9 @@ static void a_take_is_duplicated_by_its_menu_and_by_its_key(void **state)
     scene_picture(&s, "hints_duplicate");
     scene_check_words(&s);
     scene_click_word(&s, "Duplicate");
-    assert_int_equal(studio_takes(s.studio, &line), 2);
+    assert_int_equal(app_takes(s.app, &line), 2);
     scene_key(&s, 'D', UI_CONTROL);
-    assert_int_equal(studio_takes(s.studio, &line), 3);
+    assert_int_equal(app_takes(s.app, &line), 3);
     scene_do(&s, ACTION_UNDO);
     scene_do(&s, ACTION_UNDO);
     const ui_word *edits = scene_word(&s, "History"); /* redo is the sign before it */
@@ -148,7 +147,7 @@ static void long_news_are_broken_in_two_and_can_be_read(void **state)
     scene s;
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    news_list_add(studio_news(s.studio), MRT_LOG_WARNING, "pedal usb:1-2",
+    news_list_add(app_news(s.app), MRT_LOG_WARNING, "pedal usb:1-2",
                   "VEC USB Footpedal at usb:1-2 went away (No such device (it may have been "
                   "disconnected)): plug it in again; the pose is held, and it is looked for");
     scene_frames(&s, 3);

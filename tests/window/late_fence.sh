@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Mesa's software renderer frees a fence while one of its threads may still hold the lock in it; with that
 # thread held up (late_fence.c) the stage crashed within seconds. It keeps fences until nobody can be in
-# them (ui/draw/gl_scene.c): nothing is freed while it is locked.
+# them (ui/draw/gl.c): nothing is freed while it is locked.
 source "$(dirname "$0")/../e2e/lib.sh"
 library=$BUILD_DIR/tests/window/liblate_fence.so
 [ -e "$library" ] || { echo "SKIPPED: not with a sanitizer, which frees by itself"; exit 77; }

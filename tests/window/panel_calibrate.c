@@ -1,4 +1,4 @@
-/* The calibration of a glove at the desk, from the first pose to the file that is used. The glove's
+/* The calibration of a glove, from the first pose to the file that is used. The glove's
  * samples are the test's, in their own time: nothing waits. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,18 +22,18 @@
 
 static const int64_t period_ns = 6666667; /* 150 Hz */
 
-typedef struct desk {
+typedef struct fixture {
     stand stand;
     char root[64];
     uint32_t glove; /* index of its input */
     int64_t time_ns;
     uint32_t noise, sequence;
     double pose[MRT_ANGLES]; /* degrees, where the hand is now */
-} desk;
+} fixture;
 
 /* ---- a glove: raw = zero + counts * degrees ---- */
 
-static void give(desk *d)
+static void give(fixture *d)
 {
     stand *s = &d->stand;
     uint32_t count;
@@ -55,7 +55,7 @@ static void give(desk *d)
 }
 
 /* Half a second of moving there, then a hold. */
-static void go(desk *d, const double *to, double hold_s)
+static void go(fixture *d, const double *to, double hold_s)
 {
     double from[MRT_ANGLES];
     memcpy(from, d->pose, sizeof from);
@@ -70,16 +70,16 @@ static void go(desk *d, const double *to, double hold_s)
     stand_settle(&d->stand);
 }
 
-static void perform(desk *d, guide_step step, double hold_s)
+static void perform(fixture *d, guide_step step, double hold_s)
 {
     double pose[MRT_ANGLES];
     pose_of(pose, step);
     go(d, pose, hold_s);
 }
 
-/* ---- the desk ---- */
+/* ---- the fixture ---- */
 
-static void open_desk_behind(desk *d, float scale, const char *other)
+static void open_fixture_behind(fixture *d, float scale, const char *other)
 {
     char path[256], command[1024], text[512];
     memset(d, 0, sizeof *d);
@@ -105,12 +105,12 @@ static void open_desk_behind(desk *d, float scale, const char *other)
     assert_int_equal(d->stand.tapped, d->glove);
 }
 
-static void open_desk(desk *d, float scale)
+static void open_fixture(fixture *d, float scale)
 {
-    open_desk_behind(d, scale, NULL);
+    open_fixture_behind(d, scale, NULL);
 }
 
-static void close_desk(desk *d)
+static void close_fixture(fixture *d)
 {
     char command[256];
     stand_close(&d->stand);
@@ -121,8 +121,8 @@ static void close_desk(desk *d)
 static void ten_poses_become_a_calibration_that_is_used(void **state)
 {
     (void)state;
-    desk d;
-    open_desk(&d, 1.0f);
+    fixture d;
+    open_fixture(&d, 1.0f);
     stand *s = &d.stand;
     for (guide_step step = GUIDE_RELAXED; step < GUIDE_STEPS; ++step) {
         assert_true(stand_shows(s, "pose "));
@@ -151,15 +151,15 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
     calibration_file_finish(file);
     free(file);
     stand_wait_for(s, "anna, ");
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void what_is_nonsense_is_said_with_the_pose_that_mends_it(void **state)
 {
     (void)state;
-    desk d;
+    fixture d;
     double pose[MRT_ANGLES];
-    open_desk(&d, 1.0f);
+    open_fixture(&d, 1.0f);
     stand *s = &d.stand;
     for (guide_step step = GUIDE_RELAXED; step < GUIDE_INDEX_ALONE; ++step)
         perform(&d, step, 1.5);
@@ -182,14 +182,14 @@ static void what_is_nonsense_is_said_with_the_pose_that_mends_it(void **state)
     perform(&d, GUIDE_INDEX_ALONE, 1.5);
     assert_true(stand_shows(s, "All poses are done."));
     assert_false(stand_shows(s, "Repeat: index alone"));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void buttons_take_skip_and_go_back(void **state)
 {
     (void)state;
-    desk d;
-    open_desk(&d, 1.0f);
+    fixture d;
+    open_fixture(&d, 1.0f);
     stand *s = &d.stand;
     perform(&d, GUIDE_RELAXED, 0.3); /* not long enough by itself */
     assert_true(stand_shows(s, "pose 1 of 10"));
@@ -205,15 +205,15 @@ static void buttons_take_skip_and_go_back(void **state)
     perform(&d, GUIDE_FLAT, 0.3);
     stand_key(s, UI_KEY_ENTER);
     assert_true(stand_shows(s, "pose 3 of 10"));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void escape_leaves_and_keeps_nothing(void **state)
 {
     (void)state;
-    desk d;
+    fixture d;
     char path[256];
-    open_desk(&d, 2.0f);
+    open_fixture(&d, 2.0f);
     stand *s = &d.stand;
     perform(&d, GUIDE_RELAXED, 1.5);
     stand_check_words(s, NULL);
@@ -225,28 +225,28 @@ static void escape_leaves_and_keeps_nothing(void **state)
     (void)snprintf(path, sizeof path, "%s/marotte/calibrations", d.root);
     assert_int_not_equal(access(path, F_OK), 0);
     assert_string_equal(s->calibration[MRT_RIGHT], "");
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void a_glove_that_is_removed_closes_it(void **state)
 {
     (void)state;
-    desk d;
+    fixture d;
     error err = {""};
-    open_desk(&d, 1.0f);
+    open_fixture(&d, 1.0f);
     assert_int_equal(live_remove_input(NULL, 0, &err), MRT_OK);
     stand_settle(&d.stand);
     stand_settle(&d.stand);
     assert_false(stand_shows(&d.stand, "pose "));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void it_goes_on_when_an_input_before_the_glove_is_removed(void **state)
 {
     (void)state;
-    desk d;
+    fixture d;
     error err = {""};
-    open_desk_behind(&d, 1.0f, "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1");
+    open_fixture_behind(&d, 1.0f, "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1");
     assert_int_equal(d.glove, 1);
     assert_int_equal(live_remove_input(NULL, 0, &err), MRT_OK);
     d.glove = 0;
@@ -255,7 +255,7 @@ static void it_goes_on_when_an_input_before_the_glove_is_removed(void **state)
     assert_int_equal(d.stand.tapped, 0);
     perform(&d, GUIDE_RELAXED, 1.5);
     assert_true(stand_shows(&d.stand, "pose 2 of 10"));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 int main(void)

@@ -49,14 +49,14 @@ static double value_of(const stand *s, const char *name)
 
 static void undo(stand *s)
 {
-    const studio_step *step = &s->step[--s->step_count];
+    const app_step *step = &s->step[--s->step_count];
     step->undo(step->owner, step->number);
     stand_settle(s);
 }
 
 static void redo(stand *s)
 {
-    const studio_step *step = &s->step[s->step_count++];
+    const app_step *step = &s->step[s->step_count++];
     step->redo(step->owner, step->number);
     stand_settle(s);
 }

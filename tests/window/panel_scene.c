@@ -9,7 +9,8 @@
 
 #include "scene.h"
 
-#include "window/panels.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
 
 static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1";
 static const action panels[] = {ACTION_PANEL_DEVICES, ACTION_PANEL_MAPPING, ACTION_PANEL_ENGINE,
@@ -19,7 +20,7 @@ static const char *const panel_name[] = {"devices", "mapping", "engine", "log"};
 static bool performs(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->sample_count > 30;
+    return app_status(s->app)->sample_count > 30;
 }
 
 static void open_with_hand(scene *s, uint32_t width, uint32_t height, float scale,
@@ -58,7 +59,7 @@ static void each_panel_can_be_read_while_a_hand_performs(void **state)
 
 static double value_of(const scene *s, const char *name)
 {
-    const instance *mapping = live_mapping(studio_live(s->studio));
+    const instance *mapping = live_mapping(app_live(s->app));
     for (uint32_t i = 0; i < mapping->type->param_count; ++i)
         if (strcmp(mapping->type->params[i].name, name) == 0)
             return instance_value(mapping, i);
@@ -113,7 +114,7 @@ static bool is_over_contact(scene *s, float x, float y)
 {
     scene_move(s, x, y);
     scene_settle(s);
-    return viewport_stroke_now(studio_viewport(s->studio))->contact != 0;
+    return viewport_stroke_now(app_viewport(s->app))->contact != 0;
 }
 
 /* Contacts have their names beside them. */
@@ -133,7 +134,7 @@ static bool find_near(scene *s, ui_rectangle name, float *out_x, float *out_y)
 /* Where the pointer is over some contact. */
 static bool find_contact(scene *s, float *out_x, float *out_y)
 {
-    const mrt_face *about = studio_view(s->studio)->about;
+    const mrt_face *about = app_view(s->app)->about;
     for (uint32_t i = 0; i < about->contact_count; ++i) {
         const ui_word *word = scene_word(s, about->contacts[i].name);
         if (word && find_near(s, word->where, out_x, out_y))
@@ -155,7 +156,7 @@ static void click_last_word(scene *s, const char *text)
 
 static uint32_t link_count(const scene *s)
 {
-    const instance *mapping = live_mapping(studio_live(s->studio));
+    const instance *mapping = live_mapping(app_live(s->app));
     uint32_t count = 0;
     for (uint32_t i = 0; i < mapping->type->param_count; ++i)
         count += strcmp(mapping->type->params[i].group, "Contacts") == 0 &&

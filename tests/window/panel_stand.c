@@ -8,7 +8,7 @@
 #include "panel_stand.h"
 
 #include "base/clock.h"
-#include "window/theme.h"
+#include "window/gui/theme.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,84 +20,84 @@
 static stand *here;
 static viewport *const a_viewport = (viewport *)(void *)&here;
 static live *const a_live = (live *)(void *)&here;
-static studio *const a_studio = (studio *)(void *)&here;
+static app *const a_studio = (app *)(void *)&here;
 
-/* ---- the studio ---- */
+/* ---- the application ---- */
 
-const plugin_list *studio_plugins(studio *self)
+const plugin_list *app_plugins(app *self)
 {
     (void)self;
     return &here->plugins;
 }
 
-log_queue *studio_log(studio *self)
+log_queue *app_log(app *self)
 {
     (void)self;
     return here->log;
 }
 
-live *studio_live(studio *self)
+live *app_live(app *self)
 {
     (void)self;
     return a_live;
 }
 
-const live_view *studio_view(const studio *self)
+const live_view *app_view(const app *self)
 {
     (void)self;
     return &here->view;
 }
 
-const live_status *studio_status(const studio *self)
+const live_status *app_status(const app *self)
 {
     (void)self;
     return &here->status;
 }
 
-settings *studio_settings(studio *self)
+settings *app_settings(app *self)
 {
     (void)self;
     return here->settings;
 }
 
-news_list *studio_news(studio *self)
+news_list *app_news(app *self)
 {
     (void)self;
     return here->news;
 }
 
-studio_looks *studio_looks_of(studio *self)
+app_looks *app_looks_of(app *self)
 {
     (void)self;
     return &here->looks;
 }
 
-const studio_figures *studio_figures_of(const studio *self)
+const app_figures *app_figures_of(const app *self)
 {
     (void)self;
     return &here->figures;
 }
 
-void studio_did(studio *self, const studio_step *step)
+void app_did(app *self, const app_step *step)
 {
     (void)self;
     assert_true(here->step_count < STAND_STEPS);
     here->step[here->step_count++] = *step;
 }
 
-void studio_forget_steps(studio *self, const void *owner)
+void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
 }
 
-void studio_do(studio *self, action of)
+void app_do(app *self, action of)
 {
     (void)self;
     here->done = of;
 }
 
-viewport *studio_viewport(studio *self)
+viewport *app_viewport(app *self)
 {
     (void)self;
     return a_viewport;
@@ -117,27 +117,27 @@ const viewport_stroke *viewport_stroke_now(const viewport *self)
 }
 
 /* Nothing takes long here; what is on its way is said by the test. */
-mrt_result studio_open_input(studio *self, const char *text)
+mrt_result app_open_input(app *self, const char *text)
 {
     (void)self;
     stand_input(here, text);
     return MRT_OK;
 }
 
-uint32_t studio_openings(studio *self, studio_opening out[STUDIO_OPENINGS_MAX])
+uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX])
 {
     (void)self;
     memcpy(out, here->opening, here->opening_count * sizeof *out);
     return here->opening_count;
 }
 
-void studio_give_up_opening(studio *self, uint64_t id)
+void app_give_up_opening(app *self, uint64_t id)
 {
     (void)self;
     here->given_up = id;
 }
 
-const char *studio_opening_trouble(const studio *self)
+const char *app_opening_trouble(const app *self)
 {
     (void)self;
     return here->opening_trouble ? here->opening_trouble : "";
@@ -246,13 +246,13 @@ instance *live_mapping(live *self)
     return here->has_mapping ? &here->mapping : NULL;
 }
 
-const csrbf_settings *studio_solver(const studio *self)
+const csrbf_settings *app_solver(const app *self)
 {
     (void)self;
     return here->has_solver ? &here->solver : NULL;
 }
 
-mrt_result studio_set_solver(studio *self, const csrbf_settings *solver, error *err)
+mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err)
 {
     (void)self;
     static const csrbf_settings of_rig = {.radius = 60.0};
@@ -347,13 +347,13 @@ void stand_frame(stand *s)
     ui_screen screen;
     take_samples(s);
     news_list_update(s->news, s->log, 1.0 / 60.0);
-    assert_true(front_begin(s->front, s->ui, &screen));
+    assert_true(window_begin(s->window, s->ui, &screen));
     ui_begin(s->ui, &screen);
     if (s->type->update)
         s->type->update(s->panel, screen.dt_s);
     s->type->draw(s->panel, s->ui, s->where);
     ui_end(s->ui);
-    front_end(s->front, s->ui);
+    window_end(s->window, s->ui);
 }
 
 void stand_settle(stand *s)
@@ -361,6 +361,16 @@ void stand_settle(stand *s)
     for (int i = 0; i < 2 || !ui_is_idle(s->ui); ++i)
         stand_frame(s);
     stand_frame(s);
+}
+
+/* What is looked for beside the panel moves what is below it once it is found. */
+static void settle_first(stand *s)
+{
+    const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+    stand_settle(s);
+    while (stand_shows(s, "Looking\xe2\x80\xa6") && clock_now_ns() < until_ns)
+        stand_frame(s);
+    stand_settle(s);
 }
 
 void stand_open_with(stand *s, const panel_type *type, float scale, const char *settings_path)
@@ -381,16 +391,17 @@ void stand_open_with(stand *s, const panel_type *type, float scale, const char *
     s->news = news_list_create();
     assert_true(s->log && s->news);
     assert_int_equal(settings_open(&s->settings, settings_path, note, sizeof note, &err), MRT_OK);
-    if (front_open_hidden(&s->front, width, height, scale, 1.0 / 60.0, &err) < 0) {
+    if (window_open_hidden(&s->window, width, height, scale, 1.0 / 60.0, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         skip();
     }
     if (ui_create(&s->ui, &err) < 0)
         fail_msg("%s", err.text);
     ui_note_words(s->ui, true);
+    window_hidden_put_away(s->window, true);
     s->panel = type->create(a_studio);
     assert_non_null(s->panel);
-    stand_settle(s);
+    settle_first(s);
 }
 
 void stand_open(stand *s, const panel_type *type, float scale)
@@ -403,14 +414,14 @@ void stand_reopen_panel(stand *s)
     s->type->destroy(s->panel);
     s->panel = s->type->create(a_studio);
     assert_non_null(s->panel);
-    stand_settle(s);
+    settle_first(s);
 }
 
 void stand_close(stand *s)
 {
     s->type->destroy(s->panel);
     ui_destroy(s->ui);
-    front_close(s->front);
+    window_close(s->window);
     for (uint32_t i = 0; i < s->input_count; ++i)
         input_destroy(s->input[i]);
     if (s->has_mapping)
@@ -585,8 +596,11 @@ void stand_picture(stand *s, const char *name)
 {
     char path[1024];
     error err = {""};
+    window_hidden_put_away(s->window, false);
+    stand_frame(s);
+    window_hidden_put_away(s->window, true);
     (void)mkdir(BUILD_DIR "/out", 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
-    if (front_picture(s->front, path, &err) < 0)
+    if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
 }

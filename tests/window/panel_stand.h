@@ -1,10 +1,11 @@
-/* panel_stand.h - one panel on a stage that is none: a studio and a live stage whose every word the
- * test says (status, faces, refusals), real inputs and mappings, a screen without a window. Tests
- * click what is written on it. */
+/* panel_stand.h - one panel on a stage that is none: an application and a live stage whose every
+ * word the test says (status, faces, refusals), real inputs and mappings, a screen without a
+ * window. Tests click what is written on it. */
 #ifndef MAROTTE_TESTS_WINDOW_PANEL_STAND_H
 #define MAROTTE_TESTS_WINDOW_PANEL_STAND_H
-#include "window/front.h"
-#include "window/panels.h"
+#include "window/gui/window.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
 
 enum { STAND_INPUTS = 8, STAND_STEPS = 64 };
 
@@ -15,15 +16,15 @@ typedef struct stand {
     settings *settings;
     live_view view;
     live_status status;
-    studio_looks looks;
-    studio_figures figures;
+    app_looks looks;
+    app_figures figures;
     /* inputs */
     input *input[STAND_INPUTS];
     char input_text[STAND_INPUTS][256];
     mrt_sample sample[STAND_INPUTS];
     bool has_sample[STAND_INPUTS];
     uint32_t input_count;
-    studio_opening opening[STUDIO_OPENINGS_MAX];
+    input_opening opening[INPUT_OPENINGS_MAX];
     uint32_t opening_count;
     const char *opening_trouble; /* "": none */
     uint64_t given_up;
@@ -41,14 +42,14 @@ typedef struct stand {
     bool has_solver;
     uint32_t solver_count;
     /* undo */
-    studio_step step[STAND_STEPS];
+    app_step step[STAND_STEPS];
     uint32_t step_count;
     action done;
     /* the face */
     viewport_use use;
     viewport_stroke stroke;
     /* the screen */
-    front *front;
+    window *window;
     ui *ui;
     const panel_type *type;
     panel *panel;

@@ -16,19 +16,19 @@ static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1"
 
 static uint64_t samples_now(const scene *s)
 {
-    return studio_status(s->studio)->sample_count;
+    return app_status(s->app)->sample_count;
 }
 
 static bool has_both_inputs(scene *s, void *data)
 {
     (void)data;
-    return live_input_count(studio_live(s->studio)) == 2 && samples_now(s) > 30;
+    return live_input_count(app_live(s->app)) == 2 && samples_now(s) > 30;
 }
 
 static bool is_held(scene *s, void *data)
 {
     const float *wanted = data;
-    return studio_view(s->studio)->pedal[0] == *wanted;
+    return app_view(s->app)->pedal[0] == *wanted;
 }
 
 static bool has_performed_on(scene *s, void *data)
@@ -44,7 +44,7 @@ static bool shows_words(scene *s, void *data)
 
 static bool was_said(const scene *s, const char *part, int32_t *out_level)
 {
-    const news_list *news = studio_news(s->studio);
+    const news_list *news = app_news(s->app);
     for (uint32_t i = 0; i < news_list_count(news); ++i)
         if (strstr(news_list_at(news, i)->text, part)) {
             *out_level = news_list_at(news, i)->level;
@@ -56,7 +56,7 @@ static bool was_said(const scene *s, const char *part, int32_t *out_level)
 static void wait_for_pedal(scene *s, float value)
 {
     if (!scene_until(s, is_held, &value))
-        fail_msg("pedal 1 is %g, not %g", (double)studio_view(s->studio)->pedal[0], (double)value);
+        fail_msg("pedal 1 is %g, not %g", (double)app_view(s->app)->pedal[0], (double)value);
 }
 
 static void wait_for_words(scene *s, char *part)
@@ -101,7 +101,7 @@ static bool is_back(scene *s, void *data)
 
 static void tell_all(scene *s)
 {
-    const news_list *news = studio_news(s->studio);
+    const news_list *news = app_news(s->app);
     const ui_word *words;
     for (uint32_t i = 0; i < news_list_count(news); ++i)
         print_message("%s: %s\n", news_list_at(news, i)->source, news_list_at(news, i)->text);
@@ -149,13 +149,13 @@ static void a_pedal_that_is_pulled_out_is_up_and_works_when_it_is_back(void **st
 static bool is_recording(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->is_recording;
+    return app_status(s->app)->is_recording;
 }
 
 static bool is_chosen(scene *s, void *data)
 {
     (void)data;
-    return !studio_status(s->studio)->is_recording && studio_take(s->studio);
+    return !app_status(s->app)->is_recording && app_take(s->app);
 }
 
 static void a_take_goes_on_while_a_pedal_is_away(void **state)
@@ -166,11 +166,11 @@ static void a_take_goes_on_while_a_pedal_is_away(void **state)
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, is_recording, NULL));
     replug(&s, *state, unit, "pedal_2x");
-    assert_true(studio_status(s.studio)->is_recording);
-    const int64_t recorded_ns = studio_status(s.studio)->recorded_ns;
+    assert_true(app_status(s.app)->is_recording);
+    const int64_t recorded_ns = app_status(s.app)->recorded_ns;
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, is_chosen, NULL));
-    assert_true(studio_take(s.studio)->duration_ns >= recorded_ns);
+    assert_true(app_take(s.app)->duration_ns >= recorded_ns);
     scene_close(&s);
 }
 

@@ -38,7 +38,7 @@ static void fold(const char *section)
 
 static void undo_last(void)
 {
-    const studio_step *step = &s.step[s.step_count - 1];
+    const app_step *step = &s.step[s.step_count - 1];
     const uint32_t before = s.change_count;
     step->undo(step->owner, step->number);
     rig_stand_wait_for_change(&s, before + 1);

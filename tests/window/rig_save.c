@@ -9,7 +9,8 @@
 
 #include "scene.h"
 #include "face/rig.h"
-#include "window/panels.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
 
 static char folder[64];
 
@@ -57,7 +58,7 @@ static bool has_rig_panel(scene *s, void *data)
 
 static bool stage_has_paint(scene *s, void *data)
 {
-    const rig *r = studio_face(s->studio)->rig;
+    const rig *r = app_face(s->app)->rig;
     (void)data;
     for (uint32_t i = 0; i < r->region_count; ++i)
         if (r->region[i].name && strcmp(r->region[i].name, "painted skull") == 0)
@@ -73,7 +74,7 @@ static bool stage_has_none(scene *s, void *data)
 static bool is_unsaved(scene *s, void *data)
 {
     (void)data;
-    return studio_unsaved_now(s->studio) != NULL;
+    return app_unsaved_now(s->app) != NULL;
 }
 
 static bool is_saved(scene *s, void *data)
@@ -109,10 +110,10 @@ static void what_is_painted_is_performed_undone_and_saved(void **state)
     scene s;
     (void)state;
     open_puppet(&s, false);
-    uint64_t inputs = live_input_count(studio_live(s.studio));
+    uint64_t inputs = live_input_count(app_live(s.app));
     paint(&s);
     assert_true(scene_until(&s, stage_has_paint, NULL));
-    assert_int_equal(live_input_count(studio_live(s.studio)), inputs);
+    assert_int_equal(live_input_count(app_live(s.app)), inputs);
     scene_picture(&s, "rig_window");
     scene_check_words(&s);
     scene_key(&s, 'Z', UI_CONTROL);
@@ -139,8 +140,8 @@ static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
     assert_false(s.is_over);
     scene_picture(&s, "rig_quit");
     scene_check_words(&s);
-    desk_destroy(s.desk); /* as when it is killed: nothing was answered */
-    studio_destroy(s.studio);
+    workspace_destroy(s.workspace); /* as when it is killed: nothing was answered */
+    app_destroy(s.app);
     open_puppet(&s, true);
     scene_key(&s, UI_KEY_F1 + 3, 0);
     assert_true(scene_until(&s, has_rig_panel, NULL));

@@ -17,37 +17,37 @@
 #include <time.h>
 
 static rig_stand *here;
-static studio *const a_studio = (studio *)(void *)&here;
+static app *const a_studio = (app *)(void *)&here;
 
-/* ---- the studio, beside what the viewport's stand has ---- */
+/* ---- the application, beside what the viewport's stand has ---- */
 
-const char *studio_face_path(const studio *self)
+const char *app_face_path(const app *self)
 {
     (void)self;
     return here->face_path;
 }
 
-viewport *studio_viewport(studio *self)
+viewport *app_viewport(app *self)
 {
     (void)self;
     return here->of.viewport;
 }
 
-void studio_did(studio *self, const studio_step *step)
+void app_did(app *self, const app_step *step)
 {
     (void)self;
     assert_true(here->step_count < RIG_STAND_STEPS);
     here->step[here->step_count++] = *step;
 }
 
-void studio_forget_steps(studio *self, const void *owner)
+void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
     here->step_count = 0;
 }
 
-void studio_set_unsaved(studio *self, const studio_unsaved *unsaved)
+void app_set_unsaved(app *self, const app_unsaved *unsaved)
 {
     (void)self;
     here->has_unsaved = unsaved != NULL;
@@ -66,7 +66,7 @@ static void make_stage(viewport_stand *s)
     stand_perform(s);
 }
 
-mrt_result studio_change_face(studio *self, face_file *file)
+mrt_result app_change_face(app *self, face_file *file)
 {
     (void)self;
     composer_destroy(here->of.composer);
@@ -78,7 +78,7 @@ mrt_result studio_change_face(studio *self, face_file *file)
     return MRT_OK;
 }
 
-mrt_result studio_open_face(studio *self, const char *path)
+mrt_result app_open_face(app *self, const char *path)
 {
     (void)self;
     (void)snprintf(here->opened, sizeof here->opened, "%s", path);
@@ -111,6 +111,7 @@ void rig_stand_open(rig_stand *s, const char *face_path, const char *settings_pa
     s->dock = (ui_rectangle){wide - 330, 52, 330, high - 52};
     s->is_panel_seen = true;
     ui_note_words(s->of.ui, true);
+    stand_put_away(&s->of);
     s->panel = panel_rig.create(a_studio);
     assert_non_null(s->panel);
     rig_stand_frames(s, 3);
@@ -135,7 +136,7 @@ static double cpu_ms(void)
 static void frame(rig_stand *s)
 {
     ui_screen screen;
-    assert_true(front_begin(s->of.front, s->of.ui, &screen));
+    assert_true(window_begin(s->of.window, s->of.ui, &screen));
     ui_begin(s->of.ui, &screen);
     double start_ms = cpu_ms();
     panel_rig.update(s->panel, screen.dt_s);
@@ -147,7 +148,7 @@ static void frame(rig_stand *s)
         panel_rig.draw(s->panel, s->of.ui, s->dock);
     s->draw_ms = fmax(s->draw_ms, cpu_ms() - start_ms);
     ui_end(s->of.ui);
-    front_end(s->of.front, s->of.ui);
+    window_end(s->of.window, s->of.ui);
 }
 
 void rig_stand_frames(rig_stand *s, uint32_t count)
@@ -242,11 +243,13 @@ void rig_stand_picture(rig_stand *s, const char *name)
 {
     error err = {{0}};
     char path[1024];
+    window_hidden_put_away(s->of.window, false);
     rig_stand_frames(s, 2);
+    stand_put_away(&s->of);
     (void)snprintf(path, sizeof path, "%s/out", BUILD_DIR);
     (void)mkdir(path, 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
-    if (front_picture(s->of.front, path, &err) < 0)
+    if (window_picture(s->of.window, path, &err) < 0)
         fail_msg("%s", err.text);
 }
 

@@ -1,5 +1,5 @@
 /* rig_stand.h - the rig panel beside the viewport on a stage that is none (viewport_stand.h): what
- * it gives to the studio is taken, and written down. */
+ * it gives to the application is taken, and written down. */
 #ifndef MAROTTE_TESTS_WINDOW_RIG_STAND_H
 #define MAROTTE_TESTS_WINDOW_RIG_STAND_H
 #include "viewport_stand.h"
@@ -11,9 +11,9 @@ typedef struct rig_stand {
     ui_rectangle dock;
     char face_path[1024];
     char opened[1024]; /* by the panel */
-    studio_step step[RIG_STAND_STEPS];
+    app_step step[RIG_STAND_STEPS];
     uint32_t step_count;
-    studio_unsaved unsaved;
+    app_unsaved unsaved;
     bool has_unsaved;
     uint32_t change_count;     /* faces that came from the panel */
     double update_ms, draw_ms; /* CPU of the panel alone, the most of a frame */

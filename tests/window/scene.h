@@ -11,20 +11,20 @@
  *         scene_click_word(&s, "Mapping");
  *         assert_true(scene_until(&s, is_recording, NULL)); a condition of yours; bounded
  *         scene_check_words(&s);              none overlaps, is cut, is hard to read
- *         scene_picture(&s, "playing");       BUILD_DIR/out/playing.png: look at it
+ *         scene_picture(&s, "playing");       draws a frame: BUILD_DIR/out/playing.png, look at it
  *         scene_close(&s);
  *     }
  *
  *     marotte_test(NAME USES marotte_window)
  *     add_dependencies(test_window_NAME plugin_log plugin_one_hand plugin_anchored)
  *
- * s.studio, s.desk, s.ui and s.front are there for the rest. Units are points. */
+ * s.app, s.workspace, s.ui and s.window are there for the rest. Units are points. */
 #ifndef TESTS_WINDOW_SCENE_H
 #define TESTS_WINDOW_SCENE_H
 #include "base/clock.h"
-#include "window/desk.h"
-#include "window/front_hidden.h"
-#include "window/studio.h"
+#include "window/workspace.h"
+#include "window/gui/window.h"
+#include "window/app/app.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -37,12 +37,13 @@ enum { SCENE_PATIENCE_S = 30, SCENE_LET_CUT = 8 };
 
 typedef struct scene {
     char folder[64], show[96];
-    front *front;
-    studio *studio;
-    desk *desk;
+    window *window;
+    app *app;
+    workspace *workspace;
     ui *ui;
     float width, height; /* points */
-    bool is_over;        /* the desk wants to be closed */
+    bool is_over;        /* the workspace wants to be closed */
+    bool is_drawn;       /* each frame is drawn, not only those of pictures */
     const char *let_cut[SCENE_LET_CUT];
 } scene;
 
@@ -55,6 +56,7 @@ typedef struct scene_options {
     uint32_t input_count;
     const char *settings_path; /* NULL: none */
     const char *show_path;     /* NULL: a new one in the folder */
+    bool is_drawn;             /* each frame, not only those of pictures */
 } scene_options;
 
 /* ---- life ---- */
@@ -69,7 +71,7 @@ static inline void scene_face_path(char out[512], const char *name)
 
 static inline void scene_frame(scene *s)
 {
-    if (!desk_frame(s->desk))
+    if (!workspace_frame(s->workspace))
         s->is_over = true;
 }
 
@@ -93,9 +95,11 @@ static inline bool scene_until(scene *s, scene_condition *holds, void *data)
 {
     const int64_t end_ns = clock_now_ns() + SCENE_PATIENCE_S * NS_PER_S;
     do {
+        const int64_t began_ns = clock_now_ns();
         scene_frame(s);
         if (holds(s, data))
             return true;
+        clock_sleep_until_ns(began_ns + NS_PER_S / 60); /* what is waited for has the processor */
     } while (clock_now_ns() < end_ns);
     return false;
 }
@@ -103,28 +107,29 @@ static inline bool scene_until(scene *s, scene_condition *holds, void *data)
 static inline bool scene_has_face(scene *s, void *data)
 {
     (void)data;
-    return studio_view(s->studio)->number > 0;
+    return app_view(s->app)->number > 0;
 }
 
 static inline void scene_close(scene *s)
 {
     char command[96];
-    desk_destroy(s->desk);
-    studio_destroy(s->studio);
-    front_close(s->front);
+    workspace_destroy(s->workspace);
+    app_destroy(s->app);
+    window_close(s->window);
     (void)snprintf(command, sizeof command, "rm -rf %s", s->folder);
     if (system(command) != 0)
         print_message("%s stays\n", s->folder);
 }
 
-/* Only the studio and its desk: what is in the folder stays, for a test that opens it again. */
+/* Only the application and its workspace: what is in the folder stays, for a test that opens it
+ * again. */
 static inline void scene_open_again(scene *s, const scene_options *options)
 {
     static const char *const none[] = {NULL};
     char path[512];
     error err = {0};
     scene_face_path(path, options->face ? options->face : "puppet");
-    const studio_options with = {
+    const app_options with = {
         .show_path = options->show_path ? options->show_path : s->show,
         .face_path = path,
         .mapping = options->mapping ? options->mapping : "one_hand",
@@ -132,13 +137,14 @@ static inline void scene_open_again(scene *s, const scene_options *options)
         .input_count = options->input_count,
         .settings_path = options->settings_path ? options->settings_path : "",
     };
-    if (studio_create(&s->studio, &with, &err) < 0)
+    if (app_create(&s->app, &with, &err) < 0)
         fail_msg("%s", err.text);
-    if (desk_create(&s->desk, s->studio, s->front, &err) < 0)
+    if (workspace_create(&s->workspace, s->app, s->window, &err) < 0)
         fail_msg("%s", err.text);
-    s->ui = desk_ui(s->desk);
+    s->ui = workspace_ui(s->workspace);
     s->is_over = false;
     ui_note_words(s->ui, true);
+    window_hidden_put_away(s->window, !s->is_drawn);
     if (!scene_until(s, scene_has_face, NULL))
         fail_msg("no face was drawn within %d s", SCENE_PATIENCE_S);
     scene_frames(s, 3);
@@ -147,12 +153,13 @@ static inline void scene_open_again(scene *s, const scene_options *options)
 static inline void scene_open_with(scene *s, const scene_options *options)
 {
     error err = {0};
-    *s = (scene){.width = (float)options->width_px / options->scale,
+    *s = (scene){.is_drawn = options->is_drawn,
+                 .width = (float)options->width_px / options->scale,
                  .height = (float)options->height_px / options->scale};
     (void)unsetenv("MAROTTE_PLUGIN_PATH"); /* they lie beside the test, as beside the program */
     (void)snprintf(s->folder, sizeof s->folder, "/tmp/marotte_scene_XXXXXX");
-    if (front_open_hidden(&s->front, options->width_px, options->height_px, options->scale,
-                          1.0 / 60.0, &err) < 0) {
+    if (window_open_hidden(&s->window, options->width_px, options->height_px, options->scale,
+                           1.0 / 60.0, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         skip();
     }
@@ -383,7 +390,10 @@ static inline void scene_picture(scene *s, const char *name)
     error err = {0};
     (void)mkdir(BUILD_DIR "/out", 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
-    if (front_picture(s->front, path, &err) < 0)
+    window_hidden_put_away(s->window, false);
+    scene_frame(s);
+    window_hidden_put_away(s->window, !s->is_drawn);
+    if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
 }
 

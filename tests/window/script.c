@@ -7,11 +7,9 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "window/desk_folder.h"
+#include "window/folder.h"
 #include "window/scene.h"
 #include "window/script.h"
-#include "window/script_keys.h"
-#include "window/script_random.h"
 
 static char folder_path[] = "/tmp/marotte_script_XXXXXX", path[128];
 
@@ -109,7 +107,7 @@ static void run_script(scene *s, const char *text)
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < 5000 && result == MRT_OK; ++i) {
         const script_stage on = {
-            s->ui, s->studio, s->front, {.width = s->width, .height = s->height, .scale = 1.0f}};
+            s->ui, s->app, s->window, {.width = s->width, .height = s->height, .scale = 1.0f}};
         result = script_step(written, &on, &err);
         scene_frame(s);
     }
@@ -137,19 +135,19 @@ static void a_script_does_what_a_person_would(void **state)
                    "picture %s/picture.png\n"
                    "random 7 0.2\n",
                    folder_path);
-    studio_looks *looks = studio_looks_of(s.studio);
+    app_looks *looks = app_looks_of(s.app);
     const bool had_timeline = looks->has_timeline, was_mirrored = looks->is_output_mirrored;
     char *random = strstr(text, "random");
     *random = '\0';
     run_script(&s, text);
-    assert_int_equal(looks->panel, STUDIO_ENGINE);
+    assert_int_equal(looks->panel, APP_ENGINE);
     assert_int_not_equal(looks->has_timeline, had_timeline);
     assert_int_not_equal(looks->is_output_mirrored, was_mirrored);
     assert_true(looks->shows_contacts);
     (void)snprintf(text, sizeof text, "%s/picture.png", folder_path);
     assert_int_equal(access(text, R_OK), 0);
     run_script(&s, "random 7 1.5\n");
-    assert_false(studio_wants_to_quit(s.studio));
+    assert_false(app_wants_to_quit(s.app));
     assert_false(s.is_over);
     scene_close(&s);
 }
@@ -164,7 +162,7 @@ static void words_that_are_not_there_end_the_script(void **state)
     assert_int_equal(read_text(&written, "press No such word\n", &err), MRT_OK);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < 1000 && result == MRT_OK; ++i) {
-        const script_stage on = {s.ui, s.studio, s.front, {.scale = 1.0f}};
+        const script_stage on = {s.ui, s.app, s.window, {.scale = 1.0f}};
         result = script_step(written, &on, &err);
     }
     assert_true(result < 0);

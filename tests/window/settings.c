@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "window/news_list.h"
-#include "window/settings.h"
+#include "window/app/news_list.h"
+#include "window/app/settings.h"
 
 #include <math.h>
 #include <stdio.h>

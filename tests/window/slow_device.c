@@ -14,13 +14,13 @@ static const char slow[] = FLAKY ":port:1-2,first=0.7", endless[] = FLAKY ":port
 
 static uint32_t input_count(const scene *s)
 {
-    return live_input_count(studio_live(s->studio));
+    return live_input_count(app_live(s->app));
 }
 
 static uint32_t opening_count(const scene *s)
 {
-    studio_opening going[STUDIO_OPENINGS_MAX];
-    return studio_openings(s->studio, going);
+    input_opening going[INPUT_OPENINGS_MAX];
+    return app_openings(s->app, going);
 }
 
 static bool has_input(scene *s, void *data)
@@ -38,8 +38,7 @@ static bool runs(scene *s, void *data)
 static bool is_recorded(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->is_recording &&
-           studio_status(s->studio)->recorded_ns > 100 * NS_PER_MS;
+    return app_status(s->app)->is_recording && app_status(s->app)->recorded_ns > 100 * NS_PER_MS;
 }
 
 static bool waits_for_the_take(scene *s, void *data)
@@ -60,7 +59,7 @@ static void the_window_goes_on_while_a_device_is_opened(void **state)
     scene s;
     (void)state;
     open_scene(&s, 1280, 720, 1.0f);
-    assert_int_equal(studio_open_input(s.studio, slow), MRT_OK);
+    assert_int_equal(app_open_input(s.app, slow), MRT_OK);
     scene_frame(&s);
     assert_int_equal(opening_count(&s), 1);
     assert_int_equal(input_count(&s), 0);
@@ -78,18 +77,18 @@ static void cancel_lets_go_of_it_at_once(void **state)
     scene s;
     (void)state;
     open_scene(&s, 2560, 1440, 2.0f);
-    assert_int_equal(studio_open_input(s.studio, endless), MRT_OK);
+    assert_int_equal(app_open_input(s.app, endless), MRT_OK);
     scene_frames(&s, 2);
     scene_picture(&s, "slow_device_opens_2x");
     scene_check_words(&s);
     scene_click_word(&s, "Cancel");
     assert_int_equal(opening_count(&s), 0);
     assert_null(scene_word_with(&s, "opening"));
-    assert_int_equal(studio_open_input(s.studio, slow), MRT_OK); /* another one, beside it */
+    assert_int_equal(app_open_input(s.app, slow), MRT_OK); /* another one, beside it */
     assert_true(scene_until(&s, has_input, NULL));
     scene_frames(&s, 3);
-    assert_string_equal(live_input_text(studio_live(s.studio), 0), slow);
-    assert_string_equal(studio_opening_trouble(s.studio), "");
+    assert_string_equal(live_input_text(app_live(s.app), 0), slow);
+    assert_string_equal(app_opening_trouble(s.app), "");
     scene_close(&s);
 }
 
@@ -98,7 +97,7 @@ static void closing_the_window_does_not_wait_for_it(void **state)
     scene s;
     (void)state;
     open_scene(&s, 1280, 720, 1.0f);
-    assert_int_equal(studio_open_input(s.studio, endless), MRT_OK);
+    assert_int_equal(app_open_input(s.app, endless), MRT_OK);
     scene_frames(&s, 2);
     const int64_t from_ns = clock_now_ns();
     scene_close(&s);
@@ -108,7 +107,7 @@ static void closing_the_window_does_not_wait_for_it(void **state)
 static bool has_trouble(scene *s, void *data)
 {
     (void)data;
-    return studio_opening_trouble(s->studio)[0] != '\0';
+    return app_opening_trouble(s->app)[0] != '\0';
 }
 
 static void what_cannot_be_opened_is_said_in_the_panel(void **state)
@@ -116,13 +115,13 @@ static void what_cannot_be_opened_is_said_in_the_panel(void **state)
     scene s;
     (void)state;
     open_scene(&s, 1280, 720, 1.0f);
-    assert_int_equal(studio_open_input(s.studio, FLAKY ":port:1-2,fail=1"), MRT_OK);
+    assert_int_equal(app_open_input(s.app, FLAKY ":port:1-2,fail=1"), MRT_OK);
     assert_true(scene_until(&s, has_trouble, NULL));
-    assert_non_null(strstr(studio_opening_trouble(s.studio), "plug it in"));
-    assert_int_equal(studio_open_input(s.studio, "no_such_plugin"), MRT_OK);
-    assert_string_equal(studio_opening_trouble(s.studio), "");
+    assert_non_null(strstr(app_opening_trouble(s.app), "plug it in"));
+    assert_int_equal(app_open_input(s.app, "no_such_plugin"), MRT_OK);
+    assert_string_equal(app_opening_trouble(s.app), "");
     assert_true(scene_until(&s, has_trouble, NULL));
-    assert_non_null(strstr(studio_opening_trouble(s.studio), "no_such_plugin"));
+    assert_non_null(strstr(app_opening_trouble(s.app), "no_such_plugin"));
     assert_int_equal(input_count(&s), 0);
     scene_close(&s);
 }
@@ -134,7 +133,7 @@ static void what_opens_during_a_take_joins_behind_it(void **state)
     open_scene(&s, 1280, 720, 1.0f);
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, is_recorded, NULL));
-    assert_int_equal(studio_open_input(s.studio, slow), MRT_OK);
+    assert_int_equal(app_open_input(s.app, slow), MRT_OK);
     assert_true(scene_until(&s, waits_for_the_take, NULL));
     assert_int_equal(input_count(&s), 0);
     scene_picture(&s, "slow_device_waits");
@@ -149,10 +148,10 @@ static void more_than_can_be_opened_at_a_time_are_refused(void **state)
     scene s;
     (void)state;
     open_scene(&s, 1280, 720, 1.0f);
-    for (int i = 0; i < STUDIO_OPENINGS_MAX; ++i)
-        assert_int_equal(studio_open_input(s.studio, endless), MRT_OK);
-    assert_true(studio_open_input(s.studio, endless) < 0);
-    assert_non_null(strstr(studio_opening_trouble(s.studio), "wait for one of them"));
+    for (int i = 0; i < INPUT_OPENINGS_MAX; ++i)
+        assert_int_equal(app_open_input(s.app, endless), MRT_OK);
+    assert_true(app_open_input(s.app, endless) < 0);
+    assert_non_null(strstr(app_opening_trouble(s.app), "wait for one of them"));
     scene_close(&s);
 }
 

@@ -40,7 +40,7 @@ static void draw_slowly(scene *s)
 
 static bool is_over(scene *s)
 {
-    live *l = studio_live(s->studio);
+    live *l = app_live(s->app);
     return live_input_count(l) == 0 || input_state_of(live_input(l, 0)) == INPUT_ENDED;
 }
 
@@ -94,25 +94,25 @@ static void at_five_pictures_a_second_every_sample_is_performed(void **state)
                                    .input_count = 1};
     scene_open_with(&s, &options);
 
-    uint64_t first_face = studio_view(s.studio)->number, pictures = 0;
+    uint64_t first_face = app_view(s.app)->number, pictures = 0;
     const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
     live_status status;
     do {
         draw_slowly(&s);
         pictures += 1;
-        live_status_of(studio_live(s.studio), &status);
+        live_status_of(app_live(s.app), &status);
     } while ((!is_over(&s) || status.sample_count < SAMPLES) && clock_now_ns() < end_ns);
-    uint64_t faces = studio_view(s.studio)->number - first_face;
+    uint64_t faces = app_view(s.app)->number - first_face;
     print_message("%ju samples, %ju faces for %ju pictures; lag p99 %.2f ms\n",
                   (uintmax_t)status.sample_count, (uintmax_t)faces, (uintmax_t)pictures,
                   status.lag_p99_ms);
     assert_true(status.sample_count >= SAMPLES); /* and a few of the mouse */
     /* They were performed while the window drew, not between its frames. */
     assert_true(faces >= FACES_A_PICTURE * pictures);
-    desk_destroy(s.desk);
-    studio_destroy(s.studio);
-    s.desk = NULL;
-    s.studio = NULL;
+    workspace_destroy(s.workspace);
+    app_destroy(s.app);
+    s.workspace = NULL;
+    s.app = NULL;
     check_recorded(s.show);
     scene_close(&s);
     (void)unlink(path);

@@ -95,7 +95,7 @@ static void laying_another_take_elsewhere_is_undone(void **state)
     stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 2.5), stand_y(s, 2));
     stand_key(s, UI_KEY_ALT, false);
     const int64_t laid_ns = timeline_comp_later_ns(s->panel, 0);
-    const studio_step dragged = s->did;
+    const app_step dragged = s->did;
     assert_int_equal(s->did_count, 1);
     assert_non_null(strstr(dragged.words, "take 3 laid at +0.5"));
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* lays it back */

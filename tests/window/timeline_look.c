@@ -54,7 +54,7 @@ static take five_layers(void)
     return t;
 }
 
-static void seen(stand *s, const char *name)
+static void result(stand *s, const char *name)
 {
     stand_settle(s);
     stand_picture(s, name);
@@ -66,11 +66,11 @@ static void an_empty_show(void **state)
     (void)state;
     stand s;
     stand_open(&s, 950.0f, 250.0f, 1.0f);
-    seen(&s, "empty");
+    result(&s, "empty");
     s.input_count = 2;
     for (int i = 0; i < 90; ++i)
         stand_frame(&s);
-    seen(&s, "live");
+    result(&s, "live");
     stand_close(&s);
 }
 
@@ -81,8 +81,8 @@ static void one_take(void **state)
     stand_open(&s, 950.0f, 250.0f, 1.0f);
     stand_list(&s, 4);
     stand_choose(&s, named_take(12.0));
-    studio_seek(NULL, 4 * help_s);
-    seen(&s, "one");
+    app_seek(NULL, 4 * help_s);
+    result(&s, "one");
     stand_close(&s);
 }
 
@@ -95,14 +95,14 @@ static void five_layers_with_everything(void **state)
     stand_choose(&s, five_layers());
     s.choice.layer = 6;
     s.choice.clip = 7;
-    studio_seek(NULL, 11 * help_s);
-    studio_set_range(NULL, 8 * help_s, 17 * help_s);
-    seen(&s, "five");
+    app_seek(NULL, 11 * help_s);
+    app_set_range(NULL, 8 * help_s, 17 * help_s);
+    result(&s, "five");
     stand_close(&s);
     stand_open(&s, 950.0f, 330.0f, 2.0f);
     stand_list(&s, 30);
     stand_choose(&s, five_layers());
-    seen(&s, "five_2x");
+    result(&s, "five_2x");
     stand_close(&s);
 }
 
@@ -115,13 +115,13 @@ static void an_hour(void **state)
     take t = named_take(3600.0);
     help_do(&t, "{'op':'audio.attach','audio':3,'offset_ns':200m}");
     stand_choose(&s, t);
-    seen(&s, "hour");
+    result(&s, "hour");
     for (int i = 0; i < 26; ++i)
         stand_wheel(&s, 800.0f, 150.0f, 1.0f);
-    seen(&s, "sound");
+    result(&s, "sound");
     for (int i = 0; i < 40; ++i)
         stand_wheel(&s, 800.0f, 150.0f, 1.0f);
-    seen(&s, "samples");
+    result(&s, "samples");
     stand_close(&s);
 }
 
@@ -143,13 +143,13 @@ static void other_takes(void **state)
     }
     stand_choose(&s, named_take(12.0));
     s.panel->has_comps = true;
-    seen(&s, "comps");
+    result(&s, "comps");
     stand_close(&s);
     stand_open(&s, 950.0f, 250.0f, 1.0f);
     stand_choose(&s, five_layers());
     stand_click(&s, stand_x(&s, 10.0), stand_y(&s, 0));
     stand_drag(&s, stand_x(&s, 22.0), stand_y(&s, 2), stand_x(&s, 19.0), stand_y(&s, 4));
-    seen(&s, "narrow");
+    result(&s, "narrow");
     stand_double_click(&s, stand_x(&s, 23.0), stand_y(&s, 2));
     stand_picture(&s, "clip_dialog"); /* over what is below it */
     stand_key(&s, UI_KEY_ESCAPE, true);

@@ -405,7 +405,7 @@ static void a_swipe_over_the_journal_keeps_that_span(void **state)
     (void)state;
     stand *s = open_stand();
     stand_choose(s, (take){0});
-    s->choice = (studio_choice){.marker = -1};
+    s->choice = (app_choice){.marker = -1};
     float x = s->panel->axis.x, width = s->panel->axis.width; /* 60 s */
     int64_t begun_ns = clock_now_ns();                        /* the strip rolls on meanwhile */
     stand_drag(s, x + width * 0.5f, 150.0f, x + width * 0.75f, 150.0f);

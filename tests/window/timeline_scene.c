@@ -11,33 +11,32 @@
 
 static bool has_take(scene *s, void *data)
 {
-    const studio_take_line *line;
-    uint32_t count = studio_takes(s->studio, &line);
+    const app_take_line *line;
+    uint32_t count = app_takes(s->app, &line);
     return count == *(uint32_t *)data && !line[count - 1].is_recording;
 }
 
 static bool has_recorded(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->is_recording &&
-           studio_status(s->studio)->recorded_ns > 2 * NS_PER_S;
+    return app_status(s->app)->is_recording && app_status(s->app)->recorded_ns > 2 * NS_PER_S;
 }
 
 static bool has_journal(scene *s, void *data)
 {
     (void)data;
-    return studio_status(s->studio)->journal_ns > 3 * NS_PER_S;
+    return app_status(s->app)->journal_ns > 3 * NS_PER_S;
 }
 
 static bool is_chosen(scene *s, void *data)
 {
     (void)data;
-    return studio_take(s->studio) != NULL;
+    return app_take(s->app) != NULL;
 }
 
 static bool has_clips(scene *s, void *data)
 {
-    const take *t = studio_take(s->studio);
+    const take *t = app_take(s->app);
     return t && t->layer_count > 0 && t->layer[0].clip_count == *(uint32_t *)data;
 }
 
@@ -68,9 +67,9 @@ static void record_one(scene *s)
 
 static void choose_newest(scene *s)
 {
-    const studio_take_line *line;
-    uint32_t count = studio_takes(s->studio, &line);
-    assert_int_equal(studio_choose_take(s->studio, line[count - 1].id), MRT_OK);
+    const app_take_line *line;
+    uint32_t count = app_takes(s->app, &line);
+    assert_int_equal(app_choose_take(s->app, line[count - 1].id), MRT_OK);
     assert_true(scene_until(s, is_chosen, NULL));
 }
 
@@ -82,10 +81,10 @@ static void a_performance_is_recorded_chosen_split_and_undone(void **state)
     open_hand(&s, 1.0f);
     record_one(&s);
     choose_newest(&s);
-    const take *t = studio_take(s.studio);
-    live_seek(studio_live(s.studio), t->duration_ns / 2);
-    studio_chosen(s.studio)->layer = t->layer[0].id;
-    studio_chosen(s.studio)->clip = t->layer[0].clip[0].id;
+    const take *t = app_take(s.app);
+    live_seek(app_live(s.app), t->duration_ns / 2);
+    app_chosen(s.app)->layer = t->layer[0].id;
+    app_chosen(s.app)->clip = t->layer[0].clip[0].id;
     scene_do(&s, ACTION_SPLIT);
     assert_true(scene_until(&s, has_clips, &two));
     for (int i = 0; i < 120; ++i)
@@ -103,9 +102,8 @@ static void a_performance_is_recorded_chosen_split_and_undone(void **state)
 
 static bool is_shown_at(scene *s, void *data)
 {
-    return live_shown_take(studio_live(s->studio)) == studio_take_id(s->studio) &&
-           studio_view(s->studio)->mode == LIVE_SHOWS &&
-           studio_view(s->studio)->at_ns > *(int64_t *)data;
+    return live_shown_take(app_live(s->app)) == app_take_id(s->app) &&
+           app_view(s->app)->mode == LIVE_SHOWS && app_view(s->app)->at_ns > *(int64_t *)data;
 }
 
 /* What was just recorded is on the timeline while the hands are on the stage. */
@@ -117,7 +115,7 @@ static void the_ruler_brings_the_chosen_take_to_the_stage(void **state)
     open_hand(&s, 1.0f);
     record_one(&s);
     assert_true(scene_until(&s, is_chosen, NULL));
-    assert_int_equal(studio_view(s.studio)->mode, LIVE_PERFORMS);
+    assert_int_equal(app_view(s.app)->mode, LIVE_PERFORMS);
     const ui_word *snap = scene_word(&s, "Snap");
     assert_non_null(snap);
     const float top = snap->where.y + 4.0f, ruler = snap->where.y + 24.0f;
@@ -125,8 +123,8 @@ static void the_ruler_brings_the_chosen_take_to_the_stage(void **state)
     assert_true(scene_until(&s, is_shown_at, &half_s));
     scene_do(&s, ACTION_LIVE);
     scene_drag(&s, 500.0f, top, 700.0f, top, 6);
-    assert_true(live_transport(studio_live(s.studio))->loop_in_ns <
-                live_transport(studio_live(s.studio))->loop_out_ns);
+    assert_true(live_transport(app_live(s.app))->loop_in_ns <
+                live_transport(app_live(s.app))->loop_out_ns);
     scene_close(&s);
 }
 
@@ -150,8 +148,8 @@ static void a_take_is_named_and_deleted_in_the_list(void **state)
     scene_key(&s, UI_KEY_ENTER, 0);
     assert_null(scene_word(&s, "Change"));
     scene_frames(&s, 10);
-    assert_string_equal(studio_take(s.studio)->name, "night ride");
-    assert_int_equal(history_last(studio_history(s.studio)), 1);
+    assert_string_equal(app_take(s.app)->name, "night ride");
+    assert_int_equal(history_last(app_history(s.app)), 1);
     scene_click_with(&s, x, y, 1);
     scene_click_word(&s, "Delete");
     scene_frames(&s, 10);

@@ -15,82 +15,82 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static stand *here; /* the studio and the stage of all fakes below */
+static stand *here; /* the application and the stage of all fakes below */
 
-/* ---- the studio ---- */
+/* ---- the application ---- */
 
-struct studio {
+struct app {
     int nothing;
 };
-static studio the_studio;
+static app the_studio;
 struct live {
     int nothing;
 };
 static live the_stage;
 
-const plugin_list *studio_plugins(studio *self)
+const plugin_list *app_plugins(app *self)
 {
     (void)self;
     return NULL;
 }
 
-live *studio_live(studio *self)
+live *app_live(app *self)
 {
     (void)self;
     return &the_stage;
 }
 
-const live_status *studio_status(const studio *self)
+const live_status *app_status(const app *self)
 {
     (void)self;
     return &here->status;
 }
 
-const char *studio_face_path(const studio *self)
+const char *app_face_path(const app *self)
 {
     (void)self;
     return "none";
 }
 
-show *studio_show(studio *self)
+show *app_show(app *self)
 {
     (void)self;
     return NULL;
 }
 
-news_list *studio_news(studio *self)
+news_list *app_news(app *self)
 {
     (void)self;
     return here->news;
 }
 
-uint32_t studio_takes(const studio *self, const studio_take_line **out)
+uint32_t app_takes(const app *self, const app_take_line **out)
 {
     (void)self;
     *out = here->line;
     return here->line_count;
 }
 
-int64_t studio_take_id(const studio *self)
+int64_t app_take_id(const app *self)
 {
     (void)self;
     return here->take.id;
 }
 
-void studio_did(studio *self, const studio_step *step)
+void app_did(app *self, const app_step *step)
 {
     (void)self;
     here->did = *step;
     here->did_count += 1;
 }
 
-void studio_forget_steps(studio *self, const void *owner)
+void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
 }
 
-mrt_result studio_choose_take(studio *self, int64_t id)
+mrt_result app_choose_take(app *self, int64_t id)
 {
     (void)self;
     here->rated_id = id;
@@ -98,25 +98,25 @@ mrt_result studio_choose_take(studio *self, int64_t id)
     return MRT_OK;
 }
 
-const take *studio_take(const studio *self)
+const take *app_take(const app *self)
 {
     (void)self;
     return here->take.id ? &here->take : NULL;
 }
 
-uint64_t studio_take_edition(const studio *self)
+uint64_t app_take_edition(const app *self)
 {
     (void)self;
     return here->edition;
 }
 
-const history *studio_history(const studio *self)
+const history *app_history(const app *self)
 {
     (void)self;
     return NULL;
 }
 
-mrt_result studio_history_go(studio *self, int64_t head)
+mrt_result app_history_go(app *self, int64_t head)
 {
     (void)self, (void)head;
     return MRT_OK;
@@ -137,14 +137,14 @@ static mrt_result apply(const edit *e)
     return MRT_OK;
 }
 
-mrt_result studio_edit(studio *self, const edit *e)
+mrt_result app_edit(app *self, const edit *e)
 {
     (void)self;
     here->step_count += 1;
     return apply(e);
 }
 
-mrt_result studio_edit_all(studio *self, const edit *const *e, uint32_t count)
+mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
 {
     (void)self;
     mrt_result result = MRT_OK;
@@ -154,20 +154,20 @@ mrt_result studio_edit_all(studio *self, const edit *const *e, uint32_t count)
     return result;
 }
 
-const char *studio_redo_words(const studio *self)
+const char *app_redo_words(const app *self)
 {
     (void)self;
     return "";
 }
 
-mrt_result studio_duplicate_take(studio *self, int64_t id)
+mrt_result app_duplicate_take(app *self, int64_t id)
 {
     (void)self;
     here->duplicated = id;
     return MRT_OK;
 }
 
-mrt_result studio_edit_take(studio *self, int64_t id, const edit *e)
+mrt_result app_edit_take(app *self, int64_t id, const edit *e)
 {
     (void)self;
     here->rated_id = id;
@@ -179,19 +179,19 @@ mrt_result studio_edit_take(studio *self, int64_t id, const edit *e)
     return MRT_OK;
 }
 
-const char *studio_undo_words(const studio *self)
+const char *app_undo_words(const app *self)
 {
     (void)self;
     return here->edit_count ? here->edited[(here->edit_count - 1) % STAND_EDITS] : "";
 }
 
-studio_choice *studio_chosen(studio *self)
+app_choice *app_chosen(app *self)
 {
     (void)self;
     return &here->choice;
 }
 
-bool studio_asked(studio *self, action of)
+bool app_take_request(app *self, action of)
 {
     (void)self;
     bool is_asked = here->asked == of;
@@ -200,7 +200,7 @@ bool studio_asked(studio *self, action of)
     return is_asked;
 }
 
-bool studio_can(studio *self, action of, const char **out_why_not)
+bool app_can(app *self, action of, const char **out_why_not)
 {
     (void)self;
     bool needs_take = of != ACTION_RECORD && of != ACTION_KEEP && of != ACTION_MARK;
@@ -209,7 +209,7 @@ bool studio_can(studio *self, action of, const char **out_why_not)
     return here->take.id || !needs_take;
 }
 
-void studio_do(studio *self, action of)
+void app_do(app *self, action of)
 {
     (void)self;
     here->done = of;
@@ -229,14 +229,14 @@ transport_place live_place(const live *self)
     return transport_at(&here->transport, here->clock_ns);
 }
 
-void studio_seek(studio *self, int64_t at_ns)
+void app_seek(app *self, int64_t at_ns)
 {
     (void)self;
     here->seeks += 1;
     transport_seek(&here->transport, here->clock_ns, at_ns);
 }
 
-void studio_set_range(studio *self, int64_t in_ns, int64_t out_ns)
+void app_set_range(app *self, int64_t in_ns, int64_t out_ns)
 {
     (void)self;
     if (!transport_set_loop(&here->transport, here->clock_ns, in_ns, out_ns))
@@ -290,8 +290,8 @@ const char *input_name(const input *self)
 /* ---- the worker ---- */
 
 struct timeline_worker {
-    timeline_wish wish;
-    timeline_seen seen;
+    timeline_request request;
+    timeline_result result;
 };
 
 timeline_worker *timeline_worker_create(const plugin_list *plugins)
@@ -310,19 +310,19 @@ void timeline_worker_set_show(timeline_worker *self, const char *show_path, cons
     (void)self, (void)show_path, (void)face_path;
 }
 
-void timeline_wish_clear(timeline_wish *wish)
+void timeline_request_clear(timeline_request *request)
 {
-    memset(wish, 0, sizeof *wish);
+    memset(request, 0, sizeof *request);
 }
 
-bool timeline_wish_strip(timeline_wish *wish, const timeline_strip *strip)
+bool timeline_request_add(timeline_request *request, const timeline_strip *strip)
 {
-    if (wish->strip_count >= TIMELINE_STRIPS_MAX ||
-        strip->bin_count > TIMELINE_BINS_MAX - wish->bin_count)
+    if (request->strip_count >= TIMELINE_STRIPS_MAX ||
+        strip->bin_count > TIMELINE_BINS_MAX - request->bin_count)
         return false;
-    wish->strip[wish->strip_count] = *strip;
-    wish->strip[wish->strip_count++].first_bin = wish->bin_count;
-    wish->bin_count += strip->bin_count;
+    request->strip[request->strip_count] = *strip;
+    request->strip[request->strip_count++].first_bin = request->bin_count;
+    request->bin_count += strip->bin_count;
     return true;
 }
 
@@ -335,55 +335,56 @@ static float movement(double s, int64_t performance)
     return (float)(phrase * (0.03 + 0.15 * syllable));
 }
 
-void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish)
+void timeline_worker_request(timeline_worker *self, const timeline_request *request)
 {
-    timeline_seen *seen = &self->seen;
-    if (memcmp(wish, &self->wish, sizeof *wish) == 0)
+    timeline_result *result = &self->result;
+    if (memcmp(request, &self->request, sizeof *request) == 0)
         return;
-    self->wish = *wish;
-    seen->strip_count = wish->strip_count;
-    memcpy(seen->strip, wish->strip, sizeof seen->strip);
-    for (uint32_t i = 0; i < wish->strip_count; ++i) {
-        const timeline_strip *strip = &wish->strip[i];
+    self->request = *request;
+    result->strip_count = request->strip_count;
+    memcpy(result->strip, request->strip, sizeof result->strip);
+    for (uint32_t i = 0; i < request->strip_count; ++i) {
+        const timeline_strip *strip = &request->strip[i];
         double step_s = (double)(strip->to_ns - strip->from_ns) * 1e-9 / strip->bin_count;
         for (uint32_t k = 0; k < strip->bin_count; ++k) {
             double s = (double)strip->from_ns * 1e-9 + k * step_s;
             float most = 0.0f;
             for (int part = 0; part < 6; ++part)
                 most = fmaxf(most, movement(s + step_s * part / 6.0, strip->performance));
-            seen->bin[strip->first_bin + k] = (activity_bin){0.5f * most, most};
+            result->bin[strip->first_bin + k] = (activity_bin){0.5f * most, most};
         }
     }
-    seen->audio = wish->audio;
-    seen->about = (show_audio){
-        .id = wish->audio, .rate_hz = 48000, .channel_count = 1, .frame_count = 48000 * 3600};
-    snprintf(seen->about.name, sizeof seen->about.name, "Boom microphone");
-    seen->has_wave = wish->audio != 0 && wish->audio_to > wish->audio_from;
+    result->audio = request->audio;
+    result->about = (show_audio){
+        .id = request->audio, .rate_hz = 48000, .channel_count = 1, .frame_count = 48000 * 3600};
+    snprintf(result->about.name, sizeof result->about.name, "Boom microphone");
+    result->has_wave = request->audio != 0 && request->audio_to > request->audio_from;
     int64_t per_pair = 1;
-    while ((wish->audio_to - wish->audio_from) / per_pair > 1000)
+    while ((request->audio_to - request->audio_from) / per_pair > 1000)
         per_pair *= 2;
-    seen->wave.first_frame = wish->audio_from / per_pair * per_pair;
-    seen->wave.frames_per_pair = per_pair;
-    seen->wave.count = 0;
-    for (int64_t f = seen->wave.first_frame; f < wish->audio_to && seen->wave.count < 4096;
+    result->wave.first_frame = request->audio_from / per_pair * per_pair;
+    result->wave.frames_per_pair = per_pair;
+    result->wave.count = 0;
+    for (int64_t f = result->wave.first_frame; f < request->audio_to && result->wave.count < 4096;
          f += per_pair) {
         float size = movement((double)f / 48000.0, 3) * 2.5f;
         float tone = per_pair > 8 ? 1.0f : (float)sin((double)f * 0.05);
-        seen->wave.pair[seen->wave.count++] =
+        result->wave.pair[result->wave.count++] =
             (waveform_pair){per_pair > 8 ? -size : size * tone, size * tone};
     }
 }
 
-const timeline_seen *timeline_worker_look(timeline_worker *self)
+const timeline_result *timeline_worker_look(timeline_worker *self)
 {
-    return &self->seen;
+    return &self->result;
 }
 
-const timeline_strip *timeline_seen_strip(const timeline_seen *seen, uint32_t owner, uint32_t clip)
+const timeline_strip *timeline_result_strip(const timeline_result *result, uint32_t owner,
+                                            uint32_t clip)
 {
-    for (uint32_t i = 0; i < seen->strip_count; ++i)
-        if (seen->strip[i].clip == clip && seen->strip[i].owner == owner)
-            return &seen->strip[i];
+    for (uint32_t i = 0; i < result->strip_count; ++i)
+        if (result->strip[i].clip == clip && result->strip[i].owner == owner)
+            return &result->strip[i];
     return NULL;
 }
 
@@ -404,12 +405,13 @@ void stand_open(stand *s, float width, float height, float scale)
     s->status.journal_ns = 1800 * NS_PER_S;
     transport_init(&s->transport, 0);
     here = s;
-    if (front_open_hidden(&s->front, (uint32_t)lroundf(width * scale),
-                          (uint32_t)lroundf(height * scale), scale, 1.0 / 60.0, &err) < 0) {
+    if (window_open_hidden(&s->window, (uint32_t)lroundf(width * scale),
+                           (uint32_t)lroundf(height * scale), scale, 1.0 / 60.0, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         news_list_destroy(s->news);
         skip();
     }
+    window_hidden_put_away(s->window, true);
     assert_int_equal(ui_create(&s->ui, &err), MRT_OK);
     ui_note_words(s->ui, true);
     s->panel = panel_timeline.create(&the_studio);
@@ -421,7 +423,7 @@ void stand_close(stand *s)
 {
     panel_timeline.destroy(s->panel);
     ui_destroy(s->ui);
-    front_close(s->front);
+    window_close(s->window);
     news_list_destroy(s->news);
     take_finish(&s->take);
     for (uint32_t i = 0; s->comps && i < s->comps->count; ++i)
@@ -433,12 +435,12 @@ void stand_frame(stand *s)
 {
     ui_screen screen;
     s->clock_ns += s->transport.is_playing ? NS_PER_S / 60 : 0;
-    assert_true(front_begin(s->front, s->ui, &screen));
+    assert_true(window_begin(s->window, s->ui, &screen));
     ui_begin(s->ui, &screen);
     panel_timeline.update(s->panel, 1.0 / 60.0);
     panel_timeline.draw(s->panel, s->ui, (ui_rectangle){0.0f, 0.0f, s->width, s->height});
     ui_end(s->ui);
-    front_end(s->front, s->ui);
+    window_end(s->window, s->ui);
 }
 
 void stand_settle(stand *s)
@@ -463,11 +465,11 @@ void stand_list(stand *s, uint32_t count)
                                         "again"};
     s->line_count = count < STAND_TAKES ? count : STAND_TAKES;
     for (uint32_t i = 0; i < s->line_count; ++i) {
-        studio_take_line *line = &s->line[i];
-        *line = (studio_take_line){.id = i + 1,
-                                   .rating = i * 7 % 6,
-                                   .duration_ns = (int64_t)(3 + i * 37 % 400) * NS_PER_S,
-                                   .is_deleted = i % 11 == 10};
+        app_take_line *line = &s->line[i];
+        *line = (app_take_line){.id = i + 1,
+                                .rating = i * 7 % 6,
+                                .duration_ns = (int64_t)(3 + i * 37 % 400) * NS_PER_S,
+                                .is_deleted = i % 11 == 10};
         snprintf(line->title, sizeof line->title, "1/a %u%s%s", i + 1, names[i % 4][0] ? " " : "",
                  names[i % 4]);
         snprintf(line->note, sizeof line->note, "%s", i % 3 == 0 ? "breath before the line" : "");
@@ -576,9 +578,12 @@ void stand_picture(stand *s, const char *name)
 {
     char path[512];
     error err = {""};
+    window_hidden_put_away(s->window, false);
+    stand_frame(s);
+    window_hidden_put_away(s->window, true);
     mkdir(BUILD_DIR "/out", 0777);
     snprintf(path, sizeof path, "%s/out/timeline_%s.png", BUILD_DIR, name);
-    if (front_picture(s->front, path, &err) < 0)
+    if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
 }
 

@@ -1,24 +1,24 @@
-/* timeline_stand.h - the timeline alone on a screen without a window: a studio whose takes are made
- * of edits in memory, a transport whose clock the test moves, curves and sound that are computed.
- * Tests press and drag where instants are, and see which edits that made. */
+/* timeline_stand.h - the timeline alone on a screen without a window: an application whose takes
+ * are made of edits in memory, a transport whose clock the test moves, curves and sound that are
+ * computed. Tests press and drag where instants are, and see which edits that made. */
 #ifndef MAROTTE_TESTS_WINDOW_TIMELINE_STAND_H
 #define MAROTTE_TESTS_WINDOW_TIMELINE_STAND_H
-#include "window/front.h"
+#include "window/gui/window.h"
 #include "window/timeline/timeline.h"
 
 enum { STAND_TAKES = 5000, STAND_EDITS = 256, STAND_COMPS = 3 };
 
 typedef struct stand {
-    /* the studio */
+    /* the application */
     take take; /* that is chosen; id 0: none */
     uint64_t edition;
-    studio_choice choice;
-    studio_take_line line[STAND_TAKES];
+    app_choice choice;
+    app_take_line line[STAND_TAKES];
     uint32_t line_count;
     char edited[STAND_EDITS][160];   /* "clip.trim", in the order in which they were made */
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
-    studio_step did;                 /* the last step that is the panel's own */
+    app_step did;                    /* the last step that is the panel's own */
     uint32_t did_count;
     error refused;           /* of the last edit that was not possible */
     int64_t duplicated;      /* the last take that was */
@@ -34,7 +34,7 @@ typedef struct stand {
     /* the worker: comps[0..comp_count) */
     timeline_comps *comps;
     /* the screen */
-    front *front;
+    window *window;
     ui *ui;
     panel *panel;
     float width, height; /* points */

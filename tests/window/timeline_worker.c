@@ -41,7 +41,7 @@ static timeline_worker *open_worker(void)
 }
 
 /* Of the whole take, in 200 bins. */
-static void wish_of_take(timeline_wish *out, const take *t, uint32_t lanes)
+static void request_of_take(timeline_request *out, const take *t, uint32_t lanes)
 {
     const take_clip *clip = &t->layer[0].clip[0];
     timeline_strip strip = {.clip = clip->id,
@@ -50,21 +50,22 @@ static void wish_of_take(timeline_wish *out, const take *t, uint32_t lanes)
                             .to_ns = clip->to_ns,
                             .lanes = lanes,
                             .bin_count = 200};
-    timeline_wish_clear(out);
-    assert_true(timeline_wish_strip(out, &strip));
+    timeline_request_clear(out);
+    assert_true(timeline_request_add(out, &strip));
 }
 
 /* What there is once nothing more comes. */
-static const timeline_seen *wait_for(timeline_worker *worker, const timeline_wish *wish)
+static const timeline_result *wait_for(timeline_worker *worker, const timeline_request *request)
 {
     int64_t until_ns = clock_now_ns() + patience_ns;
-    timeline_worker_wish(worker, wish);
+    timeline_worker_request(worker, request);
     while (clock_now_ns() < until_ns) {
-        const timeline_seen *seen = timeline_worker_look(worker);
-        if (seen->is_complete && seen->strip_count == wish->strip_count &&
-            memcmp(seen->strip, wish->strip, wish->strip_count * sizeof *wish->strip) == 0 &&
-            seen->audio == wish->audio)
-            return seen;
+        const timeline_result *result = timeline_worker_look(worker);
+        if (result->is_complete && result->strip_count == request->strip_count &&
+            memcmp(result->strip, request->strip, request->strip_count * sizeof *request->strip) ==
+                0 &&
+            result->audio == request->audio)
+            return result;
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
     }
     fail_msg("nothing came in %d s", (int)(patience_ns / NS_PER_S));
@@ -74,19 +75,19 @@ static const timeline_seen *wait_for(timeline_worker *worker, const timeline_wis
 static void the_curve_of_a_take_becomes_known(void **state)
 {
     (void)state;
-    static timeline_wish wish;
+    static timeline_request request;
     take t;
     film_take(shot, &t);
     timeline_worker *worker = open_worker();
-    wish_of_take(&wish, &t, 1u << (ACTIVITY_LANES - 1));
-    const timeline_seen *seen = wait_for(worker, &wish);
-    assert_string_equal(seen->note, "");
-    const timeline_strip *strip = timeline_seen_strip(seen, 0, t.layer[0].clip[0].id);
+    request_of_take(&request, &t, 1u << (ACTIVITY_LANES - 1));
+    const timeline_result *result = wait_for(worker, &request);
+    assert_string_equal(result->note, "");
+    const timeline_strip *strip = timeline_result_strip(result, 0, t.layer[0].clip[0].id);
     assert_non_null(strip);
     float most = 0.0f, least = 1e9f;
     uint32_t unknown = 0;
     for (uint32_t i = 0; i < strip->bin_count; ++i) {
-        const activity_bin *bin = &seen->bin[strip->first_bin + i];
+        const activity_bin *bin = &result->bin[strip->first_bin + i];
         unknown += bin->least > bin->greatest;
         most = fmaxf(most, bin->greatest);
         least = fminf(least, bin->least);
@@ -101,17 +102,17 @@ static void the_curve_of_a_take_becomes_known(void **state)
 static void parts_of_the_face_have_curves_of_their_own(void **state)
 {
     (void)state;
-    static timeline_wish wish;
+    static timeline_request request;
     take t;
     film_take(shot, &t);
     timeline_worker *worker = open_worker();
     float sum[2] = {0.0f, 0.0f};
     static const uint32_t lanes[2] = {1u << OWN_MOUTH, 1u << OWN_NOSE};
     for (int k = 0; k < 2; ++k) {
-        wish_of_take(&wish, &t, lanes[k]);
-        const timeline_seen *seen = wait_for(worker, &wish);
+        request_of_take(&request, &t, lanes[k]);
+        const timeline_result *result = wait_for(worker, &request);
         for (uint32_t i = 0; i < 200; ++i)
-            sum[k] += fmaxf(seen->bin[i].greatest, 0.0f);
+            sum[k] += fmaxf(result->bin[i].greatest, 0.0f);
     }
     assert_true(sum[0] > 0.0f);
     assert_true(sum[0] != sum[1]);
@@ -124,7 +125,7 @@ static void sound_is_outlined(void **state)
     (void)state;
     enum { FRAMES = 48000 };
     static int16_t frames[FRAMES];
-    static timeline_wish wish;
+    static timeline_request request;
     error err = {""};
     show_audio about = {.rate_hz = 48000, .channel_count = 1, .format = "s16"};
     int64_t id;
@@ -134,25 +135,25 @@ static void sound_is_outlined(void **state)
     scene_must(show_audio_create(shot->show, &about, &id, &err), &err);
     scene_must(show_audio_write(shot->show, id, 0, frames, sizeof frames, &err), &err);
     timeline_worker *worker = open_worker();
-    timeline_wish_clear(&wish);
-    wish.audio = id;
-    wish.audio_to = FRAMES;
-    wish.audio_pairs = 100;
-    const timeline_seen *seen = wait_for(worker, &wish);
-    assert_true(seen->has_wave);
-    assert_string_equal(seen->about.name, "boom");
-    assert_int_equal(seen->about.frame_count, FRAMES);
-    assert_in_range(seen->wave.count, 10, 100);
-    assert_float_equal(seen->wave.pair[0].greatest, 0.0f, 1e-6f);
-    assert_float_equal(seen->wave.pair[seen->wave.count - 1].greatest, 0.5f, 1e-3f);
-    assert_float_equal(seen->wave.pair[seen->wave.count - 1].least, -0.5f, 1e-3f);
+    timeline_request_clear(&request);
+    request.audio = id;
+    request.audio_to = FRAMES;
+    request.audio_pairs = 100;
+    const timeline_result *result = wait_for(worker, &request);
+    assert_true(result->has_wave);
+    assert_string_equal(result->about.name, "boom");
+    assert_int_equal(result->about.frame_count, FRAMES);
+    assert_in_range(result->wave.count, 10, 100);
+    assert_float_equal(result->wave.pair[0].greatest, 0.0f, 1e-6f);
+    assert_float_equal(result->wave.pair[result->wave.count - 1].greatest, 0.5f, 1e-3f);
+    assert_float_equal(result->wave.pair[result->wave.count - 1].least, -0.5f, 1e-3f);
     timeline_worker_destroy(worker);
 }
 
 static void other_takes_of_the_slate_are_found(void **state)
 {
     (void)state;
-    static timeline_wish wish;
+    static timeline_request request;
     error err = {""};
     take t;
     int64_t other, elsewhere;
@@ -173,12 +174,12 @@ static void other_takes_of_the_slate_are_found(void **state)
     made.shot = "b";
     scene_must(show_take_create(shot->show, &made, &elsewhere, &err), &err);
     timeline_worker *worker = open_worker();
-    timeline_wish_clear(&wish);
-    wish.comps_of = shot->take_id;
-    wish.comps_edition = 1;
-    snprintf(wish.scene, sizeof wish.scene, "1");
-    snprintf(wish.shot, sizeof wish.shot, "a");
-    timeline_worker_wish(worker, &wish);
+    timeline_request_clear(&request);
+    request.comps_of = shot->take_id;
+    request.comps_edition = 1;
+    snprintf(request.scene, sizeof request.scene, "1");
+    snprintf(request.shot, sizeof request.shot, "a");
+    timeline_worker_request(worker, &request);
     const timeline_comps *comps = NULL;
     for (int64_t until_ns = clock_now_ns() + patience_ns; clock_now_ns() < until_ns && !comps;) {
         const timeline_comps *found = timeline_worker_comps(worker);
@@ -195,19 +196,19 @@ static void other_takes_of_the_slate_are_found(void **state)
 static void what_cannot_be_read_is_noted(void **state)
 {
     (void)state;
-    static timeline_wish wish;
+    static timeline_request request;
     take t;
     film_take(shot, &t);
     timeline_worker *worker = timeline_worker_create(&shot->plugins);
     assert_non_null(worker);
     timeline_worker_set_show(worker, "/nowhere/none.marotte", face_path);
-    wish_of_take(&wish, &t, 1);
-    const timeline_seen *seen = wait_for(worker, &wish);
-    assert_non_null(strstr(seen->note, "/nowhere/none.marotte"));
-    assert_true(seen->bin[0].least > seen->bin[0].greatest);
+    request_of_take(&request, &t, 1);
+    const timeline_result *result = wait_for(worker, &request);
+    assert_non_null(strstr(result->note, "/nowhere/none.marotte"));
+    assert_true(result->bin[0].least > result->bin[0].greatest);
     timeline_worker_set_show(worker, shot->path, "/nowhere/none.rig.json");
-    wish_of_take(&wish, &t, 2);
-    (void)wait_for(worker, &wish);
+    request_of_take(&request, &t, 2);
+    (void)wait_for(worker, &request);
     timeline_worker_set_show(worker, NULL, NULL);
     timeline_worker_destroy(worker); /* at once */
     take_finish(&t);

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "window/ui_queue.h"
+#include "window/gui/ui_queue.h"
 
 #include <math.h>
 #include <string.h>

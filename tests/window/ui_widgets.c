@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "window/front.h"
-#include "window/theme.h"
-#include "window/ui.h"
+#include "window/gui/window.h"
+#include "window/gui/theme.h"
+#include "window/gui/ui.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 
 typedef struct bench {
-    front *front;
+    window *window;
     ui *ui;
     /* what the panel holds */
     uint32_t clicks, rows, choice, tab, ends;
@@ -28,7 +28,7 @@ typedef struct bench {
     ui_canvas canvas;
     uint32_t doubles;
     float released_x;
-    double dt_s; /* 0: as the front says */
+    double dt_s; /* 0: as the window says */
     bool was_released;
 } bench;
 
@@ -83,13 +83,13 @@ static void draw_panel(bench *b)
 static void frame(bench *b)
 {
     ui_screen screen;
-    assert_true(front_begin(b->front, b->ui, &screen));
+    assert_true(window_begin(b->window, b->ui, &screen));
     if (b->dt_s > 0.0)
         screen.dt_s = b->dt_s;
     ui_begin(b->ui, &screen);
     draw_panel(b);
     ui_end(b->ui);
-    front_end(b->front, b->ui);
+    window_end(b->window, b->ui);
 }
 
 static void settle(bench *b)
@@ -152,10 +152,11 @@ static void open_bench(bench *b, float scale)
     *b = (bench){.value = 5.0};
     const uint32_t width = (uint32_t)lroundf(800.0f * scale),
                    height = (uint32_t)lroundf(700.0f * scale);
-    if (front_open_hidden(&b->front, width, height, scale, 1.0 / 60.0, &err) < 0) {
+    if (window_open_hidden(&b->window, width, height, scale, 1.0 / 60.0, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         skip();
     }
+    window_hidden_put_away(b->window, true);
     assert_int_equal(ui_create(&b->ui, &err), MRT_OK);
     ui_note_words(b->ui, true);
     settle(b);
@@ -164,7 +165,7 @@ static void open_bench(bench *b, float scale)
 static void close_bench(bench *b)
 {
     ui_destroy(b->ui);
-    front_close(b->front);
+    window_close(b->window);
 }
 
 static void each_widget_takes_a_click(void **state)
@@ -517,8 +518,10 @@ static void what_is_drawn_can_be_read_at_each_scale(void **state)
         char path[256];
         open_bench(&b, scales[i]);
         words_do_not_overlap_and_can_be_read(&b);
+        window_hidden_put_away(b.window, false);
+        frame(&b);
         (void)snprintf(path, sizeof path, BUILD_DIR "/out/ui_widgets_%g.png", (double)scales[i]);
-        assert_int_equal(front_picture(b.front, path, &err), MRT_OK);
+        assert_int_equal(window_picture(b.window, path, &err), MRT_OK);
         close_bench(&b);
     }
 }
@@ -529,7 +532,7 @@ static void text_that_does_not_fit_ends_with_an_ellipsis(void **state)
     bench b;
     open_bench(&b, 1.0f);
     ui_screen screen;
-    assert_true(front_begin(b.front, b.ui, &screen));
+    assert_true(window_begin(b.window, b.ui, &screen));
     ui_begin(b.ui, &screen);
     ui_panel_begin(b.ui, "narrow", (ui_rectangle){0, 0, 80, 60}, UI_GROUND_PANEL);
     ui_text(b.ui, UI_STYLE_BODY, "far too long for that");
@@ -551,13 +554,13 @@ static void a_number_is_not_broken_in_two(void **state)
     for (float width = 60.0f; width < 200.0f; width += 1.0f) {
         ui_screen screen;
         const ui_word *words;
-        assert_true(front_begin(b.front, b.ui, &screen));
+        assert_true(window_begin(b.window, b.ui, &screen));
         ui_begin(b.ui, &screen);
         ui_panel_begin(b.ui, "narrow", (ui_rectangle){0, 0, width, 300}, UI_GROUND_PANEL);
         ui_text_wrapped(b.ui, UI_STYLE_BODY, "left and right: x = 0.25 mm");
         ui_panel_end(b.ui);
         ui_end(b.ui);
-        front_end(b.front, b.ui);
+        window_end(b.window, b.ui);
         const uint32_t count = ui_words(b.ui, &words);
         uint32_t whole = 0;
         for (uint32_t i = 0; i < count; ++i)

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "draw/overlay.h"
-#include "window/viewport_camera.h"
+#include "window/viewport/camera.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "window/viewport_labels.h"
+#include "window/viewport/viewport.h"
 
 #include <stdlib.h>
 

@@ -53,6 +53,7 @@ static void smile(void)
 static void open_stage(const char *path, uint32_t width, uint32_t height, float scale)
 {
     stand_open(&s, path, width, height, scale);
+    stand_put_away(&s);
     smile();
 }
 
@@ -94,11 +95,11 @@ static void everything_over_the_face(void **state)
 static void heat_maps(void **state)
 {
     (void)state;
-    static const char *const name[STUDIO_HEATS] = {"", "viewport_weights", "viewport_mobility",
-                                                   "viewport_strain", "viewport_skull"};
+    static const char *const name[APP_HEATS] = {"", "viewport_weights", "viewport_mobility",
+                                                "viewport_strain", "viewport_skull"};
     open_stage("rigs/puppet/puppet.rig.json", 1280, 720, 1.0f);
-    for (int heat = STUDIO_HEAT_WEIGHTS; heat < STUDIO_HEATS; ++heat) {
-        s.looks.heat = (studio_heat)heat;
+    for (int heat = APP_HEAT_WEIGHTS; heat < APP_HEATS; ++heat) {
+        s.looks.heat = (app_heat)heat;
         stand_picture(&s, name[heat]);
     }
     check_no_gl_error();

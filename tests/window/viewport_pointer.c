@@ -43,12 +43,15 @@ static const stand_told *last_told(void)
 static void open_plain(void)
 {
     stand_open(&s, puppet, WIDTH, HEIGHT, 1.0f);
+    stand_put_away(&s);
 }
 
 static void an_idle_viewport_draws_nothing(void **state)
 {
     (void)state;
     open_plain();
+    window_hidden_put_away(s.window, false);
+    stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     assert_true(drawn > 0);
     stand_frames(&s, 20);
@@ -177,6 +180,8 @@ static void the_wheel_moves_what_is_held_towards_the_viewer(void **state)
     stand_wheel(&s, -3);
     assert_near(last_told()->at[2], before, 0.01);
     stand_button(&s, 0, false);
+    window_hidden_put_away(s.window, false);
+    stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_wheel(&s, 1); /* now it zooms */
     assert_true(viewport_drawn(s.viewport) > drawn);
@@ -238,6 +243,8 @@ static void beside_the_face_the_left_button_orbits(void **state)
 {
     (void)state;
     open_plain();
+    window_hidden_put_away(s.window, false);
+    stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_drag(&s, 0, 20, 20, 60, 20);
     assert_true(viewport_drawn(s.viewport) > drawn);
@@ -255,6 +262,8 @@ static void views_are_reached_in_a_fifth_of_a_second(void **state)
     assert_true(viewport_stroke_now(s.viewport)->forward[0] > -0.999f);
     stand_frames(&s, 8);
     assert_near(viewport_stroke_now(s.viewport)->forward[0], -1.0, 1e-4); /* from its left */
+    window_hidden_put_away(s.window, false);
+    stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_frames(&s, 3);
     assert_int_equal(viewport_drawn(s.viewport), drawn);
@@ -374,12 +383,12 @@ static void a_whole_performance_in_a_small_window_does_no_harm(void **state)
 {
     (void)state;
     stand_open(&s, puppet, 8, 6, 1.0f);
-    s.looks = (studio_looks){.shows_hands = true,
-                             .shows_vectors = true,
-                             .shows_supports = true,
-                             .shows_contacts = true,
-                             .shows_jaw = true,
-                             .heat = STUDIO_HEAT_STRAIN};
+    s.looks = (app_looks){.shows_hands = true,
+                          .shows_vectors = true,
+                          .shows_supports = true,
+                          .shows_contacts = true,
+                          .shows_jaw = true,
+                          .heat = APP_HEAT_STRAIN};
     stand_pull(&s, "chin", 0, -6, 2);
     stand_drag(&s, 0, 4, 3, 6, 5);
     stand_wheel(&s, 40);

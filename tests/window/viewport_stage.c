@@ -5,21 +5,22 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "window/panels.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
 #include "window/scene.h"
 
 static scene s;
 
 static const live_view *view_now(void)
 {
-    return studio_view(s.studio);
+    return app_view(s.app);
 }
 
 static const viewport_stroke *stroke_at(float x, float y)
 {
     scene_move(&s, x, y);
     scene_settle(&s);
-    return viewport_stroke_now(studio_viewport(s.studio));
+    return viewport_stroke_now(app_viewport(s.app));
 }
 
 /* From the front the slope of the pointer's ray is linear in where it is on the screen. */
@@ -84,7 +85,7 @@ typedef struct wait_for {
 static bool contact_is_there(scene *of, void *data)
 {
     const wait_for *w = data;
-    double away = vec3_length(vec3_sub(studio_view(of->studio)->contact[w->contact], w->at));
+    double away = vec3_length(vec3_sub(app_view(of->app)->contact[w->contact], w->at));
     return w->within_mm >= 0.0 ? away <= w->within_mm : away >= -w->within_mm;
 }
 
@@ -174,9 +175,9 @@ static void the_keys_move_a_hand_that_moves_the_face(void **state)
     uint32_t brow = contact_named("brow.mid.l"), corner = contact_named("mouth.corner.l");
     vec3 brow_rest = view_now()->contact[brow], corner_rest = view_now()->contact[corner];
     scene_do(&s, ACTION_HAND_KEYS);
-    assert_true(studio_has_hand_keys(s.studio));
+    assert_true(app_has_hand_keys(s.app));
     scene_frames(&s, 60); /* the mapping takes the resting hand for its neutral pose */
-    assert_int_equal(live_input_count(studio_live(s.studio)), 1);
+    assert_int_equal(live_input_count(app_live(s.app)), 1);
     assert_true(vec3_length(vec3_sub(view_now()->contact[brow], brow_rest)) < 0.5);
 
     hold_until(' ', "jaw.open", 0.25f, 9.0f); /* the thumb drops: the mouth opens */
@@ -201,12 +202,12 @@ static void the_keys_move_a_hand_that_moves_the_face(void **state)
 
     hold_until('K', "lid_upper.l.close", 0.2f, 9.0f); /* the middle finger: lids, quick or slow */
     scene_hold_key(&s, 'K', false);
-    bool is_mirrored = studio_looks_of(s.studio)->is_mirrored; /* right is the picture's */
+    bool is_mirrored = app_looks_of(s.app)->is_mirrored; /* right is the picture's */
     hold_until(UI_KEY_RIGHT, "skull.turn", is_mirrored ? -9.0f : 0.1f, is_mirrored ? -0.1f : 9.0f);
     scene_hold_key(&s, UI_KEY_RIGHT, false);
 
     scene_key(&s, UI_KEY_ESCAPE, 0);
-    assert_false(studio_has_hand_keys(s.studio));
+    assert_false(app_has_hand_keys(s.app));
     wait_for rests = {.contact = corner, .at = corner_rest, .within_mm = 1.0};
     assert_true(scene_until(&s, contact_is_there, &rests));
     scene_close(&s);
@@ -221,7 +222,7 @@ static void a_window_that_closes_while_a_take_is_recorded_with_it_keeps_the_take
     scene_key(&s, UI_KEY_ESCAPE, 0);
     scene_do(&s, ACTION_RECORD);
     scene_frames(&s, 30);
-    assert_true(studio_status(s.studio)->is_recording);
+    assert_true(app_status(s.app)->is_recording);
     scene_close(&s); /* and nothing is left that the stage still reads */
 }
 

@@ -16,60 +16,60 @@
 /* The only one there is: the contracts hand on pointers that stand for it. */
 static viewport_stand *here;
 static live *const a_live = (live *)(void *)&here;
-static studio *const a_studio = (studio *)(void *)&here;
+static app *const a_studio = (app *)(void *)&here;
 
-/* ---- the studio ---- */
+/* ---- the application ---- */
 
-const live_view *studio_view(const studio *self)
+const live_view *app_view(const app *self)
 {
     (void)self;
     return &here->view;
 }
 
-const face_file *studio_face(const studio *self)
+const face_file *app_face(const app *self)
 {
     (void)self;
     return &here->file;
 }
 
-studio_looks *studio_looks_of(studio *self)
+app_looks *app_looks_of(app *self)
 {
     (void)self;
     return &here->looks;
 }
 
-settings *studio_settings(studio *self)
+settings *app_settings(app *self)
 {
     (void)self;
     return here->settings;
 }
 
-news_list *studio_news(studio *self)
+news_list *app_news(app *self)
 {
     (void)self;
     return here->news;
 }
 
-log_queue *studio_log(studio *self)
+log_queue *app_log(app *self)
 {
     (void)self;
     return here->log;
 }
 
-live *studio_live(studio *self)
+live *app_live(app *self)
 {
     (void)self;
     return a_live;
 }
 
-const live_status *studio_status(const studio *self)
+const live_status *app_status(const app *self)
 {
     static const live_status nobody_records;
     (void)self;
     return &nobody_records;
 }
 
-bool studio_asked(studio *self, action of)
+bool app_take_request(app *self, action of)
 {
     (void)self;
     bool was = here->asked[of];
@@ -77,7 +77,7 @@ bool studio_asked(studio *self, action of)
     return was;
 }
 
-bool studio_has_hand_keys(const studio *self)
+bool app_has_hand_keys(const app *self)
 {
     (void)self;
     return here->has_hand_keys;
@@ -217,7 +217,7 @@ static void open_screen(viewport_stand *s, uint32_t width, uint32_t height, floa
                         double dt_s)
 {
     error err = {{0}};
-    if (front_open_hidden(&s->front, width, height, scale, dt_s, &err) < 0) {
+    if (window_open_hidden(&s->window, width, height, scale, dt_s, &err) < 0) {
         print_message("SKIPPED: %s\n", err.text);
         skip();
     }
@@ -275,7 +275,7 @@ void stand_close(viewport_stand *s)
     viewport_destroy(s->viewport);
     assert_null(s->made);
     ui_destroy(s->ui);
-    front_close(s->front);
+    window_close(s->window);
     settings_close(s->settings);
     news_list_destroy(s->news);
     log_queue_destroy(s->log);
@@ -290,13 +290,13 @@ void stand_close(viewport_stand *s)
 void stand_frame(viewport_stand *s)
 {
     ui_screen screen;
-    assert_true(front_begin(s->front, s->ui, &screen));
+    assert_true(window_begin(s->window, s->ui, &screen));
     ui_begin(s->ui, &screen);
     viewport_update(s->viewport, s->ui, s->has_pad ? &s->pad : NULL, screen.dt_s);
     if (s->is_drawn)
         viewport_draw(s->viewport, s->ui, s->where, screen.scale);
     ui_end(s->ui);
-    front_end(s->front, s->ui);
+    window_end(s->window, s->ui);
 }
 
 void stand_frames(viewport_stand *s, uint32_t count)
@@ -353,14 +353,22 @@ void stand_place(const viewport_stand *s, const float at[3], float *out_x, float
     *out_y = s->where.y + px[1];
 }
 
+void stand_put_away(viewport_stand *s)
+{
+    s->is_away = true;
+    window_hidden_put_away(s->window, true);
+}
+
 void stand_picture(viewport_stand *s, const char *name)
 {
     error err = {{0}};
     char path[1024];
+    window_hidden_put_away(s->window, false);
     stand_frames(s, 2);
+    window_hidden_put_away(s->window, s->is_away);
     snprintf(path, sizeof path, "%s/out", BUILD_DIR);
     mkdir(path, 0777);
     snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
-    if (front_picture(s->front, path, &err) < 0)
+    if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
 }

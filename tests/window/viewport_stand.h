@@ -4,8 +4,9 @@
 #define MAROTTE_TESTS_WINDOW_VIEWPORT_STAND_H
 #include "stage/composer.h"
 #include "stage/live/live_board.h"
-#include "window/front.h"
-#include "window/panels.h"
+#include "window/gui/window.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
 
 enum { STAND_TOLD = 256 };
 typedef struct stand_told { /* one call of live_point */
@@ -20,7 +21,7 @@ typedef struct viewport_stand {
     composer *composer;
     live_board board;
     live_view view;
-    studio_looks looks;
+    app_looks looks;
     settings *settings;
     news_list *news;
     log_queue *log;
@@ -30,13 +31,14 @@ typedef struct viewport_stand {
     stand_told told[STAND_TOLD];
     uint32_t told_count;
     input *made; /* of the virtual hand */
-    front *front;
+    window *window;
     ui *ui;
     viewport *viewport;
-    front_gamepad pad;
+    window_gamepad pad;
     bool has_pad;
     ui_rectangle where; /* of the viewport */
     bool is_drawn;      /* false: it is not asked to draw */
+    bool is_away;       /* the window: frames are drawn for pictures alone */
 } viewport_stand;
 
 /* Skips the test where there is no OpenGL. face: "rigs/puppet/puppet.rig.json". */
@@ -45,6 +47,8 @@ void stand_open(viewport_stand *s, const char *face, uint32_t width, uint32_t he
 void stand_open_slow(viewport_stand *s, const char *face, uint32_t width, uint32_t height,
                      double dt_s);
 void stand_close(viewport_stand *s);
+/* From now on, as a window that is put away: nothing is drawn but for a picture. */
+void stand_put_away(viewport_stand *s);
 /* The viewport is made again, as when the program starts anew. */
 void stand_reopen(viewport_stand *s);
 /* view.pull becomes the shape. */
@@ -62,6 +66,6 @@ void stand_key(viewport_stand *s, uint32_t key, bool is_down);
 void stand_drag(viewport_stand *s, uint32_t button, float x0, float y0, float x1, float y1);
 /* Where a place is on the screen as the viewport shows it from the front, points. */
 void stand_place(const viewport_stand *s, const float at[3], float *out_x, float *out_y);
-void stand_picture(viewport_stand *s, const char *name); /* BUILD_DIR/out/NAME.png */
+void stand_picture(viewport_stand *s, const char *name); /* draws; BUILD_DIR/out/NAME.png */
 
 #endif

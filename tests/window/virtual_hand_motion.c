@@ -6,24 +6,24 @@
 #include <cmocka.h>
 
 #include "hand/sensor.h"
-#include "window/virtual_hand_motion.h"
+#include "window/viewport/virtual_hand.h"
 
 #include <math.h>
 #include <string.h>
 
-static virtual_hand_wish wish_of(virtual_hand_key key)
+static virtual_hand_intent intent_of(virtual_hand_key key)
 {
     bool is_down[VIRTUAL_KEYS] = {false};
-    virtual_hand_wish wish;
-    memset(&wish, 0, sizeof wish);
+    virtual_hand_intent intent;
+    memset(&intent, 0, sizeof intent);
     is_down[key] = true;
-    virtual_hand_wish_keys(&wish, is_down);
-    return wish;
+    virtual_hand_add_keys(&intent, is_down);
+    return intent;
 }
 
-static front_gamepad quiet_pad(void)
+static window_gamepad quiet_pad(void)
 {
-    front_gamepad pad;
+    window_gamepad pad;
     memset(&pad, 0, sizeof pad);
     pad.axis[4] = pad.axis[5] = -1.0f; /* triggers rest there */
     return pad;
@@ -33,9 +33,9 @@ static front_gamepad quiet_pad(void)
 static float way_of(virtual_hand_key key, int sensor)
 {
     float rest[MRT_ANGLES], goal[MRT_ANGLES];
-    virtual_hand_wish wish = wish_of(key);
+    virtual_hand_intent intent = intent_of(key);
     virtual_hand_rest(rest);
-    virtual_hand_goal(goal, &wish, 1.0f);
+    virtual_hand_goal(goal, &intent, 1.0f);
     return goal[sensor] - rest[sensor];
 }
 
@@ -68,12 +68,12 @@ static void both_keys_of_a_finger_leave_it_where_it_is(void **state)
     bool is_down[VIRTUAL_KEYS];
     for (int i = 0; i < VIRTUAL_KEYS; ++i)
         is_down[i] = true;
-    virtual_hand_wish wish;
+    virtual_hand_intent intent;
     float rest[MRT_ANGLES], goal[MRT_ANGLES];
-    memset(&wish, 0, sizeof wish);
-    virtual_hand_wish_keys(&wish, is_down);
+    memset(&intent, 0, sizeof intent);
+    virtual_hand_add_keys(&intent, is_down);
     virtual_hand_rest(rest);
-    virtual_hand_goal(goal, &wish, 1.0f);
+    virtual_hand_goal(goal, &intent, 1.0f);
     assert_memory_equal(rest, goal, sizeof rest);
 }
 
@@ -81,9 +81,9 @@ static void right_is_to_the_right_whatever_the_hand(void **state)
 {
     (void)state;
     float to_thumb[MRT_ANGLES], from_thumb[MRT_ANGLES];
-    virtual_hand_wish wish = wish_of(VIRTUAL_WRIST_RIGHT);
-    virtual_hand_goal(to_thumb, &wish, 1.0f);
-    virtual_hand_goal(from_thumb, &wish, -1.0f);
+    virtual_hand_intent intent = intent_of(VIRTUAL_WRIST_RIGHT);
+    virtual_hand_goal(to_thumb, &intent, 1.0f);
+    virtual_hand_goal(from_thumb, &intent, -1.0f);
     assert_true(to_thumb[SENSOR_WRIST_YAW] > 0.2f); /* radial is positive */
     assert_true(from_thumb[SENSOR_WRIST_YAW] < -0.2f);
     assert_true(way_of(VIRTUAL_WRIST_DOWN, SENSOR_WRIST_PITCH) > 0.3f);
@@ -95,8 +95,8 @@ static void every_goal_is_within_what_a_hand_can_do(void **state)
     (void)state;
     for (int key = 0; key < VIRTUAL_KEYS; ++key) {
         float goal[MRT_ANGLES];
-        virtual_hand_wish wish = wish_of((virtual_hand_key)key);
-        virtual_hand_goal(goal, &wish, 1.0f);
+        virtual_hand_intent intent = intent_of((virtual_hand_key)key);
+        virtual_hand_goal(goal, &intent, 1.0f);
         for (int i = 0; i < MRT_ANGLES; ++i) {
             const sensor_facts *f = &sensor_table[i];
             float slack = 0.6f; /* a relaxed thumb is beyond its clinical range already */
@@ -109,9 +109,9 @@ static void every_goal_is_within_what_a_hand_can_do(void **state)
 static void a_gamepad_moves_the_same_hand(void **state)
 {
     (void)state;
-    front_gamepad pad = quiet_pad();
-    virtual_hand_wish wish;
-    memset(&wish, 0, sizeof wish);
+    window_gamepad pad = quiet_pad();
+    virtual_hand_intent intent;
+    memset(&intent, 0, sizeof intent);
     assert_false(virtual_hand_pad_is_used(&pad));
     pad.axis[0] = 0.1f; /* a worn stick */
     assert_false(virtual_hand_pad_is_used(&pad));
@@ -121,13 +121,13 @@ static void a_gamepad_moves_the_same_hand(void **state)
     pad.axis[2] = 1.0f;  /* right stick to the right */
     pad.button[1] = true;
     assert_true(virtual_hand_pad_is_used(&pad));
-    virtual_hand_wish_pad(&wish, &pad);
-    assert_true(wish.finger[0] == 1.0f);
-    assert_true(wish.finger[3] == -1.0f && wish.finger[4] == -1.0f);
-    assert_true(wish.finger[1] == -1.0f);
-    assert_true(wish.yaw == 1.0f);
-    assert_false(wish.pedal[0]);
-    assert_true(wish.pedal[1]);
+    virtual_hand_add_pad(&intent, &pad);
+    assert_true(intent.finger[0] == 1.0f);
+    assert_true(intent.finger[3] == -1.0f && intent.finger[4] == -1.0f);
+    assert_true(intent.finger[1] == -1.0f);
+    assert_true(intent.yaw == 1.0f);
+    assert_false(intent.pedal[0]);
+    assert_true(intent.pedal[1]);
     pad = quiet_pad();
     pad.axis[3] = NAN;
     assert_false(virtual_hand_pad_is_used(&pad));
@@ -155,8 +155,8 @@ static void motion_does_not_depend_on_the_frame_rate(void **state)
     (void)state;
     virtual_hand_motion once, often;
     float goal[MRT_ANGLES];
-    virtual_hand_wish wish = wish_of(VIRTUAL_THUMB_DOWN);
-    virtual_hand_goal(goal, &wish, 1.0f);
+    virtual_hand_intent intent = intent_of(VIRTUAL_THUMB_DOWN);
+    virtual_hand_goal(goal, &intent, 1.0f);
     virtual_hand_motion_begin(&once);
     often = once;
     virtual_hand_motion_step(&once, goal, 0.1);

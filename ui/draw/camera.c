@@ -70,11 +70,12 @@ void camera_axes_of(const draw_camera *camera, float right[3], float up[3], floa
     }
 }
 
-void camera_ray(const draw_camera *camera, float aspect, const float place[2], float out[3])
+void camera_ray(const draw_camera *camera, float aspect, const float on_screen[2], float out[3])
 {
     axes a = camera_axes(camera);
     double slope = tan(0.5 * (double)camera->field_of_view_rad);
-    double across = (double)place[0] * slope * (double)aspect, upward = (double)place[1] * slope;
+    double across = (double)on_screen[0] * slope * (double)aspect,
+           upward = (double)on_screen[1] * slope;
     double way[3], squared = 0.0;
     for (int i = 0; i < 3; ++i) {
         way[i] = across * a.right[i] + upward * a.up[i] - a.back[i];

@@ -1,10 +1,319 @@
 #include "draw/face.h"
-#include "mesh/normals.h"
 #include "draw/occlusion.h"
 
+#include "mesh/normals.h"
+
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- surfaces ---- */
+
+static const float dry_roughness = 0.8f;  /* what is rougher has a grain */
+static const float hard_roughness = 0.4f; /* what is smoother lets no light in */
+
+static const char *const felt_words[] = {"felt",    "fleece", "wool",   "fur",  "hair",
+                                         "cloth",   "foam",   "fabric", "skin", "brow",
+                                         "eyebrow", "lid",    "eyelid", "ear"};
+static const char *const stone_words[] = {"stone", "rock", "moai", "clay", "plaster", "concrete"};
+static const char *const wet_words[] = {"tooth", "teeth", "gum", "tongue", "mouth", "lip"};
+
+static bool is_letter(char c)
+{
+    return isalpha((unsigned char)c) != 0;
+}
+
+/* "lid" is a word of "lid_upper.l" and of "Lids", not of "solid". */
+static bool has_word(const char *name, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = name; *at; ++at) {
+        size_t i = 0;
+        while (i < length && tolower((unsigned char)at[i]) == word[i])
+            ++i;
+        bool begins = at == name || !is_letter(at[-1]);
+        const char *end = at + i + (i == length && tolower((unsigned char)at[i]) == 's');
+        if (i == length && begins && !is_letter(*end))
+            return true;
+    }
+    return false;
+}
+
+static bool has_any(const char *name, const char *const *word, size_t count)
+{
+    for (size_t i = 0; name && i < count; ++i)
+        if (has_word(name, word[i]))
+            return true;
+    return false;
+}
+#define HAS_ANY(name, words) has_any(name, words, sizeof words / sizeof *words)
+
+surface surface_of(const mesh_material *material)
+{
+    surface s = {SURFACE_SMOOTH, 0.0f, 0.0f};
+    if (material->metallic >= 0.5f)
+        return s;
+    if (material->roughness > dry_roughness) {
+        bool is_felt = HAS_ANY(material->name, felt_words) && !HAS_ANY(material->name, stone_words);
+        s.kind = is_felt ? SURFACE_FELT : SURFACE_STONE;
+        return s;
+    }
+    bool is_wet = HAS_ANY(material->name, wet_words);
+    if (material->roughness > hard_roughness)
+        s.softness = 1.0f;
+    else if (is_wet)
+        s.softness = 0.4f; /* teeth are not stone either */
+    s.coat = is_wet ? 1.0f : 0.0f;
+    return s;
+}
+
+/* ---- seams ---- */
+
+typedef struct seam_vertex {
+    float at[3];
+    uint32_t vertex;
+} seam_vertex;
+
+static int compare_positions(const void *left, const void *right)
+{
+    const seam_vertex *a = left, *b = right;
+    for (int i = 0; i < 3; ++i)
+        if (a->at[i] != b->at[i])
+            return a->at[i] < b->at[i] ? -1 : 1;
+    return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
+}
+
+static bool is_same_position(const seam_vertex *a, const seam_vertex *b)
+{
+    return a->at[0] == b->at[0] && a->at[1] == b->at[1] && a->at[2] == b->at[2];
+}
+
+static float cosine(const float *normal, uint32_t a, uint32_t b)
+{
+    const float *u = normal + (size_t)a * 3, *v = normal + (size_t)b * 3;
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+/* Pairs the vertices of one place with the first of them that faces the same way. Few leaders:
+ * they differ by the least angle from each other. */
+static void pair_vertices(seams *out, const seam_vertex *sorted, uint32_t count,
+                          const float *normal, float least_cosine)
+{
+    enum { LEADERS_MAX = 32 };
+    uint32_t leader[LEADERS_MAX], leader_count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t k = 0;
+        while (k < leader_count && cosine(normal, leader[k], sorted[i].vertex) < least_cosine)
+            ++k;
+        if (k < leader_count) {
+            out->vertex[out->pair_count] = sorted[i].vertex;
+            out->leader[out->pair_count++] = leader[k];
+        } else if (leader_count < LEADERS_MAX) {
+            leader[leader_count++] = sorted[i].vertex;
+        }
+    }
+}
+
+mrt_result seams_init(seams *out, const float *position, const float *normal, uint32_t vertex_count,
+                      float least_cosine, error *err)
+{
+    *out = (seams){0};
+    seam_vertex *sorted = malloc(((size_t)vertex_count + 1) * sizeof *sorted);
+    out->vertex = malloc(((size_t)vertex_count + 1) * sizeof *out->vertex);
+    out->leader = malloc(((size_t)vertex_count + 1) * sizeof *out->leader);
+    if (!sorted || !out->vertex || !out->leader) {
+        free(sorted);
+        seams_finish(out);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to join the seams of the mesh");
+    }
+    for (uint32_t v = 0; v < vertex_count; ++v) {
+        const float *p = position + (size_t)v * 3;
+        sorted[v] = (seam_vertex){{p[0], p[1], p[2]}, v};
+    }
+    qsort(sorted, vertex_count, sizeof *sorted, compare_positions);
+    for (uint32_t first = 0, next; first < vertex_count; first = next) {
+        for (next = first + 1;
+             next < vertex_count && is_same_position(&sorted[first], &sorted[next]);)
+            ++next;
+        if (next - first > 1)
+            pair_vertices(out, sorted + first, next - first, normal, least_cosine);
+    }
+    free(sorted);
+    return MRT_OK;
+}
+
+void seams_finish(seams *s)
+{
+    free(s->vertex);
+    free(s->leader);
+    *s = (seams){0};
+}
+
+void seams_join(const seams *s, float *nx, float *ny, float *nz)
+{
+    for (uint32_t i = 0; i < s->pair_count; ++i) {
+        uint32_t v = s->vertex[i], leader = s->leader[i];
+        nx[leader] += nx[v];
+        ny[leader] += ny[v];
+        nz[leader] += nz[v];
+    }
+    for (uint32_t i = 0; i < s->pair_count; ++i) {
+        uint32_t leader = s->leader[i];
+        float square = nx[leader] * nx[leader] + ny[leader] * ny[leader] + nz[leader] * nz[leader];
+        float inverse = square > 1e-12f ? 1.0f / sqrtf(square) : 0.0f;
+        nx[leader] *= inverse;
+        ny[leader] *= inverse;
+        nz[leader] *= inverse;
+    }
+    for (uint32_t i = 0; i < s->pair_count; ++i) {
+        uint32_t v = s->vertex[i], leader = s->leader[i];
+        nx[v] = nx[leader];
+        ny[v] = ny[leader];
+        nz[v] = nz[leader];
+    }
+}
+
+/* ---- another shape ---- */
+
+enum { BRIDGED = 2 }; /* parts that have not changed and go along, so that fewer runs are sent */
+
+static uint32_t min_of(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* of DRAW_ROWS vertices each; the last may have fewer */
+static uint32_t face_parts(const draw_face *self)
+{
+    return self->vertex_count / DRAW_ROWS + (self->vertex_count % DRAW_ROWS != 0);
+}
+
+/* ---- the ball around it ---- */
+
+static void measure_part(draw_face *self, const float *position, uint32_t part)
+{
+    uint32_t first = part * DRAW_ROWS, end = min_of(first + DRAW_ROWS, self->vertex_count);
+    face_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t v = first; v < end; ++v) {
+        const float *p = position + (size_t)v * 3;
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+            continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            box.low[axis] = p[axis] < box.low[axis] ? p[axis] : box.low[axis];
+            box.high[axis] = p[axis] > box.high[axis] ? p[axis] : box.high[axis];
+        }
+    }
+    self->box[part] = box;
+}
+
+/* The ball around the shape; changed: the parts that are new to self->seen; NULL: all. */
+static void face_measure(draw_face *self, const float *position, const stamps *changed)
+{
+    float square = 0.0f;
+    for (uint32_t part = 0; part < face_parts(self); ++part)
+        if (!changed || stamps_is_new(&self->seen, changed, part))
+            measure_part(self, position, part);
+    for (int axis = 0; axis < 3; ++axis) {
+        float low = INFINITY, high = -INFINITY;
+        for (uint32_t part = 0; part < face_parts(self); ++part) {
+            const face_box *box = &self->box[part];
+            low = box->low[axis] < low ? box->low[axis] : low;
+            high = box->high[axis] > high ? box->high[axis] : high;
+        }
+        bool is_there = low <= high;
+        float half = is_there ? 0.5f * (high - low) : 0.0f;
+        self->centre[axis] = is_there ? low + half : 0.0f;
+        square += half * half;
+    }
+    self->radius_mm = square > 1e-6f && isfinite(square) ? sqrtf(square) : 1e-3f;
+}
+
+/* ---- to the graphics card ---- */
+
+static void replace(GLuint buffer, const float *value, uint32_t vertex_count)
+{
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)vertex_count * 3 * sizeof *value), value,
+                 GL_STREAM_DRAW);
+}
+
+/* The end of a run of parts of which the first has changed. */
+static uint32_t end_of_run(const draw_face *self, const stamps *changed, uint32_t first)
+{
+    uint32_t end = first + 1;
+    for (uint32_t part = end; part < face_parts(self) && part <= end + BRIDGED; ++part)
+        if (stamps_is_new(&self->seen, changed, part))
+            end = part + 1;
+    return end;
+}
+
+static void replace_changed(const draw_face *self, GLuint buffer, const float *value,
+                            const stamps *changed)
+{
+    const size_t row_size = 3 * sizeof *value;
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    for (uint32_t part = 0; part < face_parts(self); ++part) {
+        if (!stamps_is_new(&self->seen, changed, part))
+            continue;
+        uint32_t first = part * DRAW_ROWS;
+        part = end_of_run(self, changed, part);
+        uint32_t end = min_of(part * DRAW_ROWS, self->vertex_count);
+        glBufferSubData(GL_ARRAY_BUFFER, (GLintptr)(first * row_size),
+                        (GLsizeiptr)((end - first) * row_size), value + (size_t)first * 3);
+    }
+}
+
+/* self->normal := smooth normals of the shape, joined at seams. */
+static void face_compute_normals(draw_face *self, const float *position);
+
+void draw_face_update(draw_face *self, const float *position, const float *normal)
+{
+    GLint bound = 0;
+    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
+    face_measure(self, position, NULL);
+    if (!normal) {
+        face_compute_normals(self, position);
+        normal = self->normal;
+    }
+    replace(self->position_buffer, position, self->vertex_count);
+    replace(self->normal_buffer, normal, self->vertex_count);
+    self->seen = (stamps_reader){.seen = 0};
+    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
+}
+
+static uint32_t count_new(const draw_face *self, const stamps *changed)
+{
+    uint32_t count = 0;
+    for (uint32_t part = 0; part < changed->count; ++part)
+        count += stamps_is_new(&self->seen, changed, part);
+    return count;
+}
+
+bool draw_face_follow(draw_face *self, const float *position, const float *normal,
+                      const stamps *changed)
+{
+    uint32_t count = count_new(self, changed);
+    if (count == 0) {
+        stamps_read(&self->seen, changed);
+        return false;
+    }
+    if (count > changed->count / 2) { /* a new buffer: nobody waits for who still draws the old */
+        draw_face_update(self, position, normal);
+        stamps_read(&self->seen, changed);
+        return true;
+    }
+    GLint bound = 0;
+    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
+    face_measure(self, position, changed);
+    replace_changed(self, self->position_buffer, position, changed);
+    replace_changed(self, self->normal_buffer, normal, changed);
+    stamps_read(&self->seen, changed);
+    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
+    return true;
+}
+
+/* ---- the face ---- */
 
 enum { TRIANGLES_MAX = 200 * 1000 * 1000 }; /* index counts must fit GLsizei */
 static const float seam_cosine_given = 0.9f, seam_cosine_computed = 0.5f;
@@ -67,7 +376,7 @@ static void sort_by_material(draw_face *self, const mesh *m)
     }
 }
 
-void face_compute_normals(draw_face *self, const float *position)
+static void face_compute_normals(draw_face *self, const float *position)
 {
     float *const *lane = self->lane;
     for (uint32_t v = 0; v < self->vertex_count; ++v)

@@ -1,10 +1,43 @@
-/* draw/face.h - the inside of a face on the graphics card. The thread of the context. */
+/* draw/face.h - a face on the graphics card, from the inside: its buffers, the surfaces that its
+ * materials are drawn as (by their numbers, and by words in their names: rigs/README.md lists
+ * them), and its seams: vertices that are one point of one smooth surface although the file has
+ * them twice (along seams of texture or material). Their normals are joined, so that no seam shows
+ * when the surface deforms; points that merely touch, like closed lips, stay apart. The thread of
+ * the context; surfaces and seams are pure. */
 #ifndef MAROTTE_UI_DRAW_FACE_H
 #define MAROTTE_UI_DRAW_FACE_H
 #include "draw/draw.h"
 #include "draw/gl.h"
-#include "draw/seams.h"
-#include "draw/surface.h"
+
+#include "base/error.h"
+#include "mesh/mesh.h"
+
+typedef enum surface_kind {
+    SURFACE_SMOOTH = 0,
+    SURFACE_STONE, /* pores, weather, grain */
+    SURFACE_FELT,  /* fibres, a pale fuzz where it turns away */
+    SURFACE_KINDS
+} surface_kind;
+
+typedef struct surface {
+    surface_kind kind;
+    float softness; /* 0..1: light goes under it: latex, foam, skin */
+    float coat;     /* 0..1: a wet film over it */
+} surface;
+surface surface_of(const mesh_material *material);
+
+typedef struct seams {
+    uint32_t *vertex, *leader; /* pair_count each: vertex takes the normal of leader */
+    uint32_t pair_count;
+} seams;
+
+/* position, normal: vertex_count by 3, at rest; the normals may differ by angles up to that of the
+ * cosine. */
+CHECKED mrt_result seams_init(seams *out, const float *position, const float *normal,
+                              uint32_t vertex_count, float least_cosine, error *err);
+void seams_finish(seams *s);
+/* Normals as a structure of arrays, unit. */
+void seams_join(const seams *s, float *nx, float *ny, float *nz);
 
 enum { /* vertex attributes, as in shaders/face.vert */
        FACE_POSITION = 0,
@@ -41,17 +74,6 @@ struct draw_face {
     float height_mm;            /* at rest */
 };
 
-/* ---- face_update.c ---- */
-
-uint32_t
-face_parts(const draw_face *self); /* of DRAW_ROWS vertices each; the last may have fewer */
-/* The ball around the shape; changed: the parts that are new to self->seen; NULL: all. */
-void face_measure(draw_face *self, const float *position, const stamps *changed);
-
-/* ---- face.c ---- */
-
-/* self->normal := smooth normals of the shape, joined at seams. */
-void face_compute_normals(draw_face *self, const float *position);
 /* Draws every triangle, or the vertices as points when there is none; the program and the vertex
  * array are bound by the caller. */
 void face_draw_all(const draw_face *face);

@@ -1,7 +1,11 @@
 #include "draw/gl.h"
+#include "draw/draw.h"
 #include "draw/shaders.h"
 
+#include <epoxy/egl.h>
+
 #include <dlfcn.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool current_in(const char *library, const char *function)
@@ -253,4 +257,186 @@ void gl_state_leave(const gl_state *state)
     glUseProgram((GLuint)state->program);
     gl_bind_framebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
     gl_bind_framebuffer(GL_READ_FRAMEBUFFER, (GLuint)state->read_framebuffer);
+}
+
+/* Mesa's software renderer (llvmpipe; 22.3.6, and main when this was written) frees the fence of a
+ * scene as soon as its count is full, while the thread that has counted last may not yet have let
+ * go of the lock in it: four bytes of freed memory become 0, and some time later the allocator
+ * falls over it. Every thread takes part in every scene, in order: so when a later scene is done,
+ * nobody is in an earlier fence any more. Until then a fence is kept here.
+ * tests/window/late_fence.sh */
+
+enum { KEPT = 16 }; /* one frame or two: so far drawing may lag behind */
+
+typedef struct kept_scenes { /* of the context of this thread */
+    GLsync fence[KEPT];
+    uint32_t first, count;
+    bool is_known, is_llvmpipe;
+} kept_scenes;
+
+static _Thread_local kept_scenes kept;
+
+static bool is_llvmpipe(void)
+{
+    if (!kept.is_known) {
+        const char *renderer = (const char *)glGetString(GL_RENDERER);
+        kept.is_llvmpipe = renderer && strstr(renderer, "llvmpipe");
+        kept.is_known = true;
+    }
+    return kept.is_llvmpipe;
+}
+
+static void drop_first(void)
+{
+    glDeleteSync(kept.fence[kept.first]);
+    kept.first = (kept.first + 1) % KEPT;
+    kept.count -= 1;
+}
+
+void gl_end_scene(void)
+{
+    if (!is_llvmpipe())
+        return;
+    if (kept.count == KEPT) {
+        (void)glClientWaitSync(kept.fence[(kept.first + 1) % KEPT], 0, GL_TIMEOUT_IGNORED);
+        drop_first();
+    }
+    const GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!fence)
+        return;
+    kept.fence[(kept.first + kept.count) % KEPT] = fence;
+    kept.count += 1;
+}
+
+void gl_bind_framebuffer(GLenum target, GLuint framebuffer)
+{
+    if (target != GL_READ_FRAMEBUFFER && is_llvmpipe()) {
+        GLint before = 0;
+        glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
+        if ((GLuint)before != framebuffer)
+            gl_end_scene();
+    }
+    glBindFramebuffer(target, framebuffer);
+}
+
+void gl_forget_scenes(void)
+{
+    if (kept.count > 0)
+        glFinish();
+    while (kept.count > 0)
+        drop_first();
+    kept = (kept_scenes){0};
+}
+
+/* ---- a context without a window ---- */
+
+struct draw_context {
+    EGLDisplay display; /* of the process: other contexts may use it, so it is never terminated */
+    EGLContext context;
+};
+
+static bool library_exists(const char *name)
+{
+    void *handle = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+    if (!handle)
+        return false;
+    dlclose(handle);
+    return true;
+}
+
+/* libepoxy ends the process when it does not find these. */
+static mrt_result check_libraries(error *err)
+{
+    if (!library_exists("libEGL.so.1"))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "drawing without a window needs libEGL.so.1: install libegl1");
+    if (!library_exists("libOpenGL.so.0") && !library_exists("libGL.so.1"))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "drawing needs libOpenGL.so.0 or libGL.so.1: install libopengl0 or "
+                         "libgl1");
+    return MRT_OK;
+}
+
+static mrt_result open_display(EGLDisplay *out, error *err)
+{
+    const char *extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    if (!extensions || !strstr(extensions, "EGL_EXT_platform_base") ||
+        !strstr(extensions, "EGL_MESA_platform_surfaceless"))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "EGL cannot draw without a window here: install libegl-mesa0 and "
+                         "libgl1-mesa-dri");
+    *out = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    if (*out == EGL_NO_DISPLAY || !eglInitialize(*out, NULL, NULL))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "EGL finds no driver to draw with (error 0x%04x): install "
+                         "libgl1-mesa-dri",
+                         (unsigned)eglGetError());
+    return MRT_OK;
+}
+
+static mrt_result make_current(draw_context *self, error *err)
+{
+    static const EGLint config_wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                           EGL_NONE};
+    static const EGLint context_wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                            3,
+                                            EGL_CONTEXT_MINOR_VERSION,
+                                            3,
+                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                            EGL_NONE};
+    EGLConfig config;
+    EGLint config_count = 0;
+    if (!eglBindAPI(EGL_OPENGL_API) ||
+        !eglChooseConfig(self->display, config_wanted, &config, 1, &config_count) ||
+        config_count < 1)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the EGL driver offers no OpenGL: install libgl1-mesa-dri");
+    self->context = eglCreateContext(self->display, config, EGL_NO_CONTEXT, context_wanted);
+    if (self->context == EGL_NO_CONTEXT)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the EGL driver offers no OpenGL 3.3 core (error 0x%04x): install "
+                         "libgl1-mesa-dri, or update the graphics driver",
+                         (unsigned)eglGetError());
+    if (!eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, self->context))
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the EGL context cannot be made current (error 0x%04x): this thread may "
+                         "have a window's context already",
+                         (unsigned)eglGetError());
+    return gl_check_current(err);
+}
+
+draw_context *draw_context_create(error *err)
+{
+    draw_context *self = calloc(1, sizeof *self);
+    if (!self) {
+        error_set(err, MRT_ERR_MEMORY, "no memory for a drawing context");
+        return NULL;
+    }
+    if (check_libraries(err) == MRT_OK && open_display(&self->display, err) == MRT_OK &&
+        make_current(self, err) == MRT_OK)
+        return self;
+    draw_context_destroy(self);
+    return NULL;
+}
+
+const char *draw_context_driver(const draw_context *self)
+{
+    (void)self;
+    const GLubyte *name = glGetString(GL_RENDERER);
+    return name ? (const char *)name : "unknown";
+}
+
+void draw_context_destroy(draw_context *self)
+{
+    if (!self)
+        return;
+    if (self->context) {
+        if (eglGetCurrentContext() == self->context) {
+            gl_forget_scenes();
+            eglMakeCurrent(self->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+        }
+        eglDestroyContext(self->display, self->context);
+    }
+    free(self);
 }

@@ -94,13 +94,13 @@ static void add_view(bake *self, const draw_face *face, const float *position,
         float cosine = n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2];
         if (!(cosine > 0.0f))
             continue;
-        float at[3], place[3];
+        float at[3], in_map[3];
         for (int i = 0; i < 3; ++i)
             at[i] = p[i] + n[i] * lift_mm;
         for (int i = 0; i < 3; ++i)
-            place[i] = m[i] * at[0] + m[4 + i] * at[1] + m[8 + i] * at[2] + m[12 + i];
+            in_map[i] = m[i] * at[0] + m[4 + i] * at[1] + m[8 + i] * at[2] + m[12 + i];
         self->possible[v] += cosine;
-        self->seen[v] += cosine * map_visibility(self->depth, place[0], place[1], place[2]);
+        self->seen[v] += cosine * map_visibility(self->depth, in_map[0], in_map[1], in_map[2]);
     }
 }
 

@@ -13,10 +13,10 @@ static bool ray_through(ray *out, const draw_camera *safe, const uint32_t rectan
     if (rectangle[2] == 0 || rectangle[3] == 0 || !isfinite(pixel[0]) || !isfinite(pixel[1]))
         return false;
     float width = (float)rectangle[2], height = (float)rectangle[3];
-    const float place[2] = {(pixel[0] - (float)rectangle[0]) / width * 2.0f - 1.0f,
-                            1.0f - (pixel[1] - (float)rectangle[1]) / height * 2.0f};
+    const float on_screen[2] = {(pixel[0] - (float)rectangle[0]) / width * 2.0f - 1.0f,
+                                1.0f - (pixel[1] - (float)rectangle[1]) / height * 2.0f};
     camera_eye(safe, out->eye);
-    camera_ray(safe, width / height, place, out->way);
+    camera_ray(safe, width / height, on_screen, out->way);
     return true;
 }
 

@@ -3,10 +3,14 @@
 #define MAROTTE_UI_DRAW_RENDERER_H
 #include "draw/draw.h"
 #include "draw/gl.h"
-#include "draw/letters.h"
-#include "draw/overlays.h"
-#include "draw/strokes.h"
-#include "draw/surface.h"
+#include "draw/annotations.h"
+#include "draw/face.h"
+
+/* The programs and buffers that draw_overlay uses. (overlay.c) */
+typedef struct overlays overlays;
+
+overlays *overlays_create(error *err); /* NULL: failed */
+void overlays_destroy(overlays *self);
 
 typedef struct renderer_face_program {
     GLuint program;

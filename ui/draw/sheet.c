@@ -1,6 +1,6 @@
 #include "draw/sheet.h"
-#include "draw/easel.h"
-#include "draw/moments.h"
+#include "draw/offscreen.h"
+#include "draw/thumbnails.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,17 +23,17 @@ static const float ink_calm[4] = {0.62f, 0.64f, 0.68f, 1.0f};
 typedef struct sheet {
     const clip *clip;
     const mesh *mesh;
-    moment moment[MOMENTS_MAX];
+    thumbnail moment[THUMBNAILS_MAX];
     uint32_t moment_count;
     float *position; /* of one frame */
-    easel easel;
+    offscreen offscreen;
     const sheet_about *about;
     sheet_grid grid;
 } sheet;
 
 static void sheet_finish(sheet *s)
 {
-    easel_finish(&s->easel);
+    offscreen_finish(&s->offscreen);
     free(s->position);
 }
 
@@ -46,10 +46,10 @@ static mrt_result sheet_init(sheet *s, const clip *c, const sheet_about *about, 
     s->position = malloc(((size_t)s->mesh->vertex_count * 3 + 1) * sizeof *s->position);
     if (!s->position)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the contact sheet");
-    mrt_result result = moments_choose(s->moment, &s->moment_count, c, err);
+    mrt_result result = thumbnails_choose(s->moment, &s->moment_count, c, err);
     if (result != MRT_OK)
         return result;
-    return easel_init(&s->easel, s->mesh, width, height, err);
+    return offscreen_init(&s->offscreen, s->mesh, width, height, err);
 }
 
 /* Grows the box by the shape, at most by `limit` beyond its first size: one wild moment must not
@@ -116,7 +116,7 @@ static void lay_out_columns(sheet_grid *g, uint32_t width, uint32_t height, uint
     const float across_px = (float)width - 2 * g->margin;
     const float words = ceilf(1.9f * g->label);
     g->columns = columns;
-    g->rows = MOMENTS_MAX / columns;
+    g->rows = THUMBNAILS_MAX / columns;
     g->rest_across = g->rows == 1 ? 2 : 1;
     const float views = (float)(2 * columns + g->rest_across), rows = (float)g->rows;
     float across = (across_px - gap_px * g->unit * (float)columns) / views;
@@ -135,12 +135,12 @@ sheet_grid sheet_lay_out(uint32_t width, uint32_t height, float made_px)
     g.title = fmaxf(title_px * g.unit, least_px);
     g.legend = fmaxf(legend_px * g.unit, least_px);
     g.label = fmaxf(label_px * g.unit, least_px);
-    g.header = 0.7f * g.margin + easel_line_px(g.title) + easel_line_px(g.legend);
+    g.header = 0.7f * g.margin + offscreen_line_px(g.title) + offscreen_line_px(g.legend);
     if (g.header > header_share * (float)height)
         g.title = g.legend = g.label = g.header = made_px = 0.0f;
     g.top = ceilf(g.header + made_px + 0.5f * g.margin);
     sheet_grid best = g;
-    for (uint32_t columns = 1; columns <= MOMENTS_MAX; columns *= 2) {
+    for (uint32_t columns = 1; columns <= THUMBNAILS_MAX; columns *= 2) {
         lay_out_columns(&g, width, height, columns);
         if (best.view_width < g.view_width)
             best = g;
@@ -168,15 +168,15 @@ void sheet_place(uint32_t out[2], const sheet_grid *of, uint32_t which, uint32_t
 static uint32_t write_lines(sheet *s, const char *lines, float top, float size_px,
                             uint32_t max_lines, const float *ink)
 {
-    const float width = (float)s->easel.width - 2 * s->grid.margin;
+    const float width = (float)s->offscreen.width - 2 * s->grid.margin;
     uint32_t count = 0;
     while (lines && *lines && count < max_lines) {
         char line[4096];
         size_t length = strcspn(lines, "\n");
         (void)snprintf(line, sizeof line, "%.*s", (int)length, lines);
-        count += easel_paragraph(&s->easel, line, s->grid.margin,
-                                 top + (float)count * easel_line_px(size_px), size_px, width,
-                                 max_lines - count, ink);
+        count += offscreen_paragraph(&s->offscreen, line, s->grid.margin,
+                                     top + (float)count * offscreen_line_px(size_px), size_px,
+                                     width, max_lines - count, ink);
         lines += length + (lines[length] == '\n');
     }
     return count;
@@ -186,16 +186,16 @@ static uint32_t write_lines(sheet *s, const char *lines, float top, float size_p
 static float write_made_from(sheet *s)
 {
     const sheet_grid *g = &s->grid;
-    const float room = made_share * (float)s->easel.height;
+    const float room = made_share * (float)s->offscreen.height;
     float size_px = fmaxf(small_px * g->unit, least_px);
     uint32_t count = write_lines(s, s->about->made_from, 0, size_px, UINT32_MAX, NULL);
-    while (size_px > least_px && (float)count * easel_line_px(size_px) > room) {
+    while (size_px > least_px && (float)count * offscreen_line_px(size_px) > room) {
         size_px = fmaxf(size_px - 1.0f, least_px);
         count = write_lines(s, s->about->made_from, 0, size_px, UINT32_MAX, NULL);
     }
-    const uint32_t lines = (uint32_t)(room / easel_line_px(size_px));
+    const uint32_t lines = (uint32_t)(room / offscreen_line_px(size_px));
     count = write_lines(s, s->about->made_from, g->header, size_px, lines, ink_calm);
-    return (float)count * easel_line_px(size_px);
+    return (float)count * offscreen_line_px(size_px);
 }
 
 static void describe_moments(char *out, size_t capacity, const clip *c)
@@ -214,18 +214,18 @@ static void describe_moments(char *out, size_t capacity, const clip *c)
 static void write_header(sheet *s)
 {
     char legend[256];
-    s->grid = sheet_lay_out(s->easel.width, s->easel.height, 0.0f);
+    s->grid = sheet_lay_out(s->offscreen.width, s->offscreen.height, 0.0f);
     const sheet_grid *g = &s->grid;
-    const float width = (float)s->easel.width - 2 * g->margin;
-    if (g->header <= 0.0f || !draw_text_font(s->easel.renderer))
+    const float width = (float)s->offscreen.width - 2 * g->margin;
+    if (g->header <= 0.0f || !draw_text_font(s->offscreen.renderer))
         return;
     if (s->about->title)
-        easel_words(&s->easel, s->about->title, g->margin, 0.7f * g->margin, g->title, width,
-                    ink_strong);
+        offscreen_words(&s->offscreen, s->about->title, g->margin, 0.7f * g->margin, g->title,
+                        width, ink_strong);
     describe_moments(legend, sizeof legend, s->clip);
-    easel_words(&s->easel, legend, g->margin, 0.7f * g->margin + easel_line_px(g->title), g->legend,
-                width, ink_calm);
-    s->grid = sheet_lay_out(s->easel.width, s->easel.height, write_made_from(s));
+    offscreen_words(&s->offscreen, legend, g->margin,
+                    0.7f * g->margin + offscreen_line_px(g->title), g->legend, width, ink_calm);
+    s->grid = sheet_lay_out(s->offscreen.width, s->offscreen.height, write_made_from(s));
 }
 
 /* ---- the faces ---- */
@@ -234,8 +234,8 @@ static void write_label(sheet *s, const char *words, float x, float y, float wid
                         const float ink[4])
 {
     const float size = s->grid.label;
-    if (size > 0.0f && draw_text_width(s->easel.renderer, words, size) <= width)
-        draw_text(s->easel.renderer, s->easel.target, words, x, y, size, ink);
+    if (size > 0.0f && draw_text_width(s->offscreen.renderer, words, size) <= width)
+        draw_text(s->offscreen.renderer, s->offscreen.target, words, x, y, size, ink);
 }
 
 /* A tiny sheet has no room for all of them. */
@@ -244,9 +244,10 @@ static void draw_view(sheet *s, const draw_camera *camera, uint32_t which, uint3
     const sheet_grid *g = &s->grid;
     uint32_t at[2];
     sheet_place(at, g, which, view);
-    if (at[0] + g->view_width <= s->easel.width && at[1] + g->view_height <= s->easel.height)
-        draw_render(s->easel.renderer, s->easel.target, s->easel.face, camera, at[0], at[1],
-                    g->view_width, g->view_height);
+    if (at[0] + g->view_width <= s->offscreen.width &&
+        at[1] + g->view_height <= s->offscreen.height)
+        draw_render(s->offscreen.renderer, s->offscreen.target, s->offscreen.face, camera, at[0],
+                    at[1], g->view_width, g->view_height);
 }
 
 static void draw_pair(sheet *s, const draw_camera *front, uint32_t which)
@@ -277,7 +278,7 @@ static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, er
     mrt_result result = clip_read(s->clip, s->moment[i].frame, s->position, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->easel.face, s->position, NULL);
+    draw_face_update(s->offscreen.face, s->position, NULL);
     draw_pair(s, front, i);
     char label[64];
     uint32_t at[2];
@@ -285,9 +286,9 @@ static mrt_result draw_moment(sheet *s, uint32_t i, const draw_camera *front, er
     const float size = s->grid.label, room = (float)(2 * s->grid.view_width);
     format_time(label, sizeof label, s->clip, s->moment[i].frame);
     write_label(s, label, (float)at[0], label_top(s, at[1]), room, ink_strong);
-    const float used = draw_text_width(s->easel.renderer, label, size) + 0.7f * size;
+    const float used = draw_text_width(s->offscreen.renderer, label, size) + 0.7f * size;
     snprintf(label, sizeof label, "%.1f mm from rest", s->moment[i].distance_mm);
-    if (draw_text_width(s->easel.renderer, label, size) > room - used)
+    if (draw_text_width(s->offscreen.renderer, label, size) > room - used)
         snprintf(label, sizeof label, "%.1f mm", s->moment[i].distance_mm);
     write_label(s, label, (float)at[0] + used, label_top(s, at[1]), room - used, ink_calm);
     return MRT_OK;
@@ -299,7 +300,7 @@ static mrt_result draw_moments(sheet *s, error *err)
     mrt_result result = frame_all(s, view_aspect, &front, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->easel.face, s->mesh->position, NULL); /* shaded as the moments are */
+    draw_face_update(s->offscreen.face, s->mesh->position, NULL); /* shaded as the moments are */
     draw_rest(s, &front);
     for (uint32_t i = 0; i < s->moment_count && result == MRT_OK; ++i)
         result = draw_moment(s, i, &front, err);
@@ -311,17 +312,17 @@ static mrt_result draw_rest_alone(sheet *s, error *err)
 {
     draw_camera front;
     sheet_grid *g = &s->grid;
-    const float room = (float)s->easel.height - g->top - 1.9f * g->label - 0.5f * g->margin;
+    const float room = (float)s->offscreen.height - g->top - 1.9f * g->label - 0.5f * g->margin;
     const float height = fmaxf(room, 1.0f);
-    const float width = fminf(0.7f * height, 0.5f * ((float)s->easel.width - 2 * g->margin));
+    const float width = fminf(0.7f * height, 0.5f * ((float)s->offscreen.width - 2 * g->margin));
     g->rest_across = 2;
     g->view_width = (uint32_t)fmaxf(width, 1.0f);
     g->view_height = (uint32_t)height;
-    g->margin = 0.5f * (float)s->easel.width - (float)g->view_width;
+    g->margin = 0.5f * (float)s->offscreen.width - (float)g->view_width;
     mrt_result result = frame_all(s, width / height, &front, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->easel.face, s->mesh->position, NULL);
+    draw_face_update(s->offscreen.face, s->mesh->position, NULL);
     draw_rest(s, &front);
     return MRT_OK;
 }
@@ -335,10 +336,10 @@ mrt_result sheet_write(const char *path, const clip *c, const sheet_about *about
         result = s.moment_count ? draw_moments(&s, err) : draw_rest_alone(&s, err);
     }
     if (result == MRT_OK)
-        result = easel_save(&s.easel, path, err);
+        result = offscreen_save(&s.offscreen, path, err);
     if (result == MRT_OK)
         error_set(err, MRT_OK, "%s",
-                  draw_text_font(s.easel.renderer)
+                  draw_text_font(s.offscreen.renderer)
                       ? ""
                       : "the contact sheet has no words: no font was found, install fonts-inter");
     sheet_finish(&s);

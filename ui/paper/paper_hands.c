@@ -1,7 +1,7 @@
 /* Figure 1, a hand and its tree, and Figure 2, the way of the data. */
 #include "paper/paper.h"
 
-#include "draw/easel.h"
+#include "draw/offscreen.h"
 #include "hand/hand.h"
 #include "paper/svg.h"
 
@@ -257,7 +257,7 @@ static mrt_result make_mesh(mesh *out, const flesh *f, error *err)
 
 static const char *const finger_name[FINGERS] = {"thumb", "index", "middle", "ring", "little"};
 
-static void draw_bones(easel *e, const draw_camera *camera, const flesh *f, uint32_t size)
+static void draw_bones(offscreen *e, const draw_camera *camera, const flesh *f, uint32_t size)
 {
     static const float line[4] = {0.30f, 0.72f, 1.0f, 0.95f}, dot[4] = {1.0f, 0.86f, 0.35f, 1.0f},
                        ink[4] = {0.95f, 0.96f, 0.98f, 1.0f};
@@ -314,9 +314,9 @@ static mrt_result draw_hand(paper *of, const char *path, mesh *m, flesh *f, erro
 {
     uint32_t size = of->is_quick ? 300 : 900;
     float low[3], high[3];
-    easel e;
+    offscreen e;
     stand_up(m, f);
-    mrt_result result = easel_init(&e, m, size, size, err);
+    mrt_result result = offscreen_init(&e, m, size, size, err);
     if (result < 0)
         return result;
     mesh_bounds(m, low, high);
@@ -325,8 +325,8 @@ static mrt_result draw_hand(paper *of, const char *path, mesh *m, flesh *f, erro
     camera.pitch_rad = 0.12f;
     draw_render(e.renderer, e.target, e.face, &camera, 0, 0, size, size);
     draw_bones(&e, &camera, f, size);
-    result = easel_save(&e, path, err);
-    easel_finish(&e);
+    result = offscreen_save(&e, path, err);
+    offscreen_finish(&e);
     return result;
 }
 

@@ -1,15 +1,273 @@
 #include "window/script.h"
+#include "window/gui/ui.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/text.h"
-#include "window/script_keys.h"
-#include "window/script_random.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+
+/* ---- keys by their names ---- */
+
+typedef struct named {
+    const char *name;
+    uint32_t key;
+} named;
+
+static const named key_names[] = {
+    {"Space", ' '},
+    {"Esc", UI_KEY_ESCAPE},
+    {"Escape", UI_KEY_ESCAPE},
+    {"Enter", UI_KEY_ENTER},
+    {"Tab", UI_KEY_TAB},
+    {"Backspace", UI_KEY_BACKSPACE},
+    {"Delete", UI_KEY_DELETE},
+    {"Del", UI_KEY_DELETE},
+    {"Insert", UI_KEY_INSERT},
+    {"Left", UI_KEY_LEFT},
+    {"Right", UI_KEY_RIGHT},
+    {"Up", UI_KEY_UP},
+    {"Down", UI_KEY_DOWN},
+    {"PageUp", UI_KEY_PAGE_UP},
+    {"PageDown", UI_KEY_PAGE_DOWN},
+    {"Home", UI_KEY_HOME},
+    {"End", UI_KEY_END},
+    {"Shift", UI_KEY_SHIFT},
+    {"Ctrl", UI_KEY_CONTROL},
+    {"Alt", UI_KEY_ALT},
+};
+
+static const named modifier_names[] = {
+    {"Shift+", UI_SHIFT}, {"Ctrl+", UI_CONTROL}, {"Alt+", UI_ALT}};
+
+static bool is_function_key(const char *name, uint32_t *out_key)
+{
+    char *end;
+    if ((name[0] != 'F' && name[0] != 'f') || name[1] < '0' || name[1] > '9')
+        return false;
+    const long number = strtol(name + 1, &end, 10);
+    if (*end || number < 1 || number > 12)
+        return false;
+    *out_key = UI_KEY_F1 + (uint32_t)number - 1;
+    return true;
+}
+
+bool script_key_of(const char *name, uint32_t *out_key, uint32_t *out_modifiers)
+{
+    *out_modifiers = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const size_t length = strlen(modifier_names[i].name);
+        if (strncasecmp(name, modifier_names[i].name, length) != 0 || !name[length])
+            continue;
+        *out_modifiers |= modifier_names[i].key;
+        name += length;
+        i = (size_t)-1; /* in any order */
+    }
+    for (size_t i = 0; i < sizeof key_names / sizeof key_names[0]; ++i)
+        if (strcasecmp(name, key_names[i].name) == 0) {
+            *out_key = key_names[i].key;
+            return true;
+        }
+    if (is_function_key(name, out_key))
+        return true;
+    if (name[0] <= ' ' || name[0] > '~' || name[1])
+        return false;
+    if (name[0] == '?') {
+        *out_key = '/';
+        *out_modifiers |= UI_SHIFT;
+        return true;
+    }
+    *out_key =
+        name[0] >= 'a' && name[0] <= 'z' ? (uint32_t)(name[0] - 'a' + 'A') : (uint32_t)name[0];
+    return true;
+}
+
+/* ---- somebody who does not know the program ---- */
+
+static uint32_t draw(script_random *self, uint32_t below)
+{
+    self->state ^= self->state << 13; /* Marsaglia's xorshift64 */
+    self->state ^= self->state >> 7;
+    self->state ^= self->state << 17;
+    return (uint32_t)(self->state >> 33) % below;
+}
+
+void script_random_begin(script_random *self, uint64_t seed)
+{
+    *self = (script_random){.state = seed * 0x9e3779b97f4a7c15u + 0x1234567u};
+    if (self->state == 0)
+        self->state = 1;
+    (void)draw(self, 1);
+}
+
+static void push_move(ui *on, float x, float y)
+{
+    const ui_event event = {.kind = UI_EVENT_MOVE, .x = x, .y = y};
+    ui_push(on, &event);
+}
+
+static void push_button(ui *on, uint32_t button, bool is_down)
+{
+    const ui_event event = {.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down};
+    ui_push(on, &event);
+}
+
+static void push_key(ui *on, uint32_t key, bool is_down)
+{
+    const ui_event event = {.kind = UI_EVENT_KEY, .code = key, .is_down = is_down};
+    ui_push(on, &event);
+}
+
+static void go_anywhere(script_random *self, float width, float height)
+{
+    self->x = (float)draw(self, 4096) / 4096.0f * width;
+    self->y = (float)draw(self, 4096) / 4096.0f * height;
+}
+
+static void click_anywhere(script_random *self, ui *on)
+{
+    const uint32_t button = draw(self, 8) == 0 ? 1 + draw(self, 2) : 0;
+    push_move(on, self->x, self->y);
+    for (uint32_t i = 0; i < (draw(self, 6) == 0 ? 2u : 1u); ++i) {
+        push_button(on, button, true);
+        push_button(on, button, false);
+    }
+}
+
+static void begin_drag(script_random *self, ui *on, float width, float height)
+{
+    self->button = draw(self, 6) == 0 ? 1 + draw(self, 2) : 0;
+    self->steps = 2 + draw(self, 30);
+    push_move(on, self->x, self->y);
+    push_button(on, self->button, true);
+    self->to_x = self->x + ((float)draw(self, 2000) / 1000.0f - 1.0f) * 0.3f * width;
+    self->to_y = self->y + ((float)draw(self, 2000) / 1000.0f - 1.0f) * 0.3f * height;
+}
+
+static void go_on_dragging(script_random *self, ui *on)
+{
+    const float share = 1.0f / (float)self->steps;
+    self->x += share * (self->to_x - self->x);
+    self->y += share * (self->to_y - self->y);
+    push_move(on, self->x, self->y);
+    self->steps -= 1;
+    if (self->steps == 0)
+        push_button(on, self->button, false);
+}
+
+static uint32_t any_key(script_random *self)
+{
+    static const uint32_t others[] = {
+        UI_KEY_ESCAPE,    UI_KEY_ESCAPE, UI_KEY_ENTER, UI_KEY_TAB,
+        UI_KEY_BACKSPACE, UI_KEY_DELETE, UI_KEY_LEFT,  UI_KEY_RIGHT,
+        UI_KEY_UP,        UI_KEY_DOWN,   UI_KEY_HOME,  UI_KEY_END,
+        UI_KEY_PAGE_UP,   ' ',           ' ',          UI_KEY_PAGE_DOWN};
+    static const char printable[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789[],.-=/";
+    switch (draw(self, 4)) {
+    case 0:
+        return others[draw(self, sizeof others / sizeof others[0])];
+    case 1:
+        return UI_KEY_F1 + draw(self, 12);
+    default:
+        return (uint32_t)printable[draw(self, sizeof printable - 1)];
+    }
+}
+
+static void press_key(script_random *self, ui *on)
+{
+    static const uint32_t holds[] = {0, 0, 0, 0, UI_KEY_SHIFT, UI_KEY_CONTROL, UI_KEY_ALT};
+    const uint32_t hold = holds[draw(self, sizeof holds / sizeof holds[0])];
+    const uint32_t key = any_key(self);
+    if (hold == UI_KEY_CONTROL && (key == 'Q' || key == 'S'))
+        return;
+    if (hold)
+        push_key(on, hold, true);
+    push_key(on, key, true);
+    push_key(on, key, false);
+    if (hold)
+        push_key(on, hold, false);
+}
+
+static void type(script_random *self, ui *on)
+{
+    const uint32_t length = 1 + draw(self, 6);
+    for (uint32_t i = 0; i < length; ++i) {
+        const ui_event event = {.kind = UI_EVENT_TEXT, .code = 'a' + draw(self, 26)};
+        ui_push(on, &event);
+    }
+}
+
+static void turn_wheel(script_random *self, ui *on)
+{
+    const ui_event event = {.kind = UI_EVENT_WHEEL, .y = draw(self, 2) ? 1.0f : -1.0f};
+    push_move(on, self->x, self->y);
+    ui_push(on, &event);
+}
+
+/* Whoever has been asked for some seconds gives up some time: behind a question nothing else can be
+ * reached. */
+static bool gives_up(script_random *self)
+{
+    enum { PATIENCE_STEPS = 40, ONE_IN = 3 };
+    return self->asked_count > PATIENCE_STEPS && draw(self, ONE_IN) == 0;
+}
+
+void script_random_step(script_random *self, ui *on, float width, float height)
+{
+    self->asked_count = ui_has_dialog(on) ? self->asked_count + 1 : 0;
+    if (self->steps) {
+        go_on_dragging(self, on);
+        return;
+    }
+    if (gives_up(self)) {
+        push_key(on, UI_KEY_ESCAPE, true);
+        push_key(on, UI_KEY_ESCAPE, false);
+        return;
+    }
+    if (draw(self, 3) == 0) /* people look, too */
+        return;
+    go_anywhere(self, width, height);
+    switch (draw(self, 10)) {
+    case 0:
+    case 1:
+        push_move(on, self->x, self->y);
+        break;
+    case 2:
+    case 3:
+    case 4:
+        click_anywhere(self, on);
+        break;
+    case 5:
+    case 6:
+        begin_drag(self, on, width, height);
+        break;
+    case 7:
+        turn_wheel(self, on);
+        break;
+    case 8:
+        press_key(self, on);
+        break;
+    default:
+        if (draw(self, 3) == 0)
+            type(self, on);
+        else
+            press_key(self, on);
+        break;
+    }
+}
+
+void script_random_end(script_random *self, ui *on)
+{
+    const ui_event event = {.kind = UI_EVENT_FOCUS, .is_down = false};
+    self->steps = 0;
+    ui_push(on, &event);
+}
+
+/* ---- a script ---- */
 
 enum { NUMBERS_MAX = 5, SIZE_CAP = 1 << 20, PATIENCE_FRAMES = 300 };
 
@@ -223,16 +481,6 @@ static void push(const script_stage *on, ui_event event)
     ui_push(on->ui, &event);
 }
 
-static void push_move(const script_stage *on, double x, double y)
-{
-    push(on, (ui_event){.kind = UI_EVENT_MOVE, .x = (float)x, .y = (float)y});
-}
-
-static void push_button(const script_stage *on, uint32_t button, bool is_down)
-{
-    push(on, (ui_event){.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down});
-}
-
 static void push_modifiers(const script_stage *on, uint32_t modifiers, bool is_down)
 {
     static const uint32_t keys[][2] = {
@@ -242,7 +490,7 @@ static void push_modifiers(const script_stage *on, uint32_t modifiers, bool is_d
             push(on, (ui_event){.kind = UI_EVENT_KEY, .code = keys[i][1], .is_down = is_down});
 }
 
-static void push_key(const script_stage *on, const command *c)
+static void script_press_key(const script_stage *on, const command *c)
 {
     push_modifiers(on, c->modifiers, true);
     push(on, (ui_event){.kind = UI_EVENT_KEY, .code = c->key, .is_down = true});
@@ -266,21 +514,21 @@ static void push_text(const script_stage *on, const char *text)
 
 static void click(const script_stage *on, double x, double y, uint32_t button)
 {
-    push_move(on, x, y);
-    push_button(on, button, true);
-    push_button(on, button, false);
+    push_move(on->ui, (float)x, (float)y);
+    push_button(on->ui, button, true);
+    push_button(on->ui, button, false);
 }
 
 static mrt_result do_drag(script *self, const command *c, const script_stage *on)
 {
     const double steps = c->number[4] < 1.0 ? 1.0 : c->number[4];
     const double share = (double)self->step / steps;
-    push_move(on, c->number[0] + share * (c->number[2] - c->number[0]),
-              c->number[1] + share * (c->number[3] - c->number[1]));
+    push_move(on->ui, (float)(c->number[0] + share * (c->number[2] - c->number[0])),
+              (float)(c->number[1] + share * (c->number[3] - c->number[1])));
     if (self->step == 0)
-        push_button(on, c->button, true);
+        push_button(on->ui, c->button, true);
     if ((double)self->step >= steps)
-        push_button(on, c->button, false);
+        push_button(on->ui, c->button, false);
     return (double)self->step++ >= steps ? MRT_END : MRT_OK;
 }
 
@@ -324,21 +572,21 @@ static mrt_result do_time(script *self, const command *c, const script_stage *on
 static mrt_result do_calm(script *self, const script_stage *on)
 {
     enum { SETTLED_STEP = 10 };
-    const studio_looks *looks = studio_looks_of(on->studio);
-    const live_status *status = studio_status(on->studio);
+    const app_looks *looks = app_looks_of(on->app);
+    const live_status *status = app_status(on->app);
     const uint32_t step = self->step++;
     if (step == 0 && status->is_recording)
-        studio_do(on->studio, ACTION_RECORD);
+        app_do(on->app, ACTION_RECORD);
     if (step < SETTLED_STEP)
         return MRT_OK;
     if (status->is_sound_armed)
-        studio_do(on->studio, ACTION_SOUND_ARM);
+        app_do(on->app, ACTION_SOUND_ARM);
     if (looks->has_output)
-        studio_do(on->studio, ACTION_OUTPUT);
-    while (looks->heat != STUDIO_HEAT_NONE)
-        studio_do(on->studio, ACTION_HEAT_NEXT);
-    studio_do(on->studio, ACTION_PANEL_DEVICES);
-    studio_do(on->studio, ACTION_LIVE);
+        app_do(on->app, ACTION_OUTPUT);
+    while (looks->heat != APP_HEAT_NONE)
+        app_do(on->app, ACTION_HEAT_NEXT);
+    app_do(on->app, ACTION_PANEL_DEVICES);
+    app_do(on->app, ACTION_LIVE);
     return MRT_END;
 }
 
@@ -346,7 +594,7 @@ static mrt_result do_calm(script *self, const script_stage *on)
 static void tell_memory(const command *c, const script_stage *on)
 {
     fprintf(stderr, "memory %s: %.1f MB, kept to scrub from: %.1f MB\n", c->text,
-            (double)memory_resident() / 1e6, (double)studio_status(on->studio)->kept_bytes / 1e6);
+            (double)memory_resident() / 1e6, (double)app_status(on->app)->kept_bytes / 1e6);
 }
 
 /* MRT_END: this command is done. */
@@ -355,11 +603,11 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
     mrt_result result;
     switch (c->kind) {
     case COMMAND_MOVE:
-        push_move(on, c->number[0], c->number[1]);
+        push_move(on->ui, (float)c->number[0], (float)c->number[1]);
         return MRT_END;
     case COMMAND_DOWN:
     case COMMAND_UP:
-        push_button(on, c->button, c->kind == COMMAND_DOWN);
+        push_button(on->ui, c->button, c->kind == COMMAND_DOWN);
         return MRT_END;
     case COMMAND_CLICK:
         click(on, c->number[0], c->number[1], c->button);
@@ -370,7 +618,7 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
         push(on, (ui_event){.kind = UI_EVENT_WHEEL, .y = (float)c->number[0]});
         return MRT_END;
     case COMMAND_KEY:
-        push_key(on, c);
+        script_press_key(on, c);
         return MRT_END;
     case COMMAND_HOLD:
     case COMMAND_RELEASE:
@@ -381,7 +629,7 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
         push_text(on, c->text);
         return MRT_END;
     case COMMAND_DO:
-        studio_do(on->studio, c->act);
+        app_do(on->app, c->act);
         return MRT_END;
     case COMMAND_PRESS:
         return do_press(self, c, on, err);
@@ -391,7 +639,7 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
     case COMMAND_FRAMES:
         return (double)self->step++ >= c->number[0] ? MRT_END : MRT_OK;
     case COMMAND_PICTURE:
-        result = front_picture(on->front, c->text, err);
+        result = window_picture(on->window, c->text, err);
         return result < 0 ? result : MRT_END;
     case COMMAND_CALM:
         return do_calm(self, on);

@@ -1,10 +1,31 @@
 /* window/script.h - a person at the window, written down: a text file of events, one command a
- * line, given to the window frame by frame. The same file works in a window and without one.
- * script_help() lists the commands. Leaves out opening either. [main] */
+ * line, given to the window frame by frame; or somebody who does not know the program, whose
+ * clicks, drags, keys and words come in an order that a seed decides (it never ends the program,
+ * and never saves a rig). The same file works in a window and without one. script_help() lists the
+ * commands. Leaves out opening either. [main] */
 #ifndef MAROTTE_UI_WINDOW_SCRIPT_H
 #define MAROTTE_UI_WINDOW_SCRIPT_H
-#include "window/front.h"
-#include "window/studio.h"
+#include "window/app/app.h"
+#include "window/gui/ui.h"
+#include "window/gui/window.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+bool script_key_of(const char *name, uint32_t *out_key, uint32_t *out_modifiers);
+
+typedef struct script_random {
+    uint64_t state;
+    float x, y, to_x, to_y; /* of a drag */
+    uint32_t steps, button;
+    uint32_t asked_count; /* steps with a question over everything */
+} script_random;
+
+void script_random_begin(script_random *self, uint64_t seed);
+/* Once a frame, when the ui has handed everything over. */
+void script_random_step(script_random *self, ui *on, float width, float height);
+/* Lets go of what it holds. */
+void script_random_end(script_random *self, ui *on);
 
 typedef struct script script;
 
@@ -14,8 +35,8 @@ void script_destroy(script *self); /* NULL is fine */
 
 typedef struct script_stage { /* what it acts on */
     ui *ui;
-    studio *studio;
-    front *front;
+    app *app;
+    window *window;
     ui_screen screen;
 } script_stage;
 /* Once before each frame. MRT_OK: it goes on; MRT_END: all was done; < 0: what could not be. */

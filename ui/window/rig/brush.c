@@ -27,7 +27,7 @@ struct brush {
     uint32_t *touched; /* vertex_count */
     uint32_t touched_count;
     int64_t last_vertex; /* of the stroke; NONE: it has none yet */
-    float last_place[3];
+    float last_position[3];
     double middle_mm, near_mm; /* near: how far an image may be from its vertex */
 };
 
@@ -245,15 +245,17 @@ void brush_begin(brush *self, const brush_shape *shape)
 }
 
 /* Distances along the surface from a place beside `vertex`. */
-static mrt_result spread(brush *self, uint32_t vertex, const float place[3], double reach_mm,
+static mrt_result spread(brush *self, uint32_t vertex, const float position[3], double reach_mm,
                          error *err)
 {
     const topology *t = self->t;
     uint32_t count = 0;
-    self->start[count++] = (bind_start){vertex, distance_between(position_of(self, vertex), place)};
+    self->start[count++] =
+        (bind_start){vertex, distance_between(position_of(self, vertex), position)};
     for (uint32_t i = t->neighbour_start[vertex]; i < t->neighbour_start[vertex + 1]; ++i) {
         uint32_t next = t->neighbour[i];
-        self->start[count++] = (bind_start){next, distance_between(position_of(self, next), place)};
+        self->start[count++] =
+            (bind_start){next, distance_between(position_of(self, next), position)};
     }
     return bind_distances(self->distance, self->start, count, reach_mm, self->m, t, self->twin)
                ? MRT_OK
@@ -280,43 +282,44 @@ static void touch(brush *self, uint32_t side, uint32_t vertex, float strength)
 
 /* The straight distance, as long as the way along the edges is not much longer: so a brush is
  * round, whatever the edges, and still does not cross a slit. */
-static mrt_result dab(brush *self, uint32_t side, uint32_t vertex, const float place[3], error *err)
+static mrt_result dab(brush *self, uint32_t side, uint32_t vertex, const float position[3],
+                      error *err)
 {
-    mrt_result result = spread(self, vertex, place, detour * self->shape.radius_mm, err);
+    mrt_result result = spread(self, vertex, position, detour * self->shape.radius_mm, err);
     for (uint32_t v = 0; result >= 0 && v < self->m->vertex_count; ++v) {
         if (!isfinite(self->distance[v]))
             continue;
-        double straight_mm = distance_between(position_of(self, v), place);
+        double straight_mm = distance_between(position_of(self, v), position);
         double away_mm = fmax(straight_mm, self->distance[v] / detour);
         touch(self, side, v, strength_at(&self->shape, away_mm));
     }
     return result;
 }
 
-static mrt_result dab_sides(brush *self, uint32_t vertex, const float place[3], error *err)
+static mrt_result dab_sides(brush *self, uint32_t vertex, const float position[3], error *err)
 {
-    mrt_result result = dab(self, BRUSH_HERE, vertex, place, err);
+    mrt_result result = dab(self, BRUSH_HERE, vertex, position, err);
     if (result < 0 || self->shape.sides == BRUSH_ONE_SIDE)
         return result;
     uint32_t image = brush_mirror_of(self, vertex);
     if (image == UINT32_MAX)
         return result;
-    const float image_place[3] = {(float)(2.0 * self->middle_mm - (double)place[0]), place[1],
-                                  place[2]};
-    return dab(self, BRUSH_THERE, image, image_place, err);
+    const float image_position[3] = {(float)(2.0 * self->middle_mm - (double)position[0]),
+                                     position[1], position[2]};
+    return dab(self, BRUSH_THERE, image, image_position, err);
 }
 
 /* ---- between two places ---- */
 
 /* Of the vertices that the last spread has reached. */
-static uint32_t nearest_reached(const brush *self, const float place[3])
+static uint32_t nearest_reached(const brush *self, const float position[3])
 {
     uint32_t best = (uint32_t)self->last_vertex;
     double best_mm = (double)INFINITY;
     for (uint32_t v = 0; v < self->m->vertex_count; ++v) {
         if (!isfinite(self->distance[v]))
             continue;
-        double away_mm = distance_between(position_of(self, v), place);
+        double away_mm = distance_between(position_of(self, v), position);
         if (away_mm < best_mm) {
             best = v;
             best_mm = away_mm;
@@ -327,20 +330,20 @@ static uint32_t nearest_reached(const brush *self, const float place[3])
 
 typedef struct brush_way {
     uint32_t vertex[STEPS_MAX];
-    float place[STEPS_MAX][3];
+    float position[STEPS_MAX][3];
     uint32_t count;
 } brush_way;
 
 /* Places on the way, less than half a radius apart; none where the surface does not lead there. */
-static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const float place[3],
+static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const float position[3],
                            error *err)
 {
     out->count = 0;
-    double length_mm = distance_between(self->last_place, place);
+    double length_mm = distance_between(self->last_position, position);
     double steps = ceil(length_mm / (0.5 * self->shape.radius_mm));
     if (self->last_vertex == NONE || !(steps > 1.0))
         return MRT_OK;
-    mrt_result result = spread(self, (uint32_t)self->last_vertex, self->last_place,
+    mrt_result result = spread(self, (uint32_t)self->last_vertex, self->last_position,
                                1.5 * length_mm + 0.5 * self->shape.radius_mm, err);
     if (result < 0 || !isfinite(self->distance[vertex]))
         return result;
@@ -348,25 +351,26 @@ static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const f
     for (uint32_t k = 0; k < out->count; ++k) {
         float share = (float)(k + 1) / (float)(out->count + 1);
         for (int i = 0; i < 3; ++i)
-            out->place[k][i] = self->last_place[i] + share * (place[i] - self->last_place[i]);
-        out->vertex[k] = nearest_reached(self, out->place[k]);
-        memcpy(out->place[k], position_of(self, out->vertex[k]), sizeof out->place[k]);
+            out->position[k][i] =
+                self->last_position[i] + share * (position[i] - self->last_position[i]);
+        out->vertex[k] = nearest_reached(self, out->position[k]);
+        memcpy(out->position[k], position_of(self, out->vertex[k]), sizeof out->position[k]);
     }
     return result;
 }
 
-mrt_result brush_move(brush *self, uint32_t vertex, const float place[3], error *err)
+mrt_result brush_move(brush *self, uint32_t vertex, const float position[3], error *err)
 {
     brush_way way;
     if (vertex >= self->m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT, "there is no vertex %u", vertex);
-    mrt_result result = find_way(self, &way, vertex, place, err);
+    mrt_result result = find_way(self, &way, vertex, position, err);
     for (uint32_t k = 0; result >= 0 && k < way.count; ++k)
-        result = dab_sides(self, way.vertex[k], way.place[k], err);
+        result = dab_sides(self, way.vertex[k], way.position[k], err);
     if (result >= 0)
-        result = dab_sides(self, vertex, place, err);
+        result = dab_sides(self, vertex, position, err);
     self->last_vertex = vertex;
-    memcpy(self->last_place, place, sizeof self->last_place);
+    memcpy(self->last_position, position, sizeof self->last_position);
     return result;
 }
 

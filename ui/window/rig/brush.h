@@ -23,9 +23,9 @@ void brush_destroy(brush *self); /* NULL is fine */
 
 /* A stroke: nothing is touched yet. */
 void brush_begin(brush *self, const brush_shape *shape);
-/* On to `place`, which is nearest to `vertex`; also over what lies between there and the place
- * before, where one surface joins them. */
-CHECKED mrt_result brush_move(brush *self, uint32_t vertex, const float place[3], error *err);
+/* On to `position`, which is nearest to `vertex`; also over what lies between there and the
+ * position before, where one surface joins them. */
+CHECKED mrt_result brush_move(brush *self, uint32_t vertex, const float position[3], error *err);
 
 enum { BRUSH_HERE = 0, BRUSH_THERE = 1 }; /* where the pointer was; its mirror image */
 /* vertex_count: 0 not touched .. 1. Until the next stroke. */

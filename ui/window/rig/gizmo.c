@@ -51,7 +51,7 @@ double rig_gizmo_points_between(const rig_ray *a, const rig_ray *b)
 
 /* ---- the jaw ---- */
 
-void rig_gizmo_places(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw)
+void rig_gizmo_positions(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw)
 {
     out[RIG_HANDLE_LEFT] = jaw->left;
     out[RIG_HANDLE_RIGHT] = jaw->right;
@@ -131,8 +131,8 @@ static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
 uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *jaw, rig_handle held)
 {
     uint32_t count = 0;
-    vec3 place[RIG_HANDLES];
-    rig_gizmo_places(place, jaw);
+    vec3 position[RIG_HANDLES];
+    rig_gizmo_positions(position, jaw);
     for (int i = 0; i < LAYERS; ++i)
         out[count++] = line(jaw->right, jaw->left, 3.0f, axis_rgba);
     if (jaw->has_incisor)
@@ -140,8 +140,8 @@ uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *j
     for (int i = 0; i < RIG_HANDLES; ++i) {
         float width_px = i == RIG_HANDLE_INCISOR ? 11.0f : 16.0f;
         if (i != RIG_HANDLE_INCISOR || jaw->has_incisor)
-            count +=
-                draw_handle(out + count, place[i], width_px, i == (int)held ? held_rgba : end_rgba);
+            count += draw_handle(out + count, position[i], width_px,
+                                 i == (int)held ? held_rgba : end_rgba);
     }
     return count;
 }

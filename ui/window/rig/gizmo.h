@@ -12,7 +12,7 @@ typedef struct rig_ray { /* of the pointer, see viewport_stroke */
     double point_rad;
 } rig_ray;
 
-/* The place nearest to the ray; RIG_NONE: none within so many points of the screen. */
+/* The position nearest to the ray; RIG_NONE: none within so many points of the screen. */
 uint32_t rig_gizmo_nearest(const rig_ray *ray, const vec3 *at, uint32_t count, double reach_points);
 /* The point of the ray in the plane through `through` that faces the eye; false: there is none. */
 bool rig_gizmo_reach(vec3 *out, const rig_ray *ray, vec3 through);
@@ -25,7 +25,7 @@ typedef enum rig_handle {
     RIG_HANDLE_INCISOR,
     RIG_HANDLES
 } rig_handle;
-void rig_gizmo_places(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw);
+void rig_gizmo_positions(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw);
 /* A handle goes to `to`; is_even: both ends of the axis stay mirror images in x = middle_mm, and
  * the incisor in the middle. */
 void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm);

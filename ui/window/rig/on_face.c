@@ -216,7 +216,7 @@ static void drag_contact(rig_panel *self, const viewport_stroke *s)
     }
 }
 
-static void place(rig_panel *self, viewport *view)
+static void place_contacts(rig_panel *self, viewport *view)
 {
     const viewport_stroke *s = viewport_stroke_now(view);
     rig_placing *placing = &self->placing;
@@ -250,7 +250,7 @@ static void take_handle(rig_panel *self, const rig_ray *ray)
 {
     rig_jawing *jawing = &self->jawing;
     vec3 at[RIG_HANDLES], on_plane;
-    rig_gizmo_places(at, &jawing->jaw);
+    rig_gizmo_positions(at, &jawing->jaw);
     uint32_t count = jawing->jaw.has_incisor ? RIG_HANDLES : RIG_HANDLE_INCISOR;
     uint32_t found = rig_gizmo_nearest(ray, at, count, handle_points);
     if (found == RIG_NONE || !rig_gizmo_reach(&on_plane, ray, at[found]))
@@ -264,7 +264,7 @@ static void drag_handle(rig_panel *self, const rig_ray *ray)
 {
     rig_jawing *jawing = &self->jawing;
     vec3 at[RIG_HANDLES], to;
-    rig_gizmo_places(at, &jawing->jaw);
+    rig_gizmo_positions(at, &jawing->jaw);
     if (!rig_gizmo_reach(&to, ray, at[jawing->held]))
         return;
     to = vec3_add(to, jawing->grip);
@@ -308,7 +308,7 @@ void rig_panel_face(rig_panel *self, viewport *view)
     if (paints)
         paint(self, view);
     else if (has_rig && self->tab == RIG_TAB_CONTACTS)
-        place(self, view);
+        place_contacts(self, view);
     else if (has_rig && self->tab == RIG_TAB_JAW)
         turn_jaw(self, view);
     else
@@ -587,7 +587,7 @@ static void rig_panel_show(rig_panel *self, viewport *view)
         return;
     }
     self->shown.is_released = false;
-    studio_looks_of(self->of)->is_painting = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
+    app_looks_of(self->of)->is_painting = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
     tell_tint(self, view, r);
     tell_shape(self, view);
     tell_items(self, view);
@@ -598,7 +598,7 @@ void rig_panel_release(rig_panel *self, viewport *view)
     if (self->shown.is_released)
         return;
     rig_panel_end_stroke(self);
-    studio_looks_of(self->of)->is_painting = false;
+    app_looks_of(self->of)->is_painting = false;
     viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
     viewport_paint(view, NULL);
     viewport_stand_in(view, NULL, NULL);

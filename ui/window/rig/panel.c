@@ -2,7 +2,7 @@
  * it. */
 #include "window/rig/panel.h"
 #include "window/rig/gizmo.h"
-#include "window/theme.h"
+#include "window/gui/theme.h"
 
 #include "base/file.h"
 
@@ -692,12 +692,12 @@ void rig_panel_say(rig_panel *self, const char *trouble)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
     if (trouble[0])
-        news_list_add(studio_news(self->of), MRT_LOG_ERROR, "rig", trouble);
+        news_list_add(app_news(self->of), MRT_LOG_ERROR, "rig", trouble);
 }
 
 static void tell(rig_panel *self, const char *text)
 {
-    news_list_add(studio_news(self->of), MRT_LOG_INFO, "rig", text);
+    news_list_add(app_news(self->of), MRT_LOG_INFO, "rig", text);
 }
 
 /* ---- changes ---- */
@@ -723,9 +723,9 @@ static void redo(void *owner, uint64_t number)
 
 static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words)
 {
-    studio_step step = {.owner = self, .undo = undo, .redo = redo, .number = number};
+    app_step step = {.owner = self, .undo = undo, .redo = redo, .number = number};
     (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
-    studio_did(self->of, &step);
+    app_did(self->of, &step);
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
 
@@ -773,8 +773,8 @@ uint32_t rig_panel_jaw(const rig *r)
 static void forget_face(rig_panel *self)
 {
     rig_panel_end_stroke(self);
-    studio_forget_steps(self->of, self);
-    studio_set_unsaved(self->of, NULL);
+    app_forget_steps(self->of, self);
+    app_set_unsaved(self->of, NULL);
     self->was_unsaved = false;
     rig_model_destroy(self->model);
     self->model = NULL;
@@ -791,15 +791,15 @@ static void forget_face(rig_panel *self)
 
 static bool is_same_face(const rig_panel *self, const face_file *file)
 {
-    const char *path = studio_face_path(self->of);
+    const char *path = app_face_path(self->of);
     return file && self->stage_path && path && file->rig == self->stage_rig &&
            file->mesh.position == self->stage_position && strcmp(path, self->stage_path) == 0;
 }
 
 static void note_face(rig_panel *self)
 {
-    const face_file *file = studio_face(self->of);
-    const char *path = studio_face_path(self->of);
+    const face_file *file = app_face(self->of);
+    const char *path = app_face_path(self->of);
     free(self->stage_path);
     self->stage_rig = file ? file->rig : NULL;
     self->stage_rig_is_file = path && strcmp(file_extension_of(path).text, "json") == 0;
@@ -809,7 +809,7 @@ static void note_face(rig_panel *self)
 
 static void follow_face(rig_panel *self, double dt_s)
 {
-    const face_file *file = studio_face(self->of);
+    const face_file *file = app_face(self->of);
     self->known_s += dt_s;
     if (is_same_face(self, file))
         return;
@@ -828,11 +828,11 @@ static void follow_face(rig_panel *self, double dt_s)
 static void open_model(rig_panel *self)
 {
     error err = {""};
-    const face_file *file = studio_face(self->of);
+    const face_file *file = app_face(self->of);
     if (self->model || !file || !(self->is_seen || self->known_s > look_after_s))
         return;
-    if (rig_model_create(&self->model, file, studio_face_path(self->of),
-                         settings_folder(studio_settings(self->of)), &err) < 0) {
+    if (rig_model_create(&self->model, file, app_face_path(self->of),
+                         settings_folder(app_settings(self->of)), &err) < 0) {
         if (!self->trouble[0])
             rig_panel_say(self, err.text);
         return;
@@ -846,13 +846,13 @@ static void open_model(rig_panel *self)
 
 static void give_to_stage(rig_panel *self)
 {
-    if (studio_status(self->of)->is_recording)
+    if (app_status(self->of)->is_recording)
         return; /* later: the face of a take does not change */
     face_file *file = rig_model_take_face(self->model);
     if (!file)
         return;
-    if (studio_change_face(self->of, file) < 0)
-        self->trouble[0] = '\0'; /* the studio has said why not */
+    if (app_change_face(self->of, file) < 0)
+        self->trouble[0] = '\0'; /* the application has said why not */
     free(file);
     note_face(self);
 }
@@ -864,7 +864,7 @@ static void open_saved(rig_panel *self, const char *path)
 {
     char copy[RIG_PANEL_PATH];
     (void)snprintf(copy, sizeof copy, "%s", path);
-    self->adopts = studio_open_face(self->of, copy) >= 0;
+    self->adopts = app_open_face(self->of, copy) >= 0;
 }
 
 static mrt_result save(void *owner, error *err)
@@ -908,10 +908,10 @@ static void tell_unsaved(rig_panel *self)
     bool is_unsaved = !rig_model_is_saved(self->model);
     if (is_unsaved == self->was_unsaved)
         return;
-    studio_unsaved unsaved = {.owner = self, .save = save, .leave = leave};
+    app_unsaved unsaved = {.owner = self, .save = save, .leave = leave};
     (void)snprintf(unsaved.words, sizeof unsaved.words, "the rig %.100s",
                    file_name(rig_model_path(self->model)));
-    studio_set_unsaved(self->of, is_unsaved ? &unsaved : NULL);
+    app_set_unsaved(self->of, is_unsaved ? &unsaved : NULL);
     self->was_unsaved = is_unsaved;
 }
 
@@ -932,11 +932,11 @@ static void keep_choices(rig_panel *self)
 static void update(panel *self_, double dt_s)
 {
     rig_panel *self = &self_->of;
-    viewport *view = studio_viewport(self->of);
+    viewport *view = app_viewport(self->of);
     follow_face(self, dt_s);
     open_model(self);
     if (self->model) {
-        if (studio_asked(self->of, ACTION_SAVE))
+        if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
         if (rig_model_update(self->model, dt_s))
             self->shown.is_tint_new = self->shown.is_shape_new = true;
@@ -957,7 +957,7 @@ static void draw_head(rig_panel *self, ui *on)
 {
     char text[128];
     if (!rig_model_rig(self->model)) {
-        ui_text(on, UI_STYLE_TITLE, file_name(studio_face_path(self->of)));
+        ui_text(on, UI_STYLE_TITLE, file_name(app_face_path(self->of)));
         return;
     }
     bool is_saved = rig_model_is_saved(self->model);
@@ -1020,7 +1020,7 @@ static void draw_without_rig(rig_panel *self, ui *on)
     if (beside) {
         (void)snprintf(label, sizeof label, "Open %.60s", file_name(beside));
         (void)snprintf(path, sizeof path, "%s", beside);
-        if (ui_button(on, label, UI_ACCENT) && studio_open_face(self->of, path) >= 0)
+        if (ui_button(on, label, UI_ACCENT) && app_open_face(self->of, path) >= 0)
             return;
         ui_same_line(on);
     }
@@ -1081,7 +1081,7 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
 
 /* ---- made ---- */
 
-static panel *create(studio *of)
+static panel *create(app *of)
 {
     panel *out = calloc(1, sizeof *out);
     if (!out)

@@ -4,10 +4,11 @@
  * header. [main] */
 #ifndef MAROTTE_UI_WINDOW_RIG_PANEL_H
 #define MAROTTE_UI_WINDOW_RIG_PANEL_H
-#include "window/panels.h"
+#include "window/panels/panels.h"
 #include "window/rig/brush.h"
 #include "window/rig/gizmo.h"
 #include "window/rig/model.h"
+#include "window/viewport/viewport.h"
 
 #define RIG_PANEL_LABEL 74.0f /* points: where the widgets of a line begin */
 
@@ -76,7 +77,7 @@ typedef struct rig_shown {       /* what the viewport was told */
 } rig_shown;
 
 typedef struct rig_panel {
-    studio *of;
+    app *of;
     rig_model *model; /* NULL: there is no face, or no memory */
     const rig *stage_rig;
     const float *stage_position; /* which face that is */

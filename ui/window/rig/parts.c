@@ -243,7 +243,7 @@ bool rig_panel_show_pose(rig_panel *self)
     error err;
     const rig_work *work = rig_model_work(self->model);
     const uint32_t pose = self->parting.pose;
-    const csrbf_settings solver = studio_view(self->of)->solver;
+    const csrbf_settings solver = app_view(self->of)->solver;
     if (pose == RIG_NONE || !work || !work->face || pose >= work->rig.pose_count ||
         !rig_model_is_laid(self->model) || !(solver.radius > 0.0))
         return false;
@@ -272,7 +272,7 @@ static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
 static const char *why_not(const rig_panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
-    const live_view *view = studio_view(self->of);
+    const live_view *view = app_view(self->of);
     if (!work || !work->face || !rig_model_is_laid(self->model))
         return "The rig is being laid on the face.";
     if (!view->about || view->contact_count != work->rig.contact_count)
@@ -287,8 +287,8 @@ static void add_pose(rig_panel *self)
     char name[RIG_PANEL_NAME];
     uint32_t index = RIG_NONE;
     const rig_work *work = rig_model_work(self->model);
-    const live_view *view = studio_view(self->of);
-    const csrbf_settings solver = studio_view(self->of)->solver;
+    const live_view *view = app_view(self->of);
+    const csrbf_settings solver = app_view(self->of)->solver;
     mrt_result result =
         rigpose_of(&made, free_pose_name(rig_model_rig(self->model), name), work->face,
                    MRT_MAX_VECTORS, &work->rig, &solver, view->contact, view->meter.dof, &err);

@@ -11,18 +11,18 @@
 
 /* ---- what is dragged ---- */
 
-typedef struct found {
-    const take_layer *layer;
-    const take_clip *clip;
-} found;
-
-static const take_layer *find_layer(const take *t, uint32_t id)
+const take_layer *timeline_layer(const take *t, uint32_t id)
 {
     for (uint32_t i = 0; i < t->layer_count; ++i)
         if (t->layer[i].id == id)
             return &t->layer[i];
     return NULL;
 }
+
+typedef struct found {
+    const take_layer *layer;
+    const take_clip *clip;
+} found;
 
 static found find_clip(const take *t, uint32_t id)
 {
@@ -73,7 +73,7 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
                            .marker = hit.marker < 0 ? 0 : (uint32_t)hit.marker,
                            .grabbed_ns = at_ns,
                            .snapped_ns = INT64_MIN};
-    const take_layer *layer = find_layer(t, hit.layer);
+    const take_layer *layer = timeline_layer(t, hit.layer);
     out->initial = layer ? layer->gain : t->audio.gain;
 }
 
@@ -225,7 +225,7 @@ static void set_gain(edit *out, const timeline_drag *self, float points)
 
 static void order(edit *out, const timeline_drag *self, const take *t, uint32_t onto_layer)
 {
-    const take_layer *onto = find_layer(t, onto_layer);
+    const take_layer *onto = timeline_layer(t, onto_layer);
     if (!onto || onto_layer == self->layer)
         return;
     edit_init(out, EDIT_LAYER_ORDER);

@@ -36,6 +36,8 @@ typedef struct timeline_drag {
     error why;          /* why it goes no further; "" */
 } timeline_drag;
 
+const take_layer *timeline_layer(const take *t, uint32_t id); /* NULL: none */
+
 /* What a press on a part begins; is_retiming: with Alt on an edge. */
 timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming);
 void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,

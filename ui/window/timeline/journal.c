@@ -99,11 +99,6 @@ float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_
     return sqrtf(fminf(most * SEEN_SHARE, 1.0f));
 }
 
-bool timeline_journal_knows(const timeline_journal *self, uint32_t index)
-{
-    return index < JOURNAL_LANES && self->lanes[index].is_known;
-}
-
 /* ---- kept ---- */
 
 bool timeline_keep_span(timeline_keep *out, int64_t from_ns, int64_t to_ns, int64_t now_ns,
@@ -191,10 +186,10 @@ static void paint_ruler(ui *on, const strip *s)
 
 /* ---- takes ---- */
 
-static const studio_take_line *line_of(panel *self, int64_t id)
+static const app_take_line *line_of(panel *self, int64_t id)
 {
-    const studio_take_line *line;
-    uint32_t count = studio_takes(self->studio, &line);
+    const app_take_line *line;
+    uint32_t count = app_takes(self->app, &line);
     for (uint32_t i = count; i-- > 0;)
         if (line[i].id == id)
             return &line[i];
@@ -204,7 +199,7 @@ static const studio_take_line *line_of(panel *self, int64_t id)
 static void paint_take(panel *self, ui *on, const strip *s, const timeline_span *span,
                        int64_t ahead_ns)
 {
-    const studio_take_line *line = line_of(self, span->take);
+    const app_take_line *line = line_of(self, span->take);
     int64_t end_ns = line && line->is_recording ? s->now_ns : span->end_ns - ahead_ns;
     float x0 = x_of(s, span->start_ns - ahead_ns), x1 = x_of(s, end_ns);
     if (x1 < s->x || !line || line->is_deleted)
@@ -221,8 +216,8 @@ static void paint_take(panel *self, ui *on, const strip *s, const timeline_span 
 static void paint_takes(panel *self, ui *on, const strip *s)
 {
     int64_t ahead_ns = utc_ns() - s->now_ns;
-    for (uint32_t i = self->seen->span_count; i-- > 0;)
-        paint_take(self, on, s, &self->seen->span[i], ahead_ns);
+    for (uint32_t i = self->result->span_count; i-- > 0;)
+        paint_take(self, on, s, &self->result->span[i], ahead_ns);
 }
 
 /* ---- lanes ---- */
@@ -255,7 +250,7 @@ static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, f
 
 static void paint_lanes(panel *self, ui *on, const strip *s)
 {
-    live *stage = studio_live(self->studio);
+    live *stage = app_live(self->app);
     uint32_t inputs = live_input_count(stage), shown = 0;
     float room = s->y + s->height - s->lanes_y;
     uint32_t count = inputs < JOURNAL_LANES ? inputs : JOURNAL_LANES;
@@ -276,7 +271,7 @@ static void paint_lanes(panel *self, ui *on, const strip *s)
 
 static void keep(panel *self, const strip *s)
 {
-    live *stage = studio_live(self->studio);
+    live *stage = app_live(self->app);
     int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns, id = 0;
     timeline_keep span;
     error err = {""};
@@ -284,8 +279,7 @@ static void keep(panel *self, const strip *s)
         from_ns = self->span_to_ns;
         to_ns = self->span_from_ns;
     }
-    if (!timeline_keep_span(&span, from_ns, to_ns, s->now_ns,
-                            studio_status(self->studio)->journal_ns))
+    if (!timeline_keep_span(&span, from_ns, to_ns, s->now_ns, app_status(self->app)->journal_ns))
         return;
     if (live_keep(stage, span.back_s, NULL, &id, &err) < 0) {
         timeline_say(self, &err);
@@ -297,7 +291,7 @@ static void keep(panel *self, const strip *s)
     edit_init(&e, EDIT_RANGE_KEEP);
     e.in_ns = span.in_ns;
     e.out_ns = span.out_ns;
-    (void)!studio_edit_take(self->studio, id, &e);
+    (void)!app_edit_take(self->app, id, &e);
 }
 
 static void paint_span(panel *self, ui *on, const strip *s)
@@ -317,7 +311,7 @@ static void paint_span(panel *self, ui *on, const strip *s)
         ui_draw_text(on, x0 + 6.0f, s->lanes_y + 3.0f, UI_STYLE_STRONG, THEME_ACCENT, 0.0f, words);
 }
 
-static void obey(panel *self, ui *on, const ui_canvas *canvas, const strip *s)
+static void handle_pointer(panel *self, ui *on, const ui_canvas *canvas, const strip *s)
 {
     float x = canvas->where.x + canvas->x;
     if (canvas->is_hovered && canvas->wheel_y != 0.0f) {
@@ -344,7 +338,7 @@ static void obey(panel *self, ui *on, const ui_canvas *canvas, const strip *s)
 
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
 {
-    const live_status *status = studio_status(self->studio);
+    const live_status *status = app_status(self->app);
     int64_t now_ns = clock_now_ns();
     strip s = {.x = self->axis.x,
                .y = self->rows.y,
@@ -353,7 +347,7 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
                .lanes_y = self->rows.y + TIMELINE_RULER_HEIGHT,
                .now_ns = now_ns,
                .from_ns = now_ns - self->journal_span_ns};
-    obey(self, on, canvas, &s);
+    handle_pointer(self, on, canvas, &s);
     s.from_ns = now_ns - self->journal_span_ns;
     ui_draw_box(on, (ui_rectangle){self->rows.x, s.y, self->rows.width, TIMELINE_RULER_HEIGHT},
                 THEME_BAR, 0.0f);

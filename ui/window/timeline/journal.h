@@ -22,7 +22,6 @@ void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_n
  * range in a tenth of a second, made visible. 0 where nothing is known. */
 float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_t from_ns,
                             int64_t to_ns);
-bool timeline_journal_knows(const timeline_journal *self, uint32_t index);
 
 /* A span of it that somebody swiped, as what is kept: so many seconds back from now, and what of
  * that take is then left. False: too short. The journal reaches back reach_ns. */

@@ -27,9 +27,8 @@ static void clip_menu(panel *self, ui *on, const take *t)
     if (!clip)
         return;
     action_keys(ACTION_SPLIT, keys);
-    if (ui_menu_item(on, "Split at the play head", keys,
-                     studio_can(self->studio, ACTION_SPLIT, NULL)))
-        studio_do(self->studio, ACTION_SPLIT);
+    if (ui_menu_item(on, "Split at the play head", keys, app_can(self->app, ACTION_SPLIT, NULL)))
+        app_do(self->app, ACTION_SPLIT);
     if (ui_menu_item(on, clip->is_muted ? "Hear it again" : "Mute", "", true)) {
         edit e;
         edit_init(&e, EDIT_CLIP_MUTE);
@@ -78,7 +77,7 @@ static void marker_menu(panel *self, ui *on)
     edit_init(&e, EDIT_MARKER_REMOVE);
     e.marker = (uint32_t)self->menu.marker;
     timeline_edit(self, &e);
-    studio_chosen(self->studio)->marker = -1;
+    app_chosen(self->app)->marker = -1;
 }
 
 static void cut_range(panel *self, edit_kind kind, bool is_ripple)
@@ -97,7 +96,7 @@ static void ruler_menu(panel *self, ui *on)
     if (ui_menu_item(on, "Marker here \u2026", "", true))
         timeline_ask_marker(self, on, -1);
     if (ui_menu_item(on, "No range", "", has_range))
-        studio_set_range(self->studio, 0, 0);
+        app_set_range(self->app, 0, 0);
     if (ui_menu_item(on, "Keep the range only", "", has_range))
         cut_range(self, EDIT_RANGE_KEEP, false);
     if (ui_menu_item(on, "Cut the range, close the gap", "", has_range))
@@ -134,7 +133,7 @@ static bool is_ruler(timeline_part part)
 
 void timeline_menu(panel *self, ui *on)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     bool is_sound = self->menu.row >= 0 && (uint32_t)self->menu.row < self->rows.count &&
                     self->rows.row[self->menu.row].kind == TIMELINE_SOUND;
     if (!t || !ui_menu_begin(on, "timeline_menu"))
@@ -158,7 +157,7 @@ void timeline_menu(panel *self, ui *on)
 
 void timeline_ask_layer(panel *self, ui *on, uint32_t id)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const take_layer *lane = t ? timeline_layer(t, id) : NULL;
     self->asked_layer = id;
     (void)snprintf(self->text, sizeof self->text, "%s", lane ? lane->name : "");
@@ -199,7 +198,7 @@ static bool is_same_own(const take_layer *lane, char (*own)[TAKE_NAME], uint32_t
 
 static void answer_layer(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const take_layer *lane = t ? timeline_layer(t, self->asked_layer) : NULL;
     char own[EDIT_OWN_MAX][TAKE_NAME] = {{0}};
     uint32_t own_count = self->is_everything ? 0 : gather_own(own, lane, self->asked_regions);
@@ -221,7 +220,7 @@ static void answer_layer(panel *self)
     if (lane && !is_same_own(lane, own, own_count))
         list[count++] = &parts;
     if (t && count)
-        (void)!studio_edit_all(self->studio, list, count);
+        (void)!app_edit_all(self->app, list, count);
 }
 
 static bool end_dialog(ui *on, const char *yes, bool can)
@@ -266,22 +265,15 @@ static void layer_dialog(panel *self, ui *on)
 
 /* ---- the clip's ---- */
 
-static double clip_speed(const take_clip *clip)
-{
-    int64_t source_ns =
-        take_warp_to_source(clip, clip->end_ns) - take_warp_to_source(clip, clip->start_ns);
-    return (double)source_ns / (double)(clip->end_ns - clip->start_ns);
-}
-
 void timeline_ask_clip(panel *self, ui *on, uint32_t id)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const take_layer *lane;
     const take_clip *clip = t ? timeline_clip(t, id, &lane) : NULL;
     if (!clip)
         return;
     self->asked_clip = id;
-    self->number[0] = floor(clip_speed(clip) * 1000.0 + 0.5) / 1000.0;
+    self->number[0] = floor(timeline_clip_speed(clip) * 1000.0 + 0.5) / 1000.0;
     self->number[1] = clip->gain * 100.0;
     self->number[2] = clip->smooth_s * 1000.0;
     self->number[3] = (double)clip->fade_in_ns * 1e-6;
@@ -296,7 +288,7 @@ static int64_t ns_of_ms(double ms)
 
 static void answer_clip(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const take_layer *lane;
     const take_clip *clip = t ? timeline_clip(t, self->asked_clip, &lane) : NULL;
     edit made[4];
@@ -310,7 +302,7 @@ static void answer_clip(panel *self)
         edit_init(&made[i], kind[i]);
         made[i].clip = self->asked_clip;
     }
-    double speed = clip_speed(clip);
+    double speed = timeline_clip_speed(clip);
     made[0].speed = self->number[0] / speed;
     made[1].gain = self->number[1] * 0.01;
     made[2].smooth_s = self->number[2] * 0.001;
@@ -325,7 +317,7 @@ static void answer_clip(panel *self)
     if (made[3].fade_in_ns != clip->fade_in_ns || made[3].fade_out_ns != clip->fade_out_ns)
         list[count++] = &made[3];
     if (count)
-        (void)!studio_edit_all(self->studio, list, count);
+        (void)!app_edit_all(self->app, list, count);
 }
 
 static void clip_dialog(panel *self, ui *on)
@@ -351,7 +343,7 @@ static void clip_dialog(panel *self, ui *on)
 
 void timeline_ask_marker(panel *self, ui *on, int32_t marker)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     bool is_there = t && marker >= 0 && (uint32_t)marker < t->marker_count;
     self->asked_marker = is_there ? marker : -1;
     (void)snprintf(self->text, sizeof self->text, "%s", is_there ? t->marker[marker].text : "");
@@ -361,7 +353,7 @@ void timeline_ask_marker(panel *self, ui *on, int32_t marker)
 
 static void answer_marker(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     edit e;
     if (!t)
         return;

@@ -33,7 +33,7 @@ static int64_t pointed_ns(const panel *self, const ui_canvas *canvas)
 
 static timeline_snap snap_now(const panel *self, bool is_free)
 {
-    timeline_snap snap = {.take = studio_take(self->studio),
+    timeline_snap snap = {.take = app_take(self->app),
                           .code = timeline_code_now(self),
                           .head_ns = timeline_head_ns(self),
                           .without_clip = self->drag.clip,
@@ -69,7 +69,7 @@ static void turn_wheel(panel *self, const ui_canvas *canvas)
 
 static void choose(panel *self, timeline_hit hit)
 {
-    studio_choice *choice = studio_chosen(self->studio);
+    app_choice *choice = app_chosen(self->app);
     choice->layer = hit.layer;
     choice->clip = hit.clip;
     choice->marker = hit.part == TIMELINE_MARKER ? hit.marker : -1;
@@ -77,11 +77,11 @@ static void choose(panel *self, timeline_hit hit)
 
 static void scrub(panel *self, int64_t at_ns)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     int64_t most_ns = t ? t->duration_ns : 0;
     at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
     if (at_ns != timeline_head_ns(self))
-        studio_seek(self->studio, at_ns);
+        app_seek(self->app, at_ns);
 }
 
 /* The comp lane that was pressed; UINT32_MAX: none, or it is there no more. */
@@ -159,7 +159,7 @@ static void press(panel *self, const ui_canvas *canvas)
 
 static void begin(panel *self, const ui_canvas *canvas)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     float x = canvas->x - canvas->start_x, y = canvas->y - canvas->start_y;
     if (!t || (fabsf(x) < START_POINTS && fabsf(y) < 2.0f * START_POINTS))
         return;
@@ -173,14 +173,14 @@ static void begin(panel *self, const ui_canvas *canvas)
     if (kind == TIMELINE_DRAG_NONE)
         return;
     timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns);
-    self->edition = studio_take_edition(self->studio);
+    self->edition = app_take_edition(self->app);
     self->gesture = GESTURE_EDIT;
 }
 
 static uint32_t layer_under(const panel *self, const ui_canvas *canvas)
 {
     float y = canvas->where.y + canvas->y;
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     for (uint32_t i = 0; i < self->rows.count; ++i) {
         const timeline_row *row = &self->rows.row[i];
         if (row->kind == TIMELINE_LAYER && y >= row->y && y < row->y + row->height &&
@@ -192,11 +192,11 @@ static uint32_t layer_under(const panel *self, const ui_canvas *canvas)
 
 static void drag_edit(panel *self, const ui_canvas *canvas)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     bool is_retiming =
         self->drag.kind == TIMELINE_DRAG_SPEED_START || self->drag.kind == TIMELINE_DRAG_SPEED_END;
     timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) && !is_retiming);
-    if (!t || self->edition != studio_take_edition(self->studio)) {
+    if (!t || self->edition != app_take_edition(self->app)) {
         timeline_drag_finish(&self->drag);
         self->gesture = GESTURE_NONE;
         return;
@@ -209,7 +209,7 @@ static void drag_edit(panel *self, const ui_canvas *canvas)
 static void drag_range(panel *self, const ui_canvas *canvas)
 {
     timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) != 0);
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     int64_t most_ns = t ? t->duration_ns : 0;
     snap.in_ns = snap.out_ns = 0; /* the range does not draw itself */
     int64_t at_ns = timeline_snap_to(&snap, pointed_ns(self, canvas), NULL);
@@ -289,9 +289,9 @@ static void flip(panel *self, edit_kind kind, bool is_muted, bool is_solo, bool 
 
 static void click(panel *self, const ui_canvas *canvas)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const take_layer *lane = t ? timeline_layer(t, self->pressed.layer) : NULL;
-    studio_choice *choice = studio_chosen(self->studio);
+    app_choice *choice = app_chosen(self->app);
     timeline_hit hit = timeline_hit_now(self, canvas);
     if (!lane || hit.part != self->pressed.part || hit.layer != self->pressed.layer)
         return;
@@ -325,12 +325,12 @@ static void end_range(panel *self)
         out_ns = self->span_from_ns;
     }
     if (in_ns < out_ns)
-        studio_set_range(self->studio, in_ns < 0 ? 0 : in_ns, out_ns);
+        app_set_range(self->app, in_ns < 0 ? 0 : in_ns, out_ns);
 }
 
 static void end_swipe(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     const uint32_t comp = pressed_comp(self);
     error err = {""};
     if (!t || comp == UINT32_MAX)
@@ -345,7 +345,7 @@ static void end_swipe(panel *self)
     for (uint32_t i = 0; i < count; ++i)
         list[i] = &made[i];
     if (count)
-        (void)!studio_edit_all(self->studio, list, count); /* says itself why it failed */
+        (void)!app_edit_all(self->app, list, count); /* says itself why it failed */
     else
         timeline_say(self, &err);
     for (uint32_t i = 0; i < count; ++i)

@@ -84,7 +84,7 @@ void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
     if (self->has_comps)
         put_regions(self, &p);
     else
-        put_name(self, &p, studio_take(self->studio));
+        put_name(self, &p, app_take(self->app));
 }
 
 /* ---- the ruler ---- */
@@ -129,7 +129,7 @@ static void paint_range(panel *self, ui *on)
     int64_t in_ns, out_ns;
     if (!timeline_range(self, &in_ns, &out_ns))
         return;
-    const transport *move = live_transport(studio_live(self->studio));
+    const transport *move = live_transport(app_live(self->app));
     uint32_t colour = move && move->is_looping ? THEME_ACCENT : THEME_DIM;
     float x0 = timeline_axis_x(&self->axis, in_ns), x1 = timeline_axis_x(&self->axis, out_ns);
     ui_rectangle band = {x0, self->rows.y, x1 - x0, TIMELINE_RANGE_HEIGHT};
@@ -144,7 +144,7 @@ static void paint_marker(panel *self, ui *on, const take *t, uint32_t index, flo
 {
     const take_marker *marker = &t->marker[index];
     float x = timeline_axis_x(&self->axis, marker->at_ns), y = self->rows.y;
-    bool is_chosen = studio_chosen(self->studio)->marker == (int32_t)index;
+    bool is_chosen = app_chosen(self->app)->marker == (int32_t)index;
     uint32_t colour = is_chosen ? THEME_ACCENT : 0x9fb58affu;
     const float flag[6] = {x, y + 3.0f, x + 8.0f, y + 7.0f, x, y + 11.0f};
     ui_draw_line(on, x, y + 3.0f, x, self->rows.y + self->rows.height,
@@ -219,7 +219,7 @@ static int64_t frame_ns(const show_audio *about, int64_t frame)
 
 static void paint_body(panel *self, ui *on, const timeline_row *row, const take *t)
 {
-    const show_audio *about = &self->seen->about;
+    const show_audio *about = &self->result->about;
     float x0 = timeline_axis_x(&self->axis, t->audio.offset_ns);
     float x1 =
         timeline_axis_x(&self->axis, t->audio.offset_ns + frame_ns(about, about->frame_count));
@@ -233,25 +233,25 @@ static void paint_body(panel *self, ui *on, const timeline_row *row, const take 
 
 static void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t)
 {
-    const timeline_seen *seen = self->seen;
-    if (seen->audio != t->audio.audio || seen->about.rate_hz == 0)
+    const timeline_result *result = self->result;
+    if (result->audio != t->audio.audio || result->about.rate_hz == 0)
         return;
     paint_body(self, on, row, t);
-    if (!seen->has_wave)
+    if (!result->has_wave)
         return;
     float middle = row->y + 0.5f * row->height, half = 0.5f * row->height - 5.0f;
     float gain = (float)t->audio.gain;
     uint32_t count = 0;
-    for (size_t i = 0; i < seen->wave.count && count < TIMELINE_COLUMNS_MAX; ++i) {
-        int64_t frame = seen->wave.first_frame + (int64_t)i * seen->wave.frames_per_pair;
-        float low = middle - half * swing(seen->wave.pair[i].least * gain);
-        float high = middle - half * swing(seen->wave.pair[i].greatest * gain);
+    for (size_t i = 0; i < result->wave.count && count < TIMELINE_COLUMNS_MAX; ++i) {
+        int64_t frame = result->wave.first_frame + (int64_t)i * result->wave.frames_per_pair;
+        float low = middle - half * swing(result->wave.pair[i].least * gain);
+        float high = middle - half * swing(result->wave.pair[i].greatest * gain);
         if (low - high < 1.0f) {
             low = 0.5f * (low + high) + 0.5f;
             high = low - 1.0f;
         }
         self->column_x[count] =
-            timeline_axis_x(&self->axis, t->audio.offset_ns + frame_ns(&seen->about, frame));
+            timeline_axis_x(&self->axis, t->audio.offset_ns + frame_ns(&result->about, frame));
         self->column_low[count] = low;
         self->column_high[count] = high;
         count += 1;
@@ -308,7 +308,7 @@ static void flush(panel *self, ui *on, uint32_t count, look as, bool is_afar)
 static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer *lane,
                         const take_clip *clip, const timeline_strip *strip, look as)
 {
-    const activity_bin *bin = self->seen->bin + strip->first_bin;
+    const activity_bin *bin = self->result->bin + strip->first_bin;
     float low = box.y + box.height - BASE, high = (box.height - BASE) * HIGHEST;
     double step_ns = (double)(strip->to_ns - strip->from_ns) / strip->bin_count;
     float gain = (float)(clip->gain * lane->gain);
@@ -364,16 +364,9 @@ static void paint_handles(panel *self, ui *on, timeline_box box, const take_clip
 
 /* ---- words: only what is not as it was recorded ---- */
 
-static double speed_of(const take_clip *clip)
-{
-    int64_t source_ns =
-        take_warp_to_source(clip, clip->end_ns) - take_warp_to_source(clip, clip->start_ns);
-    return (double)source_ns / (double)(clip->end_ns - clip->start_ns);
-}
-
 static void write_words(char *out, size_t capacity, const take_clip *clip)
 {
-    double speed = speed_of(clip);
+    double speed = timeline_clip_speed(clip);
     int used = 0;
     out[0] = '\0';
     if (clip->is_muted)
@@ -414,7 +407,7 @@ static timeline_box seen_part(const panel *self, timeline_box box)
 static void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *lane,
                                 const take_clip *clip, uint32_t owner, bool is_heard)
 {
-    const studio_choice *choice = studio_chosen(self->studio);
+    const app_choice *choice = app_chosen(self->app);
     bool is_chosen = owner == 0 && choice->clip == clip->id;
     look as = look_of(clip, is_heard);
     timeline_box part = seen_part(self, box);
@@ -422,7 +415,7 @@ static void timeline_paint_clip(panel *self, ui *on, timeline_box box, const tak
         return;
     ui_rectangle where = {part.x, part.y, part.width < 1.0f ? 1.0f : part.width, part.height};
     ui_draw_box(on, where, as.ground, 3.0f);
-    const timeline_strip *strip = timeline_seen_strip(self->seen, owner, clip->id);
+    const timeline_strip *strip = timeline_result_strip(self->result, owner, clip->id);
     ui_clip_begin(on, where);
     if (strip && strip->performance == clip->performance)
         paint_curve(self, on, box, lane, clip, strip, as);
@@ -488,7 +481,7 @@ static void paint_gain(panel *self, ui *on, const timeline_row *row, double gain
 
 static void paint_layer_head(panel *self, ui *on, const timeline_row *row, const take_layer *lane)
 {
-    const studio_choice *choice = studio_chosen(self->studio);
+    const app_choice *choice = app_chosen(self->app);
     char own[160];
     timeline_own_words(lane, own, sizeof own);
     float x = self->rows.x + 8.0f, width = TIMELINE_HEAD_WIDTH - 16.0f;
@@ -512,8 +505,8 @@ static void paint_layer_head(panel *self, ui *on, const timeline_row *row, const
 
 static void paint_sound_head(panel *self, ui *on, const timeline_row *row, const take *t)
 {
-    const show_audio *about = &self->seen->about;
-    bool is_known = self->seen->audio == t->audio.audio && about->name[0];
+    const show_audio *about = &self->result->about;
+    bool is_known = self->result->audio == t->audio.audio && about->name[0];
     ui_draw_text(on, self->rows.x + 8.0f, row->y + 3.0f, UI_STYLE_BODY, THEME_TEXT,
                  TIMELINE_HEAD_WIDTH - 16.0f, is_known ? about->name : "Sound");
     paint_gain(self, on, row, t->audio.gain);
@@ -588,7 +581,7 @@ static void paint_lane(panel *self, ui *on, const timeline_row *row, const take 
 
 static void paint_row(panel *self, ui *on, const timeline_row *row, const take *t)
 {
-    const studio_choice *choice = studio_chosen(self->studio);
+    const app_choice *choice = app_chosen(self->app);
     ui_rectangle head = {self->rows.x, row->y, TIMELINE_HEAD_WIDTH, row->height};
     bool is_chosen = row->kind == TIMELINE_LAYER && choice->layer == t->layer[row->index].id;
     float y = row->y + row->height;

@@ -131,8 +131,8 @@ static void action_hint(pen *p, action of, const char *why_not)
     const action_entry *entry = action_of(of);
     char keys[ACTION_KEYS];
     action_keys(of, keys);
-    const char *step = of == ACTION_UNDO   ? studio_undo_words(p->self->studio)
-                       : of == ACTION_REDO ? studio_redo_words(p->self->studio)
+    const char *step = of == ACTION_UNDO   ? app_undo_words(p->self->app)
+                       : of == ACTION_REDO ? app_redo_words(p->self->app)
                                            : "";
     say_hint(p, entry->title, step[0] ? step : entry->help, keys, why_not);
 }
@@ -140,13 +140,13 @@ static void action_hint(pen *p, action of, const char *why_not)
 static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
 {
     const char *why_not = "";
-    bool can = studio_can(p->self->studio, of, &why_not);
+    bool can = app_can(p->self->app, of, &why_not);
     button b = place_button(p, ICON_WIDTH, is_on, can);
     sign(p->on, b.box.x + 0.5f * b.box.width, b.box.y + 0.5f * b.box.height, b.ink);
     if (is_over(p, b.box))
         action_hint(p, of, can || !why_not ? "" : why_not);
     if (b.is_pressed)
-        studio_do(p->self->studio, of);
+        app_do(p->self->app, of);
 }
 
 /* A word as a button. */
@@ -168,12 +168,12 @@ static void put_action_word(pen *p, action of, const char *word, bool is_on)
 {
     const char *why_not = "";
     float x = p->x;
-    bool can = studio_can(p->self->studio, of, &why_not);
+    bool can = app_can(p->self->app, of, &why_not);
     bool is_pressed = put_word(p, word, is_on, can);
     if (is_over(p, last_box(p, x)))
         action_hint(p, of, can || !why_not ? "" : why_not);
     if (is_pressed)
-        studio_do(p->self->studio, of);
+        app_do(p->self->app, of);
 }
 
 /* Where there is none its key still does it. */
@@ -187,8 +187,8 @@ static void put_word_with_room(pen *p, action of, const char *word)
 
 static void put_time(pen *p)
 {
-    const live_status *status = studio_status(p->self->studio);
-    const take *t = studio_take(p->self->studio);
+    const live_status *status = app_status(p->self->app);
+    const take *t = app_take(p->self->app);
     timeline_code code = timeline_code_now(p->self);
     char words[TIMECODE_TEXT];
     uint32_t ink = status->is_recording ? THEME_RECORD : t ? THEME_TEXT : THEME_DIM;
@@ -218,7 +218,7 @@ static void put_speed(pen *p, double speed)
     if (has_room)
         put_action_word(p, ACTION_SLOWER, "\u2212", false);
     ui_draw_text(p->on, p->x + 0.5f * (width - own), p->y + 7.0f, UI_STYLE_NUMBER,
-                 studio_take(p->self->studio) ? THEME_TEXT : THEME_DIM, 0.0f, words);
+                 app_take(p->self->app) ? THEME_TEXT : THEME_DIM, 0.0f, words);
     p->x += width + 2.0f;
     if (has_room)
         put_action_word(p, ACTION_FASTER, "+", false);
@@ -227,10 +227,10 @@ static void put_speed(pen *p, double speed)
 
 static void put_transport(pen *p)
 {
-    const live *stage = studio_live(p->self->studio);
+    const live *stage = app_live(p->self->app);
     const transport *move = live_transport(stage);
     bool is_playing = move && move->is_playing && !live_place(stage).has_stopped;
-    bool is_recording = studio_status(p->self->studio)->is_recording;
+    bool is_recording = app_status(p->self->app)->is_recording;
     put_action(p, ACTION_RECORD, sign_record, is_recording);
     put_action(p, ACTION_PLAY, is_playing ? sign_pause : sign_play, is_playing);
     put_action(p, ACTION_STOP, sign_stop, false);
@@ -258,7 +258,7 @@ static void put_undo(pen *p)
 {
     put_action(p, ACTION_UNDO, sign_undo, false);
     put_action(p, ACTION_REDO, sign_redo, false);
-    const history *edits = studio_history(p->self->studio);
+    const history *edits = app_history(p->self->app);
     float x = p->x;
     if (put_word(p, "History", false, edits && history_last(edits) > 0))
         ask_history(p);
@@ -268,7 +268,7 @@ static void put_undo(pen *p)
 
 static void put_undo_words(pen *p, float end)
 {
-    const char *words = studio_undo_words(p->self->studio);
+    const char *words = app_undo_words(p->self->app);
     float width = ui_text_width(p->on, UI_STYLE_BODY, words), room = end - p->x - 16.0f;
     if (room < 90.0f || !words[0])
         return;
@@ -313,7 +313,7 @@ static void put_edit(panel *self, ui *on, const history *edits, int64_t n)
     (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "an edit",
                    n > history_head(edits) ? "   (undone)" : "", (long long)n);
     if (ui_row(on, label, is_now) != UI_ROW_NONE && !is_now)
-        (void)!studio_history_go(self->studio, n);
+        (void)!app_history_go(self->app, n);
     if (is_now && self->is_asked_first)
         ui_scroll_to_end(on);
 }
@@ -323,12 +323,12 @@ void timeline_history_dialog(panel *self, ui *on)
     enum { SHOWN = 400 };
     if (!ui_dialog_begin(on, "timeline_history", "Edits of this take", 460.0f))
         return;
-    const history *edits = studio_history(self->studio);
+    const history *edits = app_history(self->app);
     ui_scroll_begin(on, "edits", 0.0f, 300.0f);
     int64_t last = edits ? history_last(edits) : -1;
     for (int64_t n = last; n >= 0 && n > last - SHOWN; --n) {
         put_edit(self, on, edits, n);
-        edits = studio_history(self->studio);
+        edits = app_history(self->app);
         if (!edits)
             break;
     }

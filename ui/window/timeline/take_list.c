@@ -1,5 +1,5 @@
 #include "window/timeline/take_list.h"
-#include "window/panel_label.h"
+#include "window/gui/ui.h"
 #include "window/timeline/timeline.h"
 
 #include "base/clock.h"
@@ -34,7 +34,7 @@ static bool contains(const char *text, text_view word)
     return false;
 }
 
-bool timeline_takes_matches(const studio_take_line *line, const char *words)
+bool timeline_takes_matches(const app_take_line *line, const char *words)
 {
     text_view rest = text_view_of(words, strlen(words)), word;
     while (text_next_word(&rest, &word))
@@ -43,7 +43,7 @@ bool timeline_takes_matches(const studio_take_line *line, const char *words)
     return true;
 }
 
-static bool is_shown(const timeline_takes *self, const studio_take_line *line)
+static bool is_shown(const timeline_takes *self, const app_take_line *line)
 {
     if ((self->filter == TAKES_DELETED) != line->is_deleted)
         return false;
@@ -68,7 +68,7 @@ static bool reserve(timeline_takes *self, uint32_t count)
 }
 
 /* Each frame; false: no memory, and fewer are shown. */
-static bool timeline_takes_look(timeline_takes *self, const studio_take_line *line, uint32_t count)
+static bool timeline_takes_look(timeline_takes *self, const app_take_line *line, uint32_t count)
 {
     bool has_room = reserve(self, count);
     self->count = 0;
@@ -135,10 +135,10 @@ static float paint_rating(ui *on, float right, float y, uint32_t rating, bool is
     return right - width;
 }
 
-static void paint_line(panel *self, ui *on, const studio_take_line *line, ui_rectangle where,
+static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectangle where,
                        bool is_hovered)
 {
-    bool is_chosen = studio_take_id(self->studio) == line->id;
+    bool is_chosen = app_take_id(self->app) == line->id;
     float x = where.x + 10.0f, y = where.y + 0.5f * (where.height - 17.0f);
     float right = where.x + where.width - 8.0f;
     char time[24];
@@ -167,14 +167,14 @@ static void paint_line(panel *self, ui *on, const studio_take_line *line, ui_rec
 
 static void edit_take(panel *self, int64_t id, edit *e)
 {
-    if (studio_take_id(self->studio) == id)
-        (void)!studio_edit(self->studio, e);
+    if (app_take_id(self->app) == id)
+        (void)!app_edit(self->app, e);
     else
-        (void)!studio_edit_take(self->studio, id, e);
+        (void)!app_edit_take(self->app, id, e);
     edit_finish(e);
 }
 
-static void rate(panel *self, const studio_take_line *line, uint32_t stars)
+static void rate(panel *self, const app_take_line *line, uint32_t stars)
 {
     edit e;
     edit_init(&e, EDIT_TAKE_RATE);
@@ -184,7 +184,7 @@ static void rate(panel *self, const studio_take_line *line, uint32_t stars)
 
 static void choose_take(panel *self, int64_t id)
 {
-    (void)!studio_choose_take(self->studio, id); /* says itself why it failed */
+    (void)!app_choose_take(self->app, id); /* says itself why it failed */
 }
 
 /* 1 .. 5: on a star. */
@@ -196,7 +196,7 @@ static uint32_t star_at(ui_rectangle where, float x)
     return 1 + (uint32_t)((x - from) / STAR_WIDTH);
 }
 
-static void click_line(panel *self, const studio_take_line *line, const ui_canvas *canvas,
+static void click_line(panel *self, const app_take_line *line, const ui_canvas *canvas,
                        ui_rectangle where)
 {
     uint32_t star = star_at(where, canvas->where.x + canvas->x);
@@ -212,9 +212,9 @@ static void click_line(panel *self, const studio_take_line *line, const ui_canva
 /* ---- the list ---- */
 
 /* The one that was chosen elsewhere comes into sight. */
-static void keep_in_sight(panel *self, const studio_take_line *line, float height)
+static void keep_in_sight(panel *self, const app_take_line *line, float height)
 {
-    int64_t chosen = studio_take_id(self->studio);
+    int64_t chosen = app_take_id(self->app);
     if (chosen == self->takes_shown)
         return;
     self->takes_shown = chosen;
@@ -266,7 +266,7 @@ static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t co
         ui_draw_text(on, x, y + 20.0f * (float)i, UI_STYLE_BODY, THEME_DIM, width, first[i]);
 }
 
-static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studio_take_line *line,
+static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_take_line *line,
                        uint32_t count)
 {
     float pointed = canvas->y + self->takes_scroll;
@@ -282,7 +282,7 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studi
                               canvas->where.width, ROW_HEIGHT};
         if (where.y >= canvas->where.y + canvas->where.height)
             break;
-        const studio_take_line *of = &line[self->takes.index[i]];
+        const app_take_line *of = &line[self->takes.index[i]];
         paint_line(self, on, of, where, hovered == (int64_t)i);
         if (hovered != (int64_t)i)
             continue;
@@ -295,7 +295,7 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const studi
 
 /* ---- menu and question ---- */
 
-static const studio_take_line *find_line(const studio_take_line *line, uint32_t count, int64_t id)
+static const app_take_line *find_line(const app_take_line *line, uint32_t count, int64_t id)
 {
     for (uint32_t i = 0; i < count; ++i)
         if (line[i].id == id)
@@ -307,7 +307,7 @@ static void ask_take(panel *self, ui *on, int64_t id)
 {
     error err = {""};
     take t = {0};
-    show *from = studio_show(self->studio);
+    show *from = app_show(self->app);
     if (!from || (edit_store_take(&t, from, id, &err) < 0 && t.id == 0)) {
         timeline_say(self, &err);
         return;
@@ -326,16 +326,16 @@ static void ask_take(panel *self, ui *on, int64_t id)
     ui_dialog_open(on, "timeline_take");
 }
 
-static void delete_take(panel *self, const studio_take_line *line)
+static void delete_take(panel *self, const app_take_line *line)
 {
     edit e;
     edit_init(&e, line->is_deleted ? EDIT_TAKE_RESTORE : EDIT_TAKE_DELETE);
     edit_take(self, line->id, &e);
 }
 
-static void menu(panel *self, ui *on, const studio_take_line *line, uint32_t count)
+static void menu(panel *self, ui *on, const app_take_line *line, uint32_t count)
 {
-    const studio_take_line *of = find_line(line, count, self->takes_menu);
+    const app_take_line *of = find_line(line, count, self->takes_menu);
     char keys[ACTION_KEYS];
     if (!of || !ui_menu_begin(on, "takes_menu"))
         return;
@@ -345,14 +345,14 @@ static void menu(panel *self, ui *on, const studio_take_line *line, uint32_t cou
         ask_take(self, on, of->id);
     action_keys(ACTION_EXPORT, keys);
     if (ui_menu_item(on, "Export \u2026", keys, !of->is_deleted && !of->is_recording)) {
-        if (studio_take_id(self->studio) != of->id)
+        if (app_take_id(self->app) != of->id)
             choose_take(self, of->id);
-        studio_do(self->studio, ACTION_EXPORT);
+        app_do(self->app, ACTION_EXPORT);
     }
     action_keys(ACTION_DUPLICATE, keys);
-    if (ui_menu_item(on, "Duplicate", studio_take_id(self->studio) == of->id ? keys : "",
+    if (ui_menu_item(on, "Duplicate", app_take_id(self->app) == of->id ? keys : "",
                      !of->is_deleted && !of->is_recording))
-        (void)!studio_duplicate_take(self->studio, of->id); /* says itself why it failed */
+        (void)!app_duplicate_take(self->app, of->id); /* says itself why it failed */
     else if (ui_menu_item(on, of->is_deleted ? "Restore" : "Delete", "", !of->is_recording))
         delete_take(self, of);
     ui_menu_end(on);
@@ -394,18 +394,18 @@ static void answer_take(panel *self)
         list[count++] = &note;
     if (!is_same_slate(slip, before) && read_number(slip, &slate.number))
         list[count++] = &slate;
-    if (count && studio_take_id(self->studio) == self->asked_take)
-        (void)!studio_edit_all(self->studio, list, count);
+    if (count && app_take_id(self->app) == self->asked_take)
+        (void)!app_edit_all(self->app, list, count);
     else
         for (uint32_t i = 0; i < count; ++i)
-            (void)!studio_edit_take(self->studio, self->asked_take, list[i]);
+            (void)!app_edit_take(self->app, self->asked_take, list[i]);
 }
 
 /* True: it was ended with Enter. */
 static bool ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
                      float width)
 {
-    panel_label(on, label, ASK_LABEL, THEME_DIM, label);
+    ui_label(on, label, ASK_LABEL, THEME_DIM, label);
     ui_at(on, ASK_LABEL);
     ui_width(on, width);
     (void)ui_input(on, id, "", text, capacity);
@@ -433,7 +433,7 @@ void timeline_takes_dialog(panel *self, ui *on)
     if (!ui_dialog_begin(on, "timeline_take", "Take", 420.0f))
         return;
     bool is_entered = ask_lines(self, on);
-    panel_label(on, "note", ASK_LABEL, THEME_DIM, "Note");
+    ui_label(on, "note", ASK_LABEL, THEME_DIM, "Note");
     ui_at(on, ASK_LABEL);
     ui_width(on, -1.0f);
     (void)ui_input_lines(on, "##note", slip->note, sizeof slip->note, 70.0f);
@@ -467,8 +467,8 @@ static void put_filter(panel *self, ui *on, uint32_t count)
 
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
 {
-    const studio_take_line *line;
-    uint32_t count = studio_takes(self->studio, &line);
+    const app_take_line *line;
+    uint32_t count = app_takes(self->app, &line);
     ui_canvas canvas;
     ui_panel_begin(on, "timeline_takes", where, UI_GROUND_PANEL);
     put_filter(self, on, count);

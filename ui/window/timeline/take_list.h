@@ -3,7 +3,7 @@
  * memory, which is kept. [main] */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_TAKE_LIST_H
 #define MAROTTE_UI_WINDOW_TIMELINE_TAKE_LIST_H
-#include "window/studio.h"
+#include "window/app/app.h"
 
 typedef enum takes_filter {
     TAKES_ALL = 0,
@@ -26,6 +26,6 @@ void timeline_takes_finish(timeline_takes *self); /* accepts zeroed */
 /* "5.3 s", "2:05", "1:02:05" */
 void timeline_takes_duration(char *out, size_t capacity, int64_t duration_ns);
 /* All words of `words` are in the title or the note, in any case. */
-bool timeline_takes_matches(const studio_take_line *line, const char *words);
+bool timeline_takes_matches(const app_take_line *line, const char *words);
 
 #endif

@@ -54,8 +54,7 @@ static void go(panel *self, uint64_t number, bool is_after)
     if (!is_after)
         wanted.later_ns = step->before_ns;
     /* Where it is seen; a take that is gone has been said to be so. */
-    if (studio_take_id(self->studio) != wanted.of &&
-        studio_choose_take(self->studio, wanted.of) < 0)
+    if (app_take_id(self->app) != wanted.of && app_choose_take(self->app, wanted.of) < 0)
         return;
     self->has_comps = true;
     lay(self, &wanted);
@@ -77,13 +76,13 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
     const int64_t after_ns = timeline_comp_later_ns(self, index);
     if (after_ns == before_ns)
         return;
-    studio_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->slide_count};
+    app_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->slide_count};
     (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
                    1e-9 * (double)after_ns);
     self->slide[self->slide_count % TIMELINE_SLIDES_MAX] =
         (timeline_slide){{self->comps->of, other->id, after_ns}, before_ns};
     self->slide_count += 1;
-    studio_did(self->studio, &step);
+    app_did(self->app, &step);
 }
 
 /* ---- whose takes they are ---- */
@@ -102,7 +101,7 @@ static void timeline_slide_follow(panel *self, const char *show_path)
 
 static void timeline_slide_finish(panel *self)
 {
-    studio_forget_steps(self->studio, self);
+    app_forget_steps(self->app, self);
     free(self->slid_show);
     self->slid_show = NULL;
 }
@@ -171,23 +170,23 @@ void timeline_own_words(const take_layer *lane, char *out, size_t capacity)
 
 const take *timeline_take(const panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     return t && self->gesture == GESTURE_EDIT ? timeline_drag_shown(&self->drag, t) : t;
 }
 
 timeline_code timeline_code_now(const panel *self)
 {
-    return timeline_code_of(studio_take(self->studio));
+    return timeline_code_of(app_take(self->app));
 }
 
 int64_t timeline_head_ns(const panel *self)
 {
-    return live_place(studio_live(self->studio)).at_ns;
+    return live_place(app_live(self->app)).at_ns;
 }
 
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
 {
-    const transport *move = live_transport(studio_live(self->studio));
+    const transport *move = live_transport(app_live(self->app));
     *out_in_ns = move ? move->loop_in_ns : 0;
     *out_out_ns = move ? move->loop_out_ns : 0;
     if (self->gesture == GESTURE_RANGE) {
@@ -200,7 +199,7 @@ bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
 
 void timeline_fit(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     timeline_axis_fit(&self->axis, 0, t && t->duration_ns > 0 ? t->duration_ns : NS_PER_S);
     self->is_fit = true;
 }
@@ -208,15 +207,7 @@ void timeline_fit(panel *self)
 void timeline_say(panel *self, const error *err)
 {
     if (err->text[0])
-        news_list_add(studio_news(self->studio), MRT_LOG_WARNING, "timeline", err->text);
-}
-
-const take_layer *timeline_layer(const take *t, uint32_t id)
-{
-    for (uint32_t i = 0; i < t->layer_count; ++i)
-        if (t->layer[i].id == id)
-            return &t->layer[i];
-    return NULL;
+        news_list_add(app_news(self->app), MRT_LOG_WARNING, "timeline", err->text);
 }
 
 const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer)
@@ -231,13 +222,20 @@ const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **ou
     return NULL;
 }
 
+double timeline_clip_speed(const take_clip *clip)
+{
+    int64_t source_ns =
+        take_warp_to_source(clip, clip->end_ns) - take_warp_to_source(clip, clip->start_ns);
+    return (double)source_ns / (double)(clip->end_ns - clip->start_ns);
+}
+
 void timeline_edit(panel *self, edit *e)
 {
-    (void)!studio_edit(self->studio, e); /* says itself why it failed */
+    (void)!app_edit(self->app, e); /* says itself why it failed */
     edit_finish(e);
 }
 
-/* ---- wishes ---- */
+/* ---- requests ---- */
 
 static uint32_t lanes_of(const take_layer *of)
 {
@@ -253,8 +251,8 @@ static uint32_t lanes_of(const take_layer *of)
 }
 
 /* A little more than is seen, in bins that lie where they lay before: pans show no gaps. */
-static void wish_clip(panel *self, const take_layer *of, const take_clip *clip, uint32_t owner,
-                      uint32_t lanes)
+static void request_clip(panel *self, const take_layer *of, const take_clip *clip, uint32_t owner,
+                         uint32_t lanes)
 {
     int64_t spare_ns = timeline_axis_span_ns(&self->axis, 0.25f * self->axis.width);
     int64_t from_ns = self->axis.from_ns - of->offset_ns - spare_ns;
@@ -272,82 +270,81 @@ static void wish_clip(panel *self, const take_layer *of, const take_clip *clip, 
     double across = (double)(to_ns - from_ns) / self->axis.ns_per_point;
     strip.bin_count = 1 + (uint32_t)(across / (double)BIN_POINTS);
     if (strip.to_ns > strip.from_ns)
-        (void)timeline_wish_strip(&self->wish, &strip);
+        (void)timeline_request_add(&self->request, &strip);
 }
 
-static void wish_layer(panel *self, const take_layer *of, uint32_t owner)
+static void request_layer(panel *self, const take_layer *of, uint32_t owner)
 {
     uint32_t lanes = lanes_of(of);
     int64_t until_ns = timeline_axis_until_ns(&self->axis);
     for (uint32_t i = timeline_first_clip(of, self->axis.from_ns); i < of->clip_count; ++i) {
         if (of->clip[i].start_ns + of->offset_ns > until_ns)
             return;
-        wish_clip(self, of, &of->clip[i], owner, lanes);
+        request_clip(self, of, &of->clip[i], owner, lanes);
     }
 }
 
-static void wish_sound(panel *self, const take *t)
+static void request_sound(panel *self, const take *t)
 {
-    const timeline_seen *seen = self->seen;
-    double rate = seen->about.rate_hz > 0 ? seen->about.rate_hz : 48000.0;
+    const timeline_result *result = self->result;
+    double rate = result->about.rate_hz > 0 ? result->about.rate_hz : 48000.0;
     double ns_per_frame = 1e9 / rate;
-    self->wish.audio = t->audio.audio;
+    self->request.audio = t->audio.audio;
     if (!t->audio.audio)
         return;
     int64_t from_ns = self->axis.from_ns - t->audio.offset_ns;
     int64_t to_ns = timeline_axis_until_ns(&self->axis) - t->audio.offset_ns;
     int64_t from = (int64_t)((double)from_ns / ns_per_frame) - 1;
     int64_t to = (int64_t)((double)to_ns / ns_per_frame) + 2;
-    if (seen->audio == t->audio.audio && to > seen->about.frame_count)
-        to = seen->about.frame_count;
-    self->wish.audio_from = from < 0 ? 0 : from;
-    self->wish.audio_to = to;
+    if (result->audio == t->audio.audio && to > result->about.frame_count)
+        to = result->about.frame_count;
+    self->request.audio_from = from < 0 ? 0 : from;
+    self->request.audio_to = to;
     uint32_t pairs = (uint32_t)self->axis.width;
-    self->wish.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
+    self->request.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
 }
 
 /* ---- what is to be computed ---- */
 
-static void wish_comps(panel *self, const take *t)
+static void request_comps(panel *self, const take *t)
 {
-    const studio_take_line *line;
+    const app_take_line *line;
     if (!self->has_comps)
         return;
-    self->wish.comps_of = t->id;
-    self->wish.comps_edition = 1 + studio_takes(self->studio, &line);
-    memcpy(self->wish.scene, t->scene, sizeof self->wish.scene);
-    memcpy(self->wish.shot, t->shot, sizeof self->wish.shot);
+    self->request.comps_of = t->id;
+    self->request.comps_edition = 1 + app_takes(self->app, &line);
+    memcpy(self->request.scene, t->scene, sizeof self->request.scene);
+    memcpy(self->request.shot, t->shot, sizeof self->request.shot);
     for (uint32_t i = 0; self->comps && i < self->comps->count; ++i)
         if (self->comps->take[i].layer_count > 0) {
             const take_layer lane = timeline_comp_lane(self, i);
-            wish_layer(self, &lane, 1 + i);
+            request_layer(self, &lane, 1 + i);
         }
 }
 
-static void wish(panel *self)
+static void request(panel *self)
 {
     const take *t = timeline_take(self);
-    const studio_take_line *line;
-    show *from = studio_show(self->studio);
+    const app_take_line *line;
+    show *from = app_show(self->app);
     timeline_slide_follow(self, from ? show_path(from) : "");
-    timeline_worker_set_show(self->worker, from ? show_path(from) : NULL,
-                             studio_face_path(self->studio));
-    timeline_wish_clear(&self->wish);
+    timeline_worker_set_show(self->worker, from ? show_path(from) : NULL, app_face_path(self->app));
+    timeline_request_clear(&self->request);
     for (uint32_t i = 0; t && i < t->layer_count; ++i)
-        wish_layer(self, &t->layer[i], 0);
+        request_layer(self, &t->layer[i], 0);
     if (t) {
-        wish_sound(self, t);
-        wish_comps(self, t);
+        request_sound(self, t);
+        request_comps(self, t);
     } else
-        self->wish.spans_edition = 1 + 2 * (uint64_t)studio_takes(self->studio, &line) +
-                                   (studio_status(self->studio)->is_recording ? 1 : 0);
-    timeline_worker_wish(self->worker, &self->wish);
+        self->request.spans_edition = 1 + 2 * (uint64_t)app_takes(self->app, &line) +
+                                      (app_status(self->app)->is_recording ? 1 : 0);
+    timeline_worker_request(self->worker, &self->request);
 }
 
 static void look(panel *self)
 {
-    const take *t = studio_take(self->studio);
-    self->seen = timeline_worker_look(self->worker);
+    const take *t = app_take(self->app);
+    self->result = timeline_worker_look(self->worker);
     self->comps = timeline_worker_comps(self->worker);
     if (!t || !self->has_comps || (self->comps && self->comps->of != t->id))
         self->comps = NULL;
@@ -357,13 +354,13 @@ static void look(panel *self)
 
 static void follow_take(panel *self)
 {
-    const take *t = studio_take(self->studio);
+    const take *t = app_take(self->app);
     int64_t duration_ns = t ? t->duration_ns : 0;
     bool is_other = (t ? t->id : 0) != self->fitted_take;
     if (is_other)
         self->gesture = GESTURE_NONE;
     if (is_other || (self->is_fit && duration_ns != self->fitted_duration_ns) ||
-        studio_asked(self->studio, ACTION_TIMELINE_FIT))
+        app_take_request(self->app, ACTION_TIMELINE_FIT))
         timeline_fit(self);
     self->fitted_take = t ? t->id : 0;
     self->fitted_duration_ns = duration_ns;
@@ -371,7 +368,7 @@ static void follow_take(panel *self)
 
 static void follow_head(panel *self)
 {
-    const transport *move = live_transport(studio_live(self->studio));
+    const transport *move = live_transport(app_live(self->app));
     int64_t head_ns = timeline_head_ns(self);
     bool moves = move && move->is_playing;
     if (self->gesture == GESTURE_NONE && self->is_following &&
@@ -423,7 +420,7 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
                         where.width - TIMELINE_HEAD_WIDTH);
     follow_take(self);
     self->hint = "";
-    if (studio_take(self->studio)) {
+    if (app_take(self->app)) {
         if (self->gesture == GESTURE_KEEP)
             self->gesture = GESTURE_NONE;
         follow_head(self);
@@ -455,22 +452,22 @@ static void destroy(panel *self)
     free(self);
 }
 
-static panel *create(studio *of)
+static panel *create(app *of)
 {
     panel *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    *self = (panel){.studio = of,
+    *self = (panel){.app = of,
                     .is_snapping = true,
                     .is_following = true,
                     .regions = 1u << OWN_MOUTH,
                     .journal_span_ns = 60 * NS_PER_S,
                     .fitted_take = -1,
                     .axis = {.width = 1.0f, .ns_per_point = 1e7}};
-    self->worker = timeline_worker_create(studio_plugins(of));
+    self->worker = timeline_worker_create(app_plugins(of));
     self->journal = timeline_journal_create();
     if (self->worker && self->journal) {
-        self->seen = timeline_worker_look(self->worker);
+        self->result = timeline_worker_look(self->worker);
         return self;
     }
     destroy(self);
@@ -479,7 +476,7 @@ static panel *create(studio *of)
 
 static void update(panel *self, double dt_s)
 {
-    live *stage = studio_live(self->studio);
+    live *stage = app_live(self->app);
     int64_t now_ns = clock_now_ns();
     uint32_t count = live_input_count(stage);
     (void)dt_s;
@@ -504,7 +501,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     timeline_takes_draw(self, on, (ui_rectangle){where.x, where.y, list, where.height});
     timeline_strip_draw(self, on, (ui_rectangle){x, where.y, width, TIMELINE_STRIP_HEIGHT - 1.0f});
     draw_lanes(self, on, (ui_rectangle){x, y, width, where.height - TIMELINE_STRIP_HEIGHT});
-    wish(self);
+    request(self);
 }
 
 const panel_type panel_timeline = {create, destroy, draw, update};

@@ -4,8 +4,8 @@
  * above, take_list.c the list beside it. No other room includes this header. [main] */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #define MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
-#include "window/panels.h"
-#include "window/theme.h"
+#include "window/panels/panels.h"
+#include "window/gui/theme.h"
 #include "window/timeline/drag.h"
 #include "window/timeline/journal.h"
 #include "window/timeline/take_list.h"
@@ -51,17 +51,17 @@ typedef struct timeline_slid { /* so much later than its own time another take l
     int64_t of, take, later_ns;
 } timeline_slid;
 
-enum { TIMELINE_SLIDES_MAX = 256 }; /* no fewer than the studio keeps steps of undo */
+enum { TIMELINE_SLIDES_MAX = 256 }; /* no fewer than the application keeps steps of undo */
 typedef struct timeline_slide {     /* a step of undo */
     timeline_slid after;
     int64_t before_ns;
 } timeline_slide;
 
 struct panel {
-    studio *studio;
+    app *app;
     timeline_worker *worker;
-    timeline_wish wish;
-    const timeline_seen *seen;
+    timeline_request request;
+    const timeline_result *result;
     const timeline_comps *comps; /* of the chosen take; NULL */
     /* where things are */
     timeline_axis axis;
@@ -118,9 +118,9 @@ int64_t timeline_head_ns(const panel *self);
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
 void timeline_fit(panel *self);
 void timeline_say(panel *self, const error *err); /* as news */
-const take_layer *timeline_layer(const take *t, uint32_t id);
 const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
-void timeline_edit(panel *self, edit *e); /* makes it, and finishes it */
+double timeline_clip_speed(const take_clip *clip); /* of all of it */
+void timeline_edit(panel *self, edit *e);          /* makes it, and finishes it */
 
 void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
 uint32_t timeline_own_regions(const take_layer *lane); /* bits; those whose patterns it has */

@@ -17,10 +17,10 @@ typedef struct worker_curve { /* of a performance */
     int64_t performance, from_ns;
     activity *curve; /* NULL: it cannot be performed */
     bool is_done;
-    uint64_t used; /* when it was last wished */
+    uint64_t used; /* when it was last requested */
 } worker_curve;
 
-typedef struct worker_desk { /* [thread] */
+typedef struct worker_reader { /* [thread] */
     const plugin_list *plugins;
     log_queue *log; /* what recordings have to say was said when they were made */
     show *show;
@@ -40,7 +40,7 @@ typedef struct worker_desk { /* [thread] */
     uint32_t span_count;
     timeline_span span[TIMELINE_SPANS_MAX];
     char note[256];
-} worker_desk;
+} worker_reader;
 
 struct timeline_worker {
     pthread_mutex_t lock; /* held for copies and swaps only */
@@ -49,30 +49,30 @@ struct timeline_worker {
     bool has_thread, ends;
     /* from main; under the lock */
     char *show_path, *face_path;
-    uint64_t show_number, wish_number;
-    timeline_wish wish;
+    uint64_t show_number, request_number;
+    timeline_request request;
     /* to main; under the lock */
-    timeline_seen *ready;
+    timeline_result *ready;
     bool is_fresh;
     timeline_comps *comps_ready;
     bool has_comps;
     /* [main] */
-    timeline_seen *front;
+    timeline_result *front;
     timeline_comps *comps;
-    timeline_wish wished;
+    timeline_request requested;
     /* [thread] */
-    timeline_seen *back;
-    worker_desk desk;
+    timeline_result *back;
+    worker_reader reader;
 };
 
 /* ---- what is read ---- */
 
-static void note(worker_desk *self, const error *err)
+static void note(worker_reader *self, const error *err)
 {
     (void)snprintf(self->note, sizeof self->note, "%.255s", err->text);
 }
 
-static void open_face(worker_desk *self, const char *path)
+static void open_face(worker_reader *self, const char *path)
 {
     error err = {""};
     if (!path || face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0) {
@@ -86,7 +86,7 @@ static void open_face(worker_desk *self, const char *path)
 }
 
 /* Opens what the paths name; what fails is noted. */
-static void worker_desk_open(worker_desk *self, const char *show_path, const char *face_path)
+static void worker_reader_open(worker_reader *self, const char *show_path, const char *face_path)
 {
     error err = {""};
     self->note[0] = '\0';
@@ -102,14 +102,14 @@ static void worker_desk_open(worker_desk *self, const char *show_path, const cha
         .show = self->show, .plugins = self->plugins, .log = self->log, .scratch = self->scratch};
 }
 
-static void drop_news(worker_desk *self)
+static void drop_news(worker_reader *self)
 {
     log_record record;
     while (log_pop(self->log, &record))
         continue;
 }
 
-static void worker_desk_close(worker_desk *self)
+static void worker_reader_close(worker_reader *self)
 {
     for (uint32_t i = 0; i < self->curve_count; ++i)
         activity_destroy(self->curve[i].curve);
@@ -118,12 +118,12 @@ static void worker_desk_close(worker_desk *self)
     if (self->has_face)
         face_file_destroy(&self->face);
     show_close(self->show);
-    *self = (worker_desk){.plugins = self->plugins, .log = self->log};
+    *self = (worker_reader){.plugins = self->plugins, .log = self->log};
 }
 
 /* ---- curves ---- */
 
-static worker_curve *place_for_curve(worker_desk *self)
+static worker_curve *place_for_curve(worker_reader *self)
 {
     if (self->curve_count < WORKER_CURVES_MAX)
         return &self->curve[self->curve_count++];
@@ -135,7 +135,7 @@ static worker_curve *place_for_curve(worker_desk *self)
     return oldest;
 }
 
-static void begin_curve(worker_desk *self, worker_curve *out, int64_t performance)
+static void begin_curve(worker_reader *self, worker_curve *out, int64_t performance)
 {
     error err = {""};
     show_performance about;
@@ -155,7 +155,7 @@ static void begin_curve(worker_desk *self, worker_curve *out, int64_t performanc
     out->is_done = out->curve == NULL;
 }
 
-static worker_curve *curve_of(worker_desk *self, int64_t performance)
+static worker_curve *curve_of(worker_reader *self, int64_t performance)
 {
     worker_curve *curve = NULL;
     for (uint32_t i = 0; i < self->curve_count && !curve; ++i)
@@ -169,7 +169,7 @@ static worker_curve *curve_of(worker_desk *self, int64_t performance)
     return curve;
 }
 
-static bool step_curve(worker_desk *self, worker_curve *curve)
+static bool step_curve(worker_reader *self, worker_curve *curve)
 {
     error err = {""};
     if (!curve->curve)
@@ -183,10 +183,10 @@ static bool step_curve(worker_desk *self, worker_curve *curve)
 }
 
 /* The first that is not done; those that are may go on as their recording does. */
-static bool step_curves(worker_desk *self, const timeline_wish *wish)
+static bool step_curves(worker_reader *self, const timeline_request *request)
 {
-    for (uint32_t i = 0; i < wish->strip_count; ++i) {
-        worker_curve *curve = curve_of(self, wish->strip[i].performance);
+    for (uint32_t i = 0; i < request->strip_count; ++i) {
+        worker_curve *curve = curve_of(self, request->strip[i].performance);
         if (!curve->is_done && step_curve(self, curve))
             return true;
     }
@@ -197,7 +197,7 @@ static bool step_curves(worker_desk *self, const timeline_wish *wish)
 
 /* ---- the sound ---- */
 
-static void begin_wave(worker_desk *self, int64_t audio)
+static void begin_wave(worker_reader *self, int64_t audio)
 {
     error err = {""};
     waveform_destroy(self->wave);
@@ -214,7 +214,7 @@ static void begin_wave(worker_desk *self, int64_t audio)
     }
 }
 
-static bool step_wave(worker_desk *self)
+static bool step_wave(worker_reader *self)
 {
     error err = {""};
     if (!self->wave)
@@ -226,7 +226,7 @@ static bool step_wave(worker_desk *self)
 }
 
 /* Of all that is known: a number that changes when more is. */
-static int64_t worker_desk_known(const worker_desk *self)
+static int64_t worker_reader_known(const worker_reader *self)
 {
     int64_t known = self->wave ? waveform_known_frames(self->wave) : 0;
     for (uint32_t i = 0; i < self->curve_count; ++i)
@@ -236,7 +236,7 @@ static int64_t worker_desk_known(const worker_desk *self)
 
 /* ---- when takes were made ---- */
 
-static void read_spans(worker_desk *self, uint64_t edition)
+static void read_spans(worker_reader *self, uint64_t edition)
 {
     error err = {""};
     show_take *takes;
@@ -253,17 +253,17 @@ static void read_spans(worker_desk *self, uint64_t edition)
     free(takes);
 }
 
-/* A piece of what is wished; false: there is nothing left to do now. */
-static bool worker_desk_step(worker_desk *self, const timeline_wish *wish)
+/* A piece of what is requested; false: there is nothing left to do now. */
+static bool worker_reader_step(worker_reader *self, const timeline_request *request)
 {
     if (!self->show)
         return false;
-    if (wish->audio != self->wave_of)
-        begin_wave(self, wish->audio);
-    if (wish->spans_edition && wish->spans_edition != self->spans_edition)
-        read_spans(self, wish->spans_edition);
+    if (request->audio != self->wave_of)
+        begin_wave(self, request->audio);
+    if (request->spans_edition && request->spans_edition != self->spans_edition)
+        read_spans(self, request->spans_edition);
     bool has_more = step_wave(self);
-    return step_curves(self, wish) || has_more;
+    return step_curves(self, request) || has_more;
 }
 
 /* ---- what is given ---- */
@@ -287,15 +287,15 @@ static void read_strip(const worker_curve *curve, const timeline_strip *strip, a
     }
 }
 
-static void fill_strips(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+static void fill_strips(worker_reader *self, const timeline_request *request, timeline_result *out)
 {
-    activity_bin *scratch = calloc(wish->bin_count + (size_t)1, sizeof *scratch);
-    out->strip_count = wish->strip_count;
-    memcpy(out->strip, wish->strip, wish->strip_count * sizeof *wish->strip);
-    for (uint32_t i = 0; i < wish->bin_count; ++i)
+    activity_bin *scratch = calloc(request->bin_count + (size_t)1, sizeof *scratch);
+    out->strip_count = request->strip_count;
+    memcpy(out->strip, request->strip, request->strip_count * sizeof *request->strip);
+    for (uint32_t i = 0; i < request->bin_count; ++i)
         out->bin[i] = (activity_bin){1.0f, 0.0f};
-    for (uint32_t i = 0; scratch && self->show && i < wish->strip_count; ++i) {
-        const timeline_strip *strip = &wish->strip[i];
+    for (uint32_t i = 0; scratch && self->show && i < request->strip_count; ++i) {
+        const timeline_strip *strip = &request->strip[i];
         const worker_curve *curve = curve_of(self, strip->performance);
         if (curve->curve)
             read_strip(curve, strip, out->bin + strip->first_bin, scratch);
@@ -303,23 +303,24 @@ static void fill_strips(worker_desk *self, const timeline_wish *wish, timeline_s
     free(scratch);
 }
 
-static void fill_wave(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+static void fill_wave(worker_reader *self, const timeline_request *request, timeline_result *out)
 {
     error err = {""};
     out->audio = self->wave_of;
     out->about = self->about;
-    out->has_wave = self->wave && wish->audio == self->wave_of && wish->audio_pairs > 0 &&
-                    wish->audio_from < wish->audio_to &&
-                    waveform_read(self->wave, self->show, wish->audio_from, wish->audio_to,
-                                  wish->audio_pairs, &out->wave, &err) >= 0;
+    out->has_wave = self->wave && request->audio == self->wave_of && request->audio_pairs > 0 &&
+                    request->audio_from < request->audio_to &&
+                    waveform_read(self->wave, self->show, request->audio_from, request->audio_to,
+                                  request->audio_pairs, &out->wave, &err) >= 0;
     if (err.text[0])
         note(self, &err);
 }
 
-static void worker_desk_fill(worker_desk *self, const timeline_wish *wish, timeline_seen *out)
+static void worker_reader_fill(worker_reader *self, const timeline_request *request,
+                               timeline_result *out)
 {
-    fill_strips(self, wish, out);
-    fill_wave(self, wish, out);
+    fill_strips(self, request, out);
+    fill_wave(self, request, out);
     out->span_count = self->span_count;
     memcpy(out->span, self->span, self->span_count * sizeof *self->span);
     memcpy(out->note, self->note, sizeof out->note);
@@ -327,46 +328,46 @@ static void worker_desk_fill(worker_desk *self, const timeline_wish *wish, timel
 
 /* ---- other takes ---- */
 
-static bool is_of_slate(const take *t, const timeline_wish *wish)
+static bool is_of_slate(const take *t, const timeline_request *request)
 {
     return !t->is_deleted && !t->is_recording && t->layer_count > 0 &&
-           strcmp(t->scene, wish->scene) == 0 && strcmp(t->shot, wish->shot) == 0;
+           strcmp(t->scene, request->scene) == 0 && strcmp(t->shot, request->shot) == 0;
 }
 
-static void look_at(worker_desk *self, const show_take *of, const timeline_wish *wish,
+static void look_at(worker_reader *self, const show_take *of, const timeline_request *request,
                     timeline_comps *out)
 {
     error err = {""};
     take *t = &out->take[out->count];
     bool may_be = of->edit_count > 0 || of->base_edit_count > 0 ||
-                  (strcmp(of->scene, wish->scene) == 0 && strcmp(of->shot, wish->shot) == 0);
-    if (of->id == wish->comps_of || !may_be || of->is_recording)
+                  (strcmp(of->scene, request->scene) == 0 && strcmp(of->shot, request->shot) == 0);
+    if (of->id == request->comps_of || !may_be || of->is_recording)
         return;
     if (edit_store_take(t, self->show, of->id, &err) < 0 && t->id == 0)
         return;
-    if (is_of_slate(t, wish))
+    if (is_of_slate(t, request))
         out->count += 1;
     else
         take_finish(t);
 }
 
 /* The other takes, if they are to be looked for anew: to be freed by timeline_comps_free. */
-static timeline_comps *worker_desk_comps(worker_desk *self, const timeline_wish *wish)
+static timeline_comps *worker_reader_comps(worker_reader *self, const timeline_request *request)
 {
     error err = {""};
     show_take *takes;
     size_t count;
     if (!self->show ||
-        (wish->comps_of == self->comps_of && wish->comps_edition == self->comps_edition))
+        (request->comps_of == self->comps_of && request->comps_edition == self->comps_edition))
         return NULL;
-    self->comps_of = wish->comps_of;
-    self->comps_edition = wish->comps_edition;
+    self->comps_of = request->comps_of;
+    self->comps_edition = request->comps_edition;
     timeline_comps *out = calloc(1, sizeof *out);
-    if (!out || !wish->comps_of || show_takes(self->show, &takes, &count, &err) < 0)
+    if (!out || !request->comps_of || show_takes(self->show, &takes, &count, &err) < 0)
         return out;
-    out->of = wish->comps_of;
+    out->of = request->comps_of;
     for (size_t i = count; i-- > 0 && out->count < TIMELINE_COMPS_MAX;)
-        look_at(self, &takes[i], wish, out);
+        look_at(self, &takes[i], request, out);
     free(takes);
     return out;
 }
@@ -375,29 +376,30 @@ static timeline_comps *worker_desk_comps(worker_desk *self, const timeline_wish 
 #define AGAIN_NS   (400 * NS_PER_MS) /* a recording may go on */
 enum { NICENESS = 10 };
 
-/* ---- wishes ---- */
+/* ---- requests ---- */
 
-void timeline_wish_clear(timeline_wish *wish)
+void timeline_request_clear(timeline_request *request)
 {
-    memset(wish, 0, sizeof *wish);
+    memset(request, 0, sizeof *request);
 }
 
-bool timeline_wish_strip(timeline_wish *wish, const timeline_strip *strip)
+bool timeline_request_add(timeline_request *request, const timeline_strip *strip)
 {
-    if (wish->strip_count >= TIMELINE_STRIPS_MAX || strip->bin_count == 0 ||
-        strip->bin_count > TIMELINE_BINS_MAX - wish->bin_count)
+    if (request->strip_count >= TIMELINE_STRIPS_MAX || strip->bin_count == 0 ||
+        strip->bin_count > TIMELINE_BINS_MAX - request->bin_count)
         return false;
-    wish->strip[wish->strip_count] = *strip;
-    wish->strip[wish->strip_count++].first_bin = wish->bin_count;
-    wish->bin_count += strip->bin_count;
+    request->strip[request->strip_count] = *strip;
+    request->strip[request->strip_count++].first_bin = request->bin_count;
+    request->bin_count += strip->bin_count;
     return true;
 }
 
-const timeline_strip *timeline_seen_strip(const timeline_seen *seen, uint32_t owner, uint32_t clip)
+const timeline_strip *timeline_result_strip(const timeline_result *result, uint32_t owner,
+                                            uint32_t clip)
 {
-    for (uint32_t i = 0; i < seen->strip_count; ++i)
-        if (seen->strip[i].clip == clip && seen->strip[i].owner == owner)
-            return &seen->strip[i];
+    for (uint32_t i = 0; i < result->strip_count; ++i)
+        if (result->strip[i].clip == clip && result->strip[i].owner == owner)
+            return &result->strip[i];
     return NULL;
 }
 
@@ -411,11 +413,11 @@ static void timeline_comps_free(timeline_comps *comps)
 
 /* ---- the thread ---- */
 
-typedef struct order { /* what main last said */
-    uint64_t show_number, wish_number;
+typedef struct command { /* what main last said */
+    uint64_t show_number, request_number;
     char *show_path, *face_path; /* copies, when the show is another one */
     bool is_other_show, ends;
-} order;
+} command;
 
 static char *copy_of(const char *text)
 {
@@ -433,11 +435,12 @@ static void wait_until(timeline_worker *self, int64_t from_now_ns)
 }
 
 /* Waits while nothing is to be done: until something is said, or a recording may have gone on. */
-static order take_order(timeline_worker *self, const order *last, bool is_idle, timeline_wish *wish)
+static command next_command(timeline_worker *self, const command *last, bool is_idle,
+                            timeline_request *request)
 {
-    order out = *last;
+    command out = *last;
     pthread_mutex_lock(&self->lock);
-    if (is_idle && !self->ends && self->wish_number == last->wish_number &&
+    if (is_idle && !self->ends && self->request_number == last->request_number &&
         self->show_number == last->show_number)
         wait_until(self, AGAIN_NS);
     out.ends = self->ends;
@@ -445,23 +448,23 @@ static order take_order(timeline_worker *self, const order *last, bool is_idle, 
     out.show_path = out.is_other_show ? copy_of(self->show_path) : NULL;
     out.face_path = out.is_other_show ? copy_of(self->face_path) : NULL;
     out.show_number = self->show_number;
-    out.wish_number = self->wish_number;
-    if (self->wish_number != last->wish_number)
-        *wish = self->wish;
+    out.request_number = self->request_number;
+    if (self->request_number != last->request_number)
+        *request = self->request;
     pthread_mutex_unlock(&self->lock);
     return out;
 }
 
-static void publish(timeline_worker *self, const timeline_wish *wish, bool is_complete)
+static void publish(timeline_worker *self, const timeline_request *request, bool is_complete)
 {
-    worker_desk_fill(&self->desk, wish, self->back);
+    worker_reader_fill(&self->reader, request, self->back);
     self->back->is_complete = is_complete;
     pthread_mutex_lock(&self->lock);
-    timeline_seen *seen = self->ready;
+    timeline_result *result = self->ready;
     self->ready = self->back;
     self->is_fresh = true;
     pthread_mutex_unlock(&self->lock);
-    self->back = seen;
+    self->back = result;
 }
 
 static void publish_comps(timeline_worker *self, timeline_comps *comps)
@@ -476,12 +479,12 @@ static void publish_comps(timeline_worker *self, timeline_comps *comps)
     timeline_comps_free(old);
 }
 
-static void obey(timeline_worker *self, order *now)
+static void change_show(timeline_worker *self, command *now)
 {
     if (!now->is_other_show)
         return;
-    worker_desk_close(&self->desk);
-    worker_desk_open(&self->desk, now->show_path, now->face_path);
+    worker_reader_close(&self->reader);
+    worker_reader_open(&self->reader, now->show_path, now->face_path);
     free(now->show_path);
     free(now->face_path);
     now->show_path = now->face_path = NULL;
@@ -490,34 +493,34 @@ static void obey(timeline_worker *self, order *now)
 static void *run(void *data)
 {
     timeline_worker *self = data;
-    timeline_wish *wish = calloc(1, sizeof *wish);
-    order last = {0};
+    timeline_request *request = calloc(1, sizeof *request);
+    command last = {0};
     bool is_idle = false, was_idle = false;
     int64_t published_ns = 0, known_then = -1;
     (void)setpriority(PRIO_PROCESS, 0, NICENESS); /* on Linux: of this thread */
-    while (wish) {
-        order told = take_order(self, &last, is_idle, wish);
-        bool is_new = told.wish_number != last.wish_number || told.is_other_show;
+    while (request) {
+        command told = next_command(self, &last, is_idle, request);
+        bool is_new = told.request_number != last.request_number || told.is_other_show;
         last = told;
         if (told.ends) {
             free(told.show_path);
             free(told.face_path);
             break;
         }
-        obey(self, &told);
-        publish_comps(self, worker_desk_comps(&self->desk, wish));
-        is_idle = !worker_desk_step(&self->desk, wish);
-        int64_t now_ns = clock_now_ns(), known = worker_desk_known(&self->desk);
+        change_show(self, &told);
+        publish_comps(self, worker_reader_comps(&self->reader, request));
+        is_idle = !worker_reader_step(&self->reader, request);
+        int64_t now_ns = clock_now_ns(), known = worker_reader_known(&self->reader);
         bool is_due = is_idle || now_ns - published_ns > PUBLISH_NS;
         if (is_new || (is_due && (known != known_then || is_idle != was_idle))) {
-            publish(self, wish, is_idle);
+            publish(self, request, is_idle);
             published_ns = now_ns;
             known_then = known;
             was_idle = is_idle;
         }
     }
-    free(wish);
-    worker_desk_close(&self->desk);
+    free(request);
+    worker_reader_close(&self->reader);
     return NULL;
 }
 
@@ -531,11 +534,11 @@ timeline_worker *timeline_worker_create(const plugin_list *plugins)
     self->front = calloc(1, sizeof *self->front);
     self->ready = calloc(1, sizeof *self->ready);
     self->back = calloc(1, sizeof *self->back);
-    self->desk.log = log_queue_create();
-    self->desk.plugins = plugins;
+    self->reader.log = log_queue_create();
+    self->reader.plugins = plugins;
     (void)pthread_mutex_init(&self->lock, NULL);
     (void)pthread_cond_init(&self->wake, NULL);
-    if (self->front && self->ready && self->back && self->desk.log)
+    if (self->front && self->ready && self->back && self->reader.log)
         return self;
     timeline_worker_destroy(self);
     return NULL;
@@ -555,8 +558,8 @@ void timeline_worker_destroy(timeline_worker *self)
     (void)pthread_mutex_destroy(&self->lock);
     timeline_comps_free(self->comps);
     timeline_comps_free(self->comps_ready);
-    if (self->desk.log)
-        log_queue_destroy(self->desk.log);
+    if (self->reader.log)
+        log_queue_destroy(self->reader.log);
     free(self->front);
     free(self->ready);
     free(self->back);
@@ -585,13 +588,13 @@ void timeline_worker_set_show(timeline_worker *self, const char *show_path, cons
     pthread_mutex_unlock(&self->lock);
 }
 
-static bool is_same_strips(const timeline_wish *a, const timeline_wish *b)
+static bool is_same_strips(const timeline_request *a, const timeline_request *b)
 {
     return a->strip_count == b->strip_count &&
            memcmp(a->strip, b->strip, a->strip_count * sizeof *a->strip) == 0;
 }
 
-static bool is_same_wish(const timeline_wish *a, const timeline_wish *b)
+static bool is_same_request(const timeline_request *a, const timeline_request *b)
 {
     return is_same_strips(a, b) && a->audio == b->audio && a->audio_from == b->audio_from &&
            a->audio_to == b->audio_to && a->audio_pairs == b->audio_pairs &&
@@ -600,27 +603,27 @@ static bool is_same_wish(const timeline_wish *a, const timeline_wish *b)
            strcmp(a->shot, b->shot) == 0;
 }
 
-void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish)
+void timeline_worker_request(timeline_worker *self, const timeline_request *request)
 {
-    if (is_same_wish(wish, &self->wished))
+    if (is_same_request(request, &self->requested))
         return;
-    self->wished = *wish;
+    self->requested = *request;
     pthread_mutex_lock(&self->lock);
-    self->wish = *wish;
-    self->wish_number += 1;
+    self->request = *request;
+    self->request_number += 1;
     (void)pthread_cond_signal(&self->wake);
     pthread_mutex_unlock(&self->lock);
     if (!self->has_thread)
         self->has_thread = pthread_create(&self->thread, NULL, run, self) == 0;
 }
 
-const timeline_seen *timeline_worker_look(timeline_worker *self)
+const timeline_result *timeline_worker_look(timeline_worker *self)
 {
     pthread_mutex_lock(&self->lock);
     if (self->is_fresh) {
-        timeline_seen *seen = self->front;
+        timeline_result *result = self->front;
         self->front = self->ready;
-        self->ready = seen;
+        self->ready = result;
         self->is_fresh = false;
     }
     pthread_mutex_unlock(&self->lock);

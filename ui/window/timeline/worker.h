@@ -10,14 +10,14 @@
 
 typedef struct timeline_worker timeline_worker;
 
-/* The thread begins with the first wish. NULL: no memory. The list outlives it. */
+/* The thread begins with the first request. NULL: no memory. The list outlives it. */
 timeline_worker *timeline_worker_create(const plugin_list *plugins);
 void timeline_worker_destroy(timeline_worker *self); /* NULL is fine */
 /* Where it reads, and a face to perform on; what was of another show is forgotten. NULL: nothing.
  */
 void timeline_worker_set_show(timeline_worker *self, const char *show_path, const char *face_path);
 
-/* ---- what is wished ---- */
+/* ---- what is requested ---- */
 
 enum { TIMELINE_STRIPS_MAX = 512, TIMELINE_BINS_MAX = 65536 };
 typedef struct timeline_strip { /* of a performance, as a curve */
@@ -28,7 +28,7 @@ typedef struct timeline_strip { /* of a performance, as a curve */
     uint32_t bin_count, first_bin;
 } timeline_strip;
 
-typedef struct timeline_wish {
+typedef struct timeline_request {
     uint32_t strip_count, bin_count;
     timeline_strip strip[TIMELINE_STRIPS_MAX];
     int64_t audio;                /* 0: none */
@@ -37,13 +37,13 @@ typedef struct timeline_wish {
     int64_t comps_of;       /* takes of the same slate as this one's; 0: none */
     uint64_t comps_edition; /* another one: they are looked for anew */
     char scene[TAKE_NAME], shot[TAKE_NAME];
-    uint64_t spans_edition; /* the same, when takes were made; 0: not wished */
-} timeline_wish;
-void timeline_wish_clear(timeline_wish *wish);
+    uint64_t spans_edition; /* the same, when takes were made; 0: not requested */
+} timeline_request;
+void timeline_request_clear(timeline_request *request);
 /* False: there is no room for it. bin_count at least 1. */
-bool timeline_wish_strip(timeline_wish *wish, const timeline_strip *strip);
+bool timeline_request_add(timeline_request *request, const timeline_strip *strip);
 /* Copied; the same as last time costs nothing. */
-void timeline_worker_wish(timeline_worker *self, const timeline_wish *wish);
+void timeline_worker_request(timeline_worker *self, const timeline_request *request);
 
 /* ---- what there is ---- */
 
@@ -52,8 +52,8 @@ typedef struct timeline_span { /* when a take was made; show time */
     int64_t take, start_ns, end_ns;
 } timeline_span;
 
-typedef struct timeline_seen {
-    uint32_t strip_count; /* as wished some time before; by owner and clip */
+typedef struct timeline_result {
+    uint32_t strip_count; /* as requested some time before; by owner and clip */
     timeline_strip strip[TIMELINE_STRIPS_MAX];
     activity_bin bin[TIMELINE_BINS_MAX]; /* least > greatest: not known yet */
     int64_t audio;
@@ -64,10 +64,11 @@ typedef struct timeline_seen {
     timeline_span span[TIMELINE_SPANS_MAX];
     bool is_complete; /* nothing more comes unless something is recorded */
     char note[256];   /* why there is no curve; "" */
-} timeline_seen;
+} timeline_result;
 /* The newest; until the next call. Never NULL. */
-const timeline_seen *timeline_worker_look(timeline_worker *self);
-const timeline_strip *timeline_seen_strip(const timeline_seen *seen, uint32_t owner, uint32_t clip);
+const timeline_result *timeline_worker_look(timeline_worker *self);
+const timeline_strip *timeline_result_strip(const timeline_result *result, uint32_t owner,
+                                            uint32_t clip);
 
 typedef struct timeline_comps { /* other takes, newest first */
     int64_t of;

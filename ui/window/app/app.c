@@ -1,0 +1,1109 @@
+#include "window/app/app_state.h"
+#include "place.h"
+#include "window/gui/theme.h"
+#include "window/app/presets.h"
+
+#include "base/clock.h"
+#include "stage/take/kept_solver.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- what is kept between runs: how things are shown, what was open, what performed ---- */
+
+#define WRITE_EVERY_S 4.0
+
+typedef struct look_switch {
+    const char *key;
+    size_t offset;
+    bool initial;
+} look_switch;
+
+/* The output is not opened by itself: a projector is switched on by a person. */
+static const look_switch switches[] = {
+    {"looks.hands", offsetof(app_looks, shows_hands), true},
+    {"looks.vectors", offsetof(app_looks, shows_vectors), false},
+    {"looks.supports", offsetof(app_looks, shows_supports), false},
+    {"looks.contacts", offsetof(app_looks, shows_contacts), false},
+    {"looks.jaw", offsetof(app_looks, shows_jaw), false},
+    {"looks.mirrored", offsetof(app_looks, is_mirrored), true},
+    {"looks.turning", offsetof(app_looks, is_turning), false},
+    {"looks.face_only", offsetof(app_looks, is_face_only), false},
+    {"looks.timeline", offsetof(app_looks, has_timeline), true},
+    {"looks.output_mirrored", offsetof(app_looks, is_output_mirrored), false},
+};
+enum { SWITCHES = sizeof switches / sizeof switches[0] };
+
+static bool *switch_at(app_looks *looks, const look_switch *one)
+{
+    return (bool *)(void *)((char *)looks + one->offset);
+}
+
+static float length_of(const settings *from, const char *key, double otherwise, double most)
+{
+    const double kept = settings_number(from, key, otherwise);
+    return (float)(kept >= 60.0 && kept <= most ? kept : otherwise);
+}
+
+static void app_looks_read(app *self)
+{
+    const settings *from = self->settings;
+    app_looks *looks = &self->looks;
+    for (uint32_t i = 0; i < SWITCHES; ++i)
+        *switch_at(looks, &switches[i]) =
+            settings_number(from, switches[i].key, switches[i].initial) != 0.0;
+    const double kept = settings_number(from, "looks.panel", APP_DEVICES);
+    if (kept >= 0.0 && kept < APP_PANELS)
+        looks->panel = (app_panel)kept;
+    looks->timeline_height = length_of(from, "looks.timeline_height", 220.0, 2000.0);
+    looks->dock_width = length_of(from, "looks.dock_width", (double)THEME_DOCK_WIDTH, 1200.0);
+    self->looks_kept = *looks;
+}
+
+app_looks *app_looks_of(app *self)
+{
+    return &self->looks;
+}
+
+static void keep_looks(app *self)
+{
+    settings *to = self->settings;
+    app_looks *looks = &self->looks;
+    for (uint32_t i = 0; i < SWITCHES; ++i)
+        settings_set_number(to, switches[i].key, *switch_at(looks, &switches[i]) ? 1.0 : 0.0);
+    settings_set_number(to, "looks.panel", (double)looks->panel);
+    settings_set_number(to, "looks.timeline_height", (double)looks->timeline_height);
+    settings_set_number(to, "looks.dock_width", (double)looks->dock_width);
+    self->looks_kept = *looks;
+}
+
+static void keep_mapping(app *self)
+{
+    char values[PRESET_TEXT], text[PRESET_TEXT + 64];
+    const instance *mapping = live_mapping(self->live);
+    if (!mapping) {
+        settings_set_text(self->settings, "last.mapping", "");
+        return;
+    }
+    const mrt_plugin_type *type = isolate_inner(mapping->type);
+    presets_text(mapping, values, sizeof values);
+    (void)snprintf(text, sizeof text, "%s%s%s", type->id, values[0] ? "," : "", values);
+    settings_set_text(self->settings, "last.mapping", text);
+}
+
+/* Those that a plugin of the list gives: not what the program itself moves. */
+static bool can_be_opened_again(app *self, const char *text)
+{
+    char name[128];
+    const mrt_plugin_type *type;
+    error ignored;
+    (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(text, ":,"), text);
+    return plugin_list_find(&self->plugins, name, MRT_INPUT, &type, &ignored) >= 0;
+}
+
+static void keep_inputs(app *self)
+{
+    uint32_t kept = 0;
+    char key[24];
+    for (uint32_t i = 0; i < live_input_count(self->live) && kept < INPUT_OPENER_MAX; ++i) {
+        const char *text = live_input_text(self->live, i);
+        if (!can_be_opened_again(self, text))
+            continue;
+        (void)snprintf(key, sizeof key, "inputs.%u", kept++);
+        settings_set_text(self->settings, key, text);
+    }
+    for (; kept < INPUT_OPENER_MAX; ++kept) {
+        (void)snprintf(key, sizeof key, "inputs.%u", kept);
+        settings_set_text(self->settings, key, NULL);
+    }
+}
+
+static void app_keep_settings_now(app *self)
+{
+    error err = {0};
+    keep_looks(self);
+    if (self->live) {
+        keep_mapping(self);
+        if (input_opener_are_done(self->inputs))
+            keep_inputs(self);
+    }
+    const mrt_result result = settings_write(self->settings, &err);
+    if (result < 0 && !self->settings_failed)
+        (void)app_report(self, result, &err);
+    self->settings_failed = result < 0;
+}
+
+/* Into the settings, and those to the disk some times a minute. */
+static void app_keep_settings(app *self, double dt_s)
+{
+    self->settings_wait_s += dt_s;
+    if (self->settings_wait_s < WRITE_EVERY_S)
+        return;
+    self->settings_wait_s = 0.0;
+    app_keep_settings_now(self);
+}
+
+/* ---- how the surface is solved: kept with the show ---- */
+
+/* What the show says of it. */
+static void app_solver_read(app *self)
+{
+    kept_solver kept;
+    error err = {0};
+    if (kept_solver_read(&kept, self->show, &err) < 0)
+        app_say(self, MRT_LOG_WARNING, "%s", err.text);
+    self->has_solver = kept.is_kept;
+    self->solver = kept.as;
+}
+
+static mrt_result keep(app *self, error *err)
+{
+    const kept_solver kept = {self->has_solver, self->solver};
+    if (!self->show || !show_is_writable(self->show))
+        return MRT_OK;
+    return kept_solver_write(self->show, &kept, err);
+}
+
+const csrbf_settings *app_solver(const app *self)
+{
+    return self->has_solver ? &self->solver : NULL;
+}
+
+mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err)
+{
+    mrt_result result = live_set_solver(self->live, solver, err);
+    if (result < 0)
+        return result;
+    self->has_solver = solver != NULL;
+    if (solver)
+        self->solver = *solver;
+    return keep(self, err);
+}
+
+/* ---- what is opened: at the start, and when somebody asks ---- */
+
+#define DEFAULT_MAPPING "one_hand"
+#define DEFAULT_FACE    "puppet"
+
+static bool exists(const char *path)
+{
+    return access(path, F_OK) == 0;
+}
+
+/* ---- shows ---- */
+
+static mrt_result open_or_make(show **out, const char *path, error *err)
+{
+    return exists(path) ? show_open(out, path, SHOW_RECORD, err) : show_create(out, path, err);
+}
+
+/* The one of today, in the folder for documents. */
+static mrt_result make_show(show **out, error *err)
+{
+    const char *documents = getenv("XDG_DOCUMENTS_DIR"), *home = getenv("HOME");
+    const char *above = documents && documents[0] == '/' ? documents : home;
+    char path[APP_PATH], day[24];
+    struct tm now;
+    const time_t seconds = time(NULL);
+    if (!above || above[0] != '/')
+        return error_set(err, MRT_ERR_IO,
+                         "there is no folder for shows: name one, marotte NAME.marotte");
+    (void)snprintf(path, sizeof path, "%.*s/marotte", (int)sizeof path - 64, above);
+    if (mkdir(path, 0755) != 0 && errno != EEXIST)
+        return error_set(err, MRT_ERR_IO, "%s: the folder for shows could not be made: %s", path,
+                         strerror(errno));
+    if (!localtime_r(&seconds, &now) || strftime(day, sizeof day, "%Y-%m-%d", &now) == 0)
+        (void)snprintf(day, sizeof day, "show");
+    const size_t length = strlen(path);
+    (void)snprintf(path + length, sizeof path - length, "/%s.marotte", day);
+    return open_or_make(out, path, err);
+}
+
+static void keep_show_path(app *self)
+{
+    char *real = self->show ? realpath(show_path(self->show), NULL) : NULL;
+    if (real)
+        settings_set_text(self->settings, "last.show", real);
+    free(real);
+    if (self->show && show_notice(self->show)[0])
+        app_say(self, MRT_LOG_WARNING, "%s", show_notice(self->show));
+}
+
+/* Whoever named a show wants that one; the last one may have gone. Without any the stage performs
+ * and records nothing. */
+static mrt_result open_first_show(app *self, const char *path, error *err)
+{
+    const char *last = settings_text(self->settings, "last.show", NULL);
+    error why = {0};
+    if (path) {
+        mrt_result result = open_or_make(&self->show, path, err);
+        if (result >= 0)
+            keep_show_path(self);
+        return result;
+    }
+    if (last && exists(last) && show_open(&self->show, last, SHOW_RECORD, &why) < 0)
+        (void)app_report(self, MRT_ERR_IO, &why);
+    if (!self->show && make_show(&self->show, &why) < 0)
+        (void)app_report(self, MRT_ERR_IO, &why);
+    keep_show_path(self);
+    return MRT_OK;
+}
+
+static void perform_as_show_says(app *self)
+{
+    error err = {0};
+    const bool had_own = app_solver(self) != NULL;
+    app_solver_read(self);
+    if (had_own || app_solver(self))
+        (void)app_report(self, live_set_solver(self->live, app_solver(self), &err), &err);
+}
+
+mrt_result app_open_show(app *self, const char *path)
+{
+    error err = {0};
+    show *opened = NULL;
+    mrt_result result = open_or_make(&opened, path, &err);
+    if (result < 0)
+        return app_report(self, result, &err);
+    app_record_finish_over(self);
+    app_drop_take(self);
+    app_forget_steps(self, NULL);
+    self->awaited = 0;
+    result = live_set_show(self->live, opened, &err);
+    if (result < 0) { /* back to the one before */
+        error again = {0};
+        (void)app_report(self, result, &err);
+        (void)app_report(self, live_set_show(self->live, self->show, &again), &again);
+        show_close(opened);
+        self->takes_are_stale = true;
+        return result;
+    }
+    show *before = self->show;
+    self->show = opened;
+    self->takes_are_stale = true;
+    self->was_recording = false;
+    keep_show_path(self);
+    perform_as_show_says(self);
+    self->had_problem = false;
+    app_say(self, MRT_LOG_INFO, "%s is open", path);
+    app_close_show(self, before);
+    return MRT_OK;
+}
+
+/* ---- faces ---- */
+
+static void free_face(face_file *made)
+{
+    face_file_destroy(made);
+    free(made);
+}
+
+static mrt_result read_face(face_file **out, const char *path, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    mrt_result result = *out ? face_file_read(*out, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err)
+                             : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
+    if (result >= 0)
+        return MRT_OK;
+    free(*out);
+    *out = NULL;
+    return result;
+}
+
+/* The notes of a face are for its maker; the panel lists them. Here their number is enough. */
+static void tell_face(app *self)
+{
+    uint32_t lines = 0;
+    for (const char *c = self->face->note; c && *c; ++c)
+        lines += *c == '\n';
+    if (lines == 1)
+        app_say(self, MRT_LOG_INFO, "%.*s", (int)strcspn(self->face->note, "\n"), self->face->note);
+    else if (lines > 1)
+        app_say(self, MRT_LOG_INFO, "the face has %u notes: see the rig panel", lines);
+}
+
+/* The stage goes over to the face, which is the application's whatever comes back. */
+static mrt_result put_face(app *self, face_file *made, const char *path)
+{
+    error err = {0};
+    char *name = strdup(path);
+    mrt_result result = name ? live_set_face(self->live, made, path, 0.0, &err)
+                             : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
+    if (result < 0) {
+        free(name);
+        free_face(made);
+        return app_report(self, result, &err);
+    }
+    free_face(self->face);
+    free(self->face_path);
+    self->face = made;
+    self->face_path = name;
+    settings_set_text(self->settings, "last.face", path);
+    return MRT_OK;
+}
+
+mrt_result app_open_face(app *self, const char *given)
+{
+    error err = {0};
+    face_file *made = NULL;
+    char *found = place_face(given), *path = found ? realpath(found, NULL) : NULL;
+    mrt_result result = read_face(&made, path ? path : given, &err);
+    if (result < 0)
+        (void)app_report(self, result, &err);
+    else
+        result = put_face(self, made, path ? path : given);
+    if (result >= 0)
+        tell_face(self);
+    free(found);
+    free(path);
+    return result;
+}
+
+mrt_result app_change_face(app *self, face_file *made)
+{
+    face_file *own = malloc(sizeof *own);
+    error err = {0};
+    if (!own) {
+        face_file_destroy(made);
+        return app_report(self, error_set(&err, MRT_ERR_MEMORY, "no memory for the face"), &err);
+    }
+    *own = *made;
+    *made = (face_file){0};
+    char *path = strdup(self->face_path);
+    mrt_result result = put_face(self, own, path ? path : "");
+    free(path);
+    return result;
+}
+
+/* ---- the first face, read beside the plugins ---- */
+
+typedef struct face_reading {
+    char path[3][APP_PATH]; /* to be tried, the best first; "": none */
+    bool must_be_first;     /* it was asked for */
+    face_file *face;
+    char *face_path;
+    mrt_result result;
+    error err, first_err;
+} face_reading;
+
+static void *read_first_face(void *data)
+{
+    face_reading *self = data;
+    self->result = error_set(&self->err, MRT_ERR_IO, "no face was found: name one with --face");
+    for (int i = 0; i < 3 && self->result < 0; ++i) {
+        if (!self->path[i][0])
+            continue;
+        char *found = place_face(self->path[i]), *real = found ? realpath(found, NULL) : NULL;
+        self->result = read_face(&self->face, real ? real : self->path[i], &self->err);
+        if (self->result >= 0)
+            self->face_path = strdup(real ? real : self->path[i]);
+        else if (!self->first_err.text[0])
+            self->first_err = self->err;
+        free(found);
+        free(real);
+        if (self->must_be_first)
+            break;
+    }
+    return NULL;
+}
+
+/* What the newest performance was performed on. */
+static void face_of_show(show *s, char out[APP_PATH])
+{
+    int64_t *ids = NULL;
+    size_t count = 0;
+    show_performance newest;
+    error err = {0};
+    out[0] = '\0';
+    if (!s || show_performance_ids(s, &ids, &count, &err) < 0)
+        return;
+    if (count && show_performance_read(s, ids[count - 1], &newest, &err) >= 0) {
+        const char *path = newest.performance.rig;
+        if (path && path[0] == '/' && strlen(path) < APP_PATH && exists(path))
+            (void)snprintf(out, APP_PATH, "%s", path);
+        show_performance_finish(&newest);
+    }
+    free(ids);
+}
+
+static void choose_faces(app *self, const app_options *options, face_reading *out)
+{
+    const char *last = settings_text(self->settings, "last.face", "");
+    out->must_be_first = options->face_path != NULL;
+    if (options->face_path) {
+        (void)snprintf(out->path[0], APP_PATH, "%s", options->face_path);
+        return;
+    }
+    face_of_show(self->show, out->path[0]);
+    if (exists(last))
+        (void)snprintf(out->path[1], APP_PATH, "%s", last);
+    (void)snprintf(out->path[2], APP_PATH, "%s", DEFAULT_FACE);
+}
+
+/* ---- the stage ---- */
+
+/* A face that the mapping does not fit is there all the same: why it does not, and which do. */
+static mrt_result open_at_rest(app *self, live_settings *with, const error *why)
+{
+    char names[400];
+    error err = {0};
+    with->mapping = "";
+    mrt_result result = live_start(&self->live, with, &err);
+    if (result < 0)
+        return result;
+    live_list_fitting(self->live, names, sizeof names);
+    app_say(self, MRT_LOG_ERROR, "%s. At rest; these fit it: %s", why->text,
+            names[0] ? names : "none that there is");
+    return MRT_OK;
+}
+
+static mrt_result start_live(app *self, const char *mapping, error *err)
+{
+    const char *last = settings_text(self->settings, "last.mapping", DEFAULT_MAPPING);
+    live_settings with = {.plugins = &self->plugins,
+                          .log = self->log,
+                          .show = self->show,
+                          .face = self->face,
+                          .face_path = self->face_path,
+                          .mapping = mapping ? mapping : last,
+                          .sound = self->sound,
+                          .solver = app_solver(self),
+                          .fps = 60.0};
+    error ignored = {0};
+    mrt_result result = live_start(&self->live, &with, err);
+    if (result >= 0)
+        return result;
+    if (mapping && live_check_mapping(&with, mapping, &ignored) < 0)
+        return result;
+    if (!mapping && strcmp(last, DEFAULT_MAPPING) != 0) {
+        /* What was kept may name a plugin that is gone: the stage opens all the same. */
+        (void)app_report(self, result, err);
+        with.mapping = DEFAULT_MAPPING;
+        result = live_start(&self->live, &with, err);
+    }
+    if (result >= 0)
+        return result;
+    return open_at_rest(self, &with, err) < 0 ? result : MRT_OK;
+}
+
+/* What the command line names, once its libraries are loaded: see plugin_list_choose_spec. */
+typedef struct chosen {
+    char *mapping; /* NULL: none was named */
+    char *input[INPUT_OPENER_MAX];
+    uint32_t input_count;
+} chosen;
+
+static void chosen_finish(chosen *self)
+{
+    free(self->mapping);
+    for (uint32_t i = 0; i < self->input_count; ++i)
+        free(self->input[i]);
+}
+
+/* Before the folders are looked through: a library that the person names hides others of its id. */
+static mrt_result choose(app *self, const app_options *options, chosen *out, error *err)
+{
+    *out = (chosen){NULL, {NULL}, 0};
+    for (uint32_t i = 0; i < options->input_count && out->input_count < INPUT_OPENER_MAX; ++i) {
+        error why = {0};
+        char **one = &out->input[out->input_count];
+        if (plugin_list_choose_spec(&self->plugins, options->inputs[i], MRT_INPUT, one, &why) >= 0)
+            out->input_count += 1;
+        else
+            (void)app_report(self, MRT_ERR_ARGUMENT, &why);
+    }
+    if (!options->mapping)
+        return MRT_OK;
+    return plugin_list_choose_spec(&self->plugins, options->mapping, MRT_MAPPING, &out->mapping,
+                                   err);
+}
+
+static void start_inputs(app *self, const app_options *options, const chosen *named)
+{
+    const char *kept[INPUT_OPENER_MAX];
+    uint32_t count = 0;
+    error err = {0};
+    if (options->inputs) {
+        for (; count < named->input_count; ++count)
+            kept[count] = named->input[count];
+        if (count)
+            (void)app_report(self, input_opener_open(self->inputs, kept, count, false, &err), &err);
+        return;
+    }
+    for (uint32_t i = 0; i < INPUT_OPENER_MAX; ++i) {
+        char key[24];
+        (void)snprintf(key, sizeof key, "inputs.%u", i);
+        kept[count] = settings_text(self->settings, key, NULL);
+        count += kept[count] != NULL;
+    }
+    (void)app_report(self, input_opener_open(self->inputs, kept, count, true, &err), &err);
+}
+
+static mrt_result load_face_and_plugins(app *self, const app_options *options, error *err)
+{
+    face_reading reading = {.face = NULL};
+    pthread_t thread;
+    choose_faces(self, options, &reading);
+    const bool is_beside = pthread_create(&thread, NULL, read_first_face, &reading) == 0;
+    mrt_result result = plugin_list_load(&self->plugins, err);
+    if (is_beside)
+        (void)pthread_join(thread, NULL);
+    else
+        (void)read_first_face(&reading);
+    self->face = reading.face;
+    self->face_path = reading.face_path;
+    if (result < 0)
+        return result;
+    if (reading.result < 0 || !self->face_path)
+        return error_set(err, reading.result < 0 ? reading.result : MRT_ERR_MEMORY, "%s",
+                         reading.first_err.text[0] ? reading.first_err.text : reading.err.text);
+    if (reading.first_err.text[0])
+        (void)app_report(self, MRT_ERR_IO, &reading.first_err);
+    return MRT_OK;
+}
+
+/* The show, the face and what else is there at the start. */
+static mrt_result app_open_first(app *self, const app_options *options, error *err)
+{
+    chosen named = {NULL, {NULL}, 0};
+    mrt_result result = open_first_show(self, options->show_path, err);
+    if (result >= 0) {
+        app_solver_read(self);
+        result = choose(self, options, &named, err);
+    }
+    if (result >= 0)
+        result = load_face_and_plugins(self, options, err);
+    if (result >= 0)
+        result = start_live(self, named.mapping, err);
+    if (result < 0)
+        goto done;
+    for (uint32_t i = 0; i < self->plugins.refusal_count; ++i)
+        app_say(self, MRT_LOG_INFO, "%s is not loaded: %s", self->plugins.refusal[i].path,
+                self->plugins.refusal[i].reason);
+    settings_set_text(self->settings, "last.face", self->face_path);
+    tell_face(self);
+    start_inputs(self, options, &named);
+done:
+    chosen_finish(&named);
+    return result;
+}
+
+/* Before the frame thread has published anything. */
+static const live_view nothing_yet;
+
+/* ---- saying things ---- */
+
+mrt_result app_report(app *self, mrt_result result, const error *err)
+{
+    if (result < 0)
+        news_list_add(self->news, MRT_LOG_ERROR, "stage", err->text);
+    return result;
+}
+
+void app_say(app *self, int32_t level, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    news_list_add(self->news, level, "stage", text);
+}
+
+/* ---- life ---- */
+
+static mrt_result make_parts(app *self, const app_options *options, error *err)
+{
+    char note[1024];
+    mrt_result result =
+        settings_open(&self->settings, options->settings_path, note, sizeof note, err);
+    if (result < 0)
+        return result;
+    self->log = log_queue_create();
+    self->news = news_list_create();
+    self->exports = exporter_create();
+    self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
+    if (!self->log || !self->news || !self->exports || !self->inputs)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    if (note[0])
+        app_say(self, MRT_LOG_WARNING, "%s", note);
+    if (options->note && options->note[0])
+        app_say(self, MRT_LOG_WARNING, "%s", options->note);
+    app_looks_read(self);
+    return MRT_OK;
+}
+
+mrt_result app_create(app **out, const app_options *options, error *err)
+{
+    *out = NULL;
+    app *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    self->view = &nothing_yet;
+    self->choice.marker = -1;
+    self->sound = options->sound;
+    mrt_result result = make_parts(self, options, err);
+    if (result >= 0)
+        result = app_open_first(self, options, err);
+    if (result < 0) {
+        app_destroy(self);
+        return result;
+    }
+    self->keeps_settings = true;
+    self->takes_are_stale = true;
+    app_update(self, 0.0);
+    *out = self;
+    return MRT_OK;
+}
+
+/* Whoever is left to hear it sees it in a terminal: the window is gone. */
+static void end_live(app *self)
+{
+    error err = {0};
+    if (self->live && live_stop(self->live, &err) < 0)
+        fprintf(stderr, "marotte: %s\n", err.text);
+    self->live = NULL;
+    self->view = &nothing_yet;
+}
+
+void app_destroy(app *self)
+{
+    if (!self)
+        return;
+    if (self->keeps_settings)
+        app_keep_settings_now(self);
+    input_opener_destroy(self->inputs);
+    exporter_destroy(self->exports);
+    app_record_finish_over(self);
+    app_drop_take(self);
+    end_live(self);
+    app_close_show(self, self->show);
+    face_file_destroy(self->face);
+    free(self->face);
+    free(self->face_path);
+    free(self->line);
+    free(self->key);
+    settings_close(self->settings);
+    news_list_destroy(self->news);
+    log_queue_destroy(self->log);
+    plugin_list_destroy(&self->plugins);
+    free(self);
+}
+
+/* ---- each frame ---- */
+
+/* None joins a take that is being recorded: it comes when that has ended. */
+static void take_inputs(app *self)
+{
+    input_opened one;
+    live_status_of(self->live, &self->status);
+    while (!self->status.is_recording && input_opener_take(self->inputs, &one)) {
+        mrt_result result = MRT_ERR_IO;
+        if (one.input)
+            result = live_add_input(self->live, one.input, one.text, &one.err);
+        self->input_trouble = result < 0 ? one.err : (error){""};
+        (void)app_report(self, result, &one.err);
+    }
+}
+
+static void report_exports(app *self)
+{
+    mrt_result result;
+    char text[2048];
+    while (exporter_ended(self->exports, &result, text, sizeof text)) {
+        self->exports_failed += result < 0;
+        app_say(self, result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "%s", text);
+    }
+}
+
+uint32_t app_exports_failed(const app *self)
+{
+    return self->exports_failed;
+}
+
+void app_update(app *self, double dt_s)
+{
+    const live_view *newest = NULL;
+    take_inputs(self);
+    live_update(self->live);
+    (void)live_look(self->live, &newest);
+    if (newest)
+        self->view = newest;
+    live_status_of(self->live, &self->status);
+    app_record_update(self);
+    report_exports(self);
+    app_takes_update(self, dt_s);
+    news_list_update(self->news, self->log, dt_s);
+    if (self->keeps_settings)
+        app_keep_settings(self, dt_s);
+}
+
+/* ---- inputs ---- */
+
+mrt_result app_open_input(app *self, const char *text)
+{
+    char *spec;
+    self->input_trouble = (error){""};
+    mrt_result result =
+        plugin_list_choose_spec(&self->plugins, text, MRT_INPUT, &spec, &self->input_trouble);
+    const char *const one = spec;
+    if (result >= 0)
+        result = input_opener_open(self->inputs, &one, 1, false, &self->input_trouble);
+    free(spec);
+    return app_report(self, result, &self->input_trouble);
+}
+
+uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX])
+{
+    return input_opener_going(self->inputs, out);
+}
+
+void app_give_up_opening(app *self, uint64_t id)
+{
+    input_opener_give_up(self->inputs, id);
+}
+
+const char *app_opening_trouble(const app *self)
+{
+    return self->input_trouble.text;
+}
+
+/* ---- what there is ---- */
+
+const plugin_list *app_plugins(app *self)
+{
+    return &self->plugins;
+}
+
+log_queue *app_log(app *self)
+{
+    return self->log;
+}
+
+live *app_live(app *self)
+{
+    return self->live;
+}
+
+const live_view *app_view(const app *self)
+{
+    return self->view;
+}
+
+const live_status *app_status(const app *self)
+{
+    return &self->status;
+}
+
+const face_file *app_face(const app *self)
+{
+    return self->face;
+}
+
+const char *app_face_path(const app *self)
+{
+    return self->face_path;
+}
+
+show *app_show(app *self)
+{
+    return self->show;
+}
+
+settings *app_settings(app *self)
+{
+    return self->settings;
+}
+
+news_list *app_news(app *self)
+{
+    return self->news;
+}
+
+app_choice *app_chosen(app *self)
+{
+    return &self->choice;
+}
+
+struct viewport *app_viewport(app *self)
+{
+    return self->viewport;
+}
+
+void app_set_viewport(app *self, struct viewport *v)
+{
+    self->viewport = v;
+}
+
+void app_note_figures(app *self, const app_figures *figures)
+{
+    self->figures = *figures;
+}
+
+const app_figures *app_figures_of(const app *self)
+{
+    return &self->figures;
+}
+
+void app_set_unsaved(app *self, const app_unsaved *unsaved)
+{
+    self->has_unsaved = unsaved != NULL;
+    if (unsaved)
+        self->unsaved = *unsaved;
+}
+
+const app_unsaved *app_unsaved_now(const app *self)
+{
+    return self->has_unsaved ? &self->unsaved : NULL;
+}
+
+mrt_result app_export_take(app *self, const export_request *request)
+{
+    error err = {0};
+    if (!self->chosen || !self->show)
+        return app_report(
+            self, error_set(&err, MRT_ERR_ARGUMENT, "choose the take that is to be exported"),
+            &err);
+    const mrt_result result = exporter_begin(self->exports, show_path(self->show), self->chosen,
+                                             self->face_path, request, &err);
+    if (result >= 0)
+        app_say(self, MRT_LOG_INFO, "exporting %s", request->file);
+    return app_report(self, result, &err);
+}
+
+uint32_t app_exports_going(const app *self)
+{
+    return exporter_count(self->exports);
+}
+
+export_progress app_export_now(const app *self, uint32_t index)
+{
+    return exporter_at(self->exports, index);
+}
+
+void app_cancel_export(app *self, uint32_t index)
+{
+    exporter_cancel(self->exports, index);
+}
+
+/* ---- actions: whether each can be done now, and who does it ---- */
+
+static const char *why_no_record(const app *self)
+{
+    if (self->status.is_recording || self->status.can_record)
+        return NULL;
+    return self->status.why_not[0] ? self->status.why_not : "nothing can be recorded now";
+}
+
+static const char *why_no_keep(const app *self)
+{
+    const char *why = why_no_record(self);
+    if (why)
+        return why;
+    return self->status.journal_ns > 0 ? NULL : "nothing was performed yet";
+}
+
+static const char *why_no_transport(const app *self, action of)
+{
+    if (self->status.is_recording)
+        return "a take is being recorded: end it first";
+    if (of == ACTION_TAKE_BEFORE || of == ACTION_TAKE_NEXT)
+        return self->line_count ? NULL : "there is no take yet";
+    if (!self->history)
+        return "no take is chosen";
+    if (of == ACTION_STOP && self->view->mode == LIVE_PERFORMS)
+        return "no take is on the stage";
+    return NULL;
+}
+
+/* NULL: it can be done. */
+static const char *why_not(app *self, action of)
+{
+    switch (of) {
+    case ACTION_RECORD:
+        return why_no_record(self);
+    case ACTION_KEEP:
+        return why_no_keep(self);
+    case ACTION_MARK:
+        return self->view->mode == LIVE_PERFORMS ? why_no_record(self) : app_edit_why_not(self, of);
+    case ACTION_LIVE:
+        return self->view->mode == LIVE_PERFORMS ? "the live hands are on the stage" : NULL;
+    case ACTION_SOUND_ARM:
+        return self->status.is_recording ? "a take is being recorded: end it first" : NULL;
+    case ACTION_UNDO:
+        return app_can_undo(self) ? NULL : "there is nothing to undo";
+    case ACTION_REDO:
+        return app_can_redo(self) ? NULL : "there is nothing to do again";
+    case ACTION_EXPORT:
+        return self->chosen ? NULL : "no take is chosen";
+    case ACTION_NONE:
+    case ACTION_COUNT:
+        return "";
+    default:
+        break;
+    }
+    const action_group group = action_of(of)->group;
+    if (group == ACTION_TRANSPORT)
+        return why_no_transport(self, of);
+    return group == ACTION_EDIT ? app_edit_why_not(self, of) : NULL;
+}
+
+bool app_can(app *self, action of, const char **out_why_not)
+{
+    const char *why = why_not(self, of);
+    if (out_why_not)
+        *out_why_not = why ? why : "";
+    return why == NULL;
+}
+
+/* ---- doing ---- */
+
+static void arm_sound(app *self)
+{
+    error err = {0};
+    if (self->status.is_sound_armed)
+        live_disarm_sound(self->live);
+    else
+        (void)app_report(self, live_arm_sound(self->live, 1, &err), &err);
+}
+
+static void do_performance(app *self, action of)
+{
+    switch (of) {
+    case ACTION_RECORD:
+        app_record_toggle(self);
+        break;
+    case ACTION_KEEP:
+        app_keep(self);
+        break;
+    case ACTION_MARK:
+        app_mark(self);
+        break;
+    case ACTION_NEUTRAL:
+        live_neutral(self->live);
+        break;
+    case ACTION_REZERO:
+        live_rezero(self->live);
+        break;
+    case ACTION_LIVE:
+        live_show_hands(self->live);
+        break;
+    case ACTION_HAND_KEYS:
+        self->has_hand_keys = !self->has_hand_keys;
+        break;
+    default:
+        break;
+    }
+}
+
+/* The switch of the looks that an action is; NULL: it is none. */
+static bool *switch_of(app_looks *looks, action of)
+{
+    switch (of) {
+    case ACTION_VIEW_MIRROR:
+        return &looks->is_mirrored;
+    case ACTION_VIEW_TURNTABLE:
+        return &looks->is_turning;
+    case ACTION_SHOW_HANDS:
+        return &looks->shows_hands;
+    case ACTION_SHOW_VECTORS:
+        return &looks->shows_vectors;
+    case ACTION_SHOW_SUPPORTS:
+        return &looks->shows_supports;
+    case ACTION_SHOW_CONTACTS:
+        return &looks->shows_contacts;
+    case ACTION_SHOW_JAW:
+        return &looks->shows_jaw;
+    case ACTION_OUTPUT:
+        return &looks->has_output;
+    case ACTION_OUTPUT_MIRROR:
+        return &looks->is_output_mirrored;
+    case ACTION_FACE_ONLY:
+        return &looks->is_face_only;
+    case ACTION_TIMELINE:
+        return &looks->has_timeline;
+    case ACTION_HELP:
+        return &looks->is_helping;
+    default:
+        return NULL;
+    }
+}
+
+static void do_look(app *self, action of)
+{
+    app_looks *looks = &self->looks;
+    bool *value = switch_of(looks, of);
+    if (value) {
+        *value = !*value;
+        if (of == ACTION_TIMELINE && *value)
+            looks->is_face_only = false;
+    } else if (of == ACTION_HEAT_NEXT) {
+        looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
+    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_LOG) {
+        looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
+        looks->is_face_only = false;
+    } else if (of == ACTION_QUIT) {
+        self->wants_to_quit = true;
+    } else {
+        self->asked[of] = true;
+    }
+}
+
+void app_do(app *self, action of)
+{
+    const char *why = "";
+    if (!app_can(self, of, &why)) {
+        if (why[0])
+            app_say(self, MRT_LOG_INFO, "%s: %s", action_of(of)->title, why);
+        return;
+    }
+    if (of == ACTION_UNDO)
+        app_reported(app_undo(self));
+    else if (of == ACTION_REDO)
+        app_reported(app_redo(self));
+    else if (of == ACTION_SOUND_ARM)
+        arm_sound(self);
+    else if (of == ACTION_EXPORT)
+        self->asked[of] = true;
+    else if (of == ACTION_DUPLICATE)
+        app_reported(app_duplicate_take(self, self->chosen));
+    else if (action_of(of)->group == ACTION_PERFORMANCE)
+        do_performance(self, of);
+    else if (action_of(of)->group == ACTION_TRANSPORT)
+        app_play_do(self, of);
+    else if (action_of(of)->group == ACTION_EDIT)
+        app_edit_do(self, of);
+    else
+        do_look(self, of);
+}
+
+bool app_take_request(app *self, action of)
+{
+    const bool was_asked = self->asked[of];
+    self->asked[of] = false;
+    return was_asked;
+}
+
+bool app_wants_to_quit(const app *self)
+{
+    return self->wants_to_quit;
+}
+
+void app_stay(app *self)
+{
+    self->wants_to_quit = false;
+}
+
+bool app_has_hand_keys(const app *self)
+{
+    return self->has_hand_keys;
+}

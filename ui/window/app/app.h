@@ -1,0 +1,199 @@
+/* window/app/app.h - what the window is about, without its looks: the show, the face, the stage,
+ * the take that is chosen, and what a person can do to them. Panels read it and call its functions;
+ * a test drives it with no window. Leaves out drawing (the panels) and contexts (window.h). [main]
+ */
+#ifndef MAROTTE_UI_WINDOW_APP_APP_H
+#define MAROTTE_UI_WINDOW_APP_APP_H
+#include "stage/live.h"
+#include "take/history.h"
+#include "window/app/action.h"
+#include "window/app/news_list.h"
+#include "window/app/settings.h"
+#include "window/app/input_opener.h"
+
+typedef struct app app;
+
+typedef struct app_options {
+    const char *show_path;     /* NULL: the last one, or a new one in the documents folder */
+    const char *face_path;     /* NULL: the show's, the last one, the puppet */
+    const char *mapping;       /* NULL: as last time, or one_hand */
+    const char *const *inputs; /* NULL: what is plugged in */
+    uint32_t input_count;
+    const char *settings_path;  /* NULL: the user's; "": none is read or written */
+    const char *note;           /* said to the person at the start; NULL: nothing */
+    const sound_backend *sound; /* NULL: PortAudio */
+} app_options;
+
+CHECKED mrt_result app_create(app **out, const app_options *options, error *err);
+/* A take that is being recorded is kept; settings are written. */
+void app_destroy(app *self);
+/* Once a frame, before panels are drawn. */
+void app_update(app *self, double dt_s);
+
+/* ---- what there is ---- */
+
+const plugin_list *app_plugins(app *self);
+log_queue *app_log(app *self);
+live *app_live(app *self);
+const live_view *app_view(const app *self);     /* never NULL; of this frame */
+const live_status *app_status(const app *self); /* of this frame */
+const face_file *app_face(const app *self);
+const char *app_face_path(const app *self);
+show *app_show(app *self); /* NULL: none could be opened */
+settings *app_settings(app *self);
+news_list *app_news(app *self); /* what was said, for the log panel and the last line */
+
+/* ---- what is done: errors are said in the news and come back ---- */
+
+CHECKED mrt_result app_open_show(app *self, const char *path);
+CHECKED mrt_result app_open_face(app *self, const char *path);
+/* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
+ * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
+CHECKED mrt_result app_change_face(app *self, face_file *face);
+
+/* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1": opened beside the window; it joins the stage
+ * when it is open, behind a take that is being recorded. What goes wrong then is said in the news
+ * and by app_opening_trouble. */
+CHECKED mrt_result app_open_input(app *self, const char *text);
+uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX]);
+void app_give_up_opening(app *self, uint64_t id);
+/* Why the last one that came did not join; "" it did. */
+const char *app_opening_trouble(const app *self);
+
+/* As a file for other programs, in a process beside the window; the news say how it ended. */
+struct export_request;
+CHECKED mrt_result app_export_take(app *self, const struct export_request *request);
+uint32_t app_exports_going(const app *self);
+uint32_t app_exports_failed(const app *self); /* of this run; not those that were cancelled */
+/* app_export.h: index 0..app_exports_going - 1. */
+struct export_progress app_export_now(const app *self, uint32_t index);
+void app_cancel_export(app *self, uint32_t index);
+
+/* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
+ * said in the news. */
+const csrbf_settings *app_solver(const app *self);
+CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
+
+/* ---- the take that is chosen ---- */
+
+typedef struct app_take_line { /* of the list; what was deleted can be restored */
+    int64_t id;
+    char title[200]; /* "1/a 3 night ride" */
+    char note[512];
+    uint32_t rating;
+    int64_t duration_ns, created_ns;
+    bool is_recording, is_deleted;
+} app_take_line;
+uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; until the
+                                                                            next update */
+int64_t app_take_id(const app *self);                           /* 0: none */
+CHECKED mrt_result app_choose_take(app *self, int64_t id);      /* 0: none; shows it on the stage */
+const take *app_take(const app *self); /* NULL: none; until the next edit */
+/* Of the chosen take, which comes to the stage if it is not there. Nothing while one is recorded.
+ */
+void app_seek(app *self, int64_t at_ns);
+void app_set_range(app *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
+uint64_t app_take_edition(const app *self);                   /* grows with each change of it */
+/* The copy is chosen, and on the stage if that one was; one step of undo. */
+CHECKED mrt_result app_duplicate_take(app *self, int64_t id);
+/* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
+const history *app_history(const app *self);
+/* Undoes or redoes until its edit `head` is the last in force; 0: as it was recorded. */
+CHECKED mrt_result app_history_go(app *self, int64_t head);
+/* Several edits that are one step of undo. */
+CHECKED mrt_result app_edit(app *self, const edit *e);
+CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count);
+/* Another take than the chosen one (rating, name in the list). */
+CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
+/* Of the chosen take, and of everything else that is done in the window. "trim 'mouth' ..."; "". */
+const char *app_undo_words(const app *self);
+const char *app_redo_words(const app *self);
+/* A step that somebody else undoes and redoes: a parameter, a rig. `self` of the step must stay
+ * valid until app_forget_steps(owner). */
+typedef struct app_step {
+    void *owner;
+    char words[EDIT_TEXT];
+    void (*undo)(void *owner, uint64_t number);
+    void (*redo)(void *owner, uint64_t number);
+    uint64_t number; /* the owner's */
+} app_step;
+void app_did(app *self, const app_step *step);
+void app_forget_steps(app *self, const void *owner);
+
+/* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and
+ * before the program ends or another face is opened the person is asked: save, leave it, stay. */
+typedef struct app_unsaved {
+    void *owner;
+    char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
+    mrt_result (*save)(void *owner, error *err);
+    void (*leave)(void *owner); /* it is given up */
+} app_unsaved;
+void app_set_unsaved(app *self, const app_unsaved *unsaved); /* copied; NULL: none */
+const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
+
+/* What is chosen on the timeline: for split, remove, mute. */
+typedef struct app_choice {
+    uint32_t layer, clip; /* ids; 0: none */
+    int32_t marker;       /* -1: none */
+    uint32_t armed;       /* layer that recording over the take goes into (live_over.into_layer); 0:
+                             a new one */
+} app_choice;
+app_choice *app_chosen(app *self);
+
+/* ---- how fast the window is: the workspace says it some times a second, the engine panel shows it
+ * ----
+ */
+
+typedef struct app_figures {
+    double panels_p50_ms, panels_p99_ms;     /* CPU time of all panels, without the face */
+    double interval_p50_ms, interval_p99_ms; /* from one drawn frame to the next */
+    double draw_p50_ms, draw_p99_ms;         /* of that: until it is handed to the screen */
+    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
+} app_figures;
+void app_note_figures(app *self, const app_figures *figures);
+const app_figures *app_figures_of(const app *self); /* never NULL; zeroes at first */
+
+/* ---- actions ---- */
+
+typedef enum app_heat {
+    APP_HEAT_NONE = 0,
+    APP_HEAT_WEIGHTS,
+    APP_HEAT_MOBILITY,
+    APP_HEAT_STRAIN,
+    APP_HEAT_PENETRATION,
+    APP_HEATS
+} app_heat;
+typedef enum app_panel {
+    APP_DEVICES = 0,
+    APP_MAPPING,
+    APP_RIG,
+    APP_ENGINE,
+    APP_LOG,
+    APP_PANELS
+} app_panel;
+typedef struct app_looks { /* how it is shown; kept between runs */
+    bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw;
+    bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
+    bool has_output, is_output_mirrored;
+    bool is_painting; /* not kept: the brush is on, [ and ] are its size */
+    app_heat heat;
+    app_panel panel;
+    float timeline_height, dock_width;
+} app_looks;
+app_looks *app_looks_of(app *self);
+/* What actions ask of the window and the panels, taken by them: true once. */
+bool app_take_request(app *self, action of);
+
+bool app_can(app *self, action of, const char **out_why_not);
+void app_do(app *self, action of);
+bool app_wants_to_quit(const app *self);
+void app_stay(app *self);                /* it is not to be quit after all */
+bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
+
+/* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
+ * panel alone). */
+struct viewport;
+struct viewport *app_viewport(app *self);
+void app_set_viewport(app *self, struct viewport *v);
+
+#endif

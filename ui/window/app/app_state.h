@@ -1,0 +1,124 @@
+/* window/app/app_state.h - what an application is made of, for its two files: app.c is what there
+ * is and what is opened, app_takes.c what is done to takes. Nobody else includes it. [main] */
+#ifndef MAROTTE_UI_WINDOW_APP_APP_STATE_H
+#define MAROTTE_UI_WINDOW_APP_APP_STATE_H
+#include "window/app/app.h"
+#include "window/app/exporter.h"
+
+#include "take/edit_store.h"
+
+enum { APP_UNDO_MAX = 256, APP_PATH = 4096 };
+
+/* One line of undo: so many edits of a take, or somebody else's step. */
+typedef struct app_done {
+    char words[EDIT_TEXT];
+    int64_t take; /* 0: somebody else's */
+    int64_t head_before, head_after;
+    int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
+    app_step step;
+} app_done;
+
+/* What a take looked like when its line was made: it is folded again when that is no more so. */
+typedef struct app_take_key {
+    int32_t edit_head, edit_count;
+    bool is_recording, is_stale;
+    bool is_told; /* that it cannot be read */
+} app_take_key;
+
+struct app {
+    plugin_list plugins;
+    log_queue *log;
+    news_list *news;
+    settings *settings;
+    const sound_backend *sound;
+
+    show *show;
+    face_file *face;
+    char *face_path;
+    live *live;
+    const live_view *view;
+    live_status status;
+
+    csrbf_settings solver; /* radius 0: the rig's */
+    bool has_solver;       /* false: all of it is the rig's */
+
+    /* ---- takes ---- */
+    app_take_line *line;
+    app_take_key *key;
+    uint32_t line_count, line_room;
+    bool takes_are_stale, takes_failed; /* failed: it was said */
+    edit_store *store;                  /* of the take that is chosen; NULL: none */
+    history *history;
+    int64_t chosen;
+    uint64_t edition;
+    app_choice choice;
+    int64_t awaited;      /* a take that the writer has not got to yet; 0: none */
+    bool awaited_is_kept; /* from the journal; else it was recorded */
+    double awaited_s;
+    int64_t noted; /* what is not as it was recorded has been said of it */
+
+    /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
+    app_done done[APP_UNDO_MAX];
+    uint32_t done_count, all_count;
+
+    /* ---- recording and playing ---- */
+    bool was_recording, had_problem;
+    int64_t over_take; /* that is performed over; 0: none */
+    int64_t played_from_ns;
+
+    /* ---- looks and requests ---- */
+    app_looks looks, looks_kept;
+    bool asked[ACTION_COUNT];
+    bool wants_to_quit, has_hand_keys, keeps_settings;
+    struct viewport *viewport;
+    app_figures figures;
+    app_unsaved unsaved;
+    bool has_unsaved;
+    double settings_wait_s;
+    bool settings_failed; /* it was said */
+
+    input_opener *inputs; /* that are being opened */
+    error input_trouble;
+    exporter *exports;
+    uint32_t exports_failed;
+};
+
+/* ---- app.c ---- */
+
+/* An error is said in the news, once; the result comes back. */
+mrt_result app_report(app *self, mrt_result result, const error *err);
+__attribute__((format(printf, 3, 4))) void app_say(app *self, int32_t level, const char *format,
+                                                   ...);
+
+/* What failed is in the news: there is nothing more to do about it here. */
+static inline void app_reported(mrt_result result)
+{
+    (void)result;
+}
+
+/* ---- app_takes.c ---- */
+
+void app_takes_update(app *self, double dt_s);
+void app_drop_take(app *self); /* none is chosen */
+CHECKED mrt_result app_undo(app *self);
+CHECKED mrt_result app_redo(app *self);
+bool app_can_undo(const app *self);
+bool app_can_redo(const app *self);
+
+void app_record_update(app *self);
+/* Of a show whose file was taken away under it all is saved beside; closes it. NULL is fine. */
+void app_close_show(app *self, show *of);
+/* What is performed over a take ends, and becomes a part of it while its show is there. */
+void app_record_finish_over(app *self);
+void app_record_toggle(app *self);
+void app_keep(app *self);
+void app_mark(app *self);
+
+/* The transport. */
+void app_play_do(app *self, action of);
+
+/* What the edit actions do to what is chosen. */
+const char *app_edit_why_not(app *self, action of); /* NULL: it can be done */
+void app_edit_do(app *self, action of);
+
+#endif

@@ -1,0 +1,1170 @@
+/* What a person does to takes: the list, the one that is chosen, its edits with undo and redo, the
+ * transport, recording. */
+#include "window/app/app_state.h"
+
+#include "base/clock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* ---- undo: edits of takes, which are kept in the show, and the steps of panels ---- */
+
+static void drop(app *self, uint32_t index)
+{
+    memmove(&self->done[index], &self->done[index + 1],
+            (self->all_count - index - 1) * sizeof self->done[0]);
+    self->all_count -= 1;
+    if (index < self->done_count)
+        self->done_count -= 1;
+}
+
+static void put(app *self, const app_done *step)
+{
+    self->all_count = self->done_count;
+    if (self->done_count == APP_UNDO_MAX)
+        drop(self, 0);
+    self->done[self->done_count++] = *step;
+    self->all_count = self->done_count;
+}
+
+/* ---- steps of takes ---- */
+
+/* An edit that is made after an undo abandons the edits behind it: no step leads there any more. */
+static void forget_abandoned(app *self, int64_t id, int64_t head)
+{
+    for (uint32_t i = self->all_count; i > 0; --i) {
+        const app_done *step = &self->done[i - 1];
+        if (step->take == id && (step->head_before > head || step->head_after > head))
+            drop(self, i - 1);
+    }
+}
+
+static app_done step_of(const app *self, int64_t before, int64_t after)
+{
+    app_done out = {.take = self->chosen, .head_before = before, .head_after = after};
+    const int64_t told = after > before ? after : before;
+    (void)snprintf(out.words, sizeof out.words, "%s", history_words(self->history, told));
+    return out;
+}
+
+static void app_undo_note_take(app *self, int64_t head_before)
+{
+    const int64_t head = history_head(self->history);
+    const app_done step = step_of(self, head_before, head);
+    if (head > head_before)
+        forget_abandoned(self, self->chosen, head_before);
+    put(self, &step);
+}
+
+/* The chosen take is a copy of that one, and was made just now. */
+static void app_undo_note_copy(app *self, int64_t of, const char *words)
+{
+    app_done step = {.take = self->chosen, .head_after = 1, .copied_from = of};
+    (void)snprintf(step.words, sizeof step.words, "%s", words);
+    put(self, &step);
+}
+
+/* In the list, and on the stage if the chosen one is. */
+static mrt_result app_choose_instead(app *self, int64_t id);
+
+/* After each change of the chosen take: the list and the stage follow. */
+static void app_take_changed(app *self);
+
+/* Brings the step's take to an edit; it is chosen then. */
+static mrt_result go(app *self, const app_done *step, int64_t head)
+{
+    error err = {0};
+    mrt_result result = MRT_OK;
+    if (step->take != self->chosen)
+        result = app_choose_take(self, step->take);
+    if (result < 0)
+        return result;
+    result = history_go(self->history, head, &err);
+    app_take_changed(self);
+    if (result >= 0 && step->copied_from && head == step->head_before)
+        result = app_choose_instead(self, step->copied_from);
+    return app_report(self, result, &err);
+}
+
+/* ---- steps of others ---- */
+
+void app_did(app *self, const app_step *step)
+{
+    app_done one = {.step = *step};
+    (void)snprintf(one.words, sizeof one.words, "%s", step->words);
+    put(self, &one);
+}
+
+void app_forget_steps(app *self, const void *owner)
+{
+    for (uint32_t i = self->all_count; i > 0; --i) {
+        const app_done *step = &self->done[i - 1];
+        if (owner ? step->take == 0 && step->step.owner == owner : step->take != 0)
+            drop(self, i - 1);
+    }
+}
+
+/* ---- back and forth ---- */
+
+/* Of the chosen take, made before this run. */
+static bool has_older(const app *self)
+{
+    return self->done_count == 0 && self->history && history_head(self->history) > 0 &&
+           show_is_writable(self->show);
+}
+
+static bool has_newer(const app *self)
+{
+    return self->done_count == self->all_count && self->history &&
+           history_head(self->history) < history_last(self->history) &&
+           show_is_writable(self->show);
+}
+
+bool app_can_undo(const app *self)
+{
+    return self->done_count > 0 || has_older(self);
+}
+
+bool app_can_redo(const app *self)
+{
+    return self->done_count < self->all_count || has_newer(self);
+}
+
+/* As if it had been done in this run. */
+static mrt_result undo_older(app *self)
+{
+    const int64_t head = history_head(self->history);
+    const app_done step = step_of(self, head - 1, head);
+    mrt_result result = go(self, &step, head - 1);
+    if (result < 0)
+        return result;
+    if (self->all_count == APP_UNDO_MAX)
+        self->all_count -= 1;
+    memmove(&self->done[1], &self->done[0], self->all_count * sizeof self->done[0]);
+    self->done[0] = step;
+    self->all_count += 1;
+    return MRT_OK;
+}
+
+mrt_result app_undo(app *self)
+{
+    if (has_older(self))
+        return undo_older(self);
+    if (self->done_count == 0)
+        return MRT_END;
+    const app_done step = self->done[self->done_count - 1];
+    self->done_count -= 1;
+    if (step.take)
+        return go(self, &step, step.head_before);
+    step.step.undo(step.step.owner, step.step.number);
+    return MRT_OK;
+}
+
+mrt_result app_redo(app *self)
+{
+    if (has_newer(self)) {
+        const int64_t head = history_head(self->history);
+        const app_done step = step_of(self, head, head + 1);
+        mrt_result result = go(self, &step, head + 1);
+        if (result >= 0)
+            put(self, &step);
+        return result;
+    }
+    if (self->done_count == self->all_count)
+        return MRT_END;
+    const app_done step = self->done[self->done_count];
+    self->done_count += 1;
+    if (step.take)
+        return go(self, &step, step.head_after);
+    step.step.redo(step.step.owner, step.step.number);
+    return MRT_OK;
+}
+
+const char *app_undo_words(const app *self)
+{
+    if (self->done_count > 0)
+        return self->done[self->done_count - 1].words;
+    return has_older(self) ? history_words(self->history, history_head(self->history)) : "";
+}
+
+const char *app_redo_words(const app *self)
+{
+    if (self->done_count < self->all_count)
+        return self->done[self->done_count].words;
+    return has_newer(self) ? history_words(self->history, history_head(self->history) + 1) : "";
+}
+
+/* ---- the list of takes, and the one that is chosen ---- */
+
+#define AWAITED_S 10.0
+
+/* ---- the list ---- */
+
+static mrt_result make_room(app *self, size_t count, error *err)
+{
+    if (count <= self->line_room)
+        return MRT_OK;
+    const size_t room = count + 32;
+    app_take_line *line = realloc(self->line, room * sizeof *line);
+    if (line)
+        self->line = line;
+    app_take_key *key = realloc(self->key, room * sizeof *key);
+    if (key)
+        self->key = key;
+    if (!line || !key)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the list of takes");
+    self->line_room = (uint32_t)room;
+    return MRT_OK;
+}
+
+static void fill_line(app_take_line *out, const take *t)
+{
+    *out = (app_take_line){.id = t->id,
+                           .rating = t->rating,
+                           .duration_ns = t->duration_ns,
+                           .created_ns = t->created_ns,
+                           .is_recording = t->is_recording,
+                           .is_deleted = t->is_deleted};
+    (void)snprintf(out->title, sizeof out->title, "%s%s%s%s%u%s%s", t->scene,
+                   t->scene[0] ? "/" : "", t->shot, t->shot[0] ? "/" : "", t->number,
+                   t->name[0] ? " " : "", t->name);
+    (void)snprintf(out->note, sizeof out->note, "%s", t->note);
+}
+
+/* A take with edits that this version does not know is shown as far as it goes. Returns whether it
+ * could be read, which is said once. */
+static bool fold_line(app *self, app_take_line *out, const show_take *row, bool was_told)
+{
+    take t = {0};
+    error err = {0};
+    const bool is_read = edit_store_take(&t, self->show, row->id, &err) >= 0;
+    if (!is_read && !was_told)
+        log_pushf(self->log, MRT_LOG_WARNING, "takes", "take %lld: %s", (long long)row->id,
+                  err.text);
+    if (t.id == row->id)
+        fill_line(out, &t);
+    else
+        *out = (app_take_line){.id = row->id, .title = "damaged"};
+    take_finish(&t);
+    return is_read;
+}
+
+static bool is_as_before(const app *self, uint32_t index, const show_take *row)
+{
+    const app_take_key *key = &self->key[index];
+    return index < self->line_count && self->line[index].id == row->id && !key->is_stale &&
+           key->edit_head == row->edit_head && key->edit_count == row->edit_count &&
+           key->is_recording == row->is_recording && !row->is_recording;
+}
+
+static void read_list(app *self)
+{
+    show_take *rows = NULL;
+    size_t count = 0;
+    error err = {0};
+    mrt_result result = show_takes(self->show, &rows, &count, &err);
+    if (result >= 0)
+        result = make_room(self, count, &err);
+    if (result < 0 && !self->takes_failed)
+        (void)app_report(self, result, &err);
+    self->takes_failed = result < 0;
+    if (result < 0) {
+        free(rows);
+        return;
+    }
+    for (uint32_t i = 0; i < (uint32_t)count; ++i) {
+        if (is_as_before(self, i, &rows[i]))
+            continue;
+        const bool was_told =
+            i < self->line_count && self->line[i].id == rows[i].id && self->key[i].is_told;
+        const bool is_read = fold_line(self, &self->line[i], &rows[i], was_told);
+        self->key[i] = (app_take_key){.edit_head = rows[i].edit_head,
+                                      .edit_count = rows[i].edit_count,
+                                      .is_recording = rows[i].is_recording,
+                                      .is_told = !is_read};
+    }
+    self->line_count = (uint32_t)count;
+    free(rows);
+}
+
+static const app_take_line *app_line_of(const app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return &self->line[i];
+    return NULL;
+}
+
+/* The one that is being recorded grows. What begins over a take is not said yet for some frames:
+ * the one before it is whole, and stays as it is. */
+static void follow_recording(app *self)
+{
+    for (uint32_t i = self->line_count; i > 0; --i)
+        if (self->line[i - 1].id == self->status.take && self->key[i - 1].is_recording) {
+            self->line[i - 1].is_recording = self->status.is_recording;
+            if (self->status.is_recording)
+                self->line[i - 1].duration_ns = self->status.recorded_ns;
+            break;
+        }
+}
+
+/* It is in the show as soon as the writer has got to it. */
+static bool lacks_recording(const app *self)
+{
+    return self->status.is_recording && self->status.take && !app_line_of(self, self->status.take);
+}
+
+/* It is chosen in the list as soon as all of it is in the show. */
+static void app_await_take(app *self, int64_t id, bool is_kept)
+{
+    self->awaited = id;
+    self->awaited_is_kept = is_kept;
+    self->awaited_s = 0.0;
+}
+
+static bool is_whole(const app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return !self->key[i].is_recording;
+    return false;
+}
+
+/* In the list alone: the stage stays what it is. */
+static mrt_result app_pick_take(app *self, int64_t id);
+
+/* It is in the show. */
+static void app_tell_kept(app *self, int64_t id);
+
+/* A disk that is full lets it wait; it is in the list when it is there. */
+static void follow_awaited(app *self, double dt_s)
+{
+    const int64_t id = self->awaited;
+    self->awaited_s += dt_s;
+    if (is_whole(self, id)) {
+        self->awaited = 0;
+        if (self->view->mode == LIVE_PERFORMS)
+            app_reported(app_pick_take(self, id));
+        if (self->awaited_is_kept)
+            app_tell_kept(self, id);
+    } else if (self->awaited_s > AWAITED_S) {
+        self->awaited = 0;
+        app_say(self, MRT_LOG_WARNING, "the take is not in the show yet: the disk is slow");
+    }
+}
+
+static void line_is_stale(app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            self->key[i].is_stale = true;
+    self->takes_are_stale = true;
+}
+
+static mrt_result app_show_chosen(app *self);
+
+/* The stage itself has changed it: its sound was written, and is in it. */
+static void follow_stage_edit(app *self)
+{
+    const int64_t id = live_take_edited(self->live);
+    const app_choice choice = self->choice;
+    if (id == 0)
+        return;
+    line_is_stale(self, id);
+    if (id != self->chosen)
+        return;
+    app_drop_take(self); /* it is read anew */
+    if (app_pick_take(self, id) < 0)
+        return;
+    self->choice = choice;
+    if (live_shown_take(self->live) == id)
+        app_reported(app_show_chosen(self));
+}
+
+/* What is not as it was recorded, once for each take that comes on the stage. */
+static void tell_note(app *self)
+{
+    const int64_t shown = live_shown_take(self->live);
+    if (shown == self->noted)
+        return;
+    self->noted = shown;
+    for (const char *line = live_take_note(self->live); shown && *line;) {
+        const size_t length = strcspn(line, "\n");
+        app_say(self, MRT_LOG_WARNING, "%.*s", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+void app_takes_update(app *self, double dt_s)
+{
+    follow_stage_edit(self);
+    tell_note(self);
+    if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
+        self->takes_are_stale = false;
+        if (self->show)
+            read_list(self);
+        else
+            self->line_count = 0;
+    }
+    if (self->awaited)
+        follow_awaited(self, dt_s);
+    if (self->status.take)
+        follow_recording(self);
+}
+
+uint32_t app_takes(const app *self, const app_take_line **out)
+{
+    *out = self->line;
+    return self->line_count;
+}
+
+/* ---- the one that is chosen ---- */
+
+void app_drop_take(app *self)
+{
+    history_close(self->history);
+    edit_store_close(self->store);
+    self->history = NULL;
+    self->store = NULL;
+    self->chosen = 0;
+    self->choice = (app_choice){.marker = -1};
+    self->edition += 1;
+}
+
+static mrt_result app_pick_take(app *self, int64_t id)
+{
+    error err = {0};
+    if (id == self->chosen)
+        return MRT_OK;
+    app_drop_take(self);
+    if (id == 0)
+        return MRT_OK;
+    if (!self->show)
+        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "no show is open"), &err);
+    mrt_result result = edit_store_open(&self->store, self->show, id, clock_utc_ms, &err);
+    if (result >= 0) {
+        const history_store list = edit_store_list(self->store);
+        result = history_open(&self->history, edit_store_bare(self->store), &list, &err);
+    }
+    if (result < 0) {
+        app_drop_take(self);
+        return app_report(self, result, &err);
+    }
+    self->chosen = id;
+    return MRT_OK;
+}
+
+static mrt_result app_show_chosen(app *self)
+{
+    error err = {0};
+    if (!self->history)
+        return MRT_OK;
+    return app_report(self, live_show_take(self->live, history_take(self->history), &err), &err);
+}
+
+mrt_result app_choose_take(app *self, int64_t id)
+{
+    mrt_result result = app_pick_take(self, id);
+    if (result < 0)
+        return result;
+    if (id == 0) {
+        live_show_hands(self->live);
+        return MRT_OK;
+    }
+    if (live_shown_take(self->live) == id)
+        return MRT_OK;
+    self->played_from_ns = 0;
+    return app_show_chosen(self);
+}
+
+static mrt_result app_choose_instead(app *self, int64_t id)
+{
+    const int64_t shown = live_shown_take(self->live);
+    return shown && shown == self->chosen ? app_choose_take(self, id) : app_pick_take(self, id);
+}
+
+mrt_result app_duplicate_take(app *self, int64_t id)
+{
+    error err = {0};
+    int64_t copy = 0;
+    char words[EDIT_TEXT];
+    const app_take_line *line = app_line_of(self, id);
+    if (!self->show || !line)
+        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "there is no such take"), &err);
+    (void)snprintf(words, sizeof words, "duplicate take %.120s", line->title);
+    mrt_result result = edit_store_duplicate(self->show, id, clock_utc_ms, &copy, &err);
+    if (result < 0)
+        return app_report(self, result, &err);
+    self->takes_are_stale = true;
+    result = app_choose_instead(self, copy);
+    if (result >= 0)
+        app_undo_note_copy(self, id, words);
+    return result;
+}
+
+int64_t app_take_id(const app *self)
+{
+    return self->chosen;
+}
+
+const take *app_take(const app *self)
+{
+    return self->history ? history_take(self->history) : NULL;
+}
+
+uint64_t app_take_edition(const app *self)
+{
+    return self->edition;
+}
+
+const history *app_history(const app *self)
+{
+    return self->history;
+}
+
+/* ---- its edits ---- */
+
+/* What is chosen in it may be gone. */
+static void check_choice(app *self)
+{
+    const take *t = app_take(self);
+    bool has_layer = false, has_clip = false, has_armed = false;
+    for (uint32_t i = 0; t && i < t->layer_count; ++i) {
+        has_layer |= t->layer[i].id == self->choice.layer;
+        has_armed |= t->layer[i].id == self->choice.armed;
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            has_clip |= t->layer[i].clip[k].id == self->choice.clip;
+    }
+    if (!has_layer)
+        self->choice.layer = 0;
+    if (!has_clip)
+        self->choice.clip = 0;
+    if (!has_armed)
+        self->choice.armed = 0;
+    if (!t || self->choice.marker >= (int32_t)t->marker_count)
+        self->choice.marker = -1;
+}
+
+static void app_take_changed(app *self)
+{
+    self->edition += 1;
+    check_choice(self);
+    line_is_stale(self, self->chosen);
+    if (live_shown_take(self->live) == self->chosen)
+        app_reported(app_show_chosen(self));
+}
+
+static mrt_result check_editable(const app *self, error *err)
+{
+    if (!self->history)
+        return error_set(err, MRT_ERR_ARGUMENT, "choose the take that is to be changed");
+    if (!show_is_writable(self->show))
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s",
+                         show_notice(self->show)[0] ? show_notice(self->show)
+                                                    : "the show can only be read");
+    if (self->status.is_recording && self->status.take == self->chosen)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the take is being recorded: it can be changed when it has ended");
+    return MRT_OK;
+}
+
+/* All or none. */
+mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
+{
+    error err = {0}, ignored = {0};
+    mrt_result result = check_editable(self, &err);
+    if (result < 0 || count == 0)
+        return app_report(self, result, &err);
+    const int64_t before = history_head(self->history);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = history_do(self->history, e[i], &err);
+    if (result < 0 && history_go(self->history, before, &ignored) < 0)
+        app_say(self, MRT_LOG_ERROR, "%s", ignored.text);
+    if (result >= 0)
+        app_undo_note_take(self, before);
+    app_take_changed(self);
+    return app_report(self, result, &err);
+}
+
+mrt_result app_edit(app *self, const edit *e)
+{
+    return app_edit_all(self, &e, 1);
+}
+
+mrt_result app_history_go(app *self, int64_t head)
+{
+    error err = {0};
+    mrt_result result = check_editable(self, &err);
+    if (result < 0)
+        return app_report(self, result, &err);
+    const int64_t before = history_head(self->history);
+    result = history_go(self->history, head, &err);
+    if (result >= 0 && head != before)
+        app_undo_note_take(self, before);
+    app_take_changed(self);
+    return app_report(self, result, &err);
+}
+
+mrt_result app_edit_take(app *self, int64_t id, const edit *e)
+{
+    const int64_t before = self->chosen;
+    const app_choice choice = self->choice;
+    if (id == before)
+        return app_edit(self, e);
+    mrt_result result = app_pick_take(self, id);
+    if (result >= 0)
+        result = app_edit(self, e);
+    if (app_pick_take(self, before) >= 0)
+        self->choice = choice;
+    return result;
+}
+
+/* ---- recording, and what becomes of what was performed over a take ---- */
+
+#define OVER_FADE_NS 100000000LL
+#define KEEP_S       30.0
+
+/* ---- begin and end ---- */
+
+static void begin_live(app *self)
+{
+    error err = {0};
+    (void)app_report(self, live_record(self->live, NULL, &err), &err);
+}
+
+/* A layer that is armed gets what was performed between the ends of the range, or from the play
+ * head to the take's end; else a layer of its own does. */
+static void begin_over(app *self)
+{
+    error err = {0};
+    const transport *t = live_transport(self->live);
+    const take *chosen = app_take(self);
+    live_over over = {.in_ns = live_place(self->live).at_ns, .passes = 1, .fade_ns = OVER_FADE_NS};
+    if (t->is_looping) {
+        over.in_ns = t->loop_in_ns;
+        over.out_ns = t->loop_out_ns;
+        over.passes = self->choice.armed ? 1 : 0;
+    }
+    over.into_layer = self->choice.armed;
+    if (over.into_layer && over.out_ns == 0 && chosen)
+        over.out_ns = chosen->duration_ns;
+    if (over.out_ns > 0 && 2 * over.fade_ns > over.out_ns - over.in_ns)
+        over.fade_ns = (over.out_ns - over.in_ns) / 2;
+    self->over_take = live_shown_take(self->live);
+    if (app_report(self, live_record_over(self->live, &over, &err), &err) < 0)
+        self->over_take = 0;
+}
+
+void app_record_toggle(app *self)
+{
+    error err = {0};
+    live_status_of(self->live, &self->status);
+    if (self->status.is_recording)
+        (void)app_report(self, live_record_end(self->live, &err), &err);
+    else if (self->view->mode == LIVE_PERFORMS || !live_shown_take(self->live))
+        begin_live(self);
+    else
+        begin_over(self);
+    self->takes_are_stale = true;
+}
+
+void app_keep(app *self)
+{
+    error err = {0};
+    int64_t kept = 0;
+    if (app_report(self, live_keep(self->live, KEEP_S, NULL, &kept, &err), &err) >= 0)
+        app_await_take(self, kept, true);
+}
+
+static void app_tell_kept(app *self, int64_t id)
+{
+    const app_take_line *line = app_line_of(self, id);
+    if (line)
+        app_say(self, MRT_LOG_INFO, "kept the last %.1f s as take %s",
+                1e-9 * (double)line->duration_ns, line->title);
+}
+
+void app_mark(app *self)
+{
+    error err = {0};
+    if (self->view->mode == LIVE_PERFORMS) {
+        if (app_report(self, live_mark(self->live, "", &err), &err) >= 0)
+            app_say(self, MRT_LOG_INFO, "marked this instant");
+        return;
+    }
+    edit e;
+    edit_init(&e, EDIT_MARKER_ADD);
+    e.at_ns = live_place(self->live).at_ns;
+    app_reported(app_edit(self, &e));
+    edit_finish(&e);
+}
+
+/* ---- what has ended ---- */
+
+/* The edits that make it a part of the take are one step of undo. */
+static void take_over(app *self)
+{
+    edit *edits = NULL;
+    uint32_t count = 0;
+    error err = {0};
+    if (!live_take_over(self->live, &edits, &count, &err)) {
+        if (!err.text[0])
+            return; /* it goes on */
+        self->over_take = 0;
+        self->takes_are_stale = true;
+        (void)app_report(self, MRT_ERR_IO, &err);
+        return;
+    }
+    const edit **list = calloc(count ? count : 1, sizeof *list);
+    for (uint32_t i = 0; list && i < count; ++i)
+        list[i] = &edits[i];
+    if (list && app_pick_take(self, self->over_take) >= 0)
+        app_reported(app_edit_all(self, list, count));
+    else if (!list)
+        app_say(self, MRT_LOG_ERROR, "no memory: what was performed is a take of its own");
+    for (uint32_t i = 0; i < count; ++i)
+        edit_finish(&edits[i]);
+    free(edits);
+    free(list);
+    self->over_take = 0;
+    self->takes_are_stale = true;
+}
+
+void app_record_finish_over(app *self)
+{
+    error err = {0};
+    if (!self->over_take)
+        return;
+    live_status_of(self->live, &self->status);
+    if (self->status.is_recording)
+        (void)app_report(self, live_record_end(self->live, &err), &err);
+    live_status_of(self->live, &self->status);
+    take_over(self);
+    self->over_take = 0;
+}
+
+/* The bar has room for its first words only. */
+static void say_problem(app *self)
+{
+    const bool has_problem = self->status.problem[0] != '\0';
+    if (has_problem && !self->had_problem)
+        app_say(self, MRT_LOG_ERROR, "%s", self->status.problem);
+    else if (!has_problem && self->had_problem)
+        app_say(self, MRT_LOG_INFO, "all that is performed is recorded again");
+    self->had_problem = has_problem;
+}
+
+/* Said in a terminal too: the window may be gone. */
+void app_close_show(app *self, show *of)
+{
+    char path[4096];
+    error err = {0};
+    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
+    if (result < 0)
+        app_say(self, MRT_LOG_ERROR, "%s was deleted, moved or replaced, and is lost: %s",
+                show_path(of), err.text);
+    else if (result != MRT_END)
+        app_say(self, MRT_LOG_WARNING, "%s was deleted, moved or replaced: all of it is in %s",
+                show_path(of), path);
+    if (result != MRT_END)
+        fprintf(stderr, "marotte: %s\n",
+                news_list_at(self->news, news_list_count(self->news) - 1)->text);
+    show_close(of);
+}
+
+void app_record_update(app *self)
+{
+    say_problem(self);
+    const bool has_ended = self->was_recording && !self->status.is_recording;
+    if (self->was_recording != self->status.is_recording)
+        self->takes_are_stale = true;
+    self->was_recording = self->status.is_recording;
+    if (self->over_take)
+        take_over(self);
+    else if (has_ended && self->status.take)
+        app_await_take(self, self->status.take, false);
+}
+
+/* ---- the transport ---- */
+
+static const double speeds[] = {0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 4.0};
+enum { SPEEDS = sizeof speeds / sizeof speeds[0] };
+
+/* The chosen take on the stage; false: it could not be. */
+static bool show_it(app *self)
+{
+    if (live_shown_take(self->live) == self->chosen && self->view->mode != LIVE_PERFORMS)
+        return true;
+    return app_show_chosen(self) >= 0;
+}
+
+void app_seek(app *self, int64_t at_ns)
+{
+    if (self->history && !self->status.is_recording && show_it(self))
+        live_seek(self->live, at_ns);
+}
+
+void app_set_range(app *self, int64_t in_ns, int64_t out_ns)
+{
+    if (self->history && !self->status.is_recording && show_it(self))
+        live_set_loop(self->live, in_ns, out_ns);
+}
+
+static void play_or_pause(app *self)
+{
+    if (!show_it(self))
+        return;
+    const transport_place place = live_place(self->live);
+    if (live_transport(self->live)->is_playing && !place.has_stopped) {
+        live_pause(self->live);
+        return;
+    }
+    self->played_from_ns = place.has_stopped ? 0 : place.at_ns;
+    live_play(self->live);
+}
+
+static void stop(app *self)
+{
+    live_pause(self->live);
+    live_seek(self->live, self->played_from_ns);
+}
+
+static int64_t end_of(const app *self)
+{
+    const take *t = app_take(self);
+    return t ? t->duration_ns : 0;
+}
+
+static void seek_by(app *self, int64_t by_ns)
+{
+    int64_t to_ns = live_place(self->live).at_ns + by_ns;
+    const int64_t end_ns = end_of(self);
+    if (to_ns < 0)
+        to_ns = 0;
+    live_seek(self->live, to_ns < end_ns ? to_ns : end_ns);
+}
+
+static void toggle_loop(app *self)
+{
+    const transport *t = live_transport(self->live);
+    if (t->is_looping)
+        live_set_loop(self->live, 0, 0);
+    else if (t->loop_in_ns < t->loop_out_ns)
+        live_set_loop(self->live, t->loop_in_ns, t->loop_out_ns);
+    else
+        live_set_loop(self->live, 0, end_of(self));
+}
+
+static void set_range(app *self, bool is_end)
+{
+    const transport *t = live_transport(self->live);
+    const int64_t at_ns = live_place(self->live).at_ns, end_ns = end_of(self);
+    int64_t in_ns = t->loop_in_ns < t->loop_out_ns ? t->loop_in_ns : 0;
+    int64_t out_ns = t->loop_in_ns < t->loop_out_ns ? t->loop_out_ns : end_ns;
+    if (is_end) {
+        out_ns = at_ns;
+        in_ns = in_ns < out_ns ? in_ns : 0;
+    } else {
+        in_ns = at_ns;
+        out_ns = in_ns < out_ns ? out_ns : end_ns;
+    }
+    if (in_ns < out_ns)
+        live_set_loop(self->live, in_ns, out_ns);
+    else
+        app_say(self, MRT_LOG_INFO, "a range needs some time between its ends");
+}
+
+static void change_speed(app *self, bool is_faster)
+{
+    const double now = live_transport(self->live)->speed;
+    double next = now;
+    for (uint32_t i = 0; i < SPEEDS; ++i) {
+        const double one = speeds[is_faster ? i : SPEEDS - 1 - i];
+        if (is_faster ? one > now + 1e-6 : one < now - 1e-6) {
+            next = one;
+            break;
+        }
+    }
+    live_set_speed(self->live, next);
+}
+
+/* The one before or after the chosen one that is not deleted. */
+static void choose_beside(app *self, bool is_next)
+{
+    const uint32_t count = self->line_count;
+    uint32_t at = count;
+    for (uint32_t i = 0; i < count; ++i)
+        if (self->line[i].id == self->chosen)
+            at = i;
+    for (uint32_t step = 1; step <= count; ++step) {
+        if (!is_next && step > at)
+            return;
+        const uint32_t i = !is_next ? at - step : at == count ? count - step : at + step;
+        if (i >= count)
+            return;
+        if (self->line[i].is_deleted || self->line[i].is_recording)
+            continue;
+        app_reported(app_choose_take(self, self->line[i].id));
+        return;
+    }
+}
+
+void app_play_do(app *self, action of)
+{
+    switch (of) {
+    case ACTION_TAKE_BEFORE:
+        choose_beside(self, false);
+        return;
+    case ACTION_TAKE_NEXT:
+        choose_beside(self, true);
+        return;
+    case ACTION_PLAY:
+        play_or_pause(self);
+        return;
+    case ACTION_STOP:
+        stop(self);
+        return;
+    default:
+        break;
+    }
+    if (!show_it(self))
+        return;
+    switch (of) {
+    case ACTION_TO_START:
+        live_seek(self->live, 0);
+        break;
+    case ACTION_TO_END:
+        live_seek(self->live, end_of(self));
+        break;
+    case ACTION_FRAME_BACK:
+    case ACTION_FRAME_FORWARD:
+        live_step_frames(self->live, of == ACTION_FRAME_BACK ? -1 : 1);
+        break;
+    case ACTION_SECOND_BACK:
+    case ACTION_SECOND_FORWARD:
+        seek_by(self, of == ACTION_SECOND_BACK ? -NS_PER_S : NS_PER_S);
+        break;
+    case ACTION_LOOP:
+        toggle_loop(self);
+        break;
+    case ACTION_LOOP_IN:
+    case ACTION_LOOP_OUT:
+        set_range(self, of == ACTION_LOOP_OUT);
+        break;
+    case ACTION_SLOWER:
+    case ACTION_FASTER:
+        change_speed(self, of == ACTION_FASTER);
+        break;
+    default:
+        break;
+    }
+}
+
+/* ---- what the edit actions do to the clip, layer or marker that is chosen, or to the take ---- */
+
+static const take_layer *layer_of(const take *t, uint32_t id)
+{
+    for (uint32_t i = 0; t && i < t->layer_count; ++i)
+        if (t->layer[i].id == id)
+            return &t->layer[i];
+    return NULL;
+}
+
+static const take_clip *clip_of(const take *t, uint32_t id, const take_layer **out_layer)
+{
+    for (uint32_t i = 0; t && i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            if (t->layer[i].clip[k].id == id) {
+                *out_layer = &t->layer[i];
+                return &t->layer[i].clip[k];
+            }
+    return NULL;
+}
+
+/* The clip that is chosen, or the only one that is under the play head. */
+static const take_clip *clip_at(const app *self, int64_t at_ns, const take_layer **out_layer)
+{
+    const take *t = app_take(self);
+    const take_clip *found = NULL;
+    uint32_t count = 0;
+    if (self->choice.clip)
+        return clip_of(t, self->choice.clip, out_layer);
+    for (uint32_t i = 0; t && i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
+            const take_layer *lane = &t->layer[i];
+            const take_clip *clip = &lane->clip[k];
+            if (at_ns <= clip->start_ns + lane->offset_ns ||
+                at_ns >= clip->end_ns + lane->offset_ns)
+                continue;
+            *out_layer = lane;
+            found = clip;
+            count += 1;
+        }
+    return count == 1 ? found : NULL;
+}
+
+static bool is_within(const take_clip *clip, const take_layer *lane, int64_t at_ns)
+{
+    return at_ns > clip->start_ns + lane->offset_ns && at_ns < clip->end_ns + lane->offset_ns;
+}
+
+/* ---- why not ---- */
+
+static const char *why_no_split(const app *self)
+{
+    const take_layer *lane = NULL;
+    const int64_t at_ns = live_place(self->live).at_ns;
+    const take_clip *clip = clip_at(self, at_ns, &lane);
+    if (!clip)
+        return "choose a clip of the timeline";
+    return is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
+}
+
+static const char *why_no_trim(const app *self)
+{
+    const take_layer *lane = NULL;
+    const take *t = app_take(self);
+    const int64_t at_ns = live_place(self->live).at_ns;
+    if (self->choice.clip) {
+        const take_clip *clip = clip_of(t, self->choice.clip, &lane);
+        return clip && is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
+    }
+    return at_ns > 0 && at_ns < t->duration_ns ? NULL : "the play head is not within the take";
+}
+
+const char *app_edit_why_not(app *self, action of)
+{
+    const app_choice *choice = &self->choice;
+    if (!self->history)
+        return "no take is chosen";
+    if (!show_is_writable(self->show))
+        return "the show can only be read";
+    if (self->status.is_recording && self->status.take == self->chosen)
+        return "the take is being recorded";
+    switch (of) {
+    case ACTION_SPLIT:
+        return why_no_split(self);
+    case ACTION_TRIM_START:
+    case ACTION_TRIM_END:
+        return why_no_trim(self);
+    case ACTION_REMOVE:
+        return choice->clip || choice->layer || choice->marker >= 0
+                   ? NULL
+                   : "choose a clip, a layer or a marker of the timeline";
+    case ACTION_MUTE:
+        return choice->clip || choice->layer ? NULL : "choose a clip or a layer of the timeline";
+    case ACTION_SOLO:
+        return choice->layer || choice->clip ? NULL : "choose a layer of the timeline";
+    default:
+        return NULL;
+    }
+}
+
+/* ---- doing it ---- */
+
+static bool make_split(const app *self, edit *out)
+{
+    const take_layer *lane = NULL;
+    const int64_t at_ns = live_place(self->live).at_ns;
+    const take_clip *clip = clip_at(self, at_ns, &lane);
+    if (!clip)
+        return false;
+    edit_init(out, EDIT_CLIP_SPLIT);
+    out->clip = clip->id;
+    out->at_ns = at_ns;
+    return true;
+}
+
+static bool make_trim(const app *self, edit *out, bool is_end)
+{
+    const int64_t at_ns = live_place(self->live).at_ns;
+    const take *t = app_take(self);
+    if (self->choice.clip) {
+        edit_init(out, EDIT_CLIP_TRIM);
+        out->clip = self->choice.clip;
+        *(is_end ? &out->end_ns : &out->start_ns) = at_ns;
+        return true;
+    }
+    edit_init(out, EDIT_RANGE_KEEP);
+    out->in_ns = is_end ? 0 : at_ns;
+    out->out_ns = is_end ? at_ns : t->duration_ns;
+    return true;
+}
+
+static bool make_remove(const app *self, edit *out)
+{
+    const app_choice *choice = &self->choice;
+    edit_init(out, choice->marker >= 0 ? EDIT_MARKER_REMOVE
+                   : choice->clip      ? EDIT_CLIP_REMOVE
+                                       : EDIT_LAYER_REMOVE);
+    if (choice->marker >= 0)
+        out->marker = (uint32_t)choice->marker;
+    else if (choice->clip)
+        out->clip = choice->clip;
+    else
+        out->layer = choice->layer;
+    return true;
+}
+
+static bool make_mute(const app *self, edit *out)
+{
+    const take_layer *lane = NULL;
+    const take_clip *clip = clip_of(app_take(self), self->choice.clip, &lane);
+    if (clip) {
+        edit_init(out, EDIT_CLIP_MUTE);
+        out->clip = clip->id;
+        out->is_muted = !clip->is_muted;
+        return true;
+    }
+    lane = layer_of(app_take(self), self->choice.layer);
+    if (!lane)
+        return false;
+    edit_init(out, EDIT_LAYER_MUTE);
+    out->layer = lane->id;
+    out->is_muted = !lane->is_muted;
+    return true;
+}
+
+static bool make_solo(const app *self, edit *out)
+{
+    const take_layer *lane = layer_of(app_take(self), self->choice.layer);
+    if (!lane)
+        (void)clip_of(app_take(self), self->choice.clip, &lane);
+    if (!lane)
+        return false;
+    edit_init(out, EDIT_LAYER_SOLO);
+    out->layer = lane->id;
+    out->is_solo = !lane->is_solo;
+    return true;
+}
+
+static bool make(const app *self, action of, edit *out)
+{
+    switch (of) {
+    case ACTION_SPLIT:
+        return make_split(self, out);
+    case ACTION_TRIM_START:
+    case ACTION_TRIM_END:
+        return make_trim(self, out, of == ACTION_TRIM_END);
+    case ACTION_REMOVE:
+        return make_remove(self, out);
+    case ACTION_MUTE:
+        return make_mute(self, out);
+    case ACTION_SOLO:
+        return make_solo(self, out);
+    default:
+        edit_init(out, EDIT_TAKE_RATE);
+        out->rating = (uint32_t)(of - ACTION_RATE_0);
+        return true;
+    }
+}
+
+void app_edit_do(app *self, action of)
+{
+    edit e = {0};
+    if (make(self, of, &e))
+        app_reported(app_edit(self, &e));
+    edit_finish(&e);
+}

@@ -1,0 +1,119 @@
+#include "window/app/presets.h"
+#include "base/text.h"
+#include "stage/device_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool presets_clean_name(char out[PRESET_NAME], const char *name)
+{
+    text_view trimmed = text_trim(text_view_of(name, strlen(name)));
+    size_t length = (size_t)(trimmed.end - trimmed.at);
+    if (length == 0 || length >= PRESET_NAME)
+        return false;
+    for (size_t i = 0; i < length; ++i) {
+        char c = trimmed.at[i];
+        if ((unsigned char)c < 0x20 || c == 0x7f)
+            return false;
+        out[i] = c == '.' ? '-' : c;
+    }
+    out[length] = '\0';
+    return true;
+}
+
+static void key_of_list(char out[PRESET_KEY], const mrt_plugin_type *type)
+{
+    (void)snprintf(out, PRESET_KEY, "mapping.%.100s.preset", device_list_plugin_name(type));
+}
+
+void presets_key(char out[PRESET_KEY], const mrt_plugin_type *type, const char *name)
+{
+    char list[PRESET_KEY];
+    key_of_list(list, type);
+    (void)snprintf(out, PRESET_KEY, "%.180s.%.50s", list, name);
+}
+
+uint32_t presets_list(const settings *of, const mrt_plugin_type *type, char ***out)
+{
+    char key[PRESET_KEY];
+    key_of_list(key, type);
+    return settings_keys(of, key, out);
+}
+
+const char *presets_kept(const settings *of, const mrt_plugin_type *type, const char *name)
+{
+    char key[PRESET_KEY];
+    presets_key(key, type, name);
+    return settings_text(of, key, NULL);
+}
+
+void presets_text(const instance *mapping, char *out, size_t capacity)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        double value = instance_value(mapping, i);
+        if (p->flags & MRT_PARAM_TRIGGER || (value >= p->initial && value <= p->initial))
+            continue;
+        char key[128], one[192];
+        instance_key(mapping->type, i, key, sizeof key);
+        int length = snprintf(one, sizeof one, "%s%s=%.9g", used ? "," : "", key, value);
+        if (length < 0 || (size_t)length >= sizeof one || used + (size_t)length >= capacity)
+            return;
+        memcpy(out + used, one, (size_t)length + 1);
+        used += (size_t)length;
+    }
+}
+
+static bool is_button(const mrt_param *p)
+{
+    return (p->flags & MRT_PARAM_TRIGGER) != 0;
+}
+
+static bool find(const mrt_plugin_type *type, const char *key, uint32_t *out)
+{
+    char own[128];
+    for (*out = 0; *out < type->param_count; ++*out) {
+        instance_key(type, *out, own, sizeof own);
+        if (!is_button(&type->params[*out]) && strcmp(own, key) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* "key=value" */
+static void read_one(const mrt_plugin_type *type, char *text, double *out_values, error *out_note)
+{
+    char *equals = strchr(text, '=');
+    double value;
+    uint32_t index;
+    if (equals)
+        *equals = '\0';
+    bool is_known = equals && find(type, text, &index);
+    if (is_known && text_double(text_view_of(equals + 1, strlen(equals + 1)), &value) &&
+        value >= type->params[index].min && value <= type->params[index].max)
+        out_values[index] = value;
+    else if (!out_note->text[0])
+        (void)error_set(out_note, MRT_ERR_FORMAT, "%s: \"%s\" of the preset is %s", type->name,
+                        text,
+                        is_known ? "out of range: it stays as it is at first"
+                                 : "no parameter any more: it is left out");
+}
+
+void presets_values(const mrt_plugin_type *type, const char *text, double *out_values,
+                    error *out_note)
+{
+    out_note->text[0] = '\0';
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        out_values[i] = type->params[i].initial;
+    text_view rest = text_view_of(text, strlen(text)), field;
+    while (rest.at != rest.end && text_next_field(&rest, ',', &field)) {
+        char one[256];
+        text_copy(one, sizeof one, field);
+        read_one(type, one, out_values, out_note);
+        if (!rest.at)
+            break;
+    }
+}

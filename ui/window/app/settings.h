@@ -1,0 +1,31 @@
+/* window/app/settings.h - what is kept between runs: a small JSON file in the user's configuration
+ * folder ($XDG_CONFIG_HOME/marotte/window.json). Written beside and renamed; a file that makes no
+ * sense is set aside (window.json.damaged) with a note. Keys of a newer version are kept. [main] */
+#ifndef MAROTTE_UI_WINDOW_APP_SETTINGS_H
+#define MAROTTE_UI_WINDOW_APP_SETTINGS_H
+#include "base/error.h"
+
+typedef struct settings settings;
+
+/* path NULL: the user's; "": nothing is read or written. out_note: what a person should know; "".
+ */
+CHECKED mrt_result settings_open(settings **out, const char *path, char *out_note, size_t capacity,
+                                 error *err);
+CHECKED mrt_result settings_write(settings *self, error *err); /* if something has changed */
+void settings_close(settings *self);                           /* NULL is fine; does not write */
+
+/* Where the file lies, with the final '/': for what else is kept between runs (an unsaved rig);
+ * "": nothing is to be written. */
+const char *settings_folder(const settings *self);
+
+/* Keys are paths: "looks.timeline_height", "mapping.one_hand.preset.soft". */
+double settings_number(const settings *self, const char *key, double otherwise);
+const char *settings_text(const settings *self, const char *key,
+                          const char *otherwise); /* until
+                                                     changed */
+void settings_set_number(settings *self, const char *key, double value);
+void settings_set_text(settings *self, const char *key, const char *value); /* NULL: removes it */
+/* The keys one level below `key`; the list and its texts are the caller's to free as one block. */
+uint32_t settings_keys(const settings *self, const char *key, char ***out);
+
+#endif

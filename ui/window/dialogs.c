@@ -1,0 +1,613 @@
+#include "window/dialogs.h"
+#include "place.h"
+
+#include "take/timecode.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* What is asked: how a take is to be exported, and how far those are that go on. */
+
+/* ---- export ---- */
+
+static const char export_dialog[] = "export";
+
+typedef struct format {
+    const char *name, *ending;
+} format;
+static const format formats[] = {
+    {"glTF, for Blender, Unity, Unreal (.glb)", ".glb"},
+    {"Video (.mp4)", ".mp4"},
+    {"Pictures, a folder of PNG", "/"},
+    {"Point cache 2 (.pc2)", ".pc2"},
+    {"Motion Designer (.mdd)", ".mdd"},
+    {"Table (.csv)", ".csv"},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+static const double rates[] = {0.0, 24.0, 25.0, 30.0, 50.0, 60.0};
+static const char *const rate_names[] = {"As the take says", "24", "25", "30", "50", "60"};
+enum { RATES = sizeof rates / sizeof rates[0] };
+
+/* The file's name gets the ending of the format, in place of another one's. */
+static void put_ending(dialogs_exporting *self)
+{
+    char *file = self->request.file;
+    size_t length = strlen(file);
+    for (uint32_t i = 0; i < FORMATS; ++i) {
+        const size_t ending = strlen(formats[i].ending);
+        if (length > ending && strcmp(file + length - ending, formats[i].ending) == 0) {
+            file[length -= ending] = '\0';
+            break;
+        }
+    }
+    const char *wanted = formats[self->format].ending;
+    if (length > 0 && length + strlen(wanted) < sizeof self->request.file)
+        (void)snprintf(file + length, sizeof self->request.file - length, "%s", wanted);
+}
+
+/* Beside the show, called as the take: "night_1_a_3_ride". */
+static void put_name(dialogs *self)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(self->app, &line);
+    const char *of = app_show(self->app) ? show_path(app_show(self->app)) : "";
+    char *file = self->exporting.request.file;
+    const char *dot = strrchr(of, '.');
+    size_t length = (size_t)snprintf(file, EXPORT_FILE / 2, "%.*s_",
+                                     dot ? (int)(dot - of) : (int)strlen(of), of);
+    if (length >= EXPORT_FILE / 2)
+        length = EXPORT_FILE / 2 - 1;
+    const size_t from = length;
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == app_take_id(self->app))
+            length += (size_t)snprintf(file + length, EXPORT_FILE / 4, "%s", line[i].title);
+    for (char *c = file + from; *c; ++c)
+        if (*c == '/' || *c == ' ')
+            *c = '_';
+}
+
+void dialogs_ask_export(dialogs *self)
+{
+    self->exporting.trouble[0] = self->exporting.replaced[0] = '\0';
+    put_name(self);
+    put_ending(&self->exporting);
+    ui_dialog_open(self->ui, export_dialog);
+}
+
+static bool range_of(const dialogs *self, int64_t *out_in, int64_t *out_out)
+{
+    const transport *move = live_transport(app_live(self->app));
+    *out_in = move->loop_in_ns;
+    *out_out = move->loop_out_ns;
+    return live_shown_take(app_live(self->app)) == app_take_id(self->app) && *out_in < *out_out;
+}
+
+/* What is there already is replaced when it is asked for a second time. */
+static bool needs_a_word(dialogs_exporting *exporting)
+{
+    const char *file = exporting->request.file;
+    if (strcmp(exporting->replaced, file) == 0 || access(file, F_OK) != 0)
+        return false;
+    (void)snprintf(exporting->replaced, sizeof exporting->replaced, "%s", file);
+    (void)snprintf(exporting->trouble, sizeof exporting->trouble,
+                   "%s is there already. Export again replaces it.", file);
+    return true;
+}
+
+static void begin_export(dialogs *self)
+{
+    dialogs_exporting *exporting = &self->exporting;
+    export_request *request = &exporting->request;
+    request->fps = rates[exporting->rate];
+    request->in_ns = request->out_ns = 0;
+    if (exporting->only_range)
+        (void)range_of(self, &request->in_ns, &request->out_ns);
+    if (needs_a_word(exporting))
+        return;
+    if (app_export_take(self->app, request) >= 0) {
+        ui_dialog_close(self->ui);
+        return;
+    }
+    const news_list *news = app_news(self->app);
+    const uint32_t count = news_list_count(news);
+    (void)snprintf(exporting->trouble, sizeof exporting->trouble, "%s",
+                   count ? news_list_at(news, count - 1)->text : "");
+}
+
+static void draw_range(dialogs *self)
+{
+    int64_t in_ns, out_ns;
+    char words[96];
+    const bool has_range = range_of(self, &in_ns, &out_ns);
+    if (!has_range) {
+        self->exporting.only_range = false;
+        return;
+    }
+    (void)snprintf(words, sizeof words, "Only the range, %.1f to %.1f s", 1e-9 * (double)in_ns,
+                   1e-9 * (double)out_ns);
+    ui_space(self->ui, 2.0f);
+    (void)ui_check(self->ui, words, &self->exporting.only_range);
+}
+
+static void draw_request(dialogs *self)
+{
+    ui *on = self->ui;
+    dialogs_exporting *exporting = &self->exporting;
+    const char *names[FORMATS];
+    const float label = 124.0f;
+    if (!ui_dialog_begin(on, export_dialog, "Export the chosen take", 520.0f))
+        return;
+    for (uint32_t i = 0; i < FORMATS; ++i)
+        names[i] = formats[i].name;
+    if (ui_choice(on, "Format", label, names, FORMATS, &exporting->format))
+        put_ending(exporting);
+    (void)ui_choice(on, "Frames a second", label, rate_names, RATES, &exporting->rate);
+    ui_space(on, 2.0f);
+    ui_width(on, -1.0f);
+    (void)ui_input(on, "##file", "Path of the file", exporting->request.file,
+                   sizeof exporting->request.file);
+    draw_range(self);
+    if (exporting->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, exporting->trouble);
+    ui_space(on, 8.0f);
+    if (ui_button(on, "Export", UI_ACCENT))
+        begin_export(self);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
+/* ---- the exports that go on ---- */
+
+static const char exports_dialog[] = "exports";
+
+void dialogs_ask_exports(dialogs *self)
+{
+    ui_dialog_open(self->ui, exports_dialog);
+}
+
+static void draw_going(dialogs *self, uint32_t index)
+{
+    ui *on = self->ui;
+    const export_progress going = app_export_now(self->app, index);
+    char words[64], id[24];
+    (void)snprintf(id, sizeof id, "export%u", index);
+    ui_id_begin(on, id);
+    if (going.is_cancelled || going.done < 0.0)
+        (void)snprintf(words, sizeof words, "%s", going.is_cancelled ? "ends" : "begins");
+    else
+        (void)snprintf(words, sizeof words, "%s, %.0f %%", going.doing, 100.0 * going.done);
+    ui_text(on, UI_STYLE_BODY, going.file);
+    ui_text(on, UI_STYLE_DIM, words);
+    ui_bar(on, going.done < 0.0 ? 0.0f : (float)going.done, 484.0f, 8.0f, UI_STYLE_GOOD);
+    ui_disabled_begin(on, going.is_cancelled);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        app_cancel_export(self->app, index);
+    ui_disabled_end(on);
+    ui_id_end(on);
+    ui_space(on, 6.0f);
+}
+
+static void list_exports(dialogs *self)
+{
+    const uint32_t count = app_exports_going(self->app);
+    for (uint32_t i = 0; i < count; ++i)
+        draw_going(self, i);
+}
+
+/* It closes with the last of them. */
+static void draw_exports(dialogs *self)
+{
+    ui *on = self->ui;
+    const uint32_t count = app_exports_going(self->app);
+    if (!ui_dialog_begin(on, exports_dialog, "Exports", 520.0f))
+        return;
+    list_exports(self);
+    if (ui_button(on, "Close", UI_QUIET) || count == 0)
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
+static void draw_export(dialogs *self)
+{
+    draw_request(self);
+    draw_exports(self);
+}
+
+/* Before the program ends or another face comes: what becomes of work that is not saved, and of
+ * exports that go on. */
+
+/* ---- work that is not saved ---- */
+
+static const char unsaved_dialog[] = "unsaved", exporting_dialog[] = "exporting";
+
+static void ask_about_exports(dialogs *self)
+{
+    self->leaving = DIALOGS_QUITS;
+    self->failed_exports = app_exports_failed(self->app);
+    self->waits_for_exports = false;
+    ui_dialog_open(self->ui, exporting_dialog);
+}
+
+static void go_on(dialogs *self)
+{
+    const dialogs_leaving what = self->leaving;
+    self->leaving = DIALOGS_STAYS;
+    if (what == DIALOGS_QUITS && app_exports_going(self->app) > 0)
+        ask_about_exports(self);
+    else if (what == DIALOGS_QUITS)
+        self->is_over = true;
+    else if (what == DIALOGS_CHANGES_FACE)
+        (void)!app_open_face(self->app, self->next_face);
+}
+
+static void leave(dialogs *self, dialogs_leaving what)
+{
+    self->leaving = what;
+    if (app_unsaved_now(self->app))
+        ui_dialog_open(self->ui, unsaved_dialog);
+    else
+        go_on(self);
+}
+
+void dialogs_quit(dialogs *self)
+{
+    if (self->leaving != DIALOGS_QUITS)
+        leave(self, DIALOGS_QUITS);
+}
+
+static void change_face(dialogs *self, const char *path)
+{
+    (void)snprintf(self->next_face, sizeof self->next_face, "%s", path);
+    leave(self, DIALOGS_CHANGES_FACE);
+}
+
+static void stay(dialogs *self)
+{
+    self->leaving = DIALOGS_STAYS;
+    app_stay(self->app);
+}
+
+static void save_and_go(dialogs *self, const app_unsaved *unsaved)
+{
+    error err = {0};
+    if (unsaved->save(unsaved->owner, &err) >= 0) {
+        go_on(self);
+        return;
+    }
+    news_list_add(app_news(self->app), MRT_LOG_ERROR, "stage", err.text);
+    stay(self);
+}
+
+static void draw_unsaved(dialogs *self)
+{
+    ui *on = self->ui;
+    const app_unsaved *now = app_unsaved_now(self->app);
+    char words[EDIT_TEXT + 40];
+    if (!ui_dialog_begin(on, unsaved_dialog, "Not saved yet", 440.0f)) {
+        if (self->leaving != DIALOGS_STAYS && self->asks)
+            stay(self); /* Escape */
+        self->asks = false;
+        return;
+    }
+    self->asks = true;
+    (void)snprintf(words, sizeof words, "%s has changes that are not saved.",
+                   now ? now->words : "the rig");
+    words[0] = (char)(words[0] >= 'a' && words[0] <= 'z' ? words[0] - 'a' + 'A' : words[0]);
+    ui_text_wrapped(on, UI_STYLE_BODY, words);
+    ui_space(on, 8.0f);
+    const bool saves = ui_button(on, "Save", UI_ACCENT);
+    ui_same_line(on);
+    const bool leaves = ui_button(on, "Don't save", UI_PLAIN);
+    ui_same_line(on);
+    const bool stays = ui_button(on, "Stay", UI_PLAIN);
+    if (saves || leaves || stays) {
+        const app_unsaved copy = now ? *now : (app_unsaved){.owner = NULL};
+        self->asks = false;
+        ui_dialog_close(on);
+        if (stays)
+            stay(self);
+        else if (saves && copy.save)
+            save_and_go(self, &copy);
+        else {
+            if (leaves && copy.leave)
+                copy.leave(copy.owner);
+            go_on(self);
+        }
+    }
+    ui_dialog_end(on);
+}
+
+/* ---- exports that go on ---- */
+
+/* They ended while it was asked: what has failed is read before the program goes. */
+static void exports_ended(dialogs *self)
+{
+    self->asks_exports = false;
+    ui_dialog_close(self->ui);
+    if (app_exports_failed(self->app) != self->failed_exports)
+        stay(self);
+    else
+        self->is_over = true;
+}
+
+static void draw_answers(dialogs *self)
+{
+    ui *on = self->ui;
+    ui_disabled_begin(on, self->waits_for_exports);
+    if (ui_button(on, "Quit when done", UI_ACCENT))
+        self->waits_for_exports = true;
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Give up and quit", UI_PLAIN)) {
+        self->asks_exports = false;
+        self->is_over = true;
+        ui_dialog_close(on);
+    }
+    ui_same_line(on);
+    if (ui_button(on, "Stay", UI_PLAIN)) {
+        self->asks_exports = false;
+        ui_dialog_close(on);
+        stay(self);
+    }
+}
+
+static void draw_exporting(dialogs *self)
+{
+    ui *on = self->ui;
+    const bool is_one = app_exports_going(self->app) == 1;
+    if (!ui_dialog_begin(on, exporting_dialog, "An export goes on", 520.0f)) {
+        if (self->asks_exports)
+            stay(self); /* Escape */
+        self->asks_exports = false;
+        return;
+    }
+    self->asks_exports = true;
+    if (app_exports_going(self->app) == 0) {
+        exports_ended(self);
+        ui_dialog_end(on);
+        return;
+    }
+    list_exports(self);
+    if (self->waits_for_exports)
+        ui_text(on, UI_STYLE_DIM, "The program ends with the last of them.");
+    else
+        ui_text(on, UI_STYLE_BODY,
+                is_one ? "It ends with the program: nothing of it would be left."
+                       : "They end with the program: nothing of them would be left.");
+    ui_space(on, 8.0f);
+    draw_answers(self);
+    ui_dialog_end(on);
+}
+
+/* The dialog that opens a show or a face: folders, files, or a path that is typed. */
+
+static const char open_dialog[] = "open";
+static const char *const kind_names[DIALOGS_OPENS_KINDS] = {"Show", "Face"};
+static const char *const show_endings[] = {".marotte", NULL};
+static const char *const face_endings[] = {".rig.json", ".glb", ".gltf", ".obj",
+                                           ".ply",      ".off", ".stl",  NULL};
+/* The faces that come with the program. */
+static const char *const shipped[] = {"puppet", "moai"};
+
+static const char *const *endings_of(dialogs_open_kind kind)
+{
+    return kind == DIALOGS_OPENS_SHOW ? show_endings : face_endings;
+}
+
+static void go(dialogs *self, const char *path)
+{
+    dialogs_opening *opening = &self->opening;
+    error err = {0};
+    const mrt_result result =
+        folder_go(&opening->at[opening->kind], path, endings_of(opening->kind), &err);
+    (void)snprintf(opening->trouble, sizeof opening->trouble, "%s", result < 0 ? err.text : "");
+}
+
+/* Where the one that is open lies; else at home. */
+static void go_somewhere(dialogs *self)
+{
+    const char *home = getenv("HOME");
+    char path[FOLDER_PATH];
+    if (self->opening.at[self->opening.kind].path[0])
+        return;
+    show *s = app_show(self->app);
+    const char *of = self->opening.kind == DIALOGS_OPENS_FACE ? app_face_path(self->app)
+                     : s                                      ? show_path(s)
+                                                              : "";
+    (void)snprintf(path, sizeof path, "%s", of);
+    char *slash = strrchr(path, '/');
+    if (slash)
+        *(slash > path ? slash : slash + 1) = '\0';
+    else
+        (void)snprintf(path, sizeof path, "%s", home ? home : "/");
+    go(self, path);
+    if (!self->opening.at[self->opening.kind].path[0])
+        go(self, "/");
+}
+
+void dialogs_ask_open(dialogs *self, dialogs_open_kind kind)
+{
+    self->opening.kind = kind;
+    self->opening.name[0] = self->opening.trouble[0] = '\0';
+    go_somewhere(self);
+    ui_dialog_open(self->ui, open_dialog);
+}
+
+/* ---- opening ---- */
+
+static bool is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+/* A show that is typed without its ending has one all the same. */
+static bool path_typed(const dialogs *self, char out[FOLDER_PATH])
+{
+    const dialogs_opening *opening = &self->opening;
+    if (!folder_join(&opening->at[opening->kind], opening->name, out))
+        return false;
+    if (opening->kind == DIALOGS_OPENS_FACE || is_folder(out) || access(out, F_OK) == 0 ||
+        folder_name_ends(out, show_endings))
+        return true;
+    const size_t length = strlen(out);
+    if (length + sizeof ".marotte" > FOLDER_PATH)
+        return false;
+    memcpy(out + length, ".marotte", sizeof ".marotte");
+    return true;
+}
+
+static void say_newest(dialogs *self)
+{
+    const news_list *news = app_news(self->app);
+    const uint32_t count = news_list_count(news);
+    (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%s",
+                   count ? news_list_at(news, count - 1)->text : "it could not be opened");
+}
+
+static void open_path(dialogs *self, const char *path)
+{
+    if (self->opening.kind == DIALOGS_OPENS_FACE) {
+        ui_dialog_close(self->ui);
+        change_face(self, path);
+    } else if (app_open_show(self->app, path) >= 0) {
+        ui_dialog_close(self->ui);
+    } else {
+        say_newest(self);
+    }
+}
+
+static void open_typed(dialogs *self)
+{
+    char path[FOLDER_PATH];
+    if (!path_typed(self, path)) {
+        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "the path is too long");
+    } else if (is_folder(path)) {
+        go(self, path);
+        self->opening.name[0] = '\0';
+    } else {
+        open_path(self, path);
+    }
+}
+
+/* ---- drawing ---- */
+
+static void draw_list(dialogs *self)
+{
+    ui *on = self->ui;
+    const folder *at = &self->opening.at[self->opening.kind];
+    char label[FOLDER_NAME + 48], chosen[FOLDER_PATH];
+    bool is_double = false;
+    chosen[0] = '\0';
+    ui_scroll_begin(on, "files", 0.0f, 264.0f);
+    for (uint32_t i = 0; i < at->count; ++i) {
+        const folder_entry *entry = &at->entry[i];
+        (void)snprintf(label, sizeof label, "%s%s##%u", entry->name, entry->is_folder ? "/" : "",
+                       i);
+        const ui_row_click click =
+            ui_row(on, label, !entry->is_folder && strcmp(entry->name, self->opening.name) == 0);
+        if (click == UI_ROW_NONE)
+            continue;
+        (void)snprintf(chosen, sizeof chosen, "%s", entry->name);
+        is_double = click == UI_ROW_DOUBLE_CLICKED || entry->is_folder;
+    }
+    if (at->count <= 1)
+        ui_text(on, UI_STYLE_DIM,
+                self->opening.kind == DIALOGS_OPENS_SHOW ? "No show is here." : "No face is here.");
+    if (at->has_more)
+        ui_text(on, UI_STYLE_DIM, "There are more: type the name.");
+    ui_scroll_end(on);
+    if (!chosen[0])
+        return;
+    (void)snprintf(self->opening.name, sizeof self->opening.name, "%s", chosen);
+    if (is_double)
+        open_typed(self);
+}
+
+static void draw_shipped(dialogs *self)
+{
+    for (size_t i = 0; i < sizeof shipped / sizeof shipped[0]; ++i) {
+        const bool is_pressed = ui_button(self->ui, shipped[i], UI_PLAIN);
+        ui_same_line(self->ui);
+        if (!is_pressed)
+            continue;
+        char *path = place_face(shipped[i]);
+        if (path)
+            open_path(self, path);
+        free(path);
+    }
+    ui_text(self->ui, UI_STYLE_DIM, "come with marotte");
+}
+
+static void draw_buttons(dialogs *self)
+{
+    ui *on = self->ui;
+    char path[FOLDER_PATH];
+    const bool is_new = self->opening.kind == DIALOGS_OPENS_SHOW && self->opening.name[0] &&
+                        path_typed(self, path) && access(path, F_OK) != 0;
+    if (self->opening.trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->opening.trouble);
+    ui_space(on, 8.0f);
+    ui_disabled_begin(on, !self->opening.name[0]);
+    if (ui_button(on, is_new ? "Create##go" : "Open##go", UI_ACCENT))
+        open_typed(self);
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        ui_dialog_close(on);
+}
+
+static void draw_open(dialogs *self)
+{
+    ui *on = self->ui;
+    dialogs_opening *opening = &self->opening;
+    uint32_t kind = opening->kind;
+    if (!ui_dialog_begin(on, open_dialog, "Open", 560.0f))
+        return;
+    if (ui_tabs(on, "kinds", kind_names, DIALOGS_OPENS_KINDS, &kind)) {
+        opening->kind = (dialogs_open_kind)kind;
+        opening->name[0] = opening->trouble[0] = '\0';
+        go_somewhere(self);
+    }
+    ui_space(on, 4.0f);
+    if (opening->kind == DIALOGS_OPENS_FACE)
+        draw_shipped(self);
+    ui_text(on, UI_STYLE_DIM, opening->at[opening->kind].path);
+    draw_list(self);
+    ui_space(on, 4.0f);
+    const bool is_show = opening->kind == DIALOGS_OPENS_SHOW;
+    ui_width(on, -1.0f);
+    (void)ui_input(on, "##name", is_show ? "Name of a show, also of a new one" : "Name or path",
+                   opening->name, sizeof opening->name);
+    if (ui_pressed(on, UI_KEY_ENTER, 0) && opening->name[0])
+        open_typed(self);
+    draw_buttons(self);
+    ui_dialog_end(on);
+}
+
+/* ---- all of them ---- */
+
+void dialogs_init(dialogs *out, app *of, ui *on)
+{
+    *out = (dialogs){.app = of, .ui = on};
+}
+
+void dialogs_finish(dialogs *self)
+{
+    for (uint32_t i = 0; i < DIALOGS_OPENS_KINDS; ++i)
+        folder_finish(&self->opening.at[i]);
+}
+
+void dialogs_draw(dialogs *self)
+{
+    draw_open(self);
+    draw_export(self);
+    draw_unsaved(self);
+    draw_exporting(self);
+}

@@ -1,0 +1,62 @@
+/* window/dialogs.h - the questions over everything else: which show or face is opened, how a take
+ * is exported, how far exports are, and what becomes of work that is not saved before the program
+ * ends or another face comes. [main] */
+#ifndef MAROTTE_UI_WINDOW_DIALOGS_H
+#define MAROTTE_UI_WINDOW_DIALOGS_H
+#include "window/folder.h"
+#include "window/gui/ui.h"
+#include "window/app/app.h"
+#include "window/app/exporter.h"
+
+typedef enum dialogs_open_kind {
+    DIALOGS_OPENS_SHOW = 0,
+    DIALOGS_OPENS_FACE,
+    DIALOGS_OPENS_KINDS
+} dialogs_open_kind;
+
+typedef struct dialogs_opening { /* the dialog that opens shows and faces */
+    dialogs_open_kind kind;
+    folder at[DIALOGS_OPENS_KINDS];
+    char name[FOLDER_PATH];
+    char trouble[1024];
+} dialogs_opening;
+
+typedef struct dialogs_exporting {
+    export_request request;
+    uint32_t format, rate;
+    bool only_range;
+    char replaced[EXPORT_FILE]; /* the file that the person was told is there already */
+    char trouble[EXPORT_FILE + 64];
+} dialogs_exporting;
+
+typedef enum dialogs_leaving { /* what waits for the answer about unsaved work, and exports */
+                               DIALOGS_STAYS = 0,
+                               DIALOGS_QUITS,
+                               DIALOGS_CHANGES_FACE
+} dialogs_leaving;
+
+typedef struct dialogs {
+    app *app;
+    ui *ui;
+    dialogs_opening opening;
+    dialogs_exporting exporting;
+    dialogs_leaving leaving;
+    char next_face[FOLDER_PATH]; /* DIALOGS_CHANGES_FACE */
+    bool asks, asks_exports;     /* the question is on the screen */
+    bool waits_for_exports;      /* it was answered: then the program ends */
+    uint32_t failed_exports;     /* when it was asked */
+    bool is_over;                /* the program is to end */
+} dialogs;
+
+void dialogs_init(dialogs *out, app *of, ui *on);
+void dialogs_finish(dialogs *self);
+/* Each frame, over all panels. */
+void dialogs_draw(dialogs *self);
+
+void dialogs_ask_open(dialogs *self, dialogs_open_kind kind);
+void dialogs_ask_export(dialogs *self);
+void dialogs_ask_exports(dialogs *self); /* those that go on */
+/* At once, or after the questions about what is not saved and what goes on: is_over then. */
+void dialogs_quit(dialogs *self);
+
+#endif

@@ -1,0 +1,31 @@
+/* window/gui/theme.h - the colours and sizes of the window, in one place: calm and dark, for a dim
+ * application. Colours are 0xRRGGBBAA as on a screen (sRGB). Every text colour has a contrast of at
+ * least 4.5:1 on every ground (tests/unit/window_theme.c). */
+#ifndef MAROTTE_UI_WINDOW_GUI_THEME_H
+#define MAROTTE_UI_WINDOW_GUI_THEME_H
+
+#define THEME_STAGE   0x101113ffu /* behind the face */
+#define THEME_BAR     0x17191cffu
+#define THEME_PANEL   0x1c1f23ffu
+#define THEME_WELL    0x131518ffu /* fields, lanes */
+#define THEME_RAISED  0x2a2e34ffu /* buttons, clips */
+#define THEME_HOVER   0x31363dffu
+#define THEME_RULE    0x33383fffu
+#define THEME_TEXT    0xe6e3dcffu
+#define THEME_DIM     0xa5a49effu
+#define THEME_ACCENT  0xd9a441ffu /* felt and brass: what is chosen */
+#define THEME_RECORD  0xff7268ffu
+#define THEME_GOOD    0x7fc48affu
+#define THEME_WARNING 0xe6b450ffu
+#define THEME_BAD     0xff8a80ffu
+#define THEME_LEFT    0x6fb3d9ffu /* the left hand */
+#define THEME_RIGHT   0xd98f6fffu /* the right hand */
+
+#define THEME_BODY_POINTS  14.0f
+#define THEME_TITLE_POINTS 15.0f
+#define THEME_LARGE_POINTS 34.0f
+#define THEME_PADDING      8.0f
+#define THEME_BAR_HEIGHT   52.0f
+#define THEME_DOCK_WIDTH   330.0f
+
+#endif

@@ -1,0 +1,37 @@
+/* window/gui/ui_queue.h - events in the order in which they came, handed over a frame's worth at a
+ * time: of one key or button at most one change, nothing moved between a press and what it is
+ * pressed on, so that no tap is lost however slowly frames are drawn. Letters that are typed into a
+ * text come as many as there are: they are no taps. Pure but for its own memory; one thread. */
+#ifndef MAROTTE_UI_WINDOW_GUI_UI_QUEUE_H
+#define MAROTTE_UI_WINDOW_GUI_UI_QUEUE_H
+#include "window/gui/ui_types.h"
+
+enum { UI_QUEUE_EVENTS = 4096, UI_QUEUE_TEXT = 64, UI_BUTTONS = 3 };
+
+typedef struct ui_frame_input { /* what a frame sees */
+    float x, y;                 /* points */
+    float wheel_x, wheel_y;
+    bool key[UI_KEY_COUNT];     /* held */
+    bool pressed[UI_KEY_COUNT]; /* went down in this frame */
+    bool button[UI_BUTTONS];
+    uint32_t text[UI_QUEUE_TEXT]; /* code points typed in this frame */
+    uint32_t text_count;
+    bool has_pointer; /* it was somewhere */
+    bool is_typing;   /* letters go into a text: whoever takes a frame says so before */
+} ui_frame_input;
+
+typedef struct ui_queue {
+    ui_event event[UI_QUEUE_EVENTS];
+    uint32_t first, count;
+} ui_queue;
+
+void ui_queue_init(ui_queue *self);
+/* Moves that follow each other become one. A queue that is full forgets everything, and all keys
+ * and buttons go up. */
+void ui_queue_push(ui_queue *self, const ui_event *event);
+bool ui_queue_is_empty(const ui_queue *self);
+/* The next frame: what is held stays held, what was of one frame alone starts anew. */
+void ui_queue_take(ui_queue *self, ui_frame_input *input);
+uint32_t ui_frame_modifiers(const ui_frame_input *input);
+
+#endif

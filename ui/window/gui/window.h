@@ -1,0 +1,52 @@
+/* window/gui/window.h - the two ways in which the stage is seen: a real window (GLFW) with its
+ * events, gamepad and second monitor, or no window at all: a framebuffer, scripted events,
+ * pictures. What is drawn is the same. Leaves out what is drawn (workspace.h). [main] */
+#ifndef MAROTTE_UI_WINDOW_GUI_WINDOW_H
+#define MAROTTE_UI_WINDOW_GUI_WINDOW_H
+#include "window/gui/ui.h"
+
+typedef struct window window;
+
+CHECKED mrt_result window_open_window(window **out, uint32_t width, uint32_t height,
+                                      const char *title, error *err);
+/* Time goes on by dt_s with each frame; 0: as the clock goes. scale: pixels a point. */
+CHECKED mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, float scale,
+                                      double dt_s, error *err);
+void window_close(window *self); /* NULL is fine */
+
+/* Hands events over to the ui; false: the person wants to close the window. */
+bool window_begin(window *self, ui *to, ui_screen *out_screen);
+/* Shows what was drawn. */
+void window_end(window *self, ui *from);
+/* RGBA, rows from the top, of what was shown last; to be freed. */
+CHECKED mrt_result window_picture(window *self, const char *png_path, error *err);
+void window_set_title(window *self, const char *title);
+uint32_t window_width_px(const window *self);
+uint32_t window_height_px(const window *self);
+
+/* Gamepad axes -1..1 (left x y, right x y, left trigger, right trigger) and buttons; false: none.
+ */
+typedef struct window_gamepad {
+    float axis[6];
+    bool button[16];
+    char name[64];
+} window_gamepad;
+bool window_read_gamepad(window *self, window_gamepad *out);
+
+/* The face alone, borderless, full screen on the second monitor (or a window where there is one
+ * monitor), at its own refresh: `texture` is drawn to fill it. */
+CHECKED mrt_result window_open_output(window *self, error *err);
+void window_close_output(window *self);
+bool window_has_output(const window *self);
+void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_height);
+void window_show_output(window *self, uint32_t texture, bool is_mirrored);
+
+/* ---- without a window: what a script and a test do to it ---- */
+
+/* Frames are not drawn while it is away, as those of a window that is put away. */
+void window_hidden_put_away(window *self, bool is_away);
+/* What the gamepad says from now on; NULL: there is none. */
+void window_hidden_gamepad(window *self, const window_gamepad *now);
+CHECKED mrt_result window_hidden_output_picture(window *self, const char *png_path, error *err);
+
+#endif

@@ -1,0 +1,635 @@
+#include "window/panels/calibrate.h"
+#include "window/gui/theme.h"
+#include "window/gui/ui.h"
+
+#include "hand/calibration_folder.h"
+#include "hand/calibration_keep.h"
+#include "hand/guide_judge.h"
+#include "hand/sensor.h"
+#include "stage/glove_channels.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum calibrate_tone {
+    CALIBRATE_SAYS = 0,
+    CALIBRATE_TOOK,
+    CALIBRATE_REFUSED
+} calibrate_tone;
+
+typedef struct calibrate_guide {
+    glove_channels glove;
+    guide *guide;          /* NULL: none is made now */
+    float raw[MRT_ANGLES]; /* newest */
+    bool has_sample;
+    char news[600]; /* what was taken or refused last; "" */
+    calibrate_tone tone;
+    calibration_file *result;  /* once all steps are done; NULL before */
+    guide_judgement judgement; /* of the result */
+} calibrate_guide;
+
+/* What is wrong, then what moves along: a line a sensor worth a word. Returns how many. */
+typedef struct calibrate_finding {
+    char text[200]; /* "ring knuckle moves along with the middle knuckle: 21 %" */
+    bool is_warning;
+} calibrate_finding;
+
+/* ---- a calibration that is being made ---- */
+
+static const float worth_telling = 0.1f; /* rad per rad */
+
+static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
+                                        uint32_t count, uint32_t side, const char *name, error *err)
+{
+    *out = (calibrate_guide){.guide = NULL};
+    mrt_result result = glove_channels_find(&out->glove, channel, count, side, name, err);
+    if (result < 0)
+        return result;
+    guide_settings usual = guide_settings_usual(out->glove.side, out->glove.sensors);
+    out->guide = guide_create(&usual);
+    return out->guide ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
+}
+
+static void forget_result(calibrate_guide *self)
+{
+    calibration_file_finish(self->result);
+    free(self->result);
+    self->result = NULL;
+}
+
+/* zeroed is fine */
+static void calibrate_guide_end(calibrate_guide *self)
+{
+    forget_result(self);
+    guide_destroy(self->guide);
+    *self = (calibrate_guide){.guide = NULL};
+}
+
+__attribute__((format(printf, 3, 4))) static void say(calibrate_guide *self, calibrate_tone tone,
+                                                      const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(self->news, sizeof self->news, format, arguments);
+    va_end(arguments);
+    self->tone = tone;
+}
+
+static void conclude(calibrate_guide *self)
+{
+    error err = {""};
+    self->result = calloc(1, sizeof *self->result);
+    mrt_result result = self->result ? guide_result(self->guide, self->result, &err)
+                                     : error_set(&err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0) {
+        guide_judge(&self->judgement, self->guide, self->result);
+        return;
+    }
+    say(self, CALIBRATE_REFUSED, "%s", err.text);
+    free(self->result);
+    self->result = NULL;
+}
+
+static void follow(calibrate_guide *self, guide_news news, guide_step step)
+{
+    const char *reason = guide_reason(self->guide);
+    switch (news) {
+    case GUIDE_NOTHING:
+        return;
+    case GUIDE_TAKEN:
+        say(self, CALIBRATE_TOOK, "Taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
+            reason);
+        break;
+    case GUIDE_SKIPPED:
+        say(self, CALIBRATE_SAYS, "Left out: %s", guide_step_name[step]);
+        break;
+    case GUIDE_REFUSED:
+    case GUIDE_TIMED_OUT:
+        say(self, CALIBRATE_REFUSED, "Not taken: %s", reason);
+        return;
+    }
+    if (guide_current(self->guide) == GUIDE_STEPS)
+        conclude(self);
+}
+
+static void calibrate_guide_sample(calibrate_guide *self, const mrt_sample *sample)
+{
+    glove_channels_read(&self->glove, sample, self->raw);
+    self->has_sample = true;
+    guide_step step = guide_current(self->guide);
+    follow(self, guide_sample(self->guide, self->raw, sample->time_ns), step);
+}
+
+static void calibrate_guide_take(calibrate_guide *self)
+{
+    guide_step step = guide_current(self->guide);
+    follow(self, guide_next(self->guide), step);
+}
+
+static void calibrate_guide_skip(calibrate_guide *self)
+{
+    guide_step step = guide_current(self->guide);
+    follow(self, guide_skip(self->guide), step);
+}
+
+static void calibrate_guide_back(calibrate_guide *self)
+{
+    forget_result(self);
+    guide_repeat(self->guide);
+    say(self, CALIBRATE_SAYS, "Again: %s", guide_step_name[guide_current(self->guide)]);
+}
+
+/* One pose once more, then back to the result. */
+static void calibrate_guide_again(calibrate_guide *self, guide_step step)
+{
+    forget_result(self);
+    guide_again(self->guide, step);
+    say(self, CALIBRATE_SAYS, "Again: %s. Skip leaves it as it was.", guide_step_name[step]);
+}
+
+/* ---- what came out ---- */
+
+static void tell_cross_talk(float share, int from, int to, calibrate_finding *out)
+{
+    out->is_warning = false;
+    (void)snprintf(out->text, sizeof out->text, "%s moves along with %s: %.0f %%",
+                   sensor_table[to].label, sensor_table[from].label, 100.0 * (double)share);
+}
+
+static uint32_t calibrate_guide_findings(const calibrate_guide *self, calibrate_finding *out,
+                                         uint32_t capacity)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; self->result && i < self->judgement.flaw_count && count < capacity; ++i) {
+        out[count].is_warning = true;
+        guide_flaw_text(&self->judgement.flaw[i], out[count].text, sizeof out[count].text);
+        count += 1;
+    }
+    for (int i = 0; self->result && i < MRT_ANGLES; ++i) {
+        const calibration_sensor *sensor = &self->result->sensor[i];
+        if (sensor->table.count == 0)
+            continue;
+        for (int k = 0; k < MRT_ANGLES; ++k)
+            if (fabsf(sensor->cross_talk[k]) >= worth_telling && count < capacity)
+                tell_cross_talk(sensor->cross_talk[k], i, k, &out[count++]);
+    }
+    return count;
+}
+
+/* Into the user's folder; *out_path is to be freed. hand_length_mm 0: not said. */
+static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
+                                       double hand_length_mm, char **out_path, error *err)
+{
+    *out_path = NULL;
+    if (!self->result)
+        return error_set(err, MRT_ERR_ARGUMENT, "the calibration is not complete yet");
+    calibration_file *old = calloc(1, sizeof *old);
+    if (!old)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    mrt_result result = calibration_folder_place(out_path, name, err);
+    if (result >= 0)
+        result = calibration_keep_old(old, *out_path, err);
+    bool is_other =
+        result >= 0 && calibration_file_sensor_count(old) > 0 && old->side != self->result->side;
+    if (is_other) {
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "\"%s\" is the name of a calibration of the other hand: choose another",
+                           name);
+        calibration_file_finish(old);
+    }
+    if (result >= 0) {
+        calibration_keep_sign(self->result, old, name, hand_length_mm);
+        result = calibration_keep_write(self->result, old, *out_path, err);
+        calibration_file_finish(old);
+    }
+    free(old);
+    if (result < 0) {
+        free(*out_path);
+        *out_path = NULL;
+    }
+    return result;
+}
+
+/* ---- the dialog ---- */
+
+enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
+static const float width = 720.0f, bar_height = 17.0f, news_height = 44.0f;
+static const double degrees_per_rad = 57.29577951308232;
+static const char *const side_word[2] = {"left", "right"};
+static const char dialog[] = "calibrate";
+
+struct calibrate_panel {
+    app *app;
+    input *glove; /* NULL: closed */
+    uint32_t index;
+    calibrate_guide guide;
+    bool is_asked, is_away;
+    char name[CALIBRATION_NAME], length[16];
+    char trouble[1024];
+    char *kept;
+    uint32_t kept_side;
+    bool has_kept;
+};
+
+calibrate_panel *calibrate_panel_create(app *of)
+{
+    calibrate_panel *self = calloc(1, sizeof *self);
+    if (self)
+        self->app = of;
+    return self;
+}
+
+static void leave(calibrate_panel *self)
+{
+    if (!self->glove)
+        return;
+    live_tap(app_live(self->app), UINT32_MAX);
+    calibrate_guide_end(&self->guide);
+    self->glove = NULL;
+}
+
+void calibrate_panel_destroy(calibrate_panel *self)
+{
+    if (!self)
+        return;
+    leave(self);
+    free(self->kept);
+    free(self);
+}
+
+bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, error *out_why)
+{
+    leave(self);
+    input *glove = live_input(app_live(self->app), index);
+    uint32_t count;
+    const mrt_channel *channels = input_channels(glove, &count);
+    if (calibrate_guide_begin(&self->guide, channels, count, side, input_name(glove), out_why) < 0)
+        return false;
+    self->glove = glove;
+    self->index = index;
+    self->is_asked = true;
+    self->is_away = false;
+    self->trouble[0] = '\0';
+    (void)snprintf(self->name, sizeof self->name, "%s hand", side_word[side]);
+    live_tap(app_live(self->app), index);
+    return true;
+}
+
+const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
+{
+    if (!self->has_kept)
+        return NULL;
+    self->has_kept = false;
+    *out_side = self->kept_side;
+    return self->kept;
+}
+
+/* The list of inputs may have changed beneath it: the glove has another place then, or is gone. */
+static bool is_still_there(calibrate_panel *self)
+{
+    live *stage = app_live(self->app);
+    for (uint32_t i = 0; i < live_input_count(stage); ++i) {
+        if (live_input(stage, i) != self->glove)
+            continue;
+        if (i != self->index)
+            live_tap(stage, i);
+        self->index = i;
+        return true;
+    }
+    return false;
+}
+
+static bool has_other_channels(const calibrate_panel *self)
+{
+    uint32_t count;
+    error why = {""};
+    glove_channels now;
+    const mrt_channel *channels = input_channels(self->glove, &count);
+    return glove_channels_find(&now, channels, count, self->guide.glove.side, "", &why) < 0 ||
+           memcmp(now.channel_of, self->guide.glove.channel_of, sizeof now.channel_of) != 0;
+}
+
+void calibrate_panel_update(calibrate_panel *self)
+{
+    mrt_sample sample;
+    if (!self->glove)
+        return;
+    if (!is_still_there(self)) {
+        leave(self);
+        return;
+    }
+    self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
+    if (has_other_channels(self)) {
+        (void)snprintf(self->trouble, sizeof self->trouble,
+                       "The glove has other sensors than at the beginning: close this and begin "
+                       "again.");
+        return;
+    }
+    for (int i = 0; i < PER_FRAME && live_take_tapped(app_live(self->app), &sample); ++i)
+        calibrate_guide_sample(&self->guide, &sample);
+}
+
+/* ---- the poses ---- */
+
+static void draw_steps(const calibrate_panel *self, ui *on)
+{
+    ui_canvas at;
+    guide_step now = guide_current(self->guide.guide);
+    const float gap = 22.0f, radius = 5.0f;
+    char words[64];
+    ui_canvas_begin(on, "steps", 0.0f, 20.0f, &at);
+    float y = at.where.y + 10.0f;
+    for (int step = 0; step < GUIDE_STEPS; ++step) {
+        float x = at.where.x + 8.0f + gap * (float)step;
+        if (step == (int)now)
+            ui_draw_ring(on, x, y, radius + 1.0f, THEME_ACCENT, 2.0f);
+        else if (guide_has(self->guide.guide, (guide_step)step))
+            ui_draw_disc(on, x, y, radius, THEME_GOOD);
+        else
+            ui_draw_ring(on, x, y, radius - 1.0f, THEME_DIM, 1.0f);
+    }
+    if (now < GUIDE_STEPS) {
+        (void)snprintf(words, sizeof words, "pose %d of %d", (int)now + 1, GUIDE_STEPS);
+        ui_draw_text(on, at.where.x + gap * GUIDE_STEPS + 8.0f, at.where.y + 2.0f, UI_STYLE_DIM,
+                     THEME_DIM, 0.0f, words);
+    }
+    ui_canvas_end(on);
+}
+
+static float share_of(const glove_channels *glove, float raw)
+{
+    float span = glove->high - glove->low;
+    float share = span > 0.0f ? (raw - glove->low) / span : 0.0f;
+    return fminf(fmaxf(share, 0.0f), 1.0f);
+}
+
+static void draw_bar(const calibrate_guide *of, ui *on, int sensor, ui_rectangle at,
+                     const float range[2])
+{
+    const float label = 194.0f, number = 34.0f;
+    char words[24];
+    ui_rectangle bar = {at.x + label, at.y + 4.0f, at.width - label - number - 6.0f, 9.0f};
+    float low = share_of(&of->glove, range[0]), high = share_of(&of->glove, range[1]);
+    float now = share_of(&of->glove, of->raw[sensor]);
+    ui_draw_text(on, at.x, at.y, UI_STYLE_DIM, THEME_DIM, label - 6.0f, sensor_table[sensor].label);
+    ui_draw_box(on, bar, THEME_WELL, 2.0f);
+    ui_draw_box(
+        on, (ui_rectangle){bar.x + low * bar.width, bar.y, (high - low) * bar.width, bar.height},
+        THEME_HOVER, 2.0f);
+    if (!of->has_sample)
+        return;
+    ui_draw_box(
+        on, (ui_rectangle){bar.x + now * (bar.width - 3.0f), bar.y - 1.0f, 3.0f, bar.height + 2.0f},
+        THEME_ACCENT, 1.0f);
+    (void)snprintf(words, sizeof words, "%.0f", (double)of->raw[sensor]);
+    ui_draw_text(on, at.x + at.width - ui_text_width(on, UI_STYLE_BODY, words), at.y, UI_STYLE_BODY,
+                 THEME_TEXT, 0.0f, words);
+}
+
+static void draw_bars(const calibrate_panel *self, ui *on)
+{
+    float low[MRT_ANGLES], high[MRT_ANGLES];
+    int order[MRT_ANGLES], count = 0;
+    ui_canvas at;
+    guide_range(self->guide.guide, low, high);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (self->guide.glove.sensors >> i & 1u)
+            order[count++] = i;
+    int rows = (count + COLUMNS - 1) / COLUMNS;
+    ui_canvas_begin(on, "bars", 0.0f, bar_height * (float)rows, &at);
+    const float gap = 24.0f, wide = (at.where.width - gap) / COLUMNS;
+    for (int i = 0; i < count; ++i) {
+        const float range[2] = {low[order[i]], high[order[i]]};
+        ui_rectangle box = {at.where.x + (float)(i / rows) * (wide + gap),
+                            at.where.y + bar_height * (float)(i % rows), wide, bar_height};
+        draw_bar(&self->guide, on, order[i], box, range);
+    }
+    ui_canvas_end(on);
+}
+
+static void draw_news(const calibrate_panel *self, ui *on)
+{
+    static const ui_style style[] = {[CALIBRATE_SAYS] = UI_STYLE_DIM,
+                                     [CALIBRATE_TOOK] = UI_STYLE_GOOD,
+                                     [CALIBRATE_REFUSED] = UI_STYLE_WARNING};
+    ui_scroll_begin(on, "news", 0.0f, news_height);
+    if (self->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    else
+        ui_text_wrapped(on, style[self->guide.tone], self->guide.news);
+    ui_scroll_end(on);
+}
+
+/* Such that the buttons do not move from pose to pose. */
+static void draw_words(const calibrate_panel *self, ui *on)
+{
+    guide_step step = guide_current(self->guide.guide);
+    const char *waits = self->is_away ? "the glove is away: waiting for it"
+                                      : guide_wait_words[guide_waiting(self->guide.guide)];
+    char name[64];
+    (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
+    if (name[0] >= 'a' && name[0] <= 'z')
+        name[0] = (char)(name[0] - 'a' + 'A');
+    ui_text(on, UI_STYLE_TITLE, name);
+    ui_scroll_begin(on, "words", 0.0f, 40.0f);
+    ui_text_wrapped(on, UI_STYLE_BODY, guide_step_words[step]);
+    ui_scroll_end(on);
+    ui_text(on, self->is_away ? UI_STYLE_WARNING : UI_STYLE_STRONG, waits);
+}
+
+static void draw_pose_buttons(calibrate_panel *self, ui *on)
+{
+    ui_disabled_begin(on, self->is_away || self->trouble[0]);
+    if (ui_button(on, "Take it now", UI_ACCENT))
+        calibrate_guide_take(&self->guide);
+    ui_hint(on, "Enter. Without waiting until the hand is still.");
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_hint(on, "The pose before, once more.");
+    ui_same_line(on);
+    if (ui_button(on, "Skip", UI_PLAIN))
+        calibrate_guide_skip(&self->guide);
+    ui_hint(on, "Goes on without this pose: what it would tell is as shipped.");
+    ui_same_line(on);
+    ui_at(on, width - 36.0f - 80.0f);
+    ui_width(on, 80.0f);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+    if (!self->is_away && !self->trouble[0] && ui_pressed(on, UI_KEY_ENTER, 0))
+        calibrate_guide_take(&self->guide);
+}
+
+static void draw_poses(calibrate_panel *self, ui *on)
+{
+    draw_steps(self, on);
+    ui_space(on, 4.0f);
+    draw_words(self, on);
+    ui_space(on, 6.0f);
+    draw_bars(self, on);
+    ui_space(on, 6.0f);
+    draw_news(self, on);
+    draw_pose_buttons(self, on);
+}
+
+/* ---- what came out ---- */
+
+static void draw_summary(const calibration_file *file, ui *on)
+{
+    int measured = 0, shipped = 0, worst = -1;
+    char words[160];
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const calibration_sensor *sensor = &file->sensor[i];
+        if (sensor->table.count == 0)
+            continue;
+        measured += sensor->source == CALIBRATION_MEASURED;
+        shipped += sensor->source == CALIBRATION_SHIPPED || sensor->source == CALIBRATION_ZEROED;
+        if (sensor->has_residual &&
+            (worst < 0 || sensor->residual_rad > file->sensor[worst].residual_rad))
+            worst = i;
+    }
+    (void)snprintf(words, sizeof words, "%d measured, %d with the shipped gain", measured, shipped);
+    ui_fact(on, "Sensors", 130.0f, UI_STYLE_BODY, words);
+    if (worst < 0)
+        return;
+    (void)snprintf(words, sizeof words, "%.1f deg, %s",
+                   (double)file->sensor[worst].residual_rad * degrees_per_rad,
+                   sensor_table[worst].label);
+    ui_fact(on, "Worst residual", 130.0f, UI_STYLE_BODY, words);
+}
+
+static void draw_findings(const calibrate_panel *self, ui *on)
+{
+    calibrate_finding finding[FINDINGS];
+    uint32_t count = calibrate_guide_findings(&self->guide, finding, FINDINGS);
+    ui_scroll_begin(on, "findings", 0.0f, 132.0f);
+    if (count == 0)
+        ui_text(on, UI_STYLE_GOOD, "Every sensor says the same of the same pose, and alone.");
+    for (uint32_t i = 0; i < count; ++i)
+        ui_text_wrapped(on, finding[i].is_warning ? UI_STYLE_WARNING : UI_STYLE_DIM,
+                        finding[i].text);
+    ui_scroll_end(on);
+}
+
+static void keep(calibrate_panel *self, ui *on)
+{
+    error err = {""};
+    char *path = NULL;
+    double length_mm = strtod(self->length, NULL);
+    bool has_length = length_mm >= HAND_LENGTH_MIN_MM && length_mm <= HAND_LENGTH_MAX_MM;
+    if (self->length[0] && !has_length) {
+        (void)snprintf(self->trouble, sizeof self->trouble,
+                       "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
+                       HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
+        return;
+    }
+    if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path, &err) <
+        0) {
+        (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
+        return;
+    }
+    free(self->kept);
+    self->kept = path;
+    self->kept_side = self->guide.glove.side;
+    self->has_kept = true;
+    ui_dialog_close(on);
+}
+
+static void draw_verdict(const guide_judgement *judgement, ui *on)
+{
+    char words[96];
+    bool is_good = judgement->flaw_count == 0 && judgement->left_out == 0;
+    guide_judgement_text(judgement, words, sizeof words);
+    ui_text(on, is_good ? UI_STYLE_GOOD : UI_STYLE_WARNING, words);
+}
+
+/* The pose that mends most is offered first; what is only loose may stay as it is. */
+static void draw_result_buttons(calibrate_panel *self, ui *on)
+{
+    const guide_judgement *judgement = &self->guide.judgement;
+    const guide_flaw *first = judgement->flaw_count > 0 ? &judgement->flaw[0] : NULL;
+    bool is_wrong = first && guide_flaw_is_wrong(first);
+    char again[48];
+    guide_step step = first ? first->step : GUIDE_STEPS;
+    if (step < GUIDE_STEPS) {
+        (void)snprintf(again, sizeof again, "Repeat: %s", guide_step_name[step]);
+        if (ui_button(on, again, is_wrong ? UI_ACCENT : UI_PLAIN)) {
+            calibrate_guide_again(&self->guide, step);
+            return;
+        }
+        ui_hint(on, "Only this pose, once more; the others stay.");
+        ui_same_line(on);
+    }
+    if (ui_button(on, "Save and use", is_wrong ? UI_PLAIN : UI_ACCENT))
+        keep(self, on);
+    ui_same_line(on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_hint(on, "The last pose, once more.");
+    ui_same_line(on);
+    ui_at(on, width - 36.0f - 80.0f);
+    ui_width(on, 80.0f);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+}
+
+static void draw_result(calibrate_panel *self, ui *on)
+{
+    draw_verdict(&self->guide.judgement, on);
+    ui_space(on, 4.0f);
+    draw_summary(self->guide.result, on);
+    ui_space(on, 4.0f);
+    draw_findings(self, on);
+    ui_space(on, 4.0f);
+    ui_label(on, "name", 122.0f, THEME_DIM, "Name");
+    ui_width(on, 300.0f);
+    (void)ui_input(on, "##name", "whose hand it is", self->name, sizeof self->name);
+    ui_label(on, "length", 122.0f, THEME_DIM, "Hand length, mm");
+    ui_width(on, 300.0f);
+    (void)ui_input(on, "##length", "wrist to middle fingertip, if known", self->length,
+                   sizeof self->length);
+    ui_space(on, 4.0f);
+    ui_scroll_begin(on, "trouble", 0.0f, 40.0f);
+    ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_scroll_end(on);
+    draw_result_buttons(self, on);
+}
+
+static void draw_without_result(calibrate_panel *self, ui *on)
+{
+    draw_news(self, on);
+    if (ui_button(on, "Back", UI_PLAIN))
+        calibrate_guide_back(&self->guide);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_QUIET))
+        ui_dialog_close(on);
+}
+
+void calibrate_panel_draw(calibrate_panel *self, ui *on)
+{
+    char title[160];
+    bool was_asked = self->is_asked;
+    if (!self->glove)
+        return;
+    if (was_asked)
+        ui_dialog_open(on, dialog);
+    self->is_asked = false;
+    (void)snprintf(title, sizeof title, "Calibrate the %s hand: %.90s",
+                   side_word[self->guide.glove.side], input_name(self->glove));
+    if (!ui_dialog_begin(on, dialog, title, width)) {
+        if (!was_asked)
+            leave(self);
+        return;
+    }
+    if (self->guide.result)
+        draw_result(self, on);
+    else if (guide_current(self->guide.guide) < GUIDE_STEPS)
+        draw_poses(self, on);
+    else
+        draw_without_result(self, on);
+    ui_dialog_end(on);
+}

@@ -1,0 +1,992 @@
+#include "window/panels/devices.h"
+#include "window/panels/calibrate.h"
+#include "window/gui/theme.h"
+#include "window/gui/ui.h"
+#include "window/panels/panels.h"
+#include "window/app/app.h"
+
+#include "base/clock.h"
+#include "hand/calibration_folder.h"
+#include "stage/device_list.h"
+#include "stage/glove_channels.h"
+#include "stage/input.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct devices_search devices_search;
+
+/* The newest; until the next call. Never waits. */
+typedef struct devices_snapshot {
+    bool is_known; /* a first look is done */
+    const device_list *devices;
+    const calibration_list *calibrations;
+    const char *note; /* what could not be read; "" */
+} devices_snapshot;
+
+enum { DEVICES_PATH = 1024 };
+
+typedef struct devices_panel {
+    app *app;
+    devices_search *search; /* NULL: nothing can be looked for */
+    calibrate_panel *calibrate;
+    devices_snapshot snapshot; /* of this frame */
+    char path[DEVICES_PATH], osc[128];
+    input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
+    uint32_t opening_count, input_count;
+    bool repeats;          /* a recording begins again at its end */
+    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
+    rezero_counts rezeros; /* as of the frame before */
+    bool was_refused;
+} devices_panel;
+
+/* in the panel and in the news */
+static void devices_panel_say(devices_panel *self, const char *text);
+/* Opens it beside the window. */
+static void devices_panel_add(devices_panel *self, const char *text);
+/* path "": shipped defaults. */
+static void devices_panel_calibrate(devices_panel *self, uint32_t side, const char *path);
+
+/* ---- words ---- */
+
+static const double silent_s = 1.0, late_ms = 20.0, odd_drift_ppm = 500.0;
+static const float saturated_share = 0.5f;
+
+/* ---- the state ---- */
+
+/* "3 s", "2 min" */
+static void say_duration(char out[32], double seconds)
+{
+    if (seconds < 100.0)
+        (void)snprintf(out, 32, "%.0f s", floor(seconds));
+    else if (seconds < 6000.0)
+        (void)snprintf(out, 32, "%.0f min", floor(seconds / 60.0));
+    else
+        (void)snprintf(out, 32, "%.0f h", floor(seconds / 3600.0));
+}
+
+static devices_light running(const health_report *health, char out[DEVICES_WORDS])
+{
+    char duration[32];
+    if (health->silence_s <= silent_s) {
+        (void)snprintf(out, DEVICES_WORDS, "running");
+        return DEVICES_WELL;
+    }
+    say_duration(duration, health->silence_s);
+    (void)snprintf(out, DEVICES_WORDS, "open, silent for %s", duration);
+    return DEVICES_WAITS;
+}
+
+devices_light devices_words_state(const health_report *health, char out[DEVICES_WORDS],
+                                  char out_why[DEVICES_WORDS])
+{
+    char duration[32];
+    (void)snprintf(out_why, DEVICES_WORDS, "%s", health->words);
+    switch ((input_state)health->state) {
+    case INPUT_RUNNING:
+        return running(health, out);
+    case INPUT_ENDED:
+        (void)snprintf(out, DEVICES_WORDS, "over");
+        return DEVICES_OVER;
+    case INPUT_LOST:
+        say_duration(duration, health->state_s);
+        (void)snprintf(out, DEVICES_WORDS, "away for %s, tried again", duration);
+        return DEVICES_WAITS;
+    case INPUT_FAILED:
+        break;
+    }
+    (void)snprintf(out, DEVICES_WORDS, "failed");
+    return DEVICES_FAILED;
+}
+
+/* ---- figures ---- */
+
+__attribute__((format(printf, 4, 5))) static devices_fact *
+fact(devices_fact *at, const char *label, const char *help, const char *format, ...)
+{
+    va_list arguments;
+    *at = (devices_fact){.label = label, .help = help};
+    va_start(arguments, format);
+    (void)vsnprintf(at->value, sizeof at->value, format, arguments);
+    va_end(arguments);
+    return at;
+}
+
+static uint32_t count_losses(const health_report *h, devices_fact *out)
+{
+    uint32_t count = 0;
+    if (h->gap_count > 0)
+        fact(&out[count++], "Gaps", "Samples that are missing in the device's own numbers.",
+             "%llu of %llu", (unsigned long long)h->gap_count,
+             (unsigned long long)(h->gap_count + h->sample_count))
+            ->is_odd = h->gap_count * 1000 > h->sample_count;
+    if (h->refused_count > 0)
+        fact(&out[count++], "Refused", "Samples that made no sense.", "%llu",
+             (unsigned long long)h->refused_count)
+            ->is_odd = true;
+    if (h->dropped_count > 0)
+        fact(&out[count++], "Dropped", "Samples that this computer was too slow for.", "%llu",
+             (unsigned long long)h->dropped_count)
+            ->is_odd = true;
+    if (h->loss_count > 0)
+        fact(&out[count++], "Went away", "How often the device was lost.", "%u times",
+             h->loss_count);
+    return count;
+}
+
+uint32_t devices_words_facts(const health_report *h, devices_fact out[DEVICES_FACTS_MAX])
+{
+    uint32_t count = 0;
+    fact(&out[count++], "Rate", "Samples a second, by their own times.", "%.1f Hz", h->rate_hz);
+    fact(&out[count++], "Jitter", "How unevenly they follow each other: one standard deviation.",
+         "%.2f ms", h->jitter_ms);
+    fact(&out[count++], "Lateness", "From measured to arrived: mean, and the worst of 2 s.",
+         "%.1f ms, worst %.1f ms", h->lateness_ms, h->lateness_worst_ms)
+        ->is_odd = h->lateness_ms > late_ms;
+    if (h->has_drift)
+        fact(&out[count++], "Clock drift", "How much faster the device's clock runs than ours.",
+             "%+.0f ppm", h->drift_ppm)
+            ->is_odd = fabs(h->drift_ppm) > odd_drift_ppm;
+    else
+        fact(&out[count++], "Clock drift", "Known 10 s after the device was opened.",
+             "not known yet");
+    fact(&out[count++], "Samples", "Since it was opened.", "%llu",
+         (unsigned long long)h->sample_count);
+    return count + count_losses(h, out + count);
+}
+
+uint32_t devices_words_saturated(const health_report *health, const mrt_channel *channels,
+                                 uint32_t count, char out[DEVICES_WORDS])
+{
+    uint32_t found = 0;
+    size_t used = 0;
+    out[0] = '\0';
+    for (uint32_t i = 0; i < count && i < health->channel_count && i < MRT_MAX_CHANNELS; ++i) {
+        if (!(health->saturated[i] >= saturated_share))
+            continue;
+        int length = used < DEVICES_WORDS ? snprintf(out + used, DEVICES_WORDS - used, "%s%s",
+                                                     found ? ", " : "", channels[i].name)
+                                          : 0;
+        used += length > 0 ? (size_t)length : 0;
+        found += 1;
+    }
+    return found;
+}
+
+/* ---- which are open ---- */
+
+static bool is_named(const char *name, size_t length, const mrt_plugin_type *type)
+{
+    const char *own = device_list_plugin_name(type);
+    return (strlen(type->id) == length && strncmp(type->id, name, length) == 0) ||
+           (strlen(own) == length && strncmp(own, name, length) == 0);
+}
+
+bool devices_is_open(const char *input_text, const device_found *device, bool is_first)
+{
+    size_t plugin_length = strcspn(input_text, ":,");
+    if (!is_named(input_text, plugin_length, device->type))
+        return false;
+    const char *address = input_text + plugin_length;
+    address += *address == ':';
+    size_t length = strcspn(address, ",");
+    if (input_text[plugin_length] != ':' || length == 0)
+        return is_first;
+    return strlen(device->device.address) == length &&
+           strncmp(device->device.address, address, length) == 0;
+}
+
+bool devices_input_text(const device_found *device, char *out, size_t capacity)
+{
+    int length = snprintf(out, capacity, "%s:%s", device_list_plugin_name(device->type),
+                          device->device.address);
+    return length > 0 && (size_t)length < capacity && !strchr(device->device.address, ',');
+}
+
+/* ---- what is plugged in, looked for in the background ---- */
+
+static const int64_t period_ns = 2 * NS_PER_S, interest_ns = 5 * NS_PER_S;
+
+typedef struct findings {
+    device_list devices;
+    calibration_list calibrations;
+    error note;
+} findings;
+
+struct devices_search {
+    const plugin_list *plugins;
+    log_queue *log;
+    pthread_t thread;
+    pthread_mutex_t mutex; /* guards what follows up to is_stopping */
+    pthread_cond_t change;
+    findings posted;
+    bool has_posted, is_asked, is_stopping;
+    int64_t wanted_ns;
+    findings shown; /* [main] */
+    bool is_known;
+    log_once hush; /* the thread's */
+    findings made;
+};
+
+/* ---- the thread ---- */
+
+static void look(devices_search *self)
+{
+    error err = {""};
+    findings *made = &self->made;
+    *made = (findings){.devices = {.count = 0}};
+    if (device_list_look(&made->devices, self->plugins, self->log, &self->hush, &err) < 0)
+        made->note = err;
+    error note = {""};
+    if (calibration_folder_list(&made->calibrations, &note, &err) < 0)
+        note = err;
+    if (!made->note.text[0])
+        made->note = note;
+}
+
+static bool is_due(const devices_search *self, int64_t next_ns)
+{
+    int64_t now_ns = clock_now_ns();
+    bool is_wanted = now_ns - self->wanted_ns < interest_ns;
+    return self->is_asked || (is_wanted && now_ns >= next_ns);
+}
+
+static void wait_until(devices_search *self, int64_t time_ns)
+{
+    const struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
+                                   .tv_nsec = (long)(time_ns % NS_PER_S)};
+    (void)pthread_cond_timedwait(&self->change, &self->mutex, &until);
+}
+
+static void post(devices_search *self)
+{
+    calibration_list_finish(&self->posted.calibrations);
+    self->posted = self->made;
+    self->has_posted = true;
+}
+
+static void *search(void *data)
+{
+    devices_search *self = data;
+    int64_t next_ns = 0;
+    pthread_mutex_lock(&self->mutex);
+    while (!self->is_stopping) {
+        if (!is_due(self, next_ns)) {
+            wait_until(self, clock_now_ns() + period_ns);
+            continue;
+        }
+        self->is_asked = false;
+        pthread_mutex_unlock(&self->mutex);
+        look(self);
+        pthread_mutex_lock(&self->mutex);
+        post(self);
+        next_ns = clock_now_ns() + period_ns;
+    }
+    pthread_mutex_unlock(&self->mutex);
+    return NULL;
+}
+
+/* ---- main ---- */
+
+/* plugins and log must outlive it. NULL: no memory, or no thread. */
+static devices_search *devices_search_create(const plugin_list *plugins, log_queue *log)
+{
+    devices_search *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->plugins = plugins;
+    self->log = log;
+    self->wanted_ns = INT64_MIN / 2;
+    log_once_reset(&self->hush);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&self->change, &attributes);
+    pthread_condattr_destroy(&attributes);
+    pthread_mutex_init(&self->mutex, NULL);
+    if (pthread_create(&self->thread, NULL, search, self) == 0)
+        return self;
+    pthread_cond_destroy(&self->change);
+    pthread_mutex_destroy(&self->mutex);
+    free(self);
+    return NULL;
+}
+
+/* waits for a look that goes on; NULL is fine */
+static void devices_search_destroy(devices_search *self)
+{
+    if (!self)
+        return;
+    pthread_mutex_lock(&self->mutex);
+    self->is_stopping = true;
+    pthread_cond_signal(&self->change);
+    pthread_mutex_unlock(&self->mutex);
+    pthread_join(self->thread, NULL);
+    pthread_cond_destroy(&self->change);
+    pthread_mutex_destroy(&self->mutex);
+    calibration_list_finish(&self->posted.calibrations);
+    calibration_list_finish(&self->shown.calibrations);
+    free(self);
+}
+
+/* Somebody looks: goes on for some seconds. Never waits. */
+/* The mutex is never held for long: what takes time is done without it. */
+static void devices_search_want(devices_search *self)
+{
+    int64_t now_ns = clock_now_ns();
+    pthread_mutex_lock(&self->mutex);
+    bool was_idle = now_ns - self->wanted_ns >= interest_ns;
+    self->wanted_ns = now_ns;
+    if (was_idle)
+        pthread_cond_signal(&self->change);
+    pthread_mutex_unlock(&self->mutex);
+}
+
+/* As soon as possible: something was plugged in, opened or saved. */
+static void devices_search_again(devices_search *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    self->is_asked = true;
+    pthread_cond_signal(&self->change);
+    pthread_mutex_unlock(&self->mutex);
+}
+
+static devices_snapshot devices_search_look(devices_search *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    if (self->has_posted) {
+        calibration_list_finish(&self->shown.calibrations);
+        self->shown = self->posted;
+        self->posted.calibrations = (calibration_list){.count = 0};
+        self->has_posted = false;
+        self->is_known = true;
+    }
+    pthread_mutex_unlock(&self->mutex);
+    return (devices_snapshot){self->is_known, &self->shown.devices, &self->shown.calibrations,
+                              self->shown.note.text};
+}
+
+/* ---- an input that is open ---- */
+
+static const float label_width = 104.0f, strip_height = 30.0f;
+static const char *const side_name[2] = {"Left hand", "Right hand"};
+static const uint32_t light_colour[] = {[DEVICES_OVER] = THEME_DIM,
+                                        [DEVICES_WELL] = THEME_GOOD,
+                                        [DEVICES_WAITS] = THEME_WARNING,
+                                        [DEVICES_FAILED] = THEME_BAD};
+static const ui_style light_style[] = {[DEVICES_OVER] = UI_STYLE_DIM,
+                                       [DEVICES_WELL] = UI_STYLE_DIM,
+                                       [DEVICES_WAITS] = UI_STYLE_WARNING,
+                                       [DEVICES_FAILED] = UI_STYLE_BAD};
+
+/* ---- head ---- */
+
+/* False: the button at its end was pressed. */
+static bool draw_head(ui *on, const char *name, devices_light light, const char *button,
+                      const char *hint)
+{
+    ui_canvas at;
+    const float remove = 74.0f;
+    ui_canvas_begin(on, "head", ui_available_width(on) - remove, ui_row_height(on), &at);
+    float middle = at.where.y + 0.5f * at.where.height;
+    ui_draw_disc(on, at.where.x + 6.0f, middle, 4.5f, light_colour[light]);
+    ui_draw_text(on, at.where.x + 18.0f, middle - 0.5f * ui_text_height(on, UI_STYLE_STRONG),
+                 UI_STYLE_STRONG, THEME_TEXT, at.where.width - 22.0f, name);
+    ui_canvas_end(on);
+    ui_hint(on, name);
+    ui_same_line(on);
+    ui_width(on, -0.001f);
+    bool stays = !ui_button(on, button, UI_QUIET);
+    ui_hint(on, hint);
+    return stays;
+}
+
+static void draw_state(ui *on, const health_report *health, devices_light light, const char *state,
+                       const char *why)
+{
+    char rate[32];
+    ui_text(on, light_style[light], state);
+    if (light == DEVICES_WELL && health->rate_hz > 0.0) {
+        (void)snprintf(rate, sizeof rate, "%.0f Hz", health->rate_hz);
+        ui_same_line(on);
+        ui_at(on, label_width + 60.0f);
+        ui_text(on, UI_STYLE_BODY, rate);
+    }
+    if (why[0])
+        ui_text_wrapped(on, UI_STYLE_DIM, why);
+}
+
+/* ---- bars of all channels ---- */
+
+static float share_of(const mrt_channel *channel, float value)
+{
+    float span = channel->max - channel->min;
+    float share = span > 0.0f ? (value - channel->min) / span : 0.0f;
+    return isfinite(share) ? fminf(fmaxf(share, 0.0f), 1.0f) : 0.0f;
+}
+
+static uint32_t colour_of(const mrt_channel *channel)
+{
+    if (channel->hand == MRT_LEFT)
+        return THEME_LEFT;
+    return channel->hand == MRT_RIGHT ? THEME_RIGHT : THEME_ACCENT;
+}
+
+static void draw_channel(ui *on, const ui_canvas *at, const mrt_channel *channel, float value,
+                         uint32_t index, float wide)
+{
+    float high = at->where.height * share_of(channel, value);
+    float x = at->where.x + wide * (float)index;
+    ui_rectangle well = {x, at->where.y, wide - 2.0f, at->where.height};
+    ui_rectangle bar = {x, at->where.y + at->where.height - high, wide - 2.0f, high};
+    ui_draw_box(on, well, THEME_WELL, 1.0f);
+    ui_draw_box(on, bar, colour_of(channel), 1.0f);
+}
+
+/* sample NULL: none yet. */
+static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
+                       const mrt_sample *sample)
+{
+    ui_canvas at;
+    char hint[128];
+    ui_canvas_begin(on, "strip", 0.0f, strip_height, &at);
+    float wide = fminf(at.where.width / (float)(count ? count : 1), 40.0f);
+    uint32_t known = !sample ? 0 : sample->count < count ? sample->count : count;
+    for (uint32_t i = 0; i < count; ++i)
+        draw_channel(on, &at, &channels[i], i < known ? sample->value[i] : channels[i].min, i,
+                     wide);
+    uint32_t pointed = at.x >= 0.0f ? (uint32_t)(at.x / wide) : count;
+    ui_canvas_end(on);
+    if (!at.is_hovered || pointed >= known)
+        return;
+    (void)snprintf(hint, sizeof hint, "%.60s: %.4g %.16s", channels[pointed].name,
+                   (double)sample->value[pointed], channels[pointed].unit);
+    ui_hint(on, hint);
+}
+
+/* ---- calibration ---- */
+
+enum { CALIBRATIONS_MAX = 64 };
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32_t side)
+{
+    const char *items[CALIBRATIONS_MAX + 2] = {"as shipped"};
+    const char *paths[CALIBRATIONS_MAX + 2] = {""};
+    const char *used = live_calibration(app_live(self->app), side);
+    uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
+    for (uint32_t i = 0; i < self->snapshot.calibrations->count && count <= CALIBRATIONS_MAX; ++i) {
+        const calibration_entry *entry = &self->snapshot.calibrations->entry[i];
+        if (entry->side != side)
+            continue;
+        if (used && strcmp(used, entry->path) == 0)
+            chosen = count;
+        items[count] = entry->label;
+        paths[count++] = entry->path;
+    }
+    if (chosen == UINT32_MAX) { /* of another folder */
+        chosen = count;
+        items[count] = base_name(used);
+        paths[count++] = used;
+    }
+    if (ui_choice(on, side_name[side], label_width, items, count, &chosen))
+        devices_panel_calibrate(self, side, paths[chosen]);
+    ui_hint(on, "Whose calibration this hand's sensors are read with.");
+    ui_id_begin(on, side_name[side]);
+    ui_text(on, UI_STYLE_DIM, "");
+    ui_at(on, label_width);
+    if (ui_button(on, "Calibrate\xe2\x80\xa6", UI_PLAIN)) {
+        error why = {""};
+        if (!calibrate_panel_open(self->calibrate, index, side, &why))
+            devices_panel_say(self, why.text);
+    }
+    ui_hint(on, "Ten poses, a minute and a half.");
+    ui_id_end(on);
+}
+
+/* ---- what is folded away ---- */
+
+static void draw_details(ui *on, const health_report *health, const mrt_channel *channels,
+                         uint32_t count)
+{
+    devices_fact fact[DEVICES_FACTS_MAX];
+    char names[DEVICES_WORDS];
+    uint32_t facts = devices_words_facts(health, fact);
+    for (uint32_t i = 0; i < facts; ++i) {
+        ui_fact(on, fact[i].label, label_width, fact[i].is_odd ? UI_STYLE_WARNING : UI_STYLE_BODY,
+                fact[i].value);
+        ui_hint(on, fact[i].help);
+    }
+    if (devices_words_saturated(health, channels, count, names) > 0) {
+        ui_text(on, UI_STYLE_WARNING, "At an end of their range:");
+        ui_text_wrapped(on, UI_STYLE_DIM, names);
+    }
+}
+
+static void set_value(devices_panel *self, input *of, uint32_t index, double value)
+{
+    char key[128], text[64];
+    error err = {""};
+    instance_key(input_plugin(of), index, key, sizeof key);
+    (void)snprintf(text, sizeof text, "%.9g", value);
+    if (input_set(of, key, text, &err) < 0)
+        devices_panel_say(self, err.text);
+}
+
+static uint32_t label_count(const mrt_param *p)
+{
+    uint32_t count = 0;
+    while (p->labels && p->labels[count])
+        count += 1;
+    return count;
+}
+
+static void draw_param(devices_panel *self, ui *on, input *of, uint32_t index)
+{
+    const mrt_param *p = &input_plugin(of)->params[index];
+    double value = input_value(of, index);
+    if (p->flags & MRT_PARAM_TRIGGER) {
+        if (ui_button(on, p->name, UI_PLAIN))
+            set_value(self, of, index, 1.0);
+    } else if (p->labels) {
+        uint32_t chosen = (uint32_t)(value - p->min);
+        if (ui_choice(on, p->name, label_width, p->labels, label_count(p), &chosen))
+            set_value(self, of, index, p->min + (double)chosen);
+    } else {
+        ui_range range = {p->min,
+                          p->max,
+                          p->unit,
+                          p->max - p->min < 20.0 ? 2u : 0u,
+                          (p->flags & MRT_PARAM_STEPPED) != 0,
+                          p->initial};
+        if (ui_slider(on, p->name, label_width, &range, &value))
+            set_value(self, of, index, value);
+    }
+    ui_hint(on, p->help);
+}
+
+static bool has_params(const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (!(type->params[i].flags & MRT_PARAM_HIDDEN))
+            return true;
+    return false;
+}
+
+static void draw_params(devices_panel *self, ui *on, input *of)
+{
+    const mrt_plugin_type *type = input_plugin(of);
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (!(type->params[i].flags & MRT_PARAM_HIDDEN))
+            draw_param(self, on, of, i);
+}
+
+/* What the program itself gives (the keyboard as a hand) is silent whenever nothing moves it. */
+static bool is_made(const devices_panel *self, const input *of)
+{
+    return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
+}
+
+/* An input that is open; returns false when it is to be removed. */
+static bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
+{
+    live *stage = app_live(self->app);
+    input *of = live_input(stage, index);
+    uint32_t count;
+    const mrt_channel *channels = input_channels(of, &count);
+    health_report health;
+    mrt_sample sample;
+    char state[DEVICES_WORDS], why[DEVICES_WORDS];
+    input_health(of, &health);
+    devices_light light = devices_words_state(&health, state, why);
+    if (is_made(self, of) && light == DEVICES_WAITS) {
+        light = DEVICES_WELL;
+        (void)snprintf(state, sizeof state, "at rest");
+    }
+    bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light,
+                           "Remove", "Closes this input. What it has performed stays recorded.");
+    draw_state(on, &health, light, state, why);
+    bool has_sample = live_input_sample(stage, index, &sample);
+    draw_strip(on, channels, count, has_sample ? &sample : NULL);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
+        if (glove_channels_has(channels, count, side))
+            draw_calibration(self, on, index, side);
+    if (ui_section(on, "Details", false))
+        draw_details(on, &health, channels, count);
+    if (has_params(input_plugin(of)) && ui_section(on, "Settings", false))
+        draw_params(self, on, of);
+    return stays;
+}
+
+/* One that is being opened; returns false when it is to be given up. */
+static bool devices_card_draw_opening(ui *on, const input_opening *one)
+{
+    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Does not open it after all.");
+    ui_text(on, UI_STYLE_DIM,
+            one->is_open ? "open: joins when the take has ended" : "opening\u2026");
+    return stays;
+}
+
+/* ---- what could be opened ---- */
+
+static const float button = 64.0f;
+
+static const char *const state_words[] = {[MRT_DEVICE_READY] = "ready",
+                                          [MRT_DEVICE_BUSY] = "another program holds it",
+                                          [MRT_DEVICE_DENIED] = "you may not open it",
+                                          [MRT_DEVICE_UNSURE] = "something may be there"};
+
+/* ---- what is plugged in ---- */
+
+static bool is_open(const devices_panel *self, const device_found *device, bool is_first)
+{
+    const live *stage = app_live(self->app);
+    for (uint32_t i = 0; i < live_input_count(stage); ++i)
+        if (devices_is_open(live_input_text(stage, i), device, is_first))
+            return true;
+    for (uint32_t i = 0; i < self->opening_count; ++i)
+        if (devices_is_open(self->opening[i].text, device, is_first))
+            return true;
+    return false;
+}
+
+static bool is_first_of_plugin(const device_list *list, uint32_t index)
+{
+    for (uint32_t i = 0; i < index; ++i)
+        if (list->one[i].type == list->one[index].type)
+            return false;
+    return true;
+}
+
+static void draw_device(devices_panel *self, ui *on, const device_found *found)
+{
+    const mrt_device *device = &found->device;
+    char text[256];
+    bool is_known = device->state >= MRT_DEVICE_READY && device->state <= MRT_DEVICE_UNSURE;
+    bool can_open = device->state == MRT_DEVICE_READY || device->state == MRT_DEVICE_UNSURE;
+    ui_text(on, UI_STYLE_STRONG, device->name[0] ? device->name : device->address);
+    const char *words = is_known ? state_words[device->state] : "not known";
+    if (can_open && devices_input_text(found, text, sizeof text)) {
+        ui_label(on, "state", ui_available_width(on) - button - 8.0f, THEME_DIM, words);
+        ui_width(on, button);
+        if (ui_button(on, "Open", UI_PLAIN))
+            devices_panel_add(self, text);
+        ui_hint(on, text);
+    } else {
+        ui_text(on, UI_STYLE_WARNING, words);
+    }
+    if (device->advice[0])
+        ui_text_wrapped(on, UI_STYLE_DIM, device->advice);
+    ui_space(on, 6.0f);
+}
+
+static void draw_found(devices_panel *self, ui *on)
+{
+    const device_list *list = self->snapshot.devices;
+    uint32_t shown = 0;
+    for (uint32_t i = 0; self->snapshot.is_known && i < list->count; ++i) {
+        if (is_open(self, &list->one[i], is_first_of_plugin(list, i)))
+            continue;
+        ui_id_begin(on, list->one[i].device.address);
+        draw_device(self, on, &list->one[i]);
+        ui_id_end(on);
+        shown += 1;
+    }
+    if (!self->search)
+        ui_text_wrapped(on, UI_STYLE_DIM, "Devices cannot be looked for: start marotte again.");
+    else if (!self->snapshot.is_known)
+        ui_text(on, UI_STYLE_DIM, "Looking\xe2\x80\xa6");
+    else if (shown == 0 && list->count > 0)
+        ui_text_wrapped(on, UI_STYLE_DIM, "Everything that is plugged in is open.");
+    else if (shown == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "Nothing was found. Plug in a glove or a pedal: it appears here.");
+    if (self->snapshot.note[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, self->snapshot.note);
+}
+
+/* ---- what has no plug ---- */
+
+static void open_recording(devices_panel *self)
+{
+    char text[DEVICES_PATH + 32];
+    if (!self->path[0])
+        devices_panel_say(self, "Say which recording: the path of a log file.");
+    else if (strchr(self->path, ','))
+        devices_panel_say(self, "A path with a comma cannot be opened: rename the file.");
+    else {
+        (void)snprintf(text, sizeof text, "log:%s%s", self->path, self->repeats ? ",loop=1" : "");
+        devices_panel_add(self, text);
+    }
+}
+
+static void draw_recording(devices_panel *self, ui *on)
+{
+    ui_text(on, UI_STYLE_DIM, "A recording of a hand");
+    ui_width(on, -(button + 8.0f));
+    (void)ui_input(on, "##path", "path of a log file", self->path, sizeof self->path);
+    ui_hint(on, "A table of a hand's angles or counts: .csv, or a recording of GraspDB14.");
+    ui_same_line(on);
+    ui_width(on, button);
+    if (ui_button(on, "Open##recording", UI_PLAIN))
+        open_recording(self);
+    (void)ui_check(on, "Again and again", &self->repeats);
+}
+
+static void draw_network(devices_panel *self, ui *on)
+{
+    char text[160];
+    ui_text(on, UI_STYLE_DIM, "Over the network (OSC)");
+    ui_width(on, -(button + 8.0f));
+    (void)ui_input(on, "##osc", "9105", self->osc, sizeof self->osc);
+    ui_hint(on, "A port: heard from this computer alone. 0.0.0.0:9105: from every computer. "
+                "9105/NAME: what another marotte forwards.");
+    ui_same_line(on);
+    ui_width(on, button);
+    if (!ui_button(on, "Open##osc", UI_PLAIN))
+        return;
+    (void)snprintf(text, sizeof text, "osc:%s", self->osc[0] ? self->osc : "9105");
+    devices_panel_add(self, text);
+}
+
+/* What could be opened. */
+static void devices_open_draw(devices_panel *self, ui *on)
+{
+    ui_text(on, UI_STYLE_TITLE, "Plugged in");
+    ui_space(on, 2.0f);
+    draw_found(self, on);
+    ui_space(on, 6.0f);
+    ui_rule(on);
+    draw_recording(self, on);
+    ui_space(on, 4.0f);
+    draw_network(self, on);
+}
+
+/* ---- the panel ---- */
+
+static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"no pedal", "pedal 1", "pedal 2",
+                                                            "pedal 3", "pedal 4"};
+static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
+static const char rezero_key[] = "hands.rezero_pedal";
+
+struct panel {
+    devices_panel of;
+};
+
+/* ---- what is done ---- */
+
+static void devices_panel_say(devices_panel *self, const char *text)
+{
+    (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
+    if (text[0])
+        news_list_add(app_news(self->app), MRT_LOG_ERROR, "devices", text);
+}
+
+static void devices_panel_add(devices_panel *self, const char *text)
+{
+    self->trouble[0] = '\0';
+    (void)!app_open_input(self->app, text); /* says itself why it failed */
+}
+
+static void remove_input(devices_panel *self, uint32_t index)
+{
+    error err = {""};
+    mrt_result result = live_remove_input(app_live(self->app), index, &err);
+    devices_panel_say(self, result < 0 ? err.text : "");
+}
+
+static void devices_panel_calibrate(devices_panel *self, uint32_t side, const char *path)
+{
+    error err = {""};
+    if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
+        devices_panel_say(self, err.text);
+        return;
+    }
+    devices_panel_say(self, "");
+    settings_set_text(app_settings(self->app), calibration_key[side], path);
+}
+
+/* ---- kept between runs ---- */
+
+static void use_settings(devices_panel *self)
+{
+    const settings *kept = app_settings(self->app);
+    live *stage = app_live(self->app);
+    double pedal = settings_number(kept, rezero_key, 0.0);
+    if (pedal >= 1.0 && pedal <= MRT_MAX_PEDALS)
+        live_set_rezero_pedal(stage, (uint32_t)pedal);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        const char *path = settings_text(kept, calibration_key[side], NULL);
+        const char *used = live_calibration(stage, side);
+        if (!path || (used && strcmp(used, path) == 0))
+            continue;
+        char copy[DEVICES_PATH];
+        (void)snprintf(copy, sizeof copy, "%s", path);
+        error err = {""};
+        if (live_calibrate(stage, side, copy[0] ? copy : NULL, &err) < 0)
+            news_list_add(app_news(self->app), MRT_LOG_WARNING, "devices", err.text);
+    }
+}
+
+/* ---- re-zero ---- */
+
+/* Which of the two was last. */
+static void follow_rezeros(devices_panel *self)
+{
+    const rezero_counts *now = &app_status(self->app)->rezeros;
+    if (now->refused != self->rezeros.refused)
+        self->was_refused = true;
+    if (now->done != self->rezeros.done)
+        self->was_refused = false;
+    self->rezeros = *now;
+}
+
+static void draw_rezero(devices_panel *self, ui *on)
+{
+    uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), rezero_key, 0.0);
+    if (ui_button(on, "Re-zero", UI_PLAIN))
+        app_do(self->app, ACTION_REZERO);
+    ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
+    ui_same_line(on);
+    ui_at(on, 92.0f);
+    if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
+        settings_set_number(app_settings(self->app), rezero_key, (double)pedal);
+        live_set_rezero_pedal(app_live(self->app), pedal);
+    }
+    ui_hint(on, "A press of this pedal re-zeroes too; mappings do not see that pedal then.");
+    if (self->was_refused && self->rezeros.refusal.text[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, self->rezeros.refusal.text);
+}
+
+/* ---- the panel ---- */
+
+/* What was opened beside the window, or closed: what is plugged in is looked at anew. */
+static void follow_inputs(devices_panel *self)
+{
+    const uint32_t count = live_input_count(app_live(self->app));
+    if (count != self->input_count && self->search)
+        devices_search_again(self->search);
+    self->input_count = count;
+}
+
+static void draw_inputs(devices_panel *self, ui *on)
+{
+    live *stage = app_live(self->app);
+    uint32_t removed = UINT32_MAX;
+    char id[32];
+    for (uint32_t i = 0; i < live_input_count(stage); ++i) {
+        (void)snprintf(id, sizeof id, "input %u", i);
+        ui_id_begin(on, id);
+        if (!devices_card_draw(self, on, i))
+            removed = i;
+        ui_id_end(on);
+        ui_space(on, 2.0f);
+        ui_rule(on);
+        ui_space(on, 2.0f);
+    }
+    for (uint32_t i = 0; i < self->opening_count; ++i) {
+        (void)snprintf(id, sizeof id, "opening %u", i);
+        ui_id_begin(on, id);
+        if (!devices_card_draw_opening(on, &self->opening[i]))
+            app_give_up_opening(self->app, self->opening[i].id);
+        ui_id_end(on);
+        ui_space(on, 2.0f);
+        ui_rule(on);
+        ui_space(on, 2.0f);
+    }
+    if (live_input_count(stage) == 0 && self->opening_count == 0) {
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "No hand yet. Drag the face with the mouse, or open something below.");
+        ui_space(on, 4.0f);
+    }
+    if (removed != UINT32_MAX)
+        remove_input(self, removed);
+}
+
+static void draw_trouble(const devices_panel *self, ui *on)
+{
+    const char *words = self->trouble[0] ? self->trouble : app_opening_trouble(self->app);
+    if (!words[0])
+        return;
+    ui_space(on, 4.0f);
+    ui_text_wrapped(on, UI_STYLE_BAD, words);
+}
+
+static void draw(panel *self_, ui *on, ui_rectangle where)
+{
+    devices_panel *self = &self_->of;
+    static const device_list no_devices = {.count = 0};
+    static const calibration_list no_calibrations = {.count = 0};
+    self->snapshot = (devices_snapshot){false, &no_devices, &no_calibrations, ""};
+    if (self->search) {
+        devices_search_want(self->search);
+        self->snapshot = devices_search_look(self->search);
+    }
+    self->opening_count = app_openings(self->app, self->opening);
+    ui_panel_begin(on, "devices", where, UI_GROUND_PANEL);
+    ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
+    draw_inputs(self, on);
+    draw_rezero(self, on);
+    draw_trouble(self, on);
+    ui_space(on, 6.0f);
+    ui_rule(on);
+    devices_open_draw(self, on);
+    ui_scroll_end(on);
+    calibrate_panel_draw(self->calibrate, on);
+    ui_panel_end(on);
+}
+
+static void update(panel *self_, double dt_s)
+{
+    devices_panel *self = &self_->of;
+    uint32_t side;
+    (void)dt_s;
+    follow_rezeros(self);
+    follow_inputs(self);
+    calibrate_panel_update(self->calibrate);
+    const char *kept = calibrate_panel_take_kept(self->calibrate, &side);
+    if (!kept)
+        return;
+    devices_panel_calibrate(self, side, kept);
+    if (self->search)
+        devices_search_again(self->search);
+}
+
+static void destroy(panel *self)
+{
+    if (!self)
+        return;
+    devices_search_destroy(self->of.search);
+    calibrate_panel_destroy(self->of.calibrate);
+    free(self);
+}
+
+static panel *create(app *of)
+{
+    panel *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->of.app = of;
+    self->of.repeats = true;
+    self->of.calibrate = calibrate_panel_create(of);
+    self->of.search = devices_search_create(app_plugins(of), app_log(of));
+    if (!self->of.calibrate) {
+        destroy(self);
+        return NULL;
+    }
+    use_settings(&self->of);
+    self->of.rezeros = app_status(of)->rezeros;
+    return self;
+}
+
+const panel_type panel_devices = {create, destroy, draw, update};

@@ -1,0 +1,1248 @@
+/* The mapping panel: which mapping performs, its parameters and presets, pedals, learn mode. */
+#include "window/panels/mapping.h"
+#include "window/app/app.h"
+#include "window/gui/theme.h"
+#include "window/gui/ui.h"
+#include "window/panels/panels.h"
+#include "window/app/presets.h"
+#include "window/viewport/viewport.h"
+
+#include "base/text.h"
+#include "stage/device_list.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct mapping_steps mapping_steps;
+
+/* ---- steps ---- */
+
+enum { TEXT = PRESET_TEXT + 256 };
+
+typedef struct change {
+    uint32_t id; /* of the parameter: stays when the plugin is reloaded */
+    double value[2];
+} change;
+
+typedef struct step {
+    char *type_id; /* values: of this mapping */
+    change *changes;
+    uint32_t change_count;
+    char *text[2]; /* another mapping: before and after; NULL: values */
+    char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
+} step;
+
+struct mapping_steps {
+    app *app;
+    step *steps;
+    uint32_t count, capacity, preset_edition;
+};
+
+enum { BEFORE = 0, AFTER = 1 };
+
+static bool same(double a, double b)
+{
+    return a >= b && a <= b;
+}
+
+/* ---- a mapping in words ---- */
+
+static bool is_short_name_free(const plugin_list *plugins, const mrt_plugin_type *type)
+{
+    const char *name = device_list_plugin_name(type);
+    for (uint32_t i = 0; i < plugins->entry_count; ++i) {
+        const mrt_plugin_type *other = plugins->entry[i].type;
+        if (strcmp(other->id, type->id) != 0 && plugin_interface(other, MRT_MAPPING) &&
+            strcmp(device_list_plugin_name(other), name) == 0)
+            return false;
+    }
+    return true;
+}
+
+/* "one_hand,gain=0.8": what performs now, for live_set_mapping; "" none. */
+static void mapping_steps_text(app *of, char *out, size_t capacity)
+{
+    instance *mapping = live_mapping(app_live(of));
+    char values[PRESET_TEXT];
+    out[0] = '\0';
+    if (!mapping)
+        return;
+    presets_text(mapping, values, sizeof values);
+    bool is_short = is_short_name_free(app_plugins(of), mapping->type);
+    (void)snprintf(out, capacity, "%s%s%s",
+                   is_short ? device_list_plugin_name(mapping->type) : mapping->type->id,
+                   values[0] ? "," : "", values);
+}
+
+/* ---- doing it ---- */
+
+static void say(mapping_steps *self, int32_t level, const char *text)
+{
+    news_list_add(app_news(self->app), level, "mapping", text);
+}
+
+static void set_preset(mapping_steps *self, const char *key, const char *text)
+{
+    settings_set_text(app_settings(self->app), key, text);
+    self->preset_edition += 1;
+}
+
+static void go_to(mapping_steps *self, const step *of, int side)
+{
+    error err = {""};
+    instance *mapping = live_mapping(app_live(self->app));
+    if (of->preset) {
+        set_preset(self, of->preset, of->text[side]);
+        return;
+    }
+    if (of->text[side]) {
+        if (live_set_mapping(app_live(self->app), of->text[side], &err) < 0)
+            say(self, MRT_LOG_ERROR, err.text);
+        return;
+    }
+    if (!mapping || strcmp(mapping->type->id, of->type_id) != 0) {
+        say(self, MRT_LOG_WARNING, "that parameter is of another mapping: nothing has changed");
+        return;
+    }
+    for (uint32_t i = 0; i < of->change_count; ++i)
+        for (uint32_t k = 0; k < mapping->type->param_count; ++k)
+            if (mapping->type->params[k].id == of->changes[i].id)
+                instance_set_value(mapping, k, of->changes[i].value[side]);
+}
+
+static void undo(void *owner, uint64_t number)
+{
+    mapping_steps *self = owner;
+    if (number < self->count)
+        go_to(self, &self->steps[number], BEFORE);
+}
+
+static void redo(void *owner, uint64_t number)
+{
+    mapping_steps *self = owner;
+    if (number < self->count)
+        go_to(self, &self->steps[number], AFTER);
+}
+
+/* ---- keeping it ---- */
+
+static void finish(step *of)
+{
+    free(of->type_id);
+    free(of->changes);
+    free(of->preset);
+    free(of->text[BEFORE]);
+    free(of->text[AFTER]);
+}
+
+/* Takes the step over. Without memory it is done, but cannot be undone. */
+static void keep(mapping_steps *self, step *made, const char *words)
+{
+    if (self->count == self->capacity) {
+        uint32_t capacity = self->capacity ? 2 * self->capacity : 64;
+        step *grown = realloc(self->steps, capacity * sizeof *grown);
+        if (!grown) {
+            finish(made);
+            return;
+        }
+        self->steps = grown;
+        self->capacity = capacity;
+    }
+    self->steps[self->count] = *made;
+    app_step told = {.owner = self, .undo = undo, .redo = redo, .number = self->count};
+    (void)snprintf(told.words, sizeof told.words, "%s", words);
+    self->count += 1;
+    app_did(self->app, &told);
+}
+
+/* Sets the parameters of the mapping that performs to these values (param_count, by index) and
+ * makes a step of those that differ. `words`: "gain 0.8". */
+static void mapping_steps_set(mapping_steps *self, const double *values, const char *words)
+{
+    instance *mapping = live_mapping(app_live(self->app));
+    if (!mapping)
+        return;
+    uint32_t count = mapping->type->param_count;
+    step made = {.type_id = strdup(mapping->type->id),
+                 .changes = calloc((size_t)count + 1, sizeof(change))};
+    for (uint32_t i = 0; i < count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        double before = instance_value(mapping, i);
+        if (p->flags & MRT_PARAM_TRIGGER || same(before, values[i]))
+            continue;
+        instance_set_value(mapping, i, values[i]);
+        if (made.changes)
+            made.changes[made.change_count++] =
+                (change){p->id, {before, instance_value(mapping, i)}};
+    }
+    if (made.type_id && made.changes && made.change_count > 0)
+        keep(self, &made, words);
+    else
+        finish(&made);
+}
+
+/* One parameter that has its new value already (it was dragged); `before`: what it was. */
+static void mapping_steps_note(mapping_steps *self, uint32_t index, double before)
+{
+    instance *mapping = live_mapping(app_live(self->app));
+    if (!mapping || index >= mapping->type->param_count)
+        return;
+    const mrt_param *p = &mapping->type->params[index];
+    double after = instance_value(mapping, index);
+    char words[EDIT_TEXT];
+    if (same(before, after))
+        return;
+    (void)snprintf(words, sizeof words, "%.60s: %.60s %g%s%.20s", mapping->type->name, p->name,
+                   after, p->unit[0] ? " " : "", p->unit);
+    step made = {
+        .type_id = strdup(mapping->type->id), .changes = malloc(sizeof(change)), .change_count = 1};
+    if (made.type_id && made.changes) {
+        made.changes[0] = (change){p->id, {before, after}};
+        keep(self, &made, words);
+    } else {
+        finish(&made);
+    }
+}
+
+/* Another mapping, by name ("": none). What is wrong with it is said in the news. */
+static void mapping_steps_choose(mapping_steps *self, const char *name)
+{
+    char before[TEXT], after[TEXT], words[EDIT_TEXT];
+    error err = {""};
+    mapping_steps_text(self->app, before, sizeof before);
+    if (live_set_mapping(app_live(self->app), name, &err) < 0) {
+        say(self, MRT_LOG_ERROR, err.text);
+        return;
+    }
+    mapping_steps_text(self->app, after, sizeof after);
+    (void)snprintf(words, sizeof words, "mapping %.100s", name[0] ? name : "none");
+    step made = {.text = {strdup(before), strdup(after)}};
+    if (made.text[BEFORE] && made.text[AFTER] && strcmp(before, after) != 0)
+        keep(self, &made, words);
+    else
+        finish(&made);
+}
+
+/* text: of the preset from now on; NULL: none. Without memory it is done, but cannot be undone. */
+static void change_preset(mapping_steps *self, const mrt_plugin_type *type, const char *name,
+                          const char *text)
+{
+    char key[PRESET_KEY], words[EDIT_TEXT];
+    presets_key(key, type, name);
+    const char *before = presets_kept(app_settings(self->app), type, name);
+    if (before == text || (before && text && strcmp(before, text) == 0))
+        return;
+    step made = {.preset = strdup(key),
+                 .text = {before ? strdup(before) : NULL, text ? strdup(text) : NULL}};
+    const bool is_whole =
+        made.preset && !before == !made.text[BEFORE] && !text == !made.text[AFTER];
+    set_preset(self, key, text);
+    (void)snprintf(words, sizeof words, "preset '%s' %s", name, text ? "saved" : "deleted");
+    if (is_whole)
+        keep(self, &made, words);
+    else
+        finish(&made);
+}
+
+/* A preset of the mapping that performs is kept (its values as they are now), or deleted. `name` is
+ * clean. */
+static void mapping_steps_save_preset(mapping_steps *self, const char *name)
+{
+    char text[PRESET_TEXT];
+    const instance *mapping = live_mapping(app_live(self->app));
+    if (!mapping)
+        return;
+    presets_text(mapping, text, sizeof text);
+    change_preset(self, mapping->type, name, text);
+}
+
+static void mapping_steps_delete_preset(mapping_steps *self, const char *name)
+{
+    const instance *mapping = live_mapping(app_live(self->app));
+    if (mapping)
+        change_preset(self, mapping->type, name, NULL);
+}
+
+/* Counts what was kept and deleted, also by undo and redo. */
+static uint32_t mapping_steps_preset_edition(const mapping_steps *self)
+{
+    return self->preset_edition;
+}
+
+/* NULL: no memory */
+static mapping_steps *mapping_steps_create(app *of)
+{
+    mapping_steps *self = calloc(1, sizeof *self);
+    if (self)
+        self->app = of;
+    return self;
+}
+
+/* its steps are forgotten; NULL is fine */
+static void mapping_steps_destroy(mapping_steps *self)
+{
+    if (!self)
+        return;
+    app_forget_steps(self->app, self);
+    for (uint32_t i = 0; i < self->count; ++i)
+        finish(&self->steps[i]);
+    free(self->steps);
+    free(self);
+}
+
+enum { MAPPING_GROUPS_MAX = 64, MAPPING_CHOICES_MAX = 128 };
+
+typedef struct mapping_panel {
+    app *app;
+    mapping_steps *steps;
+    uint32_t tab;
+    char find[64]; /* a part of a parameter's name */
+
+    /* Of the mapping that performs, made anew when its type changes. */
+    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
+    char type_id[128];           /* "": none */
+    const char *group[MAPPING_GROUPS_MAX];
+    uint32_t group_count;
+    float label_width;
+    double *values; /* a scratch, param_count */
+    bool is_held;   /* a slider is dragged: */
+    uint32_t held;  /* which parameter */
+    double held_before;
+
+    char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
+    char preset_name[PRESET_NAME];
+    bool is_naming, was_naming;
+    char **presets;                        /* their names; one block */
+    uint32_t preset_count, preset_edition; /* edition: of the steps when they were read */
+
+    bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
+    learn learn;
+    char learnt[160]; /* what was linked last, or why not */
+} mapping_panel;
+
+/* Every value, as one step. */
+static void mapping_panel_set(mapping_panel *self, const double *values, const char *words);
+
+/* ---- learning: which finger is meant ---- */
+
+static const double span_s = 1.0, step_s = 1.0 / 36.0; /* less than LEARN_MOMENTS in the span */
+static const float least_rad = 0.4f, clearly = 1.3f;
+
+enum { JOINTS = 3 };
+/* Of a hand, from thumb to little finger: roll, MPJ, IJ; then MPJ and PIJ. DIJ is not measured by
+ * every glove. */
+static const int joint_of[5][JOINTS] = {
+    {0, 1, 2}, {4, 5, -1}, {7, 8, -1}, {11, 12, -1}, {15, 16, -1}};
+
+const char *const learn_finger_name[LEARN_FINGERS] = {
+    "right thumb", "right index", "right middle", "right ring", "right little",
+    "left thumb",  "left index",  "left middle",  "left ring",  "left little"};
+
+void learn_begin(learn *self)
+{
+    *self = (learn){.finger = LEARN_NONE};
+}
+
+static uint32_t side_of(int finger)
+{
+    return finger < 5 ? MRT_RIGHT : MRT_LEFT;
+}
+
+static float travel_of_joint(const learn *self, uint32_t side, int joint)
+{
+    float low = INFINITY, high = -INFINITY;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const struct learn_moment *at = &self->moment[i];
+        if (!at->is_present[side] || self->time_s - at->time_s > span_s)
+            continue;
+        low = fminf(low, at->angle[side][joint]);
+        high = fmaxf(high, at->angle[side][joint]);
+    }
+    return high > low ? high - low : 0.0f;
+}
+
+static void measure(learn *self)
+{
+    for (int finger = 0; finger < LEARN_FINGERS; ++finger) {
+        self->travel_rad[finger] = 0.0f;
+        for (int i = 0; i < JOINTS && joint_of[finger % 5][i] >= 0; ++i)
+            self->travel_rad[finger] +=
+                travel_of_joint(self, side_of(finger), joint_of[finger % 5][i]);
+    }
+}
+
+static void decide(learn *self)
+{
+    int most = 0;
+    for (int finger = 1; finger < LEARN_FINGERS; ++finger)
+        if (self->travel_rad[finger] > self->travel_rad[most])
+            most = finger;
+    float second = 0.0f;
+    for (int finger = 0; finger < LEARN_FINGERS; ++finger)
+        if (finger != most)
+            second = fmaxf(second, self->travel_rad[finger]);
+    if (self->travel_rad[most] >= least_rad && self->travel_rad[most] >= clearly * second)
+        self->finger = most;
+}
+
+static void remember(learn *self, const mrt_hand hand[2])
+{
+    struct learn_moment *at = &self->moment[self->next];
+    at->time_s = self->time_s;
+    for (int side = 0; side < 2; ++side) {
+        at->is_present[side] = hand[side].present;
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            at->angle[side][i] = isfinite(hand[side].angle[i]) ? hand[side].angle[i] : 0.0f;
+    }
+    self->next = (self->next + 1) % LEARN_MOMENTS;
+    if (self->count < LEARN_MOMENTS)
+        self->count += 1;
+}
+
+void learn_look(learn *self, const mrt_hand hand[2], double dt_s)
+{
+    self->time_s += dt_s > 0.0 ? dt_s : 0.0;
+    if (self->count > 0 && self->time_s - self->last_s < step_s)
+        return;
+    self->last_s = self->time_s;
+    remember(self, hand);
+    measure(self);
+    decide(self);
+}
+
+static bool is_name_of(const char *name, const char *finger)
+{
+    size_t i = 0;
+    for (; name[i] && finger[i]; ++i)
+        if (tolower((unsigned char)name[i]) != finger[i])
+            return false;
+    return name[i] == finger[i];
+}
+
+int learn_finger_of(const mrt_param *param)
+{
+    if (!(param->flags & MRT_PARAM_STEPPED) || strcmp(param->group, "Contacts") != 0 ||
+        param->min > 0.0 || param->max < 1.0 || param->labels)
+        return LEARN_NONE;
+    for (int finger = 0; finger < LEARN_FINGERS; ++finger)
+        if (is_name_of(param->name, learn_finger_name[finger]))
+            return finger;
+    return LEARN_NONE;
+}
+
+uint32_t learn_param_of(const mrt_plugin_type *type, int finger)
+{
+    for (uint32_t i = 0; i < type->param_count && finger != LEARN_NONE; ++i)
+        if (learn_finger_of(&type->params[i]) == finger)
+            return i;
+    return type->param_count;
+}
+
+bool learn_can(const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (learn_finger_of(&type->params[i]) != LEARN_NONE)
+            return true;
+    return false;
+}
+
+/* ---- what a pedal does ---- */
+
+static const char ending[] = " pedal";
+
+bool pedal_table_meaning(const mrt_param *param, char out[PEDAL_MEANING])
+{
+    size_t length = strlen(param->name), tail = sizeof ending - 1;
+    bool is_pedal = (param->flags & MRT_PARAM_STEPPED) && length > tail &&
+                    strcmp(param->name + length - tail, ending) == 0 && param->min >= 0.0 &&
+                    param->min <= 0.0 && param->max <= MRT_MAX_PEDALS;
+    if (is_pedal)
+        (void)snprintf(out, PEDAL_MEANING, "%.*s", (int)(length - tail), param->name);
+    return is_pedal;
+}
+
+void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32_t pedal, char *out,
+                       size_t capacity)
+{
+    char meaning[PEDAL_MEANING];
+    size_t used = 0;
+    out[0] = '\0';
+    for (uint32_t i = 0; i < type->param_count && used < capacity; ++i) {
+        if (!pedal_table_meaning(&type->params[i], meaning) || (uint32_t)values[i] != pedal)
+            continue;
+        int length = snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", meaning);
+        used += length > 0 ? (size_t)length : 0;
+    }
+}
+
+/* ---- parameters ---- */
+
+static const float label_least = 84.0f, label_most = 146.0f;
+
+/* Whether a parameter is drawn among the others: neither hidden nor a link. */
+static bool mapping_param_is_shown(const mrt_param *p)
+{
+    return !(p->flags & MRT_PARAM_HIDDEN) && learn_finger_of(p) == LEARN_NONE;
+}
+
+static bool mapping_param_is_changed(const instance *mapping, uint32_t index)
+{
+    const mrt_param *p = &mapping->type->params[index];
+    double value = instance_value(mapping, index);
+    return !(p->flags & MRT_PARAM_TRIGGER) && !(value >= p->initial && value <= p->initial);
+}
+
+/* ---- one parameter ---- */
+
+static uint32_t digits_of(const mrt_param *p)
+{
+    double span = p->max - p->min;
+    return span >= 200.0 ? 0 : span >= 20.0 ? 1 : span >= 1.0 ? 2 : 3;
+}
+
+static uint32_t label_count(const mrt_param *p)
+{
+    uint32_t count = 0;
+    while (p->labels[count])
+        count += 1;
+    return count;
+}
+
+static void draw_labels(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
+                        const char *label)
+{
+    const mrt_param *p = &mapping->type->params[index];
+    double before = instance_value(mapping, index);
+    uint32_t chosen = (uint32_t)(before - p->min);
+    if (!ui_choice(on, label, self->label_width, p->labels, label_count(p), &chosen))
+        return;
+    instance_set_value(mapping, index, p->min + (double)chosen);
+    mapping_steps_note(self->steps, index, before);
+}
+
+/* A drag is one step, from where it began. */
+static void draw_slider(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
+                        const char *label)
+{
+    const mrt_param *p = &mapping->type->params[index];
+    const ui_range range = {.min = p->min,
+                            .max = p->max,
+                            .unit = p->unit,
+                            .digits = digits_of(p),
+                            .is_whole = (p->flags & MRT_PARAM_STEPPED) != 0,
+                            .initial = p->initial};
+    double before = instance_value(mapping, index), value = before;
+    bool has_changed = ui_slider(on, label, self->label_width, &range, &value);
+    bool is_held = ui_slider_is_held(on), was_held = self->is_held && self->held == index;
+    if (has_changed)
+        instance_set_value(mapping, index, value);
+    if (is_held && !was_held) {
+        self->is_held = true;
+        self->held = index;
+        self->held_before = before;
+    } else if (!is_held && was_held) {
+        self->is_held = false;
+        mapping_steps_note(self->steps, index, self->held_before);
+    } else if (has_changed && !is_held) {
+        mapping_steps_note(self->steps, index, before);
+    }
+}
+
+/* One parameter as its widget; a change of it is a step. */
+static void mapping_param_draw(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
+                               const char *name)
+{
+    const mrt_param *p = &mapping->type->params[index];
+    char label[96];
+    (void)snprintf(label, sizeof label, "%.70s%s###%u", name,
+                   mapping_param_is_changed(mapping, index) ? " \xe2\x80\xa2" : "", p->id);
+    if (p->flags & MRT_PARAM_TRIGGER) {
+        if (ui_button(on, label, UI_PLAIN))
+            instance_trigger(mapping, index);
+    } else if (p->labels) {
+        draw_labels(self, on, mapping, index, label);
+    } else {
+        draw_slider(self, on, mapping, index, label);
+    }
+    ui_hint(on, p->help);
+}
+
+/* ---- all of them, by group ---- */
+
+/* As wide as the group's longest name needs. */
+static void measure_labels(mapping_panel *self, const ui *on, const instance *mapping,
+                           const char *group)
+{
+    float widest = label_least;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        if (mapping_param_is_shown(p) && !(p->flags & MRT_PARAM_TRIGGER) &&
+            (!group || strcmp(p->group, group) == 0))
+            widest = fmaxf(widest, ui_text_width(on, UI_STYLE_BODY, p->name) + 20.0f);
+    }
+    self->label_width = fminf(widest, label_most);
+}
+
+static bool contains(const char *text, const char *part)
+{
+    for (; *text; ++text) {
+        size_t i = 0;
+        while (part[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
+            i += 1;
+        if (!part[i])
+            return true;
+    }
+    return !*part;
+}
+
+/* Buttons stand beside each other. */
+static void draw_group(mapping_panel *self, ui *on, instance *mapping, const char *group,
+                       const char *find)
+{
+    bool is_after_button = false;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        if (!mapping_param_is_shown(p) || strcmp(p->group, group) != 0 || !contains(p->name, find))
+            continue;
+        bool is_button = (p->flags & MRT_PARAM_TRIGGER) != 0;
+        if (is_button && is_after_button) {
+            ui_same_line(on);
+            if (ui_available_width(on) < ui_text_width(on, UI_STYLE_BODY, p->name) + 24.0f)
+                ui_space(on, 0.0f);
+        }
+        mapping_param_draw(self, on, mapping, i, p->name);
+        is_after_button = is_button;
+    }
+}
+
+static uint32_t changed_in(const instance *mapping, const char *group)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        count += strcmp(mapping->type->params[i].group, group) == 0 &&
+                 mapping_param_is_shown(&mapping->type->params[i]) &&
+                 mapping_param_is_changed(mapping, i);
+    return count;
+}
+
+static bool finds_in(const instance *mapping, const char *group, const char *find)
+{
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        if (mapping_param_is_shown(p) && strcmp(p->group, group) == 0 && contains(p->name, find))
+            return true;
+    }
+    return false;
+}
+
+static void draw_found(mapping_panel *self, ui *on, instance *mapping)
+{
+    bool has_found = false;
+    for (uint32_t i = 0; i < self->group_count; ++i) {
+        bool is_of_group = contains(self->group[i], self->find);
+        const char *find = is_of_group ? "" : self->find;
+        if (!finds_in(mapping, self->group[i], find))
+            continue;
+        has_found = true;
+        measure_labels(self, on, mapping, self->group[i]);
+        ui_text(on, UI_STYLE_TITLE, self->group[i]);
+        draw_group(self, on, mapping, self->group[i], find);
+    }
+    if (!has_found)
+        ui_text(on, UI_STYLE_DIM, "No parameter is called like that.");
+}
+
+static void draw_groups(mapping_panel *self, ui *on, instance *mapping)
+{
+    char title[128];
+    bool is_small = mapping->type->param_count <= 16;
+    for (uint32_t i = 0; i < self->group_count; ++i) {
+        uint32_t changed = changed_in(mapping, self->group[i]);
+        if (changed > 0)
+            (void)snprintf(title, sizeof title, "%.80s \xe2\x80\xa2 %u###%u", self->group[i],
+                           changed, i);
+        else
+            (void)snprintf(title, sizeof title, "%.80s###%u", self->group[i], i);
+        if (!ui_section(on, title, is_small || i == 0))
+            continue;
+        measure_labels(self, on, mapping, self->group[i]);
+        ui_id_begin(on, self->group[i]);
+        draw_group(self, on, mapping, self->group[i], "");
+        ui_id_end(on);
+    }
+}
+
+static void mapping_params_draw(mapping_panel *self, ui *on, instance *mapping)
+{
+    if (mapping->type->param_count == 0) {
+        ui_text(on, UI_STYLE_DIM, "It has no parameters.");
+        return;
+    }
+    ui_width(on, -92.0f);
+    (void)ui_input(on, "##find", "Find a parameter", self->find, sizeof self->find);
+    ui_same_line(on);
+    ui_width(on, 84.0f);
+    if (ui_button(on, "Reset all", UI_PLAIN)) {
+        for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+            self->values[i] = learn_finger_of(&mapping->type->params[i]) == LEARN_NONE
+                                  ? mapping->type->params[i].initial
+                                  : instance_value(mapping, i);
+        mapping_panel_set(self, self->values, "all parameters reset");
+    }
+    ui_hint(on, "Every parameter as it is at first; links of fingers stay. A double click on one "
+                "resets that one.");
+    if (self->find[0])
+        draw_found(self, on, mapping);
+    else
+        draw_groups(self, on, mapping);
+}
+
+/* ---- pedals ---- */
+
+static const float label_width = 118.0f;
+
+static void draw_pedal(mapping_panel *self, ui *on, const instance *mapping, uint32_t pedal)
+{
+    char words[256], id[16];
+    ui_canvas at;
+    float down = app_view(self->app)->pedal[pedal - 1];
+    uint32_t rezero = (uint32_t)settings_number(app_settings(self->app), "hands.rezero_pedal", 0.0);
+    if (rezero == pedal)
+        (void)snprintf(words, sizeof words, "Re-zero");
+    else
+        pedal_table_words(mapping->type, self->values, pedal, words, sizeof words);
+    (void)snprintf(id, sizeof id, "%u", pedal);
+    ui_canvas_begin(on, id, 0.0f, 26.0f, &at);
+    float middle = at.where.y + 13.0f, share = fminf(fmaxf(down, 0.0f), 1.0f);
+    const ui_rectangle well = {at.where.x + 26.0f, middle - 4.0f, 56.0f, 8.0f};
+    ui_draw_text(on, at.where.x + 6.0f, middle - 8.0f, UI_STYLE_STRONG, THEME_TEXT, 0.0f, id);
+    ui_draw_box(on, well, THEME_WELL, 2.0f);
+    if (share > 0.0f)
+        ui_draw_box(on, (ui_rectangle){well.x, well.y, well.width * share, well.height},
+                    THEME_ACCENT, 2.0f);
+    ui_draw_text(on, at.where.x + 96.0f, middle - 8.0f, UI_STYLE_BODY,
+                 words[0] ? THEME_TEXT : THEME_DIM, at.where.width - 98.0f,
+                 words[0] ? words : "does nothing");
+    ui_canvas_end(on);
+    if (words[0])
+        ui_hint(on, words);
+}
+
+static void mapping_pedals_draw(mapping_panel *self, ui *on, instance *mapping)
+{
+    char meaning[PEDAL_MEANING];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        self->values[i] = instance_value(mapping, i);
+    for (uint32_t pedal = 1; pedal <= MRT_MAX_PEDALS; ++pedal)
+        draw_pedal(self, on, mapping, pedal);
+    ui_space(on, 4.0f);
+    ui_rule(on);
+    ui_space(on, 4.0f);
+    self->label_width = label_width;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        if (!pedal_table_meaning(&mapping->type->params[i], meaning))
+            continue;
+        mapping_param_draw(self, on, mapping, i, meaning);
+        count += 1;
+    }
+    if (count == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM, "This mapping uses no pedals.");
+    ui_space(on, 4.0f);
+    ui_text_wrapped(on, UI_STYLE_DIM,
+                    "The pedal that re-zeroes the hands is chosen at Devices (F2).");
+}
+
+/* ---- presets ---- */
+
+static void mapping_presets_read(mapping_panel *self)
+{
+    free(self->presets);
+    self->presets = NULL;
+    self->preset_count =
+        self->type ? presets_list(app_settings(self->app), self->type, &self->presets) : 0;
+    self->preset_edition = mapping_steps_preset_edition(self->steps);
+}
+
+static void use(mapping_panel *self, const instance *mapping, const char *name)
+{
+    error note = {""};
+    char words[EDIT_TEXT];
+    const char *text = presets_kept(app_settings(self->app), mapping->type, name);
+    if (!text)
+        return;
+    presets_values(mapping->type, text, self->values, &note);
+    (void)snprintf(words, sizeof words, "preset '%s'", name);
+    mapping_panel_set(self, self->values, words);
+    (void)snprintf(self->preset, sizeof self->preset, "%s", name);
+    if (note.text[0])
+        news_list_add(app_news(self->app), MRT_LOG_WARNING, "mapping", note.text);
+}
+
+static void save(mapping_panel *self)
+{
+    char clean[PRESET_NAME];
+    if (!presets_clean_name(clean, self->preset_name))
+        return;
+    mapping_steps_save_preset(self->steps, clean);
+    (void)snprintf(self->preset, sizeof self->preset, "%s", clean);
+    self->is_naming = false;
+}
+
+/* What is set now is the preset that was used last, and no more. */
+static bool is_still(const mapping_panel *self, const instance *mapping)
+{
+    char now[PRESET_TEXT];
+    const char *text =
+        self->preset[0] ? presets_kept(app_settings(self->app), mapping->type, self->preset) : NULL;
+    if (!text)
+        return true;
+    presets_text(mapping, now, sizeof now);
+    return strcmp(now, text) == 0;
+}
+
+static void draw_naming(mapping_panel *self, ui *on)
+{
+    if (!self->was_naming)
+        ui_input_take_keys(on);
+    self->was_naming = true;
+    ui_width(on, -132.0f);
+    (void)ui_input(on, "##preset name", "name of the preset", self->preset_name,
+                   sizeof self->preset_name);
+    const bool is_entered = ui_input_is_entered(on);
+    ui_same_line(on);
+    ui_width(on, 58.0f);
+    char clean[PRESET_NAME];
+    const bool is_name = presets_clean_name(clean, self->preset_name);
+    ui_disabled_begin(on, !is_name);
+    if (ui_button(on, "Save", UI_ACCENT) || (is_entered && is_name))
+        save(self);
+    ui_disabled_end(on);
+    ui_same_line(on);
+    ui_width(on, 66.0f);
+    if (ui_button(on, "Cancel##preset", UI_QUIET))
+        self->is_naming = false;
+}
+
+static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
+{
+    const char *items[MAPPING_CHOICES_MAX];
+    char shown[PRESET_NAME + 16];
+    uint32_t count = 0, chosen = UINT32_MAX;
+    for (; count < self->preset_count && count < MAPPING_CHOICES_MAX - 1; ++count) {
+        items[count] = self->presets[count];
+        if (strcmp(self->presets[count], self->preset) == 0)
+            chosen = count;
+    }
+    bool is_changed = chosen != UINT32_MAX && !is_still(self, mapping);
+    if (is_changed) {
+        (void)snprintf(shown, sizeof shown, "%s (changed)", self->preset);
+        items[count] = shown;
+    } else if (chosen == UINT32_MAX) {
+        items[count] = count > 0 ? "choose\xe2\x80\xa6" : "none saved";
+    }
+    uint32_t at = is_changed || chosen == UINT32_MAX ? count : chosen;
+    ui_width(on, 0.0f);
+    if (ui_choice(on, "Preset", 66.0f, items, at == count ? count + 1 : count, &at) &&
+        at < self->preset_count)
+        use(self, mapping, self->presets[at]);
+    ui_hint(on, "Values of all parameters under a name, kept for this mapping.");
+}
+
+static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
+{
+    if (self->preset_edition != mapping_steps_preset_edition(self->steps))
+        mapping_presets_read(self);
+    if (self->is_naming) {
+        draw_naming(self, on);
+        return;
+    }
+    draw_list(self, on, mapping);
+    ui_text(on, UI_STYLE_DIM, "");
+    ui_at(on, 66.0f);
+    if (ui_button(on, "Save as\xe2\x80\xa6", UI_PLAIN)) {
+        self->is_naming = true;
+        self->was_naming = false;
+        (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
+    }
+    if (!self->preset[0] || !presets_kept(app_settings(self->app), mapping->type, self->preset))
+        return;
+    ui_same_line(on);
+    if (ui_button(on, "Delete", UI_QUIET))
+        mapping_steps_delete_preset(self->steps, self->preset);
+    ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
+}
+
+/* ---- learn mode ---- */
+
+/* ---- what is linked ---- */
+
+static const char *contact_name(const mapping_panel *self, uint32_t contact)
+{
+    const mrt_face *about = app_view(self->app)->about;
+    return about && contact > 0 && contact <= about->contact_count
+               ? about->contacts[contact - 1].name
+               : NULL;
+}
+
+static void set_link(mapping_panel *self, instance *mapping, int finger, uint32_t contact)
+{
+    char words[EDIT_TEXT];
+    const char *name = contact_name(self, contact);
+    uint32_t index = learn_param_of(mapping->type, finger);
+    if (index == mapping->type->param_count)
+        return;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        self->values[i] = instance_value(mapping, i);
+    self->values[index] = (double)contact;
+    if (name)
+        (void)snprintf(words, sizeof words, "%s pulls %.100s", learn_finger_name[finger], name);
+    else
+        (void)snprintf(words, sizeof words, "%s is free again", learn_finger_name[finger]);
+    mapping_panel_set(self, self->values, words);
+    (void)snprintf(self->learnt, sizeof self->learnt, "%s", words);
+}
+
+static void draw_links(mapping_panel *self, ui *on, instance *mapping)
+{
+    uint32_t count = 0;
+    char missing[32];
+    for (int finger = 0; finger < LEARN_FINGERS; ++finger) {
+        uint32_t index = learn_param_of(mapping->type, finger);
+        uint32_t contact =
+            index < mapping->type->param_count ? (uint32_t)instance_value(mapping, index) : 0;
+        if (contact == 0)
+            continue;
+        const char *name = contact_name(self, contact);
+        (void)snprintf(missing, sizeof missing, "contact %u: not there", contact);
+        ui_id_begin(on, learn_finger_name[finger]);
+        ui_label(on, "finger", 92.0f, THEME_TEXT, learn_finger_name[finger]);
+        ui_label(on, "contact", ui_available_width(on) - 80.0f, name ? THEME_ACCENT : THEME_WARNING,
+                 name ? name : missing);
+        if (ui_button(on, "Remove", UI_QUIET))
+            set_link(self, mapping, finger, 0);
+        ui_id_end(on);
+        count += 1;
+    }
+    if (count == 0)
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "No finger is linked: each pulls the place where it is laid.");
+}
+
+/* ---- learning ---- */
+
+static void begin(mapping_panel *self)
+{
+    self->is_learning = true;
+    self->had_contacts = app_looks_of(self->app)->shows_contacts;
+    app_looks_of(self->app)->shows_contacts = true;
+    self->learnt[0] = '\0';
+    learn_begin(&self->learn);
+}
+
+static void mapping_learn_end(mapping_panel *self)
+{
+    viewport *view = app_viewport(self->app);
+    if (!self->is_learning)
+        return;
+    self->is_learning = false;
+    app_looks_of(self->app)->shows_contacts = self->had_contacts;
+    if (view)
+        viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
+}
+
+static void follow_click(mapping_panel *self, instance *mapping)
+{
+    viewport *view = app_viewport(self->app);
+    const viewport_stroke *stroke = view ? viewport_stroke_now(view) : NULL;
+    if (!stroke || !stroke->is_pressed)
+        return;
+    if (self->learn.finger == LEARN_NONE) {
+        (void)snprintf(self->learnt, sizeof self->learnt,
+                       "First move one finger, well apart from "
+                       "the others.");
+    } else if (stroke->contact == 0) {
+        (void)snprintf(self->learnt, sizeof self->learnt,
+                       "There is no contact there: click one of the dots.");
+    } else {
+        set_link(self, mapping, self->learn.finger, stroke->contact);
+        learn_begin(&self->learn); /* the next finger */
+    }
+}
+
+static void mapping_learn_update(mapping_panel *self, instance *mapping, double dt_s)
+{
+    viewport *view = app_viewport(self->app);
+    if (!self->is_learning)
+        return;
+    if (!self->was_drawn || !mapping || !learn_can(mapping->type)) {
+        mapping_learn_end(self);
+        return;
+    }
+    learn_look(&self->learn, app_view(self->app)->hand, dt_s);
+    if (view)
+        viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
+    follow_click(self, mapping);
+}
+
+/* How far each finger of a hand has gone in the last second. */
+static void draw_travel(const mapping_panel *self, ui *on, int first, const char *id)
+{
+    static const char *const letter[5] = {"thumb", "index", "middle", "ring", "little"};
+    ui_canvas at;
+    const float most_rad = 1.5f;
+    ui_canvas_begin(on, id, 0.0f, 44.0f, &at);
+    float wide = at.where.width / 5.0f;
+    for (int i = 0; i < 5; ++i) {
+        bool is_meant = self->learn.finger == first + i;
+        float share = fminf(self->learn.travel_rad[first + i] / most_rad, 1.0f);
+        ui_rectangle well = {at.where.x + wide * (float)i, at.where.y + 2.0f, wide - 8.0f, 22.0f};
+        ui_draw_box(on, well, THEME_WELL, 2.0f);
+        ui_draw_box(on,
+                    (ui_rectangle){well.x, well.y + well.height * (1.0f - share), well.width,
+                                   well.height * share},
+                    is_meant ? THEME_ACCENT : THEME_HOVER, 2.0f);
+        ui_draw_text(on, well.x, at.where.y + 26.0f, UI_STYLE_BODY,
+                     is_meant ? THEME_ACCENT : THEME_DIM, wide - 2.0f, letter[i]);
+    }
+    ui_canvas_end(on);
+}
+
+static void draw_learning(mapping_panel *self, ui *on)
+{
+    const mrt_hand *hand = app_view(self->app)->hand;
+    char words[96];
+    if (!hand[0].present && !hand[1].present)
+        (void)snprintf(words, sizeof words, "No hand is there: open a glove at Devices.");
+    else if (self->learn.finger == LEARN_NONE)
+        (void)snprintf(words, sizeof words, "Move one finger.");
+    else
+        (void)snprintf(words, sizeof words, "The %s. Now click a contact on the face.",
+                       learn_finger_name[self->learn.finger]);
+    ui_text_wrapped(on, UI_STYLE_STRONG, words);
+    if (hand[MRT_RIGHT].present)
+        draw_travel(self, on, 0, "right");
+    if (hand[MRT_LEFT].present)
+        draw_travel(self, on, 5, "left");
+    if (ui_button(on, "Done", UI_PLAIN) || ui_pressed(on, UI_KEY_ESCAPE, 0))
+        mapping_learn_end(self);
+    ui_hint(on, "Escape");
+}
+
+static void draw_cannot(mapping_panel *self, ui *on, const instance *mapping)
+{
+    char words[200];
+    (void)snprintf(words, sizeof words,
+                   "%.60s decides by itself which finger moves what. Anchored lets each finger "
+                   "pull a contact of your choice.",
+                   mapping->type->name);
+    ui_text_wrapped(on, UI_STYLE_DIM, words);
+    if (ui_button(on, "Perform with Anchored", UI_PLAIN))
+        mapping_steps_choose(self->steps, "anchored");
+}
+
+static void mapping_learn_draw(mapping_panel *self, ui *on, instance *mapping)
+{
+    if (!learn_can(mapping->type)) {
+        draw_cannot(self, on, mapping);
+        return;
+    }
+    draw_links(self, on, mapping);
+    ui_space(on, 6.0f);
+    if (self->is_learning)
+        draw_learning(self, on);
+    else if (ui_button(on, "Learn", UI_ACCENT))
+        begin(self);
+    if (!self->is_learning)
+        ui_hint(on, "Move a finger, then click the contact that it is to pull.");
+    if (self->learnt[0])
+        ui_text_wrapped(on, UI_STYLE_DIM, self->learnt);
+}
+
+/* ---- the panel ---- */
+
+enum { TAB_PARAMETERS = 0, TAB_PEDALS, TAB_LEARN, TABS };
+static const char *const tabs[TABS] = {"Parameters", "Pedals", "Learn"};
+
+struct panel {
+    mapping_panel of;
+};
+
+static void mapping_panel_set(mapping_panel *self, const double *values, const char *words)
+{
+    char all[EDIT_TEXT];
+    (void)snprintf(all, sizeof all, "%.50s: %.100s", self->type ? self->type->name : "", words);
+    mapping_steps_set(self->steps, values, all);
+}
+
+/* ---- of the mapping that performs ---- */
+
+static void find_groups(mapping_panel *self)
+{
+    self->group_count = 0;
+    for (uint32_t i = 0; self->type && i < self->type->param_count; ++i) {
+        const mrt_param *p = &self->type->params[i];
+        bool is_known = !mapping_param_is_shown(p);
+        for (uint32_t k = 0; k < self->group_count && !is_known; ++k)
+            is_known = strcmp(self->group[k], p->group) == 0;
+        if (!is_known && self->group_count < MAPPING_GROUPS_MAX)
+            self->group[self->group_count++] = p->group;
+    }
+}
+
+/* Another mapping performs, or another version of it. Returns it only if there is room to think. */
+static instance *follow_mapping(mapping_panel *self)
+{
+    instance *mapping = live_mapping(app_live(self->app));
+    const mrt_plugin_type *type = mapping ? mapping->type : NULL;
+    if (type != self->type) {
+        self->type = type;
+        self->is_held = false;
+        free(self->values);
+        self->values = type ? calloc((size_t)type->param_count + 1, sizeof(double)) : NULL;
+        if (type && strcmp(type->id, self->type_id) != 0) { /* not another version of it */
+            (void)snprintf(self->type_id, sizeof self->type_id, "%s", type->id);
+            self->preset[0] = self->find[0] = '\0';
+            self->is_naming = false;
+        }
+        find_groups(self);
+        mapping_presets_read(self);
+    }
+    return self->values ? mapping : NULL;
+}
+
+/* ---- choice ---- */
+
+static void draw_choice(mapping_panel *self, ui *on)
+{
+    const plugin_list *plugins = app_plugins(self->app);
+    const char *items[MAPPING_CHOICES_MAX] = {"none: the mouse alone"};
+    const mrt_plugin_type *types[MAPPING_CHOICES_MAX] = {NULL};
+    uint32_t count = 1, chosen = 0;
+    for (uint32_t i = 0; i < plugins->entry_count && count < MAPPING_CHOICES_MAX; ++i) {
+        const mrt_plugin_type *type = plugins->entry[i].type;
+        if (!plugin_interface(type, MRT_MAPPING))
+            continue;
+        if (self->type && strcmp(type->id, self->type->id) == 0)
+            chosen = count;
+        items[count] = type->name;
+        types[count++] = type;
+    }
+    if (!ui_choice(on, "Mapping", 66.0f, items, count, &chosen))
+        return;
+    mapping_steps_choose(self->steps, types[chosen] ? types[chosen]->id : "");
+}
+
+/* ---- a process of its own, another version ---- */
+
+static void draw_isolation(ui *on, const instance *mapping, const isolate_counts *counts)
+{
+    char words[400];
+    const char *why = isolate_first_reason(mapping->self);
+    if (counts->failed == 0) {
+        ui_text(on, UI_STYLE_DIM, "Runs apart, in a process of its own.");
+        return;
+    }
+    (void)snprintf(words, sizeof words, "Runs apart; %s: %.300s.",
+                   counts->restarted > 1    ? "was restarted several times"
+                   : counts->restarted == 1 ? "was restarted once"
+                                            : "has failed",
+                   why[0] ? why : "it failed");
+    ui_text_wrapped(on, UI_STYLE_WARNING, words);
+    if (counts->is_away)
+        ui_text_wrapped(on, UI_STYLE_WARNING, "The face is held. Choose it again, or another one.");
+}
+
+static void draw_state(mapping_panel *self, ui *on, const instance *mapping)
+{
+    const live_status *status = app_status(self->app);
+    char words[160];
+    if (isolate_inner(mapping->type) != mapping->type)
+        draw_isolation(on, mapping, &status->isolated);
+    if (status->reload_taken > 0) {
+        char times[24] = "once";
+        if (status->reload_taken > 1)
+            (void)snprintf(times, sizeof times, "%u times", status->reload_taken);
+        (void)snprintf(words, sizeof words, "Rebuilt while it performed: taken over %s.", times);
+        ui_text_wrapped(on, UI_STYLE_DIM, words);
+    }
+    if (status->reload_refused > 0) {
+        const bool is_one = status->reload_refused == 1;
+        (void)snprintf(words, sizeof words, "%u new version%s refused: the log says why.",
+                       status->reload_refused, is_one ? " was" : "s were");
+        ui_text_wrapped(on, UI_STYLE_WARNING, words);
+    }
+}
+
+/* ---- the panel ---- */
+
+static void draw_mapping(mapping_panel *self, ui *on, instance *mapping)
+{
+    ui_text_wrapped(on, UI_STYLE_DIM, mapping->type->about);
+    draw_state(self, on, mapping);
+    ui_space(on, 4.0f);
+    mapping_presets_draw(self, on, mapping);
+    ui_space(on, 2.0f);
+    (void)ui_tabs(on, "tabs", tabs, TABS, &self->tab);
+    ui_scroll_begin(on, tabs[self->tab], 0.0f, 0.0f);
+    ui_space(on, 4.0f);
+    if (self->tab == TAB_PARAMETERS)
+        mapping_params_draw(self, on, mapping);
+    else if (self->tab == TAB_PEDALS)
+        mapping_pedals_draw(self, on, mapping);
+    else
+        mapping_learn_draw(self, on, mapping);
+    ui_scroll_end(on);
+}
+
+static void draw(panel *self_, ui *on, ui_rectangle where)
+{
+    mapping_panel *self = &self_->of;
+    instance *mapping = follow_mapping(self);
+    ui_panel_begin(on, "mapping", where, UI_GROUND_PANEL);
+    draw_choice(self, on);
+    mapping = follow_mapping(self);
+    if (mapping)
+        draw_mapping(self, on, mapping);
+    else
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "No mapping performs. The mouse pulls the face; hands do nothing.");
+    self->was_drawn = mapping && self->tab == TAB_LEARN;
+    ui_panel_end(on);
+}
+
+static void update(panel *self_, double dt_s)
+{
+    mapping_panel *self = &self_->of;
+    mapping_learn_update(self, follow_mapping(self), dt_s);
+    self->was_drawn = false;
+}
+
+static void destroy(panel *self)
+{
+    if (!self)
+        return;
+    mapping_learn_end(&self->of);
+    mapping_steps_destroy(self->of.steps);
+    free(self->of.values);
+    free(self->of.presets);
+    free(self);
+}
+
+static panel *create(app *of)
+{
+    panel *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->of.app = of;
+    self->of.steps = mapping_steps_create(of);
+    if (self->of.steps)
+        return self;
+    free(self);
+    return NULL;
+}
+
+const panel_type panel_mapping = {create, destroy, draw, update};

@@ -1,0 +1,410 @@
+#include "window/viewport/virtual_hand.h"
+
+#include "hand/sensor.h"
+#include "stage/feed.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const uint32_t virtual_hand_key_code[VIRTUAL_KEYS] = {
+    [VIRTUAL_THUMB_DOWN] = ' ',
+    [VIRTUAL_THUMB_UP] = 'B',
+    [VIRTUAL_INDEX_DOWN] = 'J',
+    [VIRTUAL_MIDDLE_DOWN] = 'K',
+    [VIRTUAL_RING_DOWN] = 'L',
+    [VIRTUAL_LITTLE_DOWN] = ';',
+    [VIRTUAL_INDEX_UP] = 'U',
+    [VIRTUAL_MIDDLE_UP] = 'I',
+    [VIRTUAL_RING_UP] = 'O',
+    [VIRTUAL_LITTLE_UP] = 'P',
+    [VIRTUAL_SPREAD] = 'N',
+    [VIRTUAL_NARROW] = 'M',
+    [VIRTUAL_WRIST_UP] = UI_KEY_UP,
+    [VIRTUAL_WRIST_DOWN] = UI_KEY_DOWN,
+    [VIRTUAL_WRIST_LEFT] = UI_KEY_LEFT,
+    [VIRTUAL_WRIST_RIGHT] = UI_KEY_RIGHT,
+};
+
+enum { PAD_LEFT_X, PAD_LEFT_Y, PAD_RIGHT_X, PAD_RIGHT_Y, PAD_LEFT_TRIGGER, PAD_RIGHT_TRIGGER };
+enum { PAD_LEFT_BUMPER = 4, PAD_RIGHT_BUMPER = 5 };
+static const float dead_zone = 0.14f;
+
+static void add(float *intent, float more)
+{
+    *intent = fminf(fmaxf(*intent + more, -1.0f), 1.0f);
+}
+
+static float between(const bool is_down[VIRTUAL_KEYS], virtual_hand_key more, virtual_hand_key less)
+{
+    return (is_down[more] ? 1.0f : 0.0f) - (is_down[less] ? 1.0f : 0.0f);
+}
+
+void virtual_hand_add_keys(virtual_hand_intent *intent, const bool is_down[VIRTUAL_KEYS])
+{
+    add(&intent->finger[0], between(is_down, VIRTUAL_THUMB_DOWN, VIRTUAL_THUMB_UP));
+    for (int finger = 0; finger < 4; ++finger)
+        add(&intent->finger[1 + finger],
+            between(is_down, (virtual_hand_key)(VIRTUAL_INDEX_DOWN + finger),
+                    (virtual_hand_key)(VIRTUAL_INDEX_UP + finger)));
+    add(&intent->spread, between(is_down, VIRTUAL_SPREAD, VIRTUAL_NARROW));
+    add(&intent->pitch, between(is_down, VIRTUAL_WRIST_DOWN, VIRTUAL_WRIST_UP));
+    add(&intent->yaw, between(is_down, VIRTUAL_WRIST_RIGHT, VIRTUAL_WRIST_LEFT));
+}
+
+/* -1..1 without the middle, where worn sticks rest. */
+static float stick(const window_gamepad *pad, int axis)
+{
+    float value = pad->axis[axis];
+    if (!(fabsf(value) > dead_zone))
+        return 0.0f;
+    return copysignf(fminf((fabsf(value) - dead_zone) / (1.0f - dead_zone), 1.0f), value);
+}
+
+/* 0..1 */
+static float trigger(const window_gamepad *pad, int axis)
+{
+    float value = 0.5f * (pad->axis[axis] + 1.0f);
+    return value > dead_zone ? fminf((value - dead_zone) / (1.0f - dead_zone), 1.0f) : 0.0f;
+}
+
+void virtual_hand_add_pad(virtual_hand_intent *intent, const window_gamepad *pad)
+{
+    add(&intent->finger[0], trigger(pad, PAD_RIGHT_TRIGGER));
+    add(&intent->finger[3], -trigger(pad, PAD_LEFT_TRIGGER));
+    add(&intent->finger[4], -trigger(pad, PAD_LEFT_TRIGGER));
+    float up = -stick(pad, PAD_LEFT_Y);
+    add(&intent->finger[1], -up);
+    add(&intent->finger[2], -0.6f * up);
+    if (pad->button[PAD_LEFT_BUMPER] || pad->button[PAD_RIGHT_BUMPER])
+        add(&intent->finger[2], 1.0f);
+    add(&intent->spread, stick(pad, PAD_LEFT_X));
+    add(&intent->pitch, stick(pad, PAD_RIGHT_Y));
+    add(&intent->yaw, stick(pad, PAD_RIGHT_X));
+    for (int pedal = 0; pedal < MRT_MAX_PEDALS; ++pedal)
+        intent->pedal[pedal] = intent->pedal[pedal] || pad->button[pedal];
+}
+
+bool virtual_hand_pad_is_used(const window_gamepad *pad)
+{
+    for (int axis = PAD_LEFT_X; axis <= PAD_RIGHT_Y; ++axis)
+        if (stick(pad, axis) != 0.0f)
+            return true;
+    for (int button = 0; button <= PAD_RIGHT_BUMPER; ++button)
+        if (pad->button[button])
+            return true;
+    return trigger(pad, PAD_LEFT_TRIGGER) > 0.0f || trigger(pad, PAD_RIGHT_TRIGGER) > 0.0f;
+}
+
+/* How far a joint goes from rest when the finger is wholly down, and wholly up, rad. */
+typedef struct way {
+    int sensor;
+    float down_rad, up_rad;
+} way;
+static const way thumb_ways[] = {{SENSOR_THUMB_ROLL, 0.06f, -0.04f},
+                                 {SENSOR_THUMB_MPJ, -0.45f, 0.30f},
+                                 {SENSOR_THUMB_IJ, -0.25f, 0.45f},
+                                 {SENSOR_THUMB_ABDUCTION, 0.24f, -0.12f}};
+static const way finger_ways[] = {{0, 0.75f, -0.52f}, {1, 0.55f, -0.22f}, {2, 0.30f, -0.05f}};
+static const int finger_first[4] = {SENSOR_INDEX_MPJ, SENSOR_MIDDLE_MPJ, SENSOR_RING_MPJ,
+                                    SENSOR_LITTLE_MPJ};
+static const way spread_ways[] = {{SENSOR_MIDDLE_INDEX_SPREAD, 0.15f, -0.06f},
+                                  {SENSOR_RING_MIDDLE_SPREAD, 0.13f, -0.06f},
+                                  {SENSOR_LITTLE_RING_SPREAD, 0.20f, -0.08f}};
+static const way pitch_way = {SENSOR_WRIST_PITCH, 0.55f, -0.50f};
+static const float yaw_rad = 0.35f;
+
+static void bend(float *angle_rad, const way *w, int first, float intent)
+{
+    angle_rad[first + w->sensor] += intent > 0.0f ? intent * w->down_rad : -intent * w->up_rad;
+}
+
+void virtual_hand_rest(float out_rad[MRT_ANGLES])
+{
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out_rad[i] = sensor_table[i].neutral_rad;
+}
+
+void virtual_hand_goal(float out_rad[MRT_ANGLES], const virtual_hand_intent *intent,
+                       float to_radial)
+{
+    virtual_hand_rest(out_rad);
+    for (size_t i = 0; i < sizeof thumb_ways / sizeof *thumb_ways; ++i)
+        bend(out_rad, &thumb_ways[i], 0, intent->finger[0]);
+    for (int finger = 0; finger < 4; ++finger)
+        for (size_t i = 0; i < sizeof finger_ways / sizeof *finger_ways; ++i)
+            bend(out_rad, &finger_ways[i], finger_first[finger], intent->finger[1 + finger]);
+    for (size_t i = 0; i < sizeof spread_ways / sizeof *spread_ways; ++i)
+        bend(out_rad, &spread_ways[i], 0, intent->spread);
+    bend(out_rad, &pitch_way, 0, intent->pitch);
+    out_rad[SENSOR_WRIST_YAW] += intent->yaw * to_radial * yaw_rad;
+}
+
+/* ---- easing ---- */
+
+static const double bend_s = 0.080, lift_s = 0.120;
+static const float still_rad = 0.002f, still_rad_s = 0.02f;
+
+void virtual_hand_motion_begin(virtual_hand_motion *out)
+{
+    *out = (virtual_hand_motion){{0}, {0}};
+    virtual_hand_rest(out->angle_rad);
+}
+
+/* A critically damped spring, solved exactly: x = (a + (v + w a) t) e^(-w t), which has done 63 %
+ * of its way after 2.146 / w. */
+static void ease(float *angle_rad, float *speed_rad_s, float goal_rad, double dt_s)
+{
+    bool is_bending = goal_rad > *angle_rad;
+    double w = 2.146 / (is_bending ? bend_s : lift_s);
+    double away = (double)*angle_rad - (double)goal_rad, speed = (double)*speed_rad_s;
+    double drive = speed + w * away, left = exp(-w * dt_s);
+    *angle_rad = (float)((double)goal_rad + (away + drive * dt_s) * left);
+    *speed_rad_s = (float)((speed - w * drive * dt_s) * left);
+}
+
+void virtual_hand_motion_step(virtual_hand_motion *self, const float goal_rad[MRT_ANGLES],
+                              double dt_s)
+{
+    if (!(dt_s > 0.0))
+        return;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        ease(&self->angle_rad[i], &self->speed_rad_s[i], goal_rad[i], dt_s);
+}
+
+bool virtual_hand_motion_is_still(const virtual_hand_motion *self, const float goal_rad[MRT_ANGLES])
+{
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (fabsf(self->angle_rad[i] - goal_rad[i]) > still_rad ||
+            fabsf(self->speed_rad_s[i]) > still_rad_s)
+            return false;
+    return true;
+}
+
+/* ---- an input of the stage ---- */
+
+enum { CHANNELS = MRT_ANGLES + MRT_MAX_PEDALS };
+static const double rate_hz = 125.0;
+static const double attach_s = 0.5; /* mappings take the first samples as the hand's neutral pose */
+static const double settle_s = 1.0; /* filters and eases behind it come to rest with samples only */
+static const char side_key[] = "virtual_hand.side";
+static const char *const feed_id[2] = {"org.marotte.virtual_left", "org.marotte.virtual_right"};
+static const char *const input_text[2] = {"virtual left hand", "virtual right hand"};
+static const char *const feed_name[2] = {"Virtual left hand", "Virtual right hand"};
+
+struct virtual_hand {
+    app *of;
+    uint32_t side;
+    feed *feed[2];   /* NULL: not used yet */
+    input *made[2];  /* live's; only to be compared */
+    bool is_refused; /* it could not join, which was said; the stage was like that: */
+    bool was_recording;
+    uint32_t input_count;
+    double joined_s; /* since it joined the stage */
+    double still_s;  /* since it is at rest and nobody moves it */
+    bool has_keys, gave;
+    virtual_hand_intent intent;
+    virtual_hand_motion motion;
+};
+
+virtual_hand *virtual_hand_create(app *of)
+{
+    virtual_hand *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->of = of;
+    double side = settings_number(app_settings(of), side_key, MRT_RIGHT);
+    self->side = (uint32_t)(side < 0.5 ? MRT_LEFT : MRT_RIGHT);
+    virtual_hand_motion_begin(&self->motion);
+    return self;
+}
+
+/* Where the input of this side is among the stage's; UINT32_MAX: it is not there (any more). */
+static uint32_t index_of(const virtual_hand *self, uint32_t side)
+{
+    live *stage = app_live(self->of);
+    for (uint32_t i = 0; stage && self->made[side] && i < live_input_count(stage); ++i)
+        if (live_input(stage, i) == self->made[side])
+            return i;
+    return UINT32_MAX;
+}
+
+/* An input cannot leave while a take is recorded. */
+static void leave(virtual_hand *self, uint32_t side)
+{
+    live *stage = app_live(self->of);
+    uint32_t index = index_of(self, side);
+    if (index == UINT32_MAX)
+        return;
+    error err = {{0}};
+    if (live_remove_input(stage, index, &err) >= 0)
+        return;
+    if (live_record_end(stage, &err) < 0 || live_remove_input(stage, index, &err) < 0) {
+        news_list_add(app_news(self->of), MRT_LOG_WARNING, feed_name[side], err.text);
+        self->feed[side] = NULL; /* whoever still has the input needs it */
+    }
+}
+
+void virtual_hand_destroy(virtual_hand *self)
+{
+    if (!self)
+        return;
+    for (uint32_t side = 0; side < 2; ++side) {
+        leave(self, side);
+        feed_destroy(self->feed[side]);
+    }
+    free(self);
+}
+
+static mrt_result create_feed(virtual_hand *self, uint32_t side, error *err)
+{
+    mrt_channel channels[CHANNELS];
+    static const char *const pedal_name[MRT_MAX_PEDALS] = {"pedal 1", "pedal 2", "pedal 3",
+                                                           "pedal 4"};
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i)
+        channels[i] =
+            (mrt_channel){sensor_table[i].label, "rad", MRT_CH_ANGLE + i, side, -3.1416f, 3.1416f};
+    for (uint32_t i = 0; i < MRT_MAX_PEDALS; ++i)
+        channels[MRT_ANGLES + i] =
+            (mrt_channel){pedal_name[i], "", MRT_CH_PEDAL + i, MRT_NO_HAND, 0.0f, 1.0f};
+    const feed_settings wanted = {.id = feed_id[side],
+                                  .name = feed_name[side],
+                                  .channels = channels,
+                                  .channel_count = CHANNELS,
+                                  .rate_hz = rate_hz};
+    return feed_create(&self->feed[side], &wanted, err);
+}
+
+static void give(virtual_hand *self, uint32_t side, feed_activity activity)
+{
+    float value[CHANNELS];
+    memcpy(value, self->motion.angle_rad, sizeof self->motion.angle_rad);
+    for (int i = 0; i < MRT_MAX_PEDALS; ++i)
+        value[MRT_ANGLES + i] = self->intent.pedal[i] ? 1.0f : 0.0f;
+    feed_give(self->feed[side], value, activity);
+    self->gave = activity == FEED_MOVES;
+}
+
+static mrt_result join(virtual_hand *self, uint32_t side, error *err)
+{
+    mrt_result result = self->feed[side] ? MRT_OK : create_feed(self, side, err);
+    if (result < 0)
+        return result;
+    input *made = NULL;
+    result = input_create(&made, feed_type(self->feed[side]), "", "", CLOCK_REAL, app_log(self->of),
+                          err);
+    if (result < 0)
+        return result;
+    virtual_hand_motion_begin(&self->motion);
+    give(self, side, FEED_MOVES); /* before anybody reads it: a hand at rest */
+    result = live_add_input(app_live(self->of), made, input_text[side], err);
+    if (result < 0)
+        return result; /* the stage has destroyed it */
+    self->made[side] = made;
+    self->joined_s = 0.0;
+    self->is_refused = false;
+    return MRT_OK;
+}
+
+/* What it was refused for may be over: a take, too many inputs. */
+static bool may_join(const virtual_hand *self)
+{
+    return !self->is_refused || self->was_recording != app_status(self->of)->is_recording ||
+           self->input_count != live_input_count(app_live(self->of));
+}
+
+static bool has_joined(virtual_hand *self)
+{
+    if (!app_live(self->of))
+        return false;
+    if (index_of(self, self->side) != UINT32_MAX)
+        return true;
+    error err = {{0}};
+    self->made[self->side] = NULL;
+    if (!may_join(self))
+        return false;
+    if (join(self, self->side, &err) >= 0)
+        return true;
+    news_list_add(app_news(self->of), MRT_LOG_ERROR, feed_name[self->side], err.text);
+    self->is_refused = true;
+    self->was_recording = app_status(self->of)->is_recording;
+    self->input_count = live_input_count(app_live(self->of));
+    return false;
+}
+
+static void change_side(virtual_hand *self)
+{
+    if (index_of(self, self->side) != UINT32_MAX) {
+        memset(&self->intent, 0, sizeof self->intent);
+        virtual_hand_motion_begin(&self->motion);
+        give(self, self->side, FEED_RESTS);
+    }
+    self->side = 1 - self->side;
+    self->is_refused = false;
+    settings_set_number(app_settings(self->of), side_key, self->side);
+    char text[64];
+    snprintf(text, sizeof text, "The keyboard and the gamepad are the %s hand now",
+             self->side == MRT_LEFT ? "left" : "right");
+    news_list_add(app_news(self->of), MRT_LOG_INFO, "virtual hand", text);
+}
+
+static void read_intent(virtual_hand *self, const ui *keys, const window_gamepad *pad)
+{
+    memset(&self->intent, 0, sizeof self->intent);
+    if (self->has_keys && !(ui_modifiers(keys) & (UI_CONTROL | UI_ALT))) {
+        bool is_down[VIRTUAL_KEYS];
+        for (int i = 0; i < VIRTUAL_KEYS; ++i)
+            is_down[i] = ui_is_down(keys, virtual_hand_key_code[i]);
+        virtual_hand_add_keys(&self->intent, is_down);
+    }
+    if (pad)
+        virtual_hand_add_pad(&self->intent, pad);
+}
+
+/* To the right in the picture is the subject's left (+x), where a right hand has its thumb; a
+ * mirror changes that. */
+static float to_radial_of(const virtual_hand *self)
+{
+    bool is_radial = (self->side == MRT_RIGHT) != app_looks_of(self->of)->is_mirrored;
+    return is_radial ? 1.0f : -1.0f;
+}
+
+void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepad *pad, double dt_s)
+{
+    if (ui_pressed(keys, 'Y', UI_SHIFT))
+        change_side(self);
+    self->has_keys = app_has_hand_keys(self->of);
+    bool is_used = self->has_keys || (pad && virtual_hand_pad_is_used(pad));
+    if (!is_used && !self->gave)
+        return;
+    if (!has_joined(self)) {
+        self->gave = false;
+        return;
+    }
+    read_intent(self, keys, pad);
+    float goal[MRT_ANGLES];
+    virtual_hand_goal(goal, &self->intent, to_radial_of(self));
+    self->joined_s += dt_s;
+    if (self->joined_s >= attach_s)
+        virtual_hand_motion_step(&self->motion, goal, dt_s);
+    bool is_still =
+        !is_used && self->joined_s >= attach_s && virtual_hand_motion_is_still(&self->motion, goal);
+    self->still_s = is_still ? self->still_s + dt_s : 0.0;
+    give(self, self->side, self->still_s >= settle_s ? FEED_RESTS : FEED_MOVES);
+}
+
+bool virtual_hand_has_keys(const virtual_hand *self)
+{
+    return self->has_keys;
+}
+
+uint32_t virtual_hand_side(const virtual_hand *self)
+{
+    return self->side;
+}
+
+const float *virtual_hand_fingers(const virtual_hand *self)
+{
+    return self->intent.finger;
+}

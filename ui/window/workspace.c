@@ -1,0 +1,1205 @@
+#include "window/workspace.h"
+#include "window/dialogs.h"
+#include "window/gui/theme.h"
+#include "window/panels/mapping.h"
+#include "window/panels/panels.h"
+#include "window/viewport/viewport.h"
+
+#include "base/clock.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { FIGURES_KEPT = 240 };
+
+typedef struct figures {
+    double value[FIGURES_KEPT]; /* a ring */
+    uint32_t count;             /* of all that were added */
+} figures;
+
+struct workspace {
+    app *app;
+    window *window;
+    ui *ui;
+    viewport *viewport;
+    panel *dock[APP_PANELS], *timeline;
+    ui_screen screen;
+
+    dialogs dialogs;
+
+    int32_t news_level; /* of the line that is shown */
+    char news[1200];
+    double news_left_s;  /* < 0: until it is clicked */
+    uint64_t news_shown; /* of news_list_said */
+
+    double held_s; /* of the key that repeats */
+    uint32_t held_key;
+
+    char title[600];
+    figures panels_ms, interval_ms, draw_ms, latency_ms;
+    uint64_t frame_count, face_shown;
+    double figures_wait_s, first_face_s;
+    int64_t began_ns; /* the last drawn frame */
+};
+
+/* ---- how long things took lately, and how long most of them take ---- */
+
+static void figures_add(figures *self, double value)
+{
+    self->value[self->count++ % FIGURES_KEPT] = value;
+    if (self->count == 2 * FIGURES_KEPT) /* the ring starts where it was */
+        self->count = FIGURES_KEPT;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Of the last FIGURES_KEPT; 0 when there are none. */
+static void figures_look(const figures *self, double *out_p50, double *out_p99)
+{
+    double sorted[FIGURES_KEPT];
+    const uint32_t count = self->count < FIGURES_KEPT ? self->count : FIGURES_KEPT;
+    *out_p50 = *out_p99 = 0.0;
+    if (count == 0)
+        return;
+    memcpy(sorted, self->value, count * sizeof sorted[0]);
+    qsort(sorted, count, sizeof sorted[0], by_size);
+    *out_p50 = sorted[(count - 1) / 2];
+    *out_p99 = sorted[(uint32_t)(0.99 * (double)(count - 1) + 0.5)];
+}
+
+/* Keys: each action by its own, but while something is typed or the keyboard is a hand. */
+
+#define REPEAT_AFTER_S 0.40
+#define REPEAT_EVERY_S 0.07
+
+/* What goes on while its key is held. */
+static bool repeats(action of)
+{
+    return of == ACTION_FRAME_BACK || of == ACTION_FRAME_FORWARD || of == ACTION_SECOND_BACK ||
+           of == ACTION_SECOND_FORWARD;
+}
+
+/* A hand needs the letters, not these. */
+static bool is_beside_hand(const action_entry *entry)
+{
+    return (entry->modifiers & (UI_CONTROL | UI_ALT)) != 0 ||
+           (entry->key >= UI_KEY_F1 && entry->key <= UI_KEY_F12);
+}
+
+static bool is_held_again(workspace *self, const action_entry *entry)
+{
+    if (!repeats(entry->id) || self->held_key != entry->key || !ui_is_down(self->ui, entry->key))
+        return false;
+    self->held_s += self->screen.dt_s;
+    if (self->held_s < REPEAT_AFTER_S)
+        return false;
+    self->held_s -= REPEAT_EVERY_S;
+    return true;
+}
+
+static bool is_wanted(workspace *self, const action_entry *entry)
+{
+    if (ui_pressed(self->ui, entry->key, entry->modifiers)) {
+        self->held_key = entry->key;
+        self->held_s = 0.0;
+        return true;
+    }
+    return is_held_again(self, entry);
+}
+
+static void escape(workspace *self)
+{
+    app_looks *looks = app_looks_of(self->app);
+    if (app_has_hand_keys(self->app))
+        app_do(self->app, ACTION_HAND_KEYS);
+    else if (looks->is_helping)
+        looks->is_helping = false;
+    else if (looks->is_face_only)
+        looks->is_face_only = false;
+}
+
+/* The brush of the rig panel has these while it is on. */
+static bool is_of_brush(workspace *self, const action_entry *entry)
+{
+    return app_looks_of(self->app)->is_painting && entry->modifiers == 0 &&
+           (entry->key == '[' || entry->key == ']');
+}
+
+static void workspace_dispatch_keys(workspace *self)
+{
+    const bool is_hand = app_has_hand_keys(self->app);
+    if (ui_pressed(self->ui, UI_KEY_ESCAPE, 0)) {
+        escape(self);
+        return;
+    }
+    for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
+        const action_entry *entry = action_of((action)i);
+        if (entry->key == 0 || (is_hand && !is_beside_hand(entry)) || is_of_brush(self, entry))
+            continue;
+        if (is_wanted(self, entry))
+            app_do(self->app, entry->id);
+    }
+}
+
+/* The newest news over the face, for a while; an error until it is clicked. */
+
+#define SHOWN_S   6.0
+#define WARNING_S 12.0
+
+/* What plugins have to tell that is no trouble is in the log. */
+static bool is_for_everybody(const news_item *item)
+{
+    return item->level >= MRT_LOG_WARNING || strcmp(item->source, "stage") == 0;
+}
+
+/* A calmer line does not push an error away. */
+static bool gives_way(const workspace *self, const news_item *to)
+{
+    return self->news[0] == '\0' || self->news_level < MRT_LOG_ERROR || to->level >= MRT_LOG_ERROR;
+}
+
+/* What is said in one frame is one: of that the most serious is shown, the newest of several. */
+static const news_item *most_serious_of_new(workspace *self)
+{
+    const news_list *list = app_news(self->app);
+    const uint32_t count = news_list_count(list);
+    const uint64_t total = news_list_said(list), fresh = total - self->news_shown;
+    const news_item *best = NULL;
+    self->news_shown = total;
+    for (uint32_t i = fresh < count ? count - (uint32_t)fresh : 0; i < count; ++i) {
+        const news_item *item = news_list_at(list, i);
+        if (is_for_everybody(item) && (!best || item->level >= best->level))
+            best = item;
+    }
+    return best;
+}
+
+/* A plugin says what it did, not who it is: "troubled" of "org.example.troubled". */
+static const char *speaker_of(const news_item *item)
+{
+    const char *dot = strrchr(item->source, '.');
+    return dot ? dot + 1 : "";
+}
+
+static void workspace_update_news(workspace *self, double dt_s)
+{
+    const news_item *item = most_serious_of_new(self);
+    if (self->news_left_s > 0.0) {
+        self->news_left_s -= dt_s;
+        if (self->news_left_s <= 0.0)
+            self->news[0] = '\0';
+    }
+    if (!item || !gives_way(self, item))
+        return;
+    const char *speaker = speaker_of(item);
+    (void)snprintf(self->news, sizeof self->news, "%s%s%s", speaker, speaker[0] ? ": " : "",
+                   item->text);
+    self->news_level = item->level;
+    self->news_left_s = item->level >= MRT_LOG_ERROR     ? -1.0
+                        : item->level >= MRT_LOG_WARNING ? WARNING_S
+                                                         : SHOWN_S;
+}
+
+/* Where a text that is too long for one line is broken: at its last blank that fits. */
+static size_t first_line(const ui *on, ui_style style, const char *text, float width)
+{
+    char part[sizeof((workspace *)NULL)->news];
+    size_t fits = 0;
+    if (ui_text_width(on, style, text) <= width)
+        return strlen(text);
+    for (const char *c = strchr(text, ' '); c; c = strchr(c + 1, ' ')) {
+        (void)snprintf(part, sizeof part, "%.*s", (int)(c - text), text);
+        if (ui_text_width(on, style, part) > width)
+            break;
+        fits = (size_t)(c - text);
+    }
+    return fits ? fits : strlen(text);
+}
+
+static void workspace_draw_news(workspace *self, ui_rectangle over)
+{
+    char first[sizeof self->news];
+    if (!self->news[0])
+        return;
+    ui *on = self->ui;
+    const ui_style style = self->news_level >= MRT_LOG_ERROR     ? UI_STYLE_BAD
+                           : self->news_level >= MRT_LOG_WARNING ? UI_STYLE_WARNING
+                                                                 : UI_STYLE_BODY;
+    const bool stays = self->news_left_s < 0.0;
+    const float padding = 12.0f, line = 20.0f, cross = stays ? 24.0f : 0.0f;
+    float width = ui_text_width(on, style, self->news) + 2.0f * padding + cross;
+    if (width > over.width - 24.0f)
+        width = over.width - 24.0f;
+    const float room = width - 2.0f * padding - cross + 1.0f;
+    const size_t break_at = first_line(on, style, self->news, room);
+    const char *rest = self->news + break_at + (self->news[break_at] == ' ');
+    const float height = rest[0] ? 32.0f + line : 32.0f;
+    (void)snprintf(first, sizeof first, "%.*s", (int)break_at, self->news);
+    const ui_rectangle box = {over.x + 12.0f, over.y + over.height - height - 12.0f, width, height};
+    ui_canvas canvas;
+    ui_panel_begin(on, "news", box, UI_GROUND_NONE);
+    ui_canvas_begin(on, "line", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, box, THEME_PANEL, 5.0f);
+    const uint32_t colour = style == UI_STYLE_BAD       ? THEME_BAD
+                            : style == UI_STYLE_WARNING ? THEME_WARNING
+                                                        : THEME_TEXT;
+    const float y = box.y + 0.5f * (32.0f - ui_text_height(on, UI_STYLE_BODY));
+    ui_draw_text(on, box.x + padding, y, UI_STYLE_BODY, colour, room, first);
+    if (rest[0])
+        ui_draw_text(on, box.x + padding, y + line, UI_STYLE_BODY, colour, room, rest);
+    if (stays) {
+        const float x = box.x + width - padding - 5.0f, middle = box.y + 0.5f * height;
+        ui_draw_line(on, x - 4.0f, middle - 4.0f, x + 4.0f, middle + 4.0f, THEME_DIM, 1.5f);
+        ui_draw_line(on, x - 4.0f, middle + 4.0f, x + 4.0f, middle - 4.0f, THEME_DIM, 1.5f);
+    }
+    if (canvas.is_hovered)
+        ui_set_cursor(on, UI_CURSOR_HAND);
+    if (canvas.is_pressed)
+        self->news[0] = '\0';
+    ui_canvas_end(on);
+    ui_hint(on, self->news); /* the line may have been cut */
+    ui_panel_end(on);
+}
+
+/* The bar at the top: what is open, what is being recorded and where one is, how fast it goes. */
+
+#define ICON 34.0f
+#define GAP  14.0f
+
+static const int64_t KEEP_NS = 30 * NS_PER_S;
+
+typedef struct pen { /* along the bar */
+    workspace *workspace;
+    ui *on;
+    ui_canvas canvas;
+    ui_rectangle where;
+    char hint[512];
+} pen;
+
+/* ---- pressing ---- */
+
+static bool is_over(const pen *p, ui_rectangle box)
+{
+    const float x = p->canvas.where.x + p->canvas.x, y = p->canvas.where.y + p->canvas.y;
+    return p->canvas.is_hovered && x >= box.x && x < box.x + box.width && y >= box.y &&
+           y < box.y + box.height;
+}
+
+static bool is_pressed(const pen *p, ui_rectangle box)
+{
+    return p->canvas.is_pressed && p->canvas.button == 0 && is_over(p, box);
+}
+
+static void hint_action(pen *p, action of)
+{
+    char keys[ACTION_KEYS];
+    const char *why = "";
+    const bool can = app_can(p->workspace->app, of, &why);
+    action_keys(of, keys);
+    (void)snprintf(p->hint, sizeof p->hint, "%s  (%s)\n%s%s%s", action_of(of)->title, keys,
+                   action_of(of)->help, can ? "" : "\nNot now: ", can ? "" : why);
+}
+
+typedef void paint_sign(ui *on, float x, float y, uint32_t ink);
+
+static void put_sign(pen *p, ui_rectangle box, action of, paint_sign *sign, bool is_on)
+{
+    const bool can = app_can(p->workspace->app, of, NULL);
+    const bool is_hovered = is_over(p, box);
+    if (is_hovered || is_on)
+        ui_draw_box(p->on, box, is_hovered && can ? THEME_HOVER : THEME_RAISED, 5.0f);
+    sign(p->on, box.x + 0.5f * box.width, box.y + 0.5f * box.height,
+         !can    ? 0x5a5f66ffu
+         : is_on ? THEME_ACCENT
+                 : THEME_TEXT);
+    if (is_hovered)
+        hint_action(p, of);
+    if (is_pressed(p, box))
+        app_do(p->workspace->app, of);
+}
+
+/* A word that is pressed, its right end at `right`; returns its left end. */
+static float put_word(pen *p, float right, action of, const char *word, bool is_on)
+{
+    const float width = ui_text_width(p->on, UI_STYLE_BODY, word) + 20.0f;
+    const float height = ui_text_height(p->on, UI_STYLE_BODY);
+    const ui_rectangle box = {right - width, p->where.y + 0.5f * (p->where.height - 30.0f), width,
+                              30.0f};
+    if (is_on || is_over(p, box))
+        ui_draw_box(p->on, box, is_over(p, box) ? THEME_HOVER : THEME_RAISED, 5.0f);
+    ui_draw_text(p->on, box.x + 10.0f, box.y + 0.5f * (box.height - height), UI_STYLE_BODY,
+                 is_on ? THEME_ACCENT : THEME_TEXT, 0.0f, word);
+    if (is_over(p, box))
+        hint_action(p, of);
+    if (is_pressed(p, box))
+        app_do(p->workspace->app, of);
+    return box.x;
+}
+
+/* ---- left: what is open ---- */
+
+/* "night" of "/home/a/night.marotte"; "puppet" of "puppet.rig.json". */
+static void name_of(const char *path, char *out, size_t capacity)
+{
+    const char *slash = strrchr(path, '/');
+    (void)snprintf(out, capacity, "%s", slash ? slash + 1 : path);
+    static const char *const endings[] = {".marotte", ".rig.json"};
+    for (size_t i = 0; i < 2; ++i) {
+        const size_t length = strlen(out), ending = strlen(endings[i]);
+        if (length > ending && strcmp(out + length - ending, endings[i]) == 0)
+            out[length - ending] = '\0';
+    }
+}
+
+static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink, const char *name,
+                     const char *path, dialogs_open_kind kind)
+{
+    const ui_rectangle box = {p->where.x + 6.0f, y - 2.0f, width, 21.0f};
+    if (is_over(p, box)) {
+        ui_draw_box(p->on, box, THEME_RAISED, 4.0f);
+        ui_set_cursor(p->on, UI_CURSOR_HAND);
+        (void)snprintf(p->hint, sizeof p->hint, "%.440s\nOpen another %s  (Ctrl+O)", path,
+                       kind == DIALOGS_OPENS_SHOW ? "show" : "face");
+    }
+    ui_draw_text(p->on, box.x + 6.0f, y, style, ink, width - 12.0f, name);
+    if (is_pressed(p, box))
+        dialogs_ask_open(&p->workspace->dialogs, kind);
+}
+
+static void put_names(pen *p, float width)
+{
+    app *of = p->workspace->app;
+    char name[256], words[320];
+    const float line = 21.0f, top = p->where.y + 0.5f * (p->where.height - 2.0f * line) + 2.0f;
+    show *s = app_show(of);
+    if (s)
+        name_of(show_path(s), name, sizeof name);
+    (void)snprintf(words, sizeof words, "%s%s", s ? name : "No show: nothing is recorded",
+                   s && !show_is_writable(s) ? " (read only)" : "");
+    put_name(p, top, width, UI_STYLE_STRONG, s && show_is_writable(s) ? THEME_TEXT : THEME_WARNING,
+             words, s ? show_path(s) : "No show is open.", DIALOGS_OPENS_SHOW);
+    name_of(app_face_path(of), name, sizeof name);
+    (void)snprintf(words, sizeof words, "%s%s", name, app_unsaved_now(of) ? " \u2022" : "");
+    put_name(p, top + line, width, UI_STYLE_BODY, THEME_DIM, words, app_face_path(of),
+             DIALOGS_OPENS_FACE);
+}
+
+/* ---- middle: recording and where one is ---- */
+
+static void sign_record(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_ring(on, x, y, 11.0f, ink == THEME_ACCENT ? THEME_RECORD : THEME_DIM, 1.5f);
+    ui_draw_disc(on, x, y, 7.5f, ink == THEME_TEXT || ink == THEME_ACCENT ? THEME_RECORD : ink);
+}
+
+static void sign_recording(ui *on, float x, float y, uint32_t ink)
+{
+    (void)ink;
+    ui_draw_ring(on, x, y, 11.0f, THEME_RECORD, 1.5f);
+    ui_draw_box(on, (ui_rectangle){x - 5.0f, y - 5.0f, 10.0f, 10.0f}, THEME_RECORD, 1.5f);
+}
+
+static void sign_play(ui *on, float x, float y, uint32_t ink)
+{
+    const float corner[6] = {x - 5.0f, y - 8.0f, x + 9.0f, y, x - 5.0f, y + 8.0f};
+    ui_draw_triangle(on, corner, ink);
+}
+
+static void sign_pause(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_box(on, (ui_rectangle){x - 7.0f, y - 8.0f, 5.0f, 16.0f}, ink, 0.0f);
+    ui_draw_box(on, (ui_rectangle){x + 2.0f, y - 8.0f, 5.0f, 16.0f}, ink, 0.0f);
+}
+
+static void sign_stop(ui *on, float x, float y, uint32_t ink)
+{
+    ui_draw_box(on, (ui_rectangle){x - 7.0f, y - 7.0f, 14.0f, 14.0f}, ink, 1.5f);
+}
+
+static void sign_start(ui *on, float x, float y, uint32_t ink)
+{
+    const float corner[6] = {x + 7.0f, y - 7.0f, x - 4.0f, y, x + 7.0f, y + 7.0f};
+    ui_draw_triangle(on, corner, ink);
+    ui_draw_box(on, (ui_rectangle){x - 7.0f, y - 7.0f, 2.5f, 14.0f}, ink, 0.0f);
+}
+
+static void sign_loop(ui *on, float x, float y, uint32_t ink)
+{
+    const float head[6] = {x + 1.0f, y - 10.0f, x + 7.0f, y - 6.0f, x + 1.0f, y - 2.0f};
+    ui_draw_frame(on, (ui_rectangle){x - 9.0f, y - 6.0f, 18.0f, 12.0f}, ink, 6.0f, 1.8f);
+    ui_draw_triangle(on, head, ink);
+}
+
+/* "0:04.2", "1:02:03.4" */
+static void write_time(char *out, size_t capacity, int64_t at_ns)
+{
+    const int64_t tenths = (at_ns < 0 ? 0 : at_ns) / 100000000;
+    const long long s = (long long)(tenths / 10), tenth = (long long)(tenths % 10);
+    if (s >= 3600)
+        (void)snprintf(out, capacity, "%lld:%02lld:%02lld.%lld", s / 3600, s / 60 % 60, s % 60,
+                       tenth);
+    else
+        (void)snprintf(out, capacity, "%lld:%02lld.%lld", s / 60, s % 60, tenth);
+}
+
+typedef struct state_words {
+    char large[64], small[200];
+    uint32_t ink;
+} state_words;
+
+static const char *title_of(app *of, int64_t id)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(of, &line);
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == id)
+            return line[i].title;
+    return "";
+}
+
+static state_words state_of(app *of)
+{
+    const live_status *status = app_status(of);
+    const live_view *view = app_view(of);
+    const char *shown = title_of(of, live_shown_take(app_live(of)));
+    state_words out = {.large = "Live", .ink = THEME_TEXT};
+    if (view->mode == LIVE_OVERDUBS) {
+        write_time(out.large, sizeof out.large, view->at_ns);
+        (void)snprintf(out.small, sizeof out.small, "%s take %.150s",
+                       view->is_recording_over ? "Recording over" : "Going to record over", shown);
+        out.ink = view->is_recording_over ? THEME_RECORD : THEME_TEXT;
+    } else if (status->is_recording) {
+        write_time(out.large, sizeof out.large, status->recorded_ns);
+        (void)snprintf(out.small, sizeof out.small, "Recording take %.150s",
+                       title_of(of, status->take));
+        out.ink = THEME_RECORD;
+    } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
+        (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
+        (void)snprintf(out.small, sizeof out.small, "L: back to the live hands");
+    } else if (view->mode == LIVE_SHOWS) {
+        write_time(out.large, sizeof out.large, live_place(app_live(of)).at_ns);
+        (void)snprintf(out.small, sizeof out.small, "Take %.150s", shown);
+    } else if (!status->can_record) {
+        (void)snprintf(out.small, sizeof out.small, "Nothing is recorded");
+    } else {
+        const int back_s = status->journal_ns < KEEP_NS ? (int)(status->journal_ns / NS_PER_S)
+                                                        : (int)(KEEP_NS / NS_PER_S);
+        (void)snprintf(out.small, sizeof out.small, "K keeps the last %d s", back_s);
+    }
+    if (status->problem[0]) {
+        (void)snprintf(out.small, sizeof out.small, "%.199s", status->problem);
+        out.ink = status->is_recording ? THEME_RECORD : THEME_WARNING;
+    }
+    return out;
+}
+
+static float put_state(pen *p, float x)
+{
+    const state_words words = state_of(p->workspace->app);
+    const float large = ui_text_height(p->on, UI_STYLE_LARGE), width = 132.0f;
+    const float own = ui_text_width(p->on, UI_STYLE_LARGE, words.large);
+    const float most = 0.24f * p->where.width;
+    const float wide = own > most ? most : own > width ? own : width;
+    const bool is_warning = words.ink == THEME_WARNING;
+    ui_draw_text(p->on, x, p->where.y + 0.5f * (p->where.height - large), UI_STYLE_LARGE,
+                 is_warning ? THEME_TEXT : words.ink, wide + 1.0f, words.large);
+    x += wide + GAP;
+    const float height = ui_text_height(p->on, UI_STYLE_BODY), room = 190.0f;
+    const ui_rectangle box = {x, p->where.y, room, p->where.height};
+    ui_draw_text(p->on, x, p->where.y + 0.5f * (p->where.height - height), UI_STYLE_BODY,
+                 is_warning ? THEME_WARNING : THEME_DIM, room, words.small);
+    if (is_over(p, box))
+        (void)snprintf(p->hint, sizeof p->hint, "%s", words.small);
+    return x + room;
+}
+
+static void put_middle(pen *p, float x)
+{
+    app *of = p->workspace->app;
+    live *stage = app_live(of);
+    const bool is_recording = app_status(of)->is_recording;
+    const transport *move = live_transport(stage);
+    const bool is_playing =
+        app_view(of)->mode != LIVE_PERFORMS && move->is_playing && !live_place(stage).has_stopped;
+    const float y = p->where.y + 0.5f * (p->where.height - ICON);
+    put_sign(p, (ui_rectangle){x, y, ICON, ICON}, ACTION_RECORD,
+             is_recording ? sign_recording : sign_record, is_recording);
+    x = put_state(p, x + ICON + GAP);
+    if (app_looks_of(of)->has_timeline || p->where.width < 1100.0f)
+        return;
+    const struct {
+        action of;
+        paint_sign *sign;
+        bool is_on;
+    } signs[] = {{ACTION_TO_START, sign_start, false},
+                 {ACTION_PLAY, is_playing ? sign_pause : sign_play, is_playing},
+                 {ACTION_STOP, sign_stop, false},
+                 {ACTION_LOOP, sign_loop, move->is_looping}};
+    x += GAP;
+    for (size_t i = 0; i < sizeof signs / sizeof signs[0]; ++i) {
+        put_sign(p, (ui_rectangle){x, y, ICON, ICON}, signs[i].of, signs[i].sign, signs[i].is_on);
+        x += ICON + 2.0f;
+    }
+}
+
+/* ---- right: how fast, the output, help ---- */
+
+/* How far the oldest export is; a click tells of all. Returns its left end. */
+static float put_exports(pen *p, float right)
+{
+    app *of = p->workspace->app;
+    const uint32_t count = app_exports_going(of);
+    char words[64], part[32] = "";
+    if (count == 0)
+        return right;
+    const export_progress first = app_export_now(of, 0);
+    if (first.done >= 0.0)
+        (void)snprintf(part, sizeof part, " %.0f %%", 100.0 * first.done);
+    if (count > 1)
+        (void)snprintf(words, sizeof words, "Exporting %u%s", count, part);
+    else
+        (void)snprintf(words, sizeof words, "Exporting%s", part);
+    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 4 100 %") + 20.0f;
+    const ui_rectangle box = {right - widest, p->where.y + 0.5f * (p->where.height - 30.0f), widest,
+                              30.0f};
+    const float y = box.y + 0.5f * (box.height - ui_text_height(p->on, UI_STYLE_NUMBER));
+    ui_draw_box(p->on, box, is_over(p, box) ? THEME_HOVER : THEME_RAISED, 5.0f);
+    ui_draw_text(p->on, box.x + 10.0f, y, UI_STYLE_NUMBER, THEME_ACCENT, 0.0f, words);
+    if (is_over(p, box))
+        (void)snprintf(p->hint, sizeof p->hint, "%.440s\nHow far it is, and to cancel it",
+                       first.file);
+    if (is_pressed(p, box))
+        dialogs_ask_exports(&p->workspace->dialogs);
+    return box.x;
+}
+
+static void put_right(pen *p)
+{
+    app *of = p->workspace->app;
+    const app_figures *fast = app_figures_of(of);
+    char words[80];
+    float x = p->where.x + p->where.width - 10.0f;
+    x = put_word(p, x, ACTION_HELP, "?", app_looks_of(of)->is_helping) - 4.0f;
+    x = put_word(p, x, ACTION_OUTPUT, "Output", app_looks_of(of)->has_output) - 4.0f;
+    x = put_word(p, x, ACTION_SOUND_ARM, "Mic", app_status(of)->is_sound_armed) - 4.0f;
+    x = put_exports(p, x) - 8.0f;
+    if (p->where.width < 1000.0f)
+        return;
+    if (fast->latency_p50_ms > 0.0)
+        (void)snprintf(words, sizeof words, "%.0f ms hand to face", fast->latency_p50_ms);
+    else if (fast->draw_p50_ms > 0.0)
+        (void)snprintf(words, sizeof words, "%.0f ms a frame", fast->draw_p50_ms);
+    else
+        return;
+    const float width = ui_text_width(p->on, UI_STYLE_NUMBER, words);
+    const float y = p->where.y + 0.5f * (p->where.height - ui_text_height(p->on, UI_STYLE_NUMBER));
+    const ui_rectangle box = {x - width, p->where.y, width, p->where.height};
+    ui_draw_text(p->on, x - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, words);
+    if (is_over(p, box))
+        (void)snprintf(p->hint, sizeof p->hint,
+                       "Hand to face: %.1f ms, at most %.1f ms\nA frame: %.1f ms, at most %.1f ms\n"
+                       "Panels: %.2f ms of it",
+                       fast->latency_p50_ms, fast->latency_p99_ms, fast->draw_p50_ms,
+                       fast->draw_p99_ms, fast->panels_p50_ms);
+}
+
+static void bar_draw(workspace *self, ui_rectangle where)
+{
+    pen p = {.workspace = self, .on = self->ui, .where = where};
+    ui_panel_begin(self->ui, "bar", where, UI_GROUND_NONE);
+    ui_canvas_begin(self->ui, "bar", 0.0f, 0.0f, &p.canvas);
+    ui_draw_box(self->ui, where, THEME_BAR, 0.0f);
+    ui_draw_box(self->ui, (ui_rectangle){where.x, where.y + where.height - 1.0f, where.width, 1.0f},
+                THEME_RULE, 0.0f);
+    const float names = where.width * 0.2f < 260.0f ? where.width * 0.2f : 260.0f;
+    put_names(&p, names);
+    put_middle(&p, where.x + names + 30.0f);
+    put_right(&p);
+    ui_canvas_end(self->ui);
+    ui_hint(self->ui, p.hint);
+    ui_panel_end(self->ui);
+}
+
+/* With the panels away: what is being recorded, over the face. */
+static void bar_draw_alone(workspace *self, ui_rectangle over)
+{
+    const live_status *status = app_status(self->app);
+    if (!status->is_recording)
+        return;
+    const state_words words = state_of(self->app);
+    const float width = ui_text_width(self->ui, UI_STYLE_LARGE, words.large) + 66.0f;
+    const ui_rectangle box = {over.x + 16.0f, over.y + 14.0f, width, 52.0f};
+    ui_panel_begin(self->ui, "recording", box, UI_GROUND_NONE);
+    ui_draw_box(self->ui, box, THEME_BAR, 8.0f);
+    ui_draw_disc(self->ui, box.x + 26.0f, box.y + 26.0f, 9.0f, words.ink);
+    ui_draw_text(self->ui, box.x + 48.0f,
+                 box.y + 0.5f * (box.height - ui_text_height(self->ui, UI_STYLE_LARGE)),
+                 UI_STYLE_LARGE, words.ink, 0.0f, words.large);
+    ui_panel_end(self->ui);
+}
+
+/* `?`: every action with its key, and what the pedals do now, over the stage. */
+
+#define LINE       22.0f
+#define KEY_WIDTH  104.0f
+#define COLUMN     290.0f
+#define REZERO_KEY "hands.rezero_pedal"
+
+typedef struct sheet { /* what is written, in columns */
+    ui *on;
+    float x, y, top, bottom;
+    float column, row;
+} sheet;
+
+static void next_column(sheet *s)
+{
+    s->x += s->column;
+    s->y = s->top;
+}
+
+/* A title stays with its first lines. */
+static void put_title(sheet *s, const char *title)
+{
+    if (s->y > s->top) {
+        s->y += 0.5f * s->row;
+        if (s->y + 3.0f * s->row > s->bottom)
+            next_column(s);
+    }
+    ui_draw_text(s->on, s->x, s->y, UI_STYLE_TITLE, THEME_ACCENT, s->column - 16.0f, title);
+    s->y += s->row + 2.0f;
+}
+
+static void put_line(sheet *s, const char *keys, const char *words)
+{
+    if (s->y + s->row > s->bottom)
+        next_column(s);
+    ui_draw_text(s->on, s->x, s->y, UI_STYLE_STRONG, THEME_TEXT, KEY_WIDTH - 8.0f, keys);
+    ui_draw_text(s->on, s->x + KEY_WIDTH, s->y, UI_STYLE_BODY, THEME_DIM,
+                 s->column - KEY_WIDTH - 16.0f, words);
+    s->y += s->row;
+}
+
+/* ---- what is in it ---- */
+
+static bool is_rating(action of)
+{
+    return of >= ACTION_RATE_0 && of <= ACTION_RATE_5;
+}
+
+static uint32_t put_actions(sheet *s, action_group group)
+{
+    uint32_t lines = 0;
+    for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
+        const action_entry *entry = action_of((action)i);
+        char keys[ACTION_KEYS];
+        if (entry->group != group || (is_rating(entry->id) && entry->id != ACTION_RATE_0))
+            continue;
+        action_keys(entry->id, keys);
+        lines += 1;
+        if (s && is_rating(entry->id))
+            put_line(s, "0 .. 5", "Stars of the chosen take");
+        else if (s)
+            put_line(s, keys, entry->title);
+    }
+    return lines;
+}
+
+static const char *const mouse_lines[][2] = {
+    {"Drag", "Pulls the face"},
+    {"Drag, Shift", "Pulls it, and it stays so"},
+    {"Wheel", "Nearer, farther"},
+    {"Ctrl+drag", "Kneads, as clay"},
+    {"Double click", "Contact back to rest"},
+    {"Right drag", "Turns the view"},
+    {"Middle drag", "Moves the view"},
+    {"Alt+wheel", "How far a pull reaches"},
+};
+static const char *const timeline_lines[][2] = {
+    {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
+    {"Alt+drag", "An end: stretches the clip"},    {"Swipe", "A take below: into this one"},
+    {"Alt+drag", "A take below: shifts it"},       {"Drag on top", "A range, above the time"},
+    {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
+};
+enum {
+    MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0],
+    TIMELINE_LINES = sizeof timeline_lines / sizeof timeline_lines[0]
+};
+
+static void put_pedals(sheet *s, app *of)
+{
+    const instance *mapping = live_mapping(app_live(of));
+    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), REZERO_KEY, 0.0);
+    put_title(s, "Pedals now");
+    for (uint32_t pedal = 1; pedal <= MRT_MAX_PEDALS; ++pedal) {
+        char name[16], words[200] = "";
+        if (mapping) {
+            const mrt_plugin_type *type = isolate_inner(mapping->type);
+            double values[256];
+            for (uint32_t i = 0; i < type->param_count && i < 256; ++i)
+                values[i] = mapping->wanted[i];
+            if (type->param_count <= 256)
+                pedal_table_words(type, values, pedal, words, sizeof words);
+        }
+        const size_t length = strlen(words);
+        if (rezero == pedal)
+            (void)snprintf(words + length, sizeof words - length, "%sRe-zero", length ? ", " : "");
+        (void)snprintf(name, sizeof name, "Pedal %u", pedal);
+        put_line(s, name, words[0] ? words : "nothing");
+    }
+}
+
+static void put_all(sheet *s, app *of)
+{
+    for (uint32_t group = 0; group < ACTION_GROUPS; ++group) {
+        put_title(s, action_group_name[group]);
+        (void)put_actions(s, (action_group)group);
+    }
+    const uint32_t others = MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS + 6;
+    if (s->y + 3.0f + (float)others * s->row > s->bottom && s->y > s->top)
+        next_column(s);
+    put_title(s, "Mouse on the face");
+    for (uint32_t i = 0; i < MOUSE_LINES; ++i)
+        put_line(s, mouse_lines[i][0], mouse_lines[i][1]);
+    put_title(s, "Mouse on the timeline");
+    for (uint32_t i = 0; i < TIMELINE_LINES; ++i)
+        put_line(s, timeline_lines[i][0], timeline_lines[i][1]);
+    put_pedals(s, of);
+}
+
+/* So many lines in all, titles and gaps counted generously. */
+static float lines_in_all(void)
+{
+    float lines =
+        (float)(MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS) + 3.5f * (ACTION_GROUPS + 4);
+    for (uint32_t group = 0; group < ACTION_GROUPS; ++group)
+        lines += (float)put_actions(NULL, (action_group)group);
+    return lines;
+}
+
+static void help_draw(workspace *self, ui_rectangle where)
+{
+    ui *on = self->ui;
+    ui_canvas canvas;
+    const float margin = where.width > 1400.0f ? 80.0f : 32.0f, head = 50.0f;
+    const ui_rectangle inner = {where.x + margin, where.y + margin, where.width - 2.0f * margin,
+                                where.height - 2.0f * margin};
+    const float across = inner.width >= 4.0f * COLUMN   ? 4.0f
+                         : inner.width >= 3.0f * COLUMN ? 3.0f
+                                                        : 2.0f;
+    const float room = inner.height - head;
+    float row = room * across / lines_in_all();
+    row = row > 25.0f ? 25.0f : row < 18.0f ? 18.0f : row;
+    sheet s = {.on = on,
+               .x = inner.x,
+               .y = inner.y + head,
+               .top = inner.y + head,
+               .bottom = inner.y + inner.height,
+               .column = inner.width / across,
+               .row = row};
+    ui_panel_begin(on, "help", where, UI_GROUND_NONE);
+    ui_canvas_begin(on, "help", 0.0f, 0.0f, &canvas);
+    ui_draw_box(on, where, THEME_STAGE, 0.0f);
+    ui_draw_text(on, inner.x, inner.y, UI_STYLE_LARGE, THEME_TEXT, 0.0f, "Keys");
+    const char *end = "?  or  Esc  closes this";
+    ui_draw_text(on, inner.x + inner.width - ui_text_width(on, UI_STYLE_BODY, end), inner.y + 12.0f,
+                 UI_STYLE_BODY, THEME_DIM, 0.0f, end);
+    put_all(&s, self->app);
+    ui_canvas_end(on);
+    ui_panel_end(on);
+    if (canvas.is_pressed)
+        app_looks_of(self->app)->is_helping = false;
+}
+
+/* ---- the workspace ---- */
+
+#define EDGE            5.0f /* of a part that is dragged */
+#define TIMELINE_LEAST  120.0f
+#define DOCK_LEAST      300.0f
+#define DOCK_MOST       560.0f
+#define FACE_LEAST      160.0f
+#define STRIP_LEAST     900.0f /* what the timeline's transport needs */
+#define FIGURES_EVERY_S 0.5
+
+static const panel_type *const dock_types[APP_PANELS] = {
+    [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
+    [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,
+};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig", "Engine", "Log"};
+
+/* ---- life ---- */
+
+static mrt_result create_parts(workspace *self, error *err)
+{
+    mrt_result result = ui_create(&self->ui, err);
+    if (result < 0)
+        return result;
+    dialogs_init(&self->dialogs, self->app, self->ui);
+    self->viewport = viewport_create(self->app, err);
+    if (!self->viewport)
+        return MRT_ERR_UNSUPPORTED;
+    app_set_viewport(self->app, self->viewport);
+    self->timeline = panel_timeline.create(self->app);
+    bool is_whole = self->timeline != NULL;
+    for (uint32_t i = 0; i < APP_PANELS; ++i) {
+        self->dock[i] = dock_types[i]->create(self->app);
+        is_whole &= self->dock[i] != NULL;
+    }
+    return is_whole ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the panels");
+}
+
+mrt_result workspace_create(workspace **out, app *of, window *on, error *err)
+{
+    *out = NULL;
+    workspace *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the workspace");
+    self->app = of;
+    self->window = on;
+    mrt_result result = create_parts(self, err);
+    if (result < 0) {
+        workspace_destroy(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+void workspace_destroy(workspace *self)
+{
+    if (!self)
+        return;
+    for (uint32_t i = 0; i < APP_PANELS; ++i)
+        if (self->dock[i])
+            dock_types[i]->destroy(self->dock[i]);
+    if (self->timeline)
+        panel_timeline.destroy(self->timeline);
+    app_set_viewport(self->app, NULL);
+    viewport_destroy(self->viewport);
+    window_close_output(self->window);
+    ui_destroy(self->ui);
+    dialogs_finish(&self->dialogs);
+    free(self);
+}
+
+ui *workspace_ui(workspace *self)
+{
+    return self->ui;
+}
+
+float workspace_scale(const workspace *self)
+{
+    return self->screen.scale > 0.0f ? self->screen.scale : 1.0f;
+}
+
+/* ---- where things are ---- */
+
+typedef struct workspace_places {
+    ui_rectangle bar, face, dock, timeline;
+    bool has_bar, has_dock, has_timeline;
+} workspace_places;
+
+static float clamped(float value, float least, float most)
+{
+    if (most < least)
+        most = least;
+    return value < least ? least : value > most ? most : value;
+}
+
+static workspace_places lay_out(const workspace *self)
+{
+    const app_looks *looks = app_looks_of(self->app);
+    const float width = self->screen.width, height = self->screen.height;
+    workspace_places out = {.face = {0.0f, 0.0f, width, height}};
+    if (looks->is_face_only)
+        return out;
+    const float bar = THEME_BAR_HEIGHT, below = height - bar;
+    const float dock =
+        clamped(looks->dock_width, DOCK_LEAST, clamped(0.45f * width, 0.0f, DOCK_MOST));
+    const float timeline = looks->has_timeline
+                               ? clamped(looks->timeline_height, TIMELINE_LEAST, below - FACE_LEAST)
+                               : 0.0f;
+    out.has_bar = out.has_dock = true;
+    out.has_timeline = looks->has_timeline;
+    out.bar = (ui_rectangle){0.0f, 0.0f, width, bar};
+    /* The dock is as high as the window; in a narrow one the timeline goes below it. */
+    const bool is_narrow = width - dock < STRIP_LEAST;
+    out.dock = (ui_rectangle){width - dock, bar, dock, is_narrow ? below - timeline : below};
+    out.face = (ui_rectangle){0.0f, bar, width - dock, below - timeline};
+    out.timeline =
+        (ui_rectangle){0.0f, height - timeline, is_narrow ? width : width - dock, timeline};
+    return out;
+}
+
+/* The edge between two parts: returns how far it was dragged. */
+static float drag_edge(workspace *self, const char *id, ui_rectangle where, ui_cursor cursor)
+{
+    ui_canvas canvas;
+    const bool is_upright = where.height > where.width;
+    ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
+    ui_canvas_begin(self->ui, "edge", 0.0f, 0.0f, &canvas);
+    if (canvas.is_hovered || canvas.is_dragging) {
+        ui_set_cursor(self->ui, cursor);
+        ui_draw_box(self->ui, where, canvas.is_dragging ? THEME_ACCENT : THEME_RULE, 0.0f);
+    }
+    ui_canvas_end(self->ui);
+    ui_panel_end(self->ui);
+    if (!canvas.is_dragging && !canvas.is_released)
+        return 0.0f;
+    return is_upright ? canvas.moved_x : canvas.moved_y;
+}
+
+static void draw_edges(workspace *self, const workspace_places *at)
+{
+    app_looks *looks = app_looks_of(self->app);
+    if (at->has_timeline) {
+        const ui_rectangle line = {0.0f, at->timeline.y - 0.5f * EDGE, at->timeline.width, EDGE};
+        const float moved = drag_edge(self, "edge_timeline", line, UI_CURSOR_DOWN);
+        if (moved != 0.0f)
+            looks->timeline_height = at->timeline.height - moved;
+    }
+    if (at->has_dock) {
+        const ui_rectangle line = {at->dock.x - 0.5f * EDGE, at->dock.y, EDGE, at->dock.height};
+        const float moved = drag_edge(self, "edge_dock", line, UI_CURSOR_ACROSS);
+        if (moved != 0.0f)
+            looks->dock_width = clamped(at->dock.width - moved, DOCK_LEAST, DOCK_MOST);
+    }
+}
+
+/* ---- parts ---- */
+
+static void draw_dock(workspace *self, ui_rectangle where)
+{
+    const float tabs = 38.0f;
+    app_looks *looks = app_looks_of(self->app);
+    uint32_t chosen = (uint32_t)looks->panel;
+    const ui_rectangle head = {where.x, where.y, where.width, tabs};
+    ui_panel_begin(self->ui, "dock", head, UI_GROUND_PANEL);
+    if (ui_tabs(self->ui, "tabs", dock_names, APP_PANELS, &chosen))
+        looks->panel = (app_panel)chosen;
+    ui_draw_box(self->ui, (ui_rectangle){where.x, where.y + tabs - 1.0f, where.width, 1.0f},
+                THEME_RULE, 0.0f);
+    ui_panel_end(self->ui);
+    const ui_rectangle rest = {where.x, where.y + tabs, where.width, where.height - tabs};
+    dock_types[looks->panel]->draw(self->dock[looks->panel], self->ui, rest);
+}
+
+static void draw_rule(workspace *self, const char *id, ui_rectangle where)
+{
+    ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
+    ui_draw_box(self->ui, where, THEME_RULE, 0.0f);
+    ui_panel_end(self->ui);
+}
+
+static void draw_panels(workspace *self, const workspace_places *at)
+{
+    if (at->has_timeline) {
+        panel_timeline.draw(self->timeline, self->ui, at->timeline);
+        draw_rule(self, "rule_timeline",
+                  (ui_rectangle){0.0f, at->timeline.y, at->timeline.width, 1.0f});
+    }
+    if (at->has_dock) {
+        draw_dock(self, at->dock);
+        draw_rule(self, "rule_dock", (ui_rectangle){at->dock.x, at->dock.y, 1.0f, at->dock.height});
+    }
+    if (at->has_bar)
+        bar_draw(self, at->bar);
+    else
+        bar_draw_alone(self, at->face);
+    draw_edges(self, at);
+    workspace_draw_news(self, at->face);
+    if (app_looks_of(self->app)->is_helping)
+        help_draw(self, (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height});
+    dialogs_draw(&self->dialogs);
+}
+
+static void update_panels(workspace *self, double dt_s)
+{
+    for (uint32_t i = 0; i < APP_PANELS; ++i)
+        if (dock_types[i]->update)
+            dock_types[i]->update(self->dock[i], dt_s);
+    if (panel_timeline.update)
+        panel_timeline.update(self->timeline, dt_s);
+}
+
+static void take_requests(workspace *self)
+{
+    if (app_take_request(self->app, ACTION_OPEN))
+        dialogs_ask_open(&self->dialogs, self->dialogs.opening.kind);
+    if (app_take_request(self->app, ACTION_EXPORT))
+        dialogs_ask_export(&self->dialogs);
+    if (app_wants_to_quit(self->app))
+        dialogs_quit(&self->dialogs);
+}
+
+/* ---- the second window ---- */
+
+static void show_output(workspace *self)
+{
+    app_looks *looks = app_looks_of(self->app);
+    uint32_t width = 0, height = 0;
+    error err = {0};
+    if (!looks->has_output) {
+        window_close_output(self->window);
+        return;
+    }
+    if (!window_has_output(self->window) && window_open_output(self->window, &err) < 0) {
+        news_list_add(app_news(self->app), MRT_LOG_ERROR, "output", err.text);
+        looks->has_output = false;
+        return;
+    }
+    window_output_size(self->window, &width, &height);
+    const uint32_t texture = width && height ? viewport_output(self->viewport, width, height) : 0;
+    if (texture)
+        window_show_output(self->window, texture, looks->is_output_mirrored);
+    looks->has_output = window_has_output(self->window); /* the person may have closed it */
+}
+
+/* ---- figures ---- */
+
+static double ms_between(int64_t from_ns, int64_t to_ns)
+{
+    return 1e-6 * (double)(to_ns - from_ns);
+}
+
+static int64_t cpu_now_ns(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
+}
+
+/* Since the program was started, as the system knows it. */
+static double running_s(void)
+{
+    char text[1024];
+    unsigned long long ticks = 0;
+    struct timespec now;
+    FILE *file = fopen("/proc/self/stat", "r");
+    const size_t length = file ? fread(text, 1, sizeof text - 1, file) : 0;
+    if (file)
+        (void)fclose(file);
+    text[length] = '\0';
+    const char *at = strrchr(text, ')'); /* the name may have blanks; "starttime" is field 22 */
+    for (int field = 2; at && field < 22; ++field)
+        at = strchr(at + 1, ' ');
+    if (!at || clock_gettime(CLOCK_BOOTTIME, &now) != 0)
+        return 0.0;
+    ticks = strtoull(at, NULL, 10);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec -
+           (double)ticks / (double)sysconf(_SC_CLK_TCK);
+}
+
+static void note_face(workspace *self)
+{
+    const live_view *view = app_view(self->app);
+    if (view->number == 0 || view->number == self->face_shown)
+        return;
+    if (self->face_shown == 0)
+        self->first_face_s = running_s();
+    else if (view->sample_ns > 0 && view->mode != LIVE_SHOWS)
+        figures_add(&self->latency_ms, ms_between(view->sample_ns, clock_now_ns()));
+    self->face_shown = view->number;
+}
+
+/* "night, puppet \u2022" */
+static void tell_title(workspace *self)
+{
+    char title[600];
+    show *s = app_show(self->app);
+    const char *show_name = s ? strrchr(show_path(s), '/') : NULL;
+    const char *face_name = strrchr(app_face_path(self->app), '/');
+    (void)snprintf(title, sizeof title, "%.200s, %.200s%s - marotte",
+                   show_name ? show_name + 1 : "no show", face_name ? face_name + 1 : "a face",
+                   app_unsaved_now(self->app) ? " \xe2\x80\xa2" : "");
+    if (strcmp(title, self->title) == 0)
+        return;
+    (void)snprintf(self->title, sizeof self->title, "%s", title);
+    window_set_title(self->window, title);
+}
+
+static void keep_size(const workspace *self)
+{
+    settings *kept = app_settings(self->app);
+    settings_set_number(kept, "window.width", floor((double)self->screen.width));
+    settings_set_number(kept, "window.height", floor((double)self->screen.height));
+}
+
+static void look_at_figures(const workspace *self, app_figures *out)
+{
+    figures_look(&self->panels_ms, &out->panels_p50_ms, &out->panels_p99_ms);
+    figures_look(&self->interval_ms, &out->interval_p50_ms, &out->interval_p99_ms);
+    figures_look(&self->draw_ms, &out->draw_p50_ms, &out->draw_p99_ms);
+    figures_look(&self->latency_ms, &out->latency_p50_ms, &out->latency_p99_ms);
+}
+
+static void tell_figures(workspace *self)
+{
+    app_figures out;
+    self->figures_wait_s -= self->screen.dt_s;
+    if (self->figures_wait_s > 0.0)
+        return;
+    self->figures_wait_s = FIGURES_EVERY_S;
+    look_at_figures(self, &out);
+    app_note_figures(self->app, &out);
+    tell_title(self);
+    keep_size(self);
+}
+
+void workspace_counted(const workspace *self, workspace_counts *out)
+{
+    *out = (workspace_counts){.frame_count = self->frame_count, .first_face_s = self->first_face_s};
+    look_at_figures(self, &out->fast);
+}
+
+/* ---- a frame ---- */
+
+static void draw(workspace *self)
+{
+    const workspace_places at = lay_out(self);
+    const int64_t began_ns = cpu_now_ns();
+    update_panels(self, self->screen.dt_s);
+    const int64_t updated_ns = cpu_now_ns();
+    viewport_draw(self->viewport, self->ui, at.face, self->screen.scale);
+    const int64_t face_ns = cpu_now_ns();
+    draw_panels(self, &at);
+    if (self->frame_count > 1)
+        figures_add(&self->panels_ms,
+                    ms_between(began_ns, updated_ns) + ms_between(face_ns, cpu_now_ns()));
+}
+
+bool workspace_frame(workspace *self)
+{
+    window_gamepad pad;
+    if (!window_begin(self->window, self->ui, &self->screen))
+        app_do(self->app, ACTION_QUIT);
+    const int64_t began_ns = clock_now_ns();
+    ui_begin(self->ui, &self->screen);
+    app_update(self->app, self->screen.dt_s);
+    workspace_dispatch_keys(self);
+    take_requests(self);
+    workspace_update_news(self, self->screen.dt_s);
+    const bool has_pad = window_read_gamepad(self->window, &pad);
+    viewport_update(self->viewport, self->ui, has_pad ? &pad : NULL, self->screen.dt_s);
+    draw(self);
+    ui_end(self->ui);
+    note_face(self);
+    if (self->frame_count > 1) { /* the first ones make what all use */
+        figures_add(&self->draw_ms, ms_between(began_ns, clock_now_ns()));
+        figures_add(&self->interval_ms, ms_between(self->began_ns, began_ns));
+    }
+    self->began_ns = began_ns;
+    window_end(self->window, self->ui);
+    show_output(self);
+    tell_figures(self);
+    self->frame_count += 1;
+    return !self->dialogs.is_over;
+}
