@@ -230,16 +230,15 @@ static void add_reach(performance *p)
     add_stroke(p, PITCH, t, 0.10);
 }
 
-/* The wave runs from the index finger outwards, and ends in half a fist. */
+/* The wave runs from the index finger outwards, and ends in a last stretch. */
 static void add_slow_answer(performance *p)
 {
     add_finger_stroke(p, 0, (timing){14.75, 0.85, 0.30, 0.90}, -0.46, -0.30);
     add_finger_stroke(p, 1, (timing){15.20, 0.80, 0.25, 0.90}, -0.36, -0.28);
     add_finger_stroke(p, 2, (timing){15.60, 0.80, 0.25, 0.85}, -0.30, -0.22);
     add_finger_stroke(p, 3, (timing){15.95, 0.75, 0.30, 0.80}, -0.44, -0.36);
-    add_hand_stroke(p, (timing){17.10, 0.50, 0.30, 0.60}, 0.34, 0.50);
+    add_hand_stroke(p, (timing){17.10, 0.50, 0.30, 0.60}, -0.26, -0.20);
     add_stroke(p, THUMB_ABD, (timing){15.00, 0.90, 0.40, 1.00}, 0.20);
-    add_stroke(p, ROLL, (timing){17.15, 0.45, 0.30, 0.60}, 0.22);
     add_stroke(p, YAW, (timing){15.10, 1.20, 0.20, 1.40}, -0.08);
 }
 
@@ -373,7 +372,7 @@ static const part parts[2] = {
      20141128, author_right},
     {"left",
      "# Rests, talks along in its own words, lifts the ring and the index finger, reaches out,\n"
-     "# moves slowly, makes half a fist, rests.",
+     "# moves slowly, stretches once more, rests.",
      20141129, author_left},
 };
 

@@ -9,6 +9,7 @@ shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
 moai=$SOURCE_DIR/rigs/moai/moai.glb
 puppet=$SOURCE_DIR/rigs/puppet/puppet.rig.json
 demo=$SOURCE_DIR/plugins/log/demo_hand.csv
+demo_left=$SOURCE_DIR/plugins/log/demo_left_hand.csv
 failures=0
 
 fail() {

@@ -17,7 +17,8 @@ alone=(env -i "PATH=$prefix/bin:/usr/bin:/bin" "HOME=$scratch" "TMPDIR=${TMPDIR:
 
 # ---- what is there ----
 for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck bin/marotte-pluginhost include/marotte/plugin.h \
-    share/marotte/rigs/puppet/puppet.rig.json share/marotte/rigs/moai/moai.glb; do
+    share/marotte/rigs/puppet/puppet.rig.json share/marotte/rigs/moai/moai.glb \
+    share/marotte/demo_hand.csv share/marotte/demo_left_hand.csv; do
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
 cmp "$SOURCE_DIR/core/include/marotte/plugin.h" "$prefix/include/marotte/plugin.h" || fail "another header"
