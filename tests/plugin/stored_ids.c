@@ -117,10 +117,44 @@ static void one_of_several_types_is_named(void **state)
     plugin_list_destroy(&list);
 }
 
+/* Other threads look at the list while the person names further libraries. */
+static void what_is_in_a_list_never_moves(void **state)
+{
+    (void)state;
+    static const char *const more[] = {
+        "tests/plugin/two_types.so", "tests/plugin/sound.so",  "tests/plugin/nan.so",
+        "tests/plugin/many.so",      "tests/plugin/reach.so",  "plugins/log.so",
+        "plugins/one_hand.so",       "plugins/anchored.so",    "plugins/unanchored.so",
+        "tests/plugin/param.so",     "tests/plugin/symbol.so", "tests/plugin/abi.so"};
+    plugin_list list = {0};
+    const mrt_plugin_type *type;
+    error err = {""};
+    scene_must(plugin_list_add(&list, library, &err), &err);
+    scene_must(plugin_list_find(&list, "troubled", MRT_MAPPING, &type, &err), &err);
+    const plugin_entry *first = &list.entry[0];
+    const plugin_refusal *refused = list.refusal;
+    const char *path = plugin_list_path_of(&list, type);
+    for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
+        char name[FILM_PATH];
+        (void)snprintf(name, sizeof name, "%s/%s", BUILD_DIR, more[i]);
+        (void)!plugin_list_add(&list, name, &err);
+        (void)!plugin_list_add(&list, name, &err); /* again: it is there once */
+    }
+    assert_ptr_equal(&list.entry[0], first);
+    assert_ptr_equal(list.refusal, refused);
+    assert_ptr_equal(plugin_list_path_of(&list, type), path);
+    assert_int_equal(list.entry_count, 8);
+    for (uint32_t i = 0; i < list.hidden_count; ++i) /* of those with the id of sound.so */
+        assert_string_equal(list.hidden[i].type->id, "org.example.broken");
+    plugin_list_destroy(&list);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_stored_id_is_a_path),
+
                                        cmocka_unit_test(chosen_words_may_be_a_path),
-                                       cmocka_unit_test(one_of_several_types_is_named)};
+                                       cmocka_unit_test(one_of_several_types_is_named),
+                                       cmocka_unit_test(what_is_in_a_list_never_moves)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

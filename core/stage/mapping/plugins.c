@@ -414,7 +414,9 @@ mrt_result plugin_list_find(const plugin_list *list, const char *name, const cha
     }
     char names[256];
     name_all(list, interface_id, names, sizeof names);
-    return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\" (there are: %s)",
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "there is no %s plugin \"%s\" (there are: %s); MAROTTE_PLUGIN_PATH names the "
+                     "folders of others",
                      kind_of(interface_id), name, names[0] ? names : "none");
 }
 
@@ -469,8 +471,8 @@ static mrt_result pick(const mrt_plugin_type *const *types, const char *path, co
     if (!names[0])
         return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: has no %s", path,
                          kind_of(interface_id));
-    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s: write %s", path,
-                     name[0] ? "has no such type" : "which of its types?", names);
+    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s: there are %s", path,
+                     name[0] ? "it has no such type" : "say which of its types", names);
 }
 
 mrt_result plugin_list_choose(plugin_list *list, const char *words, const char *interface_id,
