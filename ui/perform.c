@@ -263,7 +263,7 @@ static void report_folds(const performance *self, facts *told)
     facts_number(told, "bend_deg", "greatest bend", kept->worst.bend_deg, 1,
                  "degrees of an edge, beyond what it has at rest");
     facts_number(told, "bent_edges", "bent edges", kept->worst.bent_count, 0,
-                 "beyond 120 degrees in the worst frame");
+                 "beyond 120 degrees, but not at rest, in the worst frame");
     facts_number(told, "inside_out", "inside out", kept->worst.inside_out_count, 0,
                  "triangles in the worst frame");
     facts_number(told, "held_back_mm", "held back", kept->held_back_mm, 2,

@@ -20,6 +20,7 @@ static csrbf_settings solver_of(const rig *r, const mesh *m)
     mesh_bounds(m, low, high);
     if (!(solver.radius > 0.0))
         solver.radius = 0.25 * fmax((double)high[1] - (double)low[1], 1.0);
+    solver.stretch_most = -1.0; /* a pose that folds is to be seen */
     return solver;
 }
 

@@ -178,7 +178,7 @@ static mrt_result take_substep(const drag *d, const csrbf_settings *settings, co
     if (result < 0)
         return result;
     bend whole = measure_fields(d);
-    *out_steps = steps_wanted(whole.slope);
+    *out_steps = settings->is_one_step ? 1.0 : steps_wanted(whole.slope);
     if (t->step.substeps == 0)
         t->step.max_slope = whole.slope;
     if (*out_steps > 1.0) {

@@ -16,12 +16,16 @@ typedef struct surface_edge {
 
 typedef struct surface_normal { /* unit, or 0: squashed to nothing */
     float x, y, z;
+    float area; /* twice the triangle's */
 } surface_normal;
 
 struct surface_meter {
-    uint32_t triangle_count, edge_count;
+    uint32_t vertex_count, triangle_count, edge_count;
     uint32_t *corner; /* triangle_count by 3 */
     surface_edge *edge;
+    uint32_t *number;       /* of each triangle that was given; UINT32_MAX: left out */
+    float *sharpest;        /* triangle_count: the least cosine of its edges at rest */
+    float *inverse_area;    /* triangle_count: 1 over twice the area at rest */
     surface_normal *normal; /* scratch: of each triangle */
     uint8_t *against;       /* scratch: at so many edges it points against its neighbour */
 };
@@ -51,7 +55,7 @@ static surface_normal normal_of(const float *const at[3], const uint32_t *corner
     float square = x * x + y * y + z * z;
     bool is_good = square > 1e-30f;
     float inverse = is_good ? 1.0f / sqrtf(square) : 0.0f;
-    return (surface_normal){x * inverse, y * inverse, z * inverse};
+    return (surface_normal){x * inverse, y * inverse, z * inverse, square * inverse};
 }
 
 static float square_of(const float *const at[3], const uint32_t *end)
@@ -73,9 +77,12 @@ static void list_triangles(surface_meter *self, const float *const rest[3],
     for (uint32_t t = 0; t < triangle_count; ++t) {
         const uint32_t *corner = triangle + (size_t)3 * t;
         surface_normal n = normal_of(rest, corner);
+        self->number[t] = UINT32_MAX;
         if (n.x == 0.0f && n.y == 0.0f && n.z == 0.0f)
             continue;
+        self->number[t] = self->triangle_count;
         memcpy(self->corner + (size_t)3 * self->triangle_count, corner, 3 * sizeof *corner);
+        self->inverse_area[self->triangle_count] = 1.0f / n.area;
         self->normal[self->triangle_count++] = n;
     }
 }
@@ -105,6 +112,8 @@ static void list_edges(surface_meter *self, half_edge *half)
 static void measure_rest(surface_meter *self, const float *const rest[3])
 {
     double mean = 0.0;
+    for (uint32_t t = 0; t < self->triangle_count; ++t)
+        self->sharpest[t] = 1.0f;
     for (uint32_t i = 0; i < self->edge_count; ++i)
         mean += sqrt((double)square_of(rest, self->edge[i].end)) / self->edge_count;
     for (uint32_t i = 0; i < self->edge_count; ++i) {
@@ -114,7 +123,17 @@ static void measure_rest(surface_meter *self, const float *const rest[3])
         e->inverse_square = is_long ? 1.0f / square : 0.0f;
         e->cosine = fminf(fmaxf(cosine_of(self, e), -1.0f), 1.0f);
         e->sine = sqrtf(1.0f - e->cosine * e->cosine);
+        for (int side = 0; side < 2; ++side) {
+            float *sharpest = &self->sharpest[e->triangle[side]];
+            *sharpest = fminf(*sharpest, e->cosine);
+        }
     }
+}
+
+double surface_meter_bent_at_rest(const surface_meter *self, uint32_t triangle)
+{
+    uint32_t t = self->number[triangle];
+    return t == UINT32_MAX ? 0.0 : acos((double)self->sharpest[t]) * 180.0 / 3.14159265358979323846;
 }
 
 mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
@@ -128,15 +147,20 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
         self->corner = malloc(3 * room * sizeof *self->corner);
         self->edge = malloc(3 * room * sizeof *self->edge);
         self->normal = malloc(room * sizeof *self->normal);
+        self->number = malloc(room * sizeof *self->number);
+        self->sharpest = malloc(room * sizeof *self->sharpest);
+        self->inverse_area = malloc(room * sizeof *self->inverse_area);
         self->against = malloc(room);
     }
-    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->against) {
+    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->inverse_area ||
+        !self->against) {
         free(half);
         surface_meter_destroy(self);
         *out = NULL;
         return error_set(err, MRT_ERR_MEMORY, "no memory for a surface of %u vertices",
                          vertex_count);
     }
+    self->vertex_count = vertex_count;
     list_triangles(self, rest, triangle, triangle_count);
     list_edges(self, half);
     measure_rest(self, rest);
@@ -151,6 +175,9 @@ void surface_meter_destroy(surface_meter *self)
     free(self->corner);
     free(self->edge);
     free(self->normal);
+    free(self->inverse_area);
+    free(self->number);
+    free(self->sharpest);
     free(self->against);
     free(self);
 }
@@ -169,6 +196,7 @@ void surface_meter_measure(surface_meter *self, surface_state *out, const float 
 {
     const double pi = 3.14159265358979323846;
     const float bent = (float)cos(SURFACE_BENT_DEG * pi / 180.0);
+    const float crease = (float)cos(SURFACE_CREASE_DEG * pi / 180.0);
     float longest = 1.0f, sharpest = 1.0f;
     *out = (surface_state){0};
     for (uint32_t t = 0; t < self->triangle_count; ++t)
@@ -181,7 +209,7 @@ void surface_meter_measure(surface_meter *self, surface_state *out, const float 
         bool is_against = (cosine < 0.0f) & (e->cosine >= 0.0f);
         longest = stretched > longest ? stretched : longest;
         sharpest = beyond < sharpest ? beyond : sharpest;
-        out->bent_count += (cosine < bent) & (e->cosine >= bent);
+        out->bent_count += (cosine < bent) & (e->cosine >= bent) & (beyond < crease);
         self->against[e->triangle[0]] += is_against;
         self->against[e->triangle[1]] += is_against;
     }
@@ -189,4 +217,140 @@ void surface_meter_measure(surface_meter *self, surface_state *out, const float 
         out->inside_out_count += self->against[t] >= 2;
     out->stretch = sqrt((double)longest);
     out->bend_deg = acos(fmax((double)sharpest, -1.0)) * 180.0 / pi;
+}
+
+/* ---- a step is held back ---- */
+
+/* Of the room that is left before a limit so much may be taken by one step. */
+static const float room_taken = 0.5f;
+
+/* How much of a step may be taken that brings something from `before` to `after`, 1 being its
+ * limit. */
+static float share_of(float before, float after)
+{
+    float room = before < 1.0f ? room_taken * (1.0f - before) : 0.0f;
+    float gain = after - before;
+    return gain > room ? room / gain : 1.0f;
+}
+
+static void lower(float *share, const uint32_t *vertex, uint32_t count, float to)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        share[vertex[i]] = to < share[vertex[i]] ? to : share[vertex[i]];
+}
+
+typedef struct yield_limits {
+    float stretch, area, bend, crease; /* 1 over what may be gained */
+    float crease_cosine; /* edges that are bent further at rest are creases: what counts is how far
+                            they are bent beyond rest */
+} yield_limits;
+
+static yield_limits yield_of(const surface_limits *l)
+{
+    const double pi = 3.14159265358979323846;
+    double bend = l->bend_deg * pi / 180.0, crease = SURFACE_CREASE_DEG * pi / 180.0;
+    return (yield_limits){.stretch = (float)(1.0 / (l->stretch - 1.0)),
+                          .area = (float)(1.0 / (1.0 - l->area)),
+                          .bend = (float)(1.0 / (1.0 - cos(bend))),
+                          .crease = (float)(1.0 / (1.0 - cos(crease))),
+                          .crease_cosine = (float)cos(bend - crease)};
+}
+
+/* What has come so far is bounded from below by room_taken, see share_of. */
+static bool may_count(float after)
+{
+    return after > room_taken;
+}
+
+static float yield_triangle(const surface_meter *self, const yield_limits *l, uint32_t t,
+                            const float *const before[3])
+{
+    float after = (1.0f - self->normal[t].area * self->inverse_area[t]) * l->area;
+    if (!may_count(after))
+        return 1.0f;
+    float area = normal_of(before, self->corner + (size_t)3 * t).area;
+    return share_of((1.0f - area * self->inverse_area[t]) * l->area, after);
+}
+
+static float yield_stretch(const surface_edge *e, const yield_limits *l,
+                           const float *const before[3], const float *const after[3])
+{
+    float now = square_of(after, e->end) * e->inverse_square;
+    if (!(now > 1.0f))
+        return 1.0f;
+    now = (sqrtf(now) - 1.0f) * l->stretch;
+    if (!may_count(now))
+        return 1.0f;
+    float was = sqrtf(square_of(before, e->end) * e->inverse_square);
+    return share_of((was - 1.0f) * l->stretch, now);
+}
+
+/* Of an edge that is bent by so much: 1 at the limit. */
+static float bend_of(const surface_edge *e, const yield_limits *l, float cosine)
+{
+    return e->cosine < l->crease_cosine ? (1.0f - cosine_beyond_rest(e, cosine)) * l->crease
+                                        : (1.0f - cosine) * l->bend;
+}
+
+static float yield_bend(const surface_meter *self, const surface_edge *e, const yield_limits *l,
+                        const float *const before[3])
+{
+    float now = bend_of(e, l, cosine_of(self, e));
+    if (!may_count(now))
+        return 1.0f;
+    surface_normal a = normal_of(before, self->corner + (size_t)3 * e->triangle[0]);
+    surface_normal b = normal_of(before, self->corner + (size_t)3 * e->triangle[1]);
+    return share_of(bend_of(e, l, a.x * b.x + a.y * b.y + a.z * b.z), now);
+}
+
+float surface_meter_yield(surface_meter *self, const surface_limits *limits,
+                          const float *const before[3], const float *const after[3],
+                          const uint8_t *is_changed, float *share)
+{
+    const yield_limits l = yield_of(limits);
+    float least = 1.0f;
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        share[v] = 1.0f;
+    for (uint32_t t = 0; t < self->triangle_count; ++t) {
+        const uint32_t *corner = self->corner + (size_t)3 * t;
+        bool moves = is_changed[corner[0] / SURFACE_BLOCK] | is_changed[corner[1] / SURFACE_BLOCK] |
+                     is_changed[corner[2] / SURFACE_BLOCK];
+        self->against[t] = moves;
+        if (!moves)
+            continue;
+        self->normal[t] = normal_of(after, corner);
+        float to = yield_triangle(self, &l, t, before);
+        lower(share, corner, to < 1.0f ? 3 : 0, to);
+        least = to < least ? to : least;
+    }
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        const surface_edge *e = &self->edge[i];
+        uint32_t p = e->triangle[0], q = e->triangle[1];
+        if (!self->against[p] && !self->against[q])
+            continue;
+        if (!self->against[p])
+            self->normal[p] = normal_of(after, self->corner + (size_t)3 * p);
+        if (!self->against[q])
+            self->normal[q] = normal_of(after, self->corner + (size_t)3 * q);
+        float stretch = yield_stretch(e, &l, before, after);
+        float bend = yield_bend(self, e, &l, before);
+        float to = bend < stretch ? bend : stretch;
+        lower(share, e->end, to < 1.0f ? 2 : 0, to);
+        least = to < least ? to : least;
+    }
+    return least;
+}
+
+double surface_meter_bend(surface_meter *self, const surface_limits *limits,
+                          const float *const at[3])
+{
+    const yield_limits l = yield_of(limits);
+    float most = 0.0f;
+    for (uint32_t t = 0; t < self->triangle_count; ++t)
+        self->normal[t] = normal_of(at, self->corner + (size_t)3 * t);
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        float bend = bend_of(&self->edge[i], &l, cosine_of(self, &self->edge[i]));
+        most = bend > most ? bend : most;
+    }
+    return (double)most;
 }

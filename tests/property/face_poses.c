@@ -119,7 +119,8 @@ static void controls_land_and_nothing_jumps(void **state)
         uint64_t seed = 100 + round;
         csrbf_settings settings = {.kernel = (csrbf_kernel)(round % 4),
                                    .polynomial = round % 5 ? CSRBF_NONE : CSRBF_WINDOWED,
-                                   .radius = 15.0 + 30.0 * number(&seed)};
+                                   .radius = 15.0 + 30.0 * number(&seed),
+                                   .stretch_most = -1.0};
         float dof[MRT_MAX_DOFS];
         face_reset(s.face);
         random_pose(&s, &seed, dof);

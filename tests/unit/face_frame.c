@@ -8,7 +8,7 @@
 
 #include "unit/face_scene.h"
 
-static const csrbf_settings settings = {.radius = 30.0};
+static const csrbf_settings settings = {.radius = 30.0, .stretch_most = -1.0};
 
 static void must(mrt_result result, const error *err)
 {

@@ -158,11 +158,10 @@ static mrt_result create_gram(fit_side *s, const csrbf_settings *settings, const
 
 csrbf_settings fit_side_settings(const rig *r, const csrbf_settings *asked)
 {
-    if (asked->radius > 0)
-        return *asked;
-    csrbf_settings settings = r->solver;
+    csrbf_settings settings = asked->radius > 0 ? *asked : r->solver;
     if (!(settings.radius > 0))
         settings.radius = RADIUS_MM;
+    settings.stretch_most = -1.0; /* a fit is made of whole pulls, and measures folds itself */
     return settings;
 }
 

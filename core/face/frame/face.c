@@ -66,8 +66,9 @@ static void put(double *row, double x, double y, double z)
     row[2] = z;
 }
 
-void face_pose_weights(const face *f, double *weight, const rigid *pose)
+void face_pose_weights(face *f, double *weight, const rigid *pose)
 {
+    f->is_given = false;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         if (!f->bones.moves[b])
@@ -124,7 +125,7 @@ void face_bake(face *f, points *out)
 {
     columns *c = &f->columns;
     bool posed = is_posed(f);
-    columns_weigh(c, f->weight, f->control_column_count);
+    columns_weigh(c, f->given, f->control_column_count);
     for (uint32_t block = 0; block < c->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
         if (!face_reaches(c, c->weights.live, block)) {
@@ -162,6 +163,7 @@ static void release_controls(face *f)
 
 void face_commit(face *f)
 {
+    face_limit_pull(f);
     face_bake(f, &f->base);
     release_controls(f);
 }
@@ -233,7 +235,7 @@ face_columns face_columns_now(const face *f)
     return (face_columns){.base = f->origin,
                           .column = f->columns.value,
                           .stride = f->columns.stride,
-                          .weight = f->weight,
+                          .weight = f->given,
                           .count = f->columns.count,
                           .engagement = f->engagement,
                           .is_exact = f->is_exact};

@@ -211,6 +211,7 @@ static mrt_result create_controls(face *f, error *err)
     }
     f->weight = calloc(3 * rows_of_columns + 1, sizeof *f->weight);
     f->next_weight = calloc(3 * rows_of_columns + 1, sizeof *f->next_weight);
+    f->given = calloc(3 * rows_of_columns + 1, sizeof *f->given);
     f->grip = calloc(controls + 1, sizeof *f->grip);
     f->turn = calloc(controls + 1, sizeof *f->turn);
     f->next_grip = calloc(controls + 1, sizeof *f->next_grip);
@@ -219,7 +220,8 @@ static mrt_result create_controls(face *f, error *err)
         return result;
     size_t cross_rows = f->bone_count > 1 ? rows_of_columns : 0;
     f->cross = calloc(cross_rows * f->grip_place.padded_count + 1, sizeof *f->cross);
-    if (made && f->weight && f->next_weight && f->grip && f->turn && f->next_grip && f->cross)
+    if (made && f->weight && f->next_weight && f->given && f->grip && f->turn && f->next_grip &&
+        f->cross)
         return MRT_OK;
     return error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", f->control_capacity);
 }
@@ -282,6 +284,8 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
     if (result >= 0)
         result = face_skin_create(f, m, err);
     if (result >= 0)
+        result = face_limit_create(f, err);
+    if (result >= 0)
         result = face_shown_create(f, err);
     return result;
 }
@@ -333,8 +337,8 @@ void face_destroy(face *f)
     if (!f)
         return;
     points *const all[] = {&f->rest, &f->base, &f->shown, &f->free, &f->before, &f->grip_place};
-    double *const rows[] = {f->g,    f->position, f->scratch, f->gain,   f->tip,        f->step,
-                            f->pull, f->from,     f->to,      f->weight, f->next_weight};
+    double *const rows[] = {f->g,    f->position, f->scratch, f->gain,   f->tip,         f->step,
+                            f->pull, f->from,     f->to,      f->weight, f->next_weight, f->given};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         points_destroy(all[i]);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
@@ -349,6 +353,7 @@ void face_destroy(face *f)
     free(f->mobility);
     free(f->skin);
     surface_meter_destroy(f->surface_meter);
+    face_limit_destroy(f);
     free(f->contact);
     free(f->contact_slot);
     free(f->grip);

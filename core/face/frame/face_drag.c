@@ -6,6 +6,7 @@
 /* The shape shown becomes one that is dragged: bones at rest, no controls. */
 static void let_go(face *f)
 {
+    face_limit_pull(f);
     if (f->origin != &f->free)
         face_bake(f, &f->free);
     f->origin = &f->free;
@@ -115,6 +116,8 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     face_assign(f, f->next_grip, count);
     f->control_column_count = 0;
     result = drag_free(f, settings, count, out_step, err);
+    if (result >= 0)
+        face_limit_drag(f, settings, count, out_step);
     if (result >= 0 && out_step->substeps > 0)
         face_touch_changed(f, &f->free, &f->before);
     if (result < 0) {
@@ -126,7 +129,9 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     for (uint32_t k = 0; out_reached && k < count; ++k) {
         blend posed = face_blend_at(f, &f->next_grip[k], pose);
         set_row(out_reached, k,
-                out_step->limited ? blend_apply(&posed, row_of(f->position, k)) : row_of(to, k));
+                out_step->limited || f->limit.tip_share[k] < 1.0
+                    ? blend_apply(&posed, row_of(f->position, k))
+                    : row_of(to, k));
     }
     return MRT_OK;
 }

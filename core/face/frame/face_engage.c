@@ -118,6 +118,7 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     mrt_result result = check_controls(f, control, count, err);
     if (result < 0)
         return result;
+    face_limit_pull(f);
     for (uint32_t k = 0; k < count; ++k)
         face_grip_at(&f->next_grip[k], f, control[k].start, control[k].contact);
     uint32_t old_columns = f->control_column_count;

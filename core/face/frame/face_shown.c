@@ -185,7 +185,8 @@ static void note_projection(face *f)
 void face_show(face *f)
 {
     face_blocks *s = &f->blocks;
-    columns_weigh(&f->columns, f->weight, f->columns.count);
+    face_limit_pull(f);
+    columns_weigh(&f->columns, f->given, f->columns.count);
     note_weights(f);
     projection_pose(&f->projection, f->pose, s->is_stale);
     memcpy(s->pose, f->pose, sizeof s->pose);

@@ -30,12 +30,22 @@ static void list_skin(face *f, const mesh *m)
     }
 }
 
+static int by_slot(const void *a, const void *b)
+{
+    const uint32_t *p = a, *q = b;
+    for (int i = 0; i < 3; ++i)
+        if (p[i] != q[i])
+            return p[i] < q[i] ? -1 : 1;
+    return 0;
+}
+
 mrt_result face_skin_create(face *f, const mesh *m, error *err)
 {
     f->skin = malloc(3 * ((size_t)m->triangle_count + 1) * sizeof *f->skin);
     if (!f->skin)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u triangles", m->triangle_count);
     list_skin(f, m);
+    qsort(f->skin, f->skin_count, 3 * sizeof *f->skin, by_slot); /* near each other in memory */
     const float *const rest[3] = {f->rest.x, f->rest.y, f->rest.z};
     return surface_meter_create(&f->surface_meter, rest, f->rest.count, f->skin, f->skin_count,
                                 err);

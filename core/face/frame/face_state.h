@@ -44,6 +44,23 @@ typedef struct face_blocks {
     stamps written;
 } face_blocks;
 
+/* What is given of a pull so that no skin folds or tears: face_limit.c. */
+typedef struct face_limit {
+    float (*posed)[4], (*added)[4]; /* of each vertex: by the bones alone; by the controls */
+    struct limit_frames *frames;    /* of the triangles of skin as posed */
+    bool may_bend;                  /* some triangle may have turned too far against another */
+    bool is_at_rest;                /* they are those of the origin, without a pose, of: */
+    uint32_t engagement;
+    double *g;                                   /* control_capacity by 3: what is given */
+    uint8_t *has_skin, *is_reached, *is_changed; /* of each block: by the controls; by a step */
+    float (*step)[4];                            /* of each vertex: what clay was to move by */
+    float (*longest)[3];                         /* of each triangle of skin: its edges at rest */
+    double *pose_weight;                         /* column capacity by 3 */
+    double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
+    float *share;      /* of each vertex: of a step of clay */
+    double *tip_share; /* control_capacity: likewise */
+} face_limit;
+
 struct face {
     const rig *rig; /* or NULL */
     binding binding;
@@ -67,7 +84,10 @@ struct face {
     uint32_t control_column_count; /* those of controls, before those of bones */
     bool is_pose_noted;            /* the columns are those of bones alone, noted, and 0 where no
                                     * vertex is carried */
-    double *weight, *next_weight;  /* column capacity by 3 */
+    double *weight, *next_weight;  /* column capacity by 3: what is asked for */
+    double *given; /* likewise, of the shape shown: where skin would fold or tear it is less */
+    bool is_given; /* `given` is that of `weight` */
+    bool is_held;  /* and not the same */
 
     csrbf_settings settings; /* of the engagement */
     uint32_t control_capacity, control_count;
@@ -87,6 +107,7 @@ struct face {
     uint32_t *skin; /* skin_count by 3 slots: triangles with a mobile vertex */
     uint32_t skin_count;
     surface_meter *surface_meter; /* of the skin */
+    face_limit limit;
 };
 
 /* ---- face_grip.c ---- */
@@ -107,7 +128,7 @@ void face_bake(face *f, points *out);
 /* The columns of the moving bones over the origin, behind those of the controls; notes all. */
 void face_pose_columns(face *f);
 /* weight: those of the bones for these poses, behind the first control_column_count. */
-void face_pose_weights(const face *f, double *weight, const rigid *pose);
+void face_pose_weights(face *f, double *weight, const rigid *pose);
 /* Puts the dofs and poses of a frame in force. */
 void face_take_pose(face *f, const float *dof, const rigid *pose);
 
@@ -121,6 +142,19 @@ CHECKED mrt_result face_hold(face *f, error *err);
 /* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */
 CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
                                      error *err);
+
+/* ---- face_limit.c ---- */
+
+CHECKED mrt_result face_limit_create(face *f, error *err);
+void face_limit_destroy(face *f);
+/* f->given := f->weight, less of what the controls pull where the skin would fold or tear; notes
+ * held_back_mm. Depends on f->weight, the pose and the engagement alone. */
+void face_limit_pull(face *f);
+/* After a drag has taken f->free from f->before along f->from -> f->to: takes back what is too much
+ * of it. f->position: where the tips are; limit.tip_share: 1 where that is where they were to be.
+ */
+void face_limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
+                     const shape_step *step);
 
 /* ---- face_shown.c ---- */
 

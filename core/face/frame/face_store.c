@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STORE_VERSION = 1 };
+enum { STORE_VERSION = 2 };
 static const char store_mark[4] = {'F', 'A', 'C', 'E'};
 
 enum { ORIGIN_BASE = 0, ORIGIN_FREE = 1 };
@@ -94,6 +94,7 @@ static void put_settings(bytes_out *out, const csrbf_settings *s)
     bytes_put_u32(out, (uint32_t)s->polynomial);
     bytes_put_f64(out, s->radius);
     bytes_put_f64(out, s->ridge);
+    bytes_put_f64(out, s->stretch_most);
 }
 
 static void take_settings(bytes_in *in, csrbf_settings *out)
@@ -102,7 +103,9 @@ static void take_settings(bytes_in *in, csrbf_settings *out)
     out->polynomial = (csrbf_polynomial)bytes_take_u32(in);
     out->radius = bytes_take_f64(in);
     out->ridge = bytes_take_f64(in);
-    in->failed |= out->kernel > CSRBF_WENDLAND_C6 || out->polynomial > CSRBF_WINDOWED;
+    out->stretch_most = bytes_take_f64(in);
+    in->failed |= !isfinite(out->stretch_most) || out->kernel > CSRBF_WENDLAND_C6 ||
+                  out->polynomial > CSRBF_WINDOWED;
 }
 
 size_t face_save(const face *f, void *bytes, size_t capacity)

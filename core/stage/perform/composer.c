@@ -184,6 +184,29 @@ static void shorten(const voice *v, const double *from, double *to)
         to[i] = from[i] + share * (to[i] - from[i]);
 }
 
+/* Tips that have fallen behind the hand come after it at most at twice its speed: what held them
+ * back may be gone at once, and the shape must not jump. */
+static void come_after(const voice *v, const double *from, double *to)
+{
+    const mrt_pull *pull = v->part.pull;
+    for (uint32_t i = 0; v->is_dragging && i < pull->count; ++i) {
+        vec3 start = composer_vec3(pull->vector[i].start), end = composer_vec3(pull->vector[i].end);
+        const double *at = from + (size_t)3 * i;
+        double *goal = to + (size_t)3 * i;
+        vec3 way = {goal[0] - at[0], goal[1] - at[1], goal[2] - at[2]};
+        double most = 2.0 * vec3_length(vec3_sub(end, start)), length = vec3_length(way);
+        double part = length > most ? most / length : 1.0;
+        for (int axis = 0; axis < 3 && part < 1.0; ++axis)
+            goal[axis] = at[axis] + part * (goal[axis] - at[axis]);
+    }
+}
+
+/* Some tip is not where the hand is. */
+static bool is_behind(const voice *v, const double *to)
+{
+    return memcmp(v->tip, to, (size_t)v->tip_count * 3 * sizeof *to) != 0;
+}
+
 static bool drives_bones(const composer *self, const mrt_pull *pull)
 {
     for (uint32_t i = 0; i < self->about.dof_count; ++i)
@@ -197,16 +220,18 @@ static void drag_along_way(composer *self, voice *v, const csrbf_settings *setti
     const mrt_pull *pull = v->part.pull;
     error err = {""};
     shape_step step = {.min_determinant = 1.0};
-    double from[MRT_MAX_VECTORS * 3];
+    double from[MRT_MAX_VECTORS * 3], next[MRT_MAX_VECTORS * 3];
     float dof[MRT_MAX_DOFS];
     drag_from(v, from);
     shorten(v, from, to);
+    memcpy(next, to, (size_t)pull->count * 3 * sizeof *next);
+    come_after(v, from, next);
     composer_blend_dofs(self, dof);
     self->counts.solves += 1;
     mrt_result result =
-        face_drag(self->face, settings, from, to, pull->count, dof, v->tip, &step, &err);
+        face_drag(self->face, settings, from, next, pull->count, dof, v->tip, &step, &err);
     v->tip_count = pull->count;
-    v->is_dragging = result >= 0 && step.limited;
+    v->is_dragging = result >= 0 && is_behind(v, to);
     self->counts.held_pulls += result < 0;
     if (result < 0)
         composer_note_problem(self, err.text);

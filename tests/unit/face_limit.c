@@ -1,0 +1,181 @@
+/* No performance folds or tears: near it less is given, continuously, and it is said. mm. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "unit/face_scene.h"
+
+enum { STEPS = 200 };
+
+static const csrbf_settings settings = {.radius = 30.0};
+static const csrbf_settings without = {.radius = 30.0, .stretch_most = -1.0};
+
+static void must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+static void make(face_scene *s)
+{
+    error err = {""};
+    scene_init(s);
+    must(scene_finish(s, &err), &err);
+}
+
+/* Two places 10 mm apart on the cheek, and one far away on the brow. */
+static void hold(const face_scene *s, const csrbf_settings *with, double start[3][3])
+{
+    const uint32_t vertex[3] = {scene_at(10, 5), scene_at(14, 5), scene_at(-14, 18)};
+    face_control control[3];
+    error err = {""};
+    for (uint32_t k = 0; k < 3; ++k) {
+        control[k] = (face_control){.start = scene_rest(s, vertex[k])};
+        start[k][0] = control[k].start.x;
+        start[k][1] = control[k].start.y;
+        start[k][2] = control[k].start.z;
+    }
+    must(face_engage(s->face, with, control, 3, &err), &err);
+}
+
+/* The two go towards each other by so much, and the third up by 3. */
+static void squeeze(const face_scene *s, double start[3][3], double by)
+{
+    double end[3][3];
+    error err = {""};
+    memcpy(end, start, sizeof end);
+    end[0][0] += by;
+    end[1][0] -= by;
+    end[2][1] += 3.0;
+    must(face_pull(s->face, end[0], NULL, &err), &err);
+}
+
+static void two_that_pull_through_each_other_fold_nothing(void **state)
+{
+    (void)state;
+    static face_scene s;
+    double start[3][3];
+    make(&s);
+    hold(&s, &without, start);
+    squeeze(&s, start, 12.0);
+    assert_true(face_judge(s.face).min_determinant <= 0.0); /* it would */
+    assert_true(face_judge(s.face).held_back_mm <= 0.0);
+    hold(&s, &without, start);
+    face_reset(s.face);
+    hold(&s, &settings, start);
+    for (int i = 0; i <= STEPS; ++i) {
+        squeeze(&s, start, 0.2 * i);
+        face_surface now = face_judge(s.face);
+        assert_true(now.min_determinant > 0.0);
+        assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
+    }
+    assert_true(face_judge(s.face).held_back_mm > 20.0);
+    squeeze(&s, start, 12.0);
+    /* who is far away and pulls alone is not held back with them */
+    vec3 brow = scene_shown(&s, scene_at(-14, 18)), rest = scene_rest(&s, scene_at(-14, 18));
+    print_message("far away: %.3f mm of 3\n", brow.y - rest.y);
+    assert_true(fabs(brow.y - rest.y - 3.0) < 0.3);
+    face_destroy(s.face);
+}
+
+static void what_does_not_fold_keeps_its_bits(void **state)
+{
+    (void)state;
+    static face_scene s, t;
+    double start[3][3];
+    make(&s);
+    make(&t);
+    hold(&s, &settings, start);
+    hold(&t, &without, start);
+    squeeze(&s, start, 1.0);
+    squeeze(&t, start, 1.0);
+    assert_true(face_judge(s.face).held_back_mm <= 0.0);
+    assert_true(scene_same_bits(face_shown(s.face), face_shown(t.face)));
+    face_destroy(s.face);
+    face_destroy(t.face);
+}
+
+/* Ends that move by 0.02 mm a step: nothing on the face moves by more than a few times that. */
+static void it_gives_less_without_a_jump(void **state)
+{
+    (void)state;
+    static face_scene s;
+    double start[3][3], worst = 0.0;
+    error err = {""};
+    points before;
+    make(&s);
+    must(points_create(&before, face_order(s.face), s.mesh.position, &err), &err);
+    hold(&s, &settings, start);
+    for (int i = 0; i <= 10 * STEPS; ++i) {
+        squeeze(&s, start, 0.02 * i);
+        if (i > 0)
+            worst = fmax(worst, scene_greatest_difference(&before, face_shown(s.face)));
+        points_copy(&before, face_shown(s.face));
+    }
+    assert_true(worst > 0.01 && worst < 0.2);
+    points_destroy(&before);
+    face_destroy(s.face);
+}
+
+static vec3 drag_one(const face_scene *s, const csrbf_settings *with, vec3 from, vec3 to)
+{
+    error err = {""};
+    shape_step step;
+    double reached[3];
+    const double a[3] = {from.x, from.y, from.z}, b[3] = {to.x, to.y, to.z};
+    must(face_drag(s->face, with, a, b, 1, NULL, reached, &step, &err), &err);
+    assert_true(step.min_determinant > 0.0);
+    return (vec3){reached[0], reached[1], reached[2]};
+}
+
+/* A tip that pulls 200 mm out of the cheek: the mesh is stretched as far as it may be, and the tip
+ * stays with it. */
+static double pull_out(face_scene *s, const csrbf_settings *with)
+{
+    vec3 tip = scene_rest(s, scene_at(10, 5));
+    double held = 0.0;
+    make(s);
+    for (int i = 1; i <= STEPS; ++i) {
+        vec3 to = vec3_add(scene_rest(s, scene_at(10, 5)), (vec3){0, 0, (double)i});
+        tip = drag_one(s, with, tip, to);
+        held = fmax(held, face_judge(s->face).held_back_mm);
+    }
+    return held;
+}
+
+static void clay_gives_less_instead_of_tearing(void **state)
+{
+    (void)state;
+    static face_scene s;
+    csrbf_settings with = settings;
+    for (double most = 3.0; most < 9.0; most += 2.5) {
+        with.stretch_most = most;
+        make(&s);
+        face_destroy(s.face);
+        double held = pull_out(&s, &with);
+        face_surface now = face_judge(s.face);
+        assert_true(now.skin.stretch <= most + 1e-4);
+        assert_true(now.skin.stretch > 0.8 * most);
+        assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
+        assert_true(held > 5.0);
+        face_destroy(s.face);
+    }
+    make(&s);
+    face_destroy(s.face);
+    (void)pull_out(&s, &without);
+    assert_true(face_judge(s.face).skin.stretch > 9.0); /* it would */
+    face_destroy(s.face);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_that_pull_through_each_other_fold_nothing),
+        cmocka_unit_test(what_does_not_fold_keeps_its_bits),
+        cmocka_unit_test(it_gives_less_without_a_jump),
+        cmocka_unit_test(clay_gives_less_instead_of_tearing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
