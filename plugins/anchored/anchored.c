@@ -1,6 +1,7 @@
 /* The paper's anchored mapping: the fingertips take hold of the face where they are at engage, and
  * from then on each pulls its place by as much as it has moved since. */
 #include "clutch.h"
+#include "manner.h"
 #include "memory.h"
 #include "placement.h"
 
@@ -13,7 +14,8 @@ enum {
     REACH,
     GATE,
     LEAK,
-    CLUTCH,
+    MANNER,
+    CLUTCH = MANNER + MANNER_COUNT,
     CONTACTS = CLUTCH + CLUTCH_COUNT, /* right thumb .. little, then the left hand's */
     PARAM_COUNT = CONTACTS + 10
 };
@@ -167,14 +169,15 @@ static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, mrt_v
 {
     placement_blend(point, self->count, self->leader);
     const double *params = frame->params;
-    float gain = (float)params[GAIN];
+    bool is_paper = manner_is_paper(params + MANNER);
+    float gain = is_paper ? 1.0f : (float)params[GAIN];
     float reach_mm = pull->radius_mm * (float)(0.01 * params[REACH]);
     if (params[LEAK] > 0.0 && frame->dt_s > 0.0)
         leak(self, point, params[LEAK], frame->dt_s);
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 d = difference(point[i], self->reference[i]);
-        set_displacement(&pull->vector[i],
-                         limited((mrt_vec3){gain * d.x, gain * d.y, gain * d.z}, reach_mm));
+        d = (mrt_vec3){gain * d.x, gain * d.y, gain * d.z};
+        set_displacement(&pull->vector[i], is_paper ? d : limited(d, reach_mm));
     }
 }
 
@@ -232,7 +235,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
     bool is_gated = params[GATE] > 0.5;
     if (self->phase != HOLDING && self->phase != SPRINGING)
-        pull->radius_mm = placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]);
+        manner_set(pull, params + MANNER,
+                   placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]));
     pull->gate = is_gated;
     if (events.commit) {
         pull->commit += 1;
@@ -312,6 +316,7 @@ static const mrt_param params[PARAM_COUNT] = {
      "Take hold only when a point is within its radius of the face.", 0, 1, 1, off_on},
     {16, 0, "Leak", "Pull", "s",
      "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
+    MANNER_PARAMS,
     CLUTCH_PARAMS,
     CONTACT_PARAM(30, "Right", "thumb"),
     CONTACT_PARAM(31, "Right", "index"),

@@ -1,13 +1,22 @@
 /* The paper's unanchored mapping: wherever the fingertips are near the face they take it along,
  * each sample from where they were to where they are. What they do stays, as in clay. */
 #include "clutch.h"
+#include "manner.h"
 #include "memory.h"
 #include "placement.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { GAIN = PLACEMENT_COUNT, RADIUS, GATE, LEAK, CLUTCH, PARAM_COUNT = CLUTCH + CLUTCH_COUNT };
+enum {
+    GAIN = PLACEMENT_COUNT,
+    RADIUS,
+    GATE,
+    LEAK,
+    MANNER,
+    CLUTCH = MANNER + MANNER_COUNT,
+    PARAM_COUNT = CLUTCH + CLUTCH_COUNT
+};
 
 /* In so many times the release time a spring back has come e^-3 = 5 % near its end. */
 static const double release_rate = 3.0;
@@ -98,7 +107,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     bool springs = clutch_springs_back(params + CLUTCH);
     pull->mode = MRT_UNANCHORED;
     pull->gate = params[GATE] > 0.5;
-    pull->radius_mm = placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]);
+    manner_set(pull, params + MANNER,
+               placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]));
     pull->commit += events.commit;
     if (events.release)
         self->is_touching = false;
@@ -106,7 +116,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         touch(self, pull, point, count);
     else if (self->is_touching && count > 0) {
         placement_blend(point, count, self->leader);
-        drag(self, pull, point, (float)params[GAIN]);
+        drag(self, pull, point, manner_is_paper(params + MANNER) ? 1.0f : (float)params[GAIN]);
     }
     for (uint32_t i = 0; i < count; ++i)
         self->hand[i] = point[i];
@@ -161,6 +171,7 @@ static const mrt_param params[PARAM_COUNT] = {
      "Move the face only while a point is within its radius of it.", 0, 1, 1, off_on},
     {15, 0, "Leak", "Pull", "s",
      "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
+    MANNER_PARAMS,
     CLUTCH_PARAMS,
 };
 /* clang-format on */

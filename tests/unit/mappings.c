@@ -130,6 +130,30 @@ static void anchored_pull_never_exceeds_its_reach(void **state)
     tear_down(&r);
 }
 
+/* Whatever the other parameters say, and all of the hand's way. */
+static void preset_paper_is_the_paper_to_the_letter(void **state)
+{
+    (void)state;
+    for (int is_free = 0; is_free < 2; ++is_free) {
+        rig r;
+        const char *name = is_free ? "unanchored" : "anchored";
+        set_up(&r, name, "preset=paper,radius_mm=60,gain=0.1");
+        (void)step(&r, MRT_RIGHT, 0.0f);
+        (void)step(&r, MRT_RIGHT, 1.5f);
+        assert_true(longest(&r.pull) > 60.0f); /* a soft reach ends at 22 */
+        assert_int_equal(r.pull.solve, MRT_SOLVE_LINEAR | MRT_SOLVE_ONCE);
+        assert_true(r.pull.stretch_most < 0.0f);
+        assert_true(fabsf(r.pull.radius_mm - 60.0f) < 1e-3f);
+        tear_down(&r);
+        set_up(&r, name, "");
+        (void)step(&r, MRT_RIGHT, 0.0f);
+        assert_int_equal(r.pull.solve, 0);
+        assert_true(fabsf(r.pull.stretch_most - 8.0f) < 1e-6f);
+        assert_true(fabsf(r.pull.radius_mm - 75.0f) < 1e-3f);
+        tear_down(&r);
+    }
+}
+
 static void anchored_waits_at_the_gate(void **state)
 {
     (void)state;
@@ -423,6 +447,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(anchored_starts_stay_until_the_anchor_changes),
         cmocka_unit_test(anchored_pull_never_exceeds_its_reach),
+        cmocka_unit_test(preset_paper_is_the_paper_to_the_letter),
         cmocka_unit_test(anchored_waits_at_the_gate),
         cmocka_unit_test(anchored_reengage_starts_where_the_hand_is),
         cmocka_unit_test(anchored_commit_asks_for_a_new_base_and_engages_anew),

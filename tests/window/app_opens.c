@@ -204,7 +204,7 @@ static void an_input_that_cannot_be_opened_is_said(void **state)
 
 /* ---- how it is solved ---- */
 
-static const csrbf_settings sharp = {CSRBF_WENDLAND_C0, CSRBF_CONSTANT, 0.0, 0.0};
+static const csrbf_settings sharp = {.kernel = CSRBF_WENDLAND_C0, .polynomial = CSRBF_CONSTANT};
 
 static bool is_sharp(app *of)
 {

@@ -229,6 +229,10 @@ enum {
     MRT_ANCHORED = 1,  /* the base shape, moved by end - start; starts stay while anchor stays */
     MRT_UNANCHORED = 2 /* the shape shown, moved on from start to end: every sample is an edit */
 };
+enum {                       /* how the field is solved, where it is not to be as the rig says */
+       MRT_SOLVE_LINEAR = 1, /* with a linear polynomial: the whole of space follows */
+       MRT_SOLVE_ONCE = 2    /* unanchored: each sample is one step, even where it folds */
+};
 typedef struct mrt_pull { /* what process() fills; on entry: what it held last */
     uint32_t mode;        /* MRT_IDLE, MRT_ANCHORED or MRT_UNANCHORED */
     uint32_t anchor;      /* changes when the starts of anchored vectors change */
@@ -239,6 +243,9 @@ typedef struct mrt_pull { /* what process() fills; on entry: what it held last *
     float radius_mm;      /* support radius of the field; 0: what the rig says */
     float leak_per_s;     /* unanchored: rate at which the shape eases back to the base shape;
                              0: never */
+    uint32_t solve;       /* MRT_SOLVE_*; 0: as the rig says, in steps that do not fold */
+    float stretch_most; /* > 1: no edge of the skin is stretched further and nothing folds: near it
+                           less is given; 0: as the host says (8); below 0: all of it is given */
     mrt_vector vector[MRT_MAX_VECTORS];
     float dof[MRT_MAX_DOFS]; /* NaN: not driven; the host derives the jaw from the vectors */
 } mrt_pull;
@@ -295,7 +302,7 @@ MRT_LAYOUT(mrt_contact, 40, normal, 28);
 MRT_LAYOUT(mrt_dof, 24, max, 20);
 MRT_LAYOUT(mrt_face, 48, high, 36);
 MRT_LAYOUT(mrt_vector, 28, contact, 24);
-MRT_LAYOUT(mrt_pull, 1948, dof, 1820);
+MRT_LAYOUT(mrt_pull, 1956, dof, 1828);
 MRT_LAYOUT(mrt_mapping, 32, process, 24);
 MRT_LAYOUT(mrt_state, 16, load, 8);
 MRT_LAYOUT(mrt_resume, 16, load, 8);

@@ -19,6 +19,8 @@ const char *guard_fault(const guard *self, const mrt_pull *pull)
         return "a radius that is not a length";
     if (!isfinite(pull->leak_per_s) || pull->leak_per_s < 0.0f)
         return "a leak that is not a rate";
+    if (!isfinite(pull->stretch_most))
+        return "a stretch that is no number";
     for (uint32_t i = 0; i < pull->count; ++i) {
         const mrt_vector *v = &pull->vector[i];
         if (!is_within_reach(self, v->start) || !is_within_reach(self, v->end))

@@ -141,11 +141,18 @@ void composer_show(composer *self)
     self->stale = false;
 }
 
-csrbf_settings composer_settings(const composer *self, float radius_mm)
+csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how)
 {
     csrbf_settings settings = self->solver;
     if (radius_mm > 0.0f)
         settings.radius = to_double(radius_mm);
+    if (!how)
+        return settings;
+    if (how->solve & MRT_SOLVE_LINEAR)
+        settings.polynomial = CSRBF_LINEAR;
+    settings.is_one_step = (how->solve & MRT_SOLVE_ONCE) != 0;
+    if (how->stretch_most > 0.0f || how->stretch_most < 0.0f)
+        settings.stretch_most = to_double(how->stretch_most);
     return settings;
 }
 
@@ -262,7 +269,7 @@ static void knead(composer *self, voice *v, double dt_s)
 {
     const mrt_pull *pull = v->part.pull;
     bare_shape(self);
-    csrbf_settings settings = composer_settings(self, pull->radius_mm);
+    csrbf_settings settings = composer_settings(self, pull->radius_mm, pull);
     double to[MRT_MAX_VECTORS * 3];
     copy_ends(to, pull);
     bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
@@ -418,7 +425,7 @@ bool composer_is_near(const composer *self, const mrt_pull *pull)
         return false;
     copy_ends(end, pull);
     return face_is_near(self->face, end, pull->count,
-                        composer_settings(self, pull->radius_mm).radius);
+                        composer_settings(self, pull->radius_mm, pull).radius);
 }
 
 void composer_draw(composer *self)

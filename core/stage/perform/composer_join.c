@@ -112,11 +112,24 @@ static float joined_radius_mm(const composer *self)
     return is_alone ? of_finger : 0.0f;
 }
 
+/* Of the lowest voice that is no finger; NULL: there is none. */
+static const mrt_pull *joined_manner(const composer *self)
+{
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        const voice *v = &self->voice[self->order[i]];
+        if (v->has_said && !v->part.is_finger)
+            return &v->said;
+    }
+    return NULL;
+}
+
 /* It takes hold anew: what it has added so far stays in the shape. */
 static bool is_anew(const voice *v)
 {
     return v->is_joined && v->is_present && !v->part.is_finger &&
            (v->joined.anchor != v->said.anchor || v->joined.count != v->said.count ||
+            v->joined.solve != v->said.solve ||
+            fabsf(v->joined.stretch_most - v->said.stretch_most) > 0.0f ||
             fabsf(v->joined.radius_mm - v->said.radius_mm) > 0.0f);
 }
 
@@ -266,7 +279,7 @@ static void engage(composer *self, holds *h)
     error err = {""};
     face_control grip[MRT_MAX_VECTORS];
     float radius_mm = joined_radius_mm(self);
-    csrbf_settings settings = composer_settings(self, radius_mm);
+    csrbf_settings settings = composer_settings(self, radius_mm, joined_manner(self));
     for (uint32_t k = 0; k < h->count; ++k) {
         h->control[k].start = start_of(self, &h->control[k]);
         grip[k] = (face_control){h->control[k].start, h->control[k].contact};

@@ -62,7 +62,8 @@ struct composer {
 
 void composer_note_problem(composer *self, const char *text);
 void composer_show(composer *self); /* if stale */
-csrbf_settings composer_settings(const composer *self, float radius_mm);
+/* how: the pull that says how it is solved; NULL: nobody does. */
+csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how);
 
 /* ---- composer_join.c: the anchored voices ---- */
 

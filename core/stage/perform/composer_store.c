@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STORE_VERSION = 1, STORE_WITH_FINGERS = 2 };
+enum { STORE_VERSION = 3, STORE_WITH_FINGERS = 4 };
 enum { IS_ADDITIVE = 1, IS_FINGER = 2 };
 
 static void put_pull(bytes_out *out, const mrt_pull *pull)
@@ -27,7 +27,8 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
 {
     *out = (mrt_pull){0};
     bytes_take(in, out, offsetof(mrt_pull, vector));
-    if (out->count > MRT_MAX_VECTORS || out->mode > MRT_UNANCHORED || !isfinite(out->radius_mm)) {
+    if (out->count > MRT_MAX_VECTORS || out->mode > MRT_UNANCHORED || !isfinite(out->radius_mm) ||
+        !isfinite(out->stretch_most)) {
         in->failed = true;
         out->count = 0;
     }
