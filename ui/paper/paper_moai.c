@@ -236,7 +236,7 @@ static mrt_result add_figure(paper *of, const figure *f, error *err)
                                    "--input", left,      "--map",  f->map, "--export", path};
     int count = 12;
     if (of->is_quick) {
-        static const char *const quick[] = {"--seconds", "2", "--size", "960x480"};
+        static const char *const quick[] = {"--seconds", "2", "--size", "480x240"};
         for (int i = 0; i < 4; ++i)
             word[count++] = quick[i];
     }
