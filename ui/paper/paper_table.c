@@ -284,8 +284,9 @@ static void add_table(table *self)
     page_table_end(on);
     page_caption(
         on,
-        "Frames a second, the best of several rounds. Engine: one step of the deformation, "
-        "one thread. With display: the same step, then normals, light and %u × %u pixels in "
+        "Frames a second, the best of several rounds. Engine: one thread; anchored a frame, "
+        "unanchored all of a sample: sort, factor, solve, slope, update. With display: the same "
+        "step, then normals, light and %u × %u pixels in "
         "memory, drawn by %s. –: the paper's number is not in our notes%s. The pair count "
         "that the paper prints for 32 768 polygons at R = 60, 115 812, is a misprint (see "
         "below); 155 812 stands here.",
