@@ -6,8 +6,9 @@
 source "$(dirname "$0")/../e2e/lib.sh"
 least_mm=15 most_stretch=8
 quick=
+[ -z "${QUICK:-}" ] || quick=1
 [ "${1:-}" = --quick ] && quick=1 && shift
-second=$SOURCE_DIR/plugins/log/demo_hand_left.csv
+second=$SOURCE_DIR/plugins/log/demo_left_hand.csv
 
 # face NAME FILE: a row's face; missing ones are named once.
 faces=("moai=$moai" "moai_rig=${moai%.glb}.rig.json" "puppet=$puppet")
