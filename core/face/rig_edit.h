@@ -114,4 +114,22 @@ typedef struct rig_edit_jaw {
 void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone);
 CHECKED mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err);
 
+/* ---- undo: a rig that is being edited, with what it was before each change ---- */
+
+/* Numbered states, 0 the first; the newest RIG_HISTORY_MAX are kept. [any], one at a time */
+enum { RIG_HISTORY_MAX = 256 };
+typedef struct rig_history rig_history;
+
+/* Takes `first` over, also on error. */
+CHECKED mrt_result rig_history_create(rig_history **out, rig *first, error *err);
+void rig_history_destroy(rig_history *self); /* NULL is fine */
+
+const rig *rig_history_now(const rig_history *self); /* until the next change */
+uint64_t rig_history_number(const rig_history *self);
+/* The rig as changed (a rig_copy of the one now) becomes the next state, and is taken over. States
+ * that were undone are forgotten. */
+void rig_history_push(rig_history *self, rig *changed);
+/* Goes to a state that is kept; false: it is not. */
+bool rig_history_go(rig_history *self, uint64_t number);
+
 #endif

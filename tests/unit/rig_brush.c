@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "face/rig_history.h"
+#include "face/rig_edit.h"
 #include "unit/brush_scene.h"
 
 #include <math.h>

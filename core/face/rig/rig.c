@@ -160,3 +160,131 @@ uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t
         hash = hash_word(hash, triangle[i]);
     return hash;
 }
+
+/* ---- copies ---- */
+
+typedef struct copying {
+    bool failed; /* no memory: what is copied from then on is NULL */
+} copying;
+
+static void *copy_array(copying *c, const void *from, size_t count, size_t item_size)
+{
+    if (!from)
+        return NULL;
+    void *out = malloc(count * item_size + 1);
+    c->failed = c->failed || !out;
+    if (out)
+        memcpy(out, from, count * item_size);
+    return out;
+}
+
+/* All of `capacity`, those beyond `count` zeroed: rigs have room for more bones than they have. */
+static void *copy_roomy(copying *c, const void *from, size_t count, size_t capacity,
+                        size_t item_size)
+{
+    void *out = calloc(capacity + 1, item_size);
+    c->failed = c->failed || !out;
+    if (out && count > 0)
+        memcpy(out, from, count * item_size);
+    return out;
+}
+
+static char *copy_text(copying *c, const char *text)
+{
+    return copy_array(c, text, text ? strlen(text) + 1 : 0, 1);
+}
+
+static void copy_select(copying *c, rig_select *out, const rig_select *from)
+{
+    *out = *from;
+    out->path = copy_text(c, from->path);
+    out->name = copy_text(c, from->name);
+    out->first = copy_array(c, from->first, from->range_count, sizeof *from->first);
+    out->last = copy_array(c, from->last, from->range_count, sizeof *from->last);
+    out->value = copy_array(c, from->value, from->range_count, sizeof *from->value);
+    out->child = from->child_count ? calloc(from->child_count, sizeof *out->child) : NULL;
+    c->failed = c->failed || (from->child_count && !out->child);
+    for (uint32_t i = 0; out->child && i < from->child_count; ++i)
+        copy_select(c, &out->child[i], &from->child[i]);
+}
+
+static void copy_bones(copying *c, rig *out, const rig *r)
+{
+    out->bone = copy_roomy(c, r->bone, r->bone_count, RIG_BONES_MAX, sizeof *r->bone);
+    for (uint32_t i = 0; out->bone && i < r->bone_count; ++i) {
+        out->bone[i].name = copy_text(c, r->bone[i].name);
+        for (uint32_t k = 0; k < RIG_TURNS_MAX; ++k)
+            out->bone[i].turn[k].name = copy_text(c, r->bone[i].turn[k].name);
+    }
+}
+
+static void copy_regions(copying *c, rig *out, const rig *r)
+{
+    out->region = copy_roomy(c, r->region, r->region_count, r->region_count, sizeof *r->region);
+    for (uint32_t i = 0; out->region && i < r->region_count; ++i) {
+        out->region[i].name = copy_text(c, r->region[i].name);
+        copy_select(c, &out->region[i].select, &r->region[i].select);
+    }
+}
+
+static void copy_contacts(copying *c, rig *out, const rig *r)
+{
+    out->contact =
+        copy_roomy(c, r->contact, r->contact_count, r->contact_count, sizeof *r->contact);
+    for (uint32_t i = 0; out->contact && i < r->contact_count; ++i)
+        out->contact[i].name = copy_text(c, r->contact[i].name);
+}
+
+static void copy_pose(copying *c, rig_pose *out, const rig_pose *from)
+{
+    uint32_t dof_count = from->dof_count, pull_count = from->pull_count;
+    out->name = copy_text(c, from->name);
+    out->dof_name = from->dof_name ? calloc(dof_count + 1u, sizeof *out->dof_name) : NULL;
+    c->failed = c->failed || (from->dof_name && !out->dof_name);
+    for (uint32_t i = 0; out->dof_name && i < dof_count; ++i)
+        out->dof_name[i] = copy_text(c, from->dof_name[i]);
+    out->dof_value = copy_array(c, from->dof_value, dof_count, sizeof *from->dof_value);
+    out->pull_contact = copy_array(c, from->pull_contact, pull_count, sizeof *from->pull_contact);
+    out->pull_mm = copy_array(c, from->pull_mm, pull_count, sizeof *from->pull_mm);
+}
+
+static void copy_poses(copying *c, rig *out, const rig *r)
+{
+    out->pose = copy_roomy(c, r->pose, r->pose_count, r->pose_count, sizeof *r->pose);
+    for (uint32_t i = 0; out->pose && i < r->pose_count; ++i)
+        copy_pose(c, &out->pose[i], &r->pose[i]);
+}
+
+static void copy_sets(copying *c, rig *out, const rig *r)
+{
+    uint32_t count = r->contact_set_count;
+    out->contact_set = copy_roomy(c, r->contact_set, count, count, sizeof *r->contact_set);
+    for (uint32_t i = 0; out->contact_set && i < count; ++i) {
+        const rig_contact_set *from = &r->contact_set[i];
+        out->contact_set[i].name = copy_text(c, from->name);
+        out->contact_set[i].contact =
+            copy_array(c, from->contact, from->contact_count, sizeof *from->contact);
+    }
+}
+
+mrt_result rig_copy(rig *out, const rig *r, error *err)
+{
+    copying c = {false};
+    *out = *r;
+    copy_bones(&c, out, r);
+    copy_regions(&c, out, r);
+    copy_contacts(&c, out, r);
+    copy_poses(&c, out, r);
+    copy_sets(&c, out, r);
+    out->proxy = copy_roomy(&c, r->proxy, r->proxy_count, r->proxy_count, sizeof *r->proxy);
+    out->path = copy_text(&c, r->path);
+    out->name = copy_text(&c, r->name);
+    out->mesh_path = copy_text(&c, r->mesh_path);
+    out->note = copy_text(&c, r->note);
+    if (r->document)
+        rig_document_hold(r->document);
+    if (!c.failed)
+        return MRT_OK;
+    rig_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory for a copy of the rig");
+}

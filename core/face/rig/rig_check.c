@@ -1,15 +1,30 @@
 #include "face/rig_check.h"
 
-#include "face/rig/rig_check_parts.h"
+#include "face/bones.h"
+#include "face/rig/rig_document.h"
+#include "face/rig/rig_head.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct checking {
+    const rig *r;
+    const mesh *m;
+    const topology *t;
+    const binding *binding;  /* or NULL */
+    const bind_marks *marks; /* or NULL: they could not be made */
+    const rig_head *head;    /* or NULL: no profile was found */
+    double radius_mm;        /* the rig's, or a quarter of the height */
+    rig_findings *out;
+    bool is_out_of_memory;
+} checking;
+
 /* ---- findings ---- */
 
-static rig_finding *add_finding(rig_checking *c)
+static rig_finding *add_finding(checking *c)
 {
     rig_findings *out = c->out;
     if (out->count == out->capacity) {
@@ -26,7 +41,8 @@ static rig_finding *add_finding(rig_checking *c)
     return &out->item[out->count - 1];
 }
 
-void rig_find(rig_checking *c, rig_severity severity, const char *path, const char *format, ...)
+__attribute__((format(printf, 4, 5))) static void report(checking *c, rig_severity severity,
+                                                         const char *path, const char *format, ...)
 {
     rig_finding *finding = add_finding(c);
     if (!finding)
@@ -40,17 +56,17 @@ void rig_find(rig_checking *c, rig_severity severity, const char *path, const ch
 }
 
 /* "base.rig.json: $.bones[1]: text" is a path and a text. */
-static void find_error(rig_checking *c, const error *err)
+static void find_error(checking *c, const error *err)
 {
     const char *path_start = strchr(err->text, '$');
     const char *colon = path_start ? strstr(path_start, ": ") : NULL;
     if (!colon) {
-        rig_find(c, RIG_ERROR, "$", "%s", err->text);
+        report(c, RIG_ERROR, "$", "%s", err->text);
         return;
     }
     char path[128];
     (void)snprintf(path, sizeof path, "%.*s", (int)(colon - err->text), err->text);
-    rig_find(c, RIG_ERROR, path, "%s", colon + 2);
+    report(c, RIG_ERROR, path, "%s", colon + 2);
 }
 
 static void sort_by_severity(rig_findings *findings)
@@ -78,6 +94,554 @@ uint32_t rig_findings_count(const rig_findings *findings, rig_severity severity)
     return count;
 }
 
+enum { HOLES_SHOWN = 6, PARTS_SHOWN = 12 };
+
+/* ---- size and identity ---- */
+
+static void check_size(checking *c)
+{
+    float low[3], high[3];
+    mesh_bounds(c->m, low, high);
+    double height_mm = (double)high[1] - (double)low[1];
+    if (height_mm >= 100.0 && height_mm <= 1000.0)
+        report(c, RIG_NOTE, "$.unit", "the mesh is %.0f mm high", height_mm);
+    else
+        report(c, RIG_WARNING, "$.unit",
+               "the mesh is %.3g mm high; a head is 100 to 1000 mm: is the unit right?", height_mm);
+}
+
+static void check_mesh_hash(checking *c)
+{
+    if (c->r->mesh_hash == 0)
+        return;
+    uint64_t hash = rig_mesh_hash(c->m->vertex_count, c->m->triangle, c->m->triangle_count);
+    if (hash != c->r->mesh_hash)
+        report(c, RIG_NOTE, "$.mesh_hash",
+               "the mesh is not the one that the rig was made for: its triangles changed "
+               "(%016llx now); look at the picture of marotte rig show, then correct or remove "
+               "mesh_hash",
+               (unsigned long long)hash);
+}
+
+static void check_symmetry(checking *c)
+{
+    const double reach_mm = 0.5;
+    double middle_x = c->head ? c->head->middle_x : 0.0;
+    uint32_t count, example;
+    if (!rig_mirror_count_alone(&count, &example, c->m, middle_x, reach_mm)) {
+        c->is_out_of_memory = true;
+        return;
+    }
+    if (count > 0)
+        report(c, RIG_NOTE, "$.mesh",
+               "%u of %u vertices, %u the first, have no mirror image within %.1f mm of the "
+               "plane x = %.2f mm",
+               count, c->m->vertex_count, example, reach_mm, middle_x);
+}
+
+/* ---- connected pieces ---- */
+
+typedef struct pieces {
+    uint32_t *of_vertex; /* vertex_count */
+    bool *is_marked;     /* count: a region speaks of one of its vertices */
+    bool *is_open;
+    double *volume; /* count, mm^3 */
+    uint32_t *size;
+    uint32_t count;
+} pieces;
+
+static void pieces_finish(pieces *p)
+{
+    free(p->of_vertex);
+    free(p->is_marked);
+    free(p->is_open);
+    free(p->volume);
+    free(p->size);
+}
+
+static void flood(pieces *p, uint32_t *stack, uint32_t from, const topology *t)
+{
+    uint32_t waiting = 0;
+    stack[waiting++] = from;
+    p->of_vertex[from] = p->count;
+    while (waiting > 0) {
+        uint32_t v = stack[--waiting];
+        for (uint32_t i = t->neighbour_start[v]; i < t->neighbour_start[v + 1]; ++i) {
+            uint32_t next = t->neighbour[i];
+            if (p->of_vertex[next] != UINT32_MAX)
+                continue;
+            p->of_vertex[next] = p->count;
+            stack[waiting++] = next;
+        }
+    }
+}
+
+static bool label_pieces(pieces *p, const mesh *m, const topology *t)
+{
+    size_t room = (size_t)m->vertex_count + 1;
+    uint32_t *stack = malloc(room * sizeof *stack);
+    p->of_vertex = malloc(room * sizeof *p->of_vertex);
+    if (!stack || !p->of_vertex) {
+        free(stack);
+        return false;
+    }
+    memset(p->of_vertex, 0xff, room * sizeof *p->of_vertex);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        if (p->of_vertex[v] != UINT32_MAX)
+            continue;
+        flood(p, stack, v, t);
+        p->count += 1;
+    }
+    free(stack);
+    return true;
+}
+
+static bool is_vertex_marked(const checking *c, uint32_t vertex)
+{
+    for (uint32_t b = 0; b < c->r->bone_count; ++b)
+        if (!isnan(c->marks->weight[(size_t)b * c->m->vertex_count + vertex]))
+            return true;
+    return false;
+}
+
+/* Six times the volume between the triangle and a point near the piece. */
+static double wedge(const mesh *m, uint32_t triangle, vec3 from)
+{
+    vec3 p[3];
+    for (size_t i = 0; i < 3; ++i)
+        p[i] = vec3_sub(rig_mirror_position(m, m->triangle[(size_t)triangle * 3 + i]), from);
+    return vec3_dot(p[0], vec3_cross(p[1], p[2]));
+}
+
+static void measure_pieces(pieces *p, const checking *c)
+{
+    float low[3], high[3];
+    mesh_bounds(c->m, low, high);
+    vec3 centre = {0.5 * ((double)low[0] + (double)high[0]),
+                   0.5 * ((double)low[1] + (double)high[1]),
+                   0.5 * ((double)low[2] + (double)high[2])};
+    for (uint32_t v = 0; v < c->m->vertex_count; ++v) {
+        uint32_t piece = p->of_vertex[v];
+        p->size[piece] += 1;
+        p->is_open[piece] = p->is_open[piece] || c->t->on_border[v];
+        p->is_marked[piece] = p->is_marked[piece] || (c->marks && is_vertex_marked(c, v));
+    }
+    for (uint32_t i = 0; i < c->m->triangle_count; ++i)
+        p->volume[p->of_vertex[c->m->triangle[(size_t)i * 3]]] += wedge(c->m, i, centre) / 6.0;
+}
+
+static bool pieces_make(pieces *p, const checking *c)
+{
+    *p = (pieces){0};
+    if (!label_pieces(p, c->m, c->t))
+        return false;
+    size_t room = (size_t)p->count + 1;
+    p->is_marked = calloc(room, sizeof *p->is_marked);
+    p->is_open = calloc(room, sizeof *p->is_open);
+    p->volume = calloc(room, sizeof *p->volume);
+    p->size = calloc(room, sizeof *p->size);
+    if (!p->is_marked || !p->is_open || !p->volume || !p->size)
+        return false;
+    measure_pieces(p, c);
+    return true;
+}
+
+/* ---- what is said of them ---- */
+
+static bool sounds_rigid(const char *name)
+{
+    static const char *const words[] = {"teeth", "tooth", "eye", "gum"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        if (strstr(name, words[i]))
+            return true;
+    return false;
+}
+
+static uint32_t count_unmarked(const checking *c, const pieces *p, const mesh_part *part)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < part->triangle_count; ++i) {
+        size_t corner = ((size_t)part->first_triangle + i) * 3;
+        count += !p->is_marked[p->of_vertex[c->m->triangle[corner]]];
+    }
+    return count;
+}
+
+static void check_unmarked(checking *c, const pieces *p)
+{
+    uint32_t shown = 0;
+    for (uint32_t i = 0; c->r->bone_count > 1 && i < c->m->part_count; ++i) {
+        const mesh_part *part = &c->m->part[i];
+        uint32_t count = count_unmarked(c, p, part);
+        if (count == 0 || shown == PARTS_SHOWN)
+            continue;
+        shown += 1;
+        report(c, sounds_rigid(part->name) ? RIG_WARNING : RIG_NOTE, "$.regions",
+               "no region marks %s of part \"%s\" (%u triangles): it rides on the nearest "
+               "surface that is marked",
+               count == part->triangle_count ? "anything" : "all pieces", part->name, count);
+    }
+}
+
+static uint32_t largest_piece(const pieces *p)
+{
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < p->count; ++i)
+        if (p->size[i] > p->size[best])
+            best = i;
+    return best;
+}
+
+/* Open pieces have no inside, but for the head itself. */
+static void check_inside_out(checking *c, const pieces *p)
+{
+    uint32_t head = largest_piece(p), closed = 0, example = 0;
+    for (uint32_t v = c->m->vertex_count; v-- > 0;) {
+        uint32_t piece = p->of_vertex[v];
+        if (piece != head && !p->is_open[piece] && p->volume[piece] < 0.0)
+            example = v;
+    }
+    for (uint32_t i = 0; i < p->count; ++i)
+        closed += i != head && !p->is_open[i] && p->volume[i] < 0.0;
+    if (p->count > 0 && p->volume[head] < 0.0)
+        report(c, RIG_WARNING, "$.mesh",
+               "the surface of the head faces inwards; flip its normals where it was modelled");
+    if (closed > 0)
+        report(c, RIG_WARNING, "$.mesh",
+               "%u closed piece%s (one has vertex %u) face%s inwards; flip the normals where it "
+               "was modelled",
+               closed, closed == 1 ? "" : "s", example, closed == 1 ? "s" : "");
+}
+
+/* ---- holes ---- */
+
+typedef struct hole {
+    double length_mm;
+    vec3 centre;
+    uint32_t vertex_count;
+} hole;
+
+static hole measure_hole(const checking *c, uint32_t loop)
+{
+    const topology *t = c->t;
+    uint32_t first = t->border_loop_start[loop], end = t->border_loop_start[loop + 1];
+    hole out = {.vertex_count = end - first};
+    for (uint32_t i = first; i < end; ++i) {
+        vec3 a = rig_mirror_position(c->m, t->border_vertex[i]);
+        vec3 b = rig_mirror_position(c->m, t->border_vertex[i + 1 < end ? i + 1 : first]);
+        out.length_mm += vec3_length(vec3_sub(a, b));
+        out.centre = vec3_add(out.centre, vec3_scale(a, 1.0 / (end - first)));
+    }
+    return out;
+}
+
+static int compare_holes(const void *left, const void *right)
+{
+    const hole *a = left, *b = right;
+    return a->length_mm > b->length_mm ? -1 : a->length_mm < b->length_mm;
+}
+
+static void check_holes(checking *c)
+{
+    uint32_t count = c->t->border_loop_count;
+    hole *all = malloc(((size_t)count + 1) * sizeof *all);
+    if (!all) {
+        c->is_out_of_memory = true;
+        return;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        all[i] = measure_hole(c, i);
+    qsort(all, count, sizeof *all, compare_holes);
+    for (uint32_t i = 0; i < count && i < HOLES_SHOWN; ++i)
+        report(c, RIG_NOTE, "$.mesh",
+               "an open border of %u vertices, %.0f mm long, around (%.0f, %.0f, %.0f) mm",
+               all[i].vertex_count, all[i].length_mm, all[i].centre.x, all[i].centre.y,
+               all[i].centre.z);
+    if (count > HOLES_SHOWN)
+        report(c, RIG_NOTE, "$.mesh", "and %u shorter open borders", count - HOLES_SHOWN);
+    free(all);
+}
+
+static void check_surface(checking *c)
+{
+    pieces p;
+    if (pieces_make(&p, c)) {
+        if (c->marks)
+            check_unmarked(c, &p);
+        check_inside_out(c, &p);
+    } else {
+        c->is_out_of_memory = true;
+    }
+    pieces_finish(&p);
+    check_holes(c);
+    if (c->t->rejected_count > 0)
+        report(c, RIG_NOTE, "$.mesh",
+               "%u triangles, %u the first, are degenerate or where more than two meet at an "
+               "edge: weights do not spread over them",
+               c->t->rejected_count, c->t->rejected_triangle[0]);
+}
+
+enum { FEW_CONTACTS = 8 }; /* fewer stand apart on purpose */
+static const double twin_reach_mm = 1e-4, mirror_reach_mm = 2.0, still = 0.02;
+
+/* ---- seams ---- */
+
+/* Marks: a vertex that is left free goes another way than one that is marked. */
+static bool marks_differ(const bind_marks *marks, const rig *r, const mesh *m, uint32_t a,
+                         uint32_t b)
+{
+    if (marks->rigid_bone[a] != marks->rigid_bone[b])
+        return true;
+    for (uint32_t bone = 0; bone < r->bone_count; ++bone) {
+        const float *row = marks->weight + (size_t)bone * m->vertex_count;
+        if (isnan(row[a]) != isnan(row[b]) || (!isnan(row[a]) && fabsf(row[a] - row[b]) > 0.02f))
+            return true;
+    }
+    return false;
+}
+
+static bool weights_differ(const binding *b, uint32_t first, uint32_t second)
+{
+    for (uint32_t bone = 0; bone < b->bone_count; ++bone) {
+        const float *row = b->weight + (size_t)bone * b->vertex_count;
+        if (fabsf(row[first] - row[second]) > 0.02f)
+            return true;
+    }
+    return false;
+}
+
+static bool are_twins(const mesh *m, uint32_t a, uint32_t b)
+{
+    vec3 d = vec3_sub(rig_mirror_position(m, a), rig_mirror_position(m, b));
+    return vec3_dot(d, d) < twin_reach_mm * twin_reach_mm;
+}
+
+static mrt_result check_seams(const rig *r, const mesh *m, const bind_marks *marks,
+                              const binding *b, error *err)
+{
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        const rig_contact *contact = &r->contact[i];
+        for (uint32_t v = 0; contact->bone == RIG_NONE && v < m->vertex_count; ++v) {
+            if (v == contact->vertex || !are_twins(m, v, contact->vertex))
+                continue;
+            if (b ? !weights_differ(b, v, contact->vertex)
+                  : !marks_differ(marks, r, m, v, contact->vertex))
+                continue;
+            rig_place place = rig_where(r, RIG_CONTACTS, i);
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "%s.vertex: the contact \"%s\" is on a seam: vertices %u and %u are "
+                             "at one place and ride on different bones; choose a vertex away from "
+                             "the seam, or name its bone",
+                             place.text, contact->name, contact->vertex, v);
+        }
+    }
+    return MRT_OK;
+}
+
+/* ---- mirrors ---- */
+
+static void check_side(checking *c, uint32_t index, const rig_place *place)
+{
+    const rig_contact *contact = &c->r->contact[index];
+    size_t length = strlen(contact->name);
+    const char *end = length > 2 ? contact->name + length - 2 : "";
+    double x = rig_mirror_position(c->m, contact->vertex).x;
+    x -= c->head ? c->head->middle_x : 0.0;
+    bool is_left = strcmp(end, ".l") == 0, is_right = strcmp(end, ".r") == 0;
+    if ((is_left && x < 0.0) || (is_right && x > 0.0))
+        report(c, RIG_WARNING, place->text,
+               "\"%s\" lies at x = %.1f mm, on the other side: +x is the subject's left",
+               contact->name, x);
+    if ((is_left || is_right) && contact->mirror == RIG_NONE)
+        report(c, RIG_NOTE, place->text, "\"%s\" has no mirror", contact->name);
+}
+
+static void check_mirror(checking *c, uint32_t index, const rig_place *place)
+{
+    const rig_contact *contact = &c->r->contact[index];
+    if (contact->mirror == RIG_NONE || contact->mirror < index)
+        return;
+    const rig_contact *other = &c->r->contact[contact->mirror];
+    double middle_x = c->head ? c->head->middle_x : 0.0, distance_mm;
+    vec3 image = rig_mirror_position(c->m, contact->vertex);
+    image.x = 2.0 * middle_x - image.x;
+    double off_mm = vec3_length(vec3_sub(image, rig_mirror_position(c->m, other->vertex)));
+    if (off_mm <= mirror_reach_mm)
+        return;
+    uint32_t better = rig_mirror_of(c->m, contact->vertex, middle_x, &distance_mm);
+    report(c, RIG_WARNING, place->text,
+           "\"%s\" and \"%s\" are %.1f mm from being mirror images; vertex %u is %.1f mm from it",
+           contact->name, other->name, off_mm, better, distance_mm);
+}
+
+/* ---- reach ---- */
+
+static void check_mobility(checking *c, uint32_t index, const rig_place *place)
+{
+    const rig_contact *contact = &c->r->contact[index];
+    uint32_t rigid_bone = c->marks->rigid_bone[contact->vertex];
+    if (rigid_bone != RIG_NONE) {
+        report(c, RIG_WARNING, place->text,
+               "\"%s\" cannot be pulled: vertex %u is rigid on \"%s\"; choose one on the skin",
+               contact->name, contact->vertex, c->r->bone[rigid_bone].name);
+        return;
+    }
+    float mobility =
+        c->binding ? c->binding->mobility[contact->vertex] : c->marks->mobility[contact->vertex];
+    if ((double)mobility < still)
+        report(c, RIG_WARNING, place->text,
+               "\"%s\" can hardly be pulled: the mobility of vertex %u is %.3f; choose one "
+               "further from what is rigid",
+               contact->name, contact->vertex, (double)mobility);
+}
+
+static double distance_between(const checking *c, uint32_t a, uint32_t b)
+{
+    return vec3_length(vec3_sub(rig_mirror_position(c->m, c->r->contact[a].vertex),
+                                rig_mirror_position(c->m, c->r->contact[b].vertex)));
+}
+
+static void check_spacing(checking *c)
+{
+    double sum = 0.0;
+    uint32_t count = c->r->contact_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        double nearest = (double)INFINITY;
+        for (uint32_t j = 0; j < count; ++j) {
+            if (j == i)
+                continue;
+            double mm = distance_between(c, i, j);
+            nearest = fmin(nearest, mm);
+            if (j < i || mm >= 1e-3 * c->radius_mm)
+                continue;
+            rig_place place = rig_where(c->r, RIG_CONTACTS, j);
+            report(c, RIG_WARNING, place.text,
+                   "\"%s\" is %.3g mm from \"%s\": below 1/1000 of the radius they count as one",
+                   c->r->contact[j].name, mm, c->r->contact[i].name);
+        }
+        sum += nearest;
+    }
+    if (count < FEW_CONTACTS || c->radius_mm >= 2.0 * sum / count)
+        return;
+    report(c, RIG_WARNING, "$.solver.radius_mm",
+           "a radius of %.1f mm is less than twice the %.1f mm between contacts: the skin dips "
+           "between them; %.0f mm would do",
+           c->radius_mm, sum / count, ceil(2.0 * sum / count));
+}
+
+static void check_contacts(checking *c)
+{
+    for (uint32_t i = 0; i < c->r->contact_count; ++i) {
+        rig_place place = rig_where(c->r, RIG_CONTACTS, i);
+        check_side(c, i, &place);
+        check_mirror(c, i, &place);
+        check_mobility(c, i, &place);
+    }
+    check_spacing(c);
+    if (c->r->contact_count == 0)
+        report(c, RIG_WARNING, "$.contacts", "there are none: nothing can be pulled by name");
+}
+
+/* ---- the jaw ---- */
+
+static const double degree_per_radian = 57.29577951308232;
+
+static uint32_t find_jaw(const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (r->bone[i].kind == BONE_JAW)
+            return i;
+    return RIG_NONE;
+}
+
+static mrt_result check_hinge(const rig *r, error *err)
+{
+    uint32_t jaw = find_jaw(r);
+    if (jaw == RIG_NONE || r->bone[jaw].hinge_left.x > r->bone[jaw].hinge_right.x)
+        return MRT_OK;
+    rig_place place = rig_where(r, RIG_BONES, jaw);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s.hinge: left lies at x = %.1f mm and right at %.1f mm; exchange them: +x "
+                     "is the subject's left",
+                     place.text, r->bone[jaw].hinge_left.x, r->bone[jaw].hinge_right.x);
+}
+
+/* Where heads have it (theory 4.2), with room for puppets: as shares of chin to top above the chin,
+ * and of back to front before the back. */
+static void check_axis(checking *c, const rig_bone *jaw, const rig_place *place)
+{
+    const rig_head *head = c->head;
+    vec3 middle = vec3_scale(vec3_add(jaw->hinge_left, jaw->hinge_right), 0.5);
+    double up = (middle.y - head->chin.y) / (head->top_y - head->chin.y);
+    double forward = (middle.z - head->back_z) / (head->nose.z - head->back_z);
+    bool is_usual = up > 0.22 && up < 0.55 && forward > 0.35 && forward < 0.68;
+    report(c, is_usual ? RIG_NOTE : RIG_WARNING, place->text,
+           "the axis lies at %.2f of the way from chin to top and %.2f of the way from back to "
+           "front%s",
+           up, forward,
+           is_usual ? "" : "; 0.25 to 0.45 and 0.45 to 0.6 are usual: just before the ears");
+    double aside = middle.x - head->middle_x;
+    if (fabs(aside) > 2.0)
+        report(c, RIG_WARNING, place->text,
+               "the middle of the axis is %.1f mm aside of the symmetry plane", aside);
+}
+
+/* The front edge of what is rigid on the jaw: the foremost vertex. */
+static bool find_incisor(vec3 *out, const checking *c, uint32_t jaw)
+{
+    bool found = c->r->bone[jaw].has_incisor;
+    *out = c->r->bone[jaw].incisor;
+    for (uint32_t v = 0; c->marks && !c->r->bone[jaw].has_incisor && v < c->m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(c->m, v);
+        if (c->marks->rigid_bone[v] != jaw || (found && p.z <= out->z))
+            continue;
+        *out = p;
+        found = true;
+    }
+    return found;
+}
+
+static void check_opening(checking *c, uint32_t jaw, const rig_place *place)
+{
+    vec3 incisor;
+    bones b;
+    error err = {""};
+    if (!find_incisor(&incisor, c, jaw)) {
+        report(c, RIG_NOTE, place->text,
+               "no vertex is rigid on the jaw and no \"incisor\" is given: millimetres of motion "
+               "are measured at a guess");
+        return;
+    }
+    if (bones_init(&b, c->r, incisor, &err) < 0) {
+        report(c, RIG_ERROR, place->text, "%s", err.text);
+        return;
+    }
+    const rig_bone *bone = &c->r->bone[jaw];
+    rigid motion = bones_jaw(&b, bone->open_max_rad, 0.0, 0.0);
+    double gap_mm = vec3_length(vec3_sub(rigid_apply(&motion, incisor), incisor));
+    double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
+    double usual_mm = 50.0 * head_mm / 225.0;
+    bool is_usual = gap_mm > 0.6 * usual_mm && gap_mm < 1.5 * usual_mm;
+    report(c, is_usual ? RIG_NOTE : RIG_WARNING, place->text,
+           "fully open (%.0f degrees) the incisors are %.1f mm apart%s%.0f mm would be usual for a "
+           "head of %.0f mm",
+           bone->open_max_rad * degree_per_radian, gap_mm, is_usual ? "; about " : "; ", usual_mm,
+           head_mm);
+}
+
+static void check_jaw(checking *c)
+{
+    uint32_t jaw = find_jaw(c->r);
+    if (jaw == RIG_NONE) {
+        report(c, RIG_NOTE, "$.bones", "no bone has a hinge: the mouth does not open");
+        return;
+    }
+    rig_place place = rig_where(c->r, RIG_BONES, jaw);
+    if (c->head)
+        check_axis(c, &c->r->bone[jaw], &place);
+    check_opening(c, jaw, &place);
+}
+
 /* ---- what makes it unusable ---- */
 
 mrt_result rig_validate(const rig *r, const mesh *m, const topology *t, error *err)
@@ -86,16 +650,16 @@ mrt_result rig_validate(const rig *r, const mesh *m, const topology *t, error *e
     mrt_result result = bind_marks_create(&marks, r, m, t, err);
     if (result < 0)
         return result;
-    result = rig_check_hinge(r, err);
+    result = check_hinge(r, err);
     if (result >= 0)
-        result = rig_check_seams(r, m, &marks, NULL, err);
+        result = check_seams(r, m, &marks, NULL, err);
     bind_marks_destroy(&marks);
     return result;
 }
 
 /* ---- everything ---- */
 
-static void note_lines(rig_checking *c, const char *note)
+static void note_lines(checking *c, const char *note)
 {
     while (note && *note) {
         size_t length = strcspn(note, "\n");
@@ -103,25 +667,25 @@ static void note_lines(rig_checking *c, const char *note)
         if (note[0] == '$' && colon && (size_t)(colon - note) < length) {
             char path[128];
             (void)snprintf(path, sizeof path, "%.*s", (int)(colon - note), note);
-            rig_find(c, RIG_NOTE, path, "%.*s", (int)(length - (size_t)(colon + 2 - note)),
-                     colon + 2);
+            report(c, RIG_NOTE, path, "%.*s", (int)(length - (size_t)(colon + 2 - note)),
+                   colon + 2);
         } else {
-            rig_find(c, RIG_NOTE, "$", "%.*s", (int)length, note);
+            report(c, RIG_NOTE, "$", "%.*s", (int)length, note);
         }
         note += length + (note[length] == '\n');
     }
 }
 
-static void check_unusable(rig_checking *c, bind_marks *marks)
+static void check_unusable(checking *c, bind_marks *marks)
 {
     error err = {""};
     if (bind_marks_create(marks, c->r, c->m, c->t, &err) < 0)
         find_error(c, &err);
     else
         c->marks = marks;
-    if (rig_check_hinge(c->r, &err) < 0)
+    if (check_hinge(c->r, &err) < 0)
         find_error(c, &err);
-    if (c->marks && rig_check_seams(c->r, c->m, c->marks, c->binding, &err) < 0)
+    if (c->marks && check_seams(c->r, c->m, c->marks, c->binding, &err) < 0)
         find_error(c, &err);
 }
 
@@ -138,21 +702,20 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
     bind_marks marks = {0};
     rig_head head;
     *out = (rig_findings){0};
-    rig_checking c = {.r = r, .m = m, .t = t, .binding = b, .out = out};
+    checking c = {.r = r, .m = m, .t = t, .binding = b, .out = out};
     c.radius_mm = r->solver.radius > 0.0 ? r->solver.radius : 0.25 * height_of(m);
     if (rig_head_measure(&head, m, NULL) >= 0)
         c.head = &head;
     check_unusable(&c, &marks);
-    rig_check_size(&c);
-    rig_check_mesh_hash(&c);
-    rig_check_symmetry(&c);
-    rig_check_surface(&c);
+    check_size(&c);
+    check_mesh_hash(&c);
+    check_symmetry(&c);
+    check_surface(&c);
     if (c.marks)
-        rig_check_contacts(&c);
-    rig_check_jaw(&c);
+        check_contacts(&c);
+    check_jaw(&c);
     if (!c.marks)
-        rig_find(&c, RIG_NOTE, "$.regions",
-                 "contacts and parts are checked once this has no errors");
+        report(&c, RIG_NOTE, "$.regions", "contacts and parts are checked once this has no errors");
     note_lines(&c, r->note);
     bind_marks_destroy(&marks);
     sort_by_severity(out);

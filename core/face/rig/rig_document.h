@@ -6,7 +6,64 @@
 #define MAROTTE_FACE_RIG_DOCUMENT_H
 #include "base/budget.h"
 #include "face/rig.h"
-#include "face/rig/rig_json.h"
+
+#include <jansson.h>
+
+/* ---- values, with their place in the file: every message can say "$.contacts[3].vertex" ---- */
+
+enum { RIG_PLACE_TEXT = 256, RIG_NAME_MAX = 63, RIG_WORD_TEXT = 64 };
+
+typedef struct rig_place {
+    char text[RIG_PLACE_TEXT]; /* "$.bones[2].hinge", or "base.rig.json: $.bones[2].hinge" */
+} rig_place;
+
+typedef struct rig_node {
+    const json_t *value; /* NULL: there is none at this place */
+    rig_place place;
+} rig_node;
+
+/* About how many bytes the values of a text take once they are parsed. */
+size_t rig_json_memory(const void *data, size_t size);
+
+rig_node rig_json_member(const rig_node *of, const char *key);
+rig_node rig_json_item(const rig_node *of, size_t index);
+
+/* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
+mrt_result rig_json_unexpected(error *err, const rig_node *at, const char *expected);
+
+CHECKED mrt_result rig_json_object(const rig_node *at, const char *expected, error *err);
+/* An array of at most item_cap. */
+CHECKED mrt_result rig_json_array(const rig_node *at, const char *expected, size_t item_cap,
+                                  error *err);
+/* low <= value <= high. */
+CHECKED mrt_result rig_json_number(double *out, const rig_node *at, double low, double high,
+                                   error *err);
+CHECKED mrt_result rig_json_flag(bool *out, const rig_node *at, error *err);
+CHECKED mrt_result rig_json_index(uint32_t *out, const rig_node *at, error *err);
+/* Three numbers within +-1e6, times `scale`. */
+CHECKED mrt_result rig_json_point(vec3 *out, const rig_node *at, double scale, error *err);
+/* 1..length_max bytes that can be shown (text_is_printable); a copy to be freed. */
+CHECKED mrt_result rig_json_text(char **out, const rig_node *at, const char *expected,
+                                 size_t length_max, error *err);
+
+/* As above for what may be absent: `out` keeps its value then. */
+CHECKED mrt_result rig_json_optional_number(double *out, const rig_node *of, const char *key,
+                                            double low, double high, error *err);
+CHECKED mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const rig_node *of,
+                                           const char *key, double scale, error *err);
+
+/* Appends a line "PLACE.key: ..." to the note for every key that is not in the NULL-ended list. */
+void rig_json_note_unknown(char **note, const rig_node *object, const char *const *known);
+/* Appends one line; beyond 8 KiB nothing more. */
+__attribute__((format(printf, 2, 3))) void rig_note(char **note, const char *format, ...);
+
+/* Bytes from somebody else, for a message: what does not print becomes '?'. */
+typedef struct rig_word {
+    char text[RIG_WORD_TEXT];
+} rig_word;
+rig_word rig_word_of(const char *text);
+
+/* ---- files ---- */
 
 typedef enum rig_section {
     RIG_BONES = 0,
@@ -67,38 +124,16 @@ const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index);
  * will be written where it was changed. */
 rig_place rig_where(const rig *r, rig_section section, uint32_t index);
 
-/* Steps of reading, each with its own file; all leave `r` such that rig_destroy frees it. */
-CHECKED mrt_result rig_fill(rig *r, rig_document *d, error *err); /* rig_parse.c */
-/* rig_parse_bone.c: fills r->bone, whose memory is there. */
-CHECKED mrt_result rig_fill_bones(rig *r, rig_document *d, error *err);
+/* ---- what reading, writing and changing share ---- */
+
+/* All of `r`; on error it is left such that rig_destroy frees it. */
+CHECKED mrt_result rig_fill(rig *r, rig_document *d, error *err);
 extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says none */
-/* rig_parse_pose.c: as above, for poses and contact sets. */
-CHECKED mrt_result rig_fill_poses(rig *r, rig_document *d, error *err);
-CHECKED mrt_result rig_fill_contact_sets(rig *r, rig_document *d, error *err);
-/* rig_parse_select.c */
-typedef struct rig_selecting {
-    double mm_per_unit; /* of the file that the selector is in */
-    char **note;
-    uint32_t depth, node_count;   /* of all selectors so far: they are bounded */
-    const rig_document *document; /* whose paints are taken; NULL: only their names */
-    budget *budget;
-} rig_selecting;
-CHECKED mrt_result rig_select_parse(rig_select *out, const rig_node *at, rig_selecting *s,
+/* A selector alone, to be finished also on error; of what is painted only the name. */
+CHECKED mrt_result rig_select_parse(rig_select *out, const rig_node *at, double mm_per_unit,
                                     error *err);
 void rig_select_finish(rig_select *select);
-/* rig_write_select.c: a new JSON value; NULL: no memory. */
-json_t *rig_select_to_json(const rig_select *select, double mm_per_unit);
-bool rig_select_equals(const rig_select *a, const rig_select *b); /* of paints: the name */
-/* rig_write_paints.c: puts "paints" into the root of the file that is written: what the rig's
- * selectors say. */
-CHECKED mrt_result rig_write_paints(json_t *root, const rig *r, error *err);
-/* rig_write_entry.c: entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its
- * source (NULL: none), whose file has source_mm_per_unit, in which only what differs is changed.
- * NULL: no memory. */
-json_t *rig_entry_to_json(const rig *r, rig_section section, uint32_t index, const json_t *source,
-                          double source_mm_per_unit, double mm_per_unit);
-/* A whole number without a point. */
-json_t *rig_number_to_json(double value);
+json_t *rig_number_to_json(double value); /* a whole number without a point */
 json_t *rig_point_to_json(vec3 point, double mm_per_unit);
 vec3 rig_round_axis(vec3 axis); /* as a file has it: to 1e-6, no longer quite of length 1 */
 

@@ -1,32 +1,84 @@
 #include "face/rig_edit.h"
 
+#include "base/angle.h"
 #include "face/rig/rig_document.h"
-#include "face/rig/rig_edit_parts.h"
 #include "face/rig/rig_paint.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+enum { ENTRIES_MAX = 1024 }; /* as the reader lets a file have */
+
+/* ---- what a hand can mean: 0.01 mm, 0.01 degrees, shares of 0.001 ---- */
+
+static const double steps_per_mm = 100.0, steps_per_degree = 100.0, steps_per_share = 1000.0,
+                    steps_per_unit = 1e6;
+static const double degree = ANGLE_PI / 180.0;
+
+static const vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
+
+static bool is_same_number(double a, double b)
+{
+    return a >= b && a <= b;
+}
+
+static double round_to(double value, double steps, double before)
+{
+    return is_same_number(value, before) ? before : floor(value * steps + 0.5) / steps;
+}
+
+static double round_mm(double mm, double before)
+{
+    return round_to(mm, steps_per_mm, before);
+}
+
+static double round_rad(double rad, double before)
+{
+    return is_same_number(rad, before)
+               ? before
+               : degree * round_to(rad / degree, steps_per_degree, (double)NAN);
+}
+
+static double round_share(double share, double before)
+{
+    return isnan(share) ? share : round_to(share, steps_per_share, before);
+}
+
+static vec3 round_place(vec3 mm, vec3 before)
+{
+    return (vec3){round_mm(mm.x, before.x), round_mm(mm.y, before.y), round_mm(mm.z, before.z)};
+}
+
+vec3 rig_round_axis(vec3 axis)
+{
+    return (vec3){floor(axis.x * steps_per_unit + 0.5) / steps_per_unit,
+                  floor(axis.y * steps_per_unit + 0.5) / steps_per_unit,
+                  floor(axis.z * steps_per_unit + 0.5) / steps_per_unit};
+}
+
+/* ---- regions ---- */
+
 enum { PATH_TEXT = 512 };
 
-mrt_result rig_edit_no_memory(error *err)
+static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory to change the rig");
 }
 
-mrt_result rig_edit_rename(char **out, const char *name, error *err)
+static mrt_result replace_name(char **out, const char *name, error *err)
 {
     char *copy = strdup(name);
     if (!copy)
-        return rig_edit_no_memory(err);
+        return no_memory(err);
     free(*out);
     *out = copy;
     return MRT_OK;
 }
 
-mrt_result rig_edit_check_name(const char *name, error *err)
+static mrt_result check_name(const char *name, error *err)
 {
     size_t length = name ? strlen(name) : 0;
     for (size_t i = 0; i < length; ++i)
@@ -101,7 +153,7 @@ static mrt_result check_says(const rig *r, const rig_edit_says *says, error *err
 
 static mrt_result check_region_name(const rig *r, uint32_t index, const char *name, error *err)
 {
-    mrt_result result = rig_edit_check_name(name, err);
+    mrt_result result = check_name(name, err);
     uint32_t other = result < 0 ? RIG_NONE : rig_edit_find_region(r, name);
     if (other != RIG_NONE && other != index)
         return error_set(err, MRT_ERR_ARGUMENT,
@@ -121,8 +173,8 @@ static void set_says(rig_region *region, const rig_edit_says *says)
 {
     region->bone = says->bone;
     region->is_rigid = says->is_rigid;
-    region->weight = rig_edit_round_share(says->weight, region->weight);
-    region->mobility = rig_edit_round_share(says->mobility, region->mobility);
+    region->weight = round_share(says->weight, region->weight);
+    region->mobility = round_share(says->mobility, region->mobility);
 }
 
 mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,
@@ -134,17 +186,16 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
         result = check_region_name(r, RIG_NONE, name, err);
     if (result < 0)
         return result;
-    if (r->region_count >= RIG_EDIT_ENTRIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d regions",
-                         RIG_EDIT_ENTRIES_MAX);
+    if (r->region_count >= ENTRIES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d regions", ENTRIES_MAX);
     rig_region *grown = realloc(r->region, (r->region_count + 2u) * sizeof *grown);
     if (!grown)
-        return rig_edit_no_memory(err);
+        return no_memory(err);
     r->region = grown;
     rig_region made = {.select = {.kind = SELECT_VERTICES}};
     made.name = has_name ? strdup(name) : NULL;
     if (has_name && !made.name)
-        return rig_edit_no_memory(err);
+        return no_memory(err);
     set_says(&made, says);
     r->region[r->region_count] = made;
     *out_index = r->region_count;
@@ -194,7 +245,7 @@ mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error 
         return result;
     char *copy = has_name ? strdup(name) : NULL;
     if (has_name && !copy)
-        return rig_edit_no_memory(err);
+        return no_memory(err);
     free(r->region[index].name);
     r->region[index].name = copy;
     return MRT_OK;
@@ -288,7 +339,7 @@ mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value, uint32_t
         made.name = strdup(name);
         if (!made.name) {
             rig_select_finish(&made);
-            return rig_edit_no_memory(err);
+            return no_memory(err);
         }
     } else {
         free(made.value);
@@ -298,4 +349,1129 @@ mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value, uint32_t
     r->region[index].select = made;
     place_regions(r);
     return MRT_OK;
+}
+
+/* ---- the jaw ---- */
+
+static const double coordinate_cap = 1e6, least_width_mm = 2.0, farthest_mm = 1e4,
+                    widest_rad = ANGLE_PI / 2.0;
+
+void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
+{
+    const rig_bone *jaw = &r->bone[bone];
+    *out = (rig_edit_jaw){.left = jaw->hinge_left,
+                          .right = jaw->hinge_right,
+                          .incisor = jaw->incisor,
+                          .has_incisor = jaw->has_incisor,
+                          .open_min_rad = jaw->open_min_rad,
+                          .open_max_rad = jaw->open_max_rad,
+                          .lateral_mm = jaw->lateral_mm,
+                          .forward_mm = jaw->forward_mm,
+                          .slide_mm = jaw->slide_mm};
+}
+
+static bool is_place(vec3 p)
+{
+    return fabs(p.x) <= coordinate_cap && fabs(p.y) <= coordinate_cap &&
+           fabs(p.z) <= coordinate_cap;
+}
+
+static bool is_way(double mm)
+{
+    return mm >= 0.0 && mm <= farthest_mm;
+}
+
+static mrt_result check_jaw(const rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err)
+{
+    if (bone >= r->bone_count || r->bone[bone].kind != BONE_JAW)
+        return error_set(err, MRT_ERR_ARGUMENT, "there is no jaw to change");
+    if (!is_place(jaw->left) || !is_place(jaw->right) || !is_place(jaw->incisor))
+        return error_set(err, MRT_ERR_ARGUMENT, "the jaw's axis is too far away");
+    if (!(jaw->left.x - jaw->right.x >= least_width_mm))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the left end of the jaw's axis must be %.0f mm or more to the left of "
+                         "the right one",
+                         least_width_mm);
+    if (!(jaw->open_min_rad <= 0.0 && jaw->open_min_rad >= -widest_rad) ||
+        !(jaw->open_max_rad > 0.0 && jaw->open_max_rad <= widest_rad) || !is_way(jaw->lateral_mm) ||
+        !is_way(jaw->forward_mm) || !is_way(jaw->slide_mm))
+        return error_set(err, MRT_ERR_ARGUMENT, "the jaw's limits are not possible");
+    return MRT_OK;
+}
+
+mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err)
+{
+    mrt_result result = check_jaw(r, bone, jaw, err);
+    if (result < 0)
+        return result;
+    rig_bone *to = &r->bone[bone];
+    to->hinge_left = round_place(jaw->left, to->hinge_left);
+    to->hinge_right = round_place(jaw->right, to->hinge_right);
+    to->incisor = round_place(jaw->incisor, to->has_incisor ? to->incisor : nowhere);
+    to->has_incisor = jaw->has_incisor;
+    to->open_min_rad = round_rad(jaw->open_min_rad, to->open_min_rad);
+    to->open_max_rad = round_rad(jaw->open_max_rad, to->open_max_rad);
+    to->lateral_mm = round_mm(jaw->lateral_mm, to->lateral_mm);
+    to->forward_mm = round_mm(jaw->forward_mm, to->forward_mm);
+    to->slide_mm = round_mm(jaw->slide_mm, to->slide_mm);
+    return MRT_OK;
+}
+
+/* ---- bones ---- */
+
+enum { BONE_NAME_MAX = RIG_NAME_MAX - 8 }; /* with ".lateral" behind it a name of its own */
+static const double least_half_mm = 1.0, most_half_mm = 1e6;
+static const double up_and_down_rad = 25.0 * ANGLE_PI / 180.0,
+                    to_the_sides_rad = 35.0 * ANGLE_PI / 180.0;
+
+static mrt_result check_bone(const rig *r, uint32_t index, error *err)
+{
+    return index < r->bone_count ? MRT_OK
+                                 : error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", index);
+}
+
+static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_name(name, err);
+    if (result >= 0 && strlen(name) > BONE_NAME_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "the name of a bone has at most %d letters",
+                         BONE_NAME_MAX);
+    uint32_t other = result < 0 ? RIG_NONE : rig_find_bone(r, name);
+    if (other != RIG_NONE && other != index)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "another bone is called \"%s\"; choose another name", name);
+    return result;
+}
+
+/* ---- added ---- */
+
+static uint32_t count_dofs(const rig *r)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        count += r->bone[i].kind == BONE_JAW ? 3 : r->bone[i].turn_count;
+    return count;
+}
+
+static bool has_jaw(const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (r->bone[i].kind == BONE_JAW)
+            return true;
+    return false;
+}
+
+static mrt_result check_new_bone(const rig *r, rig_bone_kind kind, vec3 at, double half_mm,
+                                 error *err)
+{
+    const uint32_t moves = kind == BONE_JAW ? 3 : kind == BONE_BALL ? 2 : 0;
+    if (r->bone_count >= RIG_BONES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d bones", RIG_BONES_MAX);
+    if (kind == BONE_JAW && has_jaw(r))
+        return error_set(err, MRT_ERR_UNSUPPORTED, "there is a jaw already; a face has one");
+    if (count_dofs(r) + moves > MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the bones of a rig move in at most %d ways; take one out first",
+                         MRT_MAX_DOFS);
+    if (!is_place(at) || !(half_mm >= least_half_mm && half_mm <= most_half_mm))
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone is too far away, or too small");
+    return MRT_OK;
+}
+
+static void make_jaw(rig_bone *out, vec3 at, double half_mm)
+{
+    const vec3 half = {half_mm, 0.0, 0.0};
+    out->hinge_left = round_place(vec3_add(at, half), nowhere);
+    out->hinge_right = round_place(vec3_sub(at, half), nowhere);
+    out->open_max_rad = rig_adult_jaw.open_max_rad;
+    out->lateral_mm = rig_adult_jaw.lateral_mm;
+    out->forward_mm = rig_adult_jaw.forward_mm;
+    out->slide_mm = rig_adult_jaw.slide_mm;
+}
+
+static void make_ball(rig_bone *out, vec3 at, double half_mm)
+{
+    out->centre = round_place(at, nowhere);
+    out->radius_mm = round_mm(half_mm, nowhere.x);
+    out->turn[0] = (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad};
+    out->turn[1] = (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
+    out->turn_count = 2;
+}
+
+static void finish_bone(rig_bone *bone)
+{
+    free(bone->name);
+    for (uint32_t k = 0; k < RIG_TURNS_MAX; ++k)
+        free(bone->turn[k].name);
+    *bone = (rig_bone){0};
+}
+
+mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 at, double half_mm,
+                             uint32_t *out_index, error *err)
+{
+    mrt_result result = check_bone_name(r, RIG_NONE, name, err);
+    if (result >= 0)
+        result = check_new_bone(r, kind, at, half_mm, err);
+    if (result < 0)
+        return result;
+    rig_bone made = {.name = strdup(name), .kind = kind, .parent = 0};
+    if (kind == BONE_JAW)
+        make_jaw(&made, at, half_mm);
+    if (kind == BONE_BALL)
+        make_ball(&made, at, half_mm);
+    bool has_names = made.name && (kind != BONE_BALL || (made.turn[0].name && made.turn[1].name));
+    if (!has_names) {
+        finish_bone(&made);
+        return no_memory(err);
+    }
+    *out_index = r->bone_count;
+    r->bone[r->bone_count++] = made; /* there is room for RIG_BONES_MAX */
+    return MRT_OK;
+}
+
+/* ---- taken out ---- */
+
+static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
+{
+    if (bone == RIG_NONE)
+        return RIG_NONE;
+    if (bone == removed)
+        bone = heir;
+    return bone > removed ? bone - 1 : bone;
+}
+
+static void give_to_heir(rig *r, uint32_t removed, uint32_t heir)
+{
+    for (uint32_t i = 0; i < r->region_count; ++i)
+        r->region[i].bone = heir_of(r->region[i].bone, removed, heir);
+    for (uint32_t i = 0; i < r->contact_count; ++i)
+        r->contact[i].bone = heir_of(r->contact[i].bone, removed, heir);
+    for (uint32_t i = 0; i < r->proxy_count; ++i)
+        r->proxy[i].bone = heir_of(r->proxy[i].bone, removed, heir);
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        r->bone[i].parent = heir_of(r->bone[i].parent, removed, heir);
+}
+
+/* What is behind the bone's name in that of one of its ways to move; NULL: another bone's. */
+static const char *motion_of(const char *dof, const char *bone)
+{
+    const size_t length = strlen(bone);
+    return strncmp(dof, bone, length) == 0 && dof[length] == '.' ? dof + length + 1 : NULL;
+}
+
+static void take_bone_out_of_pose(rig_pose *pose, const char *bone)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < pose->dof_count; ++i) {
+        if (motion_of(pose->dof_name[i], bone)) {
+            free(pose->dof_name[i]);
+            continue;
+        }
+        pose->dof_name[kept] = pose->dof_name[i];
+        pose->dof_value[kept++] = pose->dof_value[i];
+    }
+    pose->dof_count = kept;
+}
+
+static mrt_result check_stays(const rig *r, uint32_t index, error *err)
+{
+    mrt_result result = check_bone(r, index, err);
+    if (result >= 0 && (index == 0 || strcmp(r->bone[index].name, "skull") == 0))
+        return error_set(err, MRT_ERR_UNSUPPORTED, "the bone \"%s\" carries the face: it stays",
+                         r->bone[index].name);
+    return result;
+}
+
+mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
+{
+    mrt_result result = check_stays(r, index, err);
+    if (result < 0)
+        return result;
+    const uint32_t parent = r->bone[index].parent;
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        take_bone_out_of_pose(&r->pose[i], r->bone[index].name);
+    give_to_heir(r, index, parent == RIG_NONE ? 0 : parent);
+    finish_bone(&r->bone[index]);
+    memmove(&r->bone[index], &r->bone[index + 1], (r->bone_count - index - 1) * sizeof *r->bone);
+    r->bone_count -= 1;
+    r->bone[r->bone_count] = (rig_bone){0};
+    return MRT_OK;
+}
+
+/* ---- one of them ---- */
+
+static uint32_t count_moves(const rig *r, const char *bone)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k)
+            count += motion_of(r->pose[i].dof_name[k], bone) != NULL;
+    return count;
+}
+
+/* Makes the new names, or puts those that were made into the poses, in the same order. Returns how
+ * many. */
+static uint32_t visit_moves(rig *r, const char *before, const char *name, char **made, bool is_made)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k) {
+            char text[2 * RIG_NAME_MAX + 2];
+            const char *motion = motion_of(r->pose[i].dof_name[k], before);
+            if (!motion)
+                continue;
+            if (is_made) {
+                free(r->pose[i].dof_name[k]);
+                r->pose[i].dof_name[k] = made[count++];
+                continue;
+            }
+            (void)snprintf(text, sizeof text, "%s.%s", name, motion);
+            made[count] = strdup(text);
+            if (!made[count++])
+                return count - 1;
+        }
+    return count;
+}
+
+/* All names are made before any is put in: on error nothing has changed. */
+static mrt_result rename_bone_in_poses(rig *r, const char *before, const char *name, error *err)
+{
+    const uint32_t wanted = count_moves(r, before);
+    char **made = calloc(wanted + 1u, sizeof *made);
+    uint32_t count = made ? visit_moves(r, before, name, made, false) : 0;
+    mrt_result result = made && count == wanted ? MRT_OK : no_memory(err);
+    if (result >= 0)
+        (void)visit_moves(r, before, name, made, true);
+    for (uint32_t i = 0; result < 0 && i < count; ++i)
+        free(made[i]);
+    free(made);
+    return result;
+}
+
+static mrt_result check_turn_names(const rig_bone *bone, const char *name, error *err)
+{
+    for (uint32_t i = 0; i < bone->turn_count; ++i)
+        if (strlen(name) + 1 + strlen(bone->turn[i].name) > RIG_NAME_MAX)
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "\"%s.%s\" is longer than %d letters; choose a shorter name", name,
+                             bone->turn[i].name, RIG_NAME_MAX);
+    return MRT_OK;
+}
+
+mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_stays(r, index, err);
+    if (result >= 0)
+        result = check_bone_name(r, index, name, err);
+    if (result >= 0)
+        result = check_turn_names(&r->bone[index], name, err);
+    char *copy = result < 0 ? NULL : strdup(name);
+    if (result >= 0 && !copy)
+        return no_memory(err);
+    if (result >= 0)
+        result = rename_bone_in_poses(r, r->bone[index].name, name, err);
+    if (result < 0) {
+        free(copy);
+        return result;
+    }
+    free(r->bone[index].name);
+    r->bone[index].name = copy;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm, error *err)
+{
+    mrt_result result = check_bone(r, index, err);
+    if (result < 0)
+        return result;
+    if (r->bone[index].kind != BONE_BALL)
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[index].name);
+    if (!is_place(centre) || !(radius_mm >= 0.0 && radius_mm <= most_half_mm))
+        return error_set(err, MRT_ERR_ARGUMENT, "the ball is too far away, or too large");
+    rig_bone *to = &r->bone[index];
+    to->centre = round_place(centre, to->centre);
+    to->radius_mm = round_mm(radius_mm, to->radius_mm);
+    return MRT_OK;
+}
+
+mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err)
+{
+    mrt_result result = check_stays(r, index, err);
+    if (result < 0)
+        return result;
+    if (parent != RIG_NONE && parent >= index)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the bone \"%s\" can ride on one that is listed before it",
+                         r->bone[index].name);
+    r->bone[index].parent = parent;
+    return MRT_OK;
+}
+
+/* ---- turns of balls ---- */
+
+static const double least_axis = 1e-6, farthest_rad = ANGLE_PI;
+
+/* ---- what may be ---- */
+
+static mrt_result check_ball(const rig *r, uint32_t bone, error *err)
+{
+    mrt_result result = check_bone(r, bone, err);
+    if (result >= 0 && r->bone[bone].kind != BONE_BALL)
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[bone].name);
+    return result;
+}
+
+static mrt_result check_turn_index(const rig *r, uint32_t bone, uint32_t turn, error *err)
+{
+    mrt_result result = check_ball(r, bone, err);
+    if (result >= 0 && turn >= r->bone[bone].turn_count)
+        return error_set(err, MRT_ERR_ARGUMENT, "the ball \"%s\" has no turn %u",
+                         r->bone[bone].name, turn);
+    return result;
+}
+
+static mrt_result check_turn_name(const rig_bone *ball, uint32_t turn, const char *name, error *err)
+{
+    mrt_result result = check_name(name, err);
+    if (result < 0)
+        return result;
+    if (strlen(ball->name) + 1 + strlen(name) > RIG_NAME_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "\"%s.%s\" is longer than %d letters; choose a shorter name", ball->name,
+                         name, RIG_NAME_MAX);
+    for (uint32_t i = 0; i < ball->turn_count; ++i)
+        if (i != turn && strcmp(ball->turn[i].name, name) == 0)
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "another turn is called \"%s\"; choose another name", name);
+    return MRT_OK;
+}
+
+/* Around the rest, and some way: as the reader has it. */
+static mrt_result check_way(const rig_turn *turn, error *err)
+{
+    const double length = vec3_length(turn->axis);
+    if (!(length > least_axis && length <= 1e6))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the turn needs an axis: a direction that is not 0");
+    if (!(turn->min_rad >= -farthest_rad && turn->min_rad <= 0.0 && turn->max_rad >= 0.0 &&
+          turn->max_rad <= farthest_rad))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "a turn goes from -180..0 to 0..180 degrees: 0 is the pose of the mesh");
+    if (!(turn->min_rad < turn->max_rad))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the turn goes nowhere; give one of its limits some degrees");
+    return MRT_OK;
+}
+
+static vec3 axis_of(vec3 axis)
+{
+    const vec3 unit = vec3_normalised(axis, (vec3){1.0, 0.0, 0.0});
+    return vec3_normalised(rig_round_axis(unit), unit);
+}
+
+static bool is_same_axis(vec3 a, vec3 b)
+{
+    return !(vec3_length(vec3_sub(a, b)) > 1e-12);
+}
+
+/* As it will be read again. */
+static mrt_result round_turn(rig_turn *out, const rig_turn *turn, const rig_turn *before,
+                             error *err)
+{
+    mrt_result result = check_way(turn, err);
+    if (result < 0)
+        return result;
+    *out = *turn;
+    out->axis = is_same_axis(turn->axis, before->axis) ? before->axis : axis_of(turn->axis);
+    out->min_rad = round_rad(turn->min_rad, before->min_rad);
+    out->max_rad = round_rad(turn->max_rad, before->max_rad);
+    return check_way(out, err);
+}
+
+/* ---- names in poses ---- */
+
+static bool is_dof(const char *dof, const char *bone, const char *turn)
+{
+    const size_t length = strlen(bone);
+    return strncmp(dof, bone, length) == 0 && dof[length] == '.' &&
+           strcmp(dof + length + 1, turn) == 0;
+}
+
+static uint32_t place_in(const rig_pose *pose, const char *bone, const char *turn)
+{
+    uint32_t i = 0;
+    while (i < pose->dof_count && !is_dof(pose->dof_name[i], bone, turn))
+        i += 1;
+    return i;
+}
+
+static void forget_in_poses(rig *r, const char *bone, const char *turn)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i) {
+        rig_pose *pose = &r->pose[i];
+        const uint32_t at = place_in(pose, bone, turn);
+        if (at == pose->dof_count)
+            continue;
+        free(pose->dof_name[at]);
+        pose->dof_count -= 1;
+        for (uint32_t k = at; k < pose->dof_count; ++k) {
+            pose->dof_name[k] = pose->dof_name[k + 1];
+            pose->dof_value[k] = pose->dof_value[k + 1];
+        }
+    }
+}
+
+/* All names are made before any is put in: on error nothing has changed. */
+static mrt_result rename_turn_in_poses(rig *r, const char *bone, const char *turn, const char *name,
+                                       error *err)
+{
+    char text[2 * RIG_NAME_MAX + 2];
+    char **made = calloc(r->pose_count + 1u, sizeof *made);
+    bool has_all = made != NULL;
+    (void)snprintf(text, sizeof text, "%s.%s", bone, name);
+    for (uint32_t i = 0; has_all && i < r->pose_count; ++i) {
+        if (place_in(&r->pose[i], bone, turn) == r->pose[i].dof_count)
+            continue;
+        made[i] = strdup(text);
+        has_all = made[i] != NULL;
+    }
+    for (uint32_t i = 0; made && i < r->pose_count; ++i) {
+        if (has_all && made[i]) {
+            char **dof = &r->pose[i].dof_name[place_in(&r->pose[i], bone, turn)];
+            char *old = *dof;
+            *dof = made[i];
+            made[i] = old;
+        }
+        free(made[i]);
+    }
+    free(made);
+    return has_all ? MRT_OK : no_memory(err);
+}
+
+/* ---- changes ---- */
+
+mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn, uint32_t *out_index,
+                             error *err)
+{
+    const rig_turn none = {NULL, {0.0, 0.0, 0.0}, (double)NAN, (double)NAN};
+    rig_turn made;
+    mrt_result result = check_ball(r, bone, err);
+    if (result < 0)
+        return result;
+    rig_bone *ball = &r->bone[bone];
+    if (ball->turn_count >= RIG_TURNS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has at most %d turns", RIG_TURNS_MAX);
+    if (count_dofs(r) >= MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the bones of a rig move in at most %d ways; take one out first",
+                         MRT_MAX_DOFS);
+    result = check_turn_name(ball, RIG_NONE, turn->name, err);
+    if (result >= 0)
+        result = round_turn(&made, turn, &none, err);
+    if (result < 0)
+        return result;
+    made.name = strdup(turn->name);
+    if (!made.name)
+        return no_memory(err);
+    *out_index = ball->turn_count;
+    ball->turn[ball->turn_count++] = made;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err)
+{
+    mrt_result result = check_turn_index(r, bone, turn, err);
+    if (result < 0)
+        return result;
+    rig_bone *ball = &r->bone[bone];
+    if (ball->turn_count == 1)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has one turn at least: this one stays");
+    forget_in_poses(r, ball->name, ball->turn[turn].name);
+    free(ball->turn[turn].name);
+    memmove(&ball->turn[turn], &ball->turn[turn + 1],
+            (ball->turn_count - turn - 1) * sizeof *ball->turn);
+    ball->turn_count -= 1;
+    ball->turn[ball->turn_count] = (rig_turn){0};
+    return MRT_OK;
+}
+
+mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_turn *to, error *err)
+{
+    rig_turn made;
+    mrt_result result = check_turn_index(r, bone, turn, err);
+    if (result < 0)
+        return result;
+    rig_bone *ball = &r->bone[bone];
+    rig_turn *there = &ball->turn[turn];
+    result = check_turn_name(ball, turn, to->name, err);
+    if (result >= 0)
+        result = round_turn(&made, to, there, err);
+    if (result < 0)
+        return result;
+    made.name = strdup(to->name);
+    result = made.name ? rename_turn_in_poses(r, ball->name, there->name, made.name, err)
+                       : no_memory(err);
+    if (result < 0) {
+        free(made.name);
+        return result;
+    }
+    free(there->name);
+    *there = made;
+    return MRT_OK;
+}
+
+/* ---- contacts ---- */
+
+static mrt_result check_contact_index(const rig *r, uint32_t index, error *err)
+{
+    return index < r->contact_count
+               ? MRT_OK
+               : error_set(err, MRT_ERR_ARGUMENT, "there is no contact %u", index);
+}
+
+static mrt_result check_contact_name(const rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_name(name, err);
+    uint32_t other = result < 0 ? RIG_NONE : rig_find_contact(r, name);
+    if (other != RIG_NONE && other != index)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "another contact is called \"%s\"; choose another name", name);
+    return result;
+}
+
+mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex, uint32_t *out_index,
+                                error *err)
+{
+    mrt_result result = check_contact_name(r, RIG_NONE, name, err);
+    if (result < 0)
+        return result;
+    if (r->contact_count >= ENTRIES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d contacts", ENTRIES_MAX);
+    rig_contact *grown = realloc(r->contact, (r->contact_count + 2u) * sizeof *grown);
+    if (!grown)
+        return no_memory(err);
+    r->contact = grown;
+    char *copy = strdup(name);
+    if (!copy)
+        return no_memory(err);
+    r->contact[r->contact_count] =
+        (rig_contact){.name = copy, .bone = RIG_NONE, .vertex = vertex, .mirror = RIG_NONE};
+    *out_index = r->contact_count;
+    r->contact_count += 1;
+    return MRT_OK;
+}
+
+/* ---- taken out ---- */
+
+static void close_gap(uint32_t *contact, uint32_t removed)
+{
+    if (*contact != RIG_NONE && *contact > removed)
+        *contact -= 1;
+}
+
+static void take_out_of_set(rig_contact_set *set, uint32_t removed)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < set->contact_count; ++i)
+        if (set->contact[i] != removed)
+            set->contact[kept++] = set->contact[i];
+    set->contact_count = kept;
+    for (uint32_t i = 0; i < kept; ++i)
+        close_gap(&set->contact[i], removed);
+}
+
+static void take_contact_out_of_pose(rig_pose *pose, uint32_t removed)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        if (pose->pull_contact[i] == removed)
+            continue;
+        pose->pull_contact[kept] = pose->pull_contact[i];
+        pose->pull_mm[kept] = pose->pull_mm[i];
+        close_gap(&pose->pull_contact[kept], removed);
+        kept += 1;
+    }
+    pose->pull_count = kept;
+}
+
+mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
+{
+    mrt_result result = check_contact_index(r, index, err);
+    if (result < 0)
+        return result;
+    free(r->contact[index].name);
+    memmove(&r->contact[index], &r->contact[index + 1],
+            (r->contact_count - index - 1) * sizeof *r->contact);
+    r->contact_count -= 1;
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        if (r->contact[i].mirror == index)
+            r->contact[i].mirror = RIG_NONE;
+        close_gap(&r->contact[i].mirror, index);
+    }
+    for (uint32_t i = 0; i < r->contact_set_count; ++i)
+        take_out_of_set(&r->contact_set[i], index);
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        take_contact_out_of_pose(&r->pose[i], index);
+    return MRT_OK;
+}
+
+/* ---- one of them ---- */
+
+mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_contact_index(r, index, err);
+    if (result >= 0)
+        result = check_contact_name(r, index, name, err);
+    return result < 0 ? result : replace_name(&r->contact[index].name, name, err);
+}
+
+mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err)
+{
+    mrt_result result = check_contact_index(r, index, err);
+    if (result >= 0)
+        r->contact[index].vertex = vertex;
+    return result;
+}
+
+mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err)
+{
+    mrt_result result = check_contact_index(r, index, err);
+    if (result < 0)
+        return result;
+    if (bone != RIG_NONE && bone >= r->bone_count)
+        return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", bone);
+    r->contact[index].bone = bone;
+    return MRT_OK;
+}
+
+/* ---- the other side ---- */
+
+bool rig_edit_other_side(const char *name, char *out, size_t capacity)
+{
+    size_t length = strlen(name);
+    if (length < 3 || length >= capacity || name[length - 2] != '.' ||
+        (name[length - 1] != 'l' && name[length - 1] != 'r'))
+        return false;
+    (void)snprintf(out, capacity, "%s", name);
+    out[length - 1] = name[length - 1] == 'l' ? 'r' : 'l';
+    return true;
+}
+
+static void part_from_mirror(rig *r, uint32_t index)
+{
+    uint32_t other = r->contact[index].mirror;
+    if (other != RIG_NONE)
+        r->contact[other].mirror = RIG_NONE;
+    r->contact[index].mirror = RIG_NONE;
+}
+
+/* Of the bones too: what rides on eye.l is mirrored to eye.r. */
+static uint32_t mirrored_bone(const rig *r, uint32_t bone)
+{
+    char name[RIG_NAME_MAX + 1];
+    if (bone == RIG_NONE || !rig_edit_other_side(r->bone[bone].name, name, sizeof name))
+        return bone;
+    uint32_t other = rig_find_bone(r, name);
+    return other == RIG_NONE ? bone : other;
+}
+
+mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, error *err)
+{
+    char name[RIG_NAME_MAX + 1];
+    mrt_result result = check_contact_index(r, index, err);
+    if (result < 0)
+        return result;
+    uint32_t other = r->contact[index].mirror;
+    if (other == RIG_NONE) {
+        if (!rig_edit_other_side(r->contact[index].name, name, sizeof name))
+            return error_set(
+                err, MRT_ERR_ARGUMENT, "\"%s\" has no side; call it \"%s.l\" or \"%s.r\" first",
+                r->contact[index].name, r->contact[index].name, r->contact[index].name);
+        other = rig_find_contact(r, name);
+        if (other == RIG_NONE)
+            result = rig_edit_add_contact(r, name, vertex, &other, err);
+        if (result < 0)
+            return result;
+    }
+    part_from_mirror(r, index);
+    part_from_mirror(r, other);
+    r->contact[index].mirror = other;
+    r->contact[other].mirror = index;
+    r->contact[other].vertex = vertex;
+    r->contact[other].bone = mirrored_bone(r, r->contact[index].bone);
+    return MRT_OK;
+}
+
+/* ---- ellipsoids of the skull ---- */
+
+static mrt_result check_proxy_index(const rig *r, uint32_t index, error *err)
+{
+    return index < r->proxy_count
+               ? MRT_OK
+               : error_set(err, MRT_ERR_ARGUMENT, "there is no ellipsoid %u", index);
+}
+
+static mrt_result check_proxy(const rig *r, const rig_proxy *proxy, error *err)
+{
+    if (proxy->bone >= r->bone_count)
+        return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", proxy->bone);
+    if (!is_place(proxy->centre) || !is_place(proxy->radii))
+        return error_set(err, MRT_ERR_ARGUMENT, "the ellipsoid is too far away, or too large");
+    if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
+        return error_set(err, MRT_ERR_ARGUMENT, "an ellipsoid has three radii above 0");
+    return MRT_OK;
+}
+
+/* A radius stays above 0. */
+static double round_radius(double mm, double before)
+{
+    const double rounded_proxy = round_mm(mm, before);
+    return rounded_proxy > 0.0 ? rounded_proxy : mm;
+}
+
+static rig_proxy rounded_proxy(const rig_proxy *proxy, const rig_proxy *before)
+{
+    rig_proxy out = *proxy;
+    out.centre = round_place(proxy->centre, before->centre);
+    out.radii = (vec3){round_radius(proxy->radii.x, before->radii.x),
+                       round_radius(proxy->radii.y, before->radii.y),
+                       round_radius(proxy->radii.z, before->radii.z)};
+    out.source = before->source;
+    return out;
+}
+
+mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_index, error *err)
+{
+    mrt_result result = check_proxy(r, proxy, err);
+    if (result < 0)
+        return result;
+    if (r->proxy_count >= ENTRIES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d ellipsoids", ENTRIES_MAX);
+    rig_proxy *grown = realloc(r->proxy, (r->proxy_count + 2u) * sizeof *grown);
+    if (!grown)
+        return no_memory(err);
+    r->proxy = grown;
+    r->proxy[r->proxy_count] = rounded_proxy(proxy, &(rig_proxy){.source = 0});
+    *out_index = r->proxy_count;
+    r->proxy_count += 1;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_remove_proxy(rig *r, uint32_t index, error *err)
+{
+    mrt_result result = check_proxy_index(r, index, err);
+    if (result < 0)
+        return result;
+    memmove(&r->proxy[index], &r->proxy[index + 1],
+            (r->proxy_count - index - 1) * sizeof *r->proxy);
+    r->proxy_count -= 1;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *proxy, error *err)
+{
+    mrt_result result = check_proxy_index(r, index, err);
+    if (result >= 0)
+        result = check_proxy(r, proxy, err);
+    if (result < 0)
+        return result;
+    r->proxy[index] = rounded_proxy(proxy, &r->proxy[index]);
+    return MRT_OK;
+}
+
+/* ---- poses ---- */
+
+static mrt_result check_pose_index(const rig *r, uint32_t index, error *err)
+{
+    return index < r->pose_count ? MRT_OK
+                                 : error_set(err, MRT_ERR_ARGUMENT, "there is no pose %u", index);
+}
+
+static mrt_result check_pose_name(const rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_name(name, err);
+    for (uint32_t i = 0; result >= 0 && i < r->pose_count; ++i)
+        if (i != index && strcmp(r->pose[i].name, name) == 0)
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "another pose is called \"%s\"; choose another name", name);
+    return result;
+}
+
+static mrt_result check_pose(const rig *r, const rig_pose *pose, error *err)
+{
+    static const double most = 100.0; /* rad or mm: more than any bone moves */
+    mrt_result result = check_pose_name(r, RIG_NONE, pose->name, err);
+    if (result < 0)
+        return result;
+    for (uint32_t i = 0; i < pose->dof_count; ++i) {
+        if (rig_dof_unit_of(r, pose->dof_name[i]) == RIG_DOF_UNKNOWN)
+            return error_set(err, MRT_ERR_ARGUMENT, "no bone moves by \"%s\"", pose->dof_name[i]);
+        if (!(fabs(pose->dof_value[i]) <= most))
+            return error_set(err, MRT_ERR_ARGUMENT, "the pose turns a bone too far");
+    }
+    for (uint32_t i = 0; i < pose->pull_count; ++i)
+        if (pose->pull_contact[i] >= r->contact_count || !is_place(pose->pull_mm[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "the pose pulls at what is not there");
+    return MRT_OK;
+}
+
+static void finish_pose(rig_pose *pose)
+{
+    free(pose->name);
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        free(pose->dof_name[i]);
+    free(pose->dof_name);
+    free(pose->dof_value);
+    free(pose->pull_contact);
+    free(pose->pull_mm);
+    *pose = (rig_pose){0};
+}
+
+static double rounded_dof(const rig *r, const char *dof, double value)
+{
+    return rig_dof_unit_of(r, dof) == RIG_DOF_RAD ? round_rad(value, (double)NAN)
+                                                  : round_mm(value, (double)NAN);
+}
+
+static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
+{
+    *out = (rig_pose){.name = strdup(from->name),
+                      .dof_name = calloc(from->dof_count + 1u, sizeof *out->dof_name),
+                      .dof_value = calloc(from->dof_count + 1u, sizeof *out->dof_value),
+                      .pull_contact = calloc(from->pull_count + 1u, sizeof *out->pull_contact),
+                      .pull_mm = calloc(from->pull_count + 1u, sizeof *out->pull_mm)};
+    if (!out->name || !out->dof_name || !out->dof_value || !out->pull_contact || !out->pull_mm)
+        return false;
+    for (uint32_t i = 0; i < from->dof_count; ++i) {
+        out->dof_name[i] = strdup(from->dof_name[i]);
+        out->dof_value[i] = rounded_dof(r, from->dof_name[i], from->dof_value[i]);
+        out->dof_count = i + 1;
+        if (!out->dof_name[i])
+            return false;
+    }
+    for (uint32_t i = 0; i < from->pull_count; ++i) {
+        out->pull_contact[i] = from->pull_contact[i];
+        out->pull_mm[i] = round_place(from->pull_mm[i], nowhere);
+    }
+    out->pull_count = from->pull_count;
+    return true;
+}
+
+mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, error *err)
+{
+    rig_pose made;
+    mrt_result result = check_pose(r, pose, err);
+    if (result < 0)
+        return result;
+    if (r->pose_count >= ENTRIES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d poses", ENTRIES_MAX);
+    rig_pose *grown = realloc(r->pose, (r->pose_count + 2u) * sizeof *grown);
+    if (!grown)
+        return no_memory(err);
+    r->pose = grown;
+    if (!copy_pose(&made, pose, r)) {
+        finish_pose(&made);
+        return no_memory(err);
+    }
+    r->pose[r->pose_count] = made;
+    *out_index = r->pose_count;
+    r->pose_count += 1;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err)
+{
+    mrt_result result = check_pose_index(r, index, err);
+    if (result < 0)
+        return result;
+    finish_pose(&r->pose[index]);
+    memmove(&r->pose[index], &r->pose[index + 1], (r->pose_count - index - 1) * sizeof *r->pose);
+    r->pose_count -= 1;
+    return MRT_OK;
+}
+
+mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *err)
+{
+    mrt_result result = check_pose_index(r, index, err);
+    if (result >= 0)
+        result = check_pose_name(r, index, name, err);
+    return result < 0 ? result : replace_name(&r->pose[index].name, name, err);
+}
+
+/* ---- in words ---- */
+
+typedef struct words {
+    char *at;
+    size_t capacity;
+} words;
+
+__attribute__((format(printf, 2, 3))) static void say(words *w, const char *format, ...)
+{
+    size_t used = strlen(w->at);
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(w->at + used, w->capacity - used, format, arguments);
+    va_end(arguments);
+}
+
+static uint32_t vertex_count_of(const rig_select *select)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < select->range_count; ++i)
+        count += select->last[i] - select->first[i] + 1;
+    return count;
+}
+
+static void describe(words *w, const rig_select *select);
+
+static void describe_joined(words *w, const rig_select *select)
+{
+    const char *between = select->kind == SELECT_ALL ? ", " : " or ";
+    for (uint32_t i = 0; i < select->child_count; ++i) {
+        bool is_group = select->child[i].kind == SELECT_ALL || select->child[i].kind == SELECT_ANY;
+        say(w, "%s%s", i ? between : "", is_group ? "(" : "");
+        describe(w, &select->child[i]);
+        say(w, "%s", is_group ? ")" : "");
+    }
+}
+
+static void describe(words *w, const rig_select *select)
+{
+    switch (select->kind) {
+    case SELECT_VERTICES:
+        say(w, "%u vertices", vertex_count_of(select));
+        break;
+    case SELECT_GROUP:
+        say(w, "part %s", select->name);
+        break;
+    case SELECT_ATTRIBUTE:
+        say(w, "attribute %s", select->name);
+        break;
+    case SELECT_BOX:
+        say(w, "in a box");
+        break;
+    case SELECT_ELLIPSOID:
+        say(w, "in an ellipsoid");
+        break;
+    case SELECT_HALF_SPACE:
+        say(w, "beyond a plane");
+        break;
+    case SELECT_WITHIN:
+        say(w, "within %.0f mm of vertex %u", select->within_mm, select->vertex);
+        break;
+    case SELECT_ALL:
+    case SELECT_ANY:
+        describe_joined(w, select);
+        break;
+    case SELECT_NOT:
+        say(w, "not ");
+        describe(w, &select->child[0]);
+        break;
+    case SELECT_PAINTED:
+        say(w, "painted, %u vertices", vertex_count_of(select));
+        break;
+    case SELECT_NOTHING:
+        say(w, "nothing");
+        break;
+    }
+}
+
+void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
+{
+    words w = {out, capacity};
+    out[0] = '\0';
+    describe(&w, select);
+}
+
+/* ---- from a place in the file ---- */
+
+/* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
+static bool says_place(const char *path, const rig_place *place)
+{
+    size_t length = strlen(place->text);
+    return strncmp(path, place->text, length) == 0 &&
+           (path[length] == '\0' || path[length] == '.' || path[length] == '[');
+}
+
+static bool find_in(const rig *r, rig_section section, uint32_t count, const char *path,
+                    uint32_t *out_index)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        rig_place place = rig_where(r, section, i);
+        *out_index = i;
+        if (says_place(path, &place))
+            return true;
+    }
+    return false;
+}
+
+rig_edit_kind rig_edit_kind_at(const rig *r, const char *path, uint32_t *out_index)
+{
+    if (find_in(r, RIG_REGIONS, r->region_count, path, out_index))
+        return RIG_EDIT_REGION;
+    if (find_in(r, RIG_CONTACTS, r->contact_count, path, out_index))
+        return RIG_EDIT_CONTACT;
+    return find_in(r, RIG_BONES, r->bone_count, path, out_index) ? RIG_EDIT_BONE : RIG_EDIT_OTHER;
+}
+
+/* ---- undo and redo ---- */
+
+struct rig_history {
+    rig state[RIG_HISTORY_MAX]; /* state n is at n % RIG_HISTORY_MAX */
+    uint64_t first, now, last;  /* kept: first..last */
+};
+
+static rig *state_of(rig_history *self, uint64_t number)
+{
+    return &self->state[number % RIG_HISTORY_MAX];
+}
+
+mrt_result rig_history_create(rig_history **out, rig *first, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out) {
+        rig_destroy(first);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to edit the rig");
+    }
+    (*out)->state[0] = *first;
+    *first = (rig){0};
+    return MRT_OK;
+}
+
+void rig_history_destroy(rig_history *self)
+{
+    for (uint64_t i = 0; self && i < RIG_HISTORY_MAX; ++i)
+        rig_destroy(&self->state[i]);
+    free(self);
+}
+
+const rig *rig_history_now(const rig_history *self)
+{
+    return &self->state[self->now % RIG_HISTORY_MAX];
+}
+
+uint64_t rig_history_number(const rig_history *self)
+{
+    return self->now;
+}
+
+void rig_history_push(rig_history *self, rig *changed)
+{
+    for (uint64_t undone = self->now + 1; undone <= self->last; ++undone)
+        rig_destroy(state_of(self, undone));
+    self->now += 1;
+    self->last = self->now;
+    rig_destroy(state_of(self, self->now)); /* the oldest, when all places are taken */
+    if (self->last - self->first >= RIG_HISTORY_MAX)
+        self->first = self->last - RIG_HISTORY_MAX + 1;
+    *state_of(self, self->now) = *changed;
+    *changed = (rig){0};
+}
+
+bool rig_history_go(rig_history *self, uint64_t number)
+{
+    if (number < self->first || number > self->last)
+        return false;
+    self->now = number;
+    return true;
 }

@@ -21,4 +21,17 @@ CHECKED mrt_result rig_head_measure(rig_head *out, const mesh *m, error *err);
  */
 bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, double x, double y);
 
+/* ---- left and right: mirror images in a plane x = c ---- */
+
+/* How many vertices have no other one (or themselves) within reach_mm of their mirror image;
+ * out_example: one of them. false: no memory. */
+CHECKED bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
+                                    double middle_x, double reach_mm);
+
+/* The vertex nearest to the mirror image of `vertex`, and how far it is from it, mm. Looks at
+ * every vertex. */
+uint32_t rig_mirror_of(const mesh *m, uint32_t vertex, double middle_x, double *out_distance_mm);
+
+vec3 rig_mirror_position(const mesh *m, uint32_t vertex);
+
 #endif

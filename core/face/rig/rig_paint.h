@@ -5,7 +5,7 @@
 #define MAROTTE_FACE_RIG_PAINT_H
 #include "base/budget.h"
 #include "face/rig.h"
-#include "face/rig/rig_json.h"
+#include "face/rig/rig_document.h"
 
 /* Out of the budget (NULL: it was read before) fills first, last, value, range_count; neighbours of
  * one value are one range, 0 is left away. */

@@ -1,20 +1,767 @@
-#include "face/rig.h"
+#include "face/rig/rig_document.h"
 
+#include "base/angle.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "face/rig/rig_document.h"
+#include "face/rig.h"
+#include "face/rig/rig_paint.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESH_NAME_MAX = 1024, HASH_DIGITS = 16 };
+/* ---- selectors ---- */
+
+typedef struct selecting {
+    double mm_per_unit; /* of the file that the selector is in */
+    char **note;
+    uint32_t depth, node_count;   /* of all selectors so far: they are bounded */
+    const rig_document *document; /* whose paints are taken; NULL: only their names */
+    budget *budget;
+} selecting;
+
+static mrt_result parse_select(rig_select *out, const rig_node *at, selecting *s, error *err);
+
+enum {
+    DEPTH_MAX = 12,
+    NODES_MAX = 4096,
+    CHILDREN_MAX = 256,
+    RANGES_MAX = INT32_MAX,
+    GROUP_MAX = 255
+};
+
+static const struct {
+    const char *key;
+    rig_select_kind kind;
+} kinds[] = {{"vertices", SELECT_VERTICES},
+             {"group", SELECT_GROUP},
+             {"attribute", SELECT_ATTRIBUTE},
+             {"box", SELECT_BOX},
+             {"ellipsoid", SELECT_ELLIPSOID},
+             {"half_space", SELECT_HALF_SPACE},
+             {"within", SELECT_WITHIN},
+             {"all", SELECT_ALL},
+             {"any", SELECT_ANY},
+             {"not", SELECT_NOT},
+             {"painted", SELECT_PAINTED}};
+enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
+static const char kind_list[] = "one of vertices, group, attribute, box, ellipsoid, half_space, "
+                                "within, all, any, not, painted";
 
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
 }
+
+/* ---- vertices ---- */
+
+static mrt_result parse_range(uint32_t *first, uint32_t *last, const rig_node *at, error *err)
+{
+    if (!json_is_string(at->value)) {
+        mrt_result result = rig_json_index(first, at, err);
+        *last = *first;
+        return result;
+    }
+    text_view rest = text_view_of(json_string_value(at->value), json_string_length(at->value));
+    text_view word[2], more;
+    int64_t number[2];
+    bool is_range = text_next_field(&rest, '-', &word[0]) &&
+                    text_next_field(&rest, '-', &word[1]) && !text_next_field(&rest, '-', &more) &&
+                    text_int(word[0], &number[0]) && text_int(word[1], &number[1]);
+    if (!is_range || number[0] < 0 || number[1] < number[0] || number[1] >= INT32_MAX)
+        return rig_json_unexpected(err, at, "a vertex number, or a range like \"120-180\"");
+    *first = (uint32_t)number[0];
+    *last = (uint32_t)number[1];
+    return MRT_OK;
+}
+
+static mrt_result parse_vertices(rig_select *out, const rig_node *at, error *err)
+{
+    mrt_result result =
+        rig_json_array(at, "a list of vertices like [204, \"120-180\"]", RANGES_MAX, err);
+    if (result < 0)
+        return result;
+    size_t count = json_array_size(at->value);
+    out->first = calloc(count + 1, sizeof *out->first);
+    out->last = calloc(count + 1, sizeof *out->last);
+    if (!out->first || !out->last)
+        return no_memory(err);
+    out->range_count = (uint32_t)count;
+    for (size_t i = 0; result >= 0 && i < count; ++i) {
+        rig_node item = rig_json_item(at, i);
+        result = parse_range(&out->first[i], &out->last[i], &item, err);
+    }
+    return result;
+}
+
+/* ---- shapes ---- */
+
+static mrt_result parse_two_points(rig_select *out, const rig_node *at, const char *first,
+                                   const char *second, const selecting *s, error *err)
+{
+    mrt_result result = rig_json_object(at, "an object", err);
+    if (result < 0)
+        return result;
+    rig_node a = rig_json_member(at, first), b = rig_json_member(at, second);
+    const char *const known[] = {first, second, NULL};
+    rig_json_note_unknown(s->note, at, known);
+    result = rig_json_point(&out->a, &a, s->mm_per_unit, err);
+    double scale = out->kind == SELECT_HALF_SPACE ? 1.0 : s->mm_per_unit;
+    return result < 0 ? result : rig_json_point(&out->b, &b, scale, err);
+}
+
+static mrt_result parse_box(rig_select *out, const rig_node *at, const selecting *s, error *err)
+{
+    mrt_result result = parse_two_points(out, at, "low", "high", s, err);
+    if (result < 0)
+        return result;
+    if (out->a.x > out->b.x || out->a.y > out->b.y || out->a.z > out->b.z)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: low must not be above high in x, y or z; exchange them",
+                         at->place.text);
+    return MRT_OK;
+}
+
+static mrt_result parse_ellipsoid(rig_select *out, const rig_node *at, const selecting *s,
+                                  error *err)
+{
+    mrt_result result = parse_two_points(out, at, "centre", "radii", s, err);
+    if (result < 0)
+        return result;
+    if (!(out->b.x > 0.0 && out->b.y > 0.0 && out->b.z > 0.0))
+        return error_set(err, MRT_ERR_FORMAT, "%s.radii: expected three radii above 0",
+                         at->place.text);
+    return MRT_OK;
+}
+
+static mrt_result parse_half_space(rig_select *out, const rig_node *at, const selecting *s,
+                                   error *err)
+{
+    mrt_result result = parse_two_points(out, at, "point", "normal", s, err);
+    if (result < 0)
+        return result;
+    if (!(vec3_length(out->b) > 1e-9))
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s.normal: expected a direction, found one of length 0", at->place.text);
+    return MRT_OK;
+}
+
+static mrt_result parse_within(rig_select *out, const rig_node *at, const selecting *s, error *err)
+{
+    static const char *const known[] = {"mm", "of", NULL};
+    mrt_result result = rig_json_object(at, "an object like {\"mm\": 12, \"of\": 4275}", err);
+    if (result < 0)
+        return result;
+    rig_node mm = rig_json_member(at, "mm"), of = rig_json_member(at, "of");
+    rig_json_note_unknown(s->note, at, known);
+    result = rig_json_number(&out->within_mm, &mm, 0.0, 1e6, err);
+    return result < 0 ? result : rig_json_index(&out->vertex, &of, err);
+}
+
+/* ---- joined ---- */
+
+static mrt_result parse_children(rig_select *out, const rig_node *at, selecting *s, error *err)
+{
+    mrt_result result = rig_json_array(at, "a list of selectors", CHILDREN_MAX, err);
+    if (result < 0)
+        return result;
+    size_t count = json_array_size(at->value);
+    if (count == 0)
+        return rig_json_unexpected(err, at, "at least one selector");
+    out->child = calloc(count, sizeof *out->child);
+    if (!out->child)
+        return no_memory(err);
+    out->child_count = (uint32_t)count;
+    for (size_t i = 0; result >= 0 && i < count; ++i) {
+        rig_node item = rig_json_item(at, i);
+        result = parse_select(&out->child[i], &item, s, err);
+    }
+    return result;
+}
+
+static mrt_result parse_not(rig_select *out, const rig_node *at, selecting *s, error *err)
+{
+    out->child = calloc(1, sizeof *out->child);
+    if (!out->child)
+        return no_memory(err);
+    out->child_count = 1;
+    return parse_select(&out->child[0], at, s, err);
+}
+
+/* ---- painted ---- */
+
+static mrt_result parse_painted(rig_select *out, const rig_node *at, selecting *s, error *err)
+{
+    mrt_result result = rig_json_text(&out->name, at, "the name of a paint", RIG_NAME_MAX, err);
+    if (result < 0 || !s->document)
+        return result;
+    uint32_t file;
+    rig_node paint = rig_document_paint(s->document, out->name, &file);
+    if (paint.value)
+        return rig_paint_parse(out, &paint, s->budget, err);
+    rig_word word = rig_word_of(out->name);
+    return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
+                     at->place.text, word.text);
+}
+
+/* ---- any of them ---- */
+
+static mrt_result parse_select_kind(rig_select *out, const rig_node *at, selecting *s, error *err)
+{
+    switch (out->kind) {
+    case SELECT_VERTICES:
+        return parse_vertices(out, at, err);
+    case SELECT_GROUP:
+        return rig_json_text(&out->name, at, "the name of a part or material", GROUP_MAX, err);
+    case SELECT_ATTRIBUTE:
+        return rig_json_text(&out->name, at, "the name of a vertex attribute like \"_SKULL\"",
+                             GROUP_MAX, err);
+    case SELECT_BOX:
+        return parse_box(out, at, s, err);
+    case SELECT_ELLIPSOID:
+        return parse_ellipsoid(out, at, s, err);
+    case SELECT_HALF_SPACE:
+        return parse_half_space(out, at, s, err);
+    case SELECT_WITHIN:
+        return parse_within(out, at, s, err);
+    case SELECT_ALL:
+    case SELECT_ANY:
+        return parse_children(out, at, s, err);
+    case SELECT_NOT:
+        return parse_not(out, at, s, err);
+    case SELECT_PAINTED:
+        return parse_painted(out, at, s, err);
+    case SELECT_NOTHING:
+        break;
+    }
+    return rig_json_unexpected(err, at, kind_list);
+}
+
+static mrt_result find_select_kind(rig_select *out, const char **out_key, const rig_node *at,
+                                   const selecting *s, error *err)
+{
+    const char *known[KIND_COUNT + 1] = {NULL};
+    mrt_result result = rig_json_object(at, "an object", err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < KIND_COUNT; ++i) {
+        known[i] = kinds[i].key;
+        if (!json_object_get(at->value, kinds[i].key))
+            continue;
+        if (out->kind != SELECT_NOTHING)
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: says both %s and %s; join them with \"all\" or \"any\"",
+                             at->place.text, *out_key, kinds[i].key);
+        out->kind = kinds[i].kind;
+        *out_key = kinds[i].key;
+    }
+    if (out->kind == SELECT_NOTHING)
+        return rig_json_unexpected(err, at, kind_list);
+    rig_json_note_unknown(s->note, at, known);
+    return MRT_OK;
+}
+
+static mrt_result parse_select(rig_select *out, const rig_node *at, selecting *s, error *err)
+{
+    *out = (rig_select){0};
+    if (s->depth >= DEPTH_MAX || s->node_count >= NODES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: selectors may be %d deep and %d in all; use groups or attributes",
+                         at->place.text, DEPTH_MAX, NODES_MAX);
+    s->node_count += 1;
+    const char *key = "";
+    mrt_result result = find_select_kind(out, &key, at, s, err);
+    if (result < 0)
+        return result;
+    out->path = strdup(at->place.text);
+    if (!out->path)
+        return no_memory(err);
+    rig_node value = rig_json_member(at, key);
+    s->depth += 1;
+    result = parse_select_kind(out, &value, s, err);
+    s->depth -= 1;
+    return result;
+}
+
+mrt_result rig_select_parse(rig_select *out, const rig_node *at, double mm_per_unit, error *err)
+{
+    char *note = NULL;
+    selecting s = {.mm_per_unit = mm_per_unit, .note = &note};
+    mrt_result result = parse_select(out, at, &s, err);
+    free(note);
+    return result;
+}
+
+void rig_select_free_ranges(rig_select *select)
+{
+    free(select->first);
+    free(select->last);
+    free(select->value);
+    select->first = select->last = NULL;
+    select->value = NULL;
+    select->range_count = 0;
+}
+
+void rig_select_finish(rig_select *select)
+{
+    for (uint32_t i = 0; select->child && i < select->child_count; ++i)
+        rig_select_finish(&select->child[i]);
+    free(select->child);
+    free(select->path);
+    free(select->name);
+    rig_select_free_ranges(select);
+    *select = (rig_select){0};
+}
+
+/* ---- bones ---- */
+
+static const double radian_per_degree = ANGLE_PI / 180.0;
+/* Of an adult (Ferrario 2005, Travers 2000). */
+const rig_bone rig_adult_jaw = {.open_max_rad = 32.0 * ANGLE_PI / 180.0,
+                                .lateral_mm = 10.0,
+                                .forward_mm = 8.0,
+                                .slide_mm = 12.0};
+
+typedef struct reading {
+    rig *r;
+    rig_node node; /* of the bone */
+    double mm_per_unit;
+} reading;
+
+/* [least, greatest], in degrees, around the rest at 0. */
+static mrt_result read_range(double *out_min_rad, double *out_max_rad, const rig_node *at,
+                             double reach_deg, error *err)
+{
+    double deg[2];
+    if (!json_is_array(at->value) || json_array_size(at->value) != 2)
+        return rig_json_unexpected(err, at, "two angles [least, greatest] in degrees");
+    for (size_t i = 0; i < 2; ++i) {
+        rig_node item = rig_json_item(at, i);
+        mrt_result result = rig_json_number(&deg[i], &item, -reach_deg, reach_deg, err);
+        if (result < 0)
+            return result;
+    }
+    if (deg[0] >= deg[1])
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: [%g, %g] is reversed or empty; write the smaller angle first",
+                         at->place.text, deg[0], deg[1]);
+    if (deg[0] > 0.0 || deg[1] < 0.0)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: [%g, %g] leaves out 0, which is the pose of the mesh; widen it",
+                         at->place.text, deg[0], deg[1]);
+    *out_min_rad = deg[0] * radian_per_degree;
+    *out_max_rad = deg[1] * radian_per_degree;
+    return MRT_OK;
+}
+
+/* ---- jaw ---- */
+
+static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
+{
+    static const char *const known[] = {"left", "right", NULL};
+    rig_node hinge = rig_json_member(&in->node, "hinge");
+    mrt_result result =
+        rig_json_object(&hinge, "an object {\"left\": [x,y,z], \"right\": [x,y,z]}", err);
+    if (result < 0)
+        return result;
+    rig_node left = rig_json_member(&hinge, "left"), right = rig_json_member(&hinge, "right");
+    result = rig_json_point(&bone->hinge_left, &left, in->mm_per_unit, err);
+    if (result >= 0)
+        result = rig_json_point(&bone->hinge_right, &right, in->mm_per_unit, err);
+    if (result < 0)
+        return result;
+    rig_json_note_unknown(&in->r->note, &hinge, known);
+    double length_mm = vec3_length(vec3_sub(bone->hinge_left, bone->hinge_right));
+    if (!(length_mm > 1.0))
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: left and right are %.3g mm apart, so there is no axis; they are the "
+                         "two jaw joints, just before the ears",
+                         hinge.place.text, length_mm);
+    return MRT_OK;
+}
+
+static mrt_result read_jaw(rig_bone *bone, const reading *in, error *err)
+{
+    bone->kind = BONE_JAW;
+    bone->open_max_rad = rig_adult_jaw.open_max_rad;
+    bone->lateral_mm = rig_adult_jaw.lateral_mm;
+    bone->forward_mm = rig_adult_jaw.forward_mm;
+    bone->slide_mm = rig_adult_jaw.slide_mm;
+    mrt_result result = read_hinge(bone, in, err);
+    rig_node open = rig_json_member(&in->node, "open_deg");
+    if (result >= 0 && open.value)
+        result = read_range(&bone->open_min_rad, &bone->open_max_rad, &open, 90.0, err);
+    if (result >= 0)
+        result =
+            rig_json_optional_number(&bone->lateral_mm, &in->node, "lateral_mm", 0.0, 1e4, err);
+    if (result >= 0)
+        result =
+            rig_json_optional_number(&bone->forward_mm, &in->node, "forward_mm", 0.0, 1e4, err);
+    if (result >= 0)
+        result = rig_json_optional_number(&bone->slide_mm, &in->node, "slide_mm", 0.0, 1e4, err);
+    if (result >= 0)
+        result = rig_json_optional_point(&bone->incisor, &bone->has_incisor, &in->node, "incisor",
+                                         in->mm_per_unit, err);
+    return result;
+}
+
+/* ---- ball ---- */
+
+static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const rig_node *at,
+                                  error *err)
+{
+    const char *name = bone->turn[index].name;
+    if (strlen(bone->name) + 1 + strlen(name) > RIG_NAME_MAX)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it", at->place.text,
+                         bone->name, name, RIG_NAME_MAX);
+    for (uint32_t i = 0; i < index; ++i)
+        if (strcmp(bone->turn[i].name, name) == 0)
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s.name: there is already a turn \"%s\"; choose another name",
+                             at->place.text, name);
+    return MRT_OK;
+}
+
+static mrt_result read_turn(rig_bone *bone, const rig_node *at, rig *r, error *err)
+{
+    static const char *const known[] = {"name", "axis", "deg", NULL};
+    uint32_t index = bone->turn_count;
+    rig_turn *turn = &bone->turn[index];
+    mrt_result result = rig_json_object(at, "an object with name, axis and deg", err);
+    if (result < 0)
+        return result;
+    rig_json_note_unknown(&r->note, at, known);
+    rig_node name = rig_json_member(at, "name"), axis = rig_json_member(at, "axis");
+    result = rig_json_text(&turn->name, &name, "a name like \"yaw\"", RIG_NAME_MAX, err);
+    if (result < 0)
+        return result;
+    bone->turn_count += 1;
+    result = check_turn_name(bone, index, at, err);
+    if (result >= 0)
+        result = rig_json_point(&turn->axis, &axis, 1.0, err);
+    if (result < 0)
+        return result;
+    if (!(vec3_length(turn->axis) > 1e-9))
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found one of length 0",
+                         axis.place.text);
+    turn->axis = vec3_normalised(turn->axis, (vec3){1.0, 0.0, 0.0});
+    rig_node deg = rig_json_member(at, "deg");
+    return read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
+}
+
+static mrt_result read_ball(rig_bone *bone, const reading *in, error *err)
+{
+    static const char *const known[] = {"centre", "radius_mm", NULL};
+    bone->kind = BONE_BALL;
+    rig_node ball = rig_json_member(&in->node, "ball");
+    rig_node turns = rig_json_member(&in->node, "turns");
+    mrt_result result = rig_json_object(&ball, "an object {\"centre\": [x,y,z]}", err);
+    if (result < 0)
+        return result;
+    rig_json_note_unknown(&in->r->note, &ball, known);
+    rig_node centre = rig_json_member(&ball, "centre");
+    result = rig_json_point(&bone->centre, &centre, in->mm_per_unit, err);
+    if (result >= 0)
+        result = rig_json_optional_number(&bone->radius_mm, &ball, "radius_mm", 0.0, 1e6, err);
+    if (result >= 0)
+        result = rig_json_array(&turns, "a list of one to three turns", RIG_TURNS_MAX, err);
+    if (result >= 0 && json_array_size(turns.value) == 0)
+        result = rig_json_unexpected(err, &turns, "a list of one to three turns");
+    for (size_t i = 0; result >= 0 && i < json_array_size(turns.value); ++i) {
+        rig_node item = rig_json_item(&turns, i);
+        result = read_turn(bone, &item, in->r, err);
+    }
+    return result;
+}
+
+/* ---- any bone ---- */
+
+static const char *const fixed_keys[] = {"name", "parent", NULL};
+static const char *const jaw_keys[] = {
+    "name", "parent", "hinge", "open_deg", "lateral_mm", "forward_mm", "slide_mm", "incisor", NULL};
+static const char *const ball_keys[] = {"name", "parent", "ball", "turns", NULL};
+
+static mrt_result read_kind(rig_bone *bone, const reading *in, error *err)
+{
+    bool has_hinge = json_object_get(in->node.value, "hinge") != NULL;
+    bool has_ball = json_object_get(in->node.value, "ball") != NULL;
+    if (has_hinge && has_ball)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: has both a hinge and a ball; a bone moves in one way",
+                         in->node.place.text);
+    const char *const *keys = has_hinge ? jaw_keys : has_ball ? ball_keys : fixed_keys;
+    rig_json_note_unknown(&in->r->note, &in->node, keys);
+    return has_hinge ? read_jaw(bone, in, err) : has_ball ? read_ball(bone, in, err) : MRT_OK;
+}
+
+static mrt_result read_parent(rig_bone *bone, const reading *in, error *err)
+{
+    rig_node parent = rig_json_member(&in->node, "parent");
+    const char *name = parent.value ? json_string_value(parent.value) : "skull";
+    bone->parent = RIG_NONE;
+    if (json_is_null(parent.value))
+        return MRT_OK;
+    if (!name)
+        return rig_json_unexpected(err, &parent, "the name of a bone, or null for none");
+    bone->parent = rig_find_bone(in->r, name); /* only among those read so far */
+    if (parent.value && bone->parent == RIG_NONE) {
+        rig_word word = rig_word_of(name);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: there is no bone \"%s\" before this one; list parents first",
+                         parent.place.text, word.text);
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_bone(rig_bone *bone, const reading *in, error *err)
+{
+    mrt_result result = read_parent(bone, in, err);
+    return result < 0 ? result : read_kind(bone, in, err);
+}
+
+static mrt_result check_dofs(const rig *r, const rig_node *last, error *err)
+{
+    uint32_t dof_count = 0, jaw_count = 0;
+    for (uint32_t i = 0; i < r->bone_count; ++i) {
+        jaw_count += r->bone[i].kind == BONE_JAW;
+        dof_count += r->bone[i].kind == BONE_JAW ? 3 : r->bone[i].turn_count;
+    }
+    if (jaw_count > 1)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: a second bone with a hinge; a face has one jaw", last->place.text);
+    if (dof_count > MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: %u degrees of freedom are too many, at most %d", last->place.text,
+                         dof_count, MRT_MAX_DOFS);
+    return MRT_OK;
+}
+
+static mrt_result add_default_skull(rig *r, error *err)
+{
+    r->bone[0] = (rig_bone){.name = strdup("skull"), .parent = RIG_NONE};
+    r->bone_count = 1;
+    return r->bone[0].name ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
+}
+
+static mrt_result fill_bones(rig *r, rig_document *d, error *err)
+{
+    uint32_t count = d->entry_count[RIG_BONES];
+    mrt_result result = count == 0 ? add_default_skull(r, err) : MRT_OK;
+    for (uint32_t i = 0; result >= 0 && i < count; ++i) {
+        const rig_entry *entry = &d->entry[RIG_BONES][i];
+        reading in = {r, entry->node, d->file[entry->file].mm_per_unit};
+        rig_node name = rig_json_member(&in.node, "name");
+        rig_bone *bone = &r->bone[i];
+        bone->parent = RIG_NONE;
+        result = rig_json_text(&bone->name, &name, "a name like \"jaw\"", RIG_NAME_MAX - 8, err);
+        if (result < 0)
+            return result;
+        result = read_bone(bone, &in, err);
+        r->bone_count = i + 1; /* from here on it can be a parent */
+        if (result >= 0)
+            result = check_dofs(r, &in.node, err);
+    }
+    return result;
+}
+
+rig_dof_unit rig_dof_unit_of(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i) {
+        const rig_bone *bone = &r->bone[i];
+        size_t length = strlen(bone->name);
+        if (strncmp(name, bone->name, length) != 0 || name[length] != '.')
+            continue;
+        const char *rest = name + length + 1;
+        if (bone->kind == BONE_JAW && strcmp(rest, "open") == 0)
+            return RIG_DOF_RAD;
+        if (bone->kind == BONE_JAW &&
+            (strcmp(rest, "lateral") == 0 || strcmp(rest, "forward") == 0))
+            return RIG_DOF_MM;
+        for (uint32_t k = 0; k < bone->turn_count; ++k)
+            if (strcmp(rest, bone->turn[k].name) == 0)
+                return RIG_DOF_RAD;
+    }
+    return RIG_DOF_UNKNOWN;
+}
+
+/* ---- poses ---- */
+
+enum { PULLS_MAX = 1024 };
+
+/* The contact called `name`, which the value or key at `at` says. */
+static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, const rig_node *at,
+                               error *err)
+{
+    *out = rig_find_contact(r, name);
+    if (*out != RIG_NONE)
+        return MRT_OK;
+    rig_word word = rig_word_of(name);
+    return error_set(err, MRT_ERR_FORMAT,
+                     "%s: there is no contact \"%s\"; add it to $.contacts or take it out here",
+                     at->place.text, word.text);
+}
+
+/* ---- degrees of freedom: degrees or mm in the file ---- */
+
+static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const rig_node *at,
+                          error *err)
+{
+    rig_dof_unit unit = rig_dof_unit_of(r, name);
+    if (unit == RIG_DOF_UNKNOWN)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: there is no such degree of freedom; a hinge has open, lateral and "
+                         "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\")",
+                         at->place.text);
+    double value = 0.0;
+    mrt_result result = rig_json_number(&value, at, -1e4, 1e4, err);
+    if (result < 0)
+        return result;
+    uint32_t index = pose->dof_count;
+    pose->dof_name[index] = strdup(name);
+    pose->dof_value[index] = unit == RIG_DOF_RAD ? value * radian_per_degree : value;
+    pose->dof_count = index + 1;
+    return pose->dof_name[index] ? MRT_OK : no_memory(err);
+}
+
+static mrt_result read_dofs(rig_pose *pose, const rig *r, const rig_node *dofs, error *err)
+{
+    if (!dofs->value)
+        return MRT_OK;
+    mrt_result result = rig_json_object(dofs, "an object like {\"jaw.open\": 20}", err);
+    if (result < 0)
+        return result;
+    size_t count = json_object_size(dofs->value);
+    if (count > MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->place.text,
+                         MRT_MAX_DOFS);
+    pose->dof_name = calloc(count + 1, sizeof *pose->dof_name);
+    pose->dof_value = calloc(count + 1, sizeof *pose->dof_value);
+    if (!pose->dof_name || !pose->dof_value)
+        return no_memory(err);
+    json_t *value = (json_t *)(uintptr_t)dofs->value;
+    for (void *at = json_object_iter(value); result >= 0 && at;
+         at = json_object_iter_next(value, at)) {
+        rig_node member = rig_json_member(dofs, json_object_iter_key(at));
+        result = add_dof(pose, r, json_object_iter_key(at), &member, err);
+    }
+    return result;
+}
+
+/* ---- pulls ---- */
+
+static mrt_result read_pulls(rig_pose *pose, const rig *r, const rig_node *pulls,
+                             double mm_per_unit, error *err)
+{
+    if (!pulls->value)
+        return MRT_OK;
+    mrt_result result = rig_json_object(pulls, "an object like {\"chin\": [0, -4, 1]}", err);
+    if (result < 0)
+        return result;
+    size_t count = json_object_size(pulls->value);
+    if (count > PULLS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->place.text, PULLS_MAX);
+    pose->pull_contact = calloc(count + 1, sizeof *pose->pull_contact);
+    pose->pull_mm = calloc(count + 1, sizeof *pose->pull_mm);
+    if (!pose->pull_contact || !pose->pull_mm)
+        return no_memory(err);
+    json_t *value = (json_t *)(uintptr_t)pulls->value;
+    for (void *at = json_object_iter(value); result >= 0 && at;
+         at = json_object_iter_next(value, at)) {
+        const char *name = json_object_iter_key(at);
+        rig_node member = rig_json_member(pulls, name);
+        uint32_t index = pose->pull_count;
+        pose->pull_count += 1;
+        result = find_contact(&pose->pull_contact[index], r, name, &member, err);
+        if (result >= 0)
+            result = rig_json_point(&pose->pull_mm[index], &member, mm_per_unit, err);
+    }
+    return result;
+}
+
+static mrt_result read_pose(rig *r, rig_pose *pose, const rig_node *at, double mm_per_unit,
+                            error *err)
+{
+    static const char *const known[] = {"name", "dofs", "pulls", NULL};
+    rig_json_note_unknown(&r->note, at, known);
+    rig_node name = rig_json_member(at, "name"), dofs = rig_json_member(at, "dofs");
+    rig_node pulls = rig_json_member(at, "pulls");
+    mrt_result result = rig_json_text(&pose->name, &name, "a name", RIG_NAME_MAX, err);
+    if (result >= 0)
+        result = read_dofs(pose, r, &dofs, err);
+    return result < 0 ? result : read_pulls(pose, r, &pulls, mm_per_unit, err);
+}
+
+/* Each name is looked for among all contacts. */
+static mrt_result pay_for_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
+{
+    return budget_spend_work(&d->budget, (uint64_t)name_count * r->contact_count, err);
+}
+
+static mrt_result fill_poses(rig *r, rig_document *d, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_POSES]; ++i) {
+        const rig_entry *entry = &d->entry[RIG_POSES][i];
+        r->pose_count = i + 1;
+        result = read_pose(r, &r->pose[i], &entry->node, d->file[entry->file].mm_per_unit, err);
+        if (result >= 0)
+            result = pay_for_names(d, r, r->pose[i].pull_count, err);
+    }
+    return result;
+}
+
+/* ---- contact sets ---- */
+
+static mrt_result add_to_set(rig_contact_set *set, const rig *r, const rig_node *item, error *err)
+{
+    const char *name = json_string_value(item->value);
+    if (!name)
+        return rig_json_unexpected(err, item, "the name of a contact");
+    uint32_t contact = RIG_NONE;
+    mrt_result result = find_contact(&contact, r, name, item, err);
+    for (uint32_t i = 0; result >= 0 && i < set->contact_count; ++i)
+        if (set->contact[i] == contact)
+            return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is in this set already; take it out",
+                             item->place.text, r->contact[contact].name);
+    if (result >= 0)
+        set->contact[set->contact_count++] = contact;
+    return result;
+}
+
+static mrt_result read_set(rig_contact_set *set, const rig *r, const rig_entry *entry, error *err)
+{
+    set->name = strdup(entry->name);
+    if (!set->name)
+        return no_memory(err);
+    mrt_result result = rig_json_array(&entry->node, "a list of contacts", PULLS_MAX, err);
+    if (result < 0)
+        return result;
+    size_t count = json_array_size(entry->node.value);
+    set->contact = calloc(count + 1, sizeof *set->contact);
+    if (!set->contact)
+        return no_memory(err);
+    for (size_t i = 0; result >= 0 && i < count; ++i) {
+        rig_node item = rig_json_item(&entry->node, i);
+        result = add_to_set(set, r, &item, err);
+    }
+    return result;
+}
+
+static mrt_result fill_contact_sets(rig *r, rig_document *d, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_SETS]; ++i) {
+        r->contact_set_count = i + 1;
+        result = read_set(&r->contact_set[i], r, &d->entry[RIG_SETS][i], err);
+        if (result >= 0)
+            result = pay_for_names(d, r, r->contact_set[i].contact_count, err);
+    }
+    return result;
+}
+
+enum { MESH_NAME_MAX = 1024, HASH_DIGITS = 16 };
 
 /* ---- what it is ---- */
 
@@ -184,7 +931,7 @@ static void fill_region_name(rig_region *region, const rig_node *at)
         region->name = NULL;
 }
 
-static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, rig_selecting *s,
+static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, selecting *s,
                               error *err)
 {
     static const char *const known[] = {"name",     "bone",   "rigid", "weight",
@@ -203,12 +950,12 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, ri
     if (result >= 0)
         result = check_region(region, at, err);
     rig_node select = rig_json_member(at, "select");
-    return result < 0 ? result : rig_select_parse(&region->select, &select, s, err);
+    return result < 0 ? result : parse_select(&region->select, &select, s, err);
 }
 
 static mrt_result fill_regions(rig *r, rig_document *d, error *err)
 {
-    rig_selecting s = {.note = &r->note, .document = d, .budget = &d->budget};
+    selecting s = {.note = &r->note, .document = d, .budget = &d->budget};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->entry_count[RIG_REGIONS]; ++i) {
         const rig_entry *entry = &d->entry[RIG_REGIONS][i];
@@ -350,8 +1097,8 @@ static void note_unknown_roots(rig *r, const rig_document *d)
 mrt_result rig_fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
-        allocate,     fill_name,     fill_mesh,    fill_solver,    rig_fill_bones,
-        fill_regions, fill_contacts, fill_proxies, rig_fill_poses, rig_fill_contact_sets};
+        allocate,     fill_name,     fill_mesh,    fill_solver, fill_bones,
+        fill_regions, fill_contacts, fill_proxies, fill_poses,  fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     note_unknown_roots(r, d);
     mrt_result result = MRT_OK;

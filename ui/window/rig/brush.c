@@ -1,7 +1,6 @@
 #include "window/rig/brush.h"
 
 #include "face/rig/rig_head.h"
-#include "face/rig/rig_mirror.h"
 #include "face/bind.h"
 #include "face/rig_edit.h"
 #include "mesh/normals.h"

@@ -5,7 +5,7 @@
 #include "face/rig.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
-#include "face/rig_history.h"
+#include "face/rig_edit.h"
 #include "mesh/copy.h"
 #include "mesh/mesh.h"
 #include "stage/face_file.h"
