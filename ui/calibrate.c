@@ -8,9 +8,10 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "hand/calibration_folder.h"
-#include "hand/calibration_keep.h"
+<<<<<<< HEAD
 #include "hand/guide.h"
-#include "hand/guide_judge.h"
+=======
+>>>>>>> 2c2b18a (hand: files by subject)
 #include "hand/sensor.h"
 #include "hand/virtualhand.h"
 #include "stage/glove_channels.h"

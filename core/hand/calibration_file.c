@@ -3,12 +3,168 @@
 #include "base/angle.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "hand/calibration_json.h"
 #include "hand/sensor.h"
 
+#include <jansson.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum { CALIBRATION_PLACE = 320 };
+
+typedef struct json_place {
+    const json_t *value; /* NULL: there is none here */
+    char text[CALIBRATION_PLACE];
+} json_place;
+
+/* ---- values and their places ---- */
+
+enum { WORD_TEXT = 64, FOUND_TEXT = 128, EXPECTED_TEXT = 256 };
+
+/* Bytes from somebody else, for a message. */
+typedef struct word {
+    char text[WORD_TEXT];
+} word;
+
+static word word_of(const char *text)
+{
+    word out;
+    text_copy(out.text, sizeof out.text, text_view_of(text, strlen(text)));
+    return out;
+}
+
+static json_place json_place_root(const json_t *value, const char *name)
+{
+    json_place out = {.value = value};
+    (void)snprintf(out.text, sizeof out.text, "%.120s: $", name);
+    return out;
+}
+
+/* Sensor names have a dot in them, so such keys are quoted. */
+static json_place json_place_member(const json_place *of, const char *key)
+{
+    json_place out = {.value = json_object_get(of->value, key)};
+    word shown = word_of(key);
+    bool is_quoted = strchr(key, '.') != NULL;
+    (void)snprintf(out.text, sizeof out.text, "%.240s%s%s%s", of->text, is_quoted ? "[\"" : ".",
+                   shown.text, is_quoted ? "\"]" : "");
+    return out;
+}
+
+static json_place json_place_item(const json_place *of, size_t index)
+{
+    json_place out = {.value = json_array_get(of->value, index)};
+    (void)snprintf(out.text, sizeof out.text, "%.290s[%zu]", of->text, index);
+    return out;
+}
+
+static void describe_value(char out[FOUND_TEXT], const json_t *value)
+{
+    switch (value ? (int)json_typeof(value) : -1) {
+    case JSON_OBJECT:
+        (void)snprintf(out, FOUND_TEXT, "an object");
+        break;
+    case JSON_ARRAY:
+        (void)snprintf(out, FOUND_TEXT, "an array of %zu", json_array_size(value));
+        break;
+    case JSON_STRING:
+        (void)snprintf(out, FOUND_TEXT, "\"%s\"", word_of(json_string_value(value)).text);
+        break;
+    case JSON_INTEGER:
+    case JSON_REAL:
+        (void)snprintf(out, FOUND_TEXT, "%.9g", json_number_value(value));
+        break;
+    case JSON_TRUE:
+    case JSON_FALSE:
+        (void)snprintf(out, FOUND_TEXT, "%s", json_is_true(value) ? "true" : "false");
+        break;
+    case JSON_NULL:
+        (void)snprintf(out, FOUND_TEXT, "null");
+        break;
+    default:
+        (void)snprintf(out, FOUND_TEXT, "nothing");
+        break;
+    }
+}
+
+/* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
+static mrt_result json_place_unexpected(error *err, const json_place *at, const char *expected)
+{
+    char found[FOUND_TEXT];
+    describe_value(found, at->value);
+    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected, found);
+}
+
+static mrt_result json_place_object(const json_place *at, const char *expected, error *err)
+{
+    return json_is_object(at->value) ? MRT_OK : json_place_unexpected(err, at, expected);
+}
+
+static mrt_result json_place_number(double *out, const json_place *at, double low, double high,
+                                    error *err)
+{
+    double value = json_number_value(at->value);
+    if (!json_is_number(at->value) || !(value >= low && value <= high)) {
+        char expected[EXPECTED_TEXT];
+        (void)snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
+        return json_place_unexpected(err, at, expected);
+    }
+    *out = value;
+    return MRT_OK;
+}
+
+static mrt_result json_place_pair(double out[2], const json_place *at, double low, double high,
+                                  error *err)
+{
+    if (!json_is_array(at->value) || json_array_size(at->value) != 2)
+        return json_place_unexpected(err, at, "two numbers [a, b]");
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < 2 && result >= 0; ++i) {
+        json_place item = json_place_item(at, i);
+        result = json_place_number(&out[i], &item, low, high, err);
+    }
+    return result;
+}
+
+/* At most capacity - 1 bytes that can be shown. */
+static mrt_result json_place_text(char *out, size_t capacity, const json_place *at, error *err)
+{
+    const char *text = json_string_value(at->value);
+    size_t length = json_string_length(at->value);
+    if (!text || length >= capacity || !text_is_printable(text_view_of(text, length))) {
+        char expected[EXPECTED_TEXT];
+        (void)snprintf(expected, sizeof expected,
+                       "a text of at most %zu bytes without control characters", capacity - 1);
+        return json_place_unexpected(err, at, expected);
+    }
+    memcpy(out, text, length + 1);
+    return MRT_OK;
+}
+
+/* One of `count` words; out: which. */
+static mrt_result json_place_choice(uint32_t *out, const json_place *at, const char *const *words,
+                                    uint32_t count, error *err)
+{
+    const char *text = json_string_value(at->value);
+    for (uint32_t i = 0; text && i < count; ++i) {
+        if (strcmp(text, words[i]) != 0)
+            continue;
+        *out = i;
+        return MRT_OK;
+    }
+    char expected[EXPECTED_TEXT];
+    size_t used = 0;
+    for (uint32_t i = 0; i < count && used < sizeof expected; ++i) {
+        const char *joint = i == 0 ? "" : i + 1 == count ? " or " : ", ";
+        int added = snprintf(expected + used, sizeof expected - used, "%s\"%s\"", joint, words[i]);
+        used += added > 0 ? (size_t)added : 0;
+    }
+    return json_place_unexpected(err, at, expected);
+}
+
+/* ---- reading ---- */
 
 const char *const calibration_source_name[CALIBRATION_SOURCES] = {"shipped", "zeroed", "measured",
                                                                   "imported"};
@@ -297,4 +453,192 @@ void calibration_file_use(const calibration_file *file, hand_calibration *out)
             out->neutral_rad[distal] =
                 hand_distal_from_middle(out->neutral_rad[sensor_middle[finger]]);
     }
+}
+
+/* ---- writing ---- */
+
+/* 7 digits: a float reads as it was meant, 0.6 and not 0.600000024. */
+enum { TEXT_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(7) };
+
+/* jansson's setters fail on NULL, so one check at the end finds all failures of memory. */
+typedef struct json_writer {
+    bool failed;
+} json_writer;
+
+static void set(json_writer *writer, json_t *object, const char *key, json_t *value)
+{
+    writer->failed |= json_object_set_new(object, key, value) != 0;
+}
+
+static void unset(json_t *object, const char *key)
+{
+    (void)json_object_del(object, key);
+}
+
+static json_t *pair_of(json_writer *writer, float a, float b)
+{
+    json_t *pair = json_array();
+    writer->failed |= json_array_append_new(pair, json_real((double)a)) != 0;
+    writer->failed |= json_array_append_new(pair, json_real((double)b)) != 0;
+    return pair;
+}
+
+static json_t *points_of(json_writer *writer, const hand_table *table)
+{
+    json_t *points = json_array();
+    for (uint32_t i = 0; i < table->count && i < HAND_TABLE_MAX; ++i)
+        writer->failed |=
+            json_array_append_new(points, pair_of(writer, table->raw[i], table->rad[i])) != 0;
+    return points;
+}
+
+static json_t *cross_talk_of(json_writer *writer, const calibration_sensor *sensor)
+{
+    json_t *object = json_object();
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (sensor->cross_talk[i] < 0.0f || sensor->cross_talk[i] > 0.0f)
+            set(writer, object, sensor_table[i].name, json_real((double)sensor->cross_talk[i]));
+    return object;
+}
+
+/* Over what was read: unknown keys stay. */
+static void set_sensor(json_writer *writer, json_t *object, const calibration_sensor *sensor)
+{
+    set(writer, object, "source", json_string(calibration_source_name[sensor->source]));
+    set(writer, object, "points", points_of(writer, &sensor->table));
+    set(writer, object, "neutral_rad", json_real((double)sensor->neutral_rad));
+    if (sensor->has_range) {
+        set(writer, object, "raw_range",
+            pair_of(writer, sensor->raw_range[0], sensor->raw_range[1]));
+        set(writer, object, "rad_range",
+            pair_of(writer, sensor->rad_range[0], sensor->rad_range[1]));
+    } else {
+        unset(object, "raw_range");
+        unset(object, "rad_range");
+    }
+    if (sensor->has_residual)
+        set(writer, object, "residual_rad", json_real((double)sensor->residual_rad));
+    else
+        unset(object, "residual_rad");
+    set(writer, object, "cross_talk", cross_talk_of(writer, sensor));
+}
+
+/* The object at `key`, made if need be; owned by `parent`. */
+static json_t *object_at(json_writer *writer, json_t *parent, const char *key)
+{
+    json_t *object = json_object_get(parent, key);
+    if (json_is_object(object))
+        return object;
+    set(writer, parent, key, json_object());
+    return json_object_get(parent, key);
+}
+
+static void set_file(json_writer *writer, json_t *root, const calibration_file *file)
+{
+    set(writer, root, "marotte_calibration", json_integer(1));
+    set(writer, root, "name", json_string(file->name));
+    set(writer, root, "date", json_string(file->date));
+    set(writer, root, "hand", json_string(file->side == MRT_LEFT ? "left" : "right"));
+    set(writer, root, "sensor_count",
+        json_integer((json_int_t)calibration_file_sensor_count(file)));
+    if (file->hand_length_mm > 0)
+        set(writer, root, "hand_length_mm", json_real(file->hand_length_mm));
+    else
+        unset(root, "hand_length_mm");
+    json_t *sensors = object_at(writer, root, "sensors");
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        if (file->sensor[i].table.count == 0)
+            unset(sensors, sensor_table[i].name);
+        else
+            set_sensor(writer, object_at(writer, sensors, sensor_table[i].name), &file->sensor[i]);
+    }
+}
+
+/* One member a line, the sensors one by one: a person finds what she looks for. */
+static bool print_members(FILE *stream, json_t *object, const char *indent)
+{
+    bool failed = false;
+    const char *joint = "";
+    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
+        json_t *key = json_string(json_object_iter_key(at)), *value = json_object_iter_value(at);
+        bool is_split = indent[2] == '\0' && strcmp(json_object_iter_key(at), "sensors") == 0;
+        failed |= fprintf(stream, "%s%s", joint, indent) < 0;
+        failed |= json_dumpf(key, stream, TEXT_FLAGS) != 0 || fputs(": ", stream) < 0;
+        json_decref(key);
+        if (is_split) {
+            failed |= fputs("{\n", stream) < 0 || print_members(stream, value, "    ");
+            failed |= fputs("\n  }", stream) < 0;
+        } else {
+            failed |= json_dumpf(value, stream, TEXT_FLAGS) != 0;
+        }
+        joint = ",\n";
+    }
+    return failed;
+}
+
+static char *text_of(json_t *root)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        return NULL;
+    bool failed = fputs("{\n", stream) < 0 || print_members(stream, root, "  ");
+    failed |= fputs("\n}\n", stream) < 0;
+    failed |= fclose(stream) != 0;
+    if (failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+char *calibration_file_text(const calibration_file *file)
+{
+    json_writer writer = {false};
+    json_t *root = file->document ? json_deep_copy(file->document) : json_object();
+    if (!root)
+        return NULL;
+    set_file(&writer, root, file);
+    char *text = writer.failed ? NULL : text_of(root);
+    json_decref(root);
+    return text;
+}
+
+mrt_result calibration_file_write(const calibration_file *file, const char *path, error *err)
+{
+    char *text = calibration_file_text(file);
+    if (!text)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory, or a name that is not UTF-8", path);
+    file_writer writer;
+    mrt_result result = file_writer_open(&writer, path, err);
+    if (result >= 0) {
+        (void)fputs(text, writer.stream);
+        result = file_writer_commit(&writer, err);
+    }
+    free(text);
+    return result;
+}
+
+/* ---- a line through a zero ---- */
+
+static const double RADIANS_PER_DEGREE = ANGLE_PI / 180.0;
+static const double BEYOND_DEG = 15.0;
+
+hand_table calibration_line(int sensor, double gain, double zero, double rad_at_zero)
+{
+    const sensor_facts *facts = &sensor_table[sensor];
+    double low_rad = ((double)facts->low_deg - BEYOND_DEG) * RADIANS_PER_DEGREE;
+    double high_rad = ((double)facts->high_deg + BEYOND_DEG) * RADIANS_PER_DEGREE;
+    double first_rad = gain > 0 ? low_rad : high_rad, last_rad = gain > 0 ? high_rad : low_rad;
+    double first = zero + (first_rad - rad_at_zero) / gain;
+    double last = zero + (last_rad - rad_at_zero) / gain;
+    const double raw[5] = {first - 1.0, first, zero, last, last + 1.0};
+    const double rad[5] = {first_rad, first_rad, rad_at_zero, last_rad, last_rad};
+    hand_table out = {.count = 5};
+    for (int i = 0; i < 5; ++i) {
+        out.raw[i] = (float)raw[i];
+        out.rad[i] = (float)rad[i];
+    }
+    return out;
 }

@@ -72,4 +72,8 @@ void calibration_file_use(const calibration_file *file, hand_calibration *out);
 __attribute__((format(printf, 2, 3))) void calibration_file_note(calibration_file *file,
                                                                  const char *format, ...);
 
+/* rad = gain * (raw - zero) + rad_at_zero, up to 15 degrees beyond the clinical range of the joint
+ * (sensor.h), where the angle stays: the table's end slopes are 0. gain: not 0. */
+hand_table calibration_line(int sensor, double gain, double zero, double rad_at_zero);
+
 #endif

@@ -33,4 +33,14 @@ typedef struct calibration_list {
 CHECKED mrt_result calibration_folder_list(calibration_list *out, error *out_note, error *err);
 void calibration_list_finish(calibration_list *list); /* zeroed is fine */
 
+/* ---- a calibration that was made takes the place of one that was kept ---- */
+
+/* What stands at `path` now, to be finished; empty: nothing. An error: it is no calibration. */
+CHECKED mrt_result calibration_keep_old(calibration_file *out, const char *path, error *err);
+/* Name, date of now and hand length; NULL, "" and 0: the old one's. */
+void calibration_keep_sign(calibration_file *made, const calibration_file *old, const char *name,
+                           double hand_length_mm);
+CHECKED mrt_result calibration_keep_write(calibration_file *made, const calibration_file *old,
+                                          const char *path, error *err);
+
 #endif

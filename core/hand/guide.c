@@ -1,7 +1,6 @@
 #include "hand/guide.h"
 
-#include "hand/guide_poses.h"
-#include "hand/guide_solve.h"
+#include "base/angle.h"
 #include "hand/sensor.h"
 #include "hand/still.h"
 
@@ -9,6 +8,324 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef struct guide_poses {
+    uint32_t sensors; /* bit i: the glove has sensor i */
+    bool has[GUIDE_STEPS];
+    float raw[GUIDE_STEPS][MRT_ANGLES];
+} guide_poses;
+
+/* ---- the poses, in angles ---- */
+
+static const double RADIANS_PER_DEGREE = ANGLE_PI / 180.0;
+
+const char *const guide_step_name[GUIDE_STEPS] = {
+    "relaxed hand", "flat hand",   "fist",         "thumb across", "fingers spread",
+    "thumb alone",  "index alone", "middle alone", "ring alone",   "little alone"};
+
+const char *const guide_step_words[GUIDE_STEPS] = {
+    "Hold your hand relaxed, as you will when the face is at rest.",
+    "Lay your hand flat on the table: wrist, fingers and thumb straight and together.",
+    "Make a tight fist, the thumb outside.",
+    "Open the hand; lay the bent thumb across the palm, its tip at the root of the little finger.",
+    "Lay your hand flat again and spread fingers and thumb as far as they go.",
+    "Fingers straight and together; bend only the thumb.",
+    "Bend only the index finger, all the way; thumb and other fingers straight.",
+    "Bend only the middle finger, all the way; thumb and other fingers straight.",
+    "Bend only the ring finger, all the way; thumb and other fingers straight.",
+    "Bend only the little finger, all the way; thumb and other fingers straight."};
+
+static bool has_sensor(const guide_poses *poses, int sensor)
+{
+    return (poses->sensors >> sensor & 1u) != 0;
+}
+
+/* The step that tells where the sensor's range ends, the other end being the flat hand;
+ * GUIDE_STEPS: none does. */
+static guide_step pose_end(int sensor)
+{
+    const sensor_facts *facts = &sensor_table[sensor];
+    if (facts->kind == SENSOR_PALM || facts->kind == SENSOR_WRIST)
+        return GUIDE_STEPS;
+    if (facts->kind == SENSOR_SPREAD)
+        return GUIDE_SPREAD;
+    return facts->finger == 0 ? GUIDE_THUMB_ACROSS : GUIDE_FIST;
+}
+
+/* A pose leads each joint to the end of its clinical range (sensor.c, hardware.md 2.3): the fist
+ * the knuckles to 90, middle joints to 100, end joints to 80 degrees; the thumb across the palm its
+ * base to 80, knuckle to 50, end joint to 80; the widest spread 17, 14, 32, and 53 of the thumb. */
+static double pose_end_rad(int sensor)
+{
+    return (double)sensor_table[sensor].high_deg * RADIANS_PER_DEGREE;
+}
+
+/* The finger bent in the step, 0 thumb .. 4 little; -1: none alone. */
+static int pose_finger(guide_step step)
+{
+    return step >= GUIDE_THUMB_ALONE && step < GUIDE_STEPS ? (int)step - (int)GUIDE_THUMB_ALONE
+                                                           : -1;
+}
+
+/* A bent finger drags its neighbours along, so they do not count; nor do the spreads beside it. The
+ * thumb and the index finger are free of each other. */
+static bool is_dragged(int finger, int bent)
+{
+    if (finger == bent)
+        return true;
+    return finger > 0 && bent > 0 && abs(finger - bent) == 1;
+}
+
+/* Whether the pose says that this sensor is at 0, as in the flat hand. */
+static bool pose_is_zero(guide_step step, int sensor)
+{
+    const sensor_facts *facts = &sensor_table[sensor];
+    if (step == GUIDE_FLAT)
+        return true;
+    if (facts->kind == SENSOR_PALM || facts->kind == SENSOR_WRIST)
+        return false;
+    if (step == GUIDE_SPREAD)
+        return facts->kind != SENSOR_SPREAD && facts->finger > 0;
+    int bent = pose_finger(step);
+    if (bent < 0)
+        return false;
+    if (facts->finger == 0)
+        return bent > 0 && facts->kind != SENSOR_ROLL;
+    if (facts->kind == SENSOR_SPREAD)
+        return !is_dragged(facts->finger, bent) && !is_dragged(facts->finger - 1, bent);
+    return !is_dragged(facts->finger, bent);
+}
+
+/* Twice the greatest gains of hardware.md 2.1 (0.027 rad a count of flexion, 0.010 of abduction):
+ * a sensor that says less over the whole range of its joint says nothing. */
+static double least_counts(int sensor)
+{
+    double most = sensor_table[sensor].kind == SENSOR_SPREAD ? 0.025 : 0.055;
+    return pose_end_rad(sensor) / most;
+}
+
+static double moved_counts(const guide_poses *poses, int sensor, guide_step from, guide_step to)
+{
+    return fabs((double)poses->raw[to][sensor] - (double)poses->raw[from][sensor]);
+}
+
+/* Whether between two poses the sensor moved by what its end angle takes on any glove. */
+static bool pose_has_moved(const guide_poses *poses, int sensor, guide_step from, guide_step to)
+{
+    return moved_counts(poses, sensor, from, to) >= least_counts(sensor);
+}
+
+static const char *not_moved(const guide_poses *poses, guide_step step, char *out, size_t capacity,
+                             bool *out_refused)
+{
+    char names[256] = "";
+    size_t used = 0;
+    uint32_t asked = 0, still = 0;
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor) {
+        if (!has_sensor(poses, sensor) || pose_end(sensor) != step)
+            continue;
+        asked += 1;
+        if (pose_has_moved(poses, sensor, GUIDE_FLAT, step))
+            continue;
+        still += 1;
+        int added = snprintf(names + used, sizeof names - used, "%s%s by %.0f (of %.0f)",
+                             still > 1 ? "; " : "", sensor_table[sensor].label,
+                             moved_counts(poses, sensor, GUIDE_FLAT, step), least_counts(sensor));
+        used += added > 0 && used + (size_t)added < sizeof names ? (size_t)added : 0;
+    }
+    if (still == 0)
+        return NULL;
+    *out_refused = 2 * still > asked;
+    (void)snprintf(out, capacity,
+                   "%u of %u sensors hardly moved from the flat hand, in counts: %s%s", still,
+                   asked, names, *out_refused ? "" : ". They keep the shipped gain");
+    return out;
+}
+
+/* How far a finger is bent, as a share of its fist (the thumb: of the thumb across). */
+static double bend_of(const guide_poses *poses, guide_step step, int finger)
+{
+    guide_step end = finger == 0 ? GUIDE_THUMB_ACROSS : GUIDE_FIST;
+    double sum = 0;
+    int count = 0;
+    for (int sensor = 0; poses->has[end] && sensor < MRT_ANGLES; ++sensor) {
+        const sensor_facts *facts = &sensor_table[sensor];
+        if (facts->finger != finger || facts->kind == SENSOR_SPREAD || facts->kind == SENSOR_ROLL ||
+            !has_sensor(poses, sensor) || !pose_has_moved(poses, sensor, GUIDE_FLAT, end))
+            continue;
+        double flat = (double)poses->raw[GUIDE_FLAT][sensor];
+        sum += ((double)poses->raw[step][sensor] - flat) / ((double)poses->raw[end][sensor] - flat);
+        count += 1;
+    }
+    return count > 0 ? sum / count : (double)NAN;
+}
+
+static const char *wrong_finger(const guide_poses *poses, guide_step step, char *out,
+                                size_t capacity, bool *out_refused)
+{
+    static const char *const finger_name[5] = {"thumb", "index", "middle", "ring", "little"};
+    static const double least_bend = 0.3;
+    int asked = pose_finger(step), most = asked;
+    double bend = bend_of(poses, step, asked), most_bend = bend;
+    if (isnan(bend))
+        return NULL;
+    for (int finger = 0; finger < 5; ++finger) {
+        double other = bend_of(poses, step, finger);
+        if (finger != asked && other > most_bend) {
+            most = finger;
+            most_bend = other;
+        }
+    }
+    *out_refused = true;
+    if (most != asked)
+        (void)snprintf(out, capacity, "the %s finger is bent more than the %s finger",
+                       finger_name[most], finger_name[asked]);
+    else if (bend < least_bend)
+        (void)snprintf(out, capacity, "the %s finger is bent by only %.0f %% of its range",
+                       finger_name[asked], 100.0 * bend);
+    else
+        *out_refused = false;
+    return *out_refused ? out : NULL;
+}
+
+/* NULL: nothing is odd. Else a sentence in out_reason; *out_refused: the pose cannot be. */
+static const char *pose_check(const guide_poses *poses, guide_step step, char *out_reason,
+                              size_t capacity, bool *out_refused)
+{
+    *out_refused = false;
+    if (!poses->has[GUIDE_FLAT] || step <= GUIDE_FLAT)
+        return NULL;
+    if (pose_finger(step) >= 0)
+        return wrong_finger(poses, step, out_reason, capacity, out_refused);
+    return not_moved(poses, step, out_reason, capacity, out_refused);
+}
+
+/* ---- from poses to a calibration ---- */
+
+/* Less than that is noise: no driver of cross-talk, no cross-talk. */
+static const double DRIVEN_RAD = 0.3, CROSS_TALK_LEAST = 0.02;
+
+/* ---- tables ---- */
+
+static void solve_table(const guide_poses *poses, int sensor, calibration_sensor *out)
+{
+    double zero = (double)poses->raw[GUIDE_FLAT][sensor];
+    double gain = (double)sensor_table[sensor].gain;
+    guide_step end = pose_end(sensor);
+    out->source = CALIBRATION_ZEROED;
+    if (end < GUIDE_STEPS && poses->has[end] && pose_has_moved(poses, sensor, GUIDE_FLAT, end)) {
+        out->source = CALIBRATION_MEASURED;
+        gain = pose_end_rad(sensor) / ((double)poses->raw[end][sensor] - zero);
+    }
+    out->table = calibration_line(sensor, gain, zero, 0.0);
+}
+
+static double angle_in(const guide_poses *poses, guide_step step, int sensor,
+                       const calibration_file *file)
+{
+    return hand_table_value(&file->sensor[sensor].table, (double)poses->raw[step][sensor]);
+}
+
+/* ---- how well it fits ---- */
+
+/* RMS of what the sensor reads wherever it should be back at 0. */
+static void solve_residual(const guide_poses *poses, int sensor, calibration_file *file)
+{
+    double sum = 0;
+    int count = 0;
+    for (guide_step step = GUIDE_FIST; step < GUIDE_STEPS; ++step) {
+        if (!poses->has[step] || !pose_is_zero(step, sensor))
+            continue;
+        double angle_rad = angle_in(poses, step, sensor, file);
+        sum += angle_rad * angle_rad;
+        count += 1;
+    }
+    calibration_sensor *out = &file->sensor[sensor];
+    out->has_residual = count > 0;
+    out->residual_rad = count > 0 ? (float)sqrt(sum / count) : 0.0f;
+}
+
+/* ---- cross-talk ---- */
+
+static int joint_of(int finger, sensor_kind kind)
+{
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor)
+        if (sensor_table[sensor].finger == finger && sensor_table[sensor].kind == kind)
+            return sensor;
+    return SENSOR_NONE;
+}
+
+/* Which joint of the bent finger is held to move this one: the same joint; the thumb has no middle
+ * joint; spreads, roll and arch go with the knuckle. */
+static int driver_of(int finger, int sensor)
+{
+    sensor_kind kind = sensor_table[sensor].kind;
+    if (kind == SENSOR_WRIST || sensor_table[sensor].finger == finger)
+        return SENSOR_NONE;
+    if (kind == SENSOR_END_JOINT && sensor_table[sensor].finger == 0)
+        return joint_of(finger, SENSOR_MIDDLE_JOINT);
+    if (kind == SENSOR_MIDDLE_JOINT || kind == SENSOR_END_JOINT)
+        return joint_of(finger, finger == 0 ? SENSOR_END_JOINT : kind);
+    return joint_of(finger, SENSOR_KNUCKLE);
+}
+
+static double moved_rad(const guide_poses *poses, guide_step step, int sensor,
+                        const calibration_file *file)
+{
+    return angle_in(poses, step, sensor, file) - angle_in(poses, GUIDE_FLAT, sensor, file);
+}
+
+static void solve_cross_talk(const guide_poses *poses, guide_step step, calibration_file *file)
+{
+    int finger = pose_finger(step);
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor) {
+        int driver = driver_of(finger, sensor);
+        if (driver < 0 || !has_sensor(poses, sensor) || !has_sensor(poses, driver))
+            continue;
+        double driven_rad = moved_rad(poses, step, driver, file);
+        if (!(driven_rad >= DRIVEN_RAD))
+            continue;
+        double share = moved_rad(poses, step, sensor, file) / driven_rad;
+        if (fabs(share) >= CROSS_TALK_LEAST)
+            file->sensor[driver].cross_talk[sensor] = (float)share;
+    }
+}
+
+/* ---- all ---- */
+
+static void solve_sensor(const guide_poses *poses, int sensor, const float *low, const float *high,
+                         calibration_file *file)
+{
+    calibration_sensor *out = &file->sensor[sensor];
+    solve_table(poses, sensor, out);
+    out->neutral_rad = poses->has[GUIDE_RELAXED]
+                           ? (float)angle_in(poses, GUIDE_RELAXED, sensor, file)
+                           : sensor_table[sensor].neutral_rad;
+    out->has_range = true;
+    out->raw_range[0] = low[sensor];
+    out->raw_range[1] = high[sensor];
+    double first = hand_table_value(&out->table, (double)low[sensor]);
+    double last = hand_table_value(&out->table, (double)high[sensor]);
+    out->rad_range[0] = (float)fmin(first, last);
+    out->rad_range[1] = (float)fmax(first, last);
+    solve_residual(poses, sensor, file);
+}
+
+/* Tables, residuals, cross-talk, the neutral pose. Needs the flat hand. low, high: MRT_ANGLES raw
+ * values seen. Everything of `out` is set but name, date and hand length. */
+static void solve(const guide_poses *poses, uint32_t side, const float *low, const float *high,
+                  calibration_file *out)
+{
+    calibration_file_init(out, side);
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor)
+        if (has_sensor(poses, sensor))
+            solve_sensor(poses, sensor, low, high, out);
+    for (guide_step step = GUIDE_THUMB_ALONE; step < GUIDE_STEPS; ++step)
+        if (poses->has[step])
+            solve_cross_talk(poses, step, out);
+}
+
+/* ---- the guide ---- */
 
 static const double NS_PER_SECOND = 1e9;
 static const int64_t AWAY_NS = 1000000000;
@@ -88,7 +405,7 @@ static guide_news take(guide *self)
     still_median(&self->window, self->poses.raw[step]);
     hold(self, self->poses.raw[step]);
     bool refused = false;
-    if (!guide_pose_check(&self->poses, step, self->reason, sizeof self->reason, &refused))
+    if (!pose_check(&self->poses, step, self->reason, sizeof self->reason, &refused))
         self->reason[0] = '\0';
     if (refused)
         return GUIDE_REFUSED;
@@ -159,7 +476,7 @@ static void widen_range(guide *self, const float *raw)
 static bool is_elsewhere(const guide *self, const float *raw)
 {
     for (int i = 0; i < MRT_ANGLES; ++i)
-        if (guide_poses_has_sensor(&self->poses, i) &&
+        if (has_sensor(&self->poses, i) &&
             fabs((double)raw[i] - (double)self->held[i]) >= self->settings.moved_counts)
             return true;
     return false;
@@ -199,7 +516,7 @@ static void follow_time(guide *self, int64_t time_ns)
 static bool is_finite_pose(const guide *self, const float *raw, float *out)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
-        bool has = guide_poses_has_sensor(&self->poses, i);
+        bool has = has_sensor(&self->poses, i);
         if (has && !isfinite(raw[i]))
             return false;
         out[i] = has ? raw[i] : 0.0f;
@@ -235,11 +552,6 @@ guide_news guide_sample(guide *self, const float *raw, int64_t time_ns)
 }
 
 /* ---- what it is at ---- */
-
-const guide_poses *guide_poses_of(const guide *self)
-{
-    return &self->poses;
-}
 
 guide_step guide_current(const guide *self)
 {
@@ -277,6 +589,211 @@ mrt_result guide_result(const guide *self, calibration_file *out, error *err)
     if (!self->poses.has[GUIDE_FLAT])
         return error_set(err, MRT_ERR_ARGUMENT,
                          "the flat hand was not taken: nothing can be calibrated without it");
-    guide_solve(&self->poses, self->settings.side, self->low, self->high, out);
+    solve(&self->poses, self->settings.side, self->low, self->high, out);
     return MRT_OK;
+}
+
+/* ---- how good a calibration is ---- */
+
+static const double DEGREES_PER_RADIAN = 180.0 / ANGLE_PI;
+/* A known pose held again is read within 3 degrees by a glove that fits. Cloth that slips makes a
+ * few degrees more; from 10 on a person sees that the finger was not where it was asked to be. */
+static const double LOOSE_DEG = 3.0, OFF_DEG = 10.0;
+
+/* ---- a sensor that should read 0 ---- */
+
+typedef struct readings {
+    int count;
+    double least_rad, greatest_rad;
+    double worst_rad; /* magnitude */
+    guide_step worst;
+} readings;
+
+static readings read_zeros(const guide_poses *poses, int sensor, const calibration_file *file)
+{
+    readings out = {.worst = GUIDE_STEPS};
+    for (guide_step step = GUIDE_FIST; step < GUIDE_STEPS; ++step) {
+        if (!poses->has[step] || !pose_is_zero(step, sensor))
+            continue;
+        double angle_rad = angle_in(poses, step, sensor, file);
+        out.least_rad = out.count > 0 ? fmin(out.least_rad, angle_rad) : angle_rad;
+        out.greatest_rad = out.count > 0 ? fmax(out.greatest_rad, angle_rad) : angle_rad;
+        out.count += 1;
+        if (fabs(angle_rad) > out.worst_rad) {
+            out.worst_rad = fabs(angle_rad);
+            out.worst = step;
+        }
+    }
+    return out;
+}
+
+/* Two and more poses agree with each other, and none with the flat hand. */
+static bool is_flat_hand_wrong(const readings *zeros)
+{
+    double apart_rad = zeros->greatest_rad - zeros->least_rad;
+    double nearest_rad = fmax(zeros->least_rad, -zeros->greatest_rad);
+    return zeros->count >= 2 && nearest_rad > apart_rad;
+}
+
+static guide_flaw judge_zero(const guide_poses *poses, int sensor, const calibration_file *file)
+{
+    const calibration_sensor *made = &file->sensor[sensor];
+    double residual_deg = (double)made->residual_rad * DEGREES_PER_RADIAN;
+    guide_flaw out = {.sensor = sensor, .step = GUIDE_STEPS, .off_rad = made->residual_rad};
+    if (!made->has_residual)
+        return out;
+    double worst_deg = residual_deg;
+    if (poses) {
+        readings zeros = read_zeros(poses, sensor, file);
+        worst_deg = zeros.worst_rad * DEGREES_PER_RADIAN;
+        out.step = is_flat_hand_wrong(&zeros) ? GUIDE_FLAT : zeros.worst;
+    }
+    if (worst_deg > OFF_DEG) {
+        out.kind = GUIDE_FLAW_OFF;
+        out.off_rad = (float)(worst_deg / DEGREES_PER_RADIAN);
+    } else if (residual_deg > LOOSE_DEG) {
+        out.kind = GUIDE_FLAW_LOOSE;
+    }
+    return out;
+}
+
+/* ---- a sensor that should go as far as in the pose that ends its range ---- */
+
+static bool goes_beyond(const guide_poses *poses, int sensor, const calibration_file *file)
+{
+    const hand_table *table = &file->sensor[sensor].table;
+    double end_rad = fmax((double)table->rad[0], (double)table->rad[table->count - 1]) - 1e-6;
+    for (guide_step step = GUIDE_FIST; step < GUIDE_STEPS; ++step)
+        if (poses->has[step] && !pose_is_zero(step, sensor) &&
+            angle_in(poses, step, sensor, file) >= end_rad)
+            return true;
+    return false;
+}
+
+static guide_flaw judge_range(const guide_poses *poses, int sensor, const calibration_file *file)
+{
+    guide_step end = pose_end(sensor);
+    guide_flaw out = {.sensor = sensor, .step = end};
+    if (end == GUIDE_STEPS || !poses->has[end])
+        return out;
+    if (file->sensor[sensor].source == CALIBRATION_ZEROED)
+        out.kind = GUIDE_FLAW_DEAD;
+    /* A fist is as far as a finger goes; thumbs differ in how far they bend alone. */
+    else if (end == GUIDE_FIST && goes_beyond(poses, sensor, file))
+        out.kind = GUIDE_FLAW_BEYOND;
+    return out;
+}
+
+/* ---- all ---- */
+
+static int compare(const void *a, const void *b)
+{
+    const guide_flaw *first = a, *second = b;
+    if ((first->step == GUIDE_FLAT) != (second->step == GUIDE_FLAT))
+        return first->step == GUIDE_FLAT ? -1 : 1;
+    if (first->kind != second->kind)
+        return first->kind > second->kind ? -1 : 1;
+    return first->sensor - second->sensor;
+}
+
+static guide_flaw judge_sensor(const guide_poses *poses, int sensor, const calibration_file *file)
+{
+    guide_flaw zero = judge_zero(poses, sensor, file);
+    guide_flaw range = {.kind = GUIDE_FLAW_NONE};
+    if (poses && poses->has[GUIDE_FLAT])
+        range = judge_range(poses, sensor, file);
+    /* A gain that is too great makes every reading too great: the range first. */
+    bool is_zero_wrong = zero.kind != GUIDE_FLAW_NONE && zero.step == GUIDE_FLAT;
+    return range.kind != GUIDE_FLAW_NONE && !is_zero_wrong ? range : zero;
+}
+
+void guide_judge(guide_judgement *out, const guide *self, const calibration_file *made)
+{
+    const guide_poses *poses = self ? &self->poses : NULL;
+    *out = (guide_judgement){.flaw_count = 0};
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor) {
+        if (made->sensor[sensor].table.count == 0)
+            continue;
+        guide_flaw flaw = judge_sensor(poses, sensor, made);
+        if (flaw.kind != GUIDE_FLAW_NONE)
+            out->flaw[out->flaw_count++] = flaw;
+    }
+    qsort(out->flaw, out->flaw_count, sizeof *out->flaw, compare);
+    for (int step = 0; poses && step < GUIDE_STEPS; ++step)
+        out->left_out += !poses->has[step];
+}
+
+bool guide_flaw_is_wrong(const guide_flaw *flaw)
+{
+    return flaw->kind > GUIDE_FLAW_LOOSE;
+}
+
+/* ---- words ---- */
+
+static void say_off(const guide_flaw *flaw, char *out, size_t capacity)
+{
+    double off_deg = (double)flaw->off_rad * DEGREES_PER_RADIAN;
+    const char *should = sensor_table[flaw->sensor].kind == SENSOR_SPREAD ? "closed" : "straight";
+    const char *label = sensor_table[flaw->sensor].label;
+    if (flaw->step == GUIDE_FLAT)
+        (void)snprintf(out, capacity,
+                       "%s: reads %.0f degrees wherever it is %s: the flat hand was not flat. "
+                       "Repeat: flat hand.",
+                       label, off_deg, should);
+    else if (flaw->step < GUIDE_STEPS)
+        (void)snprintf(out, capacity, "%s: reads %.0f degrees where it should be %s. Repeat: %s.",
+                       label, off_deg, should, guide_step_name[flaw->step]);
+    else
+        (void)snprintf(out, capacity,
+                       "%s: reads %.0f degrees where it should be %s. Calibrate again.", label,
+                       off_deg, should);
+}
+
+void guide_flaw_text(const guide_flaw *flaw, char *out, size_t capacity)
+{
+    double off_deg = (double)flaw->off_rad * DEGREES_PER_RADIAN;
+    const char *label = sensor_table[flaw->sensor].label;
+    const char *step = flaw->step < GUIDE_STEPS ? guide_step_name[flaw->step] : "";
+    switch (flaw->kind) {
+    case GUIDE_FLAW_NONE:
+        (void)snprintf(out, capacity, "%s: good.", label);
+        break;
+    case GUIDE_FLAW_LOOSE:
+        (void)snprintf(out, capacity,
+                       "%s: reads %.1f degrees apart when held again. Is the glove tight?%s%s",
+                       label, off_deg, step[0] ? " Repeat: " : "", step);
+        break;
+    case GUIDE_FLAW_DEAD:
+        (void)snprintf(out, capacity,
+                       "%s: hardly moved, so it keeps the shipped gain. Repeat: %s. If it stays "
+                       "so, the sensor is broken.",
+                       label, step);
+        break;
+    case GUIDE_FLAW_BEYOND:
+        (void)snprintf(out, capacity, "%s: was bent much further later on. Repeat: %s, tightly.",
+                       label, step);
+        break;
+    case GUIDE_FLAW_OFF:
+        say_off(flaw, out, capacity);
+        break;
+    }
+}
+
+void guide_judgement_text(const guide_judgement *judgement, char *out, size_t capacity)
+{
+    uint32_t wrong = 0;
+    for (uint32_t i = 0; i < judgement->flaw_count; ++i)
+        wrong += guide_flaw_is_wrong(&judgement->flaw[i]);
+    if (wrong > 0)
+        (void)snprintf(out, capacity, "All poses are done, but %u %s not right.", wrong,
+                       wrong == 1 ? "sensor is" : "sensors are");
+    else if (judgement->flaw_count > 0)
+        (void)snprintf(out, capacity, "All poses are done, but %u %s loosely.",
+                       judgement->flaw_count,
+                       judgement->flaw_count == 1 ? "sensor fits" : "sensors fit");
+    else if (judgement->left_out > 0)
+        (void)snprintf(out, capacity, "Done, but %u of %d poses %s left out.", judgement->left_out,
+                       GUIDE_STEPS, judgement->left_out == 1 ? "was" : "were");
+    else
+        (void)snprintf(out, capacity, "All poses are done.");
 }

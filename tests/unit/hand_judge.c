@@ -1,4 +1,4 @@
-/* hand/guide_judge.h: a calibration that a person would not perform with is called so, with the
+/* hand/guide.h: a calibration that a person would not perform with is called so, with the
  * pose to repeat. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,7 +9,7 @@
 
 #include "hand_guide_bench.h"
 
-#include "hand/guide_judge.h"
+#include "hand/guide.h"
 
 /* The judgement of what the guide has now. */
 static guide_judgement judge(const glove *g)

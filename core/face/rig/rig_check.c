@@ -362,6 +362,7 @@ static void check_holes(checking *c)
     free(all);
 }
 
+/* Loose parts, sides turned in, holes. */
 static void check_surface(checking *c)
 {
     pieces p;

@@ -18,6 +18,7 @@ typedef struct drafting {
     char *confirm; /* lines */
 } drafting;
 
+/* To 0.1 mm. */
 static json_t *point_of(vec3 p)
 {
     return rig_point_to_json((vec3){round(10.0 * p.x), round(10.0 * p.y), round(10.0 * p.z)}, 10.0);
@@ -99,6 +100,7 @@ static bool is_taken(const drafting *d, uint32_t vertex)
     return false;
 }
 
+/* The 27 standard contacts, as far as the face has room for them. */
 static void draft_contacts(drafting *d)
 {
     for (int i = 0; i < STANDARD_COUNT; ++i) {
@@ -119,6 +121,7 @@ static void draft_contacts(drafting *d)
              json_array_size(d->contacts));
 }
 
+/* The vertex of a contact that is there; RIG_NONE: it is not. */
 static uint32_t contact_vertex(const drafting *d, const char *name)
 {
     for (size_t i = 0; i < json_array_size(d->contacts); ++i) {
@@ -221,6 +224,7 @@ static bool comes_again(const mesh *m, uint32_t index)
     return false;
 }
 
+/* Teeth, tongue, eyes; eyes become bones. */
 static void draft_regions_by_name(drafting *d)
 {
     for (uint32_t i = 0; i < d->m->part_count; ++i) {

@@ -30,6 +30,8 @@ static double round_to(double value, double steps, double before)
     return is_same_number(value, before) ? before : floor(value * steps + 0.5) / steps;
 }
 
+/* So a file stays readable. What is as `before` (NaN: nothing was) stays as it is: another program
+ * may have written it. */
 static double round_mm(double mm, double before)
 {
     return round_to(mm, steps_per_mm, before);
@@ -68,6 +70,7 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to change the rig");
 }
 
+/* *out is owned: freed, and a copy of `name` instead. On error it stays. */
 static mrt_result replace_name(char **out, const char *name, error *err)
 {
     char *copy = strdup(name);
@@ -78,6 +81,7 @@ static mrt_result replace_name(char **out, const char *name, error *err)
     return MRT_OK;
 }
 
+/* What a file may call something. */
 static mrt_result check_name(const char *name, error *err)
 {
     size_t length = name ? strlen(name) : 0;
@@ -370,6 +374,7 @@ void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
                           .slide_mm = jaw->slide_mm};
 }
 
+/* Within what a file may say. */
 static bool is_place(vec3 p)
 {
     return fabs(p.x) <= coordinate_cap && fabs(p.y) <= coordinate_cap &&
@@ -445,6 +450,7 @@ static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name
 
 /* ---- added ---- */
 
+/* Of all bones. */
 static uint32_t count_dofs(const rig *r)
 {
     uint32_t count = 0;

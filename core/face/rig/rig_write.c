@@ -118,6 +118,7 @@ static bool ranges_equal(const rig_select *a, const rig_select *b)
            (memcmp(a->first, b->first, size) == 0 && memcmp(a->last, b->last, size) == 0);
 }
 
+/* Of paints: the name. */
 static bool select_equals(const rig_select *a, const rig_select *b)
 {
     if (a->kind != b->kind || a->child_count != b->child_count || !a->name != !b->name ||
@@ -467,6 +468,9 @@ static json_t *set_to_json(const rig *r, uint32_t index)
 
 /* ---- any entry ---- */
 
+/* Entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its source (NULL:
+ * none), whose file has source_mm_per_unit, in which only what differs is changed. NULL: no memory.
+ */
 static json_t *written_entry(const rig *r, rig_section section, uint32_t index,
                              const json_t *source, double source_mm_per_unit, double mm_per_unit)
 {
@@ -599,6 +603,7 @@ static json_t *start_paints(const rig *r, const json_t *root)
     return paints;
 }
 
+/* Puts "paints" into the root: what the rig's selectors say. */
 static mrt_result write_paints(json_t *root, const rig *r, error *err)
 {
     painting p = {start_paints(r, root), r, 0};

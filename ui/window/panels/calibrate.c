@@ -3,8 +3,7 @@
 #include "window/gui/ui.h"
 
 #include "hand/calibration_folder.h"
-#include "hand/calibration_keep.h"
-#include "hand/guide_judge.h"
+#include "hand/guide.h"
 #include "hand/sensor.h"
 #include "stage/glove_channels.h"
 
