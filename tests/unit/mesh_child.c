@@ -5,7 +5,7 @@
 #include <cmocka.h>
 
 #include "io/mesh_file.h"
-#include "io/read/mesh_wire.h"
+#include "io/read/mesh_child.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,6 +5,18 @@
 #define MAROTTE_IO_MESH_CHILD_H
 #include "mesh/mesh.h"
 
+#include <stdio.h>
+
 CHECKED mrt_result mesh_child_read(mesh *out, const char *path, error *err);
+
+/* ---- what marotte-meshload says: a mesh without parts, or why there is none ---- */
+
+/* The reader trusts nothing in it. Native byte order: one machine. */
+/* Errors are left in the stream. */
+void mesh_wire_write(FILE *stream, const mesh *m);
+void mesh_wire_write_failure(FILE *stream, const char *text);
+
+/* A failure that was written comes back as one. */
+CHECKED mrt_result mesh_wire_parse(mesh *out, const void *data, size_t size, error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* marotte-meshload FILE - OpenMesh's readers in a process of their own, with little memory and
- * little time; the mesh goes to the standard output as io/mesh_wire.h has it. Started by
- * io/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
-#include "io/read/mesh_wire.h"
+ * little time; the mesh goes to the standard output as io/read/mesh_child.h has it. Started by
+ * io/read/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+#include "io/read/mesh_child.h"
 #include "io/openmesh.h"
 
 #include <sys/resource.h>

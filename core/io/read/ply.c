@@ -1,13 +1,231 @@
 /* Stanford PLY, text and binary of either byte order: x y z, normals and the faces; other
  * floating-point properties of the vertices become attributes of the same name. */
 #include "io/read/mesh_build.h"
+
 #include "io/mesh_file.h"
-#include "io/read/ply_header.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { PLY_ELEMENTS_MAX = 32, PLY_PROPERTIES_MAX = 256, PLY_LINE_LENGTH_MAX = 1 << 20 };
+
+typedef enum ply_format { PLY_ASCII = 0, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN } ply_format;
+
+typedef enum ply_type {
+    PLY_NONE = 0,
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT32,
+    PLY_FLOAT64
+} ply_type;
+
+typedef struct ply_property {
+    char name[64];
+    ply_type type;
+    ply_type list_type; /* of the count of a list; PLY_NONE: a single value */
+} ply_property;
+
+typedef struct ply_element {
+    char name[64];
+    int64_t count;
+    uint32_t first_property, property_count;
+} ply_element;
+
+typedef struct ply_header {
+    ply_format format;
+    ply_element element[PLY_ELEMENTS_MAX];
+    ply_property property[PLY_PROPERTIES_MAX];
+    uint32_t element_count, property_count;
+    uint64_t line_count;
+} ply_header;
+
+/* ---- the header: every count in it is checked against the bytes that follow ---- */
+
+static mrt_result malformed_header(error *err, const char *expected, text_view found)
+{
+    char text[48];
+    text_copy(text, sizeof text, found);
+    return error_set(err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
+}
+
+static size_t ply_type_size(ply_type type)
+{
+    static const size_t size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+    return size[type];
+}
+
+static ply_type type_of(text_view word)
+{
+    static const struct {
+        const char *name;
+        ply_type type;
+    } known[] = {{"char", PLY_INT8},      {"int8", PLY_INT8},       {"uchar", PLY_UINT8},
+                 {"uint8", PLY_UINT8},    {"short", PLY_INT16},     {"int16", PLY_INT16},
+                 {"ushort", PLY_UINT16},  {"uint16", PLY_UINT16},   {"int", PLY_INT32},
+                 {"int32", PLY_INT32},    {"uint", PLY_UINT32},     {"uint32", PLY_UINT32},
+                 {"float", PLY_FLOAT32},  {"float32", PLY_FLOAT32}, {"double", PLY_FLOAT64},
+                 {"float64", PLY_FLOAT64}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+        if (text_equals(word, known[i].name))
+            return known[i].type;
+    return PLY_NONE;
+}
+
+static mrt_result read_name(char out[64], text_view *line, error *err)
+{
+    text_view word = {line->end, line->end};
+    if (!text_next_word(line, &word) || word.end - word.at > 63)
+        return malformed_header(err, "a name of at most 63 letters", word);
+    text_copy(out, 64, word);
+    return MRT_OK;
+}
+
+static mrt_result read_format(ply_header *h, text_view *line, error *err)
+{
+    text_view word = {line->end, line->end}, version = word;
+    (void)text_next_word(line, &word);
+    (void)text_next_word(line, &version);
+    if (text_equals(word, "ascii"))
+        h->format = PLY_ASCII;
+    else if (text_equals(word, "binary_little_endian"))
+        h->format = PLY_LITTLE_ENDIAN;
+    else if (text_equals(word, "binary_big_endian"))
+        h->format = PLY_BIG_ENDIAN;
+    else
+        return malformed_header(err, "format ascii, binary_little_endian or binary_big_endian",
+                                word);
+    if (!text_equals(version, "1.0"))
+        return malformed_header(err, "version 1.0", version);
+    return MRT_OK;
+}
+
+static mrt_result read_element(ply_header *h, text_view *line, error *err)
+{
+    text_view word = {line->end, line->end};
+    if (h->element_count == PLY_ELEMENTS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d elements", PLY_ELEMENTS_MAX);
+    ply_element *element = &h->element[h->element_count];
+    *element = (ply_element){.first_property = h->property_count};
+    mrt_result result = read_name(element->name, line, err);
+    if (result < 0)
+        return result;
+    if (!text_next_word(line, &word) || !text_int(word, &element->count) || element->count < 0)
+        return malformed_header(err, "the number of elements", word);
+    h->element_count += 1;
+    return MRT_OK;
+}
+
+static mrt_result read_property(ply_header *h, text_view *line, error *err)
+{
+    text_view word = {line->end, line->end};
+    if (h->element_count == 0)
+        return error_set(err, MRT_ERR_FORMAT, "a property before the first element");
+    if (h->property_count == PLY_PROPERTIES_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d properties", PLY_PROPERTIES_MAX);
+    ply_property *property = &h->property[h->property_count];
+    *property = (ply_property){0};
+    (void)text_next_word(line, &word);
+    if (text_equals(word, "list")) {
+        (void)text_next_word(line, &word);
+        property->list_type = type_of(word);
+        if (property->list_type == PLY_NONE || property->list_type >= PLY_FLOAT32)
+            return malformed_header(err, "a whole number type for the length of a list", word);
+        (void)text_next_word(line, &word);
+    }
+    property->type = type_of(word);
+    if (property->type == PLY_NONE)
+        return malformed_header(err, "a type such as float or uchar", word);
+    h->property_count += 1;
+    h->element[h->element_count - 1].property_count += 1;
+    return read_name(property->name, line, err);
+}
+
+/* Every element takes some bytes, so a count that they cannot hold is a lie. */
+static mrt_result check_counts(const ply_header *h, size_t size, error *err)
+{
+    for (uint32_t i = 0; i < h->element_count; ++i) {
+        const ply_element *e = &h->element[i];
+        const ply_property *property = &h->property[e->first_property];
+        size_t bytes = 0;
+        if (e->property_count == 0)
+            return error_set(err, MRT_ERR_FORMAT, "element \"%s\" has no properties", e->name);
+        for (uint32_t p = 0; p < e->property_count; ++p) {
+            ply_type type = property[p].list_type ? property[p].list_type : property[p].type;
+            bytes += h->format == PLY_ASCII ? 2 : ply_type_size(type);
+        }
+        if ((uint64_t)e->count > (size + 1) / bytes)
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%lld of \"%s\" do not fit into the %zu bytes after the header",
+                             (long long)e->count, e->name, size);
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_header_line(ply_header *h, text_view line, bool *out_end, bool *has_format,
+                                   error *err)
+{
+    text_view keyword = {line.end, line.end};
+    if (line.end - line.at > PLY_LINE_LENGTH_MAX)
+        return error_set(err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
+                         PLY_LINE_LENGTH_MAX);
+    (void)text_next_word(&line, &keyword);
+    if (text_equals(keyword, "end_header")) {
+        *out_end = true;
+        return MRT_OK;
+    }
+    if (text_equals(keyword, "format")) {
+        *has_format = true;
+        return read_format(h, &line, err);
+    }
+    if (text_equals(keyword, "element"))
+        return read_element(h, &line, err);
+    if (text_equals(keyword, "property"))
+        return read_property(h, &line, err);
+    if (keyword.at == keyword.end || text_equals(keyword, "comment") ||
+        text_equals(keyword, "obj_info"))
+        return MRT_OK;
+    return malformed_header(err, "format, element, property, comment or end_header", keyword);
+}
+
+static mrt_result read_header_lines(ply_header *h, text_view *rest, error *err)
+{
+    text_view line;
+    bool end = false, has_format = false;
+    h->line_count = 1;
+    if (!text_next_line(rest, &line) || !text_equals(text_trim(line), "ply"))
+        return error_set(err, MRT_ERR_FORMAT, "\"ply\" was expected");
+    while (!end) {
+        h->line_count += 1;
+        if (!text_next_line(rest, &line))
+            return error_set(err, MRT_ERR_FORMAT, "the file ends before end_header");
+        mrt_result result = read_header_line(h, line, &end, &has_format, err);
+        if (result < 0)
+            return result;
+    }
+    if (!has_format)
+        return error_set(err, MRT_ERR_FORMAT, "the header has no format line");
+    return check_counts(h, (size_t)(rest->end - rest->at), err);
+}
+
+static mrt_result parse_header(ply_header *out, text_view *rest, error *err)
+{
+    *out = (ply_header){0};
+    mrt_result result = read_header_lines(out, rest, err);
+    if (result < 0) {
+        char prefix[32];
+        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)out->line_count);
+        error_prefix(err, prefix);
+    }
+    return result;
+}
+
+/* ---- the body ---- */
 
 /* Where the value of a vertex property goes: the first six are in this order in `value`. */
 typedef enum ply_role {
@@ -361,7 +579,7 @@ mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err)
     r->rest = text_view_of(data, size);
     r->err = err;
     mesh_build_init(&r->build);
-    mrt_result result = ply_header_parse(&r->header, &r->rest, err);
+    mrt_result result = parse_header(&r->header, &r->rest, err);
     r->line_number = r->header.line_count;
     if (result == MRT_OK)
         result = read_body(r);
