@@ -8,10 +8,7 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "hand/calibration_folder.h"
-<<<<<<< HEAD
 #include "hand/guide.h"
-=======
->>>>>>> 2c2b18a (hand: files by subject)
 #include "hand/sensor.h"
 #include "hand/virtualhand.h"
 #include "stage/glove_channels.h"

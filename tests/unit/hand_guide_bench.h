@@ -1,5 +1,5 @@
 /* hand_guide_bench.h - a glove on a hand that goes through the poses of the guided calibration, for
- * the tests of hand/guide.h and hand/guide_judge.h. After cmocka.h. */
+ * the tests of hand/guide.h. After cmocka.h. */
 #ifndef MAROTTE_TEST_HAND_GUIDE_BENCH_H
 #define MAROTTE_TEST_HAND_GUIDE_BENCH_H
 #include "hand/guide.h"
