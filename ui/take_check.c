@@ -1,4 +1,5 @@
 /* marotte take check: everything of a show is read once. */
+#include "base/cancel.h"
 #include "take/edit_store.h"
 #include "take_play.h"
 
@@ -40,7 +41,7 @@ static mrt_result check_track(checking *self, int64_t id, error *err)
             self->sample_count += 1;
         else
             note(self, &problem);
-        if (result < 0 && self->problem_count > 100000)
+        if (result < 0 && (self->problem_count > 100000 || cancel_is_asked()))
             break;
     }
     show_reader_close(reader);
@@ -92,7 +93,7 @@ static mrt_result check_performances(checking *self, error *err)
     mrt_result result = show_performance_ids(self->call->show, &ids, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
         show_performance of;
         error problem = {""};
         if (show_performance_read(self->call->show, ids[i], &of, &problem) < 0) {
@@ -114,10 +115,10 @@ static mrt_result check_takes(checking *self, error *err)
     mrt_result result = show_takes(self->call->show, &takes, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
         take t;
         error problem = {""};
-        if (edit_store_take(&t, self->call->show, takes[i].id, &problem) < 0)
+        if (edit_store_take_of(&t, self->call->show, &takes[i], &problem) < 0)
             note(self, &problem);
         take_finish(&t);
     }
@@ -154,7 +155,7 @@ static mrt_result check_sounds(checking *self, error *err)
     if (result < 0)
         return result;
     void *piece = malloc(PIECE_BYTES);
-    for (size_t i = 0; piece && i < count; ++i)
+    for (size_t i = 0; piece && i < count && !cancel_is_asked(); ++i)
         check_sound(self, ids[i], piece);
     free(ids);
     if (!piece)
@@ -174,6 +175,8 @@ mrt_result take_check_run(take_call *call, error *err)
         result = check_takes(&self, err);
     if (result >= 0)
         result = check_sounds(&self, err);
+    if (result >= 0)
+        result = cancel_check(err);
     if (result < 0)
         return result;
     error whole = {""};

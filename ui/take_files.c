@@ -1,6 +1,7 @@
 /* Subcommands of a show as a whole: what is in it, what is made of what was not recorded on
  * purpose, and what can be saved of a damaged one. */
 #include "take/edit_store.h"
+#include "base/cancel.h"
 #include "base/clock.h"
 #include "take_play.h"
 
@@ -40,20 +41,23 @@ static mrt_result run_list(take_call *call, error *err)
 {
     show_take *takes;
     size_t count;
-    mrt_result result = show_takes(call->show, &takes, &count, err);
+    mrt_result result = show_look_begin(call->show, err);
+    if (result >= 0)
+        result = show_takes(call->show, &takes, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
         take t;
         error problem = {""};
-        if (edit_store_take(&t, call->show, takes[i].id, &problem) < 0 && !problem.text[0])
+        if (edit_store_take_of(&t, call->show, &takes[i], &problem) < 0 && !problem.text[0])
             (void)error_set(&problem, MRT_ERR_FORMAT, "damaged");
         tell_take(call, &takes[i], &t, problem.text);
         take_finish(&t);
     }
+    show_look_end(call->show);
     facts_number(call->told, "take_count", "takes", (double)count, 0, "");
     free(takes);
-    return MRT_OK;
+    return cancel_check(err);
 }
 
 /* ---- keep ---- */

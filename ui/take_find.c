@@ -50,7 +50,7 @@ static bool has_slate(take_call *call, const show_take *of, const char *text)
 {
     take t;
     error ignored = {""};
-    mrt_result result = edit_store_take(&t, call->show, of->id, &ignored);
+    mrt_result result = edit_store_take_of(&t, call->show, of, &ignored);
     bool is_named =
         result >= 0 && strcmp(take_slate_text(t.scene, t.shot, t.number).text, text) == 0;
     take_finish(&t);

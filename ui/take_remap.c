@@ -220,7 +220,7 @@ static mrt_result gather(remap *self, error *err)
     if (clip_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it shows no performance",
                          (long long)self->old.id);
-    mrt_result result = show_edits_read(s, self->old.id, &self->edits, err);
+    mrt_result result = show_edits_of(s, &self->made, &self->edits, err);
     if (result >= 0)
         result = show_take_spans(s, self->old.id, &spans, &old_count, err);
     if (result < 0)

@@ -1,5 +1,6 @@
 #include "take_stage.h"
 
+#include "base/cancel.h"
 #include "base/file.h"
 #include "news.h"
 #include "take/edit_store.h"
@@ -199,6 +200,9 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
     progress_start(&call->shown, "performing");
     for (int64_t i = 0; i < frames->count && result >= 0; ++i) {
         int64_t at_ns = timecode_time_ns(frames->rate, frames->first + i);
+        result = cancel_check(err);
+        if (result < 0)
+            break;
         result = sequencer_play_to(self->sequencer, at_ns, err);
         if (result < 0)
             break;

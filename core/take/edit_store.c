@@ -92,7 +92,7 @@ static mrt_result list_set_head(void *self, int64_t head, error *err)
 
 /* ---- open, close ---- */
 
-mrt_result edit_store_open(edit_store **out, show *s, int64_t take_id, int64_t (*utc_ms)(void),
+static mrt_result open_row(edit_store **out, show *s, const show_take *row, int64_t (*utc_ms)(void),
                            error *err)
 {
     *out = NULL;
@@ -100,17 +100,26 @@ mrt_result edit_store_open(edit_store **out, show *s, int64_t take_id, int64_t (
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the edits of a take");
     self->show = s;
-    self->take_id = take_id;
+    self->take_id = row->id;
     self->utc_ms = utc_ms;
-    mrt_result result = show_take_base(s, take_id, &self->bare, err);
+    mrt_result result = show_take_base_of(s, row, &self->bare, err);
     if (result >= 0)
-        result = show_edits_read(s, take_id, &self->edits, err);
+        result = show_edits_of(s, row, &self->edits, err);
     if (result < 0) {
         edit_store_close(self);
         return result;
     }
     *out = self;
     return MRT_OK;
+}
+
+mrt_result edit_store_open(edit_store **out, show *s, int64_t take_id, int64_t (*utc_ms)(void),
+                           error *err)
+{
+    show_take row;
+    *out = NULL;
+    mrt_result result = show_take_read(s, take_id, &row, err);
+    return result < 0 ? result : open_row(out, s, &row, utc_ms, err);
 }
 
 void edit_store_close(edit_store *self)
@@ -134,9 +143,17 @@ const take *edit_store_bare(const edit_store *self)
 
 mrt_result edit_store_take(take *out, show *s, int64_t take_id, error *err)
 {
+    show_take row;
+    *out = (take){0};
+    mrt_result result = show_take_read(s, take_id, &row, err);
+    return result < 0 ? result : edit_store_take_of(out, s, &row, err);
+}
+
+mrt_result edit_store_take_of(take *out, show *s, const show_take *row, error *err)
+{
     edit_store *self;
     *out = (take){0};
-    mrt_result result = edit_store_open(&self, s, take_id, NULL, err);
+    mrt_result result = open_row(&self, s, row, NULL, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(self);

@@ -9,6 +9,8 @@
 /* A take of a show as its edits in force make it. An edit that cannot be applied is named, and
  * `out` is the take before it, as by history_fold. take_finish() it. */
 CHECKED mrt_result edit_store_take(take *out, show *s, int64_t take_id, error *err);
+/* The same, of a row that was just read. */
+CHECKED mrt_result edit_store_take_of(take *out, show *s, const show_take *row, error *err);
 
 /* Another take that shows the same and is edited by itself, with a number of its own. It begins as
  * a deleted one, and is there by the edit 1 of its list: undoing that takes it away again. */

@@ -18,25 +18,16 @@ enum { RESCUE_NAMES = 100 };
 /* ---- what kind of file it is ---- */
 
 typedef struct identity {
-    int64_t application, version, oldest_reader;
+    int64_t version, oldest_reader;
 } identity;
 
-/* The log may say otherwise than the header that SQLite was let in by. */
+/* SQLite was let in by the application's id in the header; the log may say otherwise than that. */
 static mrt_result read_identity(sqlite *db, const char *path, identity *out, error *err)
 {
     *out = (identity){0};
-    mrt_result result = sqlite_number(db, "PRAGMA application_id", 0, &out->application, err);
+    mrt_result result = sqlite_number(db, "PRAGMA user_version", 0, &out->version, err);
     if (result >= 0)
-        result = sqlite_number(db, "PRAGMA user_version", 0, &out->version, err);
-    if (result < 0)
-        return result;
-    if (out->application != SQLITE_APPLICATION || out->version < 1)
-        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
-                         path);
-    result = show_schema_check(db, out->version, err);
-    if (result >= 0)
-        result = sqlite_number(db, "SELECT value FROM meta WHERE key = 'oldest_reader'", INT64_MAX,
-                               &out->oldest_reader, err);
+        result = show_schema_check(db, out->version, &out->oldest_reader, err);
     if (result >= 0 && out->oldest_reader > SHOW_VERSION)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: was made by a newer marotte (format %lld, this one reads up to %d): "
@@ -67,7 +58,9 @@ static mrt_result connect_and_look(sqlite **out, identity *out_identity, const c
     mrt_result result = sqlite_open(out, path, mode, err);
     if (result < 0)
         return result;
-    result = read_identity(*out, path, out_identity, err);
+    result = sqlite_run(*out, "BEGIN", err); /* one look at the file, not four */
+    if (result >= 0)
+        result = sqlite_end(*out, read_identity(*out, path, out_identity, err), err);
     if (result < 0) {
         *out_trouble = sqlite_trouble_of(*out);
         sqlite_close(*out);
@@ -443,6 +436,16 @@ void show_close(show *self)
     show_lock_let_go(&self->lock);
     free(self->path);
     free(self);
+}
+
+mrt_result show_look_begin(show *self, error *err)
+{
+    return sqlite_run(self->db, "BEGIN", err);
+}
+
+void show_look_end(show *self)
+{
+    (void)!sqlite_run(self->db, "COMMIT", NULL);
 }
 
 /* ---- about the file ---- */

@@ -81,11 +81,17 @@ typedef struct show_take { /* how a take was made; what its edits make of it: ed
     int32_t base_edit_count; /* edits with n <= 0: part of how it was made, not to be undone */
 } show_take;
 
+/* What is read until then is as of one instant, and read faster: for a short look at many rows. */
+CHECKED mrt_result show_look_begin(show *self, error *err);
+void show_look_end(show *self);
+
 /* All takes, by id: the order in which they were made. */
 CHECKED mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err);
 CHECKED mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err);
 /* One layer with a clip per span shown: what the edits start from. take_finish() it. */
 CHECKED mrt_result show_take_base(show *self, int64_t id, take *out, error *err);
+/* The same, of a row that was just read. */
+CHECKED mrt_result show_take_base_of(show *self, const show_take *row, take *out, error *err);
 CHECKED mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_count,
                                    error *err);
 
@@ -123,6 +129,7 @@ typedef struct show_edits {
     int32_t head;
 } show_edits;
 CHECKED mrt_result show_edits_read(show *self, int64_t take, show_edits *out, error *err);
+CHECKED mrt_result show_edits_of(show *self, const show_take *row, show_edits *out, error *err);
 void show_edits_finish(show_edits *edits);
 
 /* Puts an edit after those in force; edits that were undone are abandoned: they stay as rows of

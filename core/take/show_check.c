@@ -128,7 +128,9 @@ mrt_result show_check(show *self, error *err)
     if (result >= 0)
         result = check_each(self, "SELECT id FROM track", check_track, err);
     if (result >= 0)
-        result = check_each(self, "SELECT id FROM take", check_edits, err);
+        result = check_each(
+            self, "SELECT id FROM take WHERE edit_head <> 0 OR id IN (SELECT take FROM edit)",
+            check_edits, err);
     if (result >= 0)
         result = check_each(self, "SELECT id FROM performance", check_checkpoints, err);
     if (result >= 0)

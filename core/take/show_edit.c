@@ -55,16 +55,23 @@ static mrt_result add_edit(show_edits *out, sqlite_statement *row, int64_t take_
 
 mrt_result show_edits_read(show *self, int64_t take_id, show_edits *out, error *err)
 {
+    show_take row;
     *out = (show_edits){0};
-    show_take of;
+    mrt_result result = show_take_read(self, take_id, &row, err);
+    return result < 0 ? result : show_edits_of(self, &row, out, err);
+}
+
+mrt_result show_edits_of(show *self, const show_take *row, show_edits *out, error *err)
+{
+    const int64_t take_id = row->id;
+    *out = (show_edits){0};
+    if (row->edit_head == 0 && row->edit_count == 0 && row->base_edit_count == 0)
+        return MRT_OK;
     sqlite_statement *rows;
-    mrt_result result = show_take_read(self, take_id, &of, err);
-    if (result < 0)
-        return result;
-    result = sqlite_query(self->db, &rows, err,
-                          "SELECT n, utc_ms, crc, json FROM edit "
-                          "WHERE take = ? AND branch = 0 ORDER BY n",
-                          "iiit", "i", take_id);
+    mrt_result result = sqlite_query(self->db, &rows, err,
+                                     "SELECT n, utc_ms, crc, json FROM edit "
+                                     "WHERE take = ? AND branch = 0 ORDER BY n",
+                                     "iiit", "i", take_id);
     if (result < 0)
         return result;
     while ((result = sqlite_step(rows, err)) == MRT_OK) {
@@ -73,11 +80,11 @@ mrt_result show_edits_read(show *self, int64_t take_id, show_edits *out, error *
             break;
     }
     sqlite_finish(rows);
-    out->head = of.edit_head;
+    out->head = row->edit_head;
     int32_t last = out->count ? out->edit[out->count - 1].n : 0;
-    if (result >= 0 && (of.edit_head < 0 || of.edit_head > (last > 0 ? last : 0)))
+    if (result >= 0 && (row->edit_head < 0 || row->edit_head > (last > 0 ? last : 0)))
         result = error_set(err, MRT_ERR_FORMAT, "%s: take %lld is damaged: %d edits are missing",
-                           self->path, (long long)take_id, of.edit_head - last);
+                           self->path, (long long)take_id, row->edit_head - last);
     if (result >= 0)
         return MRT_OK;
     show_edits_finish(out);

@@ -1,13 +1,12 @@
 #include "take/show_schema.h"
 
 #include "base/text.h"
-#include "take/show_file.h"
 
+#include <assert.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { OBJECTS_MAX = 1000 }; /* tables and indexes of any show, older or newer */
+enum { OBJECTS_MAX = 40 }; /* tables and indexes that a show of ours has */
 
 /* step[v] makes version v + 1 of version v. A step that was released is never changed: what is new
  * becomes a new step, and what older programs cannot read raises meta.oldest_reader. */
@@ -145,152 +144,193 @@ mrt_result show_schema_create(sqlite *db, error *err)
 
 /* ---- whether a file's tables are ours ---- */
 
-typedef struct object { /* a table or an index */
-    char *name, *sql;   /* owned */
+typedef struct object {         /* a table or an index, as SQLite keeps the text that made it */
+    text_view name, kind, rest; /* "CREATE TABLE ", and what follows it */
+    text_view added;            /* a column; empty: none */
+    bool is_seen;
 } object;
 
-typedef struct objects { /* by name */
-    object *at;
+typedef struct objects {
+    object at[OBJECTS_MAX];
     size_t count;
 } objects;
 
-static void finish_objects(objects *list)
+static text_view view_of(const char *text)
 {
-    for (size_t i = 0; i < list->count; ++i) {
-        free(list->at[i].name);
-        free(list->at[i].sql);
-    }
-    free(list->at);
-    *list = (objects){0};
+    return text_view_of(text, strlen(text));
 }
 
-/* What SQLite makes by itself for a key has no text. */
-static mrt_result read_objects(objects *out, sqlite *db, error *err)
+static bool is_same(text_view a, text_view b)
 {
-    sqlite_statement *rows;
-    *out = (objects){0};
-    mrt_result result = sqlite_query(db, &rows, err,
-                                     "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL"
-                                     " ORDER BY name LIMIT ?",
-                                     "tt", "i", (int64_t)OBJECTS_MAX);
-    if (result < 0)
-        return result;
-    while ((result = sqlite_step(rows, err)) == MRT_OK) {
-        void *list = out->at;
-        result = show_grow(&list, out->count, sizeof *out->at, err);
-        out->at = list;
-        if (result < 0)
-            break;
-        object *one = &out->at[out->count++];
-        *one = (object){strdup(sqlite_exact_text(rows, 0)), strdup(sqlite_exact_text(rows, 1))};
-        if (!one->name || !one->sql) {
-            result = error_set(err, MRT_ERR_MEMORY, "no memory for a show's tables");
-            break;
-        }
-    }
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    const size_t length = (size_t)(a.end - a.at);
+    return (size_t)(b.end - b.at) == length && memcmp(a.at, b.at, length) == 0;
 }
 
-/* As a new file of that version has them. */
-static mrt_result expect_objects(objects *out, int64_t version, error *err)
+static bool take_off(text_view *text, text_view start)
 {
-    sqlite *fresh;
-    *out = (objects){0};
-    mrt_result result = sqlite_open_memory(&fresh, err);
-    if (result < 0)
-        return result;
-    for (int64_t v = 0; v < version && result >= 0; ++v)
-        result = sqlite_run(fresh, step[v], err);
-    if (result >= 0)
-        result = read_objects(out, fresh, err);
-    sqlite_close(fresh);
-    return result;
+    const size_t length = (size_t)(start.end - start.at);
+    if ((size_t)(text->end - text->at) < length || memcmp(text->at, start.at, length) != 0)
+        return false;
+    text->at += length;
+    return true;
 }
 
-static const object *find_object(const objects *list, const char *name)
+static object *find_object(objects *list, text_view name)
 {
     for (size_t i = 0; i < list->count; ++i)
-        if (strcmp(list->at[i].name, name) == 0)
+        if (is_same(list->at[i].name, name))
             return &list->at[i];
     return NULL;
 }
 
-/* Names of columns and kinds, with nothing between `at` and `end` that could be an expression. */
-static bool is_plain(const char *at, const char *end)
+/* What a statement of the steps leaves behind; those that change rows leave nothing. */
+static void expect_statement(objects *out, text_view sql)
 {
-    for (; at < end; ++at)
-        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789, ", *at))
+    static const char *const kinds[] = {"CREATE TABLE ", "CREATE INDEX ", "CREATE UNIQUE INDEX "};
+    if (take_off(&sql, view_of("ALTER TABLE "))) {
+        const text_view name = {sql.at, sql.at + strcspn(sql.at, " ")};
+        object *of = find_object(out, name);
+        sql.at = name.end;
+        const bool is_column = take_off(&sql, view_of(" ADD COLUMN "));
+        assert(of && is_column);
+        if (of && is_column)
+            of->added = sql;
+        return;
+    }
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        if (!take_off(&sql, view_of(kinds[i])))
+            continue;
+        (void)take_off(&sql, view_of("IF NOT EXISTS "));
+        assert(out->count < OBJECTS_MAX);
+        out->at[out->count++] = (object){.name = {sql.at, sql.at + strcspn(sql.at, "( ")},
+                                         .kind = view_of(kinds[i]),
+                                         .rest = sql,
+                                         .added = {sql.end, sql.end}};
+        return;
+    }
+}
+
+/* As a new file of that version has them. */
+static void expect_objects(objects *out, int64_t version)
+{
+    out->count = 0;
+    for (int64_t v = 0; v < version; ++v)
+        for (const char *sql = step[v]; *sql;) {
+            const size_t length = strcspn(sql, ";");
+            expect_statement(out, text_view_of(sql, length));
+            sql += length + (sql[length] == ';');
+        }
+}
+
+/* Names of columns and kinds, and nothing that could be an expression. */
+static bool is_plain(text_view text)
+{
+    for (; text.at < text.end; ++text.at)
+        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789, ", *text.at))
             return false;
     return true;
 }
 
-static bool has_only_grown(const char *sql, const char *expected)
+/* may_grow: columns of plain values may follow those that are known. */
+static bool is_as_expected(const object *of, text_view sql, bool may_grow)
 {
-    const size_t kept = strlen(expected) - 1, length = strlen(sql); /* without its ')' */
-    return expected[kept] == ')' && length > kept + 1 && sql[length - 1] == ')' &&
-           strncmp(sql, expected, kept) == 0 && sql[kept] == ',' &&
-           is_plain(sql + kept, sql + length - 1);
+    text_view closing = view_of(")"), known = of->rest;
+    --known.end;
+    if (!take_off(&sql, of->kind) || !take_off(&sql, known))
+        return false;
+    if (of->added.at < of->added.end &&
+        (!take_off(&sql, view_of(", ")) || !take_off(&sql, of->added)))
+        return false;
+    const text_view rest = {known.end, of->rest.end}; /* its last letter, a ')' mostly */
+    if (is_same(sql, of->added.at < of->added.end ? closing : rest))
+        return true;
+    return may_grow && sql.end > sql.at && *sql.at == ',' && sql.end[-1] == ')' &&
+           is_plain((text_view){sql.at, sql.end - 1});
 }
 
-static bool is_new_table_or_index(const char *sql)
+static bool is_new_table_or_index(text_view sql)
 {
-    const char *columns = strchr(sql, '(');
-    const size_t length = strlen(sql);
-    return strncmp(sql, "CREATE TABLE ", 13) == 0 ||
-           (strncmp(sql, "CREATE INDEX ", 13) == 0 && columns && sql[length - 1] == ')' &&
-            is_plain(columns + 1, sql + length - 1));
+    if (take_off(&sql, view_of("CREATE TABLE ")))
+        return true;
+    const char *columns = memchr(sql.at, '(', (size_t)(sql.end - sql.at));
+    return take_off(&sql, view_of("CREATE INDEX ")) && columns && sql.end[-1] == ')' &&
+           is_plain((text_view){columns + 1, sql.end - 1});
 }
 
-/* Version 1 may have a table of version 2 already: it was made by hand for tests of that time. */
-static mrt_result compare(const objects *there, const objects *expected, const objects *latest,
-                          bool is_newer, error *err)
+typedef struct schema_check {
+    objects expected, latest;
+    bool is_newer;
+    int64_t oldest_reader;
+} schema_check;
+
+/* Version 1 may have a table of version 2 already: the step makes it only where it is not. */
+static mrt_result check_object(schema_check *self, sqlite_statement *row, error *why)
 {
-    for (size_t i = 0; i < expected->count; ++i)
-        if (!find_object(there, expected->at[i].name))
-            return error_set(err, MRT_ERR_FORMAT, "it has no \"%s\"", expected->at[i].name);
-    for (size_t i = 0; i < there->count; ++i) {
-        const object *one = &there->at[i], *same = find_object(expected, one->name);
-        const object *later = same ? same : find_object(latest, one->name);
-        bool is_ours = later ? strcmp(one->sql, later->sql) == 0 ||
-                                   (is_newer && has_only_grown(one->sql, later->sql))
-                             : is_newer && is_new_table_or_index(one->sql);
-        char name[64];
-        text_copy(name, sizeof name, text_view_of(one->name, strlen(one->name)));
-        if (!is_ours)
-            return error_set(err, MRT_ERR_FORMAT, "\"%s\" is not as marotte makes it", name);
+    if (!sqlite_is_null(row, 3))
+        self->oldest_reader = sqlite_int(row, 3);
+    const text_view type = view_of(sqlite_exact_text(row, 0));
+    const text_view name = view_of(sqlite_exact_text(row, 1));
+    const text_view sql = view_of(sqlite_exact_text(row, 2));
+    if (!text_equals(type, "table") && !text_equals(type, "index"))
+        return error_set(why, MRT_ERR_FORMAT, "it has views or triggers, which no show has");
+    if (sqlite_is_null(row, 2)) /* what SQLite makes by itself for a key */
+        return MRT_OK;
+    object *of = find_object(&self->expected, name);
+    of = of ? of : find_object(&self->latest, name);
+    const bool is_ours = of ? !of->is_seen && is_as_expected(of, sql, self->is_newer)
+                            : self->is_newer && is_new_table_or_index(sql);
+    if (of)
+        of->is_seen = true;
+    if (is_ours)
+        return MRT_OK;
+    char shown[64];
+    text_copy(shown, sizeof shown, name);
+    return error_set(why, MRT_ERR_FORMAT, "\"%s\" is not as marotte makes it", shown);
+}
+
+static mrt_result check_objects(schema_check *self, sqlite *db, bool *out_is_unread, error *why)
+{
+    sqlite_statement *rows;
+    mrt_result result, step_result = MRT_OK;
+    result = sqlite_query(db, &rows, why,
+                          "SELECT type, name, sql, (SELECT value FROM meta WHERE key = "
+                          "'oldest_reader') FROM sqlite_schema",
+                          "ttTI", "");
+    *out_is_unread = result < 0;
+    if (result < 0)
+        return result;
+    while (result >= 0 && (step_result = sqlite_step(rows, why)) == MRT_OK)
+        result = check_object(self, rows, why);
+    *out_is_unread = step_result < 0;
+    sqlite_finish(rows);
+    for (size_t i = 0; i < self->expected.count && result >= 0 && step_result >= 0; ++i) {
+        const object *of = &self->expected.at[i];
+        if (!of->is_seen)
+            result = error_set(why, MRT_ERR_FORMAT, "it has no \"%.*s\"",
+                               (int)(of->name.end - of->name.at), of->name.at);
     }
-    return MRT_OK;
+    return step_result < 0 ? step_result : result;
 }
 
-mrt_result show_schema_check(sqlite *db, int64_t version, error *err)
+mrt_result show_schema_check(sqlite *db, int64_t version, int64_t *out_oldest_reader, error *err)
 {
-    objects there, expected = {0}, latest = {0};
-    int64_t other_count = 0;
-    const bool is_newer = version > SHOW_VERSION;
-    mrt_result result = read_objects(&there, db, err);
-    if (result >= 0)
-        result = expect_objects(&expected, is_newer ? SHOW_VERSION : version, err);
-    if (result >= 0 && version < SHOW_VERSION)
-        result = expect_objects(&latest, SHOW_VERSION, err);
-    if (result >= 0)
-        result = sqlite_number(db,
-                               "SELECT COUNT(*) FROM sqlite_schema"
-                               " WHERE type NOT IN ('table', 'index') OR typeof(name) <> 'text'"
-                               " OR typeof(sql) NOT IN ('text', 'null')",
-                               0, &other_count, err);
     error why = {""};
-    if (result >= 0 && other_count > 0)
-        result = error_set(&why, MRT_ERR_FORMAT, "it has views or triggers, which no show has");
-    else if (result >= 0)
-        result = compare(&there, &expected, &latest, is_newer, &why);
-    if (why.text[0])
-        (void)error_set(err, result,
-                        "%s: is no show of marotte, or damaged: %s; what can be read "
-                        "of it: marotte take recover",
-                        sqlite_path(db), why.text);
-    finish_objects(&there);
-    finish_objects(&expected);
-    finish_objects(&latest);
-    return result;
+    bool is_unread = false;
+    schema_check self;
+    self.is_newer = version > SHOW_VERSION;
+    self.oldest_reader = INT64_MAX;
+    expect_objects(&self.expected, self.is_newer ? SHOW_VERSION : version);
+    expect_objects(&self.latest, version < SHOW_VERSION ? SHOW_VERSION : 0);
+    mrt_result result = check_objects(&self, db, &is_unread, &why);
+    if (result >= 0 && version < 1)
+        result = error_set(&why, MRT_ERR_FORMAT, "it has no version");
+    *out_oldest_reader = self.oldest_reader;
+    if (result >= 0)
+        return MRT_OK;
+    if (is_unread) /* SQLite says why */
+        return error_set(err, result, "%s", why.text);
+    return error_set(err, result,
+                     "%s: is no show of marotte, or damaged: %s; what can be read of it: marotte "
+                     "take recover",
+                     sqlite_path(db), why.text);
 }

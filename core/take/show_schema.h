@@ -18,8 +18,10 @@ extern const show_table show_tables[SHOW_TABLES];
 
 /* Whether the tables of a file of that version are those that marotte makes, and nothing else is
  * there: SQLite would evaluate the expressions of columns, indexes and views. A newer version may
- * have more tables, and more columns of plain values. Reads only. */
-CHECKED mrt_result show_schema_check(sqlite *db, int64_t version, error *err);
+ * have more tables, and more columns of plain values. Reads only; *out_oldest_reader: the version
+ * that a program must know to read it. */
+CHECKED mrt_result show_schema_check(sqlite *db, int64_t version, int64_t *out_oldest_reader,
+                                     error *err);
 /* In an empty database. */
 CHECKED mrt_result show_schema_create(sqlite *db, error *err);
 /* From `version`, 1..SHOW_VERSION, to SHOW_VERSION in one transaction: all or nothing. */

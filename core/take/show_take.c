@@ -168,22 +168,30 @@ static void read_span(void *item, sqlite_statement *row)
                                      .is_shown = sqlite_int(row, 3) != 0};
 }
 
-mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_count, error *err)
+static mrt_result read_spans(show *self, const show_take *of, show_span **out, size_t *out_count,
+                             error *err)
 {
-    show_take of;
     sqlite_statement *query;
     show_rows rows = {0};
-    mrt_result result = show_take_read(self, id, &of, err);
-    if (result >= 0)
-        result = sqlite_query(self->db, &query, err,
-                              "SELECT performance, from_ns, MAX(from_ns, COALESCE(to_ns, ?2)),"
-                              "  is_shown FROM span WHERE take = ?1 ORDER BY n",
-                              "Iiii", "ii", id, of.end_ns);
+    mrt_result result =
+        sqlite_query(self->db, &query, err,
+                     "SELECT performance, from_ns, MAX(from_ns, COALESCE(to_ns, ?2)),"
+                     "  is_shown FROM span WHERE take = ?1 ORDER BY n",
+                     "Iiii", "ii", of->id, of->end_ns);
     if (result >= 0)
         result = show_read_rows(&rows, query, sizeof **out, read_span, err);
     *out = rows.item;
     *out_count = rows.count;
     return result;
+}
+
+mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_count, error *err)
+{
+    show_take of;
+    *out = NULL;
+    *out_count = 0;
+    mrt_result result = show_take_read(self, id, &of, err);
+    return result < 0 ? result : read_spans(self, &of, out, out_count, err);
 }
 
 /* ---- the take that edits start from ---- */
@@ -232,26 +240,31 @@ static mrt_result fill_layer(take *out, const show_span *spans, size_t count, er
 
 mrt_result show_take_base(show *self, int64_t id, take *out, error *err)
 {
-    *out = (take){0};
     show_take row;
+    *out = (take){0};
+    mrt_result result = show_take_read(self, id, &row, err);
+    return result < 0 ? result : show_take_base_of(self, &row, out, err);
+}
+
+mrt_result show_take_base_of(show *self, const show_take *row, take *out, error *err)
+{
+    *out = (take){0};
     show_span *spans;
     size_t span_count;
-    mrt_result result = show_take_read(self, id, &row, err);
-    if (result >= 0)
-        result = show_take_spans(self, id, &spans, &span_count, err);
+    mrt_result result = read_spans(self, row, &spans, &span_count, err);
     if (result < 0)
         return result;
-    *out = (take){.id = id,
-                  .created_ns = row.created_ns,
-                  .start_ns = row.start_ns,
-                  .duration_ns = row.end_ns - row.start_ns,
-                  .is_recording = row.is_recording,
-                  .number = row.number};
-    memcpy(out->scene, row.scene, sizeof out->scene);
-    memcpy(out->shot, row.shot, sizeof out->shot);
-    memcpy(out->origin, row.origin, sizeof out->origin);
-    if (row.is_recovered)
-        snprintf(out->origin, sizeof out->origin, "%.80s, recovered", row.origin);
+    *out = (take){.id = row->id,
+                  .created_ns = row->created_ns,
+                  .start_ns = row->start_ns,
+                  .duration_ns = row->end_ns - row->start_ns,
+                  .is_recording = row->is_recording,
+                  .number = row->number};
+    memcpy(out->scene, row->scene, sizeof out->scene);
+    memcpy(out->shot, row->shot, sizeof out->shot);
+    memcpy(out->origin, row->origin, sizeof out->origin);
+    if (row->is_recovered)
+        snprintf(out->origin, sizeof out->origin, "%.80s, recovered", row->origin);
     size_t shown = 0;
     for (size_t i = 0; i < span_count; ++i)
         shown += spans[i].is_shown;

@@ -471,17 +471,6 @@ mrt_result sqlite_open(sqlite **out, const char *path, sqlite_mode mode, error *
     return result < 0 ? result : opened(out, open_handle(*out, mode), err);
 }
 
-mrt_result sqlite_open_memory(sqlite **out, error *err)
-{
-    mrt_result result = allocate(out, "memory", err);
-    if (result < 0)
-        return result;
-    refill(*out);
-    int code = sqlite3_open_v2(":memory:", &(*out)->handle,
-                               SQLITE_OPEN_READWRITE | SQLITE_OPEN_EXRESCODE, NULL);
-    return opened(out, code == SQLITE_OK ? configure(*out) : code, err);
-}
-
 static void destroy(sqlite_statement *statement)
 {
     (void)sqlite3_finalize(statement->handle);

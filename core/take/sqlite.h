@@ -112,8 +112,6 @@ int64_t sqlite_last_id(const sqlite *self); /* of the last row that this connect
 void sqlite_bind_row(sqlite_statement *to, sqlite_statement *from);
 /* A copy of what is committed, page by page, while others write. The file must be empty. */
 CHECKED mrt_result sqlite_copy(sqlite *self, const char *out_path, error *err);
-/* A database in memory, of no file. */
-CHECKED mrt_result sqlite_open_memory(sqlite **out, error *err);
 
 /* Moves what the write-ahead log holds into the file, as far as nobody reads it; waits for nobody.
  */

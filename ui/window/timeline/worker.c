@@ -343,7 +343,7 @@ static void look_at(worker_reader *self, const show_take *of, const timeline_req
                   (strcmp(of->scene, request->scene) == 0 && strcmp(of->shot, request->shot) == 0);
     if (of->id == request->comps_of || !may_be || of->is_recording)
         return;
-    if (edit_store_take(t, self->show, of->id, &err) < 0 && t->id == 0)
+    if (edit_store_take_of(t, self->show, of, &err) < 0 && t->id == 0)
         return;
     if (is_of_slate(t, request))
         out->count += 1;
