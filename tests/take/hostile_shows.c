@@ -21,7 +21,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH = 512, WORDS_MAX = 16, PAGE = 4096, WALL_MAX_S = 120, SKIPPED = 77 };
+enum { PATH = 512, WORDS_MAX = 16, PAGE = 4096, WALL_MAX_S = 600, SKIPPED = 77 };
 static const double limit_s = 10.0, stop_limit_s = 1.5, poll_s = 0.002;
 static const double bytes_per_byte = 20.0, bytes_beside = 300e6;
 
@@ -137,11 +137,12 @@ static void report(trial *t, const char *what, char *const *words)
 static void become(const trial *t, char *const *words)
 {
     char out[PATH], err[PATH];
-    const struct rlimit size = {1u << 30, 1u << 30}, core = {0, 0};
+    const struct rlimit size = {1u << 30, 1u << 30}, core = {0, 0}, cpu = {30, 30};
     (void)snprintf(out, sizeof out, "%s/stdout", t->folder);
     (void)snprintf(err, sizeof err, "%s/stderr", t->folder);
     (void)setrlimit(RLIMIT_FSIZE, &size);
     (void)setrlimit(RLIMIT_CORE, &core);
+    (void)setrlimit(RLIMIT_CPU, &cpu); /* it would go round and round */
     if (chdir(t->source) == 0 && freopen("/dev/null", "r", stdin) && freopen(out, "w", stdout) &&
         freopen(err, "w", stderr))
         execv(words[0], words);
