@@ -11,10 +11,10 @@
 #include "hand/guide.h"
 #include "hand/sensor.h"
 #include "hand/virtualhand.h"
-#include "stage/glove_channels.h"
-#include "stage/input.h"
+#include "stage/input/glove_channels.h"
+#include "stage/input/input.h"
 #include "stage/mapping/plugins.h"
-#include "stage/spec.h"
+#include "stage/input/spec.h"
 
 #include <getopt.h>
 #include <math.h>

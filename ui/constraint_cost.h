@@ -2,7 +2,7 @@
  * its rig, and of the same mesh with the same controls without one, timed side by side. [main] */
 #ifndef MAROTTE_UI_CONSTRAINT_COST_H
 #define MAROTTE_UI_CONSTRAINT_COST_H
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 
 typedef struct constraint_cost {
     double constrained_ms, unconstrained_ms; /* median of a frame's steps 6 and 7 without normals */

@@ -6,9 +6,9 @@
 #include "base/clock.h"
 #include "base/program.h"
 #include "base/text.h"
-#include "stage/device_list.h"
-#include "stage/input.h"
-#include "stage/spec.h"
+#include "stage/input/device_list.h"
+#include "stage/input/input.h"
+#include "stage/input/spec.h"
 
 #include <jansson.h>
 

@@ -6,7 +6,7 @@
 #include "facts.h"
 #include "io/export.h"
 #include "progress.h"
-#include "stage/composer.h"
+#include "stage/perform/composer.h"
 #include "take/show.h"
 #include "video.h"
 

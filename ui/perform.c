@@ -12,7 +12,7 @@
 #include "perform_record.h"
 #include "progress.h"
 #include "recording.h"
-#include "stage/player.h"
+#include "stage/perform/player.h"
 #include "stage/mapping/plugins.h"
 
 #include <errno.h>
@@ -191,18 +191,25 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return recording_add(&self->recording, performer_composer(self->performer), work_ns, err);
 }
 
-static void on_step(void *data, const sample_step *s)
+static mrt_result on_step(void *data, const sample_step *s, error *err)
 {
+    (void)err;
     performance *self = data;
     perform_mapping_step(&self->mapping, self->performer, self->record.recorder);
     if (self->record.recorder)
         recorder_step(self->record.recorder, s);
+    performer_step(self->performer, s);
+    if (self->record.recorder)
+        recorder_performed(self->record.recorder, s);
+    return MRT_OK;
 }
 
-static void on_performed(void *data, const sample_step *s)
+static mrt_result on_draw(void *data, int64_t time_ns, error *err)
 {
-    const performance *self = data;
-    recorder_performed(self->record.recorder, s);
+    (void)time_ns, (void)err;
+    performance *self = data;
+    performer_draw(self->performer);
+    return MRT_OK;
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -231,15 +238,12 @@ static mrt_result perform(performance *self, error *err)
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
-    if (self->record.recorder || self->mapping.reload)
-        events.step = on_step;
-    if (self->record.recorder)
-        events.performed = on_performed;
+    const player_stage stage = {self, on_step, on_draw};
     if (self->clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
-    mrt_result result = player_run(self->performer, self->inputs, self->input_count, &settings,
-                                   &events, &self->report, err);
+    mrt_result result = player_run_stage(&stage, self->inputs, self->input_count, &settings,
+                                         &events, &self->report, err);
     keys_end();
     progress_end(&self->progress);
     news_print(self->log);

@@ -6,7 +6,7 @@
 #include "hand/calibration_file.h"
 #include "perform_options.h"
 #include "progress.h"
-#include "stage/player.h"
+#include "stage/perform/player.h"
 
 typedef struct perform_hands {
     char *path[2]; /* left, right: of the calibration in use; NULL: none */

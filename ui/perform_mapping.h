@@ -4,9 +4,9 @@
 #define MAROTTE_UI_PERFORM_MAPPING_H
 #include "facts.h"
 #include "perform_options.h"
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
-#include "stage/recorder.h"
+#include "stage/take/recorder.h"
 #include "stage/mapping/reload.h"
 
 typedef struct perform_mapping {

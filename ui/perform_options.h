@@ -4,7 +4,7 @@
 #include "command.h"
 #include "exports.h"
 #include "io/mesh_file.h"
-#include "stage/spec.h"
+#include "stage/input/spec.h"
 #include "video.h"
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };

@@ -1,7 +1,7 @@
 #include "perform_record.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "stage/take/taught.h"
+#include "stage/mapping/taught.h"
 #include "stage/take/kept_solver.h"
 
 #include <stdio.h>

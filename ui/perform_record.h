@@ -4,7 +4,7 @@
 #include "facts.h"
 #include "perform_hands.h"
 #include "perform_sound.h"
-#include "stage/recorder.h"
+#include "stage/take/recorder.h"
 
 typedef struct perform_record {
     show *show;

@@ -4,7 +4,7 @@
 #define MAROTTE_UI_PERFORM_SOUND_H
 #include "facts.h"
 #include "progress.h"
-#include "stage/sound.h"
+#include "stage/sound/sound.h"
 
 typedef struct perform_sound {
     sound *sound; /* NULL: nothing is recorded */

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
 #include "io/clip.h"
-#include "stage/composer.h"
+#include "stage/perform/composer.h"
 
 typedef enum recording_use {
     RECORDING_KEEPS = 0,

@@ -2,7 +2,7 @@
 #include "rig.h"
 
 #include "face/rig_check.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "face/fit.h"
 #include "io/export.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <jansson.h>
 #include <math.h>

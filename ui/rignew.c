@@ -4,7 +4,7 @@
 #include "base/file.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "rigportraits.h"
 #include "video.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include "base/text.h"
 

@@ -6,9 +6,9 @@
 #include "perform_hands.h"
 #include "perform_mapping.h"
 #include "perform_record.h"
-#include "stage/spec.h"
-#include "stage/overdub.h"
-#include "stage/sound.h"
+#include "stage/input/spec.h"
+#include "stage/take/overdub.h"
+#include "stage/sound/sound.h"
 #include "take_change.h"
 #include "take_play.h"
 #include "take_stage.h"
@@ -278,12 +278,6 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return check_mappings(self, err);
 }
 
-static void on_step(void *data, const sample_step *s)
-{
-    const performing *self = data;
-    recorder_step(overdub_recorder(self->overdub), s);
-}
-
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
 {
     performing *self = data;
@@ -306,8 +300,7 @@ static mrt_result perform(performing *self, error *err)
                                .stop = cancel_flag(),
                                .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                                                perform_hands_calibration(&self->hands, MRT_RIGHT)}};
-    player_events events = {
-        .frame = on_frame, .step = on_step, .incident = on_incident, .data = self};
+    player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
     player_stage stage = overdub_stage(self->overdub);
     cancel_on_signals(CANCEL_WAITS, NULL);
     start_sound(self);

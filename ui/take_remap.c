@@ -5,7 +5,7 @@
 #include "hand/calibration_file.h"
 #include "news.h"
 #include "perform_mapping.h"
-#include "stage/spec.h"
+#include "stage/input/spec.h"
 #include "stage/mapping/identity.h"
 #include "take/edit_store.h"
 #include "take_play.h"

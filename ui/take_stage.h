@@ -3,7 +3,7 @@
 #ifndef MAROTTE_UI_TAKE_STAGE_H
 #define MAROTTE_UI_TAKE_STAGE_H
 #include "stage/mapping/plugins.h"
-#include "stage/sequencer.h"
+#include "stage/take/sequencer.h"
 #include "take.h"
 
 typedef struct take_stage {

@@ -3,7 +3,7 @@
  * same mesh without one; medians. Not a test: a clock decides nothing here. */
 #include "base/clock.h"
 #include "face/face.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdio.h>

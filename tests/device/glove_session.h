@@ -8,7 +8,7 @@
 #include "glove_child.h"
 #include "glove_motion.h"
 #include "glove_truth.h"
-#include "stage/input.h"
+#include "stage/input/input.h"
 #include "stage/mapping/plugins.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * and tells `watch` what went through. One performance at a time. */
 #ifndef MAROTTE_TESTS_DEVICE_GLOVE_WATCH_H
 #define MAROTTE_TESTS_DEVICE_GLOVE_WATCH_H
-#include "stage/player.h"
+#include "stage/perform/player.h"
 #include "stage/mapping/plugins.h"
 
 typedef struct glove_watch {

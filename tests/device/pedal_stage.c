@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/input.h"
+#include "stage/input/input.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "stage/overdub.h"
+#include "stage/take/overdub.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -125,6 +125,7 @@ static void play(seen *out, show *s, int64_t take_id)
 
 typedef struct recording_of {
     recorder *recorder;
+    performer *performer;
 } recording_of;
 
 static mrt_result no_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
@@ -137,14 +138,21 @@ static mrt_result no_frame(void *data, uint32_t index, double time_s, int64_t wo
     return MRT_OK;
 }
 
-static void on_step(void *data, const sample_step *s)
+static mrt_result on_step(void *data, const sample_step *s, error *err)
 {
-    recorder_step(((recording_of *)data)->recorder, s);
+    (void)err;
+    recording_of *r = data;
+    recorder_step(r->recorder, s);
+    performer_step(r->performer, s);
+    recorder_performed(r->recorder, s);
+    return MRT_OK;
 }
 
-static void on_performed(void *data, const sample_step *s)
+static mrt_result on_draw(void *data, int64_t time_ns, error *err)
 {
-    recorder_performed(((recording_of *)data)->recorder, s);
+    (void)time_ns, (void)err;
+    performer_draw(((recording_of *)data)->performer);
+    return MRT_OK;
 }
 
 static show *record_base(const char *name, int64_t *out_take)
@@ -153,7 +161,7 @@ static show *record_base(const char *name, int64_t *out_take)
     show *s;
     hand h;
     performer *p;
-    recording_of r = {NULL};
+    recording_of r = {NULL, NULL};
     char path[128];
     snprintf(path, sizeof path, "%s/%s.marotte", the.folder, name);
     must(show_create(&s, path, &err), &err);
@@ -175,10 +183,11 @@ static show *record_base(const char *name, int64_t *out_take)
     const writer_slate slate = {"1", "a", 0};
     recorder_take_next(r.recorder, &slate);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
-    player_events events = {
-        .frame = no_frame, .step = on_step, .performed = on_performed, .data = &r};
+    player_events events = {.frame = no_frame, .data = &r};
+    const player_stage stage = {&r, on_step, on_draw};
+    r.performer = p;
     player_report report;
-    must(player_run(p, &h.input, 1, &playing, &events, &report, &err), &err);
+    must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
     must(recorder_take_end(r.recorder, &err), &err);
     *out_take = recorder_take(r.recorder);
     must(recorder_stop(r.recorder, &err), &err);
@@ -191,7 +200,6 @@ static show *record_base(const char *name, int64_t *out_take)
 
 typedef struct over {
     overdub *overdub;
-    recorder *recorder;
     seen *seen;
 } over;
 
@@ -205,11 +213,6 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
     if (o->seen)
         look(o->seen, overdub_composer(o->overdub));
     return MRT_OK;
-}
-
-static void over_step(void *data, const sample_step *s)
-{
-    recorder_step(((over *)data)->recorder, s);
 }
 
 static overdub_result perform_over(show *s, int64_t take_id, overdub_settings settings,
@@ -237,10 +240,9 @@ static overdub_result perform_over(show *s, int64_t take_id, overdub_settings se
     if (out_live)
         *out_live = (seen){0};
     must(overdub_create(&o.overdub, &settings, &err), &err);
-    o.recorder = overdub_recorder(o.overdub);
     player_stage stage = overdub_stage(o.overdub);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
-    player_events events = {.frame = see_frame, .step = over_step, .data = &o};
+    player_events events = {.frame = see_frame, .data = &o};
     player_report report;
     must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
     overdub_result result;

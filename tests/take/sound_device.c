@@ -10,8 +10,8 @@
 #include "base/clock.h"
 #include "show_scene.h"
 #include "sound_help.h"
-#include "stage/sound.h"
-#include "stage/sound_portaudio.h"
+#include "stage/sound/sound.h"
+#include "stage/sound/sound_portaudio.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -2,7 +2,7 @@
  * is virtual, runs fast or slow, and tells the times of its blocks as wrongly as it is told to. */
 #ifndef MAROTTE_TESTS_SOUND_HELP_H
 #define MAROTTE_TESTS_SOUND_HELP_H
-#include "stage/sound_device.h"
+#include "stage/sound/sound_device.h"
 
 #include <math.h>
 #include <stdio.h>

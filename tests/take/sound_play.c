@@ -9,7 +9,7 @@
 
 #include "show_scene.h"
 #include "sound_help.h"
-#include "stage/sound.h"
+#include "stage/sound/sound.h"
 
 enum { RATE = 48000, SCALE = 1 << 22, FRAMES = 30 * RATE };
 static const int64_t begin_ns = 5000000000000;

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "sound_help.h"
-#include "stage/sound_follow.h"
+#include "stage/sound/sound_follow.h"
 
 enum { RATE = 48000, PERIOD = 1 << 19 };
 static const int64_t start_ns = 7000000000000;

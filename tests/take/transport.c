@@ -1,5 +1,5 @@
 /* stage/transport.h: where one is on a timeline. */
-#include "stage/transport.h"
+#include "stage/take/transport.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
 #include "unit/allocation_count.h"
 

@@ -5,7 +5,7 @@
 #include "face/bind.h"
 #include "face/rig_edit.h"
 #include "rig_help.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 #include "window/rig/brush.h"
 
 static face_file puppet;

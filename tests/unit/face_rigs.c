@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "face/face.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "hand/sensor.h"
-#include "stage/hands.h"
+#include "stage/perform/hands.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/health.h"
+#include "stage/input/health.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -3,7 +3,7 @@
 #ifndef TESTS_UNIT_INPUT_HELP_H
 #define TESTS_UNIT_INPUT_HELP_H
 #include "base/clock.h"
-#include "stage/input.h"
+#include "stage/input/input.h"
 #include "stage/mapping/plugins.h"
 
 #include <dirent.h>

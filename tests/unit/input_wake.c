@@ -9,7 +9,7 @@
 
 #include "base/clock.h"
 #include "base/ring.h"
-#include "stage/wake.h"
+#include "stage/input/wake.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -3,7 +3,7 @@
 #ifndef MAROTTE_TESTS_RESUME_SCENE_H
 #define MAROTTE_TESTS_RESUME_SCENE_H
 #include "base/clock.h"
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "face/rig_check.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdio.h>

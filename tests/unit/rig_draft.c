@@ -7,7 +7,7 @@
 
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdio.h>

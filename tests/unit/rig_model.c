@@ -9,7 +9,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "face/rig_edit.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 #include "window/rig/model.h"
 
 #include <dirent.h>

@@ -8,7 +8,7 @@
 
 #include "rig_help.h"
 #include "rigpose.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 

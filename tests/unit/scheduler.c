@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/scheduler.h"
+#include "stage/perform/scheduler.h"
 
 #include <string.h>
 

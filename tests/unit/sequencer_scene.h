@@ -5,9 +5,9 @@
 /* first: its names are types elsewhere */
 #include "take/edit_help.h"
 
-#include "stage/player.h"
-#include "stage/recorder.h"
-#include "stage/sequencer.h"
+#include "stage/perform/player.h"
+#include "stage/take/recorder.h"
+#include "stage/take/sequencer.h"
 #include "unit/resume_scene.h"
 
 #include <unistd.h>
@@ -64,19 +64,16 @@ static inline mrt_result film_no_frame(void *data, uint32_t index, double time_s
     return MRT_OK;
 }
 
-static inline void film_on_step(void *data, const sample_step *s)
+static inline mrt_result film_on_step(void *data, const sample_step *s, error *err)
 {
+    (void)err;
     film *f = data;
     uint32_t rezeroed = scene_act_on(f->performer, f->play, f->count);
     for (uint32_t side = 0; side < 2; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(f->recorder, side);
     recorder_step(f->recorder, s);
-}
-
-static inline void film_on_performed(void *data, const sample_step *s)
-{
-    film *f = data;
+    performer_step(f->performer, s);
     recorder_performed(f->recorder, s);
     assert_true(f->count < FILM_SAMPLES);
     performer_draw(f->performer);
@@ -84,6 +81,14 @@ static inline void film_on_performed(void *data, const sample_step *s)
     f->hash[f->count] = scene_hash(performer_face(f->performer));
     f->count += 1;
     f->sample_count += s->count;
+    return MRT_OK;
+}
+
+static inline mrt_result film_on_draw(void *data, int64_t time_ns, error *err)
+{
+    (void)time_ns, (void)err;
+    performer_draw(((film *)data)->performer);
+    return MRT_OK;
 }
 
 /* Inputs of what is recorded: the demo hand (100 Hz); a left hand of 37 Hz beside it; one of 100
@@ -137,10 +142,10 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     const writer_slate slate = {"1", "a", 0};
     recorder_take_next(f->recorder, &slate);
     player_settings playing = {.fps = 1.0, .clock = CLOCK_VIRTUAL};
-    player_events events = {
-        .frame = film_no_frame, .step = film_on_step, .performed = film_on_performed, .data = f};
+    player_events events = {.frame = film_no_frame, .data = f};
+    const player_stage stage = {f, film_on_step, film_on_draw};
     player_report report;
-    scene_must(player_run(f->performer, inputs, count, &playing, &events, &report, &err), &err);
+    scene_must(player_run_stage(&stage, inputs, count, &playing, &events, &report, &err), &err);
     scene_must(recorder_take_end(f->recorder, &err), &err);
     f->take_id = recorder_take(f->recorder);
     f->rezeros = *performer_rezeros(f->performer);

@@ -181,6 +181,27 @@ static void damaged_states_are_left_aside(void **state)
 }
 
 /* A take kept afterwards starts in the middle of a performance; its pre-roll was kept too. */
+/* What is performed over a take may wait for no file: here all samples and states are gone from the
+ * show by the time that they are played. */
+static void what_was_prepared_needs_no_file(void **state)
+{
+    (void)state;
+    error err = {""};
+    take t = {0};
+    const scene_play play = {.mapping = "one_hand", .face = "moai", .params = "samples=20"};
+    film *f = film_shoot(&play, FILM_BOTH, "start=3,end=14", 11.0);
+    film_take(f, &t);
+    sequencer *s = film_project(f, &t, 0);
+    scene_must(sequencer_seek(s, 100 * help_ms, &err), &err);
+    scene_must(sequencer_prepare(s, 0, t.duration_ns, &err), &err);
+    change_show(f, "DELETE FROM checkpoint");
+    change_show(f, "DELETE FROM chunk");
+    check_seeks(f, s, 41, "from what was read ahead");
+    sequencer_destroy(s);
+    take_finish(&t);
+    film_burn(f);
+}
+
 static void a_take_of_the_last_seconds_shows_what_was_shown(void **state)
 {
     (void)state;
@@ -274,6 +295,7 @@ int main(void)
         cmocka_unit_test(one_hand_is_the_same_from_wherever_it_is_sought),
         cmocka_unit_test(two_inputs_are_the_same_from_wherever_they_are_sought),
         cmocka_unit_test(damaged_states_are_left_aside),
+        cmocka_unit_test(what_was_prepared_needs_no_file),
         cmocka_unit_test(a_take_of_the_last_seconds_shows_what_was_shown),
         cmocka_unit_test(edited_takes_are_the_same_from_wherever_they_are_sought),
     };

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/player.h"
+#include "stage/perform/player.h"
 #include "stage/mapping/plugins.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "stage/tap.h"
+#include "stage/input/tap.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

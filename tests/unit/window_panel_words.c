@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/memory.h"
-#include "stage/input.h"
+#include "stage/input/input.h"
 #include "window/panels/devices.h"
 #include "window/panels/engine.h"
 #include "window/panels/mapping.h"

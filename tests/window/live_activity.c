@@ -1,8 +1,8 @@
 /* What the lanes of a timeline show of a performance: where it moves the face, and when. */
 #include "window/live_desk.h"
 
-#include "stage/activity.h"
-#include "stage/sequencer.h"
+#include "stage/take/activity.h"
+#include "stage/take/sequencer.h"
 
 static const writer_slate slate = {"1", "a", 0};
 

@@ -10,11 +10,11 @@
 #include <cmocka.h>
 /* clang-format on */
 #include "base/clock.h"
-#include "stage/feed.h"
-#include "stage/live.h"
+#include "stage/input/feed.h"
+#include "stage/live/live.h"
 #include "stage/live/live_state.h"
 #include "stage/mapping/plugins.h"
-#include "stage/spec.h"
+#include "stage/input/spec.h"
 #include "take/edit_store.h"
 #include "take/history.h"
 

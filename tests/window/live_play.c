@@ -2,8 +2,8 @@
 #include "window/live_desk.h"
 
 #include "stage/take/kept_solver.h"
-#include "stage/take/taught.h"
-#include "stage/sequencer.h"
+#include "stage/mapping/taught.h"
+#include "stage/take/sequencer.h"
 
 static const writer_slate slate = {"1", "a", 0};
 

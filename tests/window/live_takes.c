@@ -2,7 +2,7 @@
  * seen. */
 #include "window/live_desk.h"
 
-#include "stage/sequencer.h"
+#include "stage/take/sequencer.h"
 
 enum { SEEN_MAX = 4096 };
 

@@ -2,7 +2,7 @@
  * the test says, and what the viewport tells the stage written down. A screen without a window. */
 #ifndef MAROTTE_TESTS_WINDOW_VIEWPORT_STAND_H
 #define MAROTTE_TESTS_WINDOW_VIEWPORT_STAND_H
-#include "stage/composer.h"
+#include "stage/perform/composer.h"
 #include "stage/live/live_board.h"
 #include "window/gui/window.h"
 #include "window/panels/panels.h"

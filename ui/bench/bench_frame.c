@@ -4,7 +4,7 @@
 #include "bench/bench.h"
 #include "place.h"
 #include "stage/live/live_board.h"
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
 
 #include <math.h>

@@ -4,8 +4,8 @@
 #include "bench/bench.h"
 #include "draw/draw.h"
 #include "place.h"
-#include "stage/feed.h"
-#include "stage/live.h"
+#include "stage/input/feed.h"
+#include "stage/live/live.h"
 
 #include <math.h>
 #include <stdio.h>

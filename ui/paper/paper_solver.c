@@ -11,7 +11,7 @@
 #include "io/mesh_file.h"
 #include "paper/svg.h"
 #include "place.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "stage/device_list.h"
+#include "stage/input/device_list.h"
 
 #include "base/text.h"
 

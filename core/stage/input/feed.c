@@ -1,9 +1,9 @@
-#include "stage/feed.h"
+#include "stage/input/feed.h"
 #include "base/clock.h"
 #include "base/ring.h"
 #include "stage/input/channel_table.h"
+#include "stage/input/wake.h"
 #include "stage/mapping/instance.h"
-#include "stage/wake.h"
 
 #include <math.h>
 #include <stdlib.h>

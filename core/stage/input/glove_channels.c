@@ -1,4 +1,4 @@
-#include "stage/glove_channels.h"
+#include "stage/input/glove_channels.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "stage/health.h"
+#include "stage/input/health.h"
 #include "base/clock.h"
 #include "stage/input/channel_table.h"
 

@@ -1,12 +1,530 @@
-#include "stage/input.h"
+#include "stage/input/input.h"
 #include "base/clock.h"
+#include "base/ring.h"
 #include "base/text.h"
-#include "stage/input/input_inside.h"
+#include "stage/input/channel_table.h"
 #include "stage/mapping/plugins.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
+
+typedef struct input_record {
+    mrt_sample sample;
+    uint32_t version;
+} input_record;
+
+/* A device that is away. The reading thread's. */
+typedef struct input_outage {
+    int64_t went_ns, next_try_ns;
+    uint32_t tries;
+    log_once logged; /* every text about it once */
+} input_outage;
+
+struct input {
+    instance plugin;
+    const mrt_input *functions;
+    char *address, name[INPUT_NAME];
+    bool open; /* the plugin is: [main] until input_start and after input_stop, else the thread's */
+    bool has_thread;
+    pthread_t thread;
+    ring *samples, *incidents; /* input_record, input_incident */
+    wake *signal;
+    channel_table table[INPUT_VERSIONS]; /* those below version_count never change */
+    uint32_t version_count;              /* the reading thread's */
+    _Atomic uint32_t version;            /* of the newest samples */
+    _Atomic int32_t state;
+    _Atomic bool stopping;
+    _Atomic uint32_t refused, dropped;
+    /* The frame thread's. */
+    bool has_pending; /* virtual clock: read ahead by one */
+    input_record pending;
+    uint32_t peeked_version;
+    /* The reading thread's (on a virtual clock: the frame thread's). */
+    bool has_last, has_owed, told_time;
+    mrt_sample last;   /* delivered since the device was opened */
+    input_record owed; /* found no room in the ring: the newest one is never lost */
+    int64_t opened_ns, posted_ns;
+    int64_t patience_first_ns, patience_later_ns;
+    uint32_t hasty_reads; /* in a row that gave nothing and did not wait */
+    input_outage outage;
+    health_meter meter;
+    health_board board;
+};
+
+/* [main] before the thread starts, then the reading thread: opens the plugin and takes its channels
+ * over as the newest version. */
+CHECKED static mrt_result input_run_open(input *self, error *err);
+/* The thread; data: the input. */
+static void *input_run(void *data);
+/* [frame] Virtual clock: reads until there is a sample or the input is over; false: it is over. */
+static bool input_run_virtual(input *self, input_record *out);
+
+/* How an input is read: delivered samples, devices that go away and come back. Everything here runs
+ * on the input's own thread, or on the frame thread where the clock is virtual. */
+
+/* How long a read may block before the thread looks whether it is to stop. */
+static const int64_t read_span_ns = 100 * NS_PER_MS;
+
+/* While a sample waits for room in the ring. */
+static const int64_t owed_span_ns = 5 * NS_PER_MS;
+
+/* Samples of a device that are further from now were not measured now. */
+static const int64_t past_max_ns = 10 * NS_PER_S, future_max_ns = 1 * NS_PER_S;
+
+/* A plugin that returns at once and gives nothing is slowed down after so many reads in a row. */
+enum { HASTY_READS = 16, FRUITLESS_READS = 100000, TRIES_AT_FIRST = 8 };
+static const int64_t hasty_ns = NS_PER_MS / 10, pause_ns = 1 * NS_PER_MS;
+
+static const int64_t post_span_ns = 20 * NS_PER_MS;
+
+static bool is_device(const input *self)
+{
+    return self->plugin.clock == CLOCK_REAL && !(self->functions->flags & MRT_INPUT_RECORDED);
+}
+
+static bool is_stopping(const input *self)
+{
+    return atomic_load(&self->stopping);
+}
+
+static bool is_lost(const input *self)
+{
+    return atomic_load(&self->state) == INPUT_LOST;
+}
+
+static void signal_player(const input *self)
+{
+    if (self->signal)
+        wake_signal(self->signal);
+}
+
+static void pass_on(const input *self, const error *why, int32_t level)
+{
+    if (why->text[0])
+        log_push(self->plugin.log, level, self->plugin.type->id, why->text);
+}
+
+static const channel_table *newest_table(const input *self)
+{
+    return &self->table[atomic_load(&self->version)];
+}
+
+/* ---- health ---- */
+
+static void post_health(input *self, int64_t now_ns)
+{
+    health_report report;
+    health_measure(&self->meter, now_ns, &report);
+    health_post(&self->board, &report);
+    self->posted_ns = now_ns;
+}
+
+static void change_state(input *self, input_state state, const char *words, int64_t now_ns)
+{
+    health_state(&self->meter, (int32_t)state, words, now_ns);
+    post_health(self, now_ns);
+    atomic_store(&self->state, (int32_t)state);
+    signal_player(self);
+}
+
+/* ---- delivery ---- */
+
+static bool push_owed(input *self)
+{
+    if (self->has_owed && ring_push(self->samples, &self->owed))
+        self->has_owed = false;
+    return !self->has_owed;
+}
+
+/* The newest sample waits for room: a pedal that is let go must not stay down. */
+static void deliver(input *self, const mrt_sample *sample)
+{
+    input_record record = {*sample, atomic_load(&self->version)};
+    bool had_owed = !push_owed(self);
+    if (had_owed || !ring_push(self->samples, &record)) {
+        if (had_owed) {
+            atomic_fetch_add(&self->dropped, 1);
+            health_dropped(&self->meter);
+        }
+        self->owed = record;
+        self->has_owed = true;
+    }
+    self->last = *sample;
+    self->has_last = true;
+    signal_player(self);
+}
+
+static void deliver_rest(input *self)
+{
+    while (!push_owed(self) && !is_stopping(self))
+        instance_wait_until_ns(&self->plugin, clock_now_ns() + owed_span_ns);
+    signal_player(self);
+}
+
+/* No pedal stays down when its device is gone: the last sample once more, with the pedals up. */
+static void release_pedals(input *self, int64_t now_ns)
+{
+    const channel_table *table = newest_table(self);
+    bool any_down = false;
+    if (!self->has_last)
+        return;
+    mrt_sample up = self->last;
+    for (uint32_t i = 0; i < table->count; ++i) {
+        if (!channel_is_pedal(&table->channel[i]))
+            continue;
+        any_down |= up.value[i] > 0.0f;
+        up.value[i] = 0.0f;
+    }
+    if (!any_down)
+        return;
+    up.sequence += 1;
+    up.time_ns = now_ns > up.time_ns ? now_ns : up.time_ns;
+    deliver(self, &up);
+}
+
+static void tell_incident(input *self, input_incident_kind kind, int64_t now_ns, int64_t away_ns,
+                          const char *text)
+{
+    input_incident incident = {.kind = kind, .time_ns = now_ns, .away_ns = away_ns};
+    snprintf(incident.text, sizeof incident.text, "%.*s", (int)sizeof incident.text - 1, text);
+    (void)ring_push(self->incidents, &incident);
+    signal_player(self);
+}
+
+/* ---- opening ---- */
+
+static void close_plugin(input *self)
+{
+    if (self->open)
+        self->functions->close(self->plugin.self);
+    self->open = false;
+    self->has_last = false;
+}
+
+/* Opens the plugin and copies what its channels are. On failure it is closed, and err has what the
+ * plugin said of it: "" nothing. */
+static mrt_result open_plugin(input *self, log_once *hush, channel_table *out, error *err)
+{
+    error why = {""};
+    close_plugin(self);
+    instance_latch(&self->plugin);
+    instance_listen(&self->plugin, &why, hush);
+    mrt_result result =
+        self->functions->open(self->plugin.self, self->address, self->plugin.params);
+    instance_listen_end(&self->plugin);
+    self->opened_ns = clock_now_ns();
+    if (result < 0) {
+        return error_set(err, result, "%s", why.text);
+    }
+    pass_on(self, &why, MRT_LOG_ERROR);
+    self->open = true;
+    self->told_time = false;
+    uint32_t count = 0;
+    const mrt_channel *channels = self->functions->channels(self->plugin.self, &count);
+    result = channel_table_init(out, channels, count, self->name, err);
+    if (result < 0)
+        close_plugin(self);
+    return result;
+}
+
+/* Samples have these channels from now on. */
+static mrt_result adopt_channels(input *self, const channel_table *table, error *err)
+{
+    uint32_t at = 0;
+    while (at < self->version_count && !channel_table_equal(&self->table[at], table, NULL))
+        at += 1;
+    if (at == INPUT_VERSIONS)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has had other channels %d times: too often",
+                         self->name, INPUT_VERSIONS);
+    if (at == self->version_count) {
+        error none;
+        mrt_result result =
+            channel_table_init(&self->table[at], table->channel, table->count, self->name, &none);
+        if (result < 0)
+            return error_set(err, result, "%s", none.text);
+        self->version_count += 1;
+    }
+    atomic_store(&self->version, at);
+    return MRT_OK;
+}
+
+static mrt_result input_run_open(input *self, error *err)
+{
+    channel_table table;
+    mrt_result result = open_plugin(self, NULL, &table, err);
+    if (result < 0 && !err->text[0])
+        return error_set(err, result, "%s: the input could not be opened", self->name);
+    if (result < 0)
+        return result;
+    bool is_first = self->version_count == 0;
+    result = adopt_channels(self, &table, err);
+    if (result < 0) {
+        close_plugin(self);
+        return result;
+    }
+    if (is_first)
+        health_init(&self->meter, table.channel, table.count, self->opened_ns);
+    else
+        health_reopened(&self->meter, table.channel, table.count);
+    post_health(self, self->opened_ns);
+    return MRT_OK;
+}
+
+/* ---- reading ---- */
+
+static bool is_of_now(input *self, const mrt_sample *sample, int64_t now_ns)
+{
+    if (!is_device(self) ||
+        (sample->time_ns >= now_ns - past_max_ns && sample->time_ns <= now_ns + future_max_ns))
+        return true;
+    if (!self->told_time)
+        log_pushf(self->plugin.log, MRT_LOG_WARNING, self->plugin.type->id,
+                  "%s: samples are not of now but %.3g s away: refused", self->name,
+                  ((double)sample->time_ns - (double)now_ns) / 1e9);
+    self->told_time = true;
+    return false;
+}
+
+static bool is_good(input *self, const mrt_sample *sample, int64_t now_ns)
+{
+    if (sample->count != newest_table(self)->count)
+        return false;
+    for (uint32_t i = 0; i < sample->count; ++i)
+        if (!isfinite(sample->value[i]))
+            return false;
+    return is_of_now(self, sample, now_ns);
+}
+
+/* MRT_OK: a good sample. MRT_TIMEOUT: none, or one that was refused. < 0: out_why has the plugin's
+ * words. */
+static mrt_result read_plugin(input *self, int64_t deadline_ns, mrt_sample *out, int64_t *out_now,
+                              error *out_why)
+{
+    memset(out, 0, sizeof *out);
+    instance_latch(&self->plugin);
+    instance_listen(&self->plugin, out_why, NULL);
+    mrt_result result =
+        self->functions->read(self->plugin.self, self->plugin.params, deadline_ns, out);
+    instance_listen_end(&self->plugin);
+    *out_now = clock_now_ns();
+    if (result >= 0)
+        pass_on(self, out_why, MRT_LOG_ERROR);
+    if (result != MRT_OK || is_good(self, out, *out_now))
+        return result;
+    atomic_fetch_add(&self->refused, 1);
+    health_refused(&self->meter);
+    return MRT_TIMEOUT;
+}
+
+/* ---- the end ---- */
+
+static void end(input *self)
+{
+    deliver_rest(self);
+    change_state(self, INPUT_ENDED, "", clock_now_ns());
+}
+
+static void fail(input *self, const error *why)
+{
+    int64_t now_ns = clock_now_ns();
+    pass_on(self, why, MRT_LOG_ERROR);
+    if (is_device(self)) {
+        release_pedals(self, now_ns);
+        deliver_rest(self);
+    }
+    change_state(self, INPUT_FAILED, why->text, now_ns);
+}
+
+/* ---- away ---- */
+
+static void try_later(input *self)
+{
+    int64_t patience_ns =
+        self->outage.tries < TRIES_AT_FIRST ? self->patience_first_ns : self->patience_later_ns;
+    self->outage.tries += 1;
+    self->outage.next_try_ns = clock_now_ns() + patience_ns;
+}
+
+static void say_once(input *self, const error *why)
+{
+    if (!why->text[0])
+        return;
+    if (!log_once_repeats(&self->outage.logged, why->text))
+        pass_on(self, why, MRT_LOG_WARNING);
+    health_state(&self->meter, INPUT_LOST, why->text, clock_now_ns());
+}
+
+static void go_away(input *self, const error *why, int64_t now_ns)
+{
+    release_pedals(self, now_ns);
+    self->outage = (input_outage){.went_ns = now_ns};
+    (void)log_once_repeats(&self->outage.logged, why->text);
+    /* At once, but not more often than patience allows. */
+    self->outage.next_try_ns = self->opened_ns + self->patience_first_ns;
+    health_lost(&self->meter);
+    tell_incident(self, INPUT_WENT, now_ns, 0, why->text);
+    change_state(self, INPUT_LOST, why->text, now_ns);
+    close_plugin(self);
+}
+
+/* A device is back when it has been read, not when it could be opened. */
+static void come_back(input *self, int64_t now_ns)
+{
+    const channel_table *table = newest_table(self);
+    health_reopened(&self->meter, table->channel, table->count);
+    tell_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.went_ns, "");
+    change_state(self, INPUT_RUNNING, "", now_ns);
+}
+
+static mrt_result open_lost(input *self, error *err)
+{
+    channel_table table;
+    error what;
+    mrt_result result = open_plugin(self, &self->outage.logged, &table, err);
+    if (result < 0 || channel_table_equal(newest_table(self), &table, &what))
+        return result;
+    close_plugin(self);
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "%s: came back with %s: give back what was there, or start again", self->name,
+                     what.text);
+}
+
+static void seek_lost(input *self)
+{
+    int64_t now_ns = clock_now_ns();
+    if (now_ns < self->outage.next_try_ns) {
+        int64_t until_ns = self->outage.next_try_ns;
+        if (self->has_owed && now_ns + owed_span_ns < until_ns)
+            until_ns = now_ns + owed_span_ns;
+        instance_wait_until_ns(&self->plugin, until_ns);
+        return;
+    }
+    error why = {""};
+    (void)instance_take_restart(&self->plugin); /* it is being opened anyway */
+    mrt_result result = open_lost(self, &why);
+    if (result >= 0 || is_stopping(self))
+        return;
+    say_once(self, &why);
+    try_later(self);
+}
+
+/* ---- restart ---- */
+
+static void restart(input *self)
+{
+    error why = {""};
+    release_pedals(self, clock_now_ns());
+    mrt_result result = input_run_open(self, &why);
+    if (result >= 0 || is_stopping(self))
+        return;
+    if (is_device(self))
+        go_away(self, &why, clock_now_ns());
+    else
+        fail(self, &why);
+}
+
+static bool may_restart(input *self)
+{
+    if (!instance_take_restart(&self->plugin))
+        return false;
+    if (clock_now_ns() >= self->opened_ns + self->patience_first_ns)
+        return true;
+    atomic_store(&self->plugin.restart_asked, true); /* later: it was opened just now */
+    return false;
+}
+
+/* ---- live ---- */
+
+static void slow_down(input *self, int64_t began_ns, int64_t now_ns)
+{
+    self->hasty_reads = now_ns - began_ns < hasty_ns ? self->hasty_reads + 1 : 0;
+    if (self->hasty_reads > HASTY_READS)
+        instance_wait_until_ns(&self->plugin, now_ns + pause_ns);
+}
+
+static void read_live(input *self)
+{
+    mrt_sample sample;
+    error why = {""};
+    int64_t began_ns = clock_now_ns(), now_ns;
+    int64_t deadline_ns = began_ns + (self->has_owed ? owed_span_ns : read_span_ns);
+    mrt_result result = read_plugin(self, deadline_ns, &sample, &now_ns, &why);
+    if (is_stopping(self) && result < 0)
+        return;
+    if (is_lost(self) && (result == MRT_OK || result == MRT_TIMEOUT))
+        come_back(self, now_ns);
+    if (result == MRT_OK) {
+        self->hasty_reads = 0;
+        health_sample(&self->meter, &sample, now_ns);
+        deliver(self, &sample);
+    } else if (result == MRT_END) {
+        end(self);
+    } else if (result >= 0) {
+        slow_down(self, began_ns, now_ns);
+    } else if (is_lost(self)) {
+        close_plugin(self);
+        say_once(self, &why);
+        try_later(self);
+    } else if (result == MRT_ERR_IO && is_device(self)) {
+        go_away(self, &why, now_ns);
+    } else {
+        fail(self, &why);
+    }
+}
+
+static bool is_live(const input *self)
+{
+    int32_t state = atomic_load(&self->state);
+    return state == INPUT_RUNNING || state == INPUT_LOST;
+}
+
+static void *input_run(void *data)
+{
+    input *self = data;
+    while (!is_stopping(self) && is_live(self)) {
+        (void)push_owed(self);
+        if (!self->open)
+            seek_lost(self);
+        else if (may_restart(self))
+            restart(self);
+        else
+            read_live(self);
+        int64_t now_ns = clock_now_ns();
+        if (now_ns - self->posted_ns >= post_span_ns)
+            post_health(self, now_ns);
+    }
+    return NULL;
+}
+
+static bool input_run_virtual(input *self, input_record *out)
+{
+    for (uint32_t fruitless = 0; atomic_load(&self->state) == INPUT_RUNNING; ++fruitless) {
+        error why = {""};
+        int64_t now_ns;
+        if (instance_take_restart(&self->plugin)) {
+            restart(self);
+            fruitless += FRUITLESS_READS / 100;
+        }
+        if (!self->open)
+            break;
+        mrt_result result = read_plugin(self, INT64_MAX, &out->sample, &now_ns, &why);
+        out->version = atomic_load(&self->version);
+        if (result == MRT_OK)
+            return true;
+        if (result >= 0 && result != MRT_END && fruitless >= FRUITLESS_READS)
+            result = error_set(&why, MRT_ERR_FORMAT,
+                               "%s: reading it gives nothing, again and again", self->name);
+        if (result == MRT_END)
+            end(self);
+        else if (result < 0)
+            fail(self, &why);
+    }
+    return false;
+}
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 

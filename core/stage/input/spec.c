@@ -1,4 +1,4 @@
-#include "stage/spec.h"
+#include "stage/input/spec.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "stage/tap.h"
+#include "stage/input/tap.h"
 
 #include "base/ring.h"
 

@@ -1,4 +1,4 @@
-#include "stage/wake.h"
+#include "stage/input/wake.h"
 #include "base/clock.h"
 
 #include <linux/futex.h>

@@ -4,7 +4,8 @@
 #ifndef MAROTTE_STAGE_LIVE_BOARD_H
 #define MAROTTE_STAGE_LIVE_BOARD_H
 #include "base/slot.h"
-#include "stage/live.h"
+#include "stage/live/live_view.h"
+#include "stage/perform/composer.h"
 
 /* What of a composer's face has been taken over. */
 typedef struct live_taken {

@@ -1,10 +1,196 @@
-/* The frame thread: samples are performed and recorded, the newest face is published. */
-#include "base/clock.h"
 #include "stage/live/live_state.h"
+#include "base/clock.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* The frame thread. First the timeline: a take that stands, is played, scrubbed, performed over. */
+
+/* So long a drawn instant waits for samples that are on the way. */
+static const int64_t wait_ns = 15 * NS_PER_MS;
+
+static const transport still = {.speed = 1.0};
+
+static const transport *live_time_motion(const live_stage *stage)
+{
+    if (stage->mode == LIVE_OVERDUBS)
+        return &stage->over->transport;
+    return stage->timeline ? &stage->motion[slot_front(&stage->motion_slot)] : &still;
+}
+
+static void tell_sound(live_stage *stage, int64_t now_ns)
+{
+    if (!stage->sound)
+        return;
+    sound_motion motion = sound_motion_of(live_time_motion(stage), now_ns);
+    sound_move(stage->sound, &motion);
+}
+
+static void tell_error(live_stage *stage, const error *err)
+{
+    log_push(stage->log, MRT_LOG_ERROR, "take", err->text);
+}
+
+int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
+{
+    return at_ns >= motion->end_ns && motion->end_ns > 0 ? motion->end_ns - 1 : at_ns;
+}
+
+/* ---- the take's own thread ---- */
+
+static void *bring(void *data)
+{
+    live_timeline *self = data;
+    while (!atomic_load(&self->stop)) {
+        uint32_t seen = wake_seen(&self->work);
+        if (!atomic_load(&self->is_away)) {
+            if (!atomic_load(&self->stop))
+                wake_wait_until_ns(&self->work, seen, clock_now_ns() + NS_PER_S);
+            continue;
+        }
+        self->failed.text[0] = '\0';
+        mrt_result result = self->is_sought
+                                ? sequencer_seek(self->sequencer, self->to_ns, &self->failed)
+                                : sequencer_play_to(self->sequencer, self->to_ns, &self->failed);
+        if (result >= 0)
+            self->failed.text[0] = '\0';
+        atomic_store(&self->is_away, false);
+        wake_signal(self->done);
+    }
+    return NULL;
+}
+
+mrt_result live_timeline_start(live_timeline *self, wake *done, error *err)
+{
+    wake_init(&self->work);
+    self->done = done;
+    atomic_init(&self->stop, false);
+    atomic_init(&self->is_away, false);
+    if (pthread_create(&self->thread, NULL, bring, self) != 0)
+        return error_set(err, MRT_ERR_MEMORY, "no thread to play a take on");
+    self->has_thread = true;
+    return MRT_OK;
+}
+
+void live_timeline_stop(live_timeline *self)
+{
+    if (!self->has_thread)
+        return;
+    atomic_store(&self->stop, true);
+    wake_signal(&self->work);
+    pthread_join(self->thread, NULL);
+    self->has_thread = false;
+}
+
+/* Whether the frame thread has the timeline's sequencer. */
+static bool live_time_is_here(const live_stage *stage)
+{
+    return stage->timeline && !stage->is_held && !atomic_load(&stage->timeline->is_away);
+}
+
+/* What its thread was sent for has been done. */
+static void receive(live_stage *stage)
+{
+    if (!stage->is_awaited || !live_time_is_here(stage))
+        return;
+    stage->is_awaited = false;
+    stage->has_come = stage->is_dirty = true;
+    if (stage->timeline->failed.text[0])
+        tell_error(stage, &stage->timeline->failed);
+}
+
+/* Between steps: whether what is shown could be published. */
+static bool live_time_may_show(live_stage *stage, int64_t now_ns)
+{
+    receive(stage);
+    return stage->mode != LIVE_SHOWS || !stage->timeline ||
+           (now_ns >= stage->hold_until_ns && live_time_is_here(stage) &&
+            (stage->has_come || !stage->is_sought));
+}
+
+/* However often it was sought: only the newest instant is gone to. */
+static void live_time_send(live_stage *stage, int64_t now_ns)
+{
+    receive(stage);
+    if (stage->mode != LIVE_SHOWS || !live_time_is_here(stage) || now_ns < stage->hold_until_ns)
+        return;
+    live_timeline *to = stage->timeline;
+    const transport *motion = live_time_motion(stage);
+    int64_t at_ns = live_time_shown_at(motion, transport_at(motion, now_ns).at_ns);
+    if (!stage->is_sought && at_ns == sequencer_now_ns(to->sequencer))
+        return;
+    to->to_ns = at_ns;
+    to->is_sought = stage->is_sought;
+    stage->is_sought = false;
+    stage->is_awaited = true;
+    atomic_store(&to->is_away, true);
+    wake_signal(&to->work);
+}
+
+/* ---- over the take ---- */
+
+/* The last face of it stays until the take is shown with what was made of it. */
+static void end_over(live_stage *stage, int64_t now_ns)
+{
+    static const sequencer_live nobody = {NULL, NULL, false};
+    sequencer_set_live(stage->timeline->sequencer, &nobody);
+    stage->mode = LIVE_SHOWS;
+    stage->hold_until_ns = now_ns + LIVE_HOLD_NS;
+    stage->is_sought = true;
+}
+
+void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
+{
+    error why = {""};
+    if (overdub_run_end(stage->over, stage->recorder, &why) < 0) {
+        tell_error(stage, &why);
+        (void)error_set(err, MRT_ERR_IO, "%s", why.text);
+    }
+    end_over(stage, now_ns);
+}
+
+static mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err)
+{
+    mrt_result result =
+        overdub_run_step(stage->over, stage->timeline->sequencer, stage->recorder, performed, err);
+    if (result < 0)
+        tell_error(stage, err);
+    if (stage->over->is_over) {
+        end_over(stage, performed->time_ns);
+        performer_step(stage->scene->performer, performed);
+    }
+    return MRT_OK;
+}
+
+static composer *shown_over(live_stage *stage, int64_t now_ns)
+{
+    error err = {""};
+    if (overdub_run_play_to(stage->over, stage->timeline->sequencer, stage->recorder,
+                            now_ns - wait_ns, &err) < 0)
+        tell_error(stage, &err);
+    player_show_until(stage->loop, stage->over->played_ns);
+    if (stage->over->is_over)
+        end_over(stage, now_ns);
+    return sequencer_composer(stage->timeline->sequencer);
+}
+
+/* What is shown now; NULL: what is shown stays as it is. */
+static composer *live_time_shown(live_stage *stage, int64_t now_ns)
+{
+    if (stage->mode == LIVE_PERFORMS || !stage->timeline)
+        return performer_composer(stage->scene->performer);
+    tell_sound(stage, now_ns);
+    if (stage->mode == LIVE_OVERDUBS)
+        return shown_over(stage, now_ns);
+    if (!live_time_may_show(stage, now_ns))
+        return NULL;
+    stage->has_come = false;
+    return sequencer_composer(stage->timeline->sequencer);
+}
+
+/* ---- samples are performed and recorded, the newest face is published ---- */
 
 static const int64_t meter_span_ns = 250 * NS_PER_MS;
 /* Between two faces of which nobody takes the first: many inputs do not fill the thread. */
@@ -19,25 +205,6 @@ static double ms_since(int64_t *from_ns)
 }
 
 /* ---- steps ---- */
-
-static mrt_result on_stage_step(void *data, const sample_step *s, error *err)
-{
-    live *self = data;
-    live_stage *stage = &self->stage;
-    int64_t at_ns = clock_now_ns();
-    mrt_result result = MRT_OK;
-    stage->is_dirty = true;
-    if (stage->mode == LIVE_OVERDUBS) {
-        result = live_time_step(stage, s, err);
-        stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
-        return result;
-    }
-    performer_map(stage->scene->performer, s);
-    stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
-    performer_constrain(stage->scene->performer);
-    stage->step_ms[LIVE_STEP_CONSTRAIN] += ms_since(&at_ns);
-    return result;
-}
 
 static void hear(live_sample_board *board, const mrt_sample *sample)
 {
@@ -54,9 +221,9 @@ static void follow_reload(live_stage *stage)
         recorder_change_mapping(stage->recorder, reload_identity(r));
 }
 
-static void on_step(void *data, const sample_step *s)
+/* Before anything looks at the samples. */
+static void record_step(live *self, const sample_step *s)
 {
-    live *self = data;
     live_stage *stage = &self->stage;
     follow_reload(stage);
     if (stage->recorder)
@@ -71,10 +238,8 @@ static void on_step(void *data, const sample_step *s)
     }
 }
 
-static void on_performed(void *data, const sample_step *s)
+static void note_step(live_stage *stage, const sample_step *s)
 {
-    live *self = data;
-    live_stage *stage = &self->stage;
     live_pulse *now = &stage->now;
     if (stage->recorder)
         recorder_performed(stage->recorder, s);
@@ -82,6 +247,32 @@ static void on_performed(void *data, const sample_step *s)
     now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
     now->sample_count += s->count;
     now->last_ns = stage->sample_ns = s->time_ns;
+}
+
+static mrt_result perform_step(live_stage *stage, const sample_step *s, error *err)
+{
+    mrt_result result = MRT_OK;
+    int64_t at_ns = clock_now_ns();
+    stage->is_dirty = true;
+    if (stage->mode == LIVE_OVERDUBS) {
+        result = live_time_step(stage, s, err);
+        stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
+        return result;
+    }
+    performer_map(stage->scene->performer, s);
+    stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
+    performer_constrain(stage->scene->performer);
+    stage->step_ms[LIVE_STEP_CONSTRAIN] += ms_since(&at_ns);
+    return result;
+}
+
+static mrt_result on_step(void *data, const sample_step *s, error *err)
+{
+    live *self = data;
+    record_step(self, s);
+    mrt_result result = perform_step(&self->stage, s, err);
+    note_step(&self->stage, s);
+    return result;
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -236,11 +427,11 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 
 /* ---- between samples ---- */
 
-static bool on_turn(void *data)
+static bool on_between(void *data)
 {
     live *self = data;
     live_stage *stage = &self->stage;
-    live_obey(self);
+    live_run_command(self);
     if (slot_take(&stage->motion_slot))
         stage->is_sought = stage->is_dirty = true;
     /* The newest is replaced before it is taken too, so that what is taken is new. */
@@ -262,15 +453,11 @@ static void *run(void *data)
 
 mrt_result live_frame_start(live *self, error *err)
 {
-    self->callbacks = (player_stage){self, on_stage_step, on_draw};
+    self->callbacks = (player_stage){self, on_step, on_draw};
     self->playing = (player_settings){.fps = self->settings.fps > 0.0 ? self->settings.fps : 60.0,
                                       .stop = &self->stop};
-    self->events = (player_events){.frame = on_frame,
-                                   .step = on_step,
-                                   .performed = on_performed,
-                                   .incident = on_incident,
-                                   .turn = on_turn,
-                                   .data = self};
+    self->events = (player_events){
+        .frame = on_frame, .incident = on_incident, .between = on_between, .data = self};
     return player_create(&self->stage.loop, &self->callbacks, &self->playing, &self->events, err);
 }
 

@@ -1,17 +1,17 @@
 /* live/live_state.h - what a live stage is made of: what the frame thread has (live_stage), what
- * [main] has (struct live), and how [main] gives orders. For the files of this folder and live.c.
+ * [main] has (struct live), and how [main] gives orders. For the files of this folder.
  */
 #ifndef MAROTTE_STAGE_LIVE_STATE_H
 #define MAROTTE_STAGE_LIVE_STATE_H
-#include "stage/feed.h"
+#include "stage/input/feed.h"
+#include "stage/input/tap.h"
+#include "stage/live/live.h"
 #include "stage/live/live_board.h"
 #include "stage/live/live_mapping.h"
-#include "stage/overdub_run.h"
-#include "stage/player.h"
-#include "stage/recorder.h"
-#include "stage/sequencer.h"
-#include "stage/take/taught.h"
-#include "stage/tap.h"
+#include "stage/mapping/taught.h"
+#include "stage/perform/player.h"
+#include "stage/take/recorder.h"
+#include "stage/take/sequencer.h"
 
 #include <pthread.h>
 
@@ -75,7 +75,7 @@ typedef struct live_pulse { /* how the frame thread does */
     size_t kept_bytes; /* of the take on the stage, to scrub from */
 } live_pulse;
 
-typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an order or has ended */
+typedef struct live_stage { /* the frame thread's; [main]'s while it runs a command or has ended */
     player_loop *loop;
     live_scene *scene;
     live_mapping_role *role;
@@ -98,7 +98,6 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     sound *sound;          /* NULL: none */
     overdub_run *over;     /* performed now, or not yet fetched */
     uint8_t *owned;        /* of it */
-    int64_t over_ns;       /* clock: as far as it has come */
 
     bool is_dirty; /* the face is newer than what is shown */
     int64_t published_ns;
@@ -113,15 +112,15 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it obeys an or
     live_pulse pulse[3];
 } live_stage;
 
-/* Something that [main] asks of the frame thread, which obeys between two samples while [main]
+/* Something that [main] asks of the frame thread, which runs it between two steps while [main]
  * waits. */
-typedef mrt_result live_order_run(live_stage *stage, void *data, error *err);
-typedef struct live_order {
-    live_order_run *run;
+typedef mrt_result live_command_run(live_stage *stage, void *data, error *err);
+typedef struct live_command {
+    live_command_run *run;
     void *data;
     error *err;
     mrt_result result;
-} live_order;
+} live_command;
 
 typedef struct live_input_entry {
     input *input;
@@ -138,7 +137,7 @@ struct live {
     pthread_t thread;
     bool has_thread;
     _Atomic bool stop;
-    _Atomic(live_order *) order;
+    _Atomic(live_command *) command;
     wake answered;
 
     csrbf_settings own_solver; /* radius 0: the rig's */
@@ -192,38 +191,28 @@ struct live {
     int64_t measured_ns; /* percentiles */
 };
 
-/* ---- live_order.c ---- */
-/* Waits until the frame thread has obeyed; before it runs, obeys itself. */
-CHECKED mrt_result live_ask(live *self, live_order_run *run, void *data, error *err);
+/* ---- live_main.c: commands ---- */
+/* Waits until the frame thread has run it; before there is one, runs it itself. */
+CHECKED mrt_result live_ask(live *self, live_command_run *run, void *data, error *err);
 /* [frame] */
-void live_obey(live *self);
+void live_run_command(live *self);
 
 /* ---- live_frame.c: the frame thread ---- */
 /* Its player, and then its thread. */
 CHECKED mrt_result live_frame_start(live *self, error *err);
 CHECKED mrt_result live_frame_run(live *self, error *err);
 void live_frame_stop(live *self);
-/* [frame, in an order] A sample of the pointer as it is, now: time goes on. */
+/* [frame, in a command] A sample of the pointer as it is, now: time goes on. */
 CHECKED mrt_result live_frame_tick(live_stage *stage, error *err);
 void live_frame_publish(live_stage *stage); /* the face as it is */
 void live_frame_pulse(live_stage *stage);
 
-/* ---- live_time.c: [frame] the timeline ---- */
-/* What is shown now; NULL: what is shown stays as it is. */
-composer *live_time_shown(live_stage *stage, int64_t now_ns);
-/* Between steps: whether what is shown could be published. */
-bool live_time_may_show(live_stage *stage, int64_t now_ns);
-/* After it was shown: the take goes on to the instant of its transport, beside the frame thread. */
-void live_time_send(live_stage *stage, int64_t now_ns);
-/* Whether the frame thread has the timeline's sequencer. */
-bool live_time_is_here(const live_stage *stage);
+/* ---- live_frame.c: [frame] the timeline ---- */
 /* [main] The thread of a timeline. */
 CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *err);
 void live_timeline_stop(live_timeline *self);
-CHECKED mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err);
 /* What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
-const transport *live_time_motion(const live_stage *stage);
 /* What is shown when it stands there: at its end a take shows its last instant, not the rest behind
  * it. */
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns);
@@ -238,27 +227,7 @@ void live_own_solver(live *self, const csrbf_settings *solver); /* of scenes to 
 recorder_settings live_cast_settings(live *self, bool moves_face);
 /* Refuses while a take is recorded, with what cannot be done. */
 CHECKED mrt_result live_check_free(const live *self, const char *what, error *err);
-/* What goes to the frame thread with a change, and what comes back. */
-typedef struct live_change {
-    recorder_cast *cast; /* NULL: nothing is recorded */
-    live_scene *scene;
-    live_mapping_role *role;
-    layer_room *room;
-    instance *old;
-    input *add;
-    live_sample_board *heard;
-    uint32_t remove, side;
-    const hand_calibration *calibration;
-    hand_skeleton *skeleton;
-    uint32_t pedal;
-} live_change;
 
-/* What is recorded from the change on. */
-CHECKED mrt_result live_cast_prepare(live *self, const recorder_settings *as, live_change *out,
-                                     error *err);
-/* [frame] The recorder goes over, and time goes on, so that the performance begins here. */
-CHECKED mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err);
-void live_cast_dismiss(live *self, live_change *c); /* what has ended, or was not needed */
 /* Another performance begins, as things are now. */
 CHECKED mrt_result live_cast_anew(live *self, error *err);
 /* What the mapping was taught becomes a note of the show, for another session. */
@@ -266,31 +235,21 @@ void live_cast_keep_taught(live *self);
 void live_cast_watch(live *self); /* the mapping's library, if it has one */
 void live_cast_update(live *self);
 
-/* ---- live_inputs.c ---- */
-void live_inputs_change_pedal(live *self); /* to the one that is wanted */
-
 /* ---- live_record.c ---- */
 CHECKED mrt_result live_record_start(live *self, error *err);
 CHECKED mrt_result live_record_stop(live *self, error *err);
 void live_record_update(live *self);
 
-/* ---- live_sound.c ---- */
+/* ---- live_record.c: sound ---- */
 CHECKED mrt_result live_sound_need(live *self, error *err);
 void live_sound_drop(live *self);
-void live_sound_take_ended(live *self, int64_t take_id);
 void live_sound_update(live *self);
-void live_sound_stop(live *self); /* what was recorded is with its take */
 
 /* ---- live_take.c: [main] the timeline ---- */
-void live_take_drop(live *self); /* none is shown any more */
-/* [main] has the sequencer of the take that is shown, until an order gives it back. */
-void live_take_hold(live *self);
-void live_take_release(live *self);
-void live_take_tell_transport(live *self); /* the frame thread: what it does from now on */
-void live_take_finish(live *self);         /* what is left of it, when nothing runs any more */
+void live_take_drop(live *self);   /* none is shown any more */
+void live_take_finish(live *self); /* what is left of it, when nothing runs any more */
 
-/* ---- live_over.c ---- */
+/* ---- live_take.c: performed over ---- */
 void live_over_update(live *self);
-void live_over_forget(live *self); /* what was performed and not taken */
 
 #endif

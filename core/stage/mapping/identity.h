@@ -2,9 +2,9 @@
  * noticed later: names, versions, and the SHA-256 of files. [main] */
 #ifndef MAROTTE_STAGE_IDENTITY_H
 #define MAROTTE_STAGE_IDENTITY_H
-#include "stage/face_file.h"
 #include "stage/mapping/instance.h"
 #include "stage/mapping/plugins.h"
+#include "stage/perform/face_file.h"
 #include "take/take.h"
 
 /* "id version sha256": see take.h; "-" for a library that cannot be read. To be freed; NULL: no

@@ -1,10 +1,10 @@
 #include "stage/mapping/isolate.h"
 #include "base/clock.h"
-#include "stage/guard.h"
+#include "stage/perform/guard.h"
 #include "stage/mapping/isolate_process.h"
 #include "stage/mapping/isolate_report.h"
 #include "stage/mapping/plugins.h"
-#include "stage/seam.h"
+#include "stage/perform/seam.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -2,9 +2,9 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "check/check.h"
-#include "stage/guard.h"
 #include "stage/mapping/library.h"
 #include "stage/mapping/plugins.h"
+#include "stage/perform/guard.h"
 #include "take/hash.h"
 
 #include <errno.h>

@@ -5,7 +5,7 @@
 #ifndef MAROTTE_STAGE_RELOAD_H
 #define MAROTTE_STAGE_RELOAD_H
 #include "stage/mapping/isolate.h"
-#include "stage/layer.h"
+#include "stage/perform/layer.h"
 
 typedef struct reload reload;
 

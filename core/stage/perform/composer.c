@@ -1,8 +1,647 @@
-#include "stage/perform/composer_state.h"
+#include "stage/perform/composer.h"
+#include "base/bytes.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* One who speaks: what it wants now, and what of it is in the shape. */
+typedef struct voice {
+    bool is_present;  /* in this step */
+    bool was_present; /* in the step before */
+    composer_part part;
+    bool has_said; /* `said` is its last anchored pull */
+    mrt_pull said;
+    uint32_t commit; /* of the step before */
+    /* in the engagement: the pull that it holds the face with */
+    bool is_joined;
+    mrt_pull joined;
+    double share; /* weight and gain */
+    double weight;
+    uint32_t control[MRT_MAX_VECTORS]; /* of each vector; COMPOSER_NO_CONTROL: none */
+    /* unanchored */
+    bool was_near, is_dragging;
+    double tip[MRT_MAX_VECTORS * 3]; /* where the tips really are */
+    uint32_t tip_count;
+} voice;
+
+enum { COMPOSER_NO_CONTROL = UINT32_MAX };
+
+/* A control of the engagement: a contact, which several may pull, or a free point of one. */
+typedef struct joined_control {
+    uint32_t contact;      /* 1 + index; 0: a free point */
+    uint32_t slot, vector; /* of the free point */
+    vec3 start;            /* mm, where it took hold */
+    vec3 rest;             /* of a finger's free point: as it says */
+    bool is_finger;        /* only fingers speak of it */
+    vec3 held; /* mm, bones at rest: where the others had it, from `start`, when a finger came */
+} joined_control;
+
+struct composer {
+    face *face;
+    mrt_face about;
+    mrt_dof dof[MRT_MAX_DOFS];
+    csrbf_settings solver;
+    double reach_mm;
+    vec3 centre;
+    shading *shading;
+
+    voice voice[COMPOSER_PARTS_MAX];
+    uint32_t order[COMPOSER_PARTS_MAX]; /* slots of the parts of this step, bottom first */
+    uint32_t order_count;
+    uint32_t joined_order[COMPOSER_PARTS_MAX]; /* slots of those in the engagement, bottom first */
+    uint32_t joined_count;
+
+    bool is_mixed; /* in this step some knead and some are anchored */
+    bool engaged;  /* anchored: the face is engaged at `control` */
+    bool stale;    /* anchored: what is shown is older than the last step */
+    joined_control control[MRT_MAX_VECTORS];
+    uint32_t control_count;
+    float engaged_radius_mm;
+    mrt_pull pulled; /* of the last step */
+    composer_counts counts;
+};
+
+static void composer_note_problem(composer *self, const char *text);
+static void composer_show(composer *self); /* if stale */
+/* how: the pull that says how it is solved; NULL: nobody does. */
+static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how);
+
+/* ---- composer_join.c: the anchored voices ---- */
+
+static void composer_join(composer *self);
+/* The face as if the voices pulled nothing but what `keep` has added; bones as they are. */
+static void composer_let_go_but(composer *self, bool (*keep)(const voice *v));
+/* Bakes what a voice that has committed has added; true: one has, and the others join anew. */
+static bool composer_commit(composer *self);
+static bool composer_is_anybody_joined(const composer *self);
+
+/* ---- composer_blend.c: what they add up to ---- */
+
+static vec3 composer_vec3(mrt_vec3 p);
+/* Its weight and its gain. */
+static double composer_share(const voice *v);
+/* Whether one of those that hold the face is counted; NULL: all are. */
+static bool composer_counts_anybody(const composer *self, bool (*counts)(const voice *v));
+/* Where each control of the engagement is to land, 3 * control_count, mm: a way from its start for
+ * what rides[k] with the bones, else a place (face_ride). `counts`: whose pull is taken, NULL: all.
+ */
+static void composer_blend_ends(const composer *self, bool (*counts)(const voice *v), double *end,
+                                uint8_t *rides);
+/* The degrees of freedom as all voices together want them. */
+static void composer_blend_dofs(const composer *self, float *out);
+
+/* ---- what the pulls of all voices add up to, layer by layer ---- */
+
+static vec3 composer_vec3(mrt_vec3 p)
+{
+    return (vec3){(double)p.x, (double)p.y, (double)p.z};
+}
+
+static double composer_share(const voice *v)
+{
+    return v->part.weight * v->part.gain;
+}
+
+static bool is_one(double share)
+{
+    return !(fabs(share - 1.0) > 0.0);
+}
+
+typedef struct blended {
+    double value[3];
+    double cover;  /* of the layer at hand */
+    double sum[3]; /* of the layer at hand */
+    bool is_additive;
+    uint32_t layer;
+    uint32_t voices;
+} blended;
+
+static void close_layer(blended *b)
+{
+    double below = b->is_additive ? 1.0 : 1.0 - fmin(b->cover, 1.0);
+    if (b->cover > 0.0)
+        for (int axis = 0; axis < 3; ++axis)
+            b->value[axis] = below > 0.0 ? b->sum[axis] + below * b->value[axis] : b->sum[axis];
+    b->cover = 0.0;
+    memset(b->sum, 0, sizeof b->sum);
+}
+
+static void add_voice(blended *b, const voice *v, double weight, const double *added)
+{
+    if (b->layer != v->part.layer)
+        close_layer(b);
+    b->voices += 1;
+    b->layer = v->part.layer;
+    b->is_additive = v->part.is_additive;
+    if (b->cover > 0.0)
+        for (int axis = 0; axis < 3; ++axis)
+            b->sum[axis] += added[axis];
+    else
+        memcpy(b->sum, added, sizeof b->sum);
+    b->cover += weight;
+}
+
+static bool composer_counts_anybody(const composer *self, bool (*counts)(const voice *v))
+{
+    for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
+        const voice *v = &self->voice[self->joined_order[i]];
+        if (v->is_joined && counts(v))
+            return true;
+    }
+    return !counts;
+}
+
+static void composer_blend_ends(const composer *self, bool (*counts)(const voice *v), double *end,
+                                uint8_t *rides)
+{
+    blended at[MRT_MAX_VECTORS];
+    memset(at, 0, sizeof at);
+    bool is_held = composer_counts_anybody(self, counts);
+    for (uint32_t k = 0; is_held && k < self->control_count; ++k) {
+        const vec3 *held = &self->control[k].held;
+        at[k].value[0] = held->x;
+        at[k].value[1] = held->y;
+        at[k].value[2] = held->z;
+    }
+    for (uint32_t i = 0; i < COMPOSER_PARTS_MAX; ++i) {
+        const voice *v = &self->voice[self->joined_order[i]];
+        for (uint32_t j = 0; i < self->joined_count && v->is_joined && j < v->joined.count; ++j) {
+            uint32_t k = v->control[j];
+            if (k == COMPOSER_NO_CONTROL || (counts && !counts(v)))
+                continue;
+            vec3 start = composer_vec3(v->joined.vector[j].start),
+                 to = composer_vec3(v->joined.vector[j].end);
+            const double added[3] = {v->share * (to.x - start.x), v->share * (to.y - start.y),
+                                     v->share * (to.z - start.z)};
+            add_voice(&at[k], v, v->weight, added);
+        }
+    }
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const joined_control *c = &self->control[k];
+        close_layer(&at[k]);
+        rides[k] = c->contact != 0;
+        memcpy(end + 3 * k, at[k].value, sizeof at[k].value);
+        if (rides[k])
+            continue;
+        const voice *v = &self->voice[c->slot];
+        vec3 place = c->start;
+        if (v->is_joined && !v->part.is_finger && at[k].voices == 1 && is_one(v->share) &&
+            (!counts || counts(v))) {
+            /* it lands on its end itself: no digits lost on the way */
+            place = composer_vec3(v->joined.vector[c->vector].end);
+            memset(end + 3 * k, 0, 3 * sizeof *end);
+        }
+        end[3 * k] += place.x;
+        end[3 * k + 1] += place.y;
+        end[3 * k + 2] += place.z;
+    }
+}
+
+static void composer_blend_dofs(const composer *self, float *out)
+{
+    for (uint32_t d = 0; d < MRT_MAX_DOFS; ++d) {
+        blended at = {.cover = 0};
+        bool is_driven = false;
+        for (uint32_t i = 0; i < self->order_count; ++i) {
+            const voice *v = &self->voice[self->order[i]];
+            const mrt_pull *pull = v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->said;
+            bool speaks = v->has_said || v->part.pull->mode == MRT_UNANCHORED;
+            if (!speaks || isnan(pull->dof[d]) || d >= self->about.dof_count ||
+                (v->part.owns && !v->part.owns[self->about.contact_count + d]))
+                continue;
+            const double added[3] = {composer_share(v) * (double)pull->dof[d], 0, 0};
+            add_voice(&at, v, v->part.weight, added);
+            is_driven = true;
+        }
+        close_layer(&at);
+        out[d] = is_driven ? (float)at.value[0] : NAN;
+    }
+}
+
+/* ---- the anchored pulls of all voices in one solve ---- */
+
+static bool owns(const composer *self, const voice *v, uint32_t contact)
+{
+    if (!v->part.owns)
+        return true;
+    uint32_t free_points = self->about.contact_count + self->about.dof_count;
+    return v->part.owns[contact > 0 ? contact - 1 : free_points] != 0;
+}
+
+/* ---- who holds where ---- */
+
+static uint32_t find_contact(const joined_control *control, uint32_t count, uint32_t contact)
+{
+    for (uint32_t k = 0; k < count; ++k)
+        if (control[k].contact == contact)
+            return k;
+    return COMPOSER_NO_CONTROL;
+}
+
+/* Two parts of one layer that hold the same free point, as while one takes over from the other,
+ * hold it together. */
+static uint32_t find_free_point(const composer *self, const joined_control *control, uint32_t count,
+                                const voice *v, const mrt_vector *vector)
+{
+    for (uint32_t k = 0; k < count; ++k) {
+        const voice *other = &self->voice[control[k].slot];
+        if (control[k].contact == 0 && other->part.layer == v->part.layer &&
+            memcmp(&other->said.vector[control[k].vector].start, &vector->start,
+                   sizeof vector->start) == 0)
+            return k;
+    }
+    return COMPOSER_NO_CONTROL;
+}
+
+/* Who holds which control. */
+typedef struct holds {
+    joined_control control[MRT_MAX_VECTORS];
+    uint32_t count;
+    uint32_t of[COMPOSER_PARTS_MAX][MRT_MAX_VECTORS]; /* the control of each vector, by slot */
+} holds;
+
+/* The controls of all voices, in their order. */
+static void list_holds(composer *self, holds *out)
+{
+    out->count = 0;
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        uint32_t slot = self->order[i];
+        const voice *v = &self->voice[slot];
+        uint32_t others = out->count; /* a voice may hold one contact twice */
+        for (uint32_t j = 0; v->has_said && j < v->said.count; ++j) {
+            uint32_t contact = v->said.vector[j].contact;
+            uint32_t at = COMPOSER_NO_CONTROL;
+            out->of[slot][j] = COMPOSER_NO_CONTROL;
+            if (!owns(self, v, contact))
+                continue;
+            if (contact > 0)
+                at = find_contact(out->control, others, contact);
+            else
+                at = find_free_point(self, out->control, others, v, &v->said.vector[j]);
+            if (at == COMPOSER_NO_CONTROL && out->count == MRT_MAX_VECTORS) {
+                self->counts.left_out += 1;
+                continue;
+            }
+            if (at == COMPOSER_NO_CONTROL) {
+                at = out->count++;
+                out->control[at] = (joined_control){.contact = contact,
+                                                    .slot = slot,
+                                                    .vector = j,
+                                                    .rest = composer_vec3(v->said.vector[j].start),
+                                                    .is_finger = v->part.is_finger};
+            }
+            out->control[at].is_finger &= v->part.is_finger;
+            out->of[slot][j] = at;
+        }
+    }
+}
+
+static bool are_held(const composer *self, const holds *h)
+{
+    if (h->count != self->control_count)
+        return false;
+    for (uint32_t k = 0; k < h->count; ++k) {
+        const joined_control *a = &h->control[k], *b = &self->control[k];
+        if (a->contact != b->contact)
+            return false;
+        if (a->contact == 0 && (a->slot != b->slot || a->vector != b->vector))
+            return false;
+    }
+    return true;
+}
+
+/* The radius of one solve for all: of the lowest voice that names one; a finger names it when it is
+ * alone. */
+static float joined_radius_mm(const composer *self)
+{
+    float of_finger = 0.0f;
+    bool is_alone = true;
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        const voice *v = &self->voice[self->order[i]];
+        if (!v->has_said)
+            continue;
+        is_alone &= v->part.is_finger || v->said.count == 0;
+        if (v->said.radius_mm > 0.0f && !v->part.is_finger)
+            return v->said.radius_mm;
+        of_finger = v->said.radius_mm > 0.0f ? v->said.radius_mm : of_finger;
+    }
+    return is_alone ? of_finger : 0.0f;
+}
+
+/* Of the lowest voice that is no finger; NULL: there is none. */
+static const mrt_pull *joined_manner(const composer *self)
+{
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        const voice *v = &self->voice[self->order[i]];
+        if (v->has_said && !v->part.is_finger)
+            return &v->said;
+    }
+    return NULL;
+}
+
+/* It takes hold anew: what it has added so far stays in the shape. */
+static bool is_anew(const voice *v)
+{
+    return v->is_joined && v->is_present && !v->part.is_finger &&
+           (v->joined.anchor != v->said.anchor || v->joined.count != v->said.count ||
+            v->joined.solve != v->said.solve ||
+            fabsf(v->joined.stretch_most - v->said.stretch_most) > 0.0f ||
+            fabsf(v->joined.radius_mm - v->said.radius_mm) > 0.0f);
+}
+
+/* ---- the engagement ---- */
+
+static void aim(composer *self, bool (*counts)(const voice *v), const float *dof)
+{
+    error err = {""};
+    double end[MRT_MAX_VECTORS * 3];
+    uint8_t rides[MRT_MAX_VECTORS];
+    composer_blend_ends(self, counts, end, rides);
+    face_ride(self->face, end, rides, dof);
+    self->counts.solves += 1;
+    if (face_aim(self->face, end, dof, &err) < 0) {
+        self->counts.held_pulls += 1;
+        composer_note_problem(self, err.text);
+        return;
+    }
+    self->stale = true;
+}
+
+/* Everybody pulls what has been added, or as `keep` says; the bones stay where they are. */
+static void composer_let_go_but(composer *self, bool (*keep)(const voice *v))
+{
+    if (!self->engaged)
+        return;
+    aim(self, keep, face_metered(self->face)->dof);
+    composer_show(self);
+}
+
+static bool nobody(const voice *v)
+{
+    (void)v;
+    return false;
+}
+
+/* Where a place of the rest face is in the shape shown: beside the vertex that is nearest at rest.
+ */
+static vec3 place_now(const composer *self, vec3 at_rest)
+{
+    const points *rest = face_rest(self->face), *shown = face_shown(self->face);
+    double from[3], to[3];
+    size_t nearest = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < rest->count; ++i) {
+        points_at(from, rest, i);
+        vec3 away = vec3_sub((vec3){from[0], from[1], from[2]}, at_rest);
+        double distance = vec3_dot(away, away);
+        if (distance < least) {
+            least = distance;
+            nearest = i;
+        }
+    }
+    points_at(from, rest, nearest);
+    points_at(to, shown, nearest);
+    vec3 moved = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    return vec3_add(at_rest, moved);
+}
+
+/* A contact is taken where it is now, wherever the mapping says that it rests; so is a place that a
+ * finger holds. */
+static vec3 start_of(const composer *self, const joined_control *c)
+{
+    if (c->contact > 0)
+        return face_contact_now(self->face, c->contact);
+    if (self->voice[c->slot].part.is_finger)
+        return place_now(self, c->rest);
+    return composer_vec3(self->voice[c->slot].said.vector[c->vector].start);
+}
+
+/* ---- fingers take hold of the face as it is ---- */
+
+static const joined_control *held_before(const composer *self, const joined_control *c)
+{
+    if (!self->voice[c->slot].was_present)
+        return NULL;
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const joined_control *old = &self->control[k];
+        bool is_same = old->contact == c->contact &&
+                       (c->contact > 0 || memcmp(&old->rest, &c->rest, sizeof c->rest) == 0);
+        if (is_same && old->is_finger == c->is_finger)
+            return old;
+    }
+    return NULL;
+}
+
+/* Before the others let go: where the places are, mm, that fingers take hold of now. */
+static void find_places(composer *self, const holds *h, double *out_place, bool *out_comes)
+{
+    composer_show(self);
+    for (uint32_t k = 0; k < h->count; ++k) {
+        const joined_control *c = &h->control[k];
+        out_comes[k] = c->is_finger && !held_before(self, c);
+        if (!out_comes[k])
+            continue;
+        vec3 place = start_of(self, c);
+        out_place[3 * k] = place.x;
+        out_place[3 * k + 1] = place.y;
+        out_place[3 * k + 2] = place.z;
+    }
+}
+
+static void keep_held(const composer *self, holds *h)
+{
+    for (uint32_t k = 0; k < h->count; ++k) {
+        joined_control *c = &h->control[k];
+        const joined_control *old = c->is_finger ? held_before(self, c) : NULL;
+        if (old)
+            c->held = old->held;
+    }
+}
+
+/* Engaged anew: how far from the base the others had those places. */
+static void hold_places(composer *self, const double *place, const bool *comes)
+{
+    double way[MRT_MAX_VECTORS * 3] = {0};
+    bool any = false;
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const vec3 *start = &self->control[k].start;
+        const double still[3] = {start->x, start->y, start->z};
+        memcpy(way + 3 * k, comes[k] ? place + 3 * k : still, sizeof still);
+        any |= comes[k];
+    }
+    if (any)
+        face_unride(self->face, way, face_metered(self->face)->dof);
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        joined_control *c = &self->control[k];
+        if (!comes[k])
+            continue;
+        c->held = (vec3){way[3 * k], way[3 * k + 1], way[3 * k + 2]};
+        if (c->contact == 0)
+            c->held = vec3_sub((vec3){place[3 * k], place[3 * k + 1], place[3 * k + 2]}, c->start);
+    }
+}
+
+/* What they were held at is in the base now. */
+static void forget_held(composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k)
+        self->control[k].held = (vec3){0, 0, 0};
+}
+
+/* ---- the engagement's controls ---- */
+
+static void engage(composer *self, holds *h)
+{
+    error err = {""};
+    face_control grip[MRT_MAX_VECTORS];
+    float radius_mm = joined_radius_mm(self);
+    csrbf_settings settings = composer_settings(self, radius_mm, joined_manner(self));
+    for (uint32_t k = 0; k < h->count; ++k) {
+        h->control[k].start = start_of(self, &h->control[k]);
+        grip[k] = (face_control){h->control[k].start, h->control[k].contact};
+    }
+    if (face_engage(self->face, &settings, grip, h->count, &err) < 0) {
+        self->counts.held_pulls += 1;
+        composer_note_problem(self, err.text);
+        self->engaged = false;
+        return;
+    }
+    memcpy(self->control, h->control, h->count * sizeof *h->control);
+    self->control_count = h->count;
+    self->engaged_radius_mm = radius_mm;
+    self->engaged = true;
+    self->counts.engagements += 1;
+}
+
+static bool composer_is_anybody_joined(const composer *self)
+{
+    for (uint32_t i = 0; i < self->joined_count; ++i)
+        if (self->voice[self->joined_order[i]].is_joined)
+            return true;
+    return false;
+}
+
+/* Of what the voices pull only what some of them leave stays in the shape. */
+static void settle(composer *self, bool (*stays)(const voice *v))
+{
+    bool all_stay = true;
+    for (uint32_t i = 0; i < self->joined_count; ++i) {
+        const voice *v = &self->voice[self->joined_order[i]];
+        all_stay &= !v->is_joined || stays(v);
+    }
+    composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
+    if (!all_stay)
+        composer_let_go_but(self, stays);
+    if (composer_counts_anybody(self, stays))
+        forget_held(self);
+}
+
+/* The voices hold the face with what they say now. */
+static void join(composer *self, const holds *h)
+{
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_joined = false;
+    self->joined_count = 0;
+    for (uint32_t i = 0; i < self->order_count && self->engaged; ++i) {
+        uint32_t slot = self->order[i];
+        voice *v = &self->voice[slot];
+        if (!v->has_said)
+            continue;
+        v->is_joined = true;
+        v->joined = v->said;
+        v->share = composer_share(v);
+        v->weight = v->part.weight;
+        memcpy(v->control, h->of[slot], sizeof v->control);
+        self->joined_order[self->joined_count++] = slot;
+    }
+}
+
+static bool is_anybody_speaking(const composer *self)
+{
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        if (self->voice[self->order[i]].has_said)
+            return true;
+    return false;
+}
+
+/* Whoever was there has gone: the face goes back to its base. */
+static void rest(composer *self)
+{
+    static const float still[MRT_MAX_DOFS] = {0};
+    if (!self->engaged || self->joined_count == 0)
+        return;
+    aim(self, nobody, still);
+    forget_held(self);
+    self->joined_count = 0;
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_joined = false;
+}
+
+static bool has_committed(const voice *v)
+{
+    return v->is_present && v->was_present && v->part.pull->commit != v->commit;
+}
+
+/* What it pulled is in the base now; it begins anew with its next anchored pull. */
+static void forget_said(voice *v)
+{
+    if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
+        v->has_said = false;
+}
+
+static bool composer_commit(composer *self)
+{
+    bool is_wanted = false;
+    for (uint32_t i = 0; i < self->order_count; ++i) {
+        bool now = has_committed(&self->voice[self->order[i]]);
+        self->counts.commits += now;
+        is_wanted |= now;
+    }
+    if (!is_wanted)
+        return false;
+    settle(self, has_committed);
+    face_commit(self->face);
+    face_show(self->face); /* of what is kept alone, as after composer_load */
+    self->engaged = false;
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        forget_said(&self->voice[self->order[i]]);
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        self->voice[slot].is_joined = false;
+    return true;
+}
+
+static void composer_join(composer *self)
+{
+    holds h;
+    if (!is_anybody_speaking(self)) {
+        rest(self);
+        return;
+    }
+    bool is_new = !self->engaged || fabsf(joined_radius_mm(self) - self->engaged_radius_mm) > 0.0f;
+    for (uint32_t i = 0; i < self->order_count; ++i)
+        is_new |= is_anew(&self->voice[self->order[i]]);
+    list_holds(self, &h);
+    is_new |= !are_held(self, &h);
+    if (is_new) {
+        double place[MRT_MAX_VECTORS * 3];
+        bool comes[MRT_MAX_VECTORS] = {false};
+        uint64_t before = self->counts.engagements;
+        find_places(self, &h, place, comes);
+        settle(self, is_anew);
+        keep_held(self, &h);
+        engage(self, &h);
+        if (self->counts.engagements != before)
+            hold_places(self, place, comes);
+    }
+    join(self, &h);
+    if (!self->engaged)
+        return;
+    float dof[MRT_MAX_DOFS];
+    composer_blend_dofs(self, dof);
+    aim(self, NULL, dof);
+}
 
 /* The guard: no control vector leads further from the face than this many times its size. */
 static const double reach_in_faces = 10.0;
@@ -128,20 +767,20 @@ void composer_reset(composer *self)
 
 /* ---- shared by both ways to move ---- */
 
-void composer_note_problem(composer *self, const char *text)
+static void composer_note_problem(composer *self, const char *text)
 {
     if (!self->counts.first_problem.text[0])
         error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
 }
 
-void composer_show(composer *self)
+static void composer_show(composer *self)
 {
     if (self->stale)
         face_show(self->face);
     self->stale = false;
 }
 
-csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how)
+static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how)
 {
     csrbf_settings settings = self->solver;
     if (radius_mm > 0.0f)
@@ -476,4 +1115,231 @@ bool composer_is_anchored(const composer *self)
 const composer_counts *composer_counted(const composer *self)
 {
     return &self->counts;
+}
+
+/* The state of a composer as bytes. Who speaks is told again by the next step; what they hold the
+ * face with is kept. */
+
+enum { STORE_VERSION = 3, STORE_WITH_FINGERS = 4 };
+enum { IS_ADDITIVE = 1, IS_FINGER = 2 };
+
+static void put_pull(bytes_out *out, const mrt_pull *pull)
+{
+    bytes_put(out, pull, offsetof(mrt_pull, vector));
+    bytes_put(out, pull->vector, pull->count * sizeof *pull->vector);
+    bytes_put(out, pull->dof, sizeof pull->dof);
+}
+
+static bool is_point(mrt_vec3 p)
+{
+    return isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
+}
+
+static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
+{
+    *out = (mrt_pull){0};
+    bytes_take(in, out, offsetof(mrt_pull, vector));
+    if (out->count > MRT_MAX_VECTORS || out->mode > MRT_UNANCHORED || !isfinite(out->radius_mm) ||
+        !isfinite(out->stretch_most)) {
+        in->failed = true;
+        out->count = 0;
+    }
+    bytes_take(in, out->vector, out->count * sizeof *out->vector);
+    bytes_take(in, out->dof, sizeof out->dof);
+    for (uint32_t i = 0; i < out->count; ++i)
+        in->failed |= !is_point(out->vector[i].start) || !is_point(out->vector[i].end) ||
+                      out->vector[i].contact > self->about.contact_count;
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        in->failed |= isinf(out->dof[i]);
+}
+
+static void put_voice(bytes_out *out, const voice *v)
+{
+    bytes_put_u32(out, v->part.layer);
+    bytes_put_u32(out,
+                  (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_finger ? IS_FINGER : 0));
+    bytes_put_u32(out, v->commit);
+    bytes_put_u32(out, v->has_said);
+    if (v->has_said)
+        put_pull(out, &v->said);
+    bytes_put_u32(out, v->is_joined);
+    bytes_put_f64(out, v->weight);
+    if (v->is_joined) {
+        put_pull(out, &v->joined);
+        bytes_put_f64(out, v->share);
+        bytes_put(out, v->control, v->joined.count * sizeof *v->control);
+    }
+    bytes_put_u32(out, v->was_near);
+    bytes_put_u32(out, v->is_dragging);
+    bytes_put_u32(out, v->is_dragging ? v->tip_count : 0);
+    if (v->is_dragging)
+        bytes_put(out, v->tip, (size_t)v->tip_count * 3 * sizeof *v->tip);
+}
+
+static void take_voice(bytes_in *in, const composer *self, voice *out)
+{
+    out->was_present = true;
+    out->part.layer = bytes_take_u32(in);
+    uint32_t manner = bytes_take_u32(in);
+    out->part.is_additive = (manner & IS_ADDITIVE) != 0;
+    out->part.is_finger = (manner & IS_FINGER) != 0;
+    out->commit = bytes_take_u32(in);
+    out->has_said = bytes_take_u32(in) != 0;
+    if (out->has_said)
+        take_pull(in, self, &out->said);
+    out->is_joined = bytes_take_u32(in) != 0;
+    out->weight = bytes_take_f64(in);
+    if (out->is_joined) {
+        take_pull(in, self, &out->joined);
+        out->share = bytes_take_f64(in);
+        bytes_take(in, out->control, out->joined.count * sizeof *out->control);
+        for (uint32_t i = 0; i < out->joined.count; ++i)
+            in->failed |=
+                out->control[i] != COMPOSER_NO_CONTROL && out->control[i] >= self->control_count;
+    }
+    out->was_near = bytes_take_u32(in) != 0;
+    out->is_dragging = bytes_take_u32(in) != 0;
+    out->tip_count = bytes_take_u32(in);
+    if (out->tip_count > MRT_MAX_VECTORS)
+        in->failed = true;
+    else
+        for (uint32_t i = 0; i < 3 * out->tip_count; ++i)
+            out->tip[i] = bytes_take_f64(in);
+}
+
+/* Most faces never felt one: they are kept as ever. */
+static bool has_fingers(const composer *self)
+{
+    bool any = false;
+    for (uint32_t k = 0; k < self->control_count; ++k)
+        any |= self->control[k].is_finger ||
+               vec3_dot(self->control[k].held, self->control[k].held) > 0.0;
+    return any;
+}
+
+static void put_fingers(bytes_out *out, const composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        bytes_put_u32(out, self->control[k].is_finger);
+        bytes_put_vec3(out, self->control[k].rest);
+        bytes_put_vec3(out, self->control[k].held);
+    }
+}
+
+static void take_fingers(bytes_in *in, composer *self)
+{
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        self->control[k].is_finger = bytes_take_u32(in) != 0;
+        self->control[k].rest = bytes_take_vec3(in);
+        self->control[k].held = bytes_take_vec3(in);
+    }
+}
+
+static void put_controls(bytes_out *out, const composer *self)
+{
+    bytes_put_u32(out, self->engaged);
+    bytes_put_f64(out, (double)self->engaged_radius_mm);
+    bytes_put_u32(out, self->control_count);
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        const joined_control *c = &self->control[k];
+        bytes_put_u32(out, c->contact);
+        bytes_put_u32(out, c->slot);
+        bytes_put_u32(out, c->vector);
+        bytes_put_vec3(out, c->start);
+    }
+    bytes_put_u32(out, self->joined_count);
+    bytes_put(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
+}
+
+static void take_controls(bytes_in *in, composer *self)
+{
+    self->engaged = bytes_take_u32(in) != 0;
+    double radius_mm = bytes_take_f64(in);
+    in->failed |= fabs(radius_mm) > (double)FLT_MAX;
+    self->engaged_radius_mm = in->failed ? 0.0f : (float)radius_mm;
+    self->control_count = bytes_take_u32(in);
+    if (self->control_count > MRT_MAX_VECTORS) {
+        in->failed = true;
+        self->control_count = 0;
+    }
+    for (uint32_t k = 0; k < self->control_count; ++k) {
+        joined_control *c = &self->control[k];
+        c->contact = bytes_take_u32(in);
+        c->slot = bytes_take_u32(in);
+        c->vector = bytes_take_u32(in);
+        c->start = bytes_take_vec3(in);
+        in->failed |= c->contact > self->about.contact_count || c->slot >= COMPOSER_PARTS_MAX ||
+                      c->vector >= MRT_MAX_VECTORS;
+    }
+    self->joined_count = bytes_take_u32(in);
+    if (self->joined_count > COMPOSER_PARTS_MAX) {
+        in->failed = true;
+        self->joined_count = 0;
+    }
+    bytes_take(in, self->joined_order, self->joined_count * sizeof *self->joined_order);
+    for (uint32_t i = 0; i < self->joined_count; ++i)
+        in->failed |= self->joined_order[i] >= COMPOSER_PARTS_MAX;
+}
+
+size_t composer_save(composer *self, void *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    uint32_t voice_count = 0;
+    bytes_put_u32(&out, has_fingers(self) ? STORE_WITH_FINGERS : STORE_VERSION);
+    put_controls(&out, self);
+    if (has_fingers(self))
+        put_fingers(&out, self);
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
+        voice_count += self->voice[slot].was_present || self->voice[slot].is_joined;
+    bytes_put_u32(&out, voice_count);
+    for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
+        const voice *v = &self->voice[slot];
+        if (!v->was_present && !v->is_joined)
+            continue;
+        bytes_put_u32(&out, slot);
+        bytes_put_u32(&out, v->was_present);
+        put_voice(&out, v);
+    }
+    size_t face_size = face_save(self->face, NULL, 0);
+    bytes_put_u32(&out, (uint32_t)face_size);
+    if (out.data && out.size <= out.capacity && face_size <= out.capacity - out.size)
+        face_save(self->face, out.data + out.size, face_size);
+    return out.size + face_size;
+}
+
+static mrt_result load(composer *self, bytes_in *in, error *err)
+{
+    uint32_t version = bytes_take_u32(in);
+    in->failed |= version != STORE_VERSION && version != STORE_WITH_FINGERS;
+    take_controls(in, self);
+    if (version == STORE_WITH_FINGERS)
+        take_fingers(in, self);
+    uint32_t voice_count = bytes_take_u32(in);
+    for (uint32_t i = 0; i < voice_count && !in->failed; ++i) {
+        uint32_t slot = bytes_take_u32(in);
+        bool was_present = bytes_take_u32(in) != 0;
+        if (slot >= COMPOSER_PARTS_MAX) {
+            in->failed = true;
+            break;
+        }
+        take_voice(in, self, &self->voice[slot]);
+        self->voice[slot].was_present = was_present;
+    }
+    size_t size = bytes_take_u32(in);
+    if (in->failed || size != (size_t)(in->end - in->at))
+        return error_set(err, MRT_ERR_FORMAT, "the stored state of the face is damaged");
+    mrt_result result = face_load(self->face, in->at, size, err);
+    if (result >= 0 && self->engaged && face_control_count(self->face) != self->control_count)
+        result = error_set(err, MRT_ERR_FORMAT, "the stored state of the face is damaged");
+    return result;
+}
+
+mrt_result composer_load(composer *self, const void *bytes, size_t size, error *err)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    composer_reset(self);
+    mrt_result result = load(self, &in, err);
+    if (result < 0)
+        composer_reset(self);
+    return result;
 }

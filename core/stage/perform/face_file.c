@@ -1,4 +1,4 @@
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include "base/file.h"
 #include "csrbf/points.h"

@@ -1,4 +1,4 @@
-#include "stage/performer.h"
+#include "stage/perform/performer.h"
 #include "base/bytes.h"
 
 #include <stdlib.h>

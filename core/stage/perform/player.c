@@ -1,5 +1,6 @@
-#include "stage/player.h"
+#include "stage/perform/player.h"
 #include "base/clock.h"
+#include "stage/perform/scheduler.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -89,13 +90,8 @@ static bool is_past_end(const playing *self, int64_t time_ns)
 
 static mrt_result perform(playing *self, const sample_step *s, error *err)
 {
-    const player_events *events = &self->events;
     int64_t before = clock_now_ns();
-    if (events->step)
-        events->step(events->data, s);
     mrt_result result = self->stage->step(self->stage->self, s, err);
-    if (result >= 0 && events->performed)
-        events->performed(events->data, s);
     self->work_ns += clock_now_ns() - before;
     return result;
 }
@@ -216,8 +212,8 @@ static mrt_result go_on(playing *self, error *err)
     sample_step next;
     int64_t until_ns;
     uint32_t seen = wake_seen(&self->signal);
-    if (self->events.turn)
-        self->is_wanted |= self->events.turn(self->events.data);
+    if (self->events.between)
+        self->is_wanted |= self->events.between(self->events.data);
     mrt_result result = scheduler_next(&self->scheduler, clock_now_ns(), &next, &until_ns, err);
     bool has_step = result == MRT_OK;
     tell_incidents(self);

@@ -1,4 +1,4 @@
-#include "stage/pointer.h"
+#include "stage/perform/pointer.h"
 #include "base/bytes.h"
 #include "base/clock.h"
 

@@ -1,4 +1,4 @@
-#include "stage/scheduler.h"
+#include "stage/perform/scheduler.h"
 #include "base/clock.h"
 
 #include <string.h>

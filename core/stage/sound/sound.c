@@ -1,7 +1,7 @@
-#include "stage/sound.h"
+#include "stage/sound/sound.h"
 #include "base/clock.h"
 #include "stage/sound/sound_feed.h"
-#include "stage/sound_portaudio.h"
+#include "stage/sound/sound_portaudio.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -1,8 +1,8 @@
-#include "stage/sound_device.h"
+#include "stage/sound/sound_device.h"
 #include "base/clock.h"
-#include "base/slot.h"
 #include "base/log.h"
-#include "stage/wake.h"
+#include "base/slot.h"
+#include "stage/input/wake.h"
 
 #include <errno.h>
 #include <pthread.h>

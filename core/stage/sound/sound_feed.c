@@ -1,6 +1,6 @@
 #include "stage/sound/sound_feed.h"
 #include "base/clock.h"
-#include "stage/wake.h"
+#include "stage/input/wake.h"
 #include "take/sound_render.h"
 
 #include <math.h>

@@ -3,8 +3,8 @@
  * It has a show of its own to read, and a thread. [main] unless marked. */
 #ifndef MAROTTE_STAGE_SOUND_FEED_H
 #define MAROTTE_STAGE_SOUND_FEED_H
-#include "stage/sound_device.h"
-#include "stage/sound_follow.h"
+#include "stage/sound/sound_device.h"
+#include "stage/sound/sound_follow.h"
 #include "take/take.h"
 
 typedef struct sound_feed sound_feed;

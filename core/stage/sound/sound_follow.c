@@ -1,4 +1,4 @@
-#include "stage/sound_follow.h"
+#include "stage/sound/sound_follow.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "stage/sound_portaudio.h"
+#include "stage/sound/sound_portaudio.h"
 #include "base/clock.h"
 
 #include <ctype.h>

@@ -1,8 +1,8 @@
 #include "stage/sound/sound_record.h"
 #include "base/clock.h"
 #include "base/ring.h"
+#include "stage/input/wake.h"
 #include "stage/sound/sound_clock.h"
-#include "stage/wake.h"
 #include "take/sound_pcm.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
  * which take gets the sound. [main] unless marked. */
 #ifndef MAROTTE_STAGE_SOUND_RECORD_H
 #define MAROTTE_STAGE_SOUND_RECORD_H
-#include "stage/sound_device.h"
+#include "stage/sound/sound_device.h"
 #include "take/writer.h"
 
 typedef struct sound_record sound_record;

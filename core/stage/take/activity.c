@@ -1,4 +1,4 @@
-#include "stage/activity.h"
+#include "stage/take/activity.h"
 #include "base/clock.h"
 
 #include <math.h>

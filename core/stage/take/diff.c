@@ -1,4 +1,4 @@
-#include "stage/diff.h"
+#include "stage/take/diff.h"
 
 #include <math.h>
 #include <stdlib.h>

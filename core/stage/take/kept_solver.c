@@ -1,7 +1,7 @@
 #include "stage/take/kept_solver.h"
 
 #include "base/text.h"
-#include "stage/composer.h"
+#include "stage/perform/composer.h"
 
 #include <stdio.h>
 #include <string.h>

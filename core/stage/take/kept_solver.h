@@ -6,7 +6,7 @@
 #define MAROTTE_STAGE_KEPT_SOLVER_H
 #include "base/log.h"
 #include "csrbf/csrbf.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 #include "take/show.h"
 
 typedef struct kept_solver {

@@ -1,12 +1,428 @@
-#include "stage/overdub.h"
+#include "stage/take/overdub.h"
 #include "base/clock.h"
-#include "stage/overdub_run.h"
 #include "take/edit.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Of a pass: a layer, its clip, its fades, that it is muted. */
+enum { EDITS_OF_PASS = 4 };
+
+/* ---- planned ---- */
+
+mrt_result overdub_plan_check(const overdub_plan *s, const take *t, error *err)
+{
+    bool is_ranged = s->out_ns > 0;
+    if (s->in_ns < 0 || (is_ranged && s->out_ns <= s->in_ns))
+        return error_set(err, MRT_ERR_ARGUMENT, "in and out: %.3f .. %.3f s is no range",
+                         (double)s->in_ns / 1e9, (double)s->out_ns / 1e9);
+    if (s->in_ns > t->duration_ns)
+        return error_set(err, MRT_ERR_ARGUMENT, "in: the take is %.3f s long",
+                         (double)t->duration_ns / 1e9);
+    if (s->passes < 1 || s->passes > OVERDUB_PASSES_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "%u passes: 1 to %d are possible", s->passes,
+                         OVERDUB_PASSES_MAX);
+    if (s->passes > 1 && !is_ranged)
+        return error_set(err, MRT_ERR_ARGUMENT, "more than one pass needs an in and an out");
+    if (s->into_layer && !is_ranged)
+        return error_set(err, MRT_ERR_ARGUMENT, "a punch needs an in and an out");
+    if (s->fade_ns < 0 || (is_ranged && 2 * s->fade_ns > s->out_ns - s->in_ns))
+        return error_set(err, MRT_ERR_ARGUMENT, "the fades do not fit between in and out");
+    if (!(s->speed >= TRANSPORT_SPEED_MIN && s->speed <= TRANSPORT_SPEED_MAX))
+        return error_set(err, MRT_ERR_ARGUMENT, "speed %g: %g to %g are possible", s->speed,
+                         TRANSPORT_SPEED_MIN, TRANSPORT_SPEED_MAX);
+    if (s->into_layer && !overdub_punched(s, t))
+        return error_set(err, MRT_ERR_ARGUMENT, "the take has no layer %u", s->into_layer);
+    return MRT_OK;
+}
+
+const take_layer *overdub_punched(const overdub_plan *plan, const take *t)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (plan->into_layer && t->layer[i].id == plan->into_layer)
+            return &t->layer[i];
+    return NULL;
+}
+
+void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
+{
+    memset(out, 0, sizeof *out);
+    out->plan = *plan;
+    snprintf(out->scene, sizeof out->scene, "%s", t->scene);
+    snprintf(out->shot, sizeof out->shot, "%s", t->shot);
+    out->duration_ns = t->duration_ns;
+    out->start_ns = plan->in_ns > plan->preroll_ns ? plan->in_ns - plan->preroll_ns : 0;
+    out->at_ns = out->start_ns;
+    out->played_ns = INT64_MIN;
+}
+
+/* ---- time goes on ---- */
+
+static void begin(overdub_run *self, int64_t clock_ns)
+{
+    const overdub_plan *s = &self->plan;
+    self->has_begun = true;
+    self->rolling_ns = clock_ns + s->count_in_ns;
+    transport_init(&self->transport, self->duration_ns);
+    self->transport.stops_at_end = false;
+    transport_seek(&self->transport, self->rolling_ns, self->start_ns);
+    if (!transport_set_speed(&self->transport, self->rolling_ns, s->speed))
+        return;
+    if (s->passes > 1 &&
+        !transport_set_loop(&self->transport, self->rolling_ns, self->start_ns, s->out_ns))
+        return;
+    transport_play(&self->transport, self->rolling_ns);
+}
+
+void overdub_run_slate(const overdub_run *self, recorder *into)
+{
+    const writer_slate slate = {self->scene, self->shot, 0};
+    recorder_take_next(into, &slate);
+}
+
+static mrt_result end_take(overdub_run *self, recorder *into, error *err)
+{
+    overdub_pass *p = &self->pass[self->pass_now];
+    bool is_begun = recorder_take_is_open(into);
+    mrt_result result = recorder_take_end(into, err);
+    p->raw_take = is_begun ? recorder_take(into) : 0;
+    return result;
+}
+
+static mrt_result end_pass(overdub_run *self, recorder *into, error *err)
+{
+    mrt_result result = end_take(self, into, err);
+    if (self->pass_now + 1 >= self->plan.passes) {
+        self->is_over = true;
+        return result;
+    }
+    self->pass_now += 1;
+    overdub_run_slate(self, into);
+    return result;
+}
+
+static mrt_result go_to(overdub_run *self, recorder *into, int64_t clock_ns, error *err)
+{
+    if (!self->has_begun)
+        begin(self, clock_ns);
+    if (clock_ns < self->rolling_ns || self->is_over)
+        return MRT_OK;
+    transport_place place = transport_at(&self->transport, clock_ns);
+    mrt_result result = MRT_OK;
+    bool is_past_out =
+        self->plan.passes == 1 && self->plan.out_ns > 0 && place.at_ns >= self->plan.out_ns;
+    while (result >= 0 && self->pass_now < place.pass && !self->is_over)
+        result = end_pass(self, into, err);
+    if (is_past_out && result >= 0)
+        result = end_pass(self, into, err);
+    if (result >= 0 && !self->is_over)
+        self->at_ns = place.at_ns;
+    return result;
+}
+
+mrt_result overdub_run_end(overdub_run *self, recorder *into, error *err)
+{
+    if (self->is_over)
+        return MRT_OK;
+    self->is_over = true;
+    return end_take(self, into, err);
+}
+
+bool overdub_run_is_recording(const overdub_run *self)
+{
+    return self->has_begun && !self->is_over && self->at_ns >= self->plan.in_ns;
+}
+
+uint32_t overdub_run_pass(const overdub_run *self)
+{
+    return self->pass_now;
+}
+
+/* As take_at. */
+static double weight_of(const overdub_run *self)
+{
+    const overdub_plan *s = &self->plan;
+    if (self->at_ns < s->in_ns || self->is_over)
+        return 0.0;
+    double weight = 1.0;
+    if (s->fade_ns > 0 && self->at_ns < s->in_ns + s->fade_ns)
+        weight = (double)(self->at_ns - s->in_ns) / (double)s->fade_ns;
+    if (s->fade_ns > 0 && s->out_ns > 0 && self->at_ns > s->out_ns - s->fade_ns)
+        weight *= 1.0 - (double)(self->at_ns - (s->out_ns - s->fade_ns)) / (double)s->fade_ns;
+    return weight < 0.0 ? 0.0 : weight;
+}
+
+static void note_step(overdub_run *self, const recorder *into, int64_t clock_ns)
+{
+    int64_t show_ns = recorder_show_ns(into, clock_ns);
+    if (self->performance_from_ns == 0)
+        self->performance_from_ns = show_ns;
+    overdub_pass *p = &self->pass[self->pass_now];
+    if (!overdub_run_is_recording(self) || clock_ns < self->rolling_ns)
+        return;
+    if (p->sample_count == 0) {
+        p->performance = recorder_performance(into);
+        p->from_ns = self->performance_from_ns;
+        p->first_ns = show_ns;
+        p->start_ns = self->at_ns;
+    }
+    p->last_ns = show_ns;
+    p->end_ns = self->at_ns;
+    p->sample_count += 1;
+}
+
+mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into, int64_t clock_ns,
+                               error *err)
+{
+    if (clock_ns < self->played_ns)
+        clock_ns = self->played_ns;
+    self->played_ns = clock_ns;
+    mrt_result result = go_to(self, into, clock_ns, err);
+    if (result < 0 || self->is_over || clock_ns < self->rolling_ns)
+        return result;
+    return sequencer_play_to(of, self->at_ns, err);
+}
+
+mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, const sample_step *s,
+                            error *err)
+{
+    mrt_result result = overdub_run_play_to(self, of, into, s->time_ns, err);
+    if (self->is_over)
+        return result < 0 ? result : MRT_END;
+    note_step(self, into, s->time_ns);
+    sequencer_weigh_live(of, weight_of(self));
+    sequencer_live_step(of, s);
+    return result;
+}
+
+/* ---- what was performed ---- */
+
+/* It reaches to the out: the next sample would have come behind it. */
+static bool is_whole(const overdub_run *self, const overdub_pass *p)
+{
+    return self->plan.out_ns > 0 && self->plan.out_ns - p->end_ns < NS_PER_S / 10;
+}
+
+/* The last one that was performed to its end; when there is none, the last that was begun. */
+static const overdub_pass *heard_pass(const overdub_run *self)
+{
+    const overdub_pass *heard = NULL;
+    for (uint32_t i = 0; i <= self->pass_now; ++i)
+        if (self->pass[i].sample_count > 0 && (!heard || is_whole(self, &self->pass[i])))
+            heard = &self->pass[i];
+    return heard;
+}
+
+/* ---- edits ---- */
+
+typedef struct making {
+    const overdub_run *run;
+    const char *name;
+    take after; /* what the edits so far make of the take */
+    edit *edits;
+    uint32_t count;
+} making;
+
+static mrt_result add(making *self, edit *e, error *err)
+{
+    mrt_result result = edit_apply(&self->after, e, err);
+    if (result < 0)
+        edit_finish(e);
+    else
+        self->edits[self->count++] = *e;
+    return result;
+}
+
+/* The timeline's in..out, as far as there are samples, and what of the performance it shows. */
+static mrt_result frame_clip(const overdub_run *self, const overdub_pass *p, edit *e, error *err)
+{
+    const overdub_plan *s = &self->plan;
+    double source_per_ns = 1.0 / s->speed;
+    int64_t start_ns = s->in_ns > p->start_ns ? s->in_ns : p->start_ns;
+    if (p->start_ns - s->in_ns < NS_PER_S / 10) /* the first sample comes a little after in */
+        start_ns = s->in_ns;
+    int64_t end_ns = is_whole(self, p) ? s->out_ns : p->end_ns + 1;
+    int64_t source_ns = p->first_ns - p->from_ns +
+                        (int64_t)llround((double)(start_ns - p->start_ns) * source_per_ns);
+    if (source_ns < 0) {
+        start_ns += (int64_t)llround((double)-source_ns * s->speed);
+        source_ns = 0;
+    }
+    int64_t length_ns = (int64_t)llround((double)(end_ns - start_ns) * source_per_ns);
+    e->performance = p->performance;
+    e->from_ns = p->from_ns;
+    e->to_ns = p->from_ns + source_ns + length_ns + 1;
+    e->start_ns = e->in_ns = start_ns;
+    e->end_ns = e->out_ns = end_ns;
+    e->source_ns = source_ns;
+    if (!(fabs(s->speed - 1.0) > 0.0))
+        return MRT_OK;
+    e->warp = malloc(2 * sizeof *e->warp);
+    if (!e->warp)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the edit");
+    e->warp[0] = (take_warp_point){start_ns, source_ns};
+    e->warp[1] = (take_warp_point){end_ns, source_ns + length_ns};
+    e->warp_count = 2;
+    e->source_ns = EDIT_UNSAID;
+    return MRT_OK;
+}
+
+/* What was ended early may be shorter than the fades that were asked for. */
+static int64_t fade_that_fits(const overdub_run *self, int64_t length_ns)
+{
+    return self->plan.fade_ns < length_ns / 2 ? self->plan.fade_ns : length_ns / 2;
+}
+
+static mrt_result punch(making *self, const overdub_pass *p, error *err)
+{
+    edit e;
+    edit_init(&e, EDIT_PUNCH);
+    mrt_result result = frame_clip(self->run, p, &e, err);
+    e.layer = self->run->plan.into_layer;
+    e.fade_ns = fade_that_fits(self->run, e.out_ns - e.in_ns);
+    return result < 0 ? result : add(self, &e, err);
+}
+
+static const take_layer *top_layer(const making *self)
+{
+    return self->after.layer_count > 0 ? &self->after.layer[self->after.layer_count - 1] : NULL;
+}
+
+static mrt_result mute(making *self, uint32_t id, error *err)
+{
+    edit e;
+    edit_init(&e, EDIT_LAYER_MUTE);
+    e.layer = id;
+    e.is_muted = true;
+    return add(self, &e, err);
+}
+
+static mrt_result copy_own(edit *e, const overdub_plan *plan, error *err)
+{
+    if (plan->own_count == 0)
+        return MRT_OK;
+    e->own = calloc(plan->own_count, sizeof *e->own);
+    if (!e->own)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the edit");
+    memcpy(e->own, plan->own, plan->own_count * sizeof *e->own);
+    e->own_count = plan->own_count;
+    return MRT_OK;
+}
+
+static mrt_result add_layer(making *self, uint32_t number, uint32_t *out_id, error *err)
+{
+    const overdub_plan *plan = &self->run->plan;
+    const char *name = plan->name[0] ? plan->name : self->name;
+    edit e;
+    edit_init(&e, EDIT_LAYER_ADD);
+    snprintf(e.name, sizeof e.name, "%.50s", name);
+    if (plan->passes > 1)
+        snprintf(e.name, sizeof e.name, "%.50s %u", name, number);
+    e.place = UINT32_MAX;
+    mrt_result result = copy_own(&e, plan, err);
+    if (result >= 0)
+        result = add(self, &e, err);
+    const take_layer *top = result >= 0 ? top_layer(self) : NULL;
+    *out_id = top ? top->id : 0;
+    return result;
+}
+
+static mrt_result fade_clip(making *self, int64_t length_ns, error *err)
+{
+    const overdub_plan *plan = &self->run->plan;
+    const take_layer *top = top_layer(self);
+    if (!top || plan->fade_ns <= 0 || top->clip_count == 0)
+        return MRT_OK;
+    int64_t fade_ns = fade_that_fits(self->run, length_ns);
+    edit fade;
+    edit_init(&fade, EDIT_CLIP_FADE);
+    fade.clip = top->clip[0].id;
+    fade.fade_in_ns = plan->in_ns > 0 ? fade_ns : EDIT_UNSAID;
+    fade.fade_out_ns = plan->out_ns > 0 ? fade_ns : EDIT_UNSAID;
+    if (fade.fade_in_ns == EDIT_UNSAID && fade.fade_out_ns == EDIT_UNSAID)
+        return MRT_OK;
+    return add(self, &fade, err);
+}
+
+static mrt_result add_clip(making *self, const overdub_pass *p, uint32_t id, error *err)
+{
+    edit e;
+    edit_init(&e, EDIT_CLIP_ADD);
+    mrt_result result = frame_clip(self->run, p, &e, err);
+    e.layer = id;
+    int64_t length_ns = e.end_ns - e.start_ns;
+    if (result >= 0)
+        result = add(self, &e, err);
+    return result < 0 ? result : fade_clip(self, length_ns, err);
+}
+
+static mrt_result add_pass(making *self, const overdub_pass *p, bool is_heard, uint32_t *out_id,
+                           error *err)
+{
+    uint32_t number = (uint32_t)(p - self->run->pass) + 1;
+    mrt_result result = add_layer(self, number, out_id, err);
+    if (result >= 0)
+        result = add_clip(self, p, *out_id, err);
+    return result >= 0 && !is_heard ? mute(self, *out_id, err) : result;
+}
+
+static mrt_result make(making *self, overdub_made *out, error *err)
+{
+    const overdub_run *run = self->run;
+    const overdub_pass *heard = heard_pass(run);
+    mrt_result result = MRT_OK;
+    if (!heard)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "nothing was performed between in and out%s: the take is as it was",
+                         run->pass[0].raw_take ? "; what came before is a take by itself" : "");
+    for (uint32_t i = 0; i <= run->pass_now && result >= 0; ++i) {
+        const overdub_pass *p = &run->pass[i];
+        uint32_t id = run->plan.into_layer;
+        if (p->sample_count == 0 || (id && p > heard))
+            continue;
+        result = id ? punch(self, p, err) : add_pass(self, p, p == heard, &id, err);
+        out->layer_count += 1;
+        if (p == heard) {
+            out->last_layer = id;
+            out->raw_take = p->raw_take;
+            out->from_ns = p->start_ns;
+            out->to_ns = p->end_ns;
+        }
+    }
+    return result;
+}
+
+void overdub_edits_destroy(edit *edits, uint32_t count)
+{
+    for (uint32_t i = 0; edits && i < count; ++i)
+        edit_finish(&edits[i]);
+    free(edits);
+}
+
+mrt_result overdub_run_edits(const overdub_run *self, const take *before, const char *name,
+                             edit **out, uint32_t *out_count, overdub_made *out_made, error *err)
+{
+    making m = {.run = self, .name = name};
+    *out = NULL;
+    *out_count = 0;
+    *out_made = (overdub_made){0};
+    m.edits = calloc((size_t)(self->pass_now + 1) * EDITS_OF_PASS, sizeof *m.edits);
+    if (!m.edits)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the edits");
+    mrt_result result = take_copy(&m.after, before, err);
+    if (result >= 0)
+        result = make(&m, out_made, err);
+    take_finish(&m.after);
+    if (result < 0) {
+        overdub_edits_destroy(m.edits, m.count);
+        return result;
+    }
+    *out = m.edits;
+    *out_count = m.count;
+    return MRT_OK;
+}
 
 struct overdub {
     overdub_settings settings;
@@ -158,16 +574,6 @@ void overdub_destroy(overdub *self)
 
 /* ---- time goes on ---- */
 
-/* The take as it is at a time of the clock. */
-static mrt_result go_to(overdub *self, int64_t clock_ns, error *err)
-{
-    overdub_run *run = &self->run;
-    mrt_result result = overdub_run_go_to(run, self->recorder, clock_ns, err);
-    if (result < 0 || run->is_over || clock_ns < run->rolling_ns)
-        return result;
-    return sequencer_play_to(self->sequencer, run->at_ns, err);
-}
-
 bool overdub_is_recording(const overdub *self)
 {
     return overdub_run_is_recording(&self->run);
@@ -176,19 +582,16 @@ bool overdub_is_recording(const overdub *self)
 static mrt_result on_step(void *of, const sample_step *s, error *err)
 {
     overdub *self = of;
-    mrt_result result = go_to(self, s->time_ns, err);
-    if (result < 0 || self->run.is_over)
-        return result;
-    overdub_run_note(&self->run, self->recorder, s->time_ns);
-    sequencer_weigh_live(self->sequencer, overdub_run_weight(&self->run));
-    sequencer_live_step(self->sequencer, s);
-    return MRT_OK;
+    recorder_step(self->recorder, s);
+    mrt_result result = overdub_run_step(&self->run, self->sequencer, self->recorder, s, err);
+    return result < 0 ? result : MRT_OK;
 }
 
 static mrt_result on_draw(void *of, int64_t time_ns, error *err)
 {
     overdub *self = of;
-    mrt_result result = go_to(self, time_ns, err);
+    mrt_result result =
+        overdub_run_play_to(&self->run, self->sequencer, self->recorder, time_ns, err);
     composer_draw(sequencer_composer(self->sequencer));
     return result >= 0 && self->run.is_over ? MRT_END : result;
 }

@@ -3,8 +3,8 @@
 #include "hand/calibration_file.h"
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
-#include "stage/performer.h"
-#include "stage/scheduler.h"
+#include "stage/perform/performer.h"
+#include "stage/perform/scheduler.h"
 #include "take/hash.h"
 
 #include <math.h>
@@ -13,6 +13,8 @@
 #include <string.h>
 
 enum { NOTE = 512, EVENTS_MAX = 1 << 20 };
+/* Of samples that are read ahead, of a source. */
+static const size_t ahead_bytes = (size_t)64 << 20;
 
 typedef struct track { /* one input of the performance */
     int64_t id;
@@ -21,6 +23,9 @@ typedef struct track { /* one input of the performance */
     channel_route route;
     bool has_pending;
     mrt_sample pending;
+    mrt_sample *ahead; /* read ahead, by time; NULL: none */
+    size_t ahead_count, ahead_at;
+    bool is_ahead; /* the next sample is ahead[ahead_at], or behind them */
 } track;
 
 struct source {
@@ -33,6 +38,10 @@ struct source {
     uint32_t track_count;
     scheduler scheduler; /* of the tracks */
     bool has_next;
+    bool has_ahead;
+    int64_t ahead_from_ns, ahead_to_ns; /* show time: every sample of it is in memory */
+    int64_t asked_from_ns, asked_to_ns;
+    show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
     sample_step next;
     double length_mm[2]; /* of the hands, by their calibrations; 0: not said */
     take_event *event;   /* of the whole performance, by time */
@@ -202,6 +211,15 @@ static mrt_result read_events(source *self, error *err)
 static mrt_result read_sample(source *self, track *t, error *err)
 {
     mrt_result result;
+    if (t->is_ahead && t->ahead_at < t->ahead_count) {
+        t->pending = t->ahead[t->ahead_at++];
+        return MRT_OK;
+    }
+    if (t->is_ahead && self->ahead_to_ns >= self->info.to_ns)
+        return MRT_END;
+    if (t->is_ahead && show_reader_seek(t->reader, self->ahead_to_ns + 1, err) < 0)
+        return MRT_ERR_IO;
+    t->is_ahead = false;
     while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
         if (strcmp(self->damage.text, err->text) == 0)
             continue;
@@ -353,10 +371,23 @@ fail:
     return result;
 }
 
+static void forget_ahead(source *self)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i) {
+        free(self->track[i].ahead);
+        self->track[i].ahead = NULL;
+        self->track[i].ahead_count = 0;
+        self->track[i].is_ahead = false;
+    }
+    show_checkpoint_finish(&self->ahead_state);
+    self->has_ahead = false;
+}
+
 void source_close(source *self)
 {
     if (!self)
         return;
+    forget_ahead(self);
     for (uint32_t i = 0; i < self->track_count; ++i)
         show_reader_close(self->track[i].reader);
     layer_destroy(self->layer);
@@ -443,15 +474,38 @@ uint32_t source_step(source *self, bool near)
 
 /* ---- to any instant ---- */
 
+static bool is_ahead(const source *self, int64_t time_ns)
+{
+    return self->has_ahead && time_ns >= self->ahead_from_ns && time_ns <= self->ahead_to_ns;
+}
+
+static size_t count_before(const track *t, int64_t time_ns)
+{
+    size_t low = 0, high = t->ahead_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (t->ahead[middle].time_ns < time_ns)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /* Behind the samples up to now_ns. */
 static mrt_result position(source *self, error *err)
 {
     mrt_result result = MRT_OK;
     self->has_next = false;
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
-        self->track[i].has_pending = false;
+        track *t = &self->track[i];
         int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
-        result = show_reader_seek(self->track[i].reader, from_ns, err);
+        t->has_pending = false;
+        t->is_ahead = t->ahead && is_ahead(self, from_ns);
+        if (t->is_ahead)
+            t->ahead_at = count_before(t, from_ns);
+        else
+            result = show_reader_seek(t->reader, from_ns, err);
     }
     self->next_event = 0;
     while (self->next_event < self->event_count &&
@@ -488,8 +542,15 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
     error ignored = {""};
     if (!self->is_same_plugin || time_ns == INT64_MIN)
         return MRT_HOLD;
-    mrt_result result = show_checkpoint_before(self->world.show, self->info.performance.id,
-                                               time_ns - 1, most_kept(self), &kept, err);
+    bool has_kept = is_ahead(self, time_ns);
+    if (has_kept && !self->ahead_state.bytes)
+        return MRT_HOLD;
+    mrt_result result = MRT_OK;
+    if (has_kept)
+        kept = self->ahead_state;
+    else
+        result = show_checkpoint_before(self->world.show, self->info.performance.id, time_ns - 1,
+                                        most_kept(self), &kept, err);
     if (result == MRT_ERR_FORMAT)
         return MRT_HOLD; /* damaged: the samples themselves tell it too */
     if (result < 0)
@@ -498,7 +559,8 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
     bool is_wanted = kept.time_ns >= least_ns && take_apart(&parts, &kept) && parts.state_size > 0;
     bool is_usable = is_wanted && take_up(self, &parts, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
-    show_checkpoint_finish(&kept);
+    if (!has_kept)
+        show_checkpoint_finish(&kept);
     if (!is_wanted)
         return MRT_HOLD;
     if (!is_usable)
@@ -521,6 +583,71 @@ mrt_result source_seek(source *self, int64_t time_ns, error *err)
         performer_move(self->layer, self->world.scratch);
     }
     return result;
+}
+
+/* ---- read ahead ---- */
+
+/* To the sample behind to_ns, or to the end; *io_to_ns: as far as there was room. */
+static mrt_result read_track_ahead(source *self, track *t, int64_t *io_to_ns, error *err)
+{
+    size_t most = ahead_bytes / sizeof *t->ahead / self->track_count, capacity = 0;
+    mrt_result result = show_reader_seek(t->reader, self->ahead_from_ns, err);
+    while (result >= 0 && (result = read_sample(self, t, err)) == MRT_OK) {
+        if (t->pending.time_ns > *io_to_ns)
+            break;
+        if (t->ahead_count == most) {
+            *io_to_ns = t->pending.time_ns - 1;
+            break;
+        }
+        if (t->ahead_count == capacity) {
+            capacity = capacity * 2 + 256;
+            mrt_sample *grown = realloc(t->ahead, capacity * sizeof *grown);
+            if (!grown)
+                return error_set(err, MRT_ERR_MEMORY, "no memory to read a take ahead");
+            t->ahead = grown;
+        }
+        t->ahead[t->ahead_count++] = t->pending;
+    }
+    return result < 0 ? result : MRT_OK;
+}
+
+static mrt_result read_ahead(source *self, error *err)
+{
+    kept_parts parts;
+    error ignored = {""};
+    int64_t to_ns = self->asked_to_ns < self->info.to_ns ? self->asked_to_ns : self->info.to_ns;
+    self->ahead_from_ns = self->info.from_ns;
+    if (self->is_same_plugin &&
+        show_checkpoint_before(self->world.show, self->info.performance.id, self->asked_from_ns - 1,
+                               most_kept(self), &self->ahead_state, &ignored) >= 0) {
+        bool is_usable = take_apart(&parts, &self->ahead_state) && parts.state_size > 0;
+        if (is_usable && self->ahead_state.time_ns >= self->info.from_ns)
+            self->ahead_from_ns = self->ahead_state.time_ns + 1;
+        if (!is_usable)
+            show_checkpoint_finish(&self->ahead_state);
+    }
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)
+        result = read_track_ahead(self, &self->track[i], &to_ns, err);
+    for (uint32_t i = 0; i < self->track_count; ++i) /* none has more than the others */
+        self->track[i].ahead_count = count_before(&self->track[i], to_ns + 1);
+    self->ahead_to_ns = to_ns;
+    self->has_ahead = result >= 0;
+    return result;
+}
+
+mrt_result source_read_ahead(source *self, int64_t from_ns, int64_t to_ns, error *err)
+{
+    if (self->has_ahead && self->asked_from_ns < from_ns)
+        from_ns = self->asked_from_ns;
+    if (self->has_ahead && self->asked_to_ns > to_ns)
+        to_ns = self->asked_to_ns;
+    forget_ahead(self);
+    self->asked_from_ns = from_ns;
+    self->asked_to_ns = to_ns;
+    mrt_result result = read_ahead(self, err);
+    mrt_result placed = position(self, err);
+    return result < 0 ? result : placed;
 }
 
 /* ---- kept ---- */

@@ -4,9 +4,9 @@
  * (composer.h). [main], or any one thread that may read the show; not for two threads at once. */
 #ifndef MAROTTE_STAGE_SOURCE_H
 #define MAROTTE_STAGE_SOURCE_H
-#include "stage/performer.h"
 #include "stage/mapping/plugins.h"
-#include "stage/take/taught.h"
+#include "stage/mapping/taught.h"
+#include "stage/perform/performer.h"
 #include "take/show.h"
 
 /* What all sources of a take share; must outlive them. */
@@ -60,6 +60,10 @@ CHECKED mrt_result source_seek(source *self, int64_t time_ns, error *err);
  * least_ns; `into` gets the face that it had. MRT_HOLD: there is none, and nothing has changed. */
 CHECKED mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
                                  error *err);
+
+/* What it needs from this show time to that one is in memory from now on, as far as 64 MiB reach:
+ * to perform and seek in between takes no reading. */
+CHECKED mrt_result source_read_ahead(source *self, int64_t from_ns, int64_t to_ns, error *err);
 
 /* Where it is, as bytes (as layer_save); 0: its mapping cannot say. */
 size_t source_save(source *self, void *bytes, size_t capacity);

@@ -1,4 +1,4 @@
-#include "stage/transport.h"
+#include "stage/take/transport.h"
 
 #include <math.h>
 

@@ -4,7 +4,7 @@
  */
 #ifndef MAROTTE_UI_WINDOW_APP_APP_H
 #define MAROTTE_UI_WINDOW_APP_APP_H
-#include "stage/live.h"
+#include "stage/live/live.h"
 #include "take/history.h"
 #include "window/app/action.h"
 #include "window/app/news_list.h"

@@ -1,8 +1,8 @@
 #include "window/app/input_opener.h"
 
 #include "base/ring.h"
-#include "stage/device_list.h"
-#include "stage/spec.h"
+#include "stage/input/device_list.h"
+#include "stage/input/spec.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -3,7 +3,7 @@
  * [main]; its threads are its own. */
 #ifndef MAROTTE_UI_WINDOW_APP_INPUT_OPENER_H
 #define MAROTTE_UI_WINDOW_APP_INPUT_OPENER_H
-#include "stage/input.h"
+#include "stage/input/input.h"
 #include "stage/mapping/plugins.h"
 
 enum { INPUT_OPENER_MAX = 8, INPUT_OPENINGS_MAX = 8, INPUT_OPENER_TEXT = 512 };

@@ -1,6 +1,6 @@
 #include "window/app/presets.h"
 #include "base/text.h"
-#include "stage/device_list.h"
+#include "stage/input/device_list.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "hand/calibration_folder.h"
 #include "hand/guide.h"
 #include "hand/sensor.h"
-#include "stage/glove_channels.h"
+#include "stage/input/glove_channels.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -7,9 +7,9 @@
 
 #include "base/clock.h"
 #include "hand/calibration_folder.h"
-#include "stage/device_list.h"
-#include "stage/glove_channels.h"
-#include "stage/input.h"
+#include "stage/input/device_list.h"
+#include "stage/input/glove_channels.h"
+#include "stage/input/input.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -2,8 +2,8 @@
  * panel; and which of the devices that are plugged in are open. Pure. */
 #ifndef MAROTTE_UI_WINDOW_PANELS_DEVICES_H
 #define MAROTTE_UI_WINDOW_PANELS_DEVICES_H
-#include "stage/device_list.h"
-#include "stage/health.h"
+#include "stage/input/device_list.h"
+#include "stage/input/health.h"
 
 typedef enum devices_light {
     DEVICES_OVER = 0, /* it has ended, as it should */

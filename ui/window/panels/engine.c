@@ -6,7 +6,7 @@
 #include "base/isa.h"
 #include "base/memory.h"
 #include "base/pool.h"
-#include "stage/live.h"
+#include "stage/live/live.h"
 
 #include <math.h>
 #include <stdio.h>

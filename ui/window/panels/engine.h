@@ -2,7 +2,7 @@
  * is, in words. Pure. */
 #ifndef MAROTTE_UI_WINDOW_PANELS_ENGINE_H
 #define MAROTTE_UI_WINDOW_PANELS_ENGINE_H
-#include "stage/live.h"
+#include "stage/live/live.h"
 #include "window/gui/ui.h"
 
 /* "0.35 ms", "12.1 ms", "405 ms": as wide as three digits. */

@@ -8,7 +8,7 @@
 #include "window/viewport/viewport.h"
 
 #include "base/text.h"
-#include "stage/device_list.h"
+#include "stage/input/device_list.h"
 
 #include <ctype.h>
 #include <math.h>

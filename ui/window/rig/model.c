@@ -8,7 +8,7 @@
 #include "face/rig_edit.h"
 #include "mesh/copy.h"
 #include "mesh/mesh.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 #include <pthread.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "window/rig/brush.h"
 #include "face/face.h"
 #include "face/rig_check.h"
-#include "stage/face_file.h"
+#include "stage/perform/face_file.h"
 
 typedef struct rig_model rig_model;
 

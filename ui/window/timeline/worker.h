@@ -4,7 +4,7 @@
  * given, the rest comes. Leaves out drawing. [main] but what runs on the thread. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_WORKER_H
 #define MAROTTE_UI_WINDOW_TIMELINE_WORKER_H
-#include "stage/activity.h"
+#include "stage/take/activity.h"
 #include "take/waveform.h"
 #include "window/timeline/layout.h"
 

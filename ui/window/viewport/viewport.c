@@ -6,7 +6,7 @@
 #include "window/viewport/picture.h"
 #include "window/viewport/virtual_hand.h"
 
-#include "stage/pointer.h"
+#include "stage/perform/pointer.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #include "window/viewport/virtual_hand.h"
 
 #include "hand/sensor.h"
-#include "stage/feed.h"
+#include "stage/input/feed.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,0 +1,17 @@
+/* stage/input/sample_source.h - whoever gives samples in time order: a device, a recording, the
+ * pointer, a track of a show. Asked by perform/scheduler.h, on its thread. */
+#ifndef MAROTTE_STAGE_SAMPLE_SOURCE_H
+#define MAROTTE_STAGE_SAMPLE_SOURCE_H
+#include "base/error.h"
+
+typedef struct sample_source {
+    void *self;
+    /* The oldest that was not taken, and the version of its channels. MRT_TIMEOUT: none now;
+     * MRT_END: none any more. */
+    mrt_result (*peek)(void *self, mrt_sample *out, uint32_t *out_version, error *err);
+    void (*take)(void *self); /* what was peeked last */
+    /* Of a version; NULL: the route that was given holds for all of them. */
+    const mrt_channel *(*channels)(void *self, uint32_t version, uint32_t *out_count);
+} sample_source;
+
+#endif

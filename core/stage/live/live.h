@@ -1,0 +1,187 @@
+/* stage/live/live.h - the stage while somebody is on it: a thread of its own performs what the
+ * inputs give, sample by sample, always recorded, and publishes the newest face; beside it a take
+ * can be played, scrubbed, performed over. The window asks and looks; nothing that it does or fails
+ * to do makes the frame thread wait. Leaves out edits of takes (take/edit_store.h) and everything
+ * drawn.
+ *
+ * One thread [main] calls all of this. What it asks takes effect within a drawn frame of the frame
+ * thread; nothing that is asked makes the face jump, loses a sample, or ends a take that is being
+ * recorded, unless it says so. */
+#ifndef MAROTTE_STAGE_LIVE_H
+#define MAROTTE_STAGE_LIVE_H
+#include "stage/input/input.h"
+#include "stage/live/live_view.h"
+#include "stage/mapping/isolate.h"
+#include "stage/perform/face_file.h"
+#include "stage/perform/performer.h"
+#include "stage/perform/pointer.h"
+#include "stage/sound/sound.h"
+#include "stage/take/overdub.h"
+
+typedef struct live live;
+
+typedef struct live_settings { /* all must outlive it */
+    const plugin_list *plugins;
+    log_queue *log;
+    show *show; /* writable, [main]'s; NULL, or one that can only be read: nothing is recorded, and
+                   live_look says why */
+    const face_file *face;
+    const char *face_path;
+    double unit_mm;               /* of a mesh alone; 0: guessed */
+    const csrbf_settings *solver; /* as live_set_solver */
+    const char *mapping;          /* "one_hand,smile=8"; NULL or "": none, only the pointer */
+    const sound_backend *sound;   /* NULL: PortAudio */
+    double fps;                   /* of frames while nothing is measured; 60 */
+    double journal_s;             /* 0: 30 min */
+} live_settings;
+
+CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);
+/* Whether a mapping of that text is there and takes those parameters: what live_start refuses then,
+ * it refuses for the face. */
+CHECKED mrt_result live_check_mapping(const live_settings *settings, const char *text, error *err);
+/* A take that is being recorded ends at its last sample and is kept. < 0: what could not be
+ * written. Freed all the same. */
+CHECKED mrt_result live_stop(live *self, error *err);
+/* Call it with every drawn frame of the window: sound, reload, news; frees what ended. */
+void live_update(live *self);
+
+/* ---- what is seen ---- */
+
+/* The newest; *out stays valid until the next call. True: it is newer than the last. */
+bool live_look(live *self, const live_view **out);
+
+/* ---- how it does ---- */
+
+enum { LIVE_STEPS = 4, LIVE_HISTORY = 240 };
+typedef enum live_step {                      /* of the frame, design.md section 2 */
+                         LIVE_STEP_MAP = 0,   /* 3 to 5 */
+                         LIVE_STEP_CONSTRAIN, /* 6 */
+                         LIVE_STEP_DEFORM,    /* 7 */
+                         LIVE_STEP_PUBLISH    /* 8 */
+} live_step;
+typedef struct live_status {
+    bool can_record;
+    char why_not[256]; /* one line; "" */
+    char problem[256]; /* the disk, the writer: one calm line; "" */
+    writer_status writer;
+    bool is_recording;   /* a take (live or over one) */
+    int64_t take;        /* that is being, or was last, recorded; 0: none */
+    int64_t recorded_ns; /* how long it is by now */
+    int64_t journal_ns;  /* how far back live_keep reaches now */
+    size_t kept_bytes;   /* of the take on the stage, to scrub from: at most 64 MiB */
+    uint64_t sample_count;
+    performer_counts counts;
+    rezero_counts rezeros;
+    double frame_p50_ms, frame_p99_ms; /* steps 3 to 8, of the last LIVE_HISTORY published */
+    double step_p50_ms[LIVE_STEPS], step_p99_ms[LIVE_STEPS];
+    float frame_ms[LIVE_HISTORY]; /* the oldest first */
+    uint32_t frame_count;         /* of frame_ms */
+    double lag_p99_ms;            /* sample measured to performed, over the last seconds */
+    isolate_counts isolated;
+    uint32_t reload_taken, reload_refused;
+    bool is_sound_armed;
+    sound_play_status playing;
+    sound_in_status listening;
+} live_status;
+void live_status_of(live *self, live_status *out);
+
+/* ---- inputs: at most 7, and the pointer, which is always there ---- */
+
+/* It becomes live's, also when it is refused; `text` names it in the show, as it was opened. The
+ * others go on. Refused while a take is recorded. */
+CHECKED mrt_result live_add_input(live *self, input *made, const char *text, error *err);
+CHECKED mrt_result live_remove_input(live *self, uint32_t index, error *err);
+uint32_t live_input_count(const live *self);
+input *live_input(live *self, uint32_t index); /* for its name, health, channels, input_set */
+const char *live_input_text(const live *self, uint32_t index);
+/* The newest sample of it, for live bars; false: none yet. */
+bool live_input_sample(live *self, uint32_t index, mrt_sample *out);
+/* For whoever must see every sample of one input (a calibration): from now on what it gives is kept
+ * until it is taken, some seconds of it; live_take_tapped gives the oldest, false: none now.
+ * Another index begins anew; one that is no input ends it. (tap.h) */
+void live_tap(live *self, uint32_t index);
+bool live_take_tapped(live *self, mrt_sample *out);
+/* From the next sample on; path NULL: shipped defaults. */
+CHECKED mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *err);
+const char *live_calibration(const live *self, uint32_t side); /* the path; NULL */
+void live_rezero(live *self); /* both hands, those that are still; status.rezeros says */
+/* A pedal whose press re-zeroes, 1..4; 0: none. */
+void live_set_rezero_pedal(live *self, uint32_t pedal);
+
+/* ---- the pointer: rest and at in mm, as pointer.h ---- */
+
+void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
+                double radius_mm);
+
+/* ---- the mapping ---- */
+
+/* The face goes over to it without a jump. "" none. Refused while a take is recorded. */
+CHECKED mrt_result live_set_mapping(live *self, const char *text, error *err);
+/* The names of those that take the face on the stage, "anchored, magnet"; makes each of them once.
+ */
+void live_list_fitting(live *self, char *out, size_t capacity);
+/* Until the mapping changes: parameters are read (params) and set (instance_set_text). NULL: none
+ * performs. */
+instance *live_mapping(live *self);
+/* Everything eases back to rest: the mapping is reset, the pointer lets go, the base is the rest
+ * shape again, over 250 ms. */
+void live_neutral(live *self);
+
+/* ---- another face; the inputs stay open. Refused while a take is recorded. ---- */
+
+CHECKED mrt_result live_set_face(live *self, const face_file *face, const char *path,
+                                 double unit_mm, error *err);
+/* radius 0: the rig's, whatever the face; NULL: all of it is the rig's. Takes do not keep it:
+ * whoever plays one elsewhere does so with its rig's. */
+CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err);
+
+/* ---- recording ---- */
+
+/* slate NULL: none is said. */
+CHECKED mrt_result live_record(live *self, const writer_slate *slate, error *err);
+CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
+CHECKED mrt_result live_keep(live *self, double seconds, const writer_slate *slate,
+                             int64_t *out_take, error *err);
+CHECKED mrt_result live_mark(live *self, const char *text, error *err);
+CHECKED mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err);
+void live_disarm_sound(live *self);
+/* A take that live itself has edited since the last call (its sound was attached): whoever shows it
+ * reads it anew. 0: none. */
+int64_t live_take_edited(live *self);
+/* Another show: what is being recorded ends. NULL: none. */
+CHECKED mrt_result live_set_show(live *self, show *s, error *err);
+
+/* ---- a take on the stage ---- */
+
+/* Shown from now on, at the instant where it stood if it was shown before; after each edit again.
+ * Its own face must be the one on stage, or one like it: else an error that says which. */
+CHECKED mrt_result live_show_take(live *self, const take *t, error *err);
+void live_show_hands(live *self);             /* back to LIVE_PERFORMS */
+int64_t live_shown_take(const live *self);    /* 0: none */
+const char *live_take_note(const live *self); /* what is not as it was recorded; "" */
+
+/* [main]'s idea of the transport, at once. */
+transport_place live_place(const live *self);
+const transport *live_transport(const live *self);
+void live_play(live *self);
+void live_pause(live *self);
+void live_seek(live *self, int64_t at_ns);
+void live_set_speed(live *self, double speed);
+void live_set_loop(live *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
+void live_step_frames(live *self, int64_t frames);
+
+/* Over the take that is shown, from where in_ns says; see overdub.h for each. */
+typedef struct live_over {
+    char name[TAKE_NAME];
+    char (*own)[TAKE_NAME]; /* copied */
+    uint32_t own_count;
+    uint32_t into_layer;
+    int64_t in_ns, out_ns, fade_ns, count_in_ns, preroll_ns;
+    uint32_t passes; /* 0: until it is ended */
+} live_over;
+CHECKED mrt_result live_record_over(live *self, const live_over *over, error *err);
+/* Once after it has ended (by live_record_end or by itself): the edits to make of the take, which
+ * [main] makes (they are one step of undo). False: nothing to take. */
+bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err);
+
+#endif

@@ -1,0 +1,29 @@
+/* stage/perform/face_file.h - a face from a file: a rig with its mesh, or a mesh alone, ready for
+ * face/face.h. [main] */
+#ifndef MAROTTE_STAGE_FACE_FILE_H
+#define MAROTTE_STAGE_FACE_FILE_H
+#include "face/bind.h"
+#include "face/rig.h"
+#include "io/mesh_file.h"
+#include "mesh/topology.h"
+
+typedef struct face_file {
+    rig *rig; /* NULL: a mesh alone, which is a valid face */
+    mesh mesh;
+    topology topology;
+    binding *bound; /* ready made by whoever had the time; NULL: made when it is needed */
+    char *note;     /* what a person should know of all three, lines ended by \n; NULL: nothing */
+} face_file;
+
+typedef enum face_file_strictness {
+    FACE_FILE_USABLE = 0, /* a rig that does not fit its mesh is an error (rig_validate) */
+    FACE_FILE_ANY         /* for whoever reports the errors: only files that cannot be read are */
+} face_file_strictness;
+
+/* NAME.rig.json, or a mesh in any format of io/mesh_file.h. `unit` is of a mesh alone; a rig says
+ * its own. Errors name the file, and what in it. */
+CHECKED mrt_result face_file_read(face_file *out, const char *path, mesh_unit unit,
+                                  face_file_strictness strictness, error *err);
+void face_file_destroy(face_file *f); /* accepts NULL and zeroed */
+
+#endif

@@ -1,0 +1,87 @@
+/* stage/perform/hands.h - step 3 of the frame: what the inputs' channels measured becomes two posed
+ * hands and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a gap,
+ * carried from the wrist outwards. A function of the samples (and of re-zeros by hand) alone.
+ * [frame] after create; no allocation then. */
+#ifndef MAROTTE_STAGE_HANDS_H
+#define MAROTTE_STAGE_HANDS_H
+#include "hand/filter.h"
+#include "hand/hand.h"
+
+typedef struct hands hands;
+
+typedef struct hands_settings {
+    double length_mm[2];  /* left, right; 0: HAND_LENGTH_MM */
+    double min_cutoff_hz; /* of the filter of all angles; 0: the usual ones */
+    bool has_beta;
+    double beta;           /* Hz per deg/s */
+    uint32_t rezero_pedal; /* 1..MRT_MAX_PEDALS: a press re-zeroes the hands that are there, and
+                              mappings never see that pedal; 0: none */
+} hands_settings;
+
+/* [main] */
+CHECKED mrt_result hands_create(hands **out, const hands_settings *settings, error *err);
+void hands_destroy(hands *self); /* NULL is fine */
+void hands_reset(hands *self);   /* as after create */
+
+/* Which channel feeds what. Made once per input. */
+typedef struct channel_route {
+    uint32_t count;
+    uint32_t semantic[MRT_MAX_CHANNELS], hand[MRT_MAX_CHANNELS];
+    bool in_counts[2];               /* left, right: these need a calibration */
+    bool has_distal[2][4];           /* of the fingers index .. little */
+    hand_calibration calibration[2]; /* left, right */
+} channel_route;
+/* For counts the shipped defaults, for rad none: by the unit. */
+void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count);
+/* Takes a user's calibration instead of the defaults; NULL: leaves it. Rad stays as it is. */
+void channel_route_calibrate(channel_route *route, uint32_t side,
+                             const hand_calibration *calibration);
+
+/* What is performed at once: samples of several inputs that belong to one instant, at most one of
+ * each, in the order of the inputs. All have the step's time. */
+enum { STEP_SAMPLES_MAX = 8 };
+typedef struct step_sample {
+    uint32_t input; /* index */
+    const channel_route *route;
+    mrt_sample sample;
+} step_sample;
+typedef struct sample_step {
+    int64_t time_ns;
+    uint32_t count;
+    step_sample of[STEP_SAMPLES_MAX];
+} sample_step;
+/* Of one sample, of input 0. */
+sample_step sample_step_of(const channel_route *route, const mrt_sample *sample);
+
+/* Changes what the step's samples speak of in `frame`: hands, pedals. frame->time_ns is the step's.
+ */
+void hands_read(hands *self, const sample_step *s, mrt_frame *frame);
+
+/* From the next sample on, eased over 250 ms, the pose that the hand holds now is its neutral pose.
+ * Always measured from the tables, so that a second one replaces the first. Refused, MRT_HOLD with
+ * the reason in `why`, while the hand moves: when over the last half second some channel's standard
+ * deviation is more than a degree, or when its samples do not reach up to time_ns. */
+CHECKED mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why);
+
+typedef struct rezero_counts {
+    uint32_t done, refused; /* by pedal and by hands_rezero */
+    error refusal;          /* the last one's reason; "" none */
+} rezero_counts;
+const rezero_counts *hands_rezeros(const hands *self);
+
+/* Between samples, on a hand that is measured otherwise from the next one on: its pose eases from
+ * what it was. skeleton: of another length, taken over; the old one comes back, for [main] to
+ * destroy. NULL: it stays, and NULL comes back. */
+hand_skeleton *hands_change(hands *self, uint32_t side, hand_skeleton *skeleton);
+/* Between samples; 0: none. */
+void hands_set_rezero_pedal(hands *self, uint32_t pedal);
+
+/* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
+ * the size that it takes. */
+size_t hands_save(const hands *self, void *bytes, size_t capacity);
+/* False: not such bytes; the hands are then reset. */
+bool hands_load(hands *self, const void *bytes, size_t size);
+/* As if all samples so far had been so much later. */
+void hands_shift_time(hands *self, int64_t by_ns);
+
+#endif

@@ -1,0 +1,66 @@
+/* stage/perform/scheduler.h - asks all that give samples in time order (devices, recordings, the
+ * pointer, tracks of a show) and says which samples are performed next, and which of them at once:
+ * one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
+ * allocation.
+ *
+ * STEPS  A step's samples have one time, and that is how it is recorded: samples of one time are
+ * one step, whoever performs them again. While it is measured, inputs that measure different hands
+ * go together when their samples are at most half a sample's period apart (once together, up to
+ * three quarters, so that noise does not part them); what else was measured in between goes with
+ * them. Live, a late hand is waited for at most a sample's period, and only once: what did not come
+ * is waited for again when it has. Steps come in an order of their own: each is later than the one
+ * before, if by a nanosecond. */
+#ifndef MAROTTE_STAGE_SCHEDULER_H
+#define MAROTTE_STAGE_SCHEDULER_H
+#include "stage/input/sample_source.h"
+#include "stage/perform/hands.h"
+
+typedef enum scheduler_rule {
+    SCHEDULE_RECORDED = 0, /* times are steps already */
+    SCHEDULE_MEASURED,     /* what comes next is always known: recordings as inputs */
+    SCHEDULE_LIVE          /* what comes next is waited for */
+} scheduler_rule;
+
+typedef struct scheduler_entry {
+    sample_source source;
+    channel_route route;
+    uint32_t version;
+    uint32_t measures;  /* bits: angles and wrist of each hand; 0: no hand */
+    int64_t last_ns;    /* when its newest taken sample was measured */
+    int64_t period_ns;  /* between its samples; 0: not known */
+    uint64_t last_step; /* number of the step that had it */
+    bool is_missed;     /* it was waited for, and did not come */
+} scheduler_entry;
+
+typedef struct scheduler {
+    scheduler_rule rule;
+    scheduler_entry entry[STEP_SAMPLES_MAX];
+    uint32_t count;
+    const hand_calibration *calibration[2];
+    uint64_t step_count, sample_count;
+    int64_t last_ns;  /* of the step taken last */
+    int64_t shown_ns; /* steps come behind it */
+    /* the step that waits for a late hand */
+    bool is_waiting;
+    uint32_t waits_with, waits_sequence; /* index and sequence of its first sample */
+    int64_t waits_until_ns;
+} scheduler;
+
+void scheduler_init(scheduler *out, scheduler_rule rule);
+/* route: for a source without channels; else NULL. At most STEP_SAMPLES_MAX, more are left out. */
+void scheduler_add(scheduler *self, const sample_source *source, const channel_route *route);
+void scheduler_remove(scheduler *self, uint32_t index); /* those behind it move up */
+/* left, right, for gloves in counts; NULL: shipped. It must live until the next call. */
+void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration *calibration);
+
+/* The next step; routes are valid until the sources change. MRT_TIMEOUT: none now; look again when
+ * one of the sources has something, at *out_until_ns at the latest. MRT_END: none any more.
+ * now_ns: of the host's clock, SCHEDULE_LIVE only. */
+CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out,
+                                  int64_t *out_until_ns, error *err);
+/* What scheduler_next gave is taken and gets its place in the order: its time. */
+void scheduler_take(scheduler *self, sample_step *s);
+/* The same for a step that no source gave. */
+void scheduler_insert(scheduler *self, sample_step *s);
+
+#endif
