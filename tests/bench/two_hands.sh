@@ -19,6 +19,7 @@ if [ -n "$quick" ]; then
 elif [ -d "$shared/data" ]; then
     faces+=("ict=$scratch/ict.rig.json")
     cp "$SOURCE_DIR/tests/face/ict.rig.json" "$scratch"
+    export MAROTTE_FILE_FOLDERS=$shared/data/faces # the rig names a mesh that lies elsewhere
     sed -i "s#\"mesh\": *\"[^\"]*\"#\"mesh\": \"$shared/data/faces/ict_face.glb\"#" "$scratch/ict.rig.json"
     su01=$shared/data/hands/00_calib-rad-su01.txt
     pairs+=("subject1=$su01,$shared/data/hands/02_i_r_ex02-rad-021-grasp-su01.txt,mirror=1")
