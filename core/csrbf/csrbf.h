@@ -30,7 +30,7 @@ typedef struct csrbf_settings {
     csrbf_polynomial polynomial;
     double radius; /* > 0, finite; one for all centres */
     double ridge; /* >= 0; added to the diagonal: interpolation becomes approximate; 0 by default */
-    bool is_one_step; /* unanchored: each sample is one step, even where the map folds */
+    bool is_one_step;    /* unanchored: each sample is one step, even where the map folds */
     double stretch_most; /* of a face (face/face.h), not of the engine: nothing of its skin is
                             stretched further, nor folds; 0: CSRBF_STRETCH_MOST; < 0: no limit */
 } csrbf_settings;
