@@ -57,6 +57,8 @@ void face_pose_columns(face *f)
         columns_note_groups(&f->columns, column, FACE_POSE_COLUMNS);
     f->is_pose_noted = is_pose_alone;
     f->engagement += 1;
+    if (!is_pose_alone)
+        face_limit_engage(f);
 }
 
 static void put(double *row, double x, double y, double z)

@@ -7,7 +7,9 @@
  * plane I + s G is positive definite then. That strain grows in proportion to the pulls, so one
  * number says how much of them can be given. Where it is above 1 the pulls around give way to each
  * other (csrbf/soften.h), the more the further it is above; and what is left of it is taken from
- * all alike. Nothing here remembers a frame: the same pulls, the same face.
+ * all alike. Nothing here remembers a frame: the same pulls, the same face. Only triangles that can
+ * be strained too much are looked at: how steep each column is at most in a group of them is known
+ * since the engagement, and that bounds what its weights can do there.
  *
  * Unanchored: what a sample has moved is looked at on the surface itself, against the rest shape,
  * which no field knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips
@@ -40,9 +42,28 @@ typedef struct limit_frames {
     float of_turn[GROUP]; /* 1 over the tangent of how far it may turn whatever its neighbours do */
 } limit_frames;
 
+/* Of GROUP triangles. */
+typedef struct limit_group {
+    float of_bound; /* what is strained by no more than 1 / of_bound need not be looked at */
+    float rounding; /* of the origin: what it may turn and stretch a triangle by */
+    bool is_framed; /* its frames are those of the skin as posed */
+    bool is_wanted;
+} limit_group;
+
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
 
 /* ---- made and unmade ---- */
+
+static size_t group_count(const face *f)
+{
+    return ((size_t)f->skin_count + GROUP - 1) / GROUP;
+}
+
+static size_t group_size(const face *f, size_t group)
+{
+    size_t left = f->skin_count - group * GROUP;
+    return left < GROUP ? left : GROUP;
+}
 
 /* Two triangles that turn by this each bend no edge between them too far. */
 static void measure_turns(face *f)
@@ -74,14 +95,20 @@ mrt_result face_limit_create(face *f, error *err)
 {
     face_limit *l = &f->limit;
     size_t vertices = (size_t)f->rest.padded_count + 1, blocks = (size_t)f->rest.block_count + 1;
-    size_t controls = (size_t)f->control_capacity + 1;
+    size_t controls = (size_t)f->control_capacity + 1, groups = group_count(f) + 1;
     l->posed = calloc(vertices, sizeof *l->posed);
     l->added = calloc(vertices, sizeof *l->added);
     l->share = calloc(vertices, sizeof *l->share);
     l->has_skin = calloc(blocks, 1);
     l->is_reached = calloc(blocks, 1);
+    l->is_wanted = calloc(blocks, 1);
+    l->is_posed = calloc(blocks, 1);
     l->is_changed = calloc(blocks, 1);
-    l->frames = calloc((size_t)f->skin_count / GROUP + 1, sizeof *l->frames);
+    l->frames = calloc(groups, sizeof *l->frames);
+    l->group = calloc(groups, sizeof *l->group);
+    l->pull_bound = calloc(groups, sizeof *l->pull_bound);
+    l->pose_bound = calloc(groups, sizeof *l->pose_bound);
+    l->steepest = calloc(groups * ((size_t)f->columns.capacity + 1), sizeof *l->steepest);
     l->g = calloc(3 * controls, sizeof *l->g);
     l->longest = calloc((size_t)f->skin_count + 1, sizeof *l->longest);
     l->pose_weight = calloc((size_t)3 * f->columns.capacity + 1, sizeof *l->pose_weight);
@@ -94,9 +121,10 @@ mrt_result face_limit_create(face *f, error *err)
     l->likeness = calloc(controls * controls, sizeof *l->likeness);
     l->scratch = calloc(CSRBF_SOFTEN_SCRATCH(controls), sizeof *l->scratch);
     if (!l->posed || !l->added || !l->frames || !l->g || !l->share || !l->has_skin ||
-        !l->is_reached || !l->is_changed || !l->longest || !l->pose_weight || !l->asked ||
-        !l->centre || !l->step || !l->ridge || !l->strain || !l->tip_share || !l->likeness ||
-        !l->scratch)
+        !l->is_reached || !l->is_wanted || !l->is_posed || !l->group || !l->pull_bound ||
+        !l->pose_bound || !l->steepest || !l->is_changed || !l->longest || !l->pose_weight ||
+        !l->asked || !l->centre || !l->step || !l->ridge || !l->strain || !l->tip_share ||
+        !l->likeness || !l->scratch)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the limits of %u triangles",
                          f->skin_count);
     measure_rest(f);
@@ -114,6 +142,12 @@ void face_limit_destroy(face *f)
     free(l->g);
     free(l->has_skin);
     free(l->is_reached);
+    free(l->is_wanted);
+    free(l->is_posed);
+    free(l->group);
+    free(l->pull_bound);
+    free(l->pose_bound);
+    free(l->steepest);
     free(l->is_changed);
     free(l->longest);
     free(l->pose_weight);
@@ -171,12 +205,6 @@ static void gather(limit_edges *out, float (*row)[4], const uint32_t *corner, si
     }
 }
 
-static size_t group_size(const face *f, size_t group)
-{
-    size_t left = f->skin_count - group * GROUP;
-    return left < GROUP ? left : GROUP;
-}
-
 /* What is squashed to nothing by the bones has no frame, and is not strained. */
 static void find_frames(limit_frames *out, const limit_edges *e)
 {
@@ -210,46 +238,173 @@ static bool is_still(const face *f)
     return true;
 }
 
-/* Where the bones alone have the skin. */
-static void pose_skin(face *f)
+/* ---- anchored: where the skin can be strained at all ----
+ *
+ * What columns add to a triangle has the gradient sum of weight_j by gradient of column_j, and no
+ * more than the sum of their lengths. With B that of the controls and P that of the bones, both
+ * over the origin, the skin as posed has the gradient G with |G| <= B / (1 - P). Rounding is
+ * counted in: each column's part of it is in its steepness. */
+
+/* The greatest of all rounding in a sum of so many columns, over the sum of its terms' sizes. */
+static float rounding_of(const face *f)
+{
+    return 4.0f * (float)(f->columns.count + 4) * 6e-8f;
+}
+
+/* How steep a column is in the group at most, over the origin. edges: its frames' triangles. */
+static float steepest_in(const float *row, const uint32_t *corner, const limit_frames *frames,
+                         size_t count, float rounding)
+{
+    float steepest = 0.0f;
+    for (size_t i = 0; i < count; ++i, corner += 3) {
+        float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
+        float p = (a - o) * frames->of_a[i];
+        float q = (b - o - frames->along[i] * p) * frames->of_height[i];
+        float large = fabsf(o) + fabsf(a) + fabsf(b);
+        float thin = frames->of_a[i] +
+                     frames->of_height[i] * (1.0f + fabsf(frames->along[i]) * frames->of_a[i]);
+        steepest = fmaxf(steepest, sqrtf(p * p + q * q) + rounding * large * thin);
+    }
+    return steepest;
+}
+
+/* limit_group of the origin. */
+static void bound_group(face *f, size_t group, const limit_frames *frames)
+{
+    limit_group *g = &f->limit.group[group];
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    const float of_strain =
+        sqrtf(1.0f / (squeeze_most * squeeze_most) + 1.0f / (tilt_most * tilt_most));
+    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
+    float most = of_strain, rounding = 0.0f;
+    for (size_t i = 0; i < group_size(f, group); ++i) {
+        float of_turn = f->limit.frames[group].of_turn[i];
+        most = fmaxf(most, sqrtf(1.0f + of_turn * of_turn));
+        if (!(frames->of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
+            most = INFINITY;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
+        float with = steepest_in(row, corner, frames, group_size(f, group), rounding_of(f));
+        float without = steepest_in(row, corner, frames, group_size(f, group), 0.0f);
+        rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
+    }
+    g->of_bound = most * sure;
+    g->rounding = rounding;
+}
+
+void face_limit_engage(face *f)
 {
     face_limit *l = &f->limit;
-    columns *c = &f->columns;
-    size_t controls = (size_t)3 * f->control_column_count, all = (size_t)3 * c->count;
+    const columns *c = &f->columns;
+    size_t groups = group_count(f);
+    memset(l->steepest, 0, c->count * groups * sizeof *l->steepest);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+        float none[3][POINTS_BLOCK] = {{0.0f}};
+        put_rows(l->posed, f->origin, none, block);
+    }
+    for (size_t group = 0; group < groups; ++group) {
+        const uint32_t *corner = f->skin + 3 * GROUP * group;
+        size_t count = group_size(f, group);
+        limit_edges edges;
+        limit_frames frames;
+        gather(&edges, l->posed, corner, count);
+        find_frames(&frames, &edges);
+        bound_group(f, group, &frames);
+        for (uint32_t word = 0; word < c->mark_words; ++word) {
+            uint64_t marks = 0;
+            for (size_t i = 0; i < 3 * count; ++i)
+                marks |= c->mark[corner[i] / POINTS_BLOCK * (size_t)c->mark_words + word];
+            for (; marks != 0; marks &= marks - 1) {
+                size_t column = (size_t)word * COLUMNS_WORD + (size_t)__builtin_ctzll(marks);
+                l->steepest[column * groups + group] = steepest_in(
+                    columns_row(c, (uint32_t)column), corner, &frames, count, rounding_of(f));
+            }
+        }
+    }
+}
+
+/* bound: by group, what these columns can do to the gradient there. */
+static void bound_columns(const face *f, float *restrict bound, const double *weight,
+                          uint32_t first, uint32_t end)
+{
+    size_t groups = group_count(f);
+    memset(bound, 0, groups * sizeof *bound);
+    for (uint32_t column = first; column < end; ++column) {
+        const double *w = weight + (size_t)3 * column;
+        const float *restrict steepest = f->limit.steepest + column * groups;
+        float size = (float)sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+        if (size == 0.0f)
+            continue;
+        for (size_t group = 0; group < groups; ++group)
+            bound[group] += size * steepest[group];
+    }
+}
+
+/* What the bones do, of which nothing is known yet but that. */
+static void begin_pose(face *f)
+{
+    face_limit *l = &f->limit;
     bool is_at_rest = is_still(f);
     if (is_at_rest && l->is_at_rest && l->engagement == f->engagement)
         return;
-    memset(l->pose_weight, 0, controls * sizeof *l->pose_weight);
-    memcpy(l->pose_weight + controls, f->weight + controls,
-           (all - controls) * sizeof *l->pose_weight);
-    columns_weigh(c, l->pose_weight, c->count);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
-        float sum[3][POINTS_BLOCK] = {{0.0f}};
-        if (!l->has_skin[block])
-            continue;
-        if (face_reaches(c, c->weights.live, block))
-            columns_sum(c, sum, block);
-        put_rows(l->posed, f->origin, sum, block);
-    }
-    for (size_t group = 0; group * GROUP < f->skin_count; ++group) {
-        limit_edges edges;
-        gather(&edges, l->posed, f->skin + 3 * GROUP * group, group_size(f, group));
-        find_frames(&l->frames[group], &edges);
-    }
+    memset(l->pose_weight, 0, (size_t)3 * f->control_column_count * sizeof *l->pose_weight);
+    memcpy(l->pose_weight + (size_t)3 * f->control_column_count,
+           f->weight + (size_t)3 * f->control_column_count,
+           (size_t)3 * (f->columns.count - f->control_column_count) * sizeof *l->pose_weight);
+    bound_columns(f, l->pose_bound, l->pose_weight, f->control_column_count, f->columns.count);
+    memset(l->is_posed, 0, f->rest.block_count);
+    for (size_t group = 0; group < group_count(f); ++group)
+        l->group[group].is_framed = false;
     l->is_at_rest = is_at_rest;
     l->engagement = f->engagement;
 }
 
-/* What the controls add to it. */
-static void add_pulls(face *f)
+/* Groups that the pulls can strain too much, and the blocks of their corners. */
+static void find_wanted(face *f)
+{
+    face_limit *l = &f->limit;
+    bound_columns(f, l->pull_bound, f->given, 0, f->control_column_count);
+    memset(l->is_wanted, 0, f->rest.block_count);
+    for (size_t group = 0; group < group_count(f); ++group) {
+        limit_group *g = &l->group[group];
+        float left = 1.0f - l->pose_bound[group] - g->rounding;
+        const uint32_t *corner = f->skin + 3 * GROUP * group;
+        g->is_wanted = l->pull_bound[group] != 0.0f &&
+                       !(left > 0.0f && l->pull_bound[group] * g->of_bound < left);
+        for (size_t i = 0; g->is_wanted && i < 3 * group_size(f, group); ++i)
+            l->is_wanted[corner[i] / POINTS_BLOCK] = 1;
+    }
+}
+
+/* Where the bones alone have the blocks that are wanted. */
+static void pose_wanted(face *f)
 {
     face_limit *l = &f->limit;
     columns *c = &f->columns;
-    columns_weigh(c, f->given, f->control_column_count);
+    columns_weigh(c, l->pose_weight, c->count);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+        float sum[3][POINTS_BLOCK] = {{0.0f}};
+        if (!l->is_wanted[block] || l->is_posed[block])
+            continue;
+        if (face_reaches(c, c->weights.live, block))
+            columns_sum(c, sum, block);
+        put_rows(l->posed, f->origin, sum, block);
+        l->is_posed[block] = 1;
+    }
+}
+
+/* What the columns as weighed add to them. */
+static void add_wanted(face *f)
+{
+    face_limit *l = &f->limit;
+    const columns *c = &f->columns;
     for (uint32_t block = 0; block < f->rest.block_count; ++block) {
         float sum[3][POINTS_BLOCK] = {{0.0f}};
         bool was_reached = l->is_reached[block] != 0;
-        l->is_reached[block] = l->has_skin[block] && face_reaches(c, c->weights.live, block);
+        if (!l->is_wanted[block])
+            continue;
+        l->is_reached[block] = face_reaches(c, c->weights.live, block);
         if (l->is_reached[block])
             columns_sum(c, sum, block);
         if (l->is_reached[block] || was_reached)
@@ -257,13 +412,11 @@ static void add_pulls(face *f)
     }
 }
 
-static bool is_group_reached(const face *f, size_t group)
+/* What the controls add to them. */
+static void add_pulls(face *f)
 {
-    const uint32_t *corner = f->skin + 3 * GROUP * group;
-    unsigned any = 0;
-    for (size_t i = 0; i < 3 * group_size(f, group); ++i)
-        any |= f->limit.is_reached[corner[i] / POINTS_BLOCK];
-    return any != 0;
+    columns_weigh(&f->columns, f->given, f->control_column_count);
+    add_wanted(f);
 }
 
 /* Squeezed and tilted; size: the sum of squares of the gradient. */
@@ -334,6 +487,11 @@ static double measure_group(face *f, size_t group, float stretch)
     double greatest = 0.0;
     limit_edges edges;
     size_t count = group_size(f, group), first = GROUP * group;
+    if (!f->limit.group[group].is_framed) {
+        gather(&edges, f->limit.posed, f->skin + 3 * first, count);
+        find_frames(&f->limit.frames[group], &edges);
+        f->limit.group[group].is_framed = true;
+    }
     gather(&edges, f->limit.added, f->skin + 3 * first, count);
     find_strains(strain, turn, size, &f->limit.frames[group], &edges);
     for (size_t i = 0; i < count; ++i) {
@@ -347,16 +505,18 @@ static double measure_group(face *f, size_t group, float stretch)
     return greatest;
 }
 
-/* The greatest; limit.strain: how far each control's surroundings are above 1. */
+/* The greatest that is above 1; limit.strain: how far each control's surroundings are above it. */
 static double measure_strain(face *f)
 {
     const float stretch = (float)stretch_of(&f->settings);
     double greatest = 0.0;
     memset(f->limit.strain, 0, f->control_count * sizeof *f->limit.strain);
     f->limit.may_bend = false;
+    find_wanted(f);
+    pose_wanted(f);
     add_pulls(f);
-    for (size_t group = 0; group * GROUP < f->skin_count; ++group)
-        if (is_group_reached(f, group))
+    for (size_t group = 0; group < group_count(f); ++group)
+        if (f->limit.group[group].is_wanted)
             greatest = fmax(greatest, measure_group(f, group, stretch));
     return greatest;
 }
@@ -500,6 +660,9 @@ static void yield_pulls(face *f, double strain)
 static void unbend(face *f)
 {
     double posed = 0.0;
+    memcpy(f->limit.is_wanted, f->limit.has_skin, f->rest.block_count);
+    add_wanted(f); /* as the strain was measured */
+    pose_wanted(f);
     for (int i = 0; i < PARTS; ++i) {
         double bend = bend_of_skin(f, 1.0f);
         if (i == 0 && bend > 1.0)
@@ -529,7 +692,7 @@ void face_limit_pull(face *f)
     if (f->control_count == 0 || f->settings.stretch_most < 0.0)
         return;
     f->is_held = false;
-    pose_skin(f);
+    begin_pose(f);
     double strain = measure_strain(f);
     if (strain > 1.0)
         yield_pulls(f, strain);

@@ -48,11 +48,15 @@ typedef struct face_blocks {
 typedef struct face_limit {
     float (*posed)[4], (*added)[4]; /* of each vertex: by the bones alone; by the controls */
     struct limit_frames *frames;    /* of the triangles of skin as posed */
+    struct limit_group *group;
+    float *steepest;                /* by column, of each group: its gradient's greatest length */
+    float *pull_bound, *pose_bound; /* of each group: of the gradient of the controls; the bones */
     bool may_bend;                  /* some triangle may have turned too far against another */
     bool is_at_rest;                /* they are those of the origin, without a pose, of: */
     uint32_t engagement;
     double *g;                                   /* control_capacity by 3: what is given */
     uint8_t *has_skin, *is_reached, *is_changed; /* of each block: by the controls; by a step */
+    uint8_t *is_wanted, *is_posed;               /* to be looked at; `posed` is that of the pose */
     float (*step)[4];                            /* of each vertex: what clay was to move by */
     float (*longest)[3];                         /* of each triangle of skin: its edges at rest */
     double *pose_weight;                         /* column capacity by 3 */
@@ -147,6 +151,8 @@ CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, cons
 
 CHECKED mrt_result face_limit_create(face *f, error *err);
 void face_limit_destroy(face *f);
+/* The columns have become others. */
+void face_limit_engage(face *f);
 /* f->given := f->weight, less of what the controls pull where the skin would fold or tear; notes
  * held_back_mm. Depends on f->weight, the pose and the engagement alone. */
 void face_limit_pull(face *f);
