@@ -8,6 +8,7 @@
 #include "unit/face_scene.h"
 
 enum { STEPS = 200 };
+#define DEEP 24.0 /* mm */
 
 static const csrbf_settings settings = {.radius = 30.0};
 static const csrbf_settings without = {.radius = 30.0, .stretch_most = -1.0};
@@ -25,10 +26,9 @@ static void make(face_scene *s)
     must(scene_finish(s, &err), &err);
 }
 
-/* Two places 10 mm apart on the cheek, and one far away on the brow. */
-static void hold(const face_scene *s, const csrbf_settings *with, double start[3][3])
+static void hold_at(const face_scene *s, const csrbf_settings *with, const uint32_t vertex[3],
+                    double start[3][3])
 {
-    const uint32_t vertex[3] = {scene_at(10, 5), scene_at(14, 5), scene_at(-14, 18)};
     face_control control[3];
     error err = {""};
     for (uint32_t k = 0; k < 3; ++k) {
@@ -38,6 +38,13 @@ static void hold(const face_scene *s, const csrbf_settings *with, double start[3
         start[k][2] = control[k].start.z;
     }
     must(face_engage(s->face, with, control, 3, &err), &err);
+}
+
+/* Two places 10 mm apart on the cheek, and one far away on the brow. */
+static void hold(const face_scene *s, const csrbf_settings *with, double start[3][3])
+{
+    const uint32_t vertex[3] = {scene_at(10, 5), scene_at(14, 5), scene_at(-14, 18)};
+    hold_at(s, with, vertex, start);
 }
 
 /* The two go towards each other by so much, and the third up by 3. */
@@ -119,6 +126,64 @@ static void it_gives_less_without_a_jump(void **state)
     face_destroy(s.face);
 }
 
+/* The mesh alone, of which the field is one of space. */
+static void make_bare(face_scene *s)
+{
+    error err = {""};
+    scene_init(s);
+    must(face_create(&s->face, NULL, &s->mesh, NULL, MRT_MAX_VECTORS, &err), &err);
+}
+
+/* Two places before the upper teeth, and one far away. */
+static void hold_lip(const face_scene *s, const csrbf_settings *with, double start[3][3])
+{
+    const uint32_t vertex[3] = {scene_at(-3, 2), scene_at(3, 2), scene_at(-14, 18)};
+    hold_at(s, with, vertex, start);
+}
+
+/* The two go inwards by so much. */
+static void push(const face_scene *s, double start[3][3], double by)
+{
+    double end[3][3];
+    error err = {""};
+    memcpy(end, start, sizeof end);
+    end[0][2] -= by;
+    end[1][2] -= by;
+    must(face_pull(s->face, end[0], NULL, &err), &err);
+}
+
+/* What lies behind the skin is run over by it: no triangle of either is squeezed. */
+static void space_folds_nowhere_beside_the_skin(void **state)
+{
+    (void)state;
+    static face_scene s;
+    double start[3][3], worst = 0.0, least = 1.0;
+    error err = {""};
+    points before;
+    make_bare(&s);
+    hold_lip(&s, &without, start);
+    push(&s, start, DEEP);
+    face_surface asked = face_judge(s.face);
+    assert_true(asked.min_determinant <= 0.0); /* it would */
+    face_reset(s.face);
+    must(points_create(&before, face_order(s.face), s.mesh.position, &err), &err);
+    hold_lip(&s, &settings, start);
+    for (int i = 0; i <= 10 * STEPS; ++i) {
+        push(&s, start, DEEP * i / (10.0 * STEPS));
+        least = fmin(least, face_judge(s.face).min_determinant);
+        if (i > 0)
+            worst = fmax(worst, scene_greatest_difference(&before, face_shown(s.face)));
+        points_copy(&before, face_shown(s.face));
+    }
+    print_message("least determinant %.4f, greatest step %.4f mm, held back %.2f mm\n", least,
+                  worst, face_judge(s.face).held_back_mm);
+    assert_true(least > 0.04);
+    assert_true(face_judge(s.face).held_back_mm > 0.1);
+    assert_true(worst > 0.001 && worst < 2.0 * DEEP / (10.0 * STEPS));
+    points_destroy(&before);
+    face_destroy(s.face);
+}
+
 static vec3 drag_one(const face_scene *s, const csrbf_settings *with, vec3 from, vec3 to)
 {
     error err = {""};
@@ -175,6 +240,7 @@ int main(void)
         cmocka_unit_test(two_that_pull_through_each_other_fold_nothing),
         cmocka_unit_test(what_does_not_fold_keeps_its_bits),
         cmocka_unit_test(it_gives_less_without_a_jump),
+        cmocka_unit_test(space_folds_nowhere_beside_the_skin),
         cmocka_unit_test(clay_gives_less_instead_of_tearing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -11,6 +11,9 @@
  * be strained too much are looked at: how steep each column is at most in a group of them is known
  * since the engagement, and that bounds what its weights can do there.
  *
+ * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
+ * tells, so the field is looked at too, and the largest part of the pulls given that leaves room.
+ *
  * Unanchored: what a sample has moved is looked at on the surface itself, against the rest shape,
  * which no field knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips
  * near which too much of the room before a limit is used go less far. */
@@ -30,7 +33,10 @@ enum { SOFTENINGS = 5, GROUP = 16 };
 static const double softening = 0.02, softening_more = 3.0;
 static const double strain_most = 8.0;
 
-enum { PARTS = 4 }; /* tries */
+enum { PARTS = 4, UNFOLDINGS = 16 }; /* tries */
+/* Of the field of a face without a rig, at its vertices: how much of the room around them is left
+ * at least, and how exactly that is met. */
+static const double determinant_least = 0.05, determinant_rounding = 1e-4;
 static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 0.02};
 static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.02};
 
@@ -680,6 +686,52 @@ static void unbend(face *f)
     }
 }
 
+/* As face_min_determinant, beyond the least that there may be, of so much of limit.centre, which is
+ * given then. */
+static double room_of_part(face *f, double part)
+{
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        f->limit.g[i] = part * f->limit.centre[i];
+    give_fields(f);
+    return face_min_determinant(f) - determinant_least;
+}
+
+/* Without a rig the field is one of space, and may fold beside the skin, along its normals, where
+ * no triangle tells: so much of the pulls is given that it does not. The root is found by false
+ * position, with the weight of an end that stays halved. */
+static void unfold(face *f)
+{
+    const double slope_safe =
+        1.0 - cbrt(determinant_least); /* (1 - slope)^3 bounds it from below */
+    face_limit *l = &f->limit;
+    if (f->rig || f->meter.slope_bound <= slope_safe)
+        return;
+    if (!f->is_held) {
+        find_asked(f);
+        memcpy(l->g, l->asked, (size_t)3 * f->control_count * sizeof *l->g);
+    }
+    memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
+    double low = 0.0, high = 1.0, room_low = 1.0 - determinant_least;
+    double room = room_of_part(f, 1.0), room_high = room;
+    if (!(room < 0.0))
+        return;
+    for (int i = 0, side = 0; i < UNFOLDINGS && !(fabs(room) < determinant_rounding); ++i) {
+        double part = low + (high - low) * room_low / (room_low - room_high);
+        room = room_of_part(f, part);
+        if (room < 0.0) {
+            high = part, room_high = room;
+            room_low *= side < 0 ? 0.5 : 1.0;
+            side = -1;
+        } else {
+            low = part, room_low = room;
+            room_high *= side > 0 ? 0.5 : 1.0;
+            side = 1;
+        }
+    }
+    give(f);
+    f->is_held = true;
+}
+
 void face_limit_pull(face *f)
 {
     if (f->is_given)
@@ -699,10 +751,11 @@ void face_limit_pull(face *f)
     f->is_held = strain > 1.0;
     if (f->limit.may_bend)
         unbend(f);
-    if (!f->is_held)
-        return;
-    give_fields(f);
-    note_held_back(f);
+    if (f->is_held)
+        give_fields(f);
+    unfold(f);
+    if (f->is_held)
+        note_held_back(f);
 }
 
 /* ---- unanchored ---- */
