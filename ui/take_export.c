@@ -290,6 +290,7 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
     if (result >= 0 && wav && stage->take.audio.audio == 0)
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld has no sound to export",
                            (long long)stage->take.id);
+    cancel_on_signals(CANCEL_WAITS, NULL); /* what is half written is taken away, frame by frame */
     if (result >= 0)
         result = export_frames(call, stage, &frames, videos, err);
     if (result >= 0 && wav)

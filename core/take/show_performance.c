@@ -9,7 +9,7 @@
 
 enum {
     CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024,
-    BYTES_A_STEP = 4 /* unpacked in a step of work */
+    BYTES_A_STEP = 1 /* unpacked in a step of work: fetching fresh memory is most of it */
 };
 
 /* ---- performances ---- */

@@ -201,6 +201,7 @@ static void run(trial *t, char *const *words, double stop_s)
     const double begun_s = now_s();
     double stopped_s = 0.0;
     bool is_killed = false;
+    (void)fflush(NULL); /* the child would print it again */
     pid_t child = fork();
     must(child >= 0, "fork");
     if (child == 0)
