@@ -127,6 +127,7 @@ static void without_a_rig_a_face_is_a_shape(void **state)
         scene s = scene_make(number, scene_kernels[number % 4], scene_polynomials[number / 4 % 4]);
         double tip[TIPS][3], end[TIPS][3], further[TIPS][3];
         pair p;
+        s.settings.stretch_most = -1.0; /* as asked, also where that folds: a shape has no limit */
         make(&p);
         ends(tip, &s, 0.0);
         ends(end, &s, 1.0);
