@@ -46,9 +46,6 @@ static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
     kept *self = data;
     composer *shown = sequencer_composer(from->sequencer);
-    if (cancel_is_asked())
-        return error_set(err, MRT_ERR_IO, "stopped at frame %ju: nothing is written",
-                         (uintmax_t)self->frame_count);
     self->frame_count += 1;
     mrt_result result = exports_video_add(self->videos, shown, err);
     return result < 0 ? result : recording_add(&self->measured, shown, 0, err);

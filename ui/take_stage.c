@@ -200,9 +200,10 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
     progress_start(&call->shown, "performing");
     for (int64_t i = 0; i < frames->count && result >= 0; ++i) {
         int64_t at_ns = timecode_time_ns(frames->rate, frames->first + i);
-        result = cancel_check(err);
-        if (result < 0)
+        if (cancel_is_asked()) {
+            result = error_set(err, MRT_ERR_IO, "stopped at frame %lld", (long long)i);
             break;
+        }
         result = sequencer_play_to(self->sequencer, at_ns, err);
         if (result < 0)
             break;

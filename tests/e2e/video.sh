@@ -187,7 +187,7 @@ pid=$!
 wait_for_pictures out/f
 kill -INT $pid
 wait $pid && fail "an interrupted export succeeds"
-grep -q 'stopped' "$scratch/stderr" || fail "interrupted: $(cat "$scratch/stderr")"
+grep -q 'stopped at frame' "$scratch/stderr" || fail "interrupted: $(cat "$scratch/stderr")"
 [ -z "$(ls -A out)" ] || fail "an interrupted export leaves $(ls -A out)"
 
 # Ten times as many frames take no more memory.
