@@ -56,8 +56,9 @@ static void walk(const settings *self, const char *key, int depth)
     const char *text = settings_text(self, key, "");
     require(text != NULL && strlen(text) < 1u << 22, "a text");
     for (uint32_t i = 0; i < count && depth < 6 && i < 64; ++i) {
-        (void)snprintf(below, sizeof below, "%s.%.200s", key, name[i]);
-        walk(self, below, depth + 1);
+        int length = snprintf(below, sizeof below, "%s.%s", key, name[i]);
+        if (length > 0 && length < (int)sizeof below)
+            walk(self, below, depth + 1);
     }
     free(name);
 }
