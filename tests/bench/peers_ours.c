@@ -17,8 +17,8 @@ static const double control_xy[CONTROLS][2] = {
     {-26.86, 9.52}, {8.97, 0.71},   {-8.97, 0.71}, {26.94, 29.64}, {-26.94, 29.64}};
 
 typedef struct ours {
-    shape shape;
-    csrbf_solver *solver;
+    shape shape, unanchored; /* shape: engaged */
+    double radius_mm;
     double start[CONTROLS * 3], pull[CONTROLS * 3];
     float *xyz;
 } ours;
@@ -52,8 +52,8 @@ OURS void ours_destroy(void *of)
     ours *self = of;
     if (!self)
         return;
-    csrbf_solver_destroy(self->solver);
     shape_destroy(&self->shape);
+    shape_destroy(&self->unanchored);
     free(self->xyz);
     free(self);
 }
@@ -67,7 +67,7 @@ OURS void *ours_create(double radius_mm)
     if (!self)
         return NULL;
     self->xyz = make_sheet(&count);
-    self->solver = csrbf_solver_create(CONTROLS);
+    self->radius_mm = radius_mm;
     for (int i = 0; i < CONTROLS; ++i) {
         self->start[3 * i] = control_xy[i][0];
         self->start[3 * i + 1] = control_xy[i][1];
@@ -75,10 +75,9 @@ OURS void *ours_create(double radius_mm)
         for (int axis = 0; axis < 3; ++axis)
             self->pull[3 * i + axis] = 0.3 * (double)((i * 7 + axis * 5) % 11 - 5);
     }
-    if (self->xyz && self->solver &&
-        shape_create(&self->shape, self->xyz, count, CONTROLS, NULL) >= 0 &&
-        shape_engage(&self->shape, &settings, self->start, CONTROLS, NULL) >= 0 &&
-        csrbf_factor(self->solver, &settings, self->start, NULL, CONTROLS, NULL) >= 0)
+    if (self->xyz && shape_create(&self->shape, self->xyz, count, CONTROLS, NULL) >= 0 &&
+        shape_create(&self->unanchored, self->xyz, count, CONTROLS, NULL) >= 0 &&
+        shape_engage(&self->shape, &settings, self->start, CONTROLS, NULL) >= 0)
         return self;
     ours_destroy(self);
     return NULL;
@@ -118,17 +117,23 @@ OURS double ours_anchored_ns(void *of, uint32_t rounds)
     return least_ns;
 }
 
-/* Solve and direct evaluation: what a frame of a peer's transform does. */
-OURS double ours_direct_ns(void *of, uint32_t rounds);
-OURS double ours_direct_ns(void *of, uint32_t rounds)
+/* All that an unanchored sample costs, in one step as the paper has it: order, factor, solve,
+ * slope, update. A peer sets its transform up from the same pairs and moves the same vertices. */
+OURS double ours_unanchored_ns(void *of, uint32_t rounds);
+OURS double ours_unanchored_ns(void *of, uint32_t rounds)
 {
     ours *self = of;
-    double least_ns = 1e30;
+    const csrbf_settings settings = {.radius = self->radius_mm, .is_one_step = true};
+    double least_ns = 1e30, end[CONTROLS * 3];
+    for (int i = 0; i < CONTROLS * 3; ++i)
+        end[i] = self->start[i] + self->pull[i];
     for (uint32_t i = 0; i < rounds; ++i) {
+        shape_step step;
+        shape_reset(&self->unanchored);
         int64_t start_ns = clock_now_ns();
-        if (csrbf_solve(self->solver, self->pull, NULL) < 0)
+        if (shape_drag(&self->unanchored, &settings, self->start, end, CONTROLS, NULL, &step,
+                       NULL) < 0)
             return 0.0;
-        (void)csrbf_move(self->solver, &self->shape.shown, &self->shape.base);
         least_ns = fmin(least_ns, (double)(clock_now_ns() - start_ns));
     }
     return least_ns;
