@@ -17,8 +17,6 @@ static example example_of(performer *p)
 {
     const mrt_pull *pull = performer_pull(p);
     example out = {.settings = performer_solver(p), .count = pull->count};
-    if (pull->radius_mm > 0.0f)
-        out.settings.radius = (double)pull->radius_mm;
     for (uint32_t i = 0; i < pull->count; ++i) {
         const mrt_vector *v = &pull->vector[i];
         out.control[i].start = (vec3){(double)v->start.x, (double)v->start.y, (double)v->start.z};

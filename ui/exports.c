@@ -81,6 +81,15 @@ mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
     return MRT_OK;
 }
 
+/* "gain 1, no soft reach." of "Paper: gain 1, no soft reach.": what a choice means beside its name.
+ */
+static const char *explanation_of(const char *help, const char *label)
+{
+    size_t length = strlen(label);
+    bool is_explained = strncmp(help, label, length) == 0 && strncmp(help + length, ": ", 2) == 0;
+    return is_explained ? help + length + 2 : NULL;
+}
+
 void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
                          const double *value)
 {
@@ -95,7 +104,12 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
         if ((p->flags & MRT_PARAM_TRIGGER) || (is_off && value[i] <= p->initial))
             continue;
         size_t left = capacity - (size_t)used;
-        if (label)
+        bool is_usual = fabs(value[i] - p->initial) < 0.5;
+        const char *explained = label && !is_usual ? explanation_of(p->help, label) : NULL;
+        if (explained)
+            used += snprintf(out + used, left, "%s%s %s (%.*s)", between, p->name, label,
+                             (int)strcspn(explained, "."), explained);
+        else if (label)
             used += snprintf(out + used, left, "%s%s %s", between, p->name, label);
         else
             used += snprintf(out + used, left, "%s%s %g%s%s", between, p->name, value[i],

@@ -254,26 +254,9 @@ static mrt_result perform(performance *self, error *err)
     return result;
 }
 
-static void report_folds(const performance *self, facts *told)
+static void report_pulls(const performance *self, facts *told)
 {
     const performer_counts *counts = performer_counted(self->performer);
-    const recording *kept = &self->recording;
-    double folds = (double)kept->folded_frames + (double)counts->folded_steps;
-    facts_number(told, "folds", "folds", folds, 0, "frames or steps");
-    facts_number(told, "min_determinant", "least determinant",
-                 fmin(kept->min_determinant, counts->min_determinant), 3, "");
-    facts_number(told, "stretch", "greatest stretch", kept->worst.stretch, 2,
-                 "of an edge: its length over that at rest");
-    facts_number(told, "bend_deg", "greatest bend", kept->worst.bend_deg, 1,
-                 "degrees of an edge, beyond what it has at rest");
-    facts_number(told, "bent_edges", "bent edges", kept->worst.bent_count, 0,
-                 "beyond 120 degrees, but not at rest, in the worst frame");
-    facts_number(told, "inside_out", "inside out", kept->worst.inside_out_count, 0,
-                 "triangles in the worst frame");
-    facts_number(told, "held_back_mm", "held back", kept->held_back_mm, 2,
-                 "mm at most, where the skin would fold or tear");
-    if (kept->held_frames)
-        facts_number(told, "held_frames", "held back in", kept->held_frames, 0, "frames");
     if (counts->limited_steps)
         facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
                      "samples in which the hand was faster than the surface can follow");
@@ -327,9 +310,8 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "engagements", "engagements", (double)counts->engagements, 0, "");
     facts_number(told, "commits", "commits", (double)counts->commits, 0, "");
     facts_number(told, "substeps", "substeps", (double)counts->substeps, 0, "");
-    facts_number(told, "range_of_motion_mm", "range of motion", self->recording.furthest_mm, 2,
-                 "mm");
-    report_folds(self, told);
+    recording_tell_surface(&self->recording, told);
+    report_pulls(self, told);
 }
 
 /* With a rig: what its constraints cost, and what they held. */
@@ -380,8 +362,9 @@ static void tell_making(const performance *self, char *out, size_t capacity)
     exports_tell_params(out + used, capacity - used, mapping->type, mapping->params);
     used += strlen(out + used);
     (void)snprintf(out + used, capacity - used,
-                   "; kernel %s, polynomial %s; marotte " MAROTTE_VERSION "\n",
-                   csrbf_kernel_name(solver.kernel), csrbf_polynomial_name(solver.polynomial));
+                   "; kernel %s, radius %g mm, polynomial %s; marotte " MAROTTE_VERSION "\n",
+                   csrbf_kernel_name(solver.kernel), round(10.0 * solver.radius) / 10.0,
+                   csrbf_polynomial_name(solver.polynomial));
 }
 
 static mrt_result write_exports(performance *self, facts *told, error *err)

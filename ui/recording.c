@@ -6,7 +6,7 @@
 mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
                             error *err)
 {
-    *out = (recording){.mesh = m, .min_determinant = 1.0};
+    *out = (recording){.mesh = m, .min_determinant = 1.0, .min_step_determinant = 1.0};
     if (use == RECORDING_MEASURES)
         return MRT_OK;
     out->clip = clip_create(m, fps, NULL, err);
@@ -182,6 +182,13 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
     return result < 0 ? result : add_controls(self, composer_pull(from), err);
 }
 
+/* The composer counts since its face was there: what is told last is the whole. */
+static void meter_steps(recording *self, const composer_counts *counts)
+{
+    self->folded_steps = counts->folded_steps;
+    self->min_step_determinant = counts->min_determinant;
+}
+
 mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err)
 {
     const face *f = composer_face(from);
@@ -191,6 +198,7 @@ mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error
         return result;
     measure_motion(self, f);
     meter_surface(self, f);
+    meter_steps(self, composer_counted(from));
     face_columns now = face_columns_now(f);
     if (is_anchored)
         meter_folds(self, f);
@@ -219,4 +227,26 @@ double recording_worst_ms(recording *self)
     for (uint32_t i = 0; i < self->frame_count; ++i)
         worst = fmax(worst, (double)self->work_ms[i]);
     return worst;
+}
+
+void recording_tell_surface(const recording *self, facts *told)
+{
+    const surface_state *worst = &self->worst;
+    facts_number(told, "range_of_motion_mm", "range of motion", self->furthest_mm, 2, "mm");
+    facts_number(told, "folds", "folds", self->folded_frames + (double)self->folded_steps, 0,
+                 "frames or steps");
+    facts_number(told, "min_determinant", "least determinant",
+                 fmin(self->min_determinant, self->min_step_determinant), 3, "");
+    facts_number(told, "stretch", "greatest stretch", worst->stretch, 2,
+                 "of an edge: its length over that at rest");
+    facts_number(told, "bend_deg", "greatest bend", worst->bend_deg, 1,
+                 "degrees of an edge, beyond what it has at rest");
+    facts_number(told, "bent_edges", "bent edges", worst->bent_count, 0,
+                 "beyond 120 degrees, but not at rest, in the worst frame");
+    facts_number(told, "inside_out", "inside out", worst->inside_out_count, 0,
+                 "triangles in the worst frame");
+    facts_number(told, "held_back_mm", "held back", self->held_back_mm, 2,
+                 "mm at most, where the skin would fold or tear");
+    if (self->held_frames)
+        facts_number(told, "held_frames", "held back in", self->held_frames, 0, "frames");
 }

@@ -3,6 +3,7 @@
  * frames; nothing here counts as frame time. [main] */
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
+#include "facts.h"
 #include "io/clip.h"
 #include "stage/perform/composer.h"
 
@@ -25,9 +26,11 @@ typedef struct recording {
     uint32_t column_capacity;
     float *work_ms; /* per frame */
     uint32_t frame_count, frame_capacity;
-    double furthest_mm;      /* of any vertex from rest, in any frame */
-    uint32_t folded_frames;  /* anchored frames that fold: face_min_determinant <= 0 */
-    double min_determinant;  /* of the anchored frames; 1 when the bound says that none folds */
+    double furthest_mm;     /* of any vertex from rest, in any frame */
+    uint32_t folded_frames; /* anchored frames that fold: face_min_determinant <= 0 */
+    double min_determinant; /* of the anchored frames; 1 when the bound says that none folds */
+    uint64_t folded_steps;  /* unanchored ones that fold, and their least determinant */
+    double min_step_determinant;
     surface_state worst;     /* of all frames, each figure by itself */
     double held_back_mm;     /* the most in any frame */
     uint32_t held_frames;    /* in which something was held back */
@@ -41,6 +44,9 @@ void recording_destroy(recording *self);
 
 /* Takes the face shown as the next frame. */
 CHECKED mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err);
+
+/* How far the face moved, whether it folded or tore, and what was held back so that it did not. */
+void recording_tell_surface(const recording *self, facts *told);
 
 /* Frame times, ms; 0 without frames. Sorts what recording_add kept. */
 double recording_median_ms(recording *self);

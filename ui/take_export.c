@@ -76,7 +76,7 @@ static void tell_frames(take_call *call, const take_stage *stage, const clip_sta
     facts_number(told, "frames", "frames", (double)frames->count, 0, "");
     facts_text(told, "rate", "frame rate", rate);
     facts_text(told, "timecode", "first frame", start->timecode);
-    facts_number(told, "range_of_motion_mm", "range of motion", measured->furthest_mm, 2, "mm");
+    recording_tell_surface(measured, told);
 }
 
 static mrt_result read_settings(take_call *call, exports_settings *out, error *err)

@@ -219,6 +219,19 @@ take rate "$scratch/busy.marotte" 1 3 >/dev/null
 says 'recovered' show "$scratch/busy.marotte" 1
 
 # A show that was damaged, or made with other things than are there now.
+# What is exported of a take says of the surface what was said when it was performed.
+for map in anchored unanchored,preset=paper; do
+    "$MAROTTE" perform --face "$moai" --input "log:$demo,start=1.2,end=3.2" --map $map \
+        --record "$scratch/j.marotte" >"$scratch/performed" 2>"$scratch/stderr" || fail "record: $(cat "$scratch/stderr")"
+    take export "$scratch/j.marotte" 1 --export "$scratch/j.pc2" >"$scratch/said"
+    for name in 'range of motion' folds 'least determinant' 'greatest stretch' 'greatest bend' 'bent edges' 'inside out' 'held back'; do
+        performed=$(fact "$name" "$scratch/performed") exported=$(fact "$name" "$scratch/said")
+        [ -n "$performed" ] && [ "$performed" = "$exported" ] ||
+            fail "$map: $name is \"$exported\" in the export of a take, and was \"$performed\""
+    done
+    rm -f "$scratch"/j.*
+done
+
 # How a show solves holds for every command that performs its takes, or records into it.
 if command -v sqlite3 >/dev/null; then
     solved=$scratch/s.marotte

@@ -226,7 +226,10 @@ static void add_fill_rows(paper *of, const centres *c, const fill f[ORDERS])
         (void)snprintf(text[2], 32, "%u", f[order].half_band);
         (void)snprintf(text[3], 32, "%.1f %%", 100.0 * f[order].profile / all);
         paper_count(text[4], f[order].operations);
-        (void)snprintf(text[5], 32, "%.3g", f[order].factor_ms);
+        if (f[order].factor_ms < 0.1)
+            (void)snprintf(text[5], 32, "%.2f µs", 1e3 * f[order].factor_ms);
+        else
+            (void)snprintf(text[5], 32, "%.1f ms", f[order].factor_ms);
         const char *const cell[] = {text[0], order_name[order], text[1], text[2],
                                     text[3], text[4],           text[5]};
         page_row(of->page, cell);
@@ -259,7 +262,7 @@ static void add_fill_table(paper *of, const centres *few, const centres *many, c
 {
     static const char *const head[] = {"centres",   "order",    "not zero",
                                        "half band", "envelope", "multiplications of the factor",
-                                       "factor, ms"};
+                                       "factor"};
     static const page_column column[] = {PAGE_NUMBERS, PAGE_WORDS,   PAGE_NUMBERS, PAGE_NUMBERS,
                                          PAGE_NUMBERS, PAGE_NUMBERS, PAGE_NUMBERS};
     page_table(of->page, head, column, 7);

@@ -287,11 +287,12 @@ static void add_table(table *self)
         "Frames a second, the best of several rounds. Engine: one thread; anchored a frame, "
         "unanchored all of a sample: sort, factor, solve, slope, update. With display: the same "
         "step, then normals, light and %u × %u pixels in "
-        "memory, drawn by %s. –: the paper's number is not in our notes%s. The pair count "
+        "memory, drawn by %s%s. –: the paper's number is not in our notes%s. The pair count "
         "that the paper prints for 32 768 polygons at R = 60, 115 812, is a misprint (see "
         "below); 155 812 stands here.",
         self->width, self->height,
         self->of->drawn_by[0] ? self->of->drawn_by : "nobody: no picture can be made here",
+        self->of->is_quick ? "; with --quick, of the last row alone" : "",
         self->of->drawn_by[0] ? "" : ", or nothing can be drawn here");
     facts_number(self->of->told, "worst_pairs_off", "pairs off", self->of->worst_pairs_off, 5, "");
 }

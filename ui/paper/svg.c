@@ -3,19 +3,24 @@
 static const char *const ink_class[SVG_INKS] = {"ink", "calm", "line", "wash", "a", "b"};
 static const char *const anchor_name[] = {"start", "middle", "end"};
 
-/* The same colours as the page's (ui/paper/page.c). */
+/* The same colours as the page's (ui/paper/page.c). In full for each class: programs other than
+ * browsers know classes, but neither variables nor the dark theme. */
+#define FILL_AND_STROKE(name, colour) ".f-" name "{fill:" colour "}.s-" name "{stroke:" colour "}"
+#define THEME(ink, calm, line, wash, a, b, paper)                                                  \
+    FILL_AND_STROKE("ink", ink)                                                                    \
+    FILL_AND_STROKE("calm", calm)                                                                  \
+    FILL_AND_STROKE("line", line)                                                                  \
+    FILL_AND_STROKE("wash", wash)                                                                  \
+    FILL_AND_STROKE("a", a)                                                                        \
+    FILL_AND_STROKE("b", b)                                                                        \
+    FILL_AND_STROKE("paper", paper)
 static const char style[] =
     "<style>\n"
-    "svg{--paper:#fcfcfa;--ink:#1c1e22;--calm:#5b6068;--line:#c9ccc6;--wash:#eceee8;--a:#0a67b1;"
-    "--b:#c25400;font-family:system-ui,\"Segoe UI\",\"Inter\",\"DejaVu Sans\",sans-serif}\n"
-    "@media(prefers-color-scheme:dark){svg{--paper:#16181b;--ink:#e6e8ea;--calm:#9ba1a9;"
-    "--line:#41464d;--wash:#24282d;--a:#63b0f5;--b:#ff9e4f}}\n"
-    ".ground{fill:var(--paper)}\n"
-    ".f-ink{fill:var(--ink)}.f-calm{fill:var(--calm)}.f-line{fill:var(--line)}"
-    ".f-wash{fill:var(--wash)}.f-a{fill:var(--a)}.f-b{fill:var(--b)}.f-paper{fill:var(--paper)}\n"
-    ".s-ink{stroke:var(--ink)}.s-calm{stroke:var(--calm)}.s-line{stroke:var(--line)}"
-    ".s-wash{stroke:var(--wash)}.s-a{stroke:var(--a)}.s-b{stroke:var(--b)}\n"
-    "</style>\n";
+    "svg{font-family:system-ui,\"Segoe UI\",\"Inter\",\"DejaVu Sans\",sans-serif}\n" THEME(
+        "#1c1e22", "#5b6068", "#c9ccc6", "#eceee8", "#0a67b1", "#c25400",
+        "#fcfcfa") "\n@media(prefers-color-scheme:dark){" THEME("#e6e8ea", "#9ba1a9", "#41464d",
+                                                                "#24282d", "#63b0f5", "#ff9e4f",
+                                                                "#16181b") "}\n</style>\n";
 
 static void put_escaped(FILE *out, const char *text)
 {
@@ -43,7 +48,7 @@ mrt_result svg_open(svg *out, const char *path, uint32_t width, uint32_t height,
             "height=\"%u\" role=\"img\">\n<title>",
             width, height, width, height);
     put_escaped(stream, title);
-    fprintf(stream, "</title>\n%s<rect class=\"ground\" width=\"%u\" height=\"%u\"/>\n", style,
+    fprintf(stream, "</title>\n%s<rect class=\"f-paper\" width=\"%u\" height=\"%u\"/>\n", style,
             width, height);
     return MRT_OK;
 }

@@ -908,7 +908,7 @@ static void knead(composer *self, voice *v, double dt_s)
 {
     const mrt_pull *pull = v->part.pull;
     bare_shape(self);
-    csrbf_settings settings = composer_settings(self, pull->radius_mm, pull);
+    csrbf_settings settings = composer_solver_of(self, pull);
     double to[MRT_MAX_VECTORS * 3];
     copy_ends(to, pull);
     bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
@@ -1063,8 +1063,7 @@ bool composer_is_near(const composer *self, const mrt_pull *pull)
     if (!pull->gate || pull->count == 0)
         return false;
     copy_ends(end, pull);
-    return face_is_near(self->face, end, pull->count,
-                        composer_settings(self, pull->radius_mm, pull).radius);
+    return face_is_near(self->face, end, pull->count, composer_solver_of(self, pull).radius);
 }
 
 void composer_draw(composer *self)
@@ -1100,6 +1099,11 @@ const mrt_pull *composer_pull(const composer *self)
 csrbf_settings composer_solver(const composer *self)
 {
     return self->solver;
+}
+
+csrbf_settings composer_solver_of(const composer *self, const mrt_pull *pull)
+{
+    return composer_settings(self, pull->radius_mm, pull);
 }
 
 const shading *composer_shading(const composer *self)

@@ -64,6 +64,8 @@ const shading *composer_shading(const composer *self); /* its normals, in the en
 /* What all pulled in the last step, weighed, not blended; as for exports. */
 const mrt_pull *composer_pull(const composer *self);
 csrbf_settings composer_solver(const composer *self); /* radius > 0 */
+/* The same, and what the pull itself says of it. */
+csrbf_settings composer_solver_of(const composer *self, const mrt_pull *pull);
 /* The radius of pulls that name none on that face, mm: its rig's, or a quarter of its height. */
 double composer_radius_of(const face_file *file);
 /* True while the frames are anchored: face_columns_now tells them exactly. */

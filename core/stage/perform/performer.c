@@ -168,7 +168,7 @@ face *performer_face(performer *self)
 
 csrbf_settings performer_solver(const performer *self)
 {
-    return composer_solver(self->composer);
+    return composer_solver_of(self->composer, performer_pull(self));
 }
 
 const mrt_pull *performer_pull(const performer *self)

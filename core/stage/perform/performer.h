@@ -56,7 +56,7 @@ CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *b
 
 /* The face; its shape is that of performer_draw, in the engine's order. */
 face *performer_face(performer *self);
-/* How the fields are solved when the pull does not say; radius > 0. */
+/* How the last pull's fields are solved: as it says, else as the face's rig has it; radius > 0. */
 csrbf_settings performer_solver(const performer *self);
 /* What the mapping pulls, after the guard. */
 const mrt_pull *performer_pull(const performer *self);
