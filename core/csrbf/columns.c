@@ -20,7 +20,15 @@ static uint32_t words_of(uint32_t count)
 
 /* ---- weights ---- */
 
-bool columns_weights_create(columns_weights *out, uint32_t capacity)
+static void weights_destroy(columns_weights *w)
+{
+    free(w->value);
+    free(w->live);
+    free(w->word);
+    *w = (columns_weights){0};
+}
+
+static bool weights_create(columns_weights *out, uint32_t capacity)
 {
     size_t words = words_of(capacity);
     *out = (columns_weights){.value = calloc((size_t)3 * capacity + 1, sizeof *out->value),
@@ -28,16 +36,8 @@ bool columns_weights_create(columns_weights *out, uint32_t capacity)
                              .word = calloc(words + 1, sizeof *out->word)};
     if (out->value && out->live && out->word)
         return true;
-    columns_weights_destroy(out);
+    weights_destroy(out);
     return false;
-}
-
-void columns_weights_destroy(columns_weights *w)
-{
-    free(w->value);
-    free(w->live);
-    free(w->word);
-    *w = (columns_weights){0};
 }
 
 /* Of the columns of one word, `count` of them, those that weigh something. Asked by their bits, all
@@ -54,7 +54,7 @@ static uint64_t live_in_word(const float *value, uint32_t count)
     return live;
 }
 
-void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, size_t value_size)
+static void note_weights(columns_weights *w, const columns *c, uint32_t count)
 {
     size_t rows = (size_t)6 * c->block_count * sizeof(float); /* base and out */
     memset(w->live, 0, words_of(c->capacity) * sizeof *w->live);
@@ -68,7 +68,7 @@ void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, 
         w->word[w->word_count++] = (uint16_t)word;
         for (uint32_t bit = 0; bit < COLUMNS_WORD; ++bit)
             if (w->live[word] >> bit & 1u)
-                rows += c->filled[first + bit] * value_size;
+                rows += c->filled[first + bit] * sizeof *c->value;
     }
     w->bytes = rows * POINTS_BLOCK;
 }
@@ -100,7 +100,7 @@ mrt_result columns_create(columns *out, const points *like, uint32_t capacity, e
         out->mark = calloc(marks + 1, sizeof *out->mark);
         out->filled = calloc(rows + 1, sizeof *out->filled);
     }
-    if (out->value && out->mark && out->filled && columns_weights_create(&out->weights, capacity))
+    if (out->value && out->mark && out->filled && weights_create(&out->weights, capacity))
         return MRT_OK;
     columns_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory for %u columns of %u vertices", capacity,
@@ -114,7 +114,7 @@ void columns_destroy(columns *c)
     free(c->value);
     free(c->mark);
     free(c->filled);
-    columns_weights_destroy(&c->weights);
+    weights_destroy(&c->weights);
     *c = (columns){0};
 }
 
@@ -148,7 +148,7 @@ void columns_weigh(columns *c, const double *weight, uint32_t count)
 {
     for (size_t i = 0; i < (size_t)3 * count; ++i)
         c->weights.value[i] = (float)weight[i];
-    columns_weights_note(&c->weights, c, count, sizeof *c->value);
+    note_weights(&c->weights, c, count);
 }
 
 void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)

@@ -75,12 +75,4 @@ void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
  */
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block);
 
-/* ---- weights; inside the room ---- */
-
-bool columns_weights_create(columns_weights *out, uint32_t capacity); /* false: no memory */
-void columns_weights_destroy(columns_weights *w);
-/* After value has been set for `count` columns of c, which are kept in numbers of value_size bytes:
- * which of them count. */
-void columns_weights_note(columns_weights *w, const columns *c, uint32_t count, size_t value_size);
-
 #endif

@@ -1,63 +1,18 @@
 #include "csrbf/csrbf.h"
 
 #include "base/pool.h"
-#include "csrbf/columns.h"
-#include "csrbf/meter.h"
-#include "csrbf/response.h"
+#include "csrbf/saddle.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct csrbf_solver {
     uint32_t centre_capacity;
     saddle saddle[2]; /* the one in use, and one to factor into */
     uint32_t current;
     order_item *order_scratch; /* 3 by centre_capacity */
-    double *rhs;               /* centre_capacity by RESPONSE_SCRATCH */
+    double *rhs;               /* centre_capacity by SADDLE_SCRATCH */
 };
-
-static const char *const kernel_names[] = {"wendland_c2", "wendland_c0", "wendland_c4",
-                                           "wendland_c6"};
-static const char *const polynomial_names[] = {"none", "constant", "linear", "windowed"};
-
-static bool find_name(const char *const *names, uint32_t count, const char *name, uint32_t *out)
-{
-    for (uint32_t i = 0; i < count; ++i)
-        if (strcmp(names[i], name) == 0) {
-            *out = i;
-            return true;
-        }
-    return false;
-}
-
-bool csrbf_kernel_named(const char *name, csrbf_kernel *out)
-{
-    uint32_t index;
-    if (!find_name(kernel_names, 4, name, &index))
-        return false;
-    *out = (csrbf_kernel)index;
-    return true;
-}
-
-bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out)
-{
-    uint32_t index;
-    if (!find_name(polynomial_names, 4, name, &index))
-        return false;
-    *out = (csrbf_polynomial)index;
-    return true;
-}
-
-const char *csrbf_kernel_name(csrbf_kernel of)
-{
-    return kernel_names[of];
-}
-
-const char *csrbf_polynomial_name(csrbf_polynomial of)
-{
-    return polynomial_names[of];
-}
 
 csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
 {
@@ -68,7 +23,7 @@ csrbf_solver *csrbf_solver_create(uint32_t centre_capacity)
     size_t room = centre_capacity;
     solver->centre_capacity = centre_capacity;
     solver->order_scratch = calloc(3 * room + 1, sizeof *solver->order_scratch);
-    solver->rhs = calloc(room * RESPONSE_SCRATCH + 1, sizeof *solver->rhs);
+    solver->rhs = calloc(room * SADDLE_SCRATCH + 1, sizeof *solver->rhs);
     bool first_made = saddle_create(&solver->saddle[0], centre_capacity);
     bool second_made = saddle_create(&solver->saddle[1], centre_capacity);
     if (first_made && second_made && solver->order_scratch && solver->rhs)
@@ -99,23 +54,6 @@ static const field *field_of(const csrbf_solver *solver)
     return &solver->saddle[solver->current].field;
 }
 
-static mrt_result check_settings(const csrbf_settings *settings, error *err)
-{
-    const double reach = (double)POINTS_REACH;
-    if ((unsigned)settings->kernel > CSRBF_WENDLAND_C6)
-        return error_set(err, MRT_ERR_ARGUMENT, "kernel %d is unknown", (int)settings->kernel);
-    if ((unsigned)settings->polynomial > CSRBF_WINDOWED)
-        return error_set(err, MRT_ERR_ARGUMENT, "polynomial %d is unknown",
-                         (int)settings->polynomial);
-    if (!(settings->radius >= 1.0 / reach && settings->radius <= reach))
-        return error_set(err, MRT_ERR_ARGUMENT, "radius %g: expected a number from %g to %g",
-                         settings->radius, 1.0 / reach, reach);
-    if (!(settings->ridge >= 0.0 && settings->ridge <= reach))
-        return error_set(err, MRT_ERR_ARGUMENT, "ridge %g: expected a number from 0 to %g",
-                         settings->ridge, reach);
-    return MRT_OK;
-}
-
 /* row: count by 3. */
 static mrt_result check_rows(const char *what, const double *row, uint32_t count, error *err)
 {
@@ -133,7 +71,7 @@ mrt_result csrbf_factor(csrbf_solver *solver, const csrbf_settings *settings, co
     if (count > solver->centre_capacity)
         return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the solver has room for %u", count,
                          solver->centre_capacity);
-    mrt_result result = check_settings(settings, err);
+    mrt_result result = csrbf_settings_check(settings, err);
     if (result >= 0)
         result = check_rows("position", centre, count, err);
     for (uint32_t i = 0; result >= 0 && class && i < count; ++i)
@@ -171,7 +109,7 @@ csrbf_diagnostics csrbf_diagnose(const csrbf_solver *solver)
     const saddle *s = &solver->saddle[solver->current];
     csrbf_diagnostics out = {.centre_count = s->field.centre_count,
                              .polynomial_terms = s->field.term_count,
-                             .slope_bound = meter_slope_bound(&s->field),
+                             .slope_bound = field_slope_bound(&s->field),
                              .polynomial_gain = s->gain,
                              .merged_apart = s->merged_apart};
     if (s->matrix.row_count > 0)
@@ -195,18 +133,18 @@ uint32_t csrbf_move(const csrbf_solver *solver, points *out, const points *in)
 
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at)
 {
-    return meter_min_determinant(field_of(solver), at);
+    return field_min_determinant(field_of(solver), at);
 }
 
 double csrbf_max_slope(const csrbf_solver *solver, const points *at)
 {
-    return meter_max_slope(field_of(solver), at);
+    return field_max_slope(field_of(solver), at);
 }
 
 void csrbf_measure(const csrbf_solver *solver, const points *at, double *out_slope,
                    double *out_determinant)
 {
-    meter_measure(field_of(solver), at, out_slope, out_determinant);
+    field_measure(field_of(solver), at, out_slope, out_determinant);
 }
 
 bool csrbf_in_block(const csrbf_solver *solver, float sum[3][POINTS_BLOCK], const points *in,
@@ -229,19 +167,6 @@ void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t str
 void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t stride,
                         const points *in, const uint8_t *wanted)
 {
-    response_fill(&solver->saddle[solver->current], solver->rhs, out_response, stride, in, wanted);
-}
-
-bool csrbf_derivatives(const csrbf_solver *solver, columns *along_first, columns *along_second,
-                       const points *in, const points *first, const points *second)
-{
-    const saddle *s = &solver->saddle[solver->current];
-    if (s->field.settings.kernel == CSRBF_WENDLAND_C0 ||
-        s->field.settings.polynomial == CSRBF_WINDOWED)
-        return false;
-    if (first)
-        response_derive(s, solver->rhs, along_first, in, first);
-    if (second)
-        response_derive(s, solver->rhs, along_second, in, second);
-    return true;
+    saddle_responses(&solver->saddle[solver->current], solver->rhs, out_response, stride, in,
+                     wanted);
 }

@@ -1,48 +1,13 @@
 /* csrbf/csrbf.h - the deformation engine: displacement fields of compactly supported radial basis
  * functions, d(x) = sum_i alpha_i phi(|x - c_i| / R) + p(x) with d(c_i) = g_i.
  * Formulas: research on the method, Wendland 1995 (kernels), Kojekine/Savchenko 2002 (the solve).
- * Settings and solver; what is done with a field over time is in shape.h.
+ * The solver; what it is asked is in settings.h, what is done with a field over time in shape.h.
  * Solve in float64, centres in a canonical order (merge.h): results do not depend on the order of
  * the controls, and have the same bits on every build. Pure but for the solver's own memory;
  * [frame] everything except create/destroy. */
 #ifndef MAROTTE_CSRBF_CSRBF_H
 #define MAROTTE_CSRBF_CSRBF_H
-#include "csrbf/points.h"
-
-typedef enum csrbf_kernel {
-    CSRBF_WENDLAND_C2 = 0,
-    CSRBF_WENDLAND_C0,
-    CSRBF_WENDLAND_C4,
-    CSRBF_WENDLAND_C6
-} csrbf_kernel;
-
-typedef enum csrbf_polynomial {
-    CSRBF_NONE = 0, /* exact locality */
-    CSRBF_CONSTANT, /* global */
-    CSRBF_LINEAR,   /* global: the paper's equations (1) to (3) */
-    CSRBF_WINDOWED  /* linear inside the union of supports, faded by 1 - prod(1 - phi_i) */
-} csrbf_polynomial;
-
-#define CSRBF_STRETCH_MOST 8.0
-
-typedef struct csrbf_settings {
-    csrbf_kernel kernel;
-    csrbf_polynomial polynomial;
-    double radius; /* > 0, finite; one for all centres */
-    double ridge; /* >= 0; added to the diagonal: interpolation becomes approximate; 0 by default */
-    bool is_one_step;    /* unanchored: each sample is one step, even where the map folds */
-    double stretch_most; /* of a face (face/face.h), not of the engine: nothing of its skin is
-                            stretched further, nor folds; 0: CSRBF_STRETCH_MOST; < 0: no limit */
-} csrbf_settings;
-
-/* "wendland_c2" ..., "none" ...; false: unknown word. */
-bool csrbf_kernel_named(const char *name, csrbf_kernel *out);
-bool csrbf_polynomial_named(const char *name, csrbf_polynomial *out);
-const char *csrbf_kernel_name(csrbf_kernel of);
-const char *csrbf_polynomial_name(csrbf_polynomial of);
-
-/* When centres coincide (closer than 1e-3 R), only those of the highest class present count. */
-typedef enum csrbf_class { CSRBF_TIP = 0, CSRBF_JAW, CSRBF_SKULL } csrbf_class;
+#include "csrbf/settings.h"
 
 typedef struct csrbf_solver csrbf_solver;
 
@@ -109,14 +74,6 @@ void csrbf_responses(const csrbf_solver *solver, float *out_response, size_t str
 /* The same in the blocks that are wanted (block_count); zero is written in the others. */
 void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t stride,
                         const points *in, const uint8_t *wanted);
-
-/* Rows like those of csrbf_responses, of the derivatives of B_k along `first` and `second`, which
- * are directions at the vertices of `in`; NULL: only asks. False: the kernel or the polynomial has
- * none (CSRBF_WENDLAND_C0, CSRBF_WINDOWED). */
-struct columns;
-bool csrbf_derivatives(const csrbf_solver *solver, struct columns *along_first,
-                       struct columns *along_second, const points *in, const points *first,
-                       const points *second);
 
 /* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. In float32. */
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);

@@ -1,11 +1,12 @@
 /* csrbf/field.h - a solved displacement field and its evaluation:
  * d(x) = sum_i alpha_i phi(|x - c_i| / R) + W(x) p(x), W = 1 or 1 - prod_i (1 - phi_i(x)).
  * Centres are summed in canonical order. A component of d that is exactly zero leaves the bits of
- * its coordinate alone. Inside the room. [frame] all but create/destroy. */
+ * its coordinate alone. Its gradient is exact at the vertices; its slope has a bound everywhere.
+ * Inside the room. [frame] all but create/destroy. */
 #ifndef MAROTTE_CSRBF_FIELD_H
 #define MAROTTE_CSRBF_FIELD_H
-#include "csrbf/csrbf.h"
 #include "csrbf/hull.h"
+#include "csrbf/settings.h"
 
 enum { FIELD_LANES = 8 }; /* centres are asked so many at a time */
 
@@ -54,5 +55,26 @@ enum { FIELD_GRAIN = 16 };
 bool field_reaches(const field *f, uint32_t centre, const points_bounds *block);
 /* False when d is zero all over the block. */
 bool field_touches(const field *f, const points_bounds *block);
+
+/* ---- its derivative, and how hard it bends space ---- */
+
+typedef struct gradient {
+    float row[3][3][POINTS_BLOCK]; /* [a][b]: derivative of d_a by x_b */
+} gradient;
+
+/* False when grad d is zero all over the block; it is set to zero then. */
+bool field_gradient(const field *f, gradient *out, const points *at, uint32_t block);
+/* grad p: [a][b] is the derivative of p_a by x_b. */
+matrix3 field_polynomial_gradient(const field *f);
+
+/* Smallest det(I + grad d) over the vertices; 1 without vertices. */
+double field_min_determinant(const field *f, const points *at);
+/* Largest spectral norm of grad d over the vertices. */
+double field_max_slope(const field *f, const points *at);
+/* Both in one pass; the same values. */
+void field_measure(const field *f, const points *at, double *out_slope, double *out_determinant);
+/* Upper bound of that norm over all of space: of all centres whose supports may meet at a point
+ * the steepest slopes are added up. With a windowed polynomial: over the union of supports. */
+double field_slope_bound(const field *f);
 
 #endif

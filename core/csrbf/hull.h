@@ -1,10 +1,18 @@
 /* csrbf/hull.h - the affine hull of a set of centres: a point, a line, a plane or space. What a
- * linear polynomial may use without being undetermined. Inside the room. Pure; any thread. */
+ * linear polynomial may use without being undetermined. Eigenvalues by Jacobi rotations in a fixed
+ * order: only + - * / and sqrt, so the same bits everywhere. Inside the room. Pure; any thread. */
 #ifndef MAROTTE_CSRBF_HULL_H
 #define MAROTTE_CSRBF_HULL_H
-#include "csrbf/symmetric3.h"
-
 #include <stdint.h>
+
+typedef struct matrix3 {
+    double at[3][3];
+} matrix3;
+
+/* value: descending; vector->at[k]: unit, of value[k], its component of largest size positive. a
+ * must be finite; its whole is read. */
+void symmetric3_eigen(double value[3], matrix3 *vector, const matrix3 *a);
+double symmetric3_largest(const matrix3 *a);
 
 typedef struct hull {
     uint32_t dimension; /* 0..3; the first `dimension` axes span the hull */

@@ -1,7 +1,5 @@
 #include "csrbf/kernel.h"
 
-#include "csrbf/kernel_rows.h"
-
 double kernel_value(csrbf_kernel kernel, double r)
 {
     if (!(r < 1.0))

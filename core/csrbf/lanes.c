@@ -1,6 +1,6 @@
 #include "csrbf/lanes.h"
 
-#include "csrbf/lanes_variant.h"
+#include <stddef.h>
 
 #define LANES_TABLE(variant)                                                                       \
     LANES_DECLARE(variant);                                                                        \
@@ -8,7 +8,6 @@
         .columns_sum = LANES_OF(columns_sum, variant),                                             \
         .columns_add = LANES_OF(columns_add, variant),                                             \
         .columns_move = LANES_OF(columns_move, variant),                                           \
-        .packed_move = LANES_OF(packed_move, variant),                                             \
         .is_zero = LANES_OF(is_zero, variant),                                                     \
         .add_weighted = LANES_OF(add_weighted, variant),                                           \
         .field_block = LANES_OF(field_block, variant),                                             \
@@ -16,8 +15,6 @@
         .determinants = LANES_OF(determinants, variant),                                           \
         .squares = LANES_OF(squares, variant),                                                     \
         .responses_block = LANES_OF(responses_block, variant),                                     \
-        .derivatives_block = LANES_OF(derivatives_block, variant),                                 \
-        .normals = LANES_OF(normals, variant),                                                     \
         .first_neighbour = LANES_OF(first_neighbour, variant),                                     \
         .kernel_row = LANES_OF(kernel_row, variant),                                               \
         .factor = LANES_OF(factor, variant),                                                       \

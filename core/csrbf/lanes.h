@@ -6,11 +6,12 @@
 #ifndef MAROTTE_CSRBF_LANES_H
 #define MAROTTE_CSRBF_LANES_H
 #include "base/isa.h"
-#include "csrbf/columns_packed.h"
-#include "csrbf/envelope.h"
-#include "csrbf/field.h"
-#include "csrbf/gradient.h"
-#include "csrbf/tangents.h"
+#include "csrbf/points.h"
+
+struct columns;
+struct envelope;
+struct field;
+struct gradient;
 
 /* Unit responses that are evaluated together: alpha is centre_count by `stride`, `count` columns of
  * it are used. */
@@ -25,50 +26,80 @@ enum { LANES_RESPONSES = 32 }; /* at most so many columns together */
 
 typedef struct lanes {
     /* csrbf/columns.h says what these three do; move: columns_move_blocks. */
-    void (*columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
+    void (*columns_sum)(const struct columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
     void (*columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK],
                         uint32_t block);
-    uint32_t (*columns_move)(const columns *c, points *out, const points *base, uint8_t *moved,
-                             uint32_t first, uint32_t end);
-    /* Blocks first .. end - 1 of csrbf/columns_packed.h, with p->weights. */
-    void (*packed_move)(const columns_packed *p, const columns *c, points *out, const points *base,
-                        uint32_t first, uint32_t end);
+    uint32_t (*columns_move)(const struct columns *c, points *out, const points *base,
+                             uint8_t *moved, uint32_t first, uint32_t end);
     bool (*is_zero)(const float value[POINTS_BLOCK]); /* all over the block */
     /* total += weight times sum, by vertices. */
     void (*add_weighted)(float total[3][POINTS_BLOCK], const float *weight,
                          float sum[3][POINTS_BLOCK]);
 
-    /* In float; as field_in_block and gradient_of. */
-    bool (*field_block)(const field *f, float sum[3][POINTS_BLOCK], const points *in,
+    /* In float; as field_in_block and field_gradient. */
+    bool (*field_block)(const struct field *f, float sum[3][POINTS_BLOCK], const points *in,
                         uint32_t block);
-    bool (*gradient_block)(const field *f, gradient *out, const points *at, uint32_t block);
+    bool (*gradient_block)(const struct field *f, struct gradient *out, const points *at,
+                           uint32_t block);
     /* Of the map I + grad d at each vertex of a block. */
-    void (*determinants)(double out[POINTS_BLOCK], const gradient *g);
+    void (*determinants)(double out[POINTS_BLOCK], const struct gradient *g);
     /* Sum of squares of grad d. */
-    void (*squares)(double out[POINTS_BLOCK], const gradient *g);
+    void (*squares)(double out[POINTS_BLOCK], const struct gradient *g);
 
     /* sum: count by POINTS_BLOCK, in double. */
-    void (*responses_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
-                            const points *in, uint32_t block);
-
-    /* The same of their derivatives along `direction`. */
-    void (*derivatives_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
-                              const points *in, const points *direction, uint32_t block);
-    /* As tangents_normals_blocks. */
-    void (*normals)(const tangents *t, float *const n[3], const uint8_t *wanted, uint32_t first,
-                    uint32_t end);
+    void (*responses_block)(const struct field *f, const lanes_responses *r,
+                            double sum[][POINTS_BLOCK], const points *in, uint32_t block);
 
     /* The matrix of the centres: the first that `row` has in its support, or `row`; and phi of the
      * distances from `row` to those from `first` to row - 1. */
-    uint32_t (*first_neighbour)(const field *f, uint32_t row);
-    void (*kernel_row)(const field *f, double *out, uint32_t row, uint32_t first);
+    uint32_t (*first_neighbour)(const struct field *f, uint32_t row);
+    void (*kernel_row)(const struct field *f, double *out, uint32_t row, uint32_t first);
     /* As envelope_factor and the two solves. */
-    bool (*factor)(envelope *e, double smallest_pivot, uint32_t *out_row);
-    void (*solve_few)(const envelope *e, double *rhs);
-    void (*solve_many)(const envelope *e, double *rhs);
+    bool (*factor)(struct envelope *e, double smallest_pivot, uint32_t *out_row);
+    void (*solve_few)(const struct envelope *e, double *rhs);
+    void (*solve_many)(const struct envelope *e, double *rhs);
 } lanes;
 
 const lanes *lanes_of(isa which); /* NULL: not compiled in, or not of this machine */
 const lanes *lanes_now(void);     /* of isa_now */
+
+/* ---- for lanes_*.c ---- */
+
+/* LANES(name) is the function's name in the one instruction set that a file is compiled for: the
+ * build defines MAROTTE_VARIANT as generic, v2, v3 or v4. */
+#define LANES_JOIN(name, variant) lanes_##name##_##variant
+#define LANES_OF(name, variant)   LANES_JOIN(name, variant)
+#define LANES(name)               LANES_OF(name, MAROTTE_VARIANT)
+
+#define LANES_DECLARE(variant)                                                                     \
+    void LANES_OF(columns_sum, variant)(const struct columns *c, float sum[3][POINTS_BLOCK],       \
+                                        uint32_t block);                                           \
+    void LANES_OF(columns_add, variant)(points * out, const points *base,                          \
+                                        float sum[3][POINTS_BLOCK], uint32_t block);               \
+    uint32_t LANES_OF(columns_move, variant)(const struct columns *c, points *out,                 \
+                                             const points *base, uint8_t *moved, uint32_t first,   \
+                                             uint32_t end);                                        \
+    bool LANES_OF(is_zero, variant)(const float value[POINTS_BLOCK]);                              \
+    void LANES_OF(add_weighted, variant)(float total[3][POINTS_BLOCK], const float *weight,        \
+                                         float sum[3][POINTS_BLOCK]);                              \
+    bool LANES_OF(field_block, variant)(const struct field *f, float sum[3][POINTS_BLOCK],         \
+                                        const points *in, uint32_t block);                         \
+    bool LANES_OF(gradient_block, variant)(const struct field *f, struct gradient *out,            \
+                                           const points *at, uint32_t block);                      \
+    void LANES_OF(determinants, variant)(double out[POINTS_BLOCK], const struct gradient *g);      \
+    void LANES_OF(squares, variant)(double out[POINTS_BLOCK], const struct gradient *g);           \
+    void LANES_OF(responses_block, variant)(const struct field *f, const lanes_responses *r,       \
+                                            double sum[][POINTS_BLOCK], const points *in,          \
+                                            uint32_t block);                                       \
+    uint32_t LANES_OF(first_neighbour, variant)(const struct field *f, uint32_t row);              \
+    void LANES_OF(kernel_row, variant)(const struct field *f, double *out, uint32_t row,           \
+                                       uint32_t first);                                            \
+    bool LANES_OF(factor, variant)(struct envelope * e, double smallest_pivot, uint32_t *out_row); \
+    void LANES_OF(solve_few, variant)(const struct envelope *e, double *rhs);                      \
+    void LANES_OF(solve_many, variant)(const struct envelope *e, double *rhs)
+
+#ifdef MAROTTE_VARIANT
+LANES_DECLARE(MAROTTE_VARIANT);
+#endif
 
 #endif

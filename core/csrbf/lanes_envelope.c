@@ -1,5 +1,6 @@
 /* Cholesky factor by the envelope, and the two solves. */
-#include "csrbf/lanes_variant.h"
+#include "csrbf/lanes.h"
+#include "csrbf/saddle.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,11 +1,93 @@
-/* Direct evaluation of a field in one block of vertices, in float. */
-#include "csrbf/lanes_variant.h"
-
-#include "csrbf/kernel_rows.h"
-#include "csrbf/lanes_place.h"
-#include "csrbf/lanes_reach.h"
+/* A field in one block of vertices: its value and its gradient in float, its unit responses in
+ * double; and the matrix of its centres. */
+#include "csrbf/field.h"
+#include "csrbf/kernel.h"
+#include "csrbf/lanes.h"
 
 #include <string.h>
+
+/* ---- which centres reach a block, many asked at a time ---- */
+
+enum { REACH_BATCH = 64 };
+
+typedef struct reach {
+    uint32_t centre[REACH_BATCH]; /* those that reach the block, ascending */
+    uint32_t count;
+    uint32_t next; /* the centre to ask next */
+} reach;
+
+/* Squares of what a centre lacks along one axis to lie between low and high. */
+static inline double reach_gap(double low, double high, double at)
+{
+    double below = low - at, above = at - high;
+    double outside = below > above ? below : above;
+    outside = outside > 0.0 ? outside : 0.0;
+    return outside * outside;
+}
+
+/* The next centres that reach the block: field_reaches of each. False: all have been asked, and
+ * none is left. Start with next = 0; the rest is better not set, it is large. */
+static inline bool reach_more(reach *r, const field *f, const points_bounds *block)
+{
+    const double limit = f->settings.radius * f->settings.radius;
+    const double lx = (double)block->low[0], hx = (double)block->high[0];
+    const double ly = (double)block->low[1], hy = (double)block->high[1];
+    const double lz = (double)block->low[2], hz = (double)block->high[2];
+    r->count = 0;
+    while (r->count == 0 && r->next < f->centre_count) {
+        uint32_t left = f->centre_count - r->next;
+        uint32_t asked = left < REACH_BATCH ? left : REACH_BATCH;
+        const double *x = f->along[0] + r->next, *y = f->along[1] + r->next;
+        const double *z = f->along[2] + r->next;
+        double square[REACH_BATCH]; /* of the distance to the block */
+        for (uint32_t first = 0; first < asked; first += FIELD_LANES)
+            for (uint32_t i = first; i < first + FIELD_LANES; ++i) {
+                double across = reach_gap(lx, hx, x[i]) + reach_gap(ly, hy, y[i]);
+                square[i] = across + reach_gap(lz, hz, z[i]);
+            }
+        for (uint32_t i = 0; i < asked; ++i) {
+            r->centre[r->count] = r->next + i;
+            r->count += square[i] < limit;
+        }
+        r->next += asked;
+    }
+    return r->count > 0;
+}
+
+/* ---- where the vertices are as seen from the field, and what a centre brings ---- */
+
+typedef struct block_place {
+    float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK]; /* from the field's origin */
+} block_place;
+
+static inline void place_block(block_place *p, const field *f, const points *in, uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK;
+    const float *x = in->x + first, *y = in->y + first, *z = in->z + first;
+    const float ox = f->origin[0], oy = f->origin[1], oz = f->origin[2];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        p->x[i] = x[i] - ox;
+        p->y[i] = y[i] - oy;
+        p->z[i] = z[i] - oz;
+    }
+}
+
+/* What a centre adds: its place, its alpha, and by what distances are measured. */
+typedef struct pull_of_centre {
+    float at[3], alpha[3], inverse_radius, limit;
+} pull_of_centre;
+
+static inline pull_of_centre pull_of(const field *f, uint32_t centre)
+{
+    const float *at = f->local_centre + (size_t)3 * centre;
+    const float *alpha = f->local_alpha + (size_t)3 * centre;
+    return (pull_of_centre){.at = {at[0], at[1], at[2]},
+                            .alpha = {alpha[0], alpha[1], alpha[2]},
+                            .inverse_radius = (float)(1.0 / f->settings.radius),
+                            .limit = f->local_limit};
+}
+
+/* ---- the value, in float ---- */
 
 /* Some centres: their places, their alphas, and by what distances are measured. */
 enum { TOGETHER = 2 };
@@ -144,4 +226,375 @@ bool LANES(field_block)(const field *f, float sum[3][POINTS_BLOCK], const points
         window[i] = windowed ? 1.0f - window[i] : 1.0f;
     add_polynomial(f, sum, window, in, block);
     return true;
+}
+
+/* ---- the gradient, in float ---- */
+
+static void add_global_gradient(const field *f, gradient *out)
+{
+    const matrix3 slope = field_polynomial_gradient(f);
+    for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+            for (int i = 0; i < POINTS_BLOCK; ++i)
+                out->row[a][b][i] += (float)slope.at[a][b];
+}
+
+/* The window and its gradient, for one block: starts as prod = 1, gradient 0. */
+typedef struct window_rows {
+    float outside[POINTS_BLOCK];     /* prod_i (1 - phi_i) */
+    float gradient[3][POINTS_BLOCK]; /* of that product */
+} window_rows;
+
+static void window_open(window_rows *w)
+{
+    memset(w->gradient, 0, sizeof w->gradient);
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        w->outside[i] = 1.0f;
+}
+
+static void window_times(window_rows *w, const float *weight, float step[3][POINTS_BLOCK])
+{
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < POINTS_BLOCK; ++i)
+            w->gradient[axis][i] =
+                w->gradient[axis][i] * (1.0f - weight[i]) - w->outside[i] * step[axis][i];
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        w->outside[i] *= 1.0f - weight[i];
+}
+
+/* grad (W p) = W grad p + p grad W; p may be beyond float where W is 0. */
+static void add_windowed_gradient(const field *f, gradient *out, const window_rows *w,
+                                  const points *at, uint32_t block)
+{
+    const matrix3 slope = field_polynomial_gradient(f);
+    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+        double x[3], p[3];
+        if (w->outside[i] == 1.0f)
+            continue;
+        points_at(x, at, (size_t)block * POINTS_BLOCK + i);
+        field_polynomial(f, p, x);
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                out->row[a][b][i] += (1.0f - w->outside[i]) * (float)slope.at[a][b] -
+                                     (float)p[a] * w->gradient[b][i];
+    }
+}
+
+/* step := grad phi of one centre, for one kernel. Every lane is computed; the comparison discards
+ * what lies beyond. */
+#define STEP_OF(NAME)                                                                              \
+    static void step_##NAME(float *restrict x, float *restrict y, float *restrict z,               \
+                            const block_place *restrict place, pull_of_centre c)                   \
+    {                                                                                              \
+        for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
+            float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];                          \
+            float dz = place->z[i] - c.at[2];                                                      \
+            float q = dx * dx + dy * dy + dz * dz;                                                 \
+            float inside = slope_##NAME##_f32(sqrtf(q) * c.inverse_radius);                        \
+            float slope = q < c.limit ? inside : 0.0f;                                             \
+            float scaled = slope * c.inverse_radius * c.inverse_radius;                            \
+            x[i] = scaled * dx;                                                                    \
+            y[i] = scaled * dy;                                                                    \
+            z[i] = scaled * dz;                                                                    \
+        }                                                                                          \
+    }
+STEP_OF(c0)
+STEP_OF(c2)
+STEP_OF(c4)
+STEP_OF(c6)
+
+static void step_of(float step[3][POINTS_BLOCK], const block_place *place, csrbf_kernel kernel,
+                    pull_of_centre c)
+{
+    switch (kernel) {
+    case CSRBF_WENDLAND_C0:
+        step_c0(step[0], step[1], step[2], place, c);
+        return;
+    case CSRBF_WENDLAND_C4:
+        step_c4(step[0], step[1], step[2], place, c);
+        return;
+    case CSRBF_WENDLAND_C6:
+        step_c6(step[0], step[1], step[2], place, c);
+        return;
+    case CSRBF_WENDLAND_C2:
+        break;
+    }
+    step_c2(step[0], step[1], step[2], place, c);
+}
+
+/* phi of one centre */
+static void weigh_block(float *weight, const block_place *place, csrbf_kernel kernel,
+                        pull_of_centre c)
+{
+    float q[POINTS_BLOCK];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];
+        float dz = place->z[i] - c.at[2];
+        q[i] = dx * dx + dy * dy + dz * dz;
+    }
+    kernel_values_f32(kernel, weight, q, c.inverse_radius, c.limit);
+}
+
+/* Three rows += pull times step. */
+static void add_step(float row[3][POINTS_BLOCK], float step[3][POINTS_BLOCK], float pull)
+{
+    float *restrict x = row[0], *restrict y = row[1], *restrict z = row[2];
+    const float *restrict sx = step[0], *restrict sy = step[1], *restrict sz = step[2];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        x[i] += pull * sx[i];
+        y[i] += pull * sy[i];
+        z[i] += pull * sz[i];
+    }
+}
+
+bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint32_t block)
+{
+    _Alignas(64) block_place place;
+    reach r;
+    r.next = 0;
+    window_rows window;
+    _Alignas(64) float weight[POINTS_BLOCK], step[3][POINTS_BLOCK];
+    bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
+    memset(out, 0, sizeof *out);
+    if (windowed)
+        window_open(&window);
+    while (reach_more(&r, f, &at->block[block])) {
+        if (!reached)
+            place_block(&place, f, at, block);
+        reached = true;
+        for (uint32_t k = 0; k < r.count; ++k) {
+            const pull_of_centre c = pull_of(f, r.centre[k]);
+            step_of(step, &place, f->settings.kernel, c);
+            for (int a = 0; a < 3; ++a)
+                add_step(out->row[a], step, c.alpha[a]);
+            if (!windowed)
+                continue;
+            weigh_block(weight, &place, f->settings.kernel, c);
+            window_times(&window, weight, step);
+        }
+    }
+    if (f->term_count == 0 || (windowed && !reached))
+        return reached;
+    if (windowed)
+        add_windowed_gradient(f, out, &window, at, block);
+    else
+        add_global_gradient(f, out);
+    return true;
+}
+
+/* ---- measures ---- */
+
+void LANES(determinants)(double out[POINTS_BLOCK], const gradient *g)
+{
+    for (int lane = 0; lane < POINTS_BLOCK; ++lane) {
+        double a = 1.0 + (double)g->row[0][0][lane], b = (double)g->row[0][1][lane];
+        double c = (double)g->row[0][2][lane], d = (double)g->row[1][0][lane];
+        double e = 1.0 + (double)g->row[1][1][lane], f = (double)g->row[1][2][lane];
+        double p = (double)g->row[2][0][lane], h = (double)g->row[2][1][lane];
+        double i = 1.0 + (double)g->row[2][2][lane];
+        out[lane] = a * (e * i - f * h) - b * (d * i - f * p) + c * (d * h - e * p);
+    }
+}
+
+void LANES(squares)(double out[POINTS_BLOCK], const gradient *g)
+{
+    for (int lane = 0; lane < POINTS_BLOCK; ++lane) {
+        double sum = 0.0;
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b)
+                sum += (double)g->row[a][b][lane] * (double)g->row[a][b][lane];
+        out[lane] = sum;
+    }
+}
+
+/* ---- unit responses, in double ---- */
+
+enum { BUNDLE = 4 };
+
+/* Some centres' kernels at the vertices, and which centres they are. */
+typedef struct bundle {
+    double value[BUNDLE][POINTS_BLOCK];
+    uint32_t centre[BUNDLE];
+    uint32_t count;
+} bundle;
+
+static void value_of_centre(double *restrict out, const field *f, uint32_t centre, const points *in,
+                            uint32_t block)
+{
+    const double cx = f->along[0][centre], cy = f->along[1][centre], cz = f->along[2][centre];
+    const float *x = in->x + (size_t)block * POINTS_BLOCK;
+    const float *y = in->y + (size_t)block * POINTS_BLOCK;
+    const float *z = in->z + (size_t)block * POINTS_BLOCK;
+    double q[POINTS_BLOCK];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        double dx = (double)x[i] - cx, dy = (double)y[i] - cy, dz = (double)z[i] - cz;
+        q[i] = dx * dx + dy * dy + dz * dz;
+    }
+    kernel_values_f64(f->settings.kernel, out, q, 1.0 / f->settings.radius, field_limit(f));
+}
+
+static void add_four(double *restrict sum, const bundle *restrict b, const double *weight)
+{
+    const double w0 = weight[0], w1 = weight[1], w2 = weight[2], w3 = weight[3];
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        double more = sum[i] + b->value[0][i] * w0;
+        more = more + b->value[1][i] * w1;
+        more = more + b->value[2][i] * w2;
+        sum[i] = more + b->value[3][i] * w3;
+    }
+}
+
+static void add_one(double *restrict sum, const double *restrict value, double weight)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        sum[i] += value[i] * weight;
+}
+
+/* Adds the bundle to all columns, its centres in their order, and empties it. */
+static void add_bundle(double sum[][POINTS_BLOCK], bundle *b, const lanes_responses *r)
+{
+    for (uint32_t column = 0; column < r->count; ++column) {
+        double weight[BUNDLE];
+        for (uint32_t k = 0; k < b->count; ++k)
+            weight[k] = r->alpha[b->centre[k] * r->stride + column];
+        if (b->count == BUNDLE)
+            add_four(sum[column], b, weight);
+        else
+            for (uint32_t k = 0; k < b->count; ++k)
+                add_one(sum[column], b->value[k], weight[k]);
+    }
+    b->count = 0;
+}
+
+static void narrow_window_f64(double *restrict outside, const double *restrict value)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        outside[i] *= 1.0 - value[i];
+}
+
+static void add_polynomials(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                            const double *window, const points *in, uint32_t block)
+{
+    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
+        double x[3], term[4];
+        points_at(x, in, (size_t)block * POINTS_BLOCK + i);
+        field_terms(f, term, x);
+        for (uint32_t column = 0; column < r->count; ++column) {
+            double p = 0.0;
+            for (uint32_t a = 0; a < f->term_count; ++a)
+                p += r->beta[a * r->stride + column] * term[a];
+            sum[column][i] += window[i] * p;
+        }
+    }
+}
+
+void LANES(responses_block)(const field *f, const lanes_responses *r, double sum[][POINTS_BLOCK],
+                            const points *in, uint32_t block)
+{
+    double outside[POINTS_BLOCK];
+    bundle b;
+    reach near;
+    near.next = 0;
+    b.count = 0;
+    bool windowed = f->settings.polynomial == CSRBF_WINDOWED;
+    memset(sum, 0, r->count * sizeof *sum);
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        outside[i] = windowed ? 1.0 : 0.0;
+    while (reach_more(&near, f, &in->block[block]))
+        for (uint32_t k = 0; k < near.count; ++k) {
+            double *value = b.value[b.count];
+            value_of_centre(value, f, near.centre[k], in, block);
+            if (windowed)
+                narrow_window_f64(outside, value);
+            b.centre[b.count++] = near.centre[k];
+            if (b.count == BUNDLE)
+                add_bundle(sum, &b, r);
+        }
+    add_bundle(sum, &b, r);
+    if (f->term_count == 0)
+        return;
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        outside[i] = 1.0 - outside[i];
+    add_polynomials(f, r, sum, outside, in, block);
+}
+
+/* ---- the matrix: the kernel between all pairs of centres, in double ---- */
+
+enum { BATCH = 64 };
+
+/* Distances over the radius from centre `row` to `count` others. */
+static void measure_row(double *restrict out, const field *f, uint32_t row, uint32_t first,
+                        uint32_t count)
+{
+    const double *restrict x = f->along[0] + first, *restrict y = f->along[1] + first;
+    const double *restrict z = f->along[2] + first;
+    const double cx = f->along[0][row], cy = f->along[1][row], cz = f->along[2][row];
+    const double radius = f->settings.radius;
+    for (uint32_t i = 0; i < count; ++i) {
+        double dx = cx - x[i], dy = cy - y[i], dz = cz - z[i];
+        out[i] = sqrt(dx * dx + dy * dy + dz * dz) / radius;
+    }
+}
+
+/* Cheaper than to measure_row: true whenever one of them is in the support of `row`, and seldom
+ * when none is. */
+static bool may_reach(const field *f, uint32_t row, uint32_t first, uint32_t count)
+{
+    const double *restrict x = f->along[0] + first, *restrict y = f->along[1] + first;
+    const double *restrict z = f->along[2] + first;
+    const double cx = f->along[0][row], cy = f->along[1][row], cz = f->along[2][row];
+    const double limit = f->settings.radius * f->settings.radius * (1.0 + 0x1p-40);
+    int within = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        double dx = cx - x[i], dy = cy - y[i], dz = cz - z[i];
+        within |= dx * dx + dy * dy + dz * dz < limit;
+    }
+    return within != 0;
+}
+
+uint32_t LANES(first_neighbour)(const field *f, uint32_t row)
+{
+    double r[BATCH];
+    for (uint32_t first = 0; first < row; first += BATCH) {
+        uint32_t count = row - first < BATCH ? row - first : BATCH;
+        if (!may_reach(f, row, first, count))
+            continue;
+        measure_row(r, f, row, first, count);
+        for (uint32_t i = 0; i < count; ++i)
+            if (r[i] < 1.0)
+                return first + i;
+    }
+    return row;
+}
+
+#define FILL(FORM)                                                                                 \
+    for (uint32_t i = 0; i < count; ++i) {                                                         \
+        double value = FORM(r[i]);                                                                 \
+        out[i] = r[i] < 1.0 ? value : 0.0;                                                         \
+    }                                                                                              \
+    return
+
+static void fill_row(double *restrict out, const double *restrict r, csrbf_kernel kernel,
+                     uint32_t count)
+{
+    switch (kernel) {
+    case CSRBF_WENDLAND_C0:
+        FILL(value_c0_f64);
+    case CSRBF_WENDLAND_C4:
+        FILL(value_c4_f64);
+    case CSRBF_WENDLAND_C6:
+        FILL(value_c6_f64);
+    case CSRBF_WENDLAND_C2:
+        FILL(value_c2_f64);
+    }
+}
+
+void LANES(kernel_row)(const field *f, double *out, uint32_t row, uint32_t first)
+{
+    double r[BATCH];
+    for (; first < row; first += BATCH, out += BATCH) {
+        uint32_t count = row - first < BATCH ? row - first : BATCH;
+        measure_row(r, f, row, first, count);
+        fill_row(out, r, f->settings.kernel, count);
+    }
 }

@@ -6,6 +6,8 @@
 #define MAROTTE_CSRBF_POINTS_H
 #include "base/error.h"
 
+#include <stdint.h>
+
 enum { POINTS_BLOCK = 64 };
 /* Coordinates, displacements and radii beyond this are refused: their squares must fit in float. */
 #define POINTS_REACH 1e15f
@@ -52,5 +54,21 @@ points_bounds points_extent(const points *p);
 bool points_are_usable(const points *p);
 /* Squared distance from the point `at` to the box; 0 inside. */
 double points_bounds_distance_squared(const points_bounds *bounds, const double at[3]);
+
+/* ---- canonical orders of a set of points; inside the room ---- */
+
+/* Along a Morton curve through the cube that encloses them, which keeps neighbours close; or along
+ * their longest axis, which keeps the envelope of their matrix small. Ties by x, y, z, then by row:
+ * the same set gives the same sequence however it was numbered. */
+typedef struct order_item {
+    uint64_t key;
+    double at[3]; /* finite */
+    uint32_t row;
+} order_item;
+
+/* Sort the items by their `at` and `row`; the keys are computed here. scratch: count. The second
+ * returns the axis that it took. */
+void order_sort(order_item *item, order_item *scratch, uint32_t count);
+int order_sort_along(order_item *item, order_item *scratch, uint32_t count);
 
 #endif

@@ -1,10 +1,236 @@
 #include "csrbf/saddle.h"
 
+#include "base/pool.h"
 #include "csrbf/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- centres ---- */
+
+bool merge_create(merge *out, uint32_t control_capacity)
+{
+    size_t room = (size_t)control_capacity + 1;
+    *out = (merge){0};
+    out->sorted = calloc(room, sizeof *out->sorted);
+    out->group = calloc(room, sizeof *out->group);
+    out->share = calloc(room, sizeof *out->share);
+    if (out->sorted && out->group && out->share)
+        return true;
+    merge_destroy(out);
+    return false;
+}
+
+void merge_destroy(merge *m)
+{
+    if (!m)
+        return;
+    free(m->sorted);
+    free(m->group);
+    free(m->share);
+    *m = (merge){0};
+}
+
+/* Those of one class, from item[first] on; returns where they end. */
+static uint32_t sort_class(order_item *item, uint32_t first, const merge *m, const double *centre,
+                           const csrbf_class *class, csrbf_class wanted)
+{
+    uint32_t end = first;
+    for (uint32_t control = 0; control < m->control_count; ++control)
+        if ((class ? class[control] : CSRBF_TIP) == wanted) {
+            item[end].row = control;
+            memcpy(item[end].at, centre + (size_t)3 * control, sizeof item[end].at);
+            ++end;
+        }
+    order_item *scratch = item + m->control_count;
+    if (end - first <= MRT_MAX_VECTORS) /* as many as a mapping can pull at */
+        order_sort(item + first, scratch, end - first);
+    else
+        order_sort_along(item + first, scratch, end - first);
+    return end;
+}
+
+static void sort_controls(merge *m, order_item *item, const double *centre,
+                          const csrbf_class *class)
+{
+    uint32_t end = sort_class(item, 0, m, centre, class, CSRBF_SKULL);
+    end = sort_class(item, end, m, centre, class, CSRBF_JAW);
+    end = sort_class(item, end, m, centre, class, CSRBF_TIP);
+    for (uint32_t i = 0; i < end; ++i)
+        m->sorted[i] = item[i].row;
+}
+
+/* While components are joined, group[] holds for each place in the order an earlier place of its
+ * component; the component's root holds itself. */
+static uint32_t root_of(uint32_t *group, uint32_t place)
+{
+    while (group[place] != place) {
+        group[place] = group[group[place]];
+        place = group[place];
+    }
+    return place;
+}
+
+static void join(uint32_t *group, uint32_t place, uint32_t other)
+{
+    uint32_t a = root_of(group, place), b = root_of(group, other);
+    if (a < b)
+        group[b] = a;
+    else
+        group[a] = b;
+}
+
+static bool is_close(const order_item *a, const order_item *b, double limit)
+{
+    double dx = a->at[0] - b->at[0], dy = a->at[1] - b->at[1], dz = a->at[2] - b->at[2];
+    return dx * dx + dy * dy + dz * dz <= limit;
+}
+
+/* Looks along the longest axis: of each one backwards, as far as any can be close. */
+static void join_close(merge *m, const order_item *item, order_item *scratch, double distance)
+{
+    const double limit = distance * distance;
+    for (uint32_t place = 0; place < m->control_count; ++place) {
+        m->group[place] = place;
+        scratch[place] = item[place];
+        scratch[place].row = place;
+    }
+    int axis = order_sort_along(scratch, scratch + m->control_count, m->control_count);
+    for (uint32_t i = 0; i < m->control_count; ++i)
+        for (uint32_t k = i; k-- > 0;) {
+            double way = scratch[i].at[axis] - scratch[k].at[axis];
+            if (way * way > limit)
+                break;
+            if (is_close(&scratch[i], &scratch[k], limit))
+                join(m->group, scratch[i].row, scratch[k].row);
+        }
+}
+
+/* Group numbers by the place of their roots; item[].key becomes the group of each control. */
+static void number_groups(merge *m, order_item *item)
+{
+    m->group_count = 0;
+    for (uint32_t i = 0; i < m->control_count; ++i)
+        if (root_of(m->group, i) == i)
+            item[i].key = m->group_count++;
+        else
+            item[i].key = item[root_of(m->group, i)].key;
+    for (uint32_t i = 0; i < m->control_count; ++i)
+        m->group[item[i].row] = (uint32_t)item[i].key;
+}
+
+static void share_out(merge *m, order_item *scratch, const csrbf_class *class)
+{
+    /* Of each group g: scratch[g].row its highest class, scratch[g].key its members of it. */
+    for (uint32_t g = 0; g < m->group_count; ++g)
+        scratch[g] = (order_item){0};
+    for (uint32_t control = 0; control < m->control_count; ++control) {
+        order_item *group = &scratch[m->group[control]];
+        uint32_t rank = class ? (uint32_t) class[control] : 0;
+        if (rank > group->row)
+            *group = (order_item){.row = rank};
+        group->key += rank == group->row;
+    }
+    for (uint32_t control = 0; control < m->control_count; ++control) {
+        const order_item *group = &scratch[m->group[control]];
+        uint32_t rank = class ? (uint32_t) class[control] : 0;
+        m->share[control] = rank == group->row ? 1.0 / (double)group->key : 0.0;
+    }
+}
+
+void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf_class *class,
+                uint32_t count, double distance)
+{
+    m->control_count = count;
+    sort_controls(m, scratch, centre, class);
+    join_close(m, scratch, scratch + count, distance);
+    number_groups(m, scratch);
+    share_out(m, scratch, class);
+}
+
+void merge_means(const merge *m, double *out, uint32_t stride, const double *value)
+{
+    memset(out, 0, (size_t)m->group_count * stride * sizeof *out);
+    for (uint32_t i = 0; i < m->control_count; ++i) {
+        uint32_t control = m->sorted[i];
+        double *mean = out + (size_t)m->group[control] * stride;
+        for (size_t axis = 0; axis < 3; ++axis)
+            mean[axis] += value[(size_t)3 * control + axis] * m->share[control];
+    }
+}
+
+/* ---- the factor ---- */
+
+bool envelope_create(envelope *out, uint32_t row_capacity)
+{
+    size_t rows = row_capacity;
+    *out = (envelope){.row_capacity = row_capacity, .lanes = lanes_now()};
+    out->first = calloc(rows + 1, sizeof *out->first);
+    out->start = calloc(rows + 1, sizeof *out->start);
+    out->value = calloc(rows * (rows + 1) / 2 + 1, sizeof *out->value);
+    out->group =
+        aligned_alloc(64, (rows + 1) * ENVELOPE_GROUPS * ENVELOPE_LANES * sizeof *out->group);
+    if (out->first && out->start && out->value && out->group)
+        return true;
+    envelope_destroy(out);
+    return false;
+}
+
+void envelope_destroy(envelope *e)
+{
+    if (!e)
+        return;
+    free(e->first);
+    free(e->start);
+    free(e->value);
+    free(e->group);
+    *e = (envelope){0};
+}
+
+void envelope_keep(envelope *e, uint32_t row_count)
+{
+    e->row_count = row_count;
+    e->factored_count = row_count;
+    e->start[0] = 0;
+}
+
+void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count)
+{
+    const size_t begin = from->start[first], end = from->start[row_count];
+    memcpy(e->first + first, from->first + first, (row_count - first) * sizeof *e->first);
+    memcpy(e->start + first, from->start + first, (row_count - first + 1) * sizeof *e->start);
+    memcpy(e->value + begin, from->value + begin, (end - begin) * sizeof *e->value);
+    envelope_keep(e, row_count);
+}
+
+double *envelope_add_row(envelope *e, uint32_t first)
+{
+    uint32_t row = e->row_count++;
+    e->first[row] = first;
+    e->start[row + 1] = e->start[row] + (row - first + 1);
+    return e->value + e->start[row];
+}
+
+bool envelope_factor(envelope *e, double smallest_pivot, uint32_t *out_row)
+{
+    if (!e->lanes->factor(e, smallest_pivot, out_row))
+        return false;
+    e->factored_count = e->row_count;
+    return true;
+}
+
+void envelope_solve_few(const envelope *e, double *rhs)
+{
+    e->lanes->solve_few(e, rhs);
+}
+
+void envelope_solve_many(const envelope *e, double *rhs)
+{
+    e->lanes->solve_many(e, rhs);
+}
+
+/* ---- the system ---- */
 
 static const double smallest_pivot = 1e-12;
 static const double merge_ratio = 1e-3;
@@ -329,4 +555,95 @@ void saddle_limit_gain(saddle *s, const points_bounds *box, double limit)
         --s->field.term_count;
         s->gain = gain_in(s, &effect);
     }
+}
+
+/* ---- unit responses ---- */
+
+/* Columns first .. first + count - 1 of the centres: each control's that is among them. */
+static void store_block(const merge *m, uint32_t first, uint32_t count, double sum[][POINTS_BLOCK],
+                        float *out, size_t stride, uint32_t block)
+{
+    for (uint32_t control = 0; control < m->control_count; ++control) {
+        uint32_t column = m->group[control] - first;
+        if (m->group[control] < first || column >= count)
+            continue;
+        float *restrict row = out + control * stride + (size_t)block * POINTS_BLOCK;
+        const double *restrict from = sum[column];
+        const double share = m->share[control];
+        for (int i = 0; i < POINTS_BLOCK; ++i)
+            row[i] = (float)(from[i] * share);
+    }
+}
+
+/* alpha and beta (4 by LANES_RESPONSES) of `count` unit displacements, from centre `first` on. */
+static void solve_columns(const saddle *s, uint32_t first, uint32_t count, double *alpha,
+                          double *half, double beta[4][LANES_RESPONSES])
+{
+    for (uint32_t done = 0; done < count; done += ENVELOPE_MANY) {
+        double some[4][ENVELOPE_MANY];
+        saddle_solve_units(s, first + done, half, some);
+        for (size_t i = 0; i < s->field.centre_count; ++i)
+            memcpy(alpha + i * LANES_RESPONSES + done, half + i * ENVELOPE_MANY,
+                   ENVELOPE_MANY * sizeof *alpha);
+        for (int term = 0; term < 4; ++term)
+            memcpy(beta[term] + done, some[term], sizeof some[term]);
+    }
+}
+
+/* Unit responses of the centres first .. r->count - 1 in all blocks. */
+typedef struct fill_work {
+    const saddle *s;
+    lanes_responses responses;
+    uint32_t first;
+    float *out;
+    size_t stride;
+    const points *in;
+    const uint8_t *wanted;
+} fill_work;
+
+static void fill_blocks(void *data, uint32_t first, uint32_t end)
+{
+    const fill_work *w = data;
+    const field *f = &w->s->field;
+    for (uint32_t block = first; block < end; ++block) {
+        _Alignas(64) double sum[LANES_RESPONSES][POINTS_BLOCK];
+        if (w->wanted && !w->wanted[block])
+            memset(sum, 0, sizeof sum);
+        else
+            f->lanes->responses_block(f, &w->responses, sum, w->in, block);
+        store_block(&w->s->merge, w->first, w->responses.count, sum, w->out, w->stride, block);
+    }
+}
+
+/* Each centre's kernel at each vertex, and what it adds to each column. */
+static double cost_ns(const fill_work *w)
+{
+    double each_ns = 1.0 + 0.15 * w->responses.count;
+    return each_ns * POINTS_BLOCK * w->in->block_count * w->s->field.centre_count;
+}
+
+/* All centres, some at a time. */
+static void fill(fill_work *w, double *scratch)
+{
+    uint32_t centres = w->s->field.centre_count;
+    double *alpha = scratch, *half = scratch + (size_t)centres * LANES_RESPONSES;
+    for (w->first = 0; w->first < centres; w->first += LANES_RESPONSES) {
+        uint32_t left = centres - w->first, count = left < LANES_RESPONSES ? left : LANES_RESPONSES;
+        double beta[4][LANES_RESPONSES];
+        solve_columns(w->s, w->first, count, alpha, half, beta);
+        w->responses = (lanes_responses){
+            .alpha = alpha, .stride = LANES_RESPONSES, .count = count, .beta = beta[0]};
+        const pool_work work = {.run = fill_blocks,
+                                .data = w,
+                                .part_count = w->in->block_count,
+                                .grain = FIELD_GRAIN,
+                                .cost_ns = cost_ns(w)};
+        pool_run(&work);
+    }
+}
+
+void saddle_responses(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
+                      const uint8_t *wanted)
+{
+    fill(&(fill_work){.s = s, .out = out, .stride = stride, .in = in, .wanted = wanted}, scratch);
 }

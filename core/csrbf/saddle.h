@@ -1,11 +1,82 @@
 /* csrbf/saddle.h - the linear system of a field: [A P; P^T 0] [alpha; beta] = [g; 0], by Cholesky
  * of A and block elimination of the polynomial: Y = A^-1 P, S = P^T Y, beta = S^-1 Y^T g,
- * alpha = A^-1 (g - P beta). Inside the room. [frame] all but create/destroy. */
+ * alpha = A^-1 (g - P beta). From the bottom: which controls are centres and in what order, the
+ * factor of A, the system, and the unit responses that it gives. Inside the room. [frame] all but
+ * create/destroy. */
 #ifndef MAROTTE_CSRBF_SADDLE_H
 #define MAROTTE_CSRBF_SADDLE_H
-#include "csrbf/envelope.h"
 #include "csrbf/field.h"
-#include "csrbf/merge.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- centres: controls in canonical order, joined where they coincide ---- */
+
+/* Connected components of "not further apart than a distance". Of a component only the members of
+ * its highest class count; it stands at their mean, and moves by the mean of their displacements.
+ * The order: the skull, then the jaw, then the tips, so that what a factor says of pins does not
+ * depend on tips; of each class few along a Morton curve, and many along their longest axis: for
+ * centres all over a head the factorisation then has half as much to do as along the curve, and two
+ * thirds of what it has after reverse Cuthill-McKee. */
+typedef struct merge {
+    uint32_t control_count, group_count;
+    uint32_t *sorted; /* control_count: the controls in canonical order */
+    uint32_t *group;  /* of each control; groups are in canonical order too */
+    double *share;    /* of each control in its group's mean: 1 / members that count, or 0 */
+} merge;
+
+bool merge_create(merge *out, uint32_t control_capacity); /* false: no memory */
+void merge_destroy(merge *m);
+
+/* centre: count by 3, finite. class: count, or NULL. scratch: three times count. */
+void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf_class *class,
+                uint32_t count, double distance);
+/* Means of the controls' rows of 3: out is group_count by stride, its further columns are 0. */
+void merge_means(const merge *m, double *out, uint32_t stride, const double *value);
+
+/* ---- the factor of a symmetric positive definite matrix ---- */
+
+/* Stored by its envelope: each row from its first nonzero to the diagonal; the factor has no fill
+ * outside. Rows are worked on in groups for speed; every entry is still its own sum over ascending
+ * columns, so the bits do not depend on the grouping. */
+
+/* Right-hand sides that are solved together: few for a pull, many for unit responses. */
+enum { ENVELOPE_FEW = 4, ENVELOPE_MANY = 16 };
+/* Rows are factored in groups, and some groups together; a group begins at a multiple of
+ * ENVELOPE_ALIKE. */
+enum { ENVELOPE_LANES = 32, ENVELOPE_GROUPS = 2, ENVELOPE_ALIKE = 4 };
+
+typedef struct envelope {
+    uint32_t row_capacity, row_count;
+    uint32_t factored_count; /* rows whose values are those of the factor */
+    uint32_t *first;         /* of each row: column of its first entry */
+    size_t *start;           /* of each row: where it begins in value; row_capacity + 1 */
+    double *value;           /* the matrix, then its factor */
+    double *group;           /* scratch of each group: row_capacity by ENVELOPE_LANES */
+    const struct lanes *lanes;
+} envelope;
+
+bool envelope_create(envelope *out, uint32_t row_capacity); /* false: no memory */
+void envelope_destroy(envelope *e);
+
+/* The first `row_count` rows stay, which have been factored; the others go. row_count: a multiple
+ * of ENVELOPE_ALIKE. */
+void envelope_keep(envelope *e, uint32_t row_count);
+/* The same of those of `from`, whose rows before `first` are these. */
+void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count);
+/* The next row, from column `first` to the diagonal, for the caller to fill. */
+double *envelope_add_row(envelope *e, uint32_t first);
+
+/* Of the rows that are not factored yet. False when a pivot is not above `smallest_pivot`; its row
+ * is then in out_row. */
+bool envelope_factor(envelope *e, double smallest_pivot, uint32_t *out_row);
+
+/* Solves in place; rhs: row_count by ENVELOPE_FEW or by ENVELOPE_MANY. */
+void envelope_solve_few(const envelope *e, double *rhs);
+void envelope_solve_many(const envelope *e, double *rhs);
+
+/* ---- the system ---- */
 
 typedef struct saddle {
     merge merge;
@@ -42,5 +113,17 @@ void saddle_solve_units(const saddle *s, uint32_t first, double *alpha,
 /* Drops the flattest direction of the polynomial until, at the corners of the box, it is at most
  * `limit` times the displacements: sum_k |d p / d g_k| <= limit. Clears the solution. */
 void saddle_limit_gain(saddle *s, const points_bounds *box, double limit);
+
+/* ---- unit responses ---- */
+
+/* B_k: what one control's unit displacement does to each vertex, so that d(x) = sum_k B_k(x) g_k.
+ */
+
+enum { SADDLE_SCRATCH = 48 }; /* doubles for each centre */
+
+/* out: a row of `stride` floats per control; zero in blocks that are not wanted (NULL: all are).
+ * scratch: centre_count by SADDLE_SCRATCH. */
+void saddle_responses(const saddle *s, double *scratch, float *out, size_t stride, const points *in,
+                      const uint8_t *wanted);
 
 #endif

@@ -8,7 +8,6 @@
 
 #include "base/pool.h"
 #include "csrbf/shape.h"
-#include "csrbf/tangents.h"
 #include "property/csrbf_scene.h"
 
 #include <math.h>
@@ -19,7 +18,7 @@
 enum { VERTICES_MAX = 9000, CONTROLS = 37, LAYERS = 2 };
 static const uint32_t sizes[] = {1, 64, 65, 1023, 1025, 2113, VERTICES_MAX};
 
-static float vertex[VERTICES_MAX][3], normal[3][VERTICES_MAX + POINTS_BLOCK];
+static float vertex[VERTICES_MAX][3];
 static double start[CONTROLS][3], pull[CONTROLS][3], end[CONTROLS][3];
 
 static int fill(void **state)
@@ -29,8 +28,6 @@ static int fill(void **state)
     for (int i = 0; i < VERTICES_MAX; ++i)
         for (int axis = 0; axis < 3; ++axis)
             vertex[i][axis] = (float)scene_number(&seed, 2.5);
-    for (int i = 0; i < VERTICES_MAX + POINTS_BLOCK; ++i)
-        normal[2][i] = 1.0f;
     for (int k = 0; k < CONTROLS; ++k)
         for (int axis = 0; axis < 3; ++axis) {
             start[k][axis] = scene_number(&seed, 2.5);
@@ -44,7 +41,7 @@ static int fill(void **state)
 typedef struct outcome {
     float moved[VERTICES_MAX][3], pulled[VERTICES_MAX][3], dragged[VERTICES_MAX][3];
     float layered[VERTICES_MAX][3];
-    float response[CONTROLS][VERTICES_MAX], along[CONTROLS][VERTICES_MAX];
+    float response[CONTROLS][VERTICES_MAX];
     uint32_t touched;
     double slope, determinant;
     shape_step step, layered_step;
@@ -96,17 +93,6 @@ static void drag_layers(outcome *out, shape *s, const csrbf_settings *settings)
     free(weight);
 }
 
-static void derive(outcome *out, const shape *s, uint32_t count)
-{
-    error err = {""};
-    tangents t;
-    const float *const n[3] = {normal[0], normal[1], normal[2]};
-    must(tangents_create(&t, &s->rest, CONTROLS, &err), &err);
-    if (tangents_engage(&t, s->solver, &s->base, n, CONTROLS))
-        keep_rows(out->along, &t.along1, count);
-    tangents_destroy(&t);
-}
-
 static void perform(outcome *out, uint32_t count, const csrbf_settings *settings)
 {
     error err = {""};
@@ -115,7 +101,6 @@ static void perform(outcome *out, uint32_t count, const csrbf_settings *settings
     must(shape_create(&s, vertex[0], count, CONTROLS, &err), &err);
     must(shape_engage(&s, settings, start[0], CONTROLS, &err), &err);
     keep_rows(out->response, &s.response, count);
-    derive(out, &s, count);
     must(shape_pull(&s, pull[0], &err), &err);
     points_to_rows(out->pulled[0], &s.shown, &s.order);
     must(csrbf_solve(s.solver, pull[0], &err), &err);

@@ -19,7 +19,7 @@ static const char help[] =
     "printed stands beside it for context: another computer, display included.\n\n"
     "  --quick      under 20 s: fewer rounds, cold caches only where they matter\n"
     "  --gate       fails when a ratio is not even half of what is promised\n"
-    "  --only PART  grid, bones, normals, factor, threads, frame, stage\n"
+    "  --only PART  grid, bones, factor, threads, frame, stage\n"
     "  --json       one object for machines\n\n"
     "MAROTTE_ISA=generic|v2|v3|v4 makes the engine use that instruction set, MAROTTE_THREADS=N so\n"
     "many threads.\n";
@@ -29,9 +29,8 @@ typedef struct part {
     mrt_result (*run)(bench *self, error *err);
 } part;
 static const part parts[] = {
-    {"grid", bench_grid},     {"bones", bench_bones},     {"normals", bench_normals},
-    {"factor", bench_factor}, {"threads", bench_threads}, {"frame", bench_frame},
-    {"stage", bench_stage},
+    {"grid", bench_grid},       {"bones", bench_bones}, {"factor", bench_factor},
+    {"threads", bench_threads}, {"frame", bench_frame}, {"stage", bench_stage},
 };
 enum { PARTS = sizeof parts / sizeof parts[0] };
 
@@ -117,10 +116,9 @@ static bool read_options(bench *self, int argc, char **argv, const part **out_on
                 if (strcmp(argv[i], parts[k].name) == 0)
                     *out_only = &parts[k];
             if (!*out_only) {
-                error_set(
-                    err, MRT_ERR_ARGUMENT,
-                    "--only %s: there are grid, bones, normals, factor, threads, frame, stage",
-                    argv[i]);
+                error_set(err, MRT_ERR_ARGUMENT,
+                          "--only %s: there are grid, bones, factor, threads, frame, stage",
+                          argv[i]);
                 return false;
             }
         } else {

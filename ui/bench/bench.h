@@ -101,9 +101,8 @@ uint32_t bench_promises(bench *self);
 
 /* ---- the parts, in the order in which they are printed ---- */
 CHECKED mrt_result bench_machine(bench *self, error *err);
-CHECKED mrt_result bench_grid(bench *self, error *err);  /* the paper's Table 1, and larger */
-CHECKED mrt_result bench_bones(bench *self, error *err); /* fields with constraint centres */
-CHECKED mrt_result bench_normals(bench *self, error *err);
+CHECKED mrt_result bench_grid(bench *self, error *err);    /* the paper's Table 1, and larger */
+CHECKED mrt_result bench_bones(bench *self, error *err);   /* fields with constraint centres */
 CHECKED mrt_result bench_factor(bench *self, error *err);  /* factorisation, up to 3 000 centres */
 CHECKED mrt_result bench_threads(bench *self, error *err); /* one and several */
 CHECKED mrt_result bench_frame(bench *self, error *err);   /* the whole frame on the puppet */

@@ -1,7 +1,6 @@
 /* The paper's Table 1: planar models, radii, anchored and unanchored; and larger models. */
 #include "bench/bench.h"
 #include "bench/bench_plane.h"
-#include "csrbf/columns_packed.h"
 #include "csrbf/shape.h"
 
 #include <math.h>
@@ -49,7 +48,6 @@ typedef struct cell { /* one model at one radius */
     bench *of;
     const bench_plane *plane;
     shape shape;
-    columns_packed packed; /* of the shape's responses */
     csrbf_solver *solver;
     bench_naive naive;
     csrbf_settings step; /* of the unanchored one */
@@ -65,13 +63,6 @@ static void run_anchored(void *data)
     mrt_result result = shape_pull(&self->shape, self->pull, NULL);
     if (result < 0)
         self->failed = result;
-}
-
-static void run_packed(void *data)
-{
-    cell *self = data;
-    columns_packed_move(&self->packed, &self->shape.response, &self->shape.shown, &self->shape.base,
-                        self->pull);
 }
 
 static void run_direct(void *data)
@@ -313,35 +304,26 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
     return prepare(self, radius_mm, err); /* a step lets go of the shape */
 }
 
-/* From memory: the columns, the packed ones and no columns, in one comparison. */
+/* From memory: the columns and no columns, in one comparison. */
 static void measure_cold(cell *self)
 {
     bench *of = self->of;
-    char line[192];
-    columns_packed_take(&self->packed, &self->shape.response);
+    char line[128];
     bench_work work[] = {
         {.name = "columns", .run = run_anchored, .data = self, .before = flush},
-        {.name = "packed", .run = run_packed, .data = self, .before = flush},
         {.name = "direct", .run = run_direct, .data = self, .before = flush},
-        {.name = "packed, hot", .run = run_packed, .data = self},
     };
     bench_measure(work, sizeof work / sizeof work[0], 2 * of->rounds, 6.0 * of->seconds);
-    double vertices = self->plane->vertex_count, packed_ns = work[1].least_ns;
-    snprintf(
-        line, sizeof line,
-        "cold       columns %.3f, packed %.3f (hot %.3f), direct %.3f ns/vertex: packed %.2f x "
-        "direct",
-        work[0].least_ns / vertices, packed_ns / vertices, work[3].least_ns / vertices,
-        work[2].least_ns / vertices, work[2].least_ns / packed_ns);
+    double vertices = self->plane->vertex_count, columns_ns = work[0].least_ns;
+    snprintf(line, sizeof line,
+             "cold       columns %.3f, direct %.3f ns/vertex: columns %.2f x direct",
+             columns_ns / vertices, work[1].least_ns / vertices, work[1].least_ns / columns_ns);
     const facts_cell cells[] = {
         {"vertices", NULL, vertices, 0},
-        {"columns_cold_ns", NULL, work[0].least_ns, 1},
-        {"packed_cold_ns", NULL, packed_ns, 1},
-        {"packed_hot_ns", NULL, work[3].least_ns, 1},
-        {"direct_cold_ns", NULL, work[2].least_ns, 1},
+        {"columns_cold_ns", NULL, columns_ns, 1},
+        {"direct_cold_ns", NULL, work[1].least_ns, 1},
     };
     facts_row(of->told, "cold", "33025 R=80", line, cells, sizeof cells / sizeof cells[0]);
-    bench_at_least(of, "packed, cold: over direct", work[2].least_ns / packed_ns, 2.0);
 }
 
 static bool has_value(const float *value, size_t count)
@@ -390,8 +372,6 @@ static mrt_result measure_model(bench *self, const model *m, error *err)
     mrt_result result = bench_plane_create(&plane, m->quads, m->has_centres, err);
     if (result >= 0)
         result = shape_create(&c.shape, plane.xyz, plane.vertex_count, BENCH_CONTROLS, err);
-    if (result >= 0)
-        result = columns_packed_create(&c.packed, &c.shape.response, err);
     if (result >= 0 && !(c.solver = csrbf_solver_create(BENCH_CONTROLS)))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a solver");
     for (uint32_t i = 0; i < BENCH_RADII && result >= 0; ++i) {
@@ -403,7 +383,6 @@ static mrt_result measure_model(bench *self, const model *m, error *err)
         progress_show(&self->shown, -1.0, "the paper's grid");
     }
     csrbf_solver_destroy(c.solver);
-    columns_packed_destroy(&c.packed);
     shape_destroy(&c.shape);
     bench_plane_destroy(&plane);
     return result;

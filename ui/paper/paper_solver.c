@@ -4,9 +4,8 @@
 
 #include "base/clock.h"
 #include "bench/bench_plane.h"
-#include "csrbf/envelope.h"
 #include "csrbf/kernel.h"
-#include "csrbf/order.h"
+#include "csrbf/saddle.h"
 #include "csrbf/shape.h"
 #include "io/mesh_file.h"
 #include "paper/svg.h"

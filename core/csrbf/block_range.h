@@ -1,8 +1,9 @@
-/* csrbf/points_range.h - the bounds of a block of vertices. Each file that includes it gets it
- * for its own instruction set. Inside the room. Pure; any thread. */
-#ifndef MAROTTE_CSRBF_POINTS_RANGE_H
-#define MAROTTE_CSRBF_POINTS_RANGE_H
-#include "csrbf/points.h"
+/* csrbf/block_range.h - the least and the greatest numbers of a block of 64 vertices. Each file
+ * that includes it gets it for its own instruction set. Inside the room. Pure; any thread. */
+#ifndef MAROTTE_CSRBF_BLOCK_RANGE_H
+#define MAROTTE_CSRBF_BLOCK_RANGE_H
+
+enum { BLOCK_RANGE = 64 }; /* POINTS_BLOCK */
 
 static inline float range_lesser(float a, float b)
 {
@@ -18,7 +19,7 @@ static inline float range_greater(float a, float b)
  * inline: within a loop over blocks gcc 12 takes it to pieces, which takes five times as long. */
 __attribute__((noinline)) static void range_of(float *out_low, float *out_high, const float *value)
 {
-    enum { HALF = POINTS_BLOCK / 2, QUARTER = HALF / 2, EIGHTH = HALF / 4, LANES = HALF / 8 };
+    enum { HALF = BLOCK_RANGE / 2, QUARTER = HALF / 2, EIGHTH = HALF / 4, LANES = HALF / 8 };
     float low[HALF], high[HALF];
     for (int i = 0; i < HALF; ++i) {
         low[i] = range_lesser(value[i], value[i + HALF]);
@@ -40,13 +41,12 @@ __attribute__((noinline)) static void range_of(float *out_low, float *out_high, 
     *out_high = range_greater(range_greater(high[0], high[1]), range_greater(high[2], high[3]));
 }
 
-static inline void points_range_of_block(points *p, uint32_t block)
+static inline void block_range(float out_low[3], float out_high[3], const float *x, const float *y,
+                               const float *z)
 {
-    size_t first = (size_t)block * POINTS_BLOCK;
-    points_bounds *bounds = &p->block[block];
-    range_of(&bounds->low[0], &bounds->high[0], p->x + first);
-    range_of(&bounds->low[1], &bounds->high[1], p->y + first);
-    range_of(&bounds->low[2], &bounds->high[2], p->z + first);
+    range_of(&out_low[0], &out_high[0], x);
+    range_of(&out_low[1], &out_high[1], y);
+    range_of(&out_low[2], &out_high[2], z);
 }
 
 #endif
