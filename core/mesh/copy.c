@@ -59,6 +59,18 @@ static void copy_targets(copying *c, mesh *out, const mesh *m)
     }
 }
 
+static void copy_skin(copying *c, mesh *out, const mesh *m)
+{
+    out->joint = copy_array(c, m->joint, m->joint_count, sizeof *m->joint);
+    for (uint32_t i = 0; out->joint && i < m->joint_count; ++i) {
+        out->joint[i].name = copy_text(c, m->joint[i].name);
+        out->joint[i].role = copy_text(c, m->joint[i].role);
+    }
+    size_t count = (size_t)m->vertex_count * MESH_SKIN_WIDTH;
+    out->skin_joint = copy_array(c, m->skin_joint, count, sizeof *m->skin_joint);
+    out->skin_weight = copy_array(c, m->skin_weight, count, sizeof *m->skin_weight);
+}
+
 mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
 {
     copying c = {false};
@@ -71,6 +83,7 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
     copy_parts(&c, out, m);
     copy_attributes(&c, out, m);
     copy_targets(&c, out, m);
+    copy_skin(&c, out, m);
     out->note = copy_text(&c, m->note);
     if (!c.failed)
         return MRT_OK;

@@ -52,6 +52,13 @@ void mesh_destroy(mesh *m)
         free(m->target[i].name);
         free(m->target[i].offset);
     }
+    for (uint32_t i = 0; m->joint && i < m->joint_count; ++i) {
+        free(m->joint[i].name);
+        free(m->joint[i].role);
+    }
+    free(m->joint);
+    free(m->skin_joint);
+    free(m->skin_weight);
     free(m->position);
     free(m->triangle);
     free(m->normal);
@@ -102,6 +109,24 @@ static bool all_finite(const float *value, size_t count)
     return true;
 }
 
+static mrt_result validate_skin(const mesh *m, error *err)
+{
+    for (uint32_t i = 0; i < m->joint_count; ++i) {
+        const mesh_joint *joint = &m->joint[i];
+        if (joint->parent != MESH_NO_JOINT && joint->parent >= i)
+            return error_set(err, MRT_ERR_FORMAT, "joint \"%s\" comes before its parent",
+                             joint->name);
+        if (!all_finite(joint->rest, 12))
+            return error_set(err, MRT_ERR_FORMAT, "joint \"%s\" is nowhere", joint->name);
+    }
+    size_t count = m->skin_joint ? (size_t)m->vertex_count * MESH_SKIN_WIDTH : 0;
+    for (size_t i = 0; i < count; ++i)
+        if (m->skin_joint[i] >= m->joint_count || !isfinite(m->skin_weight[i]))
+            return error_set(err, MRT_ERR_FORMAT, "vertex %zu follows joint %u of %u",
+                             i / MESH_SKIN_WIDTH, m->skin_joint[i], m->joint_count);
+    return MRT_OK;
+}
+
 mrt_result mesh_validate(const mesh *m, error *err)
 {
     size_t v3 = (size_t)m->vertex_count * 3;
@@ -139,5 +164,5 @@ mrt_result mesh_validate(const mesh *m, error *err)
                         (size_t)m->vertex_count * m->attribute[i].component_count))
             return error_set(err, MRT_ERR_FORMAT, "attribute \"%s\" is not finite",
                              m->attribute[i].name);
-    return MRT_OK;
+    return validate_skin(m, err);
 }

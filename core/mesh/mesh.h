@@ -33,6 +33,27 @@ typedef struct mesh_target { /* a morph target */
     float *offset; /* vertex_count by 3, mm, to be added to position */
 } mesh_target;
 
+/* A joint of a skeleton. Parents come before their children. */
+typedef struct mesh_joint {
+    char *name;      /* of its node; "" when the file has none */
+    char *role;      /* VRM's word for it ("head", "jaw", "leftEye"); "": the file does not say */
+    uint32_t parent; /* index into mesh.joint; MESH_NO_JOINT: a root */
+    float rest[12];  /* joint to mesh at rest: three rows of four, the last of a row in mm */
+} mesh_joint;
+#define MESH_NO_JOINT UINT32_MAX
+enum { MESH_SKIN_WIDTH = 4 }; /* joints that a vertex follows at most */
+
+/* A direction of the file's coordinates. */
+typedef enum mesh_axis {
+    MESH_AXIS_AUTO = 0, /* not said */
+    MESH_AXIS_X,
+    MESH_AXIS_Y,
+    MESH_AXIS_Z,
+    MESH_AXIS_MINUS_X,
+    MESH_AXIS_MINUS_Y,
+    MESH_AXIS_MINUS_Z
+} mesh_axis;
+
 typedef struct mesh {
     uint32_t vertex_count, triangle_count;
     float *position; /* vertex_count by 3, mm, finite */
@@ -44,8 +65,14 @@ typedef struct mesh {
     mesh_attribute *attribute;
     mesh_target *target;
     uint32_t material_count, part_count, attribute_count, target_count;
-    double mm_per_unit; /* what the file's coordinates were multiplied by */
-    char *note;         /* what a person should know of it, lines ended by \n; NULL: nothing */
+    /* The skeleton at rest, which is how the positions stand. */
+    mesh_joint *joint;
+    uint32_t joint_count;
+    uint32_t *skin_joint;  /* vertex_count by MESH_SKIN_WIDTH; NULL: no vertex follows a joint */
+    float *skin_weight;    /* likewise: largest first, sum 1, or all 0: it follows none */
+    double mm_per_unit;    /* what the file's coordinates were multiplied by */
+    mesh_axis up, forward; /* of the file's coordinates; the mesh itself has up +y, forward +z */
+    char *note;            /* what a person should know of it, lines ended by \n; NULL: nothing */
 } mesh;
 
 /* Allocates position and triangle, zeroed, with one part "" and one grey material. */
@@ -61,7 +88,8 @@ __attribute__((format(printf, 2, 3))) void mesh_note(mesh *m, const char *format
 void mesh_bounds(const mesh *m, float out_low[3], float out_high[3]);
 
 /* What every reader's result is checked with, and what a caller with a mesh of his own can use:
- * finite positions and targets, indices in range, parts disjoint and covering. */
+ * finite positions, targets and weights, indices in range, parts disjoint and covering, parents of
+ * joints before them. */
 CHECKED mrt_result mesh_validate(const mesh *m, error *err);
 
 #endif

@@ -270,11 +270,11 @@ static void what_is_not_applied_is_noted(void **state)
     mesh m =
         read_good("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1,"
                   "'targets':[{'POSITION':2}]}],'weights':[0.5]}],"
-                  "'nodes':[{'mesh':0,'skin':0}],'skins':[{'joints':[0]}],"
+                  "'nodes':[{'mesh':0,'skin':0},{}],'skins':[{'joints':[1]}],"
                   "'scenes':[{'nodes':[0]},{'nodes':[]}],"
                   "'images':[{'uri':'missing.png'},{'bufferView':99}],"
                   "'animations':[{'channels':7}],'extensionsRequired':['KHR_materials_unlit']");
-    assert_non_null(strstr(m.note, "1 nodes have skins"));
+    assert_non_null(strstr(m.note, "1 skins were not applied"));
     assert_non_null(strstr(m.note, "default weights"));
     assert_non_null(strstr(m.note, "one of 2 scenes"));
     assert_string_equal(m.target[0].name, "target.0");

@@ -43,6 +43,8 @@ size_t components_of(int type)
         return 3;
     case TINYGLTF_TYPE_VEC4:
         return 4;
+    case TINYGLTF_TYPE_MAT4:
+        return 16;
     default:
         return 0;
     }
@@ -91,7 +93,7 @@ gltf_accessor::gltf_accessor(const tinygltf::Model &model, int index)
     if (component_size_ == 0)
         fail("its component type is not one of glTF's");
     if (component_count_ == 0)
-        fail("matrices are not read");
+        fail("small matrices are not read");
     if (accessor_.count == 0 || accessor_.count > GLTF_COUNT_MAX)
         fail("its count must be from 1 to 16777216");
     if (accessor_.bufferView >= 0)

@@ -141,6 +141,12 @@ void check_node(const json &node, const std::string &where)
     check_numbers(node, where, "scale", 3);
 }
 
+void check_skin(const json &skin, const std::string &where)
+{
+    check_whole(skin, where, {"inverseBindMatrices", "skeleton"});
+    check_indices(skin, where, "joints");
+}
+
 void check_scene(const json &scene, const std::string &where)
 {
     check_indices(scene, where, "nodes");
@@ -212,6 +218,7 @@ void check_document(const json &document)
     check_section(document, "meshes", check_mesh);
     check_section(document, "nodes", check_node);
     check_section(document, "scenes", check_scene);
+    check_section(document, "skins", check_skin);
     check_section(document, "materials", check_material);
 }
 
@@ -330,9 +337,13 @@ tinygltf::Model gltf_load(const gltf_container &container, const char *directory
 {
     json document = parse_json(container.json);
     check_document(document);
-    for (const char *section : {"animations", "cameras", "extensions", "extras", "images",
-                                "samplers", "skins", "textures"})
+    for (const char *section :
+         {"animations", "cameras", "extras", "images", "samplers", "textures"})
         document.erase(section);
+    if (document.contains("skins"))
+        for (json &skin : document["skins"])
+            if (!skin.contains("inverseBindMatrices"))
+                skin["inverseBindMatrices"] = -1; /* tinygltf asks for them; glTF does not */
     buffer_source source = {{nullptr, nullptr}, directory, {""}};
     prepare_buffers(document, container, source);
 

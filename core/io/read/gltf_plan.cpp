@@ -19,6 +19,7 @@ group_key key_of(const tinygltf::Primitive &primitive)
     group_key key;
     for (const auto &attribute : primitive.attributes)
         if (attribute.first == "POSITION" || attribute.first == "NORMAL" ||
+            attribute.first.rfind("JOINTS_", 0) == 0 || attribute.first.rfind("WEIGHTS_", 0) == 0 ||
             gltf_is_custom(attribute.first))
             key.push_back(attribute);
     for (const auto &target : primitive.targets) {
@@ -44,6 +45,7 @@ class planner
     gltf_plan make()
     {
         plan_.scene = gltf_scene_of(model_);
+        plan_.skeleton = gltf_skeleton_of(model_, plan_.scene);
         plan_.has_normals = true;
         for (const gltf_instance &instance : plan_.scene.instances) {
             if (plan_.meshes.count(instance.mesh) == 0)
@@ -195,6 +197,8 @@ class planner
             gltf_fail(MRT_ERR_UNSUPPORTED, "the scene shows more than %d primitives",
                       MESH_BUILD_NAMES_MAX);
         size_t per_vertex = 6 + 3 * plan_.targets.size();
+        if (!plan_.skeleton.joints.empty())
+            per_vertex += 2 * MESH_SKIN_WIDTH;
         for (const gltf_attribute_plan &attribute : plan_.attributes)
             per_vertex += attribute.component_count;
         check_budget(plan_.vertex_count * per_vertex + plan_.triangle_count * 3);

@@ -5,6 +5,7 @@
 #define MAROTTE_IO_GLTF_PLAN_HPP
 #include "io/read/gltf_accessor.hpp"
 #include "io/read/gltf_scene.hpp"
+#include "io/read/gltf_skin.hpp"
 
 #include <map>
 
@@ -32,6 +33,7 @@ struct gltf_attribute_plan {
 
 struct gltf_plan {
     gltf_scene scene;
+    gltf_skeleton skeleton;
     std::map<size_t, gltf_mesh_plan> meshes; /* those that the scene shows */
     std::vector<std::string> targets;
     std::vector<gltf_attribute_plan> attributes;

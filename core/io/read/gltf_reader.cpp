@@ -112,6 +112,28 @@ void make_attributes(mesh &out, const gltf_plan &plan)
     }
 }
 
+void make_joints(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
+{
+    const gltf_skeleton &skeleton = plan.skeleton;
+    out.forward = skeleton.forward;
+    if (skeleton.joints.empty())
+        return;
+    out.joint = zeroed<mesh_joint>(skeleton.joints.size());
+    for (const gltf_joint &from : skeleton.joints) {
+        mesh_joint &joint = out.joint[out.joint_count++];
+        joint.name = clean_name(model.nodes[from.node].name);
+        joint.role = clean_name(from.role);
+        joint.parent = from.parent;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column)
+                joint.rest[row * 4 + column] = (float)from.world.linear[row][column];
+            joint.rest[row * 4 + 3] = (float)from.world.shift[row];
+        }
+    }
+    out.skin_joint = zeroed<uint32_t>(plan.vertex_count * MESH_SKIN_WIDTH);
+    out.skin_weight = zeroed<float>(plan.vertex_count * MESH_SKIN_WIDTH);
+}
+
 class reader
 {
   public:
@@ -126,9 +148,11 @@ class reader
         uint32_t *triangle = out_.triangle;
         for (const gltf_instance &instance : plan_.scene.instances) {
             const gltf_mesh_plan &mesh = plan_.meshes.at(instance.mesh);
+            gltf_skin skin(model_, plan_.skeleton, instance);
             for (const gltf_group_plan &group : mesh.groups)
-                read_group(mesh, group, instance.world, vertex + group.first_vertex);
-            bool mirrors = gltf_transform_mirrors(instance.world);
+                read_group(mesh, group, skin, vertex + group.first_vertex);
+            unweighted_count_ += skin.unweighted_count();
+            bool mirrors = skin.mirrors();
             for (const gltf_primitive_plan &surface : mesh.surfaces) {
                 const gltf_group_plan &group = mesh.groups[surface.group];
                 read_triangles(triangle, surface, group, (uint32_t)(vertex + group.first_vertex),
@@ -143,19 +167,26 @@ class reader
     {
         return misfit_count_;
     }
+    size_t unweighted_count() const
+    {
+        return unweighted_count_;
+    }
 
   private:
-    void read_group(const gltf_mesh_plan &mesh, const gltf_group_plan &group,
-                    const gltf_transform &world, size_t first)
+    void read_group(const gltf_mesh_plan &mesh, const gltf_group_plan &group, gltf_skin &skin,
+                    size_t first)
     {
         const tinygltf::Primitive &source = *group.source;
+        if (out_.skin_joint)
+            skin.read(source, group.vertex_count, out_.skin_joint + first * MESH_SKIN_WIDTH,
+                      out_.skin_weight + first * MESH_SKIN_WIDTH);
         float *position = out_.position + first * 3;
         gltf_accessor(model_, source.attributes.at("POSITION")).read_floats(position);
-        gltf_transform_points(world, position, group.vertex_count);
+        skin.place_points(position, group.vertex_count);
         if (plan_.has_normals) {
             float *normal = out_.normal + first * 3;
             gltf_accessor(model_, source.attributes.at("NORMAL")).read_floats(normal);
-            gltf_transform_normals(world, normal, group.vertex_count);
+            skin.place_normals(normal, group.vertex_count);
         }
         for (const auto &attribute : source.attributes)
             if (gltf_is_custom(attribute.first))
@@ -166,8 +197,7 @@ class reader
                 continue;
             float *offset = out_.target[mesh.target_slots[i]].offset + first * 3;
             gltf_accessor(model_, offsets->second).read_floats(offset);
-            if (!gltf_transform_is_linear_identity(world))
-                gltf_transform_vectors(world, offset, group.vertex_count);
+            skin.place_vectors(offset, group.vertex_count);
         }
     }
 
@@ -212,7 +242,7 @@ class reader
     mesh &out_;
     const tinygltf::Model &model_;
     const gltf_plan &plan_;
-    size_t misfit_count_ = 0;
+    size_t misfit_count_ = 0, unweighted_count_ = 0;
 };
 
 bool has_default_weights(const tinygltf::Model &model, const gltf_plan &plan)
@@ -224,21 +254,24 @@ bool has_default_weights(const tinygltf::Model &model, const gltf_plan &plan)
     return false;
 }
 
-void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan, size_t misfit_count)
+void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan, const reader &r)
 {
     if (!plan.scene.has_nodes)
         mesh_note(&out, "the file has no nodes: its meshes are taken as they are");
     if (model.scenes.size() > 1)
         mesh_note(&out, "one of %zu scenes was read", model.scenes.size());
-    if (plan.scene.skinned_count)
-        mesh_note(&out, "%zu nodes have skins, which were not applied", plan.scene.skinned_count);
+    if (plan.skeleton.ignored_skin_count)
+        mesh_note(&out, "%zu skins were not applied: the scene does not show their joints",
+                  plan.skeleton.ignored_skin_count);
+    if (r.unweighted_count())
+        mesh_note(&out, "%zu vertices of a skin follow none of its joints", r.unweighted_count());
     if (plan.skipped_count)
         mesh_note(&out, "%zu primitives of points or lines were skipped", plan.skipped_count);
     if (has_default_weights(model, plan))
         mesh_note(&out, "the default weights of the morph targets were not applied");
-    if (misfit_count)
+    if (r.misfit_count())
         mesh_note(&out, "%zu custom attributes were skipped: another primitive has another type",
-                  misfit_count);
+                  r.misfit_count());
     mesh_build_note_degenerate(&out);
 }
 
@@ -258,13 +291,14 @@ void parse(mesh &out, const void *data, size_t size, const char *directory)
     make_parts(out, model, plan);
     make_targets(out, plan);
     make_attributes(out, plan);
+    make_joints(out, model, plan);
     if (plan.has_normals)
         out.normal = zeroed<float>(plan.vertex_count * 3);
     reader r(out, model, plan);
     r.read();
     mesh_build_unit_normals(&out);
     mesh_build_part_ranges(&out);
-    add_notes(out, model, plan, r.misfit_count());
+    add_notes(out, model, plan, r);
     result = mesh_validate(&out, &failed);
     if (result < 0)
         throw gltf_failure(result, failed.text);

@@ -2,31 +2,17 @@
 
 #include <cmath>
 
+const gltf_transform GLTF_TRANSFORM_IDENTITY = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
+
 namespace
 {
 
-const gltf_transform IDENTITY = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
+const gltf_transform &IDENTITY = GLTF_TRANSFORM_IDENTITY;
 
 void multiply(const gltf_transform &t, double x, double y, double z, double out[3])
 {
     for (int row = 0; row < 3; ++row)
         out[row] = t.linear[row][0] * x + t.linear[row][1] * y + t.linear[row][2] * z;
-}
-
-/* First b, then a. */
-gltf_transform compose(const gltf_transform &a, const gltf_transform &b)
-{
-    gltf_transform out;
-    for (int column = 0; column < 3; ++column) {
-        double image[3];
-        multiply(a, b.linear[0][column], b.linear[1][column], b.linear[2][column], image);
-        for (int row = 0; row < 3; ++row)
-            out.linear[row][column] = image[row];
-    }
-    multiply(a, b.shift[0], b.shift[1], b.shift[2], out.shift);
-    for (int row = 0; row < 3; ++row)
-        out.shift[row] += a.shift[row];
-    return out;
 }
 
 bool is_finite(const gltf_transform &t)
@@ -127,42 +113,44 @@ std::vector<int> find_roots(const tinygltf::Model &model)
 }
 
 struct pending_node {
-    int index;
+    int index, parent_index;
     gltf_transform parent;
 };
 
 void push_reversed(std::vector<pending_node> &stack, const std::vector<int> &nodes,
-                   const gltf_transform &parent)
+                   int parent_index, const gltf_transform &parent)
 {
     for (size_t i = nodes.size(); i-- > 0;)
-        stack.push_back({nodes[i], parent});
+        stack.push_back({nodes[i], parent_index, parent});
 }
 
-void add_instance(gltf_scene &out, const tinygltf::Model &model, int mesh, const std::string &name,
-                  const gltf_transform &world)
+const std::string &mesh_name(const tinygltf::Model &model, int mesh)
 {
     if ((size_t)mesh >= model.meshes.size())
         gltf_fail(MRT_ERR_FORMAT, "a node names mesh %d, but %zu are there", mesh,
                   model.meshes.size());
-    const std::string &mesh_name = model.meshes[(size_t)mesh].name;
-    out.instances.push_back({(size_t)mesh, name.empty() ? mesh_name : name, world});
+    return model.meshes[(size_t)mesh].name;
 }
 
 void add_nodes(gltf_scene &out, const tinygltf::Model &model)
 {
     std::vector<pending_node> stack;
-    push_reversed(stack, find_roots(model), IDENTITY);
+    push_reversed(stack, find_roots(model), -1, IDENTITY);
     while (!stack.empty()) {
         pending_node next = stack.back();
         stack.pop_back();
         const tinygltf::Node &node = model.nodes[(size_t)next.index];
-        gltf_transform world = compose(next.parent, transform_of_node(node, next.index));
+        gltf_transform world =
+            gltf_transform_compose(next.parent, transform_of_node(node, next.index));
         if (!is_finite(world))
             gltf_fail(MRT_ERR_FORMAT, "node %d: its transform is too large", next.index);
-        out.skinned_count += node.skin >= 0;
-        if (node.mesh >= 0)
-            add_instance(out, model, node.mesh, node.name, world);
-        push_reversed(stack, node.children, world);
+        out.nodes.push_back({(size_t)next.index, next.parent_index, world});
+        if (node.mesh >= 0) {
+            const std::string &of_mesh = mesh_name(model, node.mesh);
+            out.instances.push_back({(size_t)node.mesh, node.name.empty() ? of_mesh : node.name,
+                                     world, (size_t)next.index, true, node.skin});
+        }
+        push_reversed(stack, node.children, next.index, world);
     }
 }
 
@@ -178,12 +166,27 @@ double determinant(const gltf_transform &t)
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model)
 {
-    gltf_scene out = {{}, 0, !model.nodes.empty()};
+    gltf_scene out = {{}, {}, !model.nodes.empty()};
     if (out.has_nodes)
         add_nodes(out, model);
     else
         for (size_t i = 0; i < model.meshes.size(); ++i)
-            add_instance(out, model, (int)i, "", IDENTITY);
+            out.instances.push_back({i, model.meshes[i].name, IDENTITY, 0, false, -1});
+    return out;
+}
+
+gltf_transform gltf_transform_compose(const gltf_transform &a, const gltf_transform &b)
+{
+    gltf_transform out;
+    for (int column = 0; column < 3; ++column) {
+        double image[3];
+        multiply(a, b.linear[0][column], b.linear[1][column], b.linear[2][column], image);
+        for (int row = 0; row < 3; ++row)
+            out.linear[row][column] = image[row];
+    }
+    multiply(a, b.shift[0], b.shift[1], b.shift[2], out.shift);
+    for (int row = 0; row < 3; ++row)
+        out.shift[row] += a.shift[row];
     return out;
 }
 

@@ -11,20 +11,33 @@ struct gltf_transform {  /* x -> linear x + shift */
     double shift[3];
 };
 
+extern const gltf_transform GLTF_TRANSFORM_IDENTITY;
+
 struct gltf_instance {
     size_t mesh;
     std::string name; /* of the node, else of the mesh */
     gltf_transform world;
+    size_t node; /* has_node: of the model */
+    bool has_node;
+    int skin; /* -1: none */
+};
+
+struct gltf_placed_node {
+    size_t node;
+    int parent; /* node; -1: a root */
+    gltf_transform world;
 };
 
 struct gltf_scene {
-    std::vector<gltf_instance> instances; /* in the order of the nodes, parents first */
-    size_t skinned_count;                 /* nodes with a skin */
+    std::vector<gltf_instance> instances; /* in the order of the nodes */
+    std::vector<gltf_placed_node> nodes;  /* parents first */
     bool has_nodes;                       /* false: every mesh once, as it is */
 };
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model);
 
+/* First b, then a. */
+gltf_transform gltf_transform_compose(const gltf_transform &a, const gltf_transform &b);
 bool gltf_transform_mirrors(const gltf_transform &t);
 bool gltf_transform_is_linear_identity(const gltf_transform &t);
 /* In place, `count` by 3: points; vectors such as offsets; directions of normals. */

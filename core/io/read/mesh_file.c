@@ -103,6 +103,9 @@ static void scale(mesh *m, double mm_per_unit)
     for (uint32_t t = 0; t < m->target_count; ++t)
         for (size_t i = 0; i < (size_t)m->vertex_count * 3; ++i)
             m->target[t].offset[i] = (float)((double)m->target[t].offset[i] * mm_per_unit);
+    for (uint32_t j = 0; j < m->joint_count; ++j)
+        for (size_t i = 3; i < 12; i += 4)
+            m->joint[j].rest[i] = (float)((double)m->joint[j].rest[i] * mm_per_unit);
 }
 
 /* The unit in which a head is between 100 and 1000 mm high. */
