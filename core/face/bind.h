@@ -29,12 +29,10 @@ typedef struct bind_start { /* a vertex, and how far it is already, mm */
     double distance_mm;
 } bind_start;
 /* How far vertices are along the edges of the surface from the nearest of several. out_distance:
- * vertex_count, mm; infinite beyond reach_mm and where no edges lead. twin: vertex_count, for each
- * vertex the next one of a ring that is the same place of the surface (itself: none is); NULL:
- * edges only. false: no memory. Any thread. */
+ * vertex_count, mm; infinite beyond reach_mm and where no edges lead. false: no memory. Any
+ * thread. */
 CHECKED bool bind_distances(double *out_distance, const bind_start *start, uint32_t start_count,
-                            double reach_mm, const mesh *m, const topology *t,
-                            const uint32_t *twin);
+                            double reach_mm, const mesh *m, const topology *t);
 
 typedef struct binding {
     uint32_t vertex_count, bone_count;

@@ -79,6 +79,8 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
     out->position = copy_array(&c, m->position, vertices, sizeof *m->position);
     out->triangle = copy_array(&c, m->triangle, corners, sizeof *m->triangle);
     out->normal = copy_array(&c, m->normal, vertices, sizeof *m->normal);
+    out->point = copy_array(&c, m->point, m->vertex_count, sizeof *m->point);
+    out->smooth = copy_array(&c, m->smooth, m->vertex_count, sizeof *m->smooth);
     copy_materials(&c, out, m);
     copy_parts(&c, out, m);
     copy_attributes(&c, out, m);

@@ -62,6 +62,8 @@ void mesh_destroy(mesh *m)
     free(m->position);
     free(m->triangle);
     free(m->normal);
+    free(m->point);
+    free(m->smooth);
     free(m->material);
     free(m->part);
     free(m->attribute);

@@ -1,5 +1,6 @@
 /* mesh/mesh.h - a mesh as read from a file: plain arrays in the file's own vertex order, mm, with
- * the names that the file gave its parts. Vertices are never duplicated, dropped or renumbered.
+ * the names that the file gave its parts. Vertices are never duplicated, dropped or renumbered;
+ * which of them are one point of the surface is said beside.
  * Leaves out topology (topology.h) and the layout that the engine deforms (csrbf/points.h).
  * [main] builds it; read-only afterwards on any thread. */
 #ifndef MAROTTE_MESH_MESH_H
@@ -60,6 +61,10 @@ typedef struct mesh {
     uint32_t
         *triangle; /* triangle_count by 3, each < vertex_count, counter-clockwise from outside */
     float *normal; /* vertex_count by 3, unit, or NULL when the file has none */
+    /* vertex_count each, or both NULL: every vertex is by itself (weld.h). The first vertex of the
+     * same point of the surface, at the same place bit for bit; of those of one point, the first
+     * that faces the same way, so that no edge shows between them. */
+    uint32_t *point, *smooth;
     mesh_material *material;
     mesh_part *part;
     mesh_attribute *attribute;
@@ -83,6 +88,11 @@ void mesh_destroy(mesh *m);
 
 /* Appends one line to the note (a message for a person, not an error). */
 __attribute__((format(printf, 2, 3))) void mesh_note(mesh *m, const char *format, ...);
+
+static inline uint32_t mesh_point(const mesh *m, uint32_t vertex)
+{
+    return m->point ? m->point[vertex] : vertex;
+}
 
 /* Bounds of the positions. */
 void mesh_bounds(const mesh *m, float out_low[3], float out_high[3]);

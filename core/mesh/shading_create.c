@@ -8,9 +8,9 @@ enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: no power o
 
 /* The mesh while it is taken in. */
 typedef struct source {
-    const uint32_t *triangle;
+    const uint32_t *triangle, *smooth;
     uint32_t triangle_count, vertex_count, block_count;
-    uint32_t *start, *of; /* the triangles of each vertex, ascending */
+    uint32_t *start, *of; /* the triangles of each vertex that stands for others, ascending */
     uint32_t *local;      /* triangle_count: its index in the block that has it last */
     uint32_t *owner;      /* triangle_count: 1 + that block */
     uint32_t *entry;      /* block_count: where the block is among the neighbours of `whose` */
@@ -39,16 +39,21 @@ static bool allocate_source(source *s)
     return s->start && s->of && s->local && s->owner && s->entry && s->whose;
 }
 
+static uint32_t smooth_of(const source *s, uint32_t vertex)
+{
+    return s->smooth ? s->smooth[vertex] : vertex;
+}
+
 /* start is shifted by one while it is filled. */
 static void list_triangles(source *s)
 {
     size_t corners = (size_t)3 * s->triangle_count;
     for (size_t i = 0; i < corners; ++i)
-        s->start[s->triangle[i] + 2] += 1;
+        s->start[smooth_of(s, s->triangle[i]) + 2] += 1;
     for (uint32_t v = 0; v < s->vertex_count; ++v)
         s->start[v + 2] += s->start[v + 1];
     for (size_t i = 0; i < corners; ++i)
-        s->of[s->start[s->triangle[i] + 1]++] = (uint32_t)(i / 3);
+        s->of[s->start[smooth_of(s, s->triangle[i]) + 1]++] = (uint32_t)(i / 3);
 }
 
 /* ---- one block ---- */
@@ -77,7 +82,7 @@ static void take_triangles(shading *self, source *s, uint32_t block)
     shading_block *b = &self->block[block];
     b->triangle_count = b->more_count = 0;
     for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
-        uint32_t v = block * SHADING_BLOCK + lane, first = s->start[v];
+        uint32_t v = smooth_of(s, block * SHADING_BLOCK + lane), first = s->start[v];
         for (uint32_t i = first; i < s->start[v + 1]; ++i) {
             uint32_t t = s->of[i];
             if (i - first < SHADING_TABLED) {
@@ -99,7 +104,8 @@ static void end_table(shading *self, const source *s, uint32_t block)
 {
     for (uint32_t lane = 0; lane < SHADING_BLOCK; ++lane) {
         uint32_t v = block * SHADING_BLOCK + lane;
-        uint32_t count = v < s->vertex_count ? s->start[v + 1] - s->start[v] : 0;
+        uint32_t leader = v < s->vertex_count ? smooth_of(s, v) : 0;
+        uint32_t count = v < s->vertex_count ? s->start[leader + 1] - s->start[leader] : 0;
         for (uint32_t i = count; i < SHADING_TABLED; ++i)
             self->table[block].triangle[lane][i] = (uint16_t)self->block[block].triangle_count;
     }
@@ -124,7 +130,7 @@ static void take_neighbours(shading *self, source *s, uint32_t block)
 {
     self->block[block].neighbour_count = 0;
     for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
-        uint32_t v = block * SHADING_BLOCK + lane;
+        uint32_t v = smooth_of(s, block * SHADING_BLOCK + lane);
         for (uint32_t i = s->start[v]; i < s->start[v + 1]; ++i)
             for (size_t k = 0; k < 3; ++k) {
                 uint32_t other = s->triangle[(size_t)3 * s->of[i] + k] / SHADING_BLOCK;
@@ -171,9 +177,11 @@ static bool list_blocks(shading *self, source *s)
     return true;
 }
 
-static bool take_in(shading *self, const uint32_t *triangle, uint32_t triangle_count)
+static bool take_in(shading *self, const uint32_t *triangle, uint32_t triangle_count,
+                    const uint32_t *smooth)
 {
     source s = {.triangle = triangle,
+                .smooth = smooth,
                 .triangle_count = triangle_count,
                 .vertex_count = self->vertex_count,
                 .block_count = self->block_count};
@@ -223,7 +231,8 @@ static void take_rest(shading *self, const float *const rest[3])
 }
 
 mrt_result shading_create(shading **out, const float *const rest[3], uint32_t vertex_count,
-                          const uint32_t *triangle, uint32_t triangle_count, error *err)
+                          const uint32_t *triangle, uint32_t triangle_count, const uint32_t *smooth,
+                          error *err)
 {
     *out = NULL;
     shading *self = calloc(1, sizeof *self);
@@ -231,7 +240,7 @@ mrt_result shading_create(shading **out, const float *const rest[3], uint32_t ve
         self->vertex_count = vertex_count;
         self->block_count = vertex_count / SHADING_BLOCK + (vertex_count % SHADING_BLOCK != 0);
     }
-    if (!self || !allocate(self) || !take_in(self, triangle, triangle_count)) {
+    if (!self || !allocate(self) || !take_in(self, triangle, triangle_count, smooth)) {
         shading_destroy(self);
         return error_set(err, MRT_ERR_MEMORY, "no memory for the normals of %u triangles",
                          triangle_count);

@@ -1,5 +1,7 @@
 /* mesh/topology.h - what is connected to what: neighbours, borders, and the faces that a manifold
- * cannot hold. Built by io/openmesh.h; plain arrays for everybody. Read-only on any thread. */
+ * cannot hold. Of points of the surface: each stands at its first vertex (mesh.point), and its
+ * other vertices have empty rows. Built by io/openmesh.h; plain arrays for everybody. Read-only on
+ * any thread. */
 #ifndef MAROTTE_MESH_TOPOLOGY_H
 #define MAROTTE_MESH_TOPOLOGY_H
 #include "base/error.h"
@@ -14,7 +16,7 @@ typedef struct topology {
     uint32_t border_loop_count;
     uint32_t *rejected_triangle; /* triangles that are degenerate or not manifold, ascending */
     uint32_t rejected_count;
-    uint32_t isolated_vertex_count; /* vertices of no accepted triangle */
+    uint32_t isolated_vertex_count; /* of empty rows */
     uint32_t component_count;       /* connected parts of the surface, isolated vertices left out */
 } topology;
 

@@ -51,7 +51,7 @@ static shading *shade(const pair *self, error *err)
     const float *const at[3] = {rest->x, rest->y, rest->z};
     shading *made = NULL;
     must(shading_create(&made, at, rest->count, self->triangle, self->performed.mesh.triangle_count,
-                        err),
+                        NULL, err),
          err);
     return made;
 }

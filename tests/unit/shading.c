@@ -50,8 +50,8 @@ static void create(void)
 {
     error err = {""};
     const float *const rest[3] = {s.at[0], s.at[1], s.at[2]};
-    if (shading_create(&s.shading, rest, s.vertex_count, s.triangle[0], s.triangle_count, &err) <
-            0 ||
+    if (shading_create(&s.shading, rest, s.vertex_count, s.triangle[0], s.triangle_count, NULL,
+                       &err) < 0 ||
         stamps_create(&s.written, s.block_count, &err) < 0)
         fail_msg("%s", err.text);
 }

@@ -395,13 +395,14 @@ static void find_interest(double *out, const suggesting *s, uint32_t vertex_coun
 }
 
 /* Where a contact may be: mobile vertices of the largest piece of surface, not lashes and brows. */
-static mrt_result find_places(uint8_t *is_place, const suggesting *s, const topology *t, error *err)
+static mrt_result find_places(uint8_t *is_place, const suggesting *s, const mesh *m,
+                              const topology *t, error *err)
 {
     size_t room = t->vertex_count + (size_t)2;
     uint32_t *piece = malloc(room * sizeof *piece), *size = calloc(room, sizeof *size);
     uint32_t count = 0, largest = 0;
     mrt_result result =
-        piece != NULL && size != NULL ? pieces_find(piece, &count, t, err) : no_memory(err);
+        piece != NULL && size != NULL ? pieces_find(piece, &count, m, t, err) : no_memory(err);
     for (uint32_t v = 0; result == MRT_OK && v < t->vertex_count; v++)
         size[piece[v]]++;
     for (uint32_t c = 0; result == MRT_OK && c < count; c++)
@@ -430,7 +431,7 @@ static mrt_result prepare(suggesting *s, uint32_t count, const mesh *m, const to
     for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++)
         is_skin[v] = s->binding->mobility[v] > 0;
     if (result == MRT_OK)
-        result = find_places(is_place, s, t, err);
+        result = find_places(is_place, s, m, t, err);
     if (result == MRT_OK)
         find_interest(interest, s, m->vertex_count);
     if (result == MRT_OK)

@@ -22,7 +22,7 @@ static void list_skin(face *f, const mesh *m)
         uint32_t *corner = f->skin + (size_t)3 * f->skin_count;
         bool is_mobile = false;
         for (size_t c = 0; c < 3; ++c) {
-            corner[c] = f->order.slot_of_file[m->triangle[(size_t)3 * t + c]];
+            corner[c] = f->order.slot_of_file[mesh_point(m, m->triangle[(size_t)3 * t + c])];
             is_mobile = is_mobile || f->mobility[corner[c]] > 0.0f;
         }
         if (is_mobile && vec3_length(area_of(&f->rest, corner)) > 0.0)

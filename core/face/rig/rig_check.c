@@ -187,6 +187,8 @@ static bool label_pieces(pieces *p, const mesh *m, const topology *t)
     }
     memset(p->of_vertex, 0xff, room * sizeof *p->of_vertex);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        if (mesh_point(m, v) != v)
+            p->of_vertex[v] = p->of_vertex[mesh_point(m, v)];
         if (p->of_vertex[v] != UINT32_MAX)
             continue;
         flood(p, stack, v, t);

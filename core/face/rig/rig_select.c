@@ -73,20 +73,18 @@ static double edge_length(const mesh *m, uint32_t a, uint32_t b)
 typedef struct walk { /* as often as wanted: each costs what it reaches */
     const mesh *m;
     const topology *t;
-    const uint32_t *twin;
     heap h;
     double *distance;  /* vertex_count; infinite where it has not been */
     uint32_t *reached; /* where it has been */
     size_t reached_count;
 } walk;
 
-static bool walk_init(walk *out, const mesh *m, const topology *t, const uint32_t *twin,
-                      double *distance, uint32_t start_count)
+static bool walk_init(walk *out, const mesh *m, const topology *t, double *distance,
+                      uint32_t start_count)
 {
-    /* Each edge and twin pushes at most once in each direction. */
-    size_t push_max =
-        t->neighbour_start[t->vertex_count] + (twin ? t->vertex_count : 0u) + start_count + 1u;
-    *out = (walk){.m = m, .t = t, .twin = twin, .distance = distance};
+    /* Each edge pushes at most once in each direction. */
+    size_t push_max = t->neighbour_start[t->vertex_count] + start_count + 1u;
+    *out = (walk){.m = m, .t = t, .distance = distance};
     out->h.item = malloc(push_max * sizeof *out->h.item);
     out->reached = malloc(((size_t)m->vertex_count + 1) * sizeof *out->reached);
     for (uint32_t v = 0; v < m->vertex_count; ++v)
@@ -123,8 +121,6 @@ static void walk_on(walk *w, double reach_mm)
             uint32_t next = t->neighbour[i];
             reach(w, next, at.distance + edge_length(w->m, at.vertex, next), reach_mm);
         }
-        if (w->twin)
-            reach(w, w->twin[at.vertex], at.distance, reach_mm);
     }
 }
 
@@ -136,14 +132,16 @@ static void walk_forget(walk *w)
 }
 
 bool bind_distances(double *out_distance, const bind_start *start, uint32_t start_count,
-                    double reach_mm, const mesh *m, const topology *t, const uint32_t *twin)
+                    double reach_mm, const mesh *m, const topology *t)
 {
     walk w;
-    bool has_memory = walk_init(&w, m, t, twin, out_distance, start_count);
+    bool has_memory = walk_init(&w, m, t, out_distance, start_count);
     for (uint32_t i = 0; has_memory && i < start_count; ++i)
-        reach(&w, start[i].vertex, start[i].distance_mm, reach_mm);
+        reach(&w, mesh_point(m, start[i].vertex), start[i].distance_mm, reach_mm);
     if (has_memory)
         walk_on(&w, reach_mm);
+    for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v)
+        out_distance[v] = out_distance[mesh_point(m, v)];
     walk_finish(&w);
     return has_memory;
 }
@@ -189,6 +187,15 @@ static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, er
     if (result < 0)
         error_prefix(err, path_of(select));
     return result;
+}
+
+/* A point of which one vertex is selected is selected. */
+static void spread(float *out, const mesh *m)
+{
+    for (uint32_t v = 0; m->point && v < m->vertex_count; ++v)
+        out[m->point[v]] = fmaxf(out[m->point[v]], out[v]);
+    for (uint32_t v = 0; m->point && v < m->vertex_count; ++v)
+        out[v] = out[m->point[v]];
 }
 
 /* ---- by number ---- */
@@ -337,11 +344,11 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
                          path_of(select), select->vertex, m->vertex_count);
     if (!s->distance) {
         s->distance = malloc(((size_t)m->vertex_count + 1) * sizeof *s->distance);
-        if (!s->distance || !walk_init(&s->walk, m, s->t, NULL, s->distance, 1))
+        if (!s->distance || !walk_init(&s->walk, m, s->t, s->distance, 1))
             return no_memory(err);
     }
     walk *w = &s->walk;
-    reach(w, select->vertex, 0.0, select->within_mm);
+    reach(w, mesh_point(m, select->vertex), 0.0, select->within_mm);
     walk_on(w, select->within_mm);
     for (size_t i = 0; i < w->reached_count; ++i)
         out[w->reached[i]] = 1.0f;
@@ -381,6 +388,37 @@ static mrt_result select_not(float *out, const rig_select *select, selecting *s,
     return result;
 }
 
+/* One that speaks of vertices, not of places. */
+static mrt_result select_by_vertex(float *out, const rig_select *select, selecting *s, error *err)
+{
+    const mesh *m = s->m;
+    mrt_result result = MRT_OK;
+    switch (select->kind) {
+    case SELECT_VERTICES:
+        result = select_vertices(out, select, s, err);
+        break;
+    case SELECT_GROUP:
+        result = pay(s, select, m->part_count, err);
+        if (result >= 0)
+            result = select_group(out, select, m, err);
+        break;
+    case SELECT_ATTRIBUTE:
+        result = select_attribute(out, select, m, err);
+        break;
+    case SELECT_PAINTED:
+        result = pay(s, select, select->range_count, err);
+        if (result >= 0)
+            result = select_painted(out, select, m, err);
+        break;
+    default:
+        result = select_within(out, select, s, err);
+        break;
+    }
+    if (result >= 0)
+        spread(out, m);
+    return result;
+}
+
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;
@@ -392,25 +430,19 @@ static mrt_result select_one(float *out, const rig_select *select, selecting *s,
     case SELECT_NOTHING:
         break;
     case SELECT_VERTICES:
-        return select_vertices(out, select, s, err);
     case SELECT_GROUP:
-        result = pay(s, select, m->part_count, err);
-        return result < 0 ? result : select_group(out, select, m, err);
     case SELECT_ATTRIBUTE:
-        return select_attribute(out, select, m, err);
+    case SELECT_PAINTED:
+    case SELECT_WITHIN:
+        return select_by_vertex(out, select, s, err);
     case SELECT_BOX:
     case SELECT_ELLIPSOID:
     case SELECT_HALF_SPACE:
         select_shape(out, select, m);
         break;
-    case SELECT_WITHIN:
-        return select_within(out, select, s, err);
     case SELECT_ALL:
     case SELECT_ANY:
         return select_joined(out, select, s, err);
-    case SELECT_PAINTED:
-        result = pay(s, select, select->range_count, err);
-        return result < 0 ? result : select_painted(out, select, m, err);
     case SELECT_NOT:
         return select_not(out, select, s, err);
     }

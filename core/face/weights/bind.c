@@ -28,18 +28,19 @@ static vec3 position_of(const mesh *m, uint32_t vertex)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-static bool is_corner(const uint32_t *corner, uint32_t vertex)
+static bool is_corner(const mesh *m, const uint32_t *corner, uint32_t point)
 {
-    return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex;
+    return mesh_point(m, corner[0]) == point || mesh_point(m, corner[1]) == point ||
+           mesh_point(m, corner[2]) == point;
 }
 
-/* Of the triangles at the vertex, weighted by area. */
+/* Of the triangles at the vertex's point, weighted by area. */
 static vec3 normal_at(const mesh *m, uint32_t vertex)
 {
     vec3 sum = {0, 0, 0};
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
-        if (!is_corner(corner, vertex))
+        if (!is_corner(m, corner, mesh_point(m, vertex)))
             continue;
         vec3 a = position_of(m, corner[0]);
         sum = vec3_add(sum, vec3_cross(vec3_sub(position_of(m, corner[1]), a),
@@ -65,14 +66,16 @@ static mrt_result place_contacts(binding *out, const rig *r, const mesh *m, erro
 }
 
 /* A contact that names its bone rides on it alone. */
-static void hold_contacts(bind_marks *marks, const rig *r, uint32_t vertex_count)
+static void hold_contacts(bind_marks *marks, const rig *r, const mesh *m)
 {
     for (uint32_t c = 0; c < r->contact_count; c++) {
         const rig_contact *contact = &r->contact[c];
         if (contact->bone == RIG_NONE || marks->rigid_bone[contact->vertex] != RIG_NONE)
             continue;
-        for (uint32_t b = 0; b < r->bone_count; b++)
-            marks->weight[(size_t)b * vertex_count + contact->vertex] = b == contact->bone ? 1 : 0;
+        uint32_t point = mesh_point(m, contact->vertex);
+        for (uint32_t v = point; v < (m->point ? m->vertex_count : point + 1); v++)
+            for (uint32_t b = 0; b < r->bone_count && mesh_point(m, v) == point; b++)
+                marks->weight[(size_t)b * m->vertex_count + v] = b == contact->bone ? 1 : 0;
     }
 }
 
@@ -108,9 +111,9 @@ mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topol
     if (result == MRT_OK && paints)
         result = bind_marks_create_bare(&bare, r, m, t, err);
     if (result == MRT_OK)
-        hold_contacts(&marks, r, m->vertex_count);
+        hold_contacts(&marks, r, m);
     if (result == MRT_OK && paints)
-        hold_contacts(&bare, r, m->vertex_count);
+        hold_contacts(&bare, r, m);
     if (result == MRT_OK)
         result = binding_fill(out, paints ? &bare : &marks, paints ? &marks : NULL, r, m, t, err);
     bind_marks_destroy(&marks);

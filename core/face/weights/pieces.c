@@ -20,7 +20,8 @@ static void flood(uint32_t *piece, uint32_t *stack, uint32_t number, uint32_t fr
     }
 }
 
-mrt_result pieces_find(uint32_t *out_piece, uint32_t *out_count, const topology *t, error *err)
+mrt_result pieces_find(uint32_t *out_piece, uint32_t *out_count, const mesh *m, const topology *t,
+                       error *err)
 {
     uint32_t *stack = malloc((t->vertex_count + (size_t)1) * sizeof *stack);
     if (stack == NULL)
@@ -33,7 +34,9 @@ mrt_result pieces_find(uint32_t *out_piece, uint32_t *out_count, const topology 
         if (out_piece[v] == UINT32_MAX && t->neighbour_start[v] < t->neighbour_start[v + 1])
             flood(out_piece, stack, (*out_count)++, v, t);
     for (uint32_t v = 0; v < t->vertex_count; v++)
-        if (out_piece[v] == UINT32_MAX)
+        if (mesh_point(m, v) != v)
+            out_piece[v] = out_piece[mesh_point(m, v)];
+        else if (out_piece[v] == UINT32_MAX)
             out_piece[v] = *out_count;
     free(stack);
     return MRT_OK;

@@ -98,6 +98,15 @@ static void take_weights(weights *w, float *weight)
     }
 }
 
+/* What stands at the first vertex of each point, to its others. */
+static void spread(const weights *w, float *value, uint32_t column_count)
+{
+    size_t count = w->mesh->vertex_count;
+    for (uint32_t c = 0; c < column_count && w->mesh->point; c++)
+        for (uint32_t v = 0; v < count; v++)
+            value[c * count + v] = value[c * count + w->mesh->point[v]];
+}
+
 /* A contact about which nothing is said can be pulled: else most rigs could not move. */
 static void take_mobility(weights *w, float *mobility)
 {
@@ -112,9 +121,13 @@ static void take_mobility(weights *w, float *mobility)
         uint32_t v = w->rig->contact[c].vertex;
         if (v >= count || w->is_given[v])
             continue;
+        v = mesh_point(w->mesh, v);
         w->is_given[v] = 1;
         mobility[v] = 1;
     }
+    spread(w, mobility, 1);
+    for (uint32_t v = 0; v < count; v++)
+        w->is_given[v] = w->is_given[mesh_point(w->mesh, v)];
 }
 
 /* ---- what is filled ---- */
@@ -131,8 +144,8 @@ static bool find_free(weights *w)
                 w->has_mark[w->component[v]] = 1;
         }
     for (uint32_t v = 0; v < w->mesh->vertex_count; v++) {
-        w->is_free[v] = !w->is_given[v] && w->has_mark[w->component[v]];
-        w->is_settled[v] = w->is_given[v] || w->is_free[v];
+        w->is_settled[v] = w->is_given[v] || w->has_mark[w->component[v]];
+        w->is_free[v] = w->is_settled[v] && !w->is_given[v] && mesh_point(w->mesh, v) == v;
     }
     return is_any_given;
 }
@@ -182,9 +195,11 @@ static mrt_result follow(weights *w, float *value, uint32_t column_count, error 
                          w->mesh->vertex_count);
     follow_scene scene = {w->mesh->position,  w->mesh->vertex_count, w->component,
                           w->component_count, w->marks->rigid_bone,  w->is_settled};
+    spread(w, value, column_count);
     mrt_result result = follow_find(leader, w->is_given, &scene, err);
     for (size_t v = 0; result == MRT_OK && v < count; v++) {
-        w->is_free[v] = !w->is_settled[v] && !w->is_given[v];
+        w->is_free[v] =
+            !w->is_settled[v] && !w->is_given[v] && mesh_point(w->mesh, (uint32_t)v) == v;
         for (uint32_t c = 0; c < column_count && w->is_given[v]; c++)
             value[c * count + v] = value[c * count + leader[v]];
     }
@@ -380,7 +395,7 @@ mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
                            m->vertex_count);
     if (result == MRT_OK)
-        result = pieces_find(w.component, &w.component_count, t, err);
+        result = pieces_find(w.component, &w.component_count, m, t, err);
     if (result == MRT_OK)
         result = laplace_create(&w.laplace, m, t, err);
     if (result == MRT_OK)
@@ -389,6 +404,10 @@ mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *
         result = fill_mobility(&w, out->mobility, err);
     if (result == MRT_OK && painted != NULL)
         result = paint(&w, out, err);
+    if (result == MRT_OK) {
+        spread(&w, out->weight, r->bone_count);
+        spread(&w, out->mobility, 1);
+    }
     laplace_destroy(&w.laplace);
     free(w.component);
     free(w.is_given);

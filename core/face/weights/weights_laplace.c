@@ -74,7 +74,10 @@ static void add_triangles(laplace *l, const mesh *m)
             next_rejected++;
             continue;
         }
-        add_triangle(l, m, m->triangle + 3 * (size_t)i);
+        const uint32_t *corner = m->triangle + 3 * (size_t)i;
+        add_triangle(l, m,
+                     (uint32_t[3]){mesh_point(m, corner[0]), mesh_point(m, corner[1]),
+                                   mesh_point(m, corner[2])});
     }
 }
 

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "io/read/mesh_child.h"
+#include "mesh/weld.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -161,6 +162,8 @@ mrt_result mesh_file_read(mesh *out, const char *path, mesh_unit unit, error *er
         scale(out, mm_per_unit_of(out, unit, format));
         result = mesh_validate(out, err);
     }
+    if (result == MRT_OK)
+        result = mesh_weld(out, err);
     if (result < 0) {
         error_prefix(err, path);
         mesh_destroy(out);

@@ -66,7 +66,9 @@ std::vector<uint32_t> build(half_edges &out, const mesh &m)
         out.add_vertex(half_edges::Point(p[0], p[1], p[2]));
     }
     for (uint32_t t = 0; t < m.triangle_count; ++t) {
-        const uint32_t *corner = m.triangle + (size_t)t * 3;
+        uint32_t corner[3];
+        for (size_t i = 0; i < 3; ++i)
+            corner[i] = mesh_point(&m, m.triangle[(size_t)t * 3 + i]);
         bool degenerate =
             corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0];
         if (degenerate || !out.add_face(OpenMesh::VertexHandle((int)corner[0]),

@@ -672,13 +672,20 @@ static mrt_result create_shading(composer *self, const mesh *m, error *err)
     const float *const at[3] = {rest->x, rest->y, rest->z};
     size_t corners = (size_t)m->triangle_count * 3;
     uint32_t *triangle = malloc(corners * sizeof *triangle + 1);
-    if (!triangle)
+    uint32_t *smooth = malloc(m->vertex_count * sizeof *smooth + 1);
+    if (!triangle || !smooth) {
+        free(triangle);
+        free(smooth);
         return error_set(err, MRT_ERR_MEMORY, "no memory for its normals");
+    }
     for (size_t i = 0; i < corners; ++i)
         triangle[i] = order->slot_of_file[m->triangle[i]];
-    mrt_result result =
-        shading_create(&self->shading, at, rest->count, triangle, m->triangle_count, err);
+    for (uint32_t v = 0; m->smooth && v < m->vertex_count; ++v)
+        smooth[order->slot_of_file[v]] = order->slot_of_file[m->smooth[v]];
+    mrt_result result = shading_create(&self->shading, at, rest->count, triangle, m->triangle_count,
+                                       m->smooth ? smooth : NULL, err);
     free(triangle);
+    free(smooth);
     return result;
 }
 

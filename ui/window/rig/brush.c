@@ -19,7 +19,6 @@ struct brush {
     const topology *t;
     brush_shape shape;
     float *normal;     /* vertex_count by 3 */
-    uint32_t *twin;    /* vertex_count, see bind_distances */
     double *distance;  /* vertex_count, scratch */
     bind_start *start; /* scratch: a vertex and its neighbours */
     float *touch[2];   /* vertex_count */
@@ -72,56 +71,6 @@ static bool find_normals(brush *self)
     return true;
 }
 
-typedef struct placed {
-    float at[3];
-    uint32_t vertex;
-} placed;
-
-static int compare_placed(const void *left, const void *right)
-{
-    const placed *a = left, *b = right;
-    for (int i = 0; i < 3; ++i)
-        if (a->at[i] < b->at[i] || a->at[i] > b->at[i])
-            return a->at[i] < b->at[i] ? -1 : 1;
-    return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
-}
-
-/* Vertices at one place that face alike are one place of the surface (a seam of a texture); lips
- * that touch face otherwise. Only a file's own normals tell: those of a seam computed from either
- * side differ. */
-static bool are_twins(const brush *self, const placed *a, const placed *b)
-{
-    return distance_between(a->at, b->at) <= 0.0 &&
-           dot(self->m->normal + (size_t)a->vertex * 3, self->m->normal + (size_t)b->vertex * 3) >
-               0.999;
-}
-
-static bool find_twins(brush *self)
-{
-    uint32_t count = self->m->vertex_count;
-    for (uint32_t v = 0; v < count; ++v)
-        self->twin[v] = v;
-    if (!self->m->normal)
-        return true;
-    placed *sorted = malloc(((size_t)count + 1) * sizeof *sorted);
-    if (!sorted)
-        return false;
-    for (uint32_t v = 0; v < count; ++v) {
-        memcpy(sorted[v].at, position_of(self, v), sizeof sorted[v].at);
-        sorted[v].vertex = v;
-    }
-    qsort(sorted, count, sizeof *sorted, compare_placed);
-    for (uint32_t i = 1; i < count; ++i) { /* rings: each new twin is put in behind the last */
-        uint32_t before = sorted[i - 1].vertex, vertex = sorted[i].vertex;
-        if (!are_twins(self, &sorted[i - 1], &sorted[i]))
-            continue;
-        self->twin[vertex] = self->twin[before];
-        self->twin[before] = vertex;
-    }
-    free(sorted);
-    return true;
-}
-
 /* The middle of the head; of all that there is where that fits better or no head is found. */
 static bool find_middle(brush *self)
 {
@@ -157,13 +106,12 @@ static bool allocate(brush *self)
 {
     size_t count = (size_t)self->m->vertex_count + 1;
     self->normal = calloc(count * 3, sizeof *self->normal);
-    self->twin = calloc(count, sizeof *self->twin);
     self->distance = calloc(count, sizeof *self->distance);
     self->start = calloc(most_neighbours(self->t) + 1u, sizeof *self->start);
     self->touch[BRUSH_HERE] = calloc(count, sizeof(float));
     self->touch[BRUSH_THERE] = calloc(count, sizeof(float));
     self->touched = calloc(count, sizeof *self->touched);
-    return self->normal && self->twin && self->distance && self->start && self->touch[BRUSH_HERE] &&
+    return self->normal && self->distance && self->start && self->touch[BRUSH_HERE] &&
            self->touch[BRUSH_THERE] && self->touched;
 }
 
@@ -176,7 +124,7 @@ mrt_result brush_create(brush **out, const mesh *m, const topology *t, error *er
     self->m = m;
     self->t = t;
     self->last_vertex = NONE;
-    if (allocate(self) && find_middle(self) && find_normals(self) && find_twins(self))
+    if (allocate(self) && find_middle(self) && find_normals(self))
         return MRT_OK;
     brush_destroy(self);
     *out = NULL;
@@ -188,7 +136,6 @@ void brush_destroy(brush *self)
     if (!self)
         return;
     free(self->normal);
-    free(self->twin);
     free(self->distance);
     free(self->start);
     free(self->touch[BRUSH_HERE]);
@@ -249,6 +196,7 @@ static mrt_result spread(brush *self, uint32_t vertex, const float position[3], 
 {
     const topology *t = self->t;
     uint32_t count = 0;
+    vertex = mesh_point(self->m, vertex);
     self->start[count++] =
         (bind_start){vertex, distance_between(position_of(self, vertex), position)};
     for (uint32_t i = t->neighbour_start[vertex]; i < t->neighbour_start[vertex + 1]; ++i) {
@@ -256,7 +204,7 @@ static mrt_result spread(brush *self, uint32_t vertex, const float position[3], 
         self->start[count++] =
             (bind_start){next, distance_between(position_of(self, next), position)};
     }
-    return bind_distances(self->distance, self->start, count, reach_mm, self->m, t, self->twin)
+    return bind_distances(self->distance, self->start, count, reach_mm, self->m, t)
                ? MRT_OK
                : error_set(err, MRT_ERR_MEMORY, "no memory to paint");
 }
