@@ -1,7 +1,7 @@
 /* take/edit.h - what can be done to a take after it was recorded: one operation with its arguments,
  * as a struct and as a line of JSON, and what it makes of a take. An edit changes what a take shows
  * and when, never what was recorded. Leaves out the list of edits and undo (history.h) and where it
- * is stored (show.h). edit_table.c lists every operation with its arguments and their ranges.
+ * is stored (show.h). edit.c lists every operation with its arguments and their ranges.
  *
  * TIMES  All times are on the timeline of the take as it is shown, the offsets of its layers
  *        included; only from_ns and to_ns are show time. Layers and clips are named by their ids,
@@ -21,7 +21,10 @@ enum {
     EDIT_TEXT = 160           /* of an edit in words */
 };
 #define EDIT_TIME_MAX_NS INT64_C(1000000000000000) /* 11 days, either way of timeline 0 */
-#define EDIT_UNSAID      INT64_MIN                 /* of a time that may be left out */
+#define EDIT_CLIP_MAX_NS                                                                           \
+    (4 * EDIT_TIME_MAX_NS)    /* of times that edits lead to, in several steps                     \
+                               */
+#define EDIT_UNSAID INT64_MIN /* of a time that may be left out */
 
 typedef enum edit_kind {
     EDIT_NONE = 0,
@@ -111,6 +114,13 @@ const char *edit_name(edit_kind kind);
 CHECKED mrt_result edit_parse(edit *out, const char *text, size_t size, error *err);
 /* One line without a newline, to be freed. What edit_parse reads as an equal edit. */
 CHECKED mrt_result edit_write(char **out, const edit *e, error *err);
+
+/* Every argument that the operation uses is within its range. */
+CHECKED mrt_result edit_check_arguments(const edit *e, error *err);
+/* Strictly ascending, neither too slow nor too fast, and within +-limit_ns. */
+bool edit_is_warp(const take_warp_point *warp, uint32_t count, int64_t limit_ns);
+
+/* ---- what it makes of a take (edit_apply.c, edit_describe.c) ---- */
 
 /* What the edit makes of a take for which edit_check holds; it holds afterwards. On failure the
  * take is unchanged, and the text says which layer, clip or range is concerned and what is

@@ -1,6 +1,6 @@
-#include "take/edit.h"
-
-#include "take/edit_parts.h"
+/* What an edit does, in words for a person. */
+#include "take/edit_layers.h"
+#include "take/own.h"
 #include "take/timecode.h"
 
 #include <stdio.h>

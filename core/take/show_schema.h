@@ -1,5 +1,5 @@
 /* take/show_schema.h - the tables of a show (README.md says what every column means), and how those
- * of older versions become today's. Leaves out whether a file may be written (show.c). */
+ * of older versions become today's. Leaves out whether a file may be written (show_open.c). */
 #ifndef MAROTTE_TAKE_SHOW_SCHEMA_H
 #define MAROTTE_TAKE_SHOW_SCHEMA_H
 #include "take/sqlite.h"

@@ -1,5 +1,5 @@
 /* take/sound_file.h - sound from files into a show, and the sound of a take into a WAV. Only
- * sound_file.c and sound_file_write.c see libsndfile: WAV, FLAC, Ogg, AIFF and whatever else it
+ * sound_file.c sees libsndfile: WAV, FLAC, Ogg, AIFF and whatever else it
  * reads. What comes in is kept sample by sample at its own rate; what goes out is at the sound's
  * rate unless another is asked for by name. Memory is bounded whatever the file says. [main], or
  * any thread that may block and has the show. */

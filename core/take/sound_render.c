@@ -1,9 +1,302 @@
 #include "take/sound_render.h"
+
 #include "take/sound_pcm.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- when each frame was heard ---- */
+
+/* A knot every so often, through the anchors this far around it, but at least so many. */
+static const double knot_span_s = 10.0, reach_s = 15.0;
+enum { ANCHORS_MIN = 4 };
+/* Anchors that differ by more than this from what the rate lets expect are of different pieces: a
+ * fixed part for jitter, and one that grows with the time between them for drift. */
+static const double jump_ns = 3e6, jump_part = 1e-3;
+/* No clock is worse than this: a steeper line was laid through noise. */
+static const double drift_max = 2e-3;
+static const double local_max_ns = 2 * 86400e9;
+
+typedef struct point { /* an anchor in local time */
+    int64_t frame;
+    double time_ns;
+} point;
+
+typedef struct builder {
+    sound_map *map;
+    double nominal_ns; /* per frame */
+    point *points;
+    size_t count;
+} builder;
+
+static double nominal_of(uint32_t rate_hz)
+{
+    return 1e9 / (double)rate_hz;
+}
+
+/* ---- anchors ---- */
+
+static int64_t origin_of(const show_audio *audio, const show_audio_anchor *anchors)
+{
+    /* The first frame's time as it was created with, unless the anchors know nothing of it. */
+    double away_ns = (double)anchors[0].time_ns - (double)audio->start_ns -
+                     (double)anchors[0].frame * nominal_of(audio->rate_hz);
+    return fabs(away_ns) < 1e9 ? audio->start_ns
+                               : anchors[0].time_ns - (int64_t)((double)anchors[0].frame *
+                                                                nominal_of(audio->rate_hz));
+}
+
+static bool is_usable(const builder *self, const show_audio_anchor *anchor, double time_ns)
+{
+    const point *last = self->count ? &self->points[self->count - 1] : NULL;
+    if (anchor->frame < 0 || anchor->frame >= self->map->frame_count ||
+        fabs(time_ns) > local_max_ns)
+        return false;
+    return !last || (anchor->frame > last->frame && time_ns > last->time_ns);
+}
+
+static void take_points(builder *self, const show_audio *audio, const show_audio_anchor *anchors,
+                        size_t count)
+{
+    /* Anchors of absurd times would overflow as integers, so differences are of doubles. */
+    bool is_sane = count > 0 && anchors[0].frame >= 0 &&
+                   anchors[0].frame < self->map->frame_count &&
+                   anchors[0].time_ns > INT64_MIN / 4 && anchors[0].time_ns < INT64_MAX / 4 &&
+                   audio->start_ns > INT64_MIN / 4 && audio->start_ns < INT64_MAX / 4;
+    if (!is_sane)
+        return;
+    int64_t origin_ns = origin_of(audio, anchors);
+    for (size_t i = 0; i < count; ++i) {
+        double time_ns = anchors[i].time_ns > INT64_MIN / 4 && anchors[i].time_ns < INT64_MAX / 4
+                             ? (double)(anchors[i].time_ns - origin_ns)
+                             : 2 * local_max_ns;
+        if (is_usable(self, &anchors[i], time_ns))
+            self->points[self->count++] = (point){anchors[i].frame, time_ns};
+    }
+}
+
+/* The first point after `from` that begins another piece. */
+static size_t piece_end(const builder *self, size_t from)
+{
+    size_t i = from + 1;
+    for (; i < self->count; ++i) {
+        const point *a = &self->points[i - 1], *b = &self->points[i];
+        double nominal_ns = (double)(b->frame - a->frame) * self->nominal_ns;
+        if (fabs(b->time_ns - a->time_ns - nominal_ns) > jump_ns + jump_part * nominal_ns)
+            break;
+    }
+    return i;
+}
+
+/* ---- lines ---- */
+
+/* The first point of [from, to) that is not before the frame. */
+static size_t point_at(const builder *self, size_t from, size_t to, double frame)
+{
+    while (from < to) {
+        size_t middle = from + (to - from) / 2;
+        if ((double)self->points[middle].frame < frame)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return from;
+}
+
+/* The points of [from, to) around a frame. */
+static void choose(const builder *self, size_t from, size_t to, int64_t frame, size_t *out_from,
+                   size_t *out_to)
+{
+    double reach = reach_s * (double)self->map->rate_hz, at = (double)frame;
+    size_t low = point_at(self, from, to, at - reach), high = point_at(self, low, to, at + reach);
+    while (high - low < ANCHORS_MIN && (low > from || high < to)) {
+        bool is_below = high == to || (low > from && at - (double)self->points[low - 1].frame <=
+                                                         (double)self->points[high].frame - at);
+        if (is_below)
+            low -= 1;
+        else
+            high += 1;
+    }
+    *out_from = low;
+    *out_to = high;
+}
+
+/* Least squares; sums relative to the first point, so that nothing is lost to rounding. */
+static sound_knot line_at(const builder *self, size_t from, size_t to, int64_t frame)
+{
+    const point *first = &self->points[from];
+    double n = (double)(to - from), x = 0, y = 0, xx = 0, xy = 0;
+    for (size_t i = from; i < to; ++i) {
+        double dx = (double)(self->points[i].frame - first->frame);
+        double dy = self->points[i].time_ns - first->time_ns - dx * self->nominal_ns;
+        x += dx;
+        y += dy;
+        xx += dx * dx;
+        xy += dx * dy;
+    }
+    double spread = xx - x * x / n;
+    double slope = spread > 0.0 ? (xy - x * y / n) / spread : 0.0;
+    if (fabs(slope) > drift_max * self->nominal_ns)
+        slope = 0.0;
+    double at = (double)(frame - first->frame);
+    return (sound_knot){.frame = frame,
+                        .time_ns =
+                            first->time_ns + at * self->nominal_ns + y / n + slope * (at - x / n),
+                        .ns_per_frame = self->nominal_ns + slope};
+}
+
+/* ---- knots ---- */
+
+static mrt_result add_knot(sound_map *map, const sound_knot *knot, error *err)
+{
+    /* Of pieces that overlap in time the later one is heard. */
+    while (map->knot_count > 0 && map->knot[map->knot_count - 1].time_ns >= knot->time_ns)
+        map->knot_count -= 1;
+    if ((map->knot_count & (map->knot_count - 1)) == 0) {
+        size_t room = map->knot_count ? 2 * map->knot_count : 1;
+        sound_knot *larger = realloc(map->knot, room * sizeof *larger);
+        if (!larger)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for the times of a sound");
+        map->knot = larger;
+    }
+    map->knot[map->knot_count++] = *knot;
+    return MRT_OK;
+}
+
+static void join_knots(sound_map *map, size_t first, double nominal_ns)
+{
+    for (size_t i = first; i + 1 < map->knot_count; ++i) {
+        sound_knot *a = &map->knot[i];
+        const sound_knot *b = &map->knot[i + 1];
+        double slope = (b->time_ns - a->time_ns) / (double)(b->frame - a->frame);
+        if (fabs(slope - nominal_ns) <= 2 * drift_max * nominal_ns)
+            a->ns_per_frame = slope;
+    }
+}
+
+static mrt_result add_piece(builder *self, size_t from, size_t to, error *err)
+{
+    sound_map *map = self->map;
+    int64_t first = from == 0 ? 0 : self->points[from].frame;
+    int64_t end = to == self->count ? map->frame_count : self->points[to].frame;
+    int64_t step = (int64_t)(knot_span_s * (double)map->rate_hz);
+    size_t before = map->knot_count;
+    for (int64_t frame = first; frame < end; frame += step) {
+        size_t low, high;
+        choose(self, from, to, frame, &low, &high);
+        sound_knot knot = line_at(self, low, high, frame);
+        knot.piece_first = first;
+        knot.piece_end = end;
+        mrt_result result = add_knot(map, &knot, err);
+        if (result < 0)
+            return result;
+        before = before < map->knot_count - 1 ? before : map->knot_count - 1;
+    }
+    join_knots(map, before, self->nominal_ns);
+    return MRT_OK;
+}
+
+mrt_result sound_map_init(sound_map *out, const show_audio *audio, const show_audio_anchor *anchors,
+                          size_t anchor_count, error *err)
+{
+    int64_t frames_max = (int64_t)(local_max_ns / nominal_of(audio->rate_hz));
+    *out = (sound_map){.rate_hz = audio->rate_hz, .frame_count = audio->frame_count};
+    out->frame_count = out->frame_count < 0            ? 0
+                       : out->frame_count > frames_max ? frames_max
+                                                       : out->frame_count;
+    builder self = {.map = out, .nominal_ns = nominal_of(audio->rate_hz)};
+    mrt_result result = MRT_OK;
+    self.points = calloc(anchor_count + 1, sizeof *self.points);
+    if (!self.points)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the times of a sound");
+    take_points(&self, audio, anchors, anchor_count);
+    for (size_t from = 0; from < self.count && result >= 0;) {
+        size_t to = piece_end(&self, from);
+        result = add_piece(&self, from, to, err);
+        from = to;
+    }
+    if (result >= 0 && out->knot_count == 0) {
+        sound_knot plain = {.ns_per_frame = self.nominal_ns, .piece_end = out->frame_count};
+        result = add_knot(out, &plain, err);
+    }
+    free(self.points);
+    if (result < 0)
+        sound_map_finish(out);
+    return result;
+}
+
+mrt_result sound_map_read(sound_map *out, show *s, const show_audio *audio, error *err)
+{
+    *out = (sound_map){0};
+    show_audio_anchor *anchors = NULL;
+    size_t count = 0;
+    mrt_result result = show_audio_anchors(s, audio->id, &anchors, &count, err);
+    if (result >= 0)
+        result = sound_map_init(out, audio, anchors, count, err);
+    free(anchors);
+    return result;
+}
+
+void sound_map_finish(sound_map *map)
+{
+    if (!map)
+        return;
+    free(map->knot);
+    *map = (sound_map){0};
+}
+
+/* ---- questions ---- */
+
+bool sound_map_is_plain(const sound_map *map)
+{
+    return map->knot_count == 1 && map->knot[0].frame == 0 && map->knot[0].time_ns == 0.0 &&
+           map->knot[0].ns_per_frame == nominal_of(map->rate_hz);
+}
+
+const sound_knot *sound_map_knot_at(const sound_map *map, double time_ns)
+{
+    size_t low = 0, high = map->knot_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (map->knot[middle].time_ns <= time_ns)
+            low = middle;
+        else
+            high = middle;
+    }
+    return &map->knot[low];
+}
+
+double sound_map_time_ns(const sound_map *map, int64_t frame)
+{
+    size_t low = 0, high = map->knot_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (map->knot[middle].frame <= frame)
+            low = middle;
+        else
+            high = middle;
+    }
+    const sound_knot *knot = &map->knot[low];
+    return knot->time_ns + (double)(frame - knot->frame) * knot->ns_per_frame;
+}
+
+/* Over all pieces, weighed by their frames. */
+double sound_map_drift_ppm(const sound_map *map)
+{
+    double frames = 0, time_ns = 0;
+    for (size_t i = 0; i < map->knot_count; ++i) {
+        const sound_knot *knot = &map->knot[i];
+        int64_t end = i + 1 < map->knot_count && map->knot[i + 1].frame < knot->piece_end
+                          ? map->knot[i + 1].frame
+                          : knot->piece_end;
+        frames += (double)(end - knot->frame);
+        time_ns += (double)(end - knot->frame) * knot->ns_per_frame;
+    }
+    return time_ns > 0.0 ? (frames * nominal_of(map->rate_hz) / time_ns - 1.0) * 1e6 : 0.0;
+}
+
+/* ---- the sound on the timeline ---- */
 
 enum { HELD_FRAMES = 8192, BEHIND_FRAMES = 1024, CHANNELS_MAX = 64 };
 /* Behind what is damaged it is tried again so much later. */

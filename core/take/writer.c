@@ -1,14 +1,510 @@
 #include "take/writer.h"
 
 #include "base/clock.h"
-#include "take/writer_state.h"
+#include "take/journal.h"
+#include "take/spool.h"
+#include "take/writer_store.h"
+#include "take/writer_sync.h"
 
 #include <errno.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+enum { WRITER_STAGED = 512 };
+
+typedef struct writer_jobs {
+    writer_job *first, **end; /* `end`: where the next one goes */
+} writer_jobs;
+
+struct writer {
+    show *of;
+    int64_t to_show_ns; /* show time - host clock */
+    size_t memory_bytes, checkpoint_bytes;
+    pthread_t thread;
+    writer_sync *sync;
+
+    /* [frame] to the thread */
+    spool *ring;
+    uint8_t *checkpoint[WRITER_CHECKPOINTS];
+    _Atomic bool is_taken[WRITER_CHECKPOINTS];
+    _Atomic uint32_t ring_lost_samples, ring_lost_events, given_samples;
+
+    _Atomic uint32_t track_count; /* [main], and who records */
+
+    /* [main] to the thread and back */
+    pthread_mutex_t lock;
+    pthread_cond_t wake, done;
+    writer_jobs asked;      /* GUARDED_BY(lock) */
+    uint64_t flush_asked;   /* GUARDED_BY(lock) */
+    uint64_t flush_done;    /* GUARDED_BY(lock) */
+    bool is_stopping;       /* GUARDED_BY(lock) */
+    mrt_result last_result; /* GUARDED_BY(lock): of the last commit */
+    error last_error;       /* GUARDED_BY(lock) */
+
+    /* the thread's own */
+    writer_store store;
+    writer_jobs pending;
+    writer_track *track; /* track_slots of them; id 0: free */
+    uint32_t track_slots;
+    int64_t next_chunk_id;
+    journal old;
+    int64_t next_journal_ns; /* show time */
+    int64_t newest_ns;       /* host clock, of the newest sample taken */
+    bool has_newest;
+    writer_jobs ending;                        /* tracks that end once the ring is empty */
+    uint32_t ring_lost_seen, ring_lost_untold; /* of ring_lost_samples */
+    uint32_t events_lost_seen, events_lost_untold;
+    writer_record staged[WRITER_STAGED];
+
+    /* [any] */
+    _Atomic int32_t state;
+    _Atomic uint64_t committed_count, lost_count, lost_event_count;
+    _Atomic uint32_t taken_samples; /* committed or lost */
+    _Atomic size_t held_bytes;
+    _Atomic int64_t committed_ns;
+};
+
+/* ---- taking in: from the recording thread and the main one, to jobs and tracks ---- */
+
+/* ---- lists of jobs ---- */
+
+static void jobs_init(writer_jobs *list)
+{
+    *list = (writer_jobs){.first = NULL, .end = NULL};
+}
+
+static void jobs_add(writer_jobs *list, writer_job *job)
+{
+    job->next = NULL;
+    if (list->first)
+        *list->end = job;
+    else
+        list->first = job;
+    list->end = &job->next;
+}
+
+static void jobs_destroy(writer_jobs *list)
+{
+    while (list->first) {
+        writer_job *job = list->first;
+        list->first = job->next;
+        writer_job_destroy(job);
+    }
+    jobs_init(list);
+}
+
+static writer_job *jobs_take(writer_jobs *list)
+{
+    writer_job *job = list->first;
+    if (job)
+        list->first = job->next;
+    return job;
+}
+
+/* ---- records and requests ---- */
+
+static void hold(writer *self, writer_job *job)
+{
+    jobs_add(&self->pending, job);
+    atomic_fetch_add(&self->held_bytes, job->held_bytes);
+}
+
+static bool has_memory(const writer *self)
+{
+    return atomic_load(&self->held_bytes) < self->memory_bytes;
+}
+
+static writer_track *find_track(writer *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->track_slots; ++i)
+        if (self->track[i].id == id)
+            return &self->track[i];
+    return NULL;
+}
+
+static void lose_samples(writer *self, writer_track *track, uint32_t count)
+{
+    if (track)
+        track->lost_count += count;
+    atomic_fetch_add(&self->lost_count, count);
+    atomic_fetch_add(&self->taken_samples, count);
+}
+
+/* What of the chunk is not written waits as a job from now on; where memory has run out it is lost.
+ */
+static void seal(writer *self, writer_track *track)
+{
+    bool failed = !has_memory(self);
+    uint32_t open_count = track->count - track->committed_count;
+    writer_job *job = failed ? NULL : writer_track_seal(track, self->next_chunk_id, &failed);
+    if (job) {
+        self->next_chunk_id += job->id == self->next_chunk_id;
+        hold(self, job);
+    }
+    if (failed)
+        lose_samples(self, track, open_count);
+    writer_track_next_chunk(track, job || track->committed_count > 0);
+}
+
+static void take_sample(writer *self, int64_t id, const mrt_sample *sample)
+{
+    writer_track *track = id > 0 ? find_track(self, id) : NULL;
+    if (!track || !writer_track_accepts(track, sample)) {
+        lose_samples(self, track, 1);
+        return;
+    }
+    int64_t show_ns = writer_show_ns(self, sample->time_ns);
+    if (writer_track_is_full(track, show_ns))
+        seal(self, track);
+    track->sample[track->count] = *sample;
+    track->sample[track->count++].time_ns = show_ns;
+    track->last_ns = sample->time_ns;
+    track->has_last = true;
+    if (!self->has_newest || sample->time_ns > self->newest_ns)
+        self->newest_ns = sample->time_ns;
+    self->has_newest = true;
+}
+
+static void lose_events(writer *self, uint32_t count)
+{
+    self->events_lost_untold += count;
+    atomic_fetch_add(&self->lost_event_count, count);
+}
+
+static void take_event_in(writer *self, const take_event *event)
+{
+    bool is_fit = has_memory(self) && writer_track_is_time(event->time_ns);
+    writer_job *job = is_fit ? writer_job_create(WRITER_JOB_EVENT) : NULL;
+    if (!job) {
+        lose_events(self, 1);
+        return;
+    }
+    job->of.event = *event;
+    job->of.event.time_ns = writer_show_ns(self, event->time_ns);
+    hold(self, job);
+}
+
+static void take_checkpoint(writer *self, const writer_record *r)
+{
+    uint32_t index = r->of.checkpoint.buffer;
+    bool may_hold = atomic_load(&self->held_bytes) < self->memory_bytes / 2 &&
+                    writer_track_is_time(r->of.checkpoint.time_ns);
+    writer_job *job = may_hold ? writer_job_create(WRITER_JOB_CHECKPOINT) : NULL;
+    if (job && show_checkpoint_pack(&job->of.checkpoint, self->checkpoint[index],
+                                    r->of.checkpoint.size, NULL) < 0) {
+        writer_job_destroy(job);
+        job = NULL;
+    }
+    atomic_store_explicit(&self->is_taken[index], false, memory_order_release);
+    if (!job)
+        return;
+    job->of.checkpoint.performance = r->id;
+    job->of.checkpoint.time_ns = writer_show_ns(self, r->of.checkpoint.time_ns);
+    job->of.checkpoint.version = r->of.checkpoint.version;
+    job->held_bytes += job->of.checkpoint.size;
+    hold(self, job);
+}
+
+static void take_record(writer *self, const writer_record *r)
+{
+    switch (r->kind) {
+    case WRITER_RECORD_SAMPLE:
+        take_sample(self, r->id, &r->of.sample);
+        break;
+    case WRITER_RECORD_EVENT:
+        take_event_in(self, &r->of.event);
+        break;
+    case WRITER_RECORD_CHECKPOINT:
+        take_checkpoint(self, r);
+        break;
+    }
+}
+
+/* A free one; NULL: no memory. Tracks that end go later than those that begin, so there may be more
+ * of them than WRITER_TRACKS_MAX. */
+static writer_track *free_track(writer *self)
+{
+    writer_track *found = find_track(self, 0);
+    if (found)
+        return found;
+    uint32_t count = self->track_slots ? 2 * self->track_slots : 8;
+    writer_track *larger = realloc(self->track, count * sizeof *larger);
+    if (!larger)
+        return NULL;
+    self->track = larger;
+    for (uint32_t i = self->track_slots; i < count; ++i)
+        self->track[i] = (writer_track){0};
+    found = &self->track[self->track_slots];
+    self->track_slots = count;
+    return found;
+}
+
+/* A track is known from when it was asked for, and ends when the ring is empty. Without memory for
+ * one its samples count as lost. */
+static void take_job(writer *self, writer_job *job)
+{
+    if (job->kind == WRITER_JOB_TRACK_END) {
+        jobs_add(&self->ending, job);
+        return;
+    }
+    writer_track *track = job->kind == WRITER_JOB_TRACK ? free_track(self) : NULL;
+    if (track && writer_track_init(track, job->id, job->of.track.channel_count, NULL) < 0)
+        *track = (writer_track){0};
+    hold(self, job);
+}
+
+static void end_track(writer *self, writer_job *job)
+{
+    writer_track *track = find_track(self, job->id);
+    if (track) {
+        seal(self, track);
+        job->of.chunk_count = track->ordinal;
+        writer_track_finish(track);
+    }
+    hold(self, job);
+}
+
+static void count_ring_losses(writer *self)
+{
+    uint32_t lost = atomic_load(&self->ring_lost_samples);
+    self->ring_lost_untold += lost - self->ring_lost_seen;
+    lose_samples(self, NULL, lost - self->ring_lost_seen);
+    self->ring_lost_seen = lost;
+    lost = atomic_load(&self->ring_lost_events);
+    lose_events(self, lost - self->events_lost_seen);
+    self->events_lost_seen = lost;
+}
+
+/* What is asked is looked at after the records were staged: so a track, asked for before its first
+ * sample was given, is known when that is looked at. */
+static void take_in(writer *self)
+{
+    uint32_t count;
+    do {
+        for (count = 0; count < WRITER_STAGED && spool_pop(self->ring, &self->staged[count]);
+             ++count)
+            ;
+        pthread_mutex_lock(&self->lock);
+        writer_jobs asked = self->asked;
+        jobs_init(&self->asked);
+        pthread_mutex_unlock(&self->lock);
+        for (writer_job *job = jobs_take(&asked); job; job = jobs_take(&asked))
+            take_job(self, job);
+        for (uint32_t i = 0; i < count; ++i)
+            take_record(self, &self->staged[i]);
+    } while (count == WRITER_STAGED);
+    for (writer_job *job = jobs_take(&self->ending); job; job = jobs_take(&self->ending))
+        end_track(self, job);
+    count_ring_losses(self);
+}
+
+static void end_all(writer *self)
+{
+    for (uint32_t i = 0; i < self->track_slots; ++i) {
+        writer_job *job = self->track[i].id ? writer_job_create(WRITER_JOB_TRACK_END) : NULL;
+        if (job) {
+            job->id = self->track[i].id;
+            end_track(self, job);
+        }
+    }
+    writer_job *job = writer_job_create(WRITER_JOB_SESSION_END);
+    if (!job)
+        return;
+    job->from_ns = writer_show_ns(self, self->newest_ns);
+    hold(self, job);
+}
+
+/* ---- committing: from jobs and tracks to the show, all of it in one transaction, or none ---- */
+
+static const int64_t journal_step_ns = NS_PER_S;
+
+static bool commit_is_due(const writer *self)
+{
+    if (self->pending.first || self->ring_lost_untold > 0 || self->events_lost_untold > 0)
+        return true;
+    for (uint32_t i = 0; i < self->track_slots; ++i)
+        if (self->track[i].count > self->track[i].committed_count || self->track[i].lost_count > 0)
+            return true;
+    return false;
+}
+
+static mrt_result tell_loss(writer *self, int64_t track, uint32_t count, const char *of, error *err)
+{
+    if (count == 0)
+        return MRT_OK;
+    take_event event = {.kind = TAKE_EVENT_LOST, .track = track, .value = (double)count};
+    event.time_ns = writer_show_ns(self, self->newest_ns);
+    (void)snprintf(event.text, sizeof event.text, "%s", of);
+    return show_event_insert(self->store.db, &event, err);
+}
+
+/* *out_failed: the track that failed, where it was one. */
+static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err)
+{
+    mrt_result result = tell_loss(self, 0, self->ring_lost_untold, "", err);
+    if (result >= 0)
+        result = tell_loss(self, 0, self->events_lost_untold, "events", err);
+    for (uint32_t i = 0; i < self->track_slots && result >= 0; ++i) {
+        writer_track *track = &self->track[i];
+        if (track->count > track->committed_count) {
+            if (track->chunk_id == 0)
+                track->chunk_id = self->next_chunk_id++;
+            result = writer_track_put(track, &self->store, err);
+        }
+        if (result >= 0)
+            result = tell_loss(self, track->id, track->lost_count, "", err);
+        *out_failed = result < 0 ? track : NULL;
+    }
+    return result;
+}
+
+/* *out_failed, *out_failed_track: the job or the track that failed, where it was one. */
+static mrt_result put_all(writer *self, writer_job **out_failed, writer_track **out_failed_track,
+                          error *err)
+{
+    *out_failed = NULL;
+    *out_failed_track = NULL;
+    mrt_result result = sqlite_begin(self->store.db, err);
+    if (result < 0)
+        return result;
+    for (writer_job *job = self->pending.first; job && result >= 0; job = job->next) {
+        result = writer_job_run(job, &self->store, err);
+        *out_failed = result < 0 ? job : NULL;
+    }
+    if (result >= 0)
+        result = put_tracks(self, out_failed_track, err);
+    return sqlite_end(self->store.db, result, err);
+}
+
+static void note_committed(writer *self, uint32_t count, int64_t newest_ns)
+{
+    atomic_fetch_add(&self->committed_count, count);
+    atomic_fetch_add(&self->taken_samples, count);
+    if (newest_ns > atomic_load(&self->committed_ns))
+        atomic_store(&self->committed_ns, newest_ns);
+}
+
+static void forget(writer *self, writer_job *job)
+{
+    atomic_fetch_sub(&self->held_bytes, job->held_bytes);
+    writer_job_destroy(job);
+}
+
+static void settle(writer *self)
+{
+    for (writer_job *job = jobs_take(&self->pending); job; job = jobs_take(&self->pending)) {
+        if (job->kind == WRITER_JOB_CHUNK)
+            note_committed(self, job->of.chunk.sample_count, job->of.chunk.newest_ns);
+        forget(self, job);
+    }
+    for (uint32_t i = 0; i < self->track_slots; ++i) {
+        writer_track *track = &self->track[i];
+        if (track->count > track->committed_count)
+            note_committed(self, track->count - track->committed_count, track->last_ns);
+        track->committed_count = track->count;
+        track->lost_count = 0;
+    }
+    self->ring_lost_untold = self->events_lost_untold = 0;
+    spool_settle(self->ring);
+}
+
+/* A job that can never be done (a track that is none, frames of no size) must not keep the others.
+ */
+static void drop_job(writer *self, writer_job *bad)
+{
+    writer_jobs kept;
+    jobs_init(&kept);
+    for (writer_job *job = jobs_take(&self->pending); job; job = jobs_take(&self->pending)) {
+        if (job != bad) {
+            jobs_add(&kept, job);
+            continue;
+        }
+        if (job->kind == WRITER_JOB_CHUNK)
+            lose_samples(self, NULL, job->of.chunk.sample_count);
+        forget(self, job);
+    }
+    self->pending = kept;
+}
+
+/* Neither must a track that the show has no row of. */
+static void drop_track(writer *self, writer_track *bad)
+{
+    lose_samples(self, NULL, bad->count - bad->committed_count);
+    writer_track_finish(bad);
+}
+
+static void report(writer *self, mrt_result result, const error *err)
+{
+    writer_state state = WRITER_OK;
+    if (result < 0) {
+        sqlite_trouble trouble = sqlite_trouble_of(self->store.db);
+        bool may_pass = trouble == SQLITE_TROUBLE_FULL || trouble == SQLITE_TROUBLE_BUSY ||
+                        trouble == SQLITE_TROUBLE_OPEN || result == MRT_ERR_MEMORY;
+        state = may_pass ? WRITER_WAITING : WRITER_FAILED;
+    }
+    atomic_store(&self->state, (int32_t)state);
+    pthread_mutex_lock(&self->lock);
+    self->last_result = result;
+    self->last_error = *err;
+    pthread_mutex_unlock(&self->lock);
+}
+
+static mrt_result commit(writer *self)
+{
+    error err = {""}, refused = {""};
+    mrt_result result = MRT_OK, refusal = MRT_OK;
+    while (commit_is_due(self)) {
+        writer_job *failed;
+        writer_track *failed_track;
+        result = put_all(self, &failed, &failed_track, &err);
+        if (result >= 0) {
+            settle(self);
+        } else if (result == MRT_ERR_ARGUMENT && (failed || failed_track)) {
+            refusal = result;
+            refused = err;
+            if (failed)
+                drop_job(self, failed);
+            else
+                drop_track(self, failed_track);
+        } else {
+            break;
+        }
+    }
+    report(self, result, &err);
+    if (result < 0 || refusal == MRT_OK)
+        return result;
+    pthread_mutex_lock(&self->lock);
+    self->last_result = refusal;
+    self->last_error = refused;
+    pthread_mutex_unlock(&self->lock);
+    return result;
+}
+
+/* Its failures keep nobody from recording: what is old stays. */
+static void commit_journal(writer *self)
+{
+    int64_t now_ns = writer_show_ns(self, self->newest_ns);
+    if (!self->has_newest || now_ns < self->next_journal_ns)
+        return;
+    journal next = self->old;
+    bool is_done = true;
+    mrt_result result = sqlite_begin(self->store.db, NULL);
+    if (result >= 0)
+        result = sqlite_end(self->store.db,
+                            journal_step(&next, self->store.db, now_ns, &is_done, NULL), NULL);
+    if (result >= 0) {
+        self->old = next;
+        result = journal_shrink(self->store.db, NULL);
+    }
+    self->next_journal_ns = result >= 0 && !is_done ? now_ns : now_ns + journal_step_ns;
+}
+
+/* ---- what everybody else calls ---- */
 
 enum {
     RING_RECORDS = 32768, /* 100 s of two gloves, should the writer's thread stand still */
@@ -98,16 +594,16 @@ static void *run(void *data)
     uint64_t flush;
     int64_t next_ns = clock_now_ns() + commit_ns;
     while (wait_for_work(self, next_ns, &flush)) {
-        writer_in(self);
-        mrt_result result = writer_commit(self);
+        take_in(self);
+        mrt_result result = commit(self);
         if (result >= 0)
-            writer_commit_journal(self);
+            commit_journal(self);
         next_ns = clock_now_ns() + (result < 0 ? retry_ns : commit_ns);
         answer(self, flush);
     }
-    writer_in(self);
-    writer_in_end(self);
-    (void)writer_commit(self); /* writer_stop tells its result */
+    take_in(self);
+    end_all(self);
+    (void)commit(self); /* writer_stop tells its result */
     return NULL;
 }
 
@@ -161,8 +657,8 @@ static void destroy(writer *self)
     for (uint32_t i = 0; i < self->track_slots; ++i)
         writer_track_finish(&self->track[i]);
     free(self->track);
-    writer_jobs_destroy(&self->pending);
-    writer_jobs_destroy(&self->asked);
+    jobs_destroy(&self->pending);
+    jobs_destroy(&self->asked);
     for (int i = 0; i < WRITER_CHECKPOINTS; ++i)
         free(self->checkpoint[i]);
     spool_destroy(self->ring);
@@ -236,7 +732,7 @@ mrt_result writer_stop(writer *self, error *err)
     pthread_mutex_unlock(&self->lock);
     pthread_join(self->thread, NULL);
     mrt_result result = MRT_OK;
-    if (writer_commit_is_due(self)) {
+    if (commit_is_due(self)) {
         result = self->last_result;
         tell_left(self, err);
         spool_abandon(self->ring);
@@ -257,7 +753,7 @@ static mrt_result ask(writer *self, writer_job *job, mrt_result result, error *e
         return result;
     }
     pthread_mutex_lock(&self->lock);
-    writer_jobs_add(&self->asked, job);
+    jobs_add(&self->asked, job);
     pthread_mutex_unlock(&self->lock);
     return MRT_OK;
 }

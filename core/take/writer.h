@@ -15,7 +15,7 @@
 
 typedef struct writer writer;
 
-enum { WRITER_TRACKS_MAX = 64, WRITER_CHECKPOINTS = 4 };
+enum { WRITER_CHECKPOINTS = 4 };
 
 typedef struct writer_options {
     int64_t utc_ns, monotonic_ns; /* both clocks, read together */

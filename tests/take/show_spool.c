@@ -8,7 +8,8 @@
 #include <cmocka.h>
 
 #include "take/show_scene.h"
-#include "take/writer_state.h"
+#include "take/spool.h"
+#include "take/writer_store.h"
 
 #include <signal.h>
 #include <sys/wait.h>

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "take/show_scene.h"
+#include "take/writer_store.h"
 
 static int set_up(void **state)
 {

@@ -10,7 +10,6 @@
 #include "show_scene.h"
 #include "take/sqlite.h"
 #include "take/sound_file.h"
-#include "take/sound_map.h"
 #include "take/sound_render.h"
 
 #include <math.h>

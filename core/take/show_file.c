@@ -10,6 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
+/* ---- who may write ---- */
+
 enum { WHO = 256, TRIES = 8 };
 
 static void describe_self(char *out, size_t capacity)

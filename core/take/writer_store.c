@@ -1,0 +1,620 @@
+#include "take/writer_store.h"
+
+#include "base/clock.h"
+#include "take/chunk.h"
+#include "take/spool.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- jobs ---- */
+
+/* ---- jobs in memory ---- */
+
+writer_job *writer_job_create(writer_job_kind kind)
+{
+    writer_job *job = calloc(1, sizeof *job);
+    if (!job)
+        return NULL;
+    job->kind = kind;
+    job->held_bytes = sizeof *job;
+    return job;
+}
+
+void writer_job_destroy(writer_job *job)
+{
+    if (!job)
+        return;
+    if (job->kind == WRITER_JOB_TRACK)
+        take_track_finish(&job->of.track);
+    if (job->kind == WRITER_JOB_PERFORMANCE)
+        take_performance_finish(&job->of.performance);
+    if (job->kind == WRITER_JOB_CHECKPOINT)
+        free(job->of.checkpoint.bytes);
+    free(job->bytes);
+    free(job);
+}
+
+/* Replaces the text by a copy of it. */
+static bool own_text(char **text)
+{
+    if (!*text)
+        return true;
+    *text = strdup(*text);
+    return *text != NULL;
+}
+
+mrt_result writer_job_copy_track(writer_job *job, const take_track *track, error *err)
+{
+    take_track *copy = &job->of.track;
+    *copy = *track;
+    bool good = own_text(&copy->input);
+    good &= own_text(&copy->device);
+    good &= own_text(&copy->plugin);
+    good &= own_text(&copy->calibration[0]);
+    good &= own_text(&copy->calibration[1]);
+    job->id = track->id;
+    return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record a track");
+}
+
+mrt_result writer_job_copy_performance(writer_job *job, const take_performance *performance,
+                                       error *err)
+{
+    take_performance *copy = &job->of.performance;
+    *copy = *performance;
+    bool good = own_text(&copy->mapping);
+    good &= own_text(&copy->rig);
+    good &= own_text(&copy->rig_json);
+    good &= own_text(&copy->again.calibration[0]);
+    good &= own_text(&copy->again.calibration[1]);
+    job->id = performance->id;
+    return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record a performance");
+}
+
+mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size, error *err)
+{
+    job->bytes = malloc(size ? size : 1);
+    if (!job->bytes)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record %zu bytes", size);
+    memcpy(job->bytes, bytes, size);
+    job->byte_count = size;
+    job->held_bytes += size;
+    return MRT_OK;
+}
+
+/* ---- where they go ---- */
+
+/* Synchronous NORMAL: a commit does not wait for the disk; writer_sync.h sees to it. */
+mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, error *err)
+{
+    *out = (writer_store){.path = show_path(s), .session = session};
+    mrt_result result = show_connect(s, &out->db, err);
+    if (result >= 0)
+        result =
+            sqlite_run(out->db, "PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = 0", err);
+    if (result >= 0)
+        result = sqlite_prepare(out->db, &out->put_chunk,
+                                "INSERT INTO chunk(id, track, from_ns, to_ns, bytes)"
+                                "VALUES(?, ?, ?, ?, ?) ON CONFLICT(id) DO UPDATE"
+                                " SET to_ns = excluded.to_ns, bytes = excluded.bytes",
+                                "", err);
+    if (result < 0)
+        writer_store_close(out);
+    return result;
+}
+
+void writer_store_close(writer_store *store)
+{
+    sqlite_finish(store->put_chunk);
+    sqlite_close(store->db);
+    *store = (writer_store){0};
+}
+
+mrt_result writer_put_chunk(writer_store *store, int64_t id, int64_t track, int64_t from_ns,
+                            int64_t to_ns, const uint8_t *bytes, size_t size, error *err)
+{
+    sqlite_bind(store->put_chunk, "iiiib", id, track, from_ns, to_ns, (const void *)bytes, size);
+    return sqlite_execute(store->put_chunk, err);
+}
+
+/* ---- performances ---- */
+
+static mrt_result end_performance(sqlite *db, int64_t time_ns, error *err)
+{
+    mrt_result result = sqlite_change(
+        db, err, "UPDATE span SET to_ns = MAX(from_ns, ?) WHERE to_ns IS NULL", "i", time_ns);
+    if (result < 0)
+        return result;
+    return sqlite_change(db, err,
+                         "UPDATE performance SET to_ns = MAX(from_ns, ?) WHERE to_ns IS NULL", "i",
+                         time_ns);
+}
+
+static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t from_ns, error *err)
+{
+    sqlite_statement *takes;
+    mrt_result result = sqlite_query(
+        db, &takes, err, "SELECT id, start_ns FROM take WHERE end_ns IS NULL", "ii", "");
+    if (result < 0)
+        return result;
+    while ((result = sqlite_step(takes, err)) == MRT_OK) {
+        int64_t start_ns = sqlite_int(takes, 1);
+        result = show_span_insert(db, sqlite_int(takes, 0), performance,
+                                  start_ns > from_ns ? start_ns : from_ns, NULL, true, err);
+        if (result < 0)
+            break;
+    }
+    sqlite_finish(takes);
+    return result < 0 ? result : MRT_OK;
+}
+
+static mrt_result run_performance(const writer_job *job, writer_store *store, error *err)
+{
+    mrt_result result = end_performance(store->db, job->from_ns, err);
+    if (result >= 0)
+        result = show_performance_insert(store->db, store->session, &job->of.performance,
+                                         job->from_ns, err);
+    return result < 0 ? result : show_in_open_takes(store->db, job->id, job->from_ns, err);
+}
+
+/* ---- takes ---- */
+
+static mrt_result insert_take(const writer_job *job, int64_t start_ns, const int64_t *end_ns,
+                              const char *origin, sqlite *db, error *err)
+{
+    show_take_row row = {.id = job->id,
+                         .created_ns = end_ns ? *end_ns : start_ns,
+                         .start_ns = start_ns,
+                         .end_ns = end_ns,
+                         .scene = job->of.slate.scene,
+                         .shot = job->of.slate.shot,
+                         .number = job->of.slate.number,
+                         .origin = origin};
+    return show_take_insert(db, &row, err);
+}
+
+static mrt_result run_take(const writer_job *job, writer_store *store, error *err)
+{
+    mrt_result result = insert_take(job, job->from_ns, NULL, "recorded", store->db, err);
+    if (result < 0)
+        return result;
+    int64_t performance;
+    result = sqlite_number(store->db, "SELECT MAX(id) FROM performance WHERE to_ns IS NULL", 0,
+                           &performance, err);
+    if (result < 0 || performance == 0)
+        return result;
+    return show_span_insert(store->db, job->id, performance, job->from_ns, NULL, true, err);
+}
+
+static mrt_result run_take_end(const writer_job *job, writer_store *store, error *err)
+{
+    mrt_result result = sqlite_change(store->db, err,
+                                      "UPDATE take SET end_ns = MAX(start_ns, ?2)"
+                                      " WHERE id = ?1 AND end_ns IS NULL",
+                                      "ii", job->id, job->to_ns);
+    if (result < 0)
+        return result;
+    return sqlite_change(store->db, err,
+                         "UPDATE span SET to_ns = MAX(from_ns, ?2)"
+                         " WHERE take = ?1 AND to_ns IS NULL",
+                         "ii", job->id, job->to_ns);
+}
+
+/* The performances of that time; where there was none, all tracks. */
+static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int64_t to_ns,
+                                    error *err)
+{
+    sqlite_statement *performances;
+    int count = 0;
+    mrt_result result = sqlite_query(db, &performances, err,
+                                     "SELECT id, MAX(from_ns, ?1), MIN(COALESCE(to_ns, ?2), ?2)"
+                                     " FROM performance WHERE from_ns < ?2"
+                                     " AND COALESCE(to_ns, ?2) > ?1 ORDER BY from_ns",
+                                     "iii", "ii", from_ns, to_ns);
+    if (result < 0)
+        return result;
+    while ((result = sqlite_step(performances, err)) == MRT_OK) {
+        int64_t end_ns = sqlite_int(performances, 2);
+        ++count;
+        result = show_span_insert(db, id, sqlite_int(performances, 0), sqlite_int(performances, 1),
+                                  &end_ns, true, err);
+        if (result < 0)
+            break;
+    }
+    sqlite_finish(performances);
+    if (result >= 0 && count == 0)
+        result = show_span_insert(db, id, 0, from_ns, &to_ns, true, err);
+    return result < 0 ? result : MRT_OK;
+}
+
+static mrt_result run_keep(const writer_job *job, writer_store *store, error *err)
+{
+    int64_t pruned_ns;
+    mrt_result result =
+        sqlite_number(store->db, "SELECT value FROM meta WHERE key = 'pruned_until_ns'", INT64_MIN,
+                      &pruned_ns, err);
+    if (result < 0)
+        return result;
+    int64_t from_ns = pruned_ns > job->from_ns ? pruned_ns + 1 : job->from_ns;
+    int64_t to_ns = job->to_ns > from_ns ? job->to_ns : from_ns;
+    result = insert_take(job, from_ns, &to_ns, "kept from the journal", store->db, err);
+    return result < 0 ? result : insert_kept_spans(store->db, job->id, from_ns, to_ns, err);
+}
+
+/* ---- all of them ---- */
+
+static mrt_result run_track_end(const writer_job *job, writer_store *store, error *err)
+{
+    return sqlite_change(store->db, err, "UPDATE track SET chunk_count = ? WHERE id = ?", "ii",
+                         job->of.chunk_count, job->id);
+}
+
+static mrt_result run_session_end(const writer_job *job, writer_store *store, error *err)
+{
+    mrt_result result = sqlite_change(store->db, err,
+                                      "UPDATE take SET end_ns = MAX(start_ns, ?)"
+                                      " WHERE end_ns IS NULL",
+                                      "i", job->from_ns);
+    if (result >= 0)
+        result = end_performance(store->db, job->from_ns, err);
+    if (result < 0)
+        return result;
+    return sqlite_change(store->db, err, "UPDATE session SET ended_ns = ? WHERE id = ?", "ii",
+                         job->from_ns, store->session);
+}
+
+mrt_result writer_job_run(const writer_job *job, writer_store *store, error *err)
+{
+    switch (job->kind) {
+    case WRITER_JOB_TRACK:
+        return show_track_insert(store->db, store->session, &job->of.track, err);
+    case WRITER_JOB_TRACK_END:
+        return run_track_end(job, store, err);
+    case WRITER_JOB_PERFORMANCE:
+        return run_performance(job, store, err);
+    case WRITER_JOB_PERFORMANCE_END:
+        return end_performance(store->db, job->from_ns, err);
+    case WRITER_JOB_TAKE:
+        return run_take(job, store, err);
+    case WRITER_JOB_TAKE_END:
+        return run_take_end(job, store, err);
+    case WRITER_JOB_KEEP:
+        return run_keep(job, store, err);
+    case WRITER_JOB_EVENT:
+        return show_event_insert(store->db, &job->of.event, err);
+    case WRITER_JOB_CHECKPOINT:
+        return show_checkpoint_insert(store->db, &job->of.checkpoint, err);
+    case WRITER_JOB_CHUNK:
+        return writer_put_chunk(store, job->id, job->of.chunk.track, job->from_ns, job->to_ns,
+                                job->bytes, job->byte_count, err);
+    case WRITER_JOB_AUDIO:
+        return show_audio_append(store->db, store->path, job->id, job->from_ns, job->bytes,
+                                 job->byte_count, err);
+    case WRITER_JOB_SESSION_END:
+        return run_session_end(job, store, err);
+    case WRITER_JOB_NONE:
+    default:
+        return MRT_OK;
+    }
+}
+
+/* ---- the growing chunk of a track ---- */
+
+static const int64_t chunk_span_ns = NS_PER_S;
+
+mrt_result writer_track_init(writer_track *out, int64_t id, uint32_t channel_count, error *err)
+{
+    *out = (writer_track){0};
+    mrt_sample *sample = calloc(WRITER_CHUNK_SAMPLES, sizeof *sample);
+    if (!sample)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record track %lld", (long long)id);
+    *out = (writer_track){.id = id, .channel_count = channel_count, .sample = sample};
+    return MRT_OK;
+}
+
+void writer_track_finish(writer_track *track)
+{
+    free(track->sample);
+    *track = (writer_track){0};
+}
+
+bool writer_track_is_time(int64_t time_ns)
+{
+    const int64_t limit_ns = (int64_t)1 << 61;
+    return time_ns > -limit_ns && time_ns < limit_ns;
+}
+
+bool writer_track_accepts(const writer_track *track, const mrt_sample *sample)
+{
+    if (sample->count != track->channel_count || !writer_track_is_time(sample->time_ns) ||
+        (track->has_last && sample->time_ns < track->last_ns))
+        return false;
+    for (uint32_t i = 0; i < sample->count; ++i)
+        if (!isfinite(sample->value[i]))
+            return false;
+    return true;
+}
+
+bool writer_track_is_full(const writer_track *track, int64_t next_show_ns)
+{
+    return track->count == WRITER_CHUNK_SAMPLES ||
+           (track->count > 0 && next_show_ns - track->sample[0].time_ns >= chunk_span_ns);
+}
+
+static mrt_result encode(const writer_track *track, uint8_t **out, size_t *out_size, error *err)
+{
+    *out_size = 0;
+    *out = malloc(chunk_bound(track->count, track->channel_count));
+    if (!*out)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record track %lld",
+                         (long long)track->id);
+    mrt_result result =
+        chunk_encode(*out, out_size, track->id, track->ordinal, track->sample, track->count, err);
+    if (result < 0) {
+        free(*out);
+        *out = NULL;
+    }
+    return result;
+}
+
+writer_job *writer_track_seal(const writer_track *track, int64_t chunk_id, bool *out_failed)
+{
+    *out_failed = false;
+    if (track->count == track->committed_count)
+        return NULL;
+    writer_job *job = writer_job_create(WRITER_JOB_CHUNK);
+    if (!job || encode(track, &job->bytes, &job->byte_count, NULL) < 0) {
+        writer_job_destroy(job);
+        *out_failed = true;
+        return NULL;
+    }
+    job->id = track->chunk_id ? track->chunk_id : chunk_id;
+    job->held_bytes += job->byte_count;
+    job->from_ns = track->sample[0].time_ns;
+    job->to_ns = track->sample[track->count - 1].time_ns;
+    job->of.chunk.track = track->id;
+    job->of.chunk.sample_count = track->count - track->committed_count;
+    job->of.chunk.newest_ns = track->last_ns;
+    return job;
+}
+
+void writer_track_next_chunk(writer_track *track, bool was_kept)
+{
+    track->ordinal += was_kept;
+    track->count = track->committed_count = 0;
+    track->chunk_id = 0;
+}
+
+mrt_result writer_track_put(const writer_track *track, writer_store *store, error *err)
+{
+    uint8_t *bytes;
+    size_t size;
+    mrt_result result = encode(track, &bytes, &size, err);
+    if (result < 0)
+        return result;
+    result = writer_put_chunk(store, track->chunk_id, track->id, track->sample[0].time_ns,
+                              track->sample[track->count - 1].time_ns, bytes, size, err);
+    free(bytes);
+    return result;
+}
+
+/* ---- what a killed writer had been given ---- */
+
+typedef struct leftover_track {
+    writer_track track;
+    bool is_known; /* in the show */
+    bool has_last; /* of the samples that the show has */
+    int64_t last_ns;
+    uint32_t last_sequence;
+} leftover_track;
+
+typedef struct leftover {
+    writer_store store;
+    int64_t to_show_ns, next_chunk_id;
+    leftover_track track[WRITER_TRACKS_MAX];
+    uint32_t track_count;
+    mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
+} leftover;
+
+/* ---- where each track stands ---- */
+
+static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, error *err)
+{
+    sqlite_statement *last;
+    mrt_result result = sqlite_query(self->store.db, &last, err,
+                                     "SELECT bytes FROM chunk WHERE track = ? "
+                                     "ORDER BY from_ns DESC, id DESC LIMIT 1",
+                                     "b", "i", id);
+    if (result < 0)
+        return result;
+    result = sqlite_step(last, err);
+    if (result == MRT_OK) {
+        chunk_head head;
+        size_t size;
+        const uint8_t *bytes = sqlite_blob(last, 0, &size);
+        if (chunk_decode(self->sample, &head, bytes, size, NULL) < 0) {
+            out->is_known = false; /* a damaged end: its chunk's number is not known */
+        } else {
+            out->track.ordinal = head.ordinal + 1;
+            out->has_last = true;
+            out->last_ns = self->sample[head.sample_count - 1].time_ns;
+            out->last_sequence = self->sample[head.sample_count - 1].sequence;
+        }
+    }
+    sqlite_finish(last);
+    return result < 0 ? result : MRT_OK;
+}
+
+/* A track whose row was not committed has nowhere to go: known, but of no use. */
+static mrt_result add_track(leftover *self, int64_t id, leftover_track **out, error *err)
+{
+    sqlite_statement *channels;
+    *out = NULL;
+    if (self->track_count == WRITER_TRACKS_MAX)
+        return MRT_OK;
+    mrt_result result = sqlite_query(self->store.db, &channels, err,
+                                     "SELECT COUNT(*) FROM channel WHERE track = ?", "i", "i", id);
+    if (result < 0)
+        return result;
+    result = sqlite_step(channels, err);
+    int64_t count = result == MRT_OK ? sqlite_int(channels, 0) : 0;
+    sqlite_finish(channels);
+    leftover_track *track = &self->track[self->track_count];
+    if (result >= 0)
+        result = writer_track_init(&track->track, id, (uint32_t)count, err);
+    if (result < 0)
+        return result;
+    ++self->track_count;
+    track->is_known = count > 0 && count <= MRT_MAX_CHANNELS;
+    *out = track;
+    return track->is_known ? read_end_of(self, track, id, err) : MRT_OK;
+}
+
+static mrt_result find_track(leftover *self, int64_t id, leftover_track **out, error *err)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        if (self->track[i].track.id == id) {
+            *out = &self->track[i];
+            return MRT_OK;
+        }
+    return add_track(self, id, out, err);
+}
+
+/* ---- record by record ---- */
+
+static mrt_result put_chunk(leftover *self, leftover_track *track, error *err)
+{
+    if (track->track.count == 0)
+        return MRT_OK;
+    track->track.chunk_id = self->next_chunk_id++;
+    mrt_result result = writer_track_put(&track->track, &self->store, err);
+    writer_track_next_chunk(&track->track, true);
+    return result;
+}
+
+static bool is_new(const leftover_track *track, int64_t show_ns, uint32_t sequence)
+{
+    return !track->has_last || show_ns > track->last_ns ||
+           (show_ns == track->last_ns && (int32_t)(sequence - track->last_sequence) > 0);
+}
+
+static mrt_result take_sample(leftover *self, int64_t id, const mrt_sample *sample, error *err)
+{
+    leftover_track *track;
+    mrt_result result = id > 0 ? find_track(self, id, &track, err) : MRT_END;
+    if (result != MRT_OK || !track || !track->is_known)
+        return result < 0 ? result : MRT_OK;
+    int64_t show_ns = sample->time_ns + self->to_show_ns;
+    if (!writer_track_accepts(&track->track, sample) || !is_new(track, show_ns, sample->sequence))
+        return MRT_OK;
+    if (writer_track_is_full(&track->track, show_ns))
+        result = put_chunk(self, track, err);
+    track->track.sample[track->track.count] = *sample;
+    track->track.sample[track->track.count++].time_ns = show_ns;
+    track->track.last_ns = sample->time_ns;
+    track->track.has_last = true;
+    return result;
+}
+
+static mrt_result take_event_once(leftover *self, const take_event *given, error *err)
+{
+    sqlite_statement *same;
+    take_event event = *given;
+    event.time_ns += self->to_show_ns;
+    mrt_result result = sqlite_query(self->store.db, &same, err,
+                                     "SELECT 1 FROM event WHERE time_ns = ? AND kind = ?"
+                                     " AND track = ? AND param = ? AND value = ?",
+                                     "i", "iiiid", event.time_ns, (int64_t)event.kind, event.track,
+                                     (int64_t)event.param, event.value);
+    if (result < 0)
+        return result;
+    result = sqlite_step(same, err);
+    sqlite_finish(same);
+    return result == MRT_END ? show_event_insert(self->store.db, &event, err) : result;
+}
+
+static mrt_result take_all(leftover *self, spool *left, error *err)
+{
+    writer_record record;
+    mrt_result result = MRT_OK;
+    while (result >= 0 && spool_pop(left, &record)) {
+        if (record.kind == WRITER_RECORD_SAMPLE)
+            result = take_sample(self, record.id, &record.of.sample, err);
+        else if (record.kind == WRITER_RECORD_EVENT &&
+                 writer_track_is_time(record.of.event.time_ns))
+            result = take_event_once(self, &record.of.event, err);
+    }
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)
+        result = put_chunk(self, &self->track[i], err);
+    return result;
+}
+
+/* ---- the whole ---- */
+
+static mrt_result commit(leftover *self, spool *left, error *err)
+{
+    int64_t last_id;
+    mrt_result result = sqlite_begin(self->store.db, err);
+    if (result < 0)
+        return result;
+    result = sqlite_number(self->store.db, "SELECT MAX(id) FROM chunk", 0, &last_id, err);
+    self->next_chunk_id = last_id + 1;
+    if (result >= 0)
+        result = take_all(self, left, err);
+    return sqlite_end(self->store.db, result, err);
+}
+
+/* The file may be another one by now, at the same place on the disk: then its last session is not
+ * the one that was killed. */
+static mrt_result check_session(show *s, int64_t to_show_ns, bool *out_is_ours, error *err)
+{
+    int64_t offset_ns;
+    mrt_result result = sqlite_number(s->db,
+                                      "SELECT CASE WHEN ended_ns IS NULL THEN utc_ns - monotonic_ns"
+                                      " END FROM session ORDER BY id DESC LIMIT 1",
+                                      INT64_MIN, &offset_ns, err);
+    *out_is_ours = result >= 0 && offset_ns == to_show_ns;
+    return result;
+}
+
+mrt_result writer_leftover_commit(show *s, error *err)
+{
+    bool is_ours;
+    int64_t to_show_ns;
+    struct stat of = {.st_dev = s->device, .st_ino = s->inode};
+    spool *left = spool_find(&of, sizeof(writer_record), &to_show_ns);
+    if (!left)
+        return MRT_OK;
+    mrt_result result = check_session(s, to_show_ns, &is_ours, err);
+    if (result < 0 || !is_ours) {
+        spool_destroy(left);
+        return result;
+    }
+    leftover *self = calloc(1, sizeof *self);
+    result = MRT_ERR_MEMORY;
+    if (!self)
+        goto done;
+    self->to_show_ns = to_show_ns;
+    self->sample = malloc(CHUNK_SAMPLES_MAX * sizeof *self->sample);
+    if (!self->sample)
+        goto done;
+    result = writer_store_open(&self->store, s, 0, err);
+    if (result >= 0)
+        result = commit(self, left, err);
+    writer_store_close(&self->store);
+done:
+    for (uint32_t i = 0; self && i < self->track_count; ++i)
+        writer_track_finish(&self->track[i].track);
+    if (self)
+        free(self->sample);
+    free(self);
+    if (result >= 0)
+        spool_destroy(left);
+    else
+        spool_abandon(left);
+    if (result == MRT_ERR_MEMORY)
+        error_set(err, result, "%s: no memory to read what is left of the last recording", s->path);
+    return result;
+}
