@@ -93,6 +93,7 @@ static void external_buffers_are_read_from_the_directory_only(void **state)
         mrt_result expected;
     } cases[] = {{"head.bin", MRT_OK},
                  {"he%61d.bin", MRT_OK},
+                 {"head.bin'},{'byteLength':156,'uri':'head.bin", MRT_ERR_IO}, /* twice */
                  {"none.bin", MRT_ERR_IO},
                  {"../io/head.bin", MRT_ERR_IO},
                  {"/etc/passwd", MRT_ERR_IO},

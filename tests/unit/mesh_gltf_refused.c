@@ -247,6 +247,37 @@ static void documents_that_unfold_without_end_are_refused(void **state)
     free(json);
 }
 
+/* Each instance reads its skin: 3000 of 4000 joints; or one of a matrix for each of 16 million. */
+static void skins_that_unfold_without_end_are_refused(void **state)
+{
+    (void)state;
+    enum { JOINTS = 4000, INSTANCES = 3000 };
+    char *json = malloc(200000);
+    assert_non_null(json);
+    size_t used = (size_t)sprintf(json, "{'asset':{'version':'2.0'},'accessors':[{'componentType':"
+                                        "5126,'count':3,'type':'VEC3'}],'meshes':[{'primitives':[{"
+                                        "'attributes':{'POSITION':0}}]}],'skins':[{'joints':[0");
+    for (int i = 1; i < JOINTS; ++i)
+        used += (size_t)sprintf(json + used, ",%d", i);
+    used += (size_t)sprintf(json + used, "]}],'nodes':[{}");
+    for (int i = 1; i < JOINTS; ++i)
+        used += (size_t)sprintf(json + used, ",{}");
+    for (int i = 0; i < INSTANCES; ++i)
+        used += (size_t)sprintf(json + used, ",{'mesh':0,'skin':0}");
+    used += (size_t)sprintf(json + used, "]}");
+    for (size_t i = 0; i < used; ++i)
+        json[i] = json[i] == '\'' ? '"' : json[i];
+    assert_refused(json, used, "steps of work, which is all that a mesh of");
+    free(json);
+
+    const document d = document_glb(
+        "'asset':{'version':'2.0'},'accessors':[{'componentType':5126,'count':3,'type':'VEC3'},"
+        "{'componentType':5126,'count':16777215,'type':'MAT4'}],'meshes':[{'primitives':[{"
+        "'attributes':{'POSITION':0}}]}],'skins':[{'joints':[0],'inverseBindMatrices':1}],"
+        "'nodes':[{},{'mesh':0,'skin':0}]");
+    assert_refused(d.bytes, d.size, "steps of work, which is all that a mesh of");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -256,6 +287,7 @@ int main(void)
         cmocka_unit_test(broken_containers_are_refused),
         cmocka_unit_test(deep_nesting_and_endless_lists_are_refused_before_parsing),
         cmocka_unit_test(documents_that_unfold_without_end_are_refused),
+        cmocka_unit_test(skins_that_unfold_without_end_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,9 @@
 #include <cstdarg>
 #include <cstdint>
 #include <initializer_list>
+#include <set>
+
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +25,7 @@ const size_t BUFFER_BYTES_MAX = (size_t)1 << 30;   /* all buffers together */
 struct buffer_source {
     text_view binary; /* cut to the length of the first buffer */
     const char *directory;
+    std::set<std::pair<dev_t, ino_t>> files; /* those that were read */
     error failed;
 };
 
@@ -290,8 +294,17 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
     }
     file_bytes bytes;
     std::string path = source->directory + uri;
-    if (file_check_below(source->directory, path.c_str(), &source->failed) < 0 ||
-        file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
+    struct stat status;
+    if (file_check_below(source->directory, path.c_str(), &source->failed) < 0)
+        return false;
+    /* A small file would fill all memory, if it were as many buffers as one likes. */
+    if (stat(path.c_str(), &status) == 0 &&
+        !source->files.insert({status.st_dev, status.st_ino}).second) {
+        (void)error_set(&source->failed, MRT_ERR_UNSUPPORTED,
+                        "buffer \"%s\": its file is another buffer already", shown.c_str());
+        return false;
+    }
+    if (file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
         return false;
     try {
         out->assign(bytes.data, bytes.data + bytes.size);
@@ -344,7 +357,7 @@ tinygltf::Model gltf_load(const gltf_container &container, const char *directory
         for (json &skin : document["skins"])
             if (!skin.contains("inverseBindMatrices"))
                 skin["inverseBindMatrices"] = -1; /* tinygltf asks for them; glTF does not */
-    buffer_source source = {{nullptr, nullptr}, directory, {""}};
+    buffer_source source = {{nullptr, nullptr}, directory, {}, {""}};
     prepare_buffers(document, container, source);
 
     tinygltf::TinyGLTF loader;

@@ -45,6 +45,8 @@ class planner
     gltf_plan make()
     {
         plan_.scene = gltf_scene_of(model_);
+        for (const gltf_instance &instance : plan_.scene.instances)
+            pay_for_skin(instance.skin);
         plan_.skeleton = gltf_skeleton_of(model_, plan_.scene);
         plan_.has_normals = true;
         for (const gltf_instance &instance : plan_.scene.instances) {
@@ -215,6 +217,22 @@ class planner
                       plan_.vertex_count, plan_.targets.size(), plan_.triangle_count, failed.text);
     }
 
+    /* Every instance reads its skin anew: so many joints, or matrices where those are more. */
+    void pay_for_skin(int index)
+    {
+        if (index < 0 || (size_t)index >= model_.skins.size())
+            return;
+        const tinygltf::Skin &skin = model_.skins[(size_t)index];
+        size_t count = skin.joints.size();
+        if (skin.inverseBindMatrices >= 0)
+            count = std::max(count, gltf_accessor(model_, skin.inverseBindMatrices).count());
+        error failed = {""};
+        mrt_result result = budget_spend_work(&budget_, count * STEPS_A_JOINT, &failed);
+        if (result < 0)
+            gltf_fail(result, "%zu instances, with skin %d of %zu joints: %s",
+                      plan_.scene.instances.size(), index, count, failed.text);
+    }
+
     struct slot_key {
         std::string name, owner; /* owner: the mesh, if it gave no name */
         size_t occurrence;
@@ -226,6 +244,7 @@ class planner
     };
 
     static constexpr size_t ATTRIBUTES_MAX = 64;
+    static constexpr size_t STEPS_A_JOINT = 20; /* of work, as base/budget.h counts it */
     const tinygltf::Model &model_;
     gltf_plan plan_;
     budget budget_; /* of all instances together */
