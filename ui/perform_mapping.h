@@ -7,7 +7,7 @@
 #include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
 #include "stage/take/recorder.h"
-#include "stage/mapping/reload.h"
+#include "stage/perform/reload.h"
 
 typedef struct perform_mapping {
     instance instance; /* the first; a rebuilt one is performer's */

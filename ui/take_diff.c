@@ -44,14 +44,14 @@ static mrt_result choose_parts(comparison *self, take_call *call, error *err)
 
 static void to_rows(float *out, take_stage *stage)
 {
-    const face *f = composer_face(sequencer_composer(stage->sequencer));
+    const face *f = performer_face(sequencer_performer(stage->sequencer));
     points_to_rows(out, face_shown(f), face_order(f));
 }
 
 static mrt_result make(comparison *self, error *err)
 {
     const mesh *m = &self->a.face.mesh;
-    composer *shown = sequencer_composer(self->a.sequencer);
+    composer *shown = performer_composer(sequencer_performer(self->a.sequencer));
     for (int i = 0; i < 2; ++i)
         self->rows[i] = malloc((size_t)m->vertex_count * 3 * sizeof(float));
     self->frame = calloc((size_t)self->frames.count, sizeof *self->frame);
@@ -89,7 +89,7 @@ static mrt_result each(void *data, take_stage *from, error *err)
         result = sequencer_check(self->b.sequencer, err);
     if (result < 0)
         return result;
-    composer_draw(sequencer_composer(self->b.sequencer));
+    performer_draw(sequencer_performer(self->b.sequencer));
     to_rows(self->rows[0], from);
     to_rows(self->rows[1], &self->b);
     diff_measure(self->by, self->rows[0], self->rows[1], &self->frame[self->at++]);

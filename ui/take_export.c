@@ -45,7 +45,7 @@ typedef struct kept { /* of each frame */
 static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
     kept *self = data;
-    composer *shown = sequencer_composer(from->sequencer);
+    composer *shown = performer_composer(sequencer_performer(from->sequencer));
     self->frame_count += 1;
     mrt_result result = exports_video_add(self->videos, shown, err);
     return result < 0 ? result : recording_add(&self->measured, shown, 0, err);

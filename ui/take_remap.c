@@ -6,7 +6,7 @@
 #include "news.h"
 #include "perform_mapping.h"
 #include "stage/input/spec.h"
-#include "stage/mapping/identity.h"
+#include "stage/take/identity.h"
 #include "take/edit_store.h"
 #include "take_play.h"
 

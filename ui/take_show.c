@@ -243,7 +243,7 @@ static mrt_result add_frame(void *data, take_stage *from, error *err)
 {
     (void)err;
     vertex_sum *self = data;
-    const face *f = composer_face(sequencer_composer(from->sequencer));
+    const face *f = performer_face(sequencer_performer(from->sequencer));
     points_to_rows(self->rows, face_shown(f), face_order(f));
     hash_add(self->sum, self->rows, (size_t)from->face.mesh.vertex_count * 3 * sizeof(float));
     return MRT_OK;

@@ -207,7 +207,7 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
         result = sequencer_play_to(self->sequencer, at_ns, err);
         if (result < 0)
             break;
-        composer_draw(sequencer_composer(self->sequencer));
+        performer_draw(sequencer_performer(self->sequencer));
         result = each(data, self, err);
         if (result >= 0)
             result = sequencer_check(self->sequencer, err);

@@ -34,7 +34,7 @@ typedef struct take_frames { /* frame `first` + i begins at timecode_time_ns(rat
 /* By --fps, --in and --out: the frames that begin in that range; of the whole take without. */
 CHECKED mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err);
 
-/* Brings the face to each frame in turn. `each` reads sequencer_composer, drawn. */
+/* Brings the face to each frame in turn. `each` reads sequencer_performer, drawn. */
 CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
                                    mrt_result (*each)(void *data, take_stage *from, error *err),
                                    void *data, error *err);

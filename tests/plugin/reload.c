@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "plugin/stand.h"
-#include "stage/mapping/reload.h"
+#include "stage/perform/reload.h"
 
 #include <dirent.h>
 #include <unistd.h>

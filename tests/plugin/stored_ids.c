@@ -46,20 +46,20 @@ static void no_stored_id_is_a_path(void **state)
     static const char *const before[] = {"", "", "org.marotte.anchored", "./"};
     static const char *const behind[] = {" 1.0 0", "/troubled 1.0 0", " 1.0 0", ""};
     film *f = film_shoot(&play, FILM_DEMO, "start=3,end=5", 0.0);
-    composer *scratch;
-    const csrbf_settings of_rig = {.radius = 0};
+    performer *scratch;
+    const performer_settings of_rig = {.rezero_pedal = 0};
     error err = {""};
-    scene_must(composer_create(&scratch, &f->file, &of_rig, &err), &err);
+    scene_must(performer_create(&scratch, &f->file, NULL, &of_rig, &err), &err);
     const uint32_t refusals = f->plugins.refusal_count, entries = f->plugins.entry_count;
     for (size_t i = 0; i < sizeof before / sizeof *before; ++i) {
         char identity[FILM_PATH * 2];
-        source *again = NULL;
+        replay *again = NULL;
         activity *drawn = NULL;
         (void)snprintf(identity, sizeof identity, "%s%s%s", before[i], library, behind[i]);
         store_identity(f, identity);
-        const source_world world = {
+        const replay_world world = {
             .show = f->show, .plugins = &f->plugins, .log = f->log, .scratch = scratch};
-        assert_true(source_open(&again, &world, f->performance, &err) < 0);
+        assert_true(replay_open(&again, &world, f->performance, &err) < 0);
         assert_null(again);
         assert_non_null(strstr(err.text, "there is no mapping plugin"));
         assert_true(activity_create(&drawn, &world, f->performance, &err) < 0);
@@ -67,7 +67,7 @@ static void no_stored_id_is_a_path(void **state)
     }
     assert_int_equal(f->plugins.refusal_count, refusals);
     assert_int_equal(f->plugins.entry_count, entries);
-    composer_destroy(scratch);
+    performer_destroy(scratch);
     film_burn(f);
 }
 

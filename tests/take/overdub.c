@@ -114,8 +114,8 @@ static void play(seen *out, show *s, int64_t take_id)
     assert_string_equal(sequencer_note(q), "");
     for (int64_t at = 0; at < t.duration_ns; at += S / FPS) {
         must(sequencer_play_to(q, at, &err), &err);
-        composer_draw(sequencer_composer(q));
-        look(out, sequencer_composer(q));
+        performer_draw(sequencer_performer(q));
+        look(out, performer_composer(sequencer_performer(q)));
     }
     sequencer_destroy(q);
     take_finish(&t);
@@ -211,7 +211,7 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
     (void)work_ns;
     (void)err;
     if (o->seen)
-        look(o->seen, overdub_composer(o->overdub));
+        look(o->seen, performer_composer(overdub_performer(o->overdub)));
     return MRT_OK;
 }
 

@@ -59,9 +59,12 @@ static void fill(hand_source *out, uint32_t side, uint32_t count, int64_t first_
 
 static void listen(scheduler *out, scheduler_rule rule, hand_source *of, uint32_t count)
 {
-    scheduler_init(out, rule);
+    static scheduler_entry entry[STEP_SAMPLES_MAX];
+    static channel_route route[STEP_SAMPLES_MAX];
+    scheduler_init(out, rule, entry, route, STEP_SAMPLES_MAX);
     for (uint32_t i = 0; i < count; ++i) {
-        const sample_source source = {&of[i], peek, take_sample, channels};
+        const sample_source source = {
+            .self = &of[i], .peek = peek, .take = take_sample, .channels = channels};
         scheduler_add(out, &source, NULL);
     }
 }

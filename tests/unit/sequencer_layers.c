@@ -55,14 +55,14 @@ static void expect_film(film *f, const take *t, int64_t later_ns)
 static const face *face_at(sequencer *s, int64_t at_ns)
 {
     (void)film_play_to(s, at_ns);
-    return composer_face(sequencer_composer(s));
+    return performer_face(sequencer_performer(s));
 }
 
 /* Checks shown(a) - rest = times (shown(b) - rest) at an instant; returns how far b goes, mm. */
 static double expect_times(sequencer *a, sequencer *b, int64_t at_ns, double times)
 {
     const points *is = face_shown(face_at(a, at_ns)), *was = face_shown(face_at(b, at_ns)),
-                 *rest = face_rest(composer_face(sequencer_composer(a)));
+                 *rest = face_rest(performer_face(sequencer_performer(a)));
     const float *const i[3] = {is->x, is->y, is->z}, *const w[3] = {was->x, was->y, was->z},
                        *const r[3] = {rest->x, rest->y, rest->z};
     double most = 0;
@@ -109,7 +109,7 @@ static void parts_of_different_times_stand_side_by_side(void **state)
               "'source_ns':900m,'start_ns':0}");
     sequencer *s = film_project(f, &t, 0), *now = film_project(f, &plain, 0),
               *then = film_project(f, &late, 0);
-    const mrt_face *about = composer_about(sequencer_composer(s));
+    const mrt_face *about = composer_about(performer_composer(sequencer_performer(s)));
     double most = 0;
     for (int64_t at_ns = 100 * help_ms; at_ns < 2900 * help_ms; at_ns += 100 * help_ms) {
         const float *is = face_metered(face_at(s, at_ns))->dof,
@@ -144,8 +144,8 @@ static void an_offset_shows_it_later(void **state)
     expect_film(f, &t, 700 * help_ms);
     sequencer *s = film_project(f, &t, 0);
     uint64_t before = film_play_to(s, 699 * help_ms);
-    assert_true(scene_distance(face_shown(composer_face(sequencer_composer(s))),
-                               face_rest(composer_face(sequencer_composer(s)))) <= 0.0);
+    assert_true(scene_distance(face_shown(performer_face(sequencer_performer(s))),
+                               face_rest(performer_face(sequencer_performer(s)))) <= 0.0);
     assert_true(film_seek(s, 2000 * help_ms) != before);
     assert_true(film_seek(s, 300 * help_ms) == before);
     sequencer_destroy(s);
@@ -261,7 +261,7 @@ static void muted_layers_are_not_heard_and_solo_ones_alone(void **state)
 static double most_speed(film *f, const take *t)
 {
     sequencer *s = film_project(f, t, 0);
-    const points *now = face_shown(composer_face(sequencer_composer(s)));
+    const points *now = face_shown(performer_face(sequencer_performer(s)));
     float *before = calloc(now->padded_count, sizeof *before);
     double most = 0;
     for (int64_t at_ns = 0; at_ns < t->duration_ns; at_ns += 20 * help_ms) {
@@ -306,13 +306,11 @@ static void enter(actor *out, film *f, sequencer *s)
     error err = {""};
     const mrt_plugin_type *type;
     mrt_channel channel[MRT_MAX_CHANNELS];
-    layer_settings guard = {.reach_mm = 0};
-    guard.reach_mm = composer_reach_mm(sequencer_composer(s), &guard.centre);
+    const performer_settings as = {.hand_length_mm = 0};
     scene_must(plugin_list_find(&f->plugins, f->play->mapping, MRT_MAPPING, &type, &err), &err);
     scene_must(instance_create(&out->mapping, type, CLOCK_VIRTUAL, f->log, &err), &err);
     scene_must(instance_set_list(&out->mapping, f->play->params, &err), &err);
-    scene_must(layer_create(&out->layer, &out->mapping, composer_about(sequencer_composer(s)),
-                            &guard, &err),
+    scene_must(performer_make_layer(sequencer_performer(s), &out->mapping, &as, &out->layer, &err),
                &err);
     channel_route_init(&out->route, channel, scene_channels(channel, 0));
 }
@@ -335,7 +333,7 @@ static void perform_over(sequencer *s, actor *a, int64_t at_ns)
     mrt_sample sample = live_sample((uint32_t)(at_ns / (20 * help_ms)));
     sample.time_ns = at_ns;
     const sample_step next = sample_step_of(&a->route, &sample);
-    sequencer_live_step(s, &next);
+    sequencer_live_step(s, &next, 1.0);
 }
 
 static void who_performs_over_everything_is_all_that_is_seen(void **state)
@@ -349,8 +347,7 @@ static void who_performs_over_everything_is_all_that_is_seen(void **state)
     scene_stand alone;
     enter(&a, f, s);
     scene_stand_up(&alone, f->play, &f->file);
-    const sequencer_live live = {.layer = a.layer};
-    sequencer_set_live(s, &live);
+    sequencer_set_live(s, a.layer, NULL, false);
     for (int64_t at_ns = 0; at_ns < 2000 * help_ms; at_ns += 20 * help_ms) {
         (void)film_play_to(s, at_ns);
         perform_over(s, &a, at_ns);
@@ -359,8 +356,8 @@ static void who_performs_over_everything_is_all_that_is_seen(void **state)
         const sample_step next = sample_step_of(&a.route, &sample);
         performer_step(alone.performer, &next);
         performer_draw(alone.performer);
-        composer_draw(sequencer_composer(s));
-        assert_true(scene_distance(face_shown(composer_face(sequencer_composer(s))),
+        performer_draw(sequencer_performer(s));
+        assert_true(scene_distance(face_shown(performer_face(sequencer_performer(s))),
                                    face_shown(performer_face(alone.performer))) < 1e-4);
     }
     scene_lay_down(&alone);
@@ -383,8 +380,7 @@ static void who_performs_and_goes_leaves_the_take_as_it_was(void **state)
         sequencer *s = film_project(f, &t, 0);
         actor a;
         enter(&a, f, s);
-        sequencer_live live = {.layer = a.layer, .is_additive = true};
-        sequencer_set_live(s, &live);
+        sequencer_set_live(s, a.layer, NULL, true);
         bool was_seen = false;
         for (int64_t at_ns = 0; at_ns < 5000 * help_ms; at_ns += 20 * help_ms) {
             (void)film_play_to(s, at_ns);
@@ -394,8 +390,7 @@ static void who_performs_and_goes_leaves_the_take_as_it_was(void **state)
             was_seen |= film_face_of(s) != f->hash[film_sample_at(f, at_ns)];
         }
         assert_true(was_seen);
-        live.layer = NULL;
-        sequencer_set_live(s, &live);
+        sequencer_set_live(s, NULL, NULL, false);
         static const int64_t sought_ms[] = {5100, 6500, 1000, 4900, 2500};
         for (int k = 0; k < 5; ++k) {
             int64_t at_ns = sought_ms[k] * help_ms;

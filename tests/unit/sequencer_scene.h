@@ -241,8 +241,8 @@ static inline sequencer *film_project(film *f, const take *t, size_t checkpoint_
 
 static inline uint64_t film_face_of(sequencer *s)
 {
-    composer_draw(sequencer_composer(s));
-    return scene_hash(composer_face(sequencer_composer(s)));
+    performer_draw(sequencer_performer(s));
+    return scene_hash(performer_face(sequencer_performer(s)));
 }
 
 static inline uint64_t film_seek(sequencer *s, int64_t at_ns)

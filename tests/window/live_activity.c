@@ -8,25 +8,25 @@ static const writer_slate slate = {"1", "a", 0};
 
 typedef struct lanes {
     show *show;
-    composer *scratch;
-    source_world world;
+    performer *scratch;
+    replay_world world;
     activity *of;
 } lanes;
 
 static void open_lanes(live_desk *d, lanes *out, int64_t performance)
 {
     error err = {""};
-    const csrbf_settings of_rig = {.radius = 0.0};
+    const performer_settings of_rig = {.rezero_pedal = 0};
     desk_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
-    desk_must(composer_create(&out->scratch, &d->face, &of_rig, &err), &err);
-    out->world = (source_world){out->show, &d->plugins, d->log, out->scratch};
+    desk_must(performer_create(&out->scratch, &d->face, NULL, &of_rig, &err), &err);
+    out->world = (replay_world){out->show, &d->plugins, d->log, out->scratch};
     desk_must(activity_create(&out->of, &out->world, performance, &err), &err);
 }
 
 static void close_lanes(lanes *l)
 {
     activity_destroy(l->of);
-    composer_destroy(l->scratch);
+    performer_destroy(l->scratch);
     show_close(l->show);
 }
 

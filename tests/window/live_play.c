@@ -55,7 +55,7 @@ static void project(live_desk *d, const take *t, projector *out)
 static uint64_t projected(live_desk *d, projector *of, int64_t at_ns)
 {
     error err = {""};
-    composer *shown = sequencer_composer(of->plays);
+    composer *shown = performer_composer(sequencer_performer(of->plays));
     desk_must(sequencer_play_to(of->plays, at_ns, &err), &err);
     composer_draw(shown);
     points_to_rows(of->rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));

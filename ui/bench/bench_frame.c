@@ -91,18 +91,16 @@ static void count_blocks(scene *self)
 static void run_frame(scene *self, uint32_t round, bool is_cold)
 {
     mrt_sample sample = sample_of(self->frame++);
-    layer *of = performer_layer(self->performer);
-    composer *shown = performer_composer(self->performer);
     if (is_cold)
         bench_roof_flush(&self->of->roof);
     double took_ms[STEPS] = {0};
     int64_t at_ns = clock_now_ns();
     const sample_step next = sample_step_of(&self->route, &sample);
-    layer_step(of, &next, composer_is_near(shown, layer_pull(of)));
+    performer_map(self->performer, &next);
     took_ms[STEP_MAP] = lap_ms(&at_ns);
-    performer_move(of, shown);
+    performer_constrain(self->performer, next.voice, next.due_ns);
     took_ms[STEP_CONSTRAIN] = lap_ms(&at_ns);
-    composer_draw(shown);
+    performer_draw(self->performer);
     took_ms[STEP_DEFORM] = lap_ms(&at_ns);
     publish(self);
     took_ms[STEP_PUBLISH] = lap_ms(&at_ns);

@@ -12,6 +12,11 @@ typedef struct sample_source {
     void (*take)(void *self); /* what was peeked last */
     /* Of a version; NULL: the route that was given holds for all of them. */
     const mrt_channel *(*channels)(void *self, uint32_t version, uint32_t *out_count);
+    uint32_t voice; /* who performs them (perform/performer.h) */
+    /* By the clock of who performs, when a sample of that time is due: a clip's, on the timeline.
+     * INT64_MAX: never. NULL: at its own time. */
+    int64_t (*due_ns)(void *clock, int64_t sample_ns);
+    void *clock;
 } sample_source;
 
 #endif

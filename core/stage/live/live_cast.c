@@ -1,7 +1,7 @@
 #include "stage/live/live_state.h"
 #include "base/clock.h"
 #include "hand/calibration_file.h"
-#include "stage/mapping/identity.h"
+#include "stage/take/identity.h"
 #include "stage/take/kept_solver.h"
 
 #include <stdio.h>

@@ -134,8 +134,7 @@ static void live_time_send(live_stage *stage, int64_t now_ns)
 /* The last face of it stays until the take is shown with what was made of it. */
 static void end_over(live_stage *stage, int64_t now_ns)
 {
-    static const sequencer_live nobody = {NULL, NULL, false};
-    sequencer_set_live(stage->timeline->sequencer, &nobody);
+    sequencer_set_live(stage->timeline->sequencer, NULL, NULL, false);
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = now_ns + LIVE_HOLD_NS;
     stage->is_sought = true;
@@ -164,7 +163,7 @@ static mrt_result live_time_step(live_stage *stage, const sample_step *performed
     return MRT_OK;
 }
 
-static composer *shown_over(live_stage *stage, int64_t now_ns)
+static performer *shown_over(live_stage *stage, int64_t now_ns)
 {
     error err = {""};
     if (overdub_run_play_to(stage->over, stage->timeline->sequencer, stage->recorder,
@@ -173,21 +172,21 @@ static composer *shown_over(live_stage *stage, int64_t now_ns)
     player_show_until(stage->loop, stage->over->played_ns);
     if (stage->over->is_over)
         end_over(stage, now_ns);
-    return sequencer_composer(stage->timeline->sequencer);
+    return sequencer_performer(stage->timeline->sequencer);
 }
 
-/* What is shown now; NULL: what is shown stays as it is. */
-static composer *live_time_shown(live_stage *stage, int64_t now_ns)
+/* Who is seen now; NULL: what is shown stays as it is. */
+static performer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
-        return performer_composer(stage->scene->performer);
+        return stage->scene->performer;
     tell_sound(stage, now_ns);
     if (stage->mode == LIVE_OVERDUBS)
         return shown_over(stage, now_ns);
     if (!live_time_may_show(stage, now_ns))
         return NULL;
     stage->has_come = false;
-    return sequencer_composer(stage->timeline->sequencer);
+    return sequencer_performer(stage->timeline->sequencer);
 }
 
 /* ---- samples are performed and recorded, the newest face is published ---- */
@@ -261,7 +260,7 @@ static mrt_result perform_step(live_stage *stage, const sample_step *s, error *e
     }
     performer_map(stage->scene->performer, s);
     stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
-    performer_constrain(stage->scene->performer);
+    performer_constrain(stage->scene->performer, s->voice, s->due_ns);
     stage->step_ms[LIVE_STEP_CONSTRAIN] += ms_since(&at_ns);
     return result;
 }
@@ -369,16 +368,16 @@ static void note_frame(live_stage *stage)
 void live_frame_publish(live_stage *stage)
 {
     int64_t at_ns = clock_now_ns(), now_ns = at_ns;
-    composer *shown = live_time_shown(stage, now_ns);
+    performer *shown = live_time_shown(stage, now_ns);
     if (!shown)
         return;
     stage->is_dirty = false;
-    composer_draw(shown);
+    performer_draw(shown);
     stage->step_ms[LIVE_STEP_DEFORM] += ms_since(&at_ns);
     live_board *board = &stage->scene->board;
-    live_view *view = live_board_fill(board, shown, now_ns);
-    meter(stage, composer_face(shown), now_ns);
-    describe_face(stage, view, shown);
+    live_view *view = live_board_fill(board, performer_composer(shown), now_ns);
+    meter(stage, performer_face(shown), now_ns);
+    describe_face(stage, view, performer_composer(shown));
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
     live_board_publish(board);

@@ -4,7 +4,7 @@
 #ifndef MAROTTE_STAGE_LIVE_MAPPING_H
 #define MAROTTE_STAGE_LIVE_MAPPING_H
 #include "stage/mapping/plugins.h"
-#include "stage/mapping/reload.h"
+#include "stage/perform/reload.h"
 
 typedef struct live_mapping_role {
     char *text;          /* "one_hand,smile=8"; "" none */

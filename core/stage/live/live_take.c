@@ -453,10 +453,8 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     beginning *b = data;
     sequencer *s = stage->timeline->sequencer;
     layer *of = performer_layer(stage->scene->performer);
-    const sequencer_live performs = {of, b->owned, b->is_additive};
     layer_begin_anew(of);
-    sequencer_set_live(s, &performs);
-    sequencer_weigh_live(s, 0.0);
+    sequencer_set_live(s, of, b->owned, b->is_additive);
     b->cast = recorder_change(stage->recorder, b->cast);
     overdub_run_slate(b->run, stage->recorder);
     stage->over = b->run;
@@ -559,7 +557,7 @@ static mrt_result stand_at_start(live *self, const beginning *b, error *err)
     if (result >= 0)
         result = sequencer_prepare(s, b->run->start_ns, to_ns, err);
     if (result >= 0)
-        sequencer_mark_owned(sequencer_composer(s), b->own, b->owned);
+        sequencer_mark_owned(performer_composer(sequencer_performer(s)), b->own, b->owned);
     return result;
 }
 

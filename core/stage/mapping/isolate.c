@@ -1,10 +1,9 @@
 #include "stage/mapping/isolate.h"
 #include "base/clock.h"
-#include "stage/perform/guard.h"
+#include "stage/mapping/guard.h"
 #include "stage/mapping/isolate_process.h"
 #include "stage/mapping/isolate_report.h"
 #include "stage/mapping/plugins.h"
-#include "stage/perform/seam.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -618,7 +617,7 @@ static bool comes_back(const mrt_plugin *self)
            atomic_load(&block->answered) == atomic_load(&block->asked);
 }
 
-static bool take_turn(mrt_plugin *self, mrt_pull *pull)
+static bool take_over(mrt_plugin *self, mrt_pull *pull)
 {
     if (atomic_load(&self->phase) != ISOLATE_READY)
         return self->has_turn = comes_back(self);
@@ -850,11 +849,11 @@ static const mrt_plugin_type *inner_of(const mrt_plugin_type *outer)
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
 static const mrt_state state = {state_save, state_load};
 static const mrt_resume resume = {resume_save, resume_load};
-static const stage_seam seam = {take_turn, inner_of};
+static const isolate_takeover takeover = {take_over, inner_of};
 
 const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type)
 {
-    const stage_seam *s = plugin_interface(type, STAGE_SEAM);
+    const isolate_takeover *s = plugin_interface(type, ISOLATE_TAKEOVER);
     return s ? s->inner(type) : type;
 }
 
@@ -876,7 +875,7 @@ mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const cha
     self->settings = *settings;
     mrt_interface *next = self->interfaces;
     *next++ = (mrt_interface){MRT_MAPPING, &mapping};
-    *next++ = (mrt_interface){STAGE_SEAM, &seam};
+    *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
     if (plugin_interface(inner, MRT_STATE))
         *next++ = (mrt_interface){MRT_STATE, &state};
     if (plugin_interface(inner, MRT_RESUME))

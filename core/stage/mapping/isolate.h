@@ -2,7 +2,7 @@
  * uses it sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and
  * it goes on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for
  * a second, or for three if its process had no turn), the face is held, what it saw is written
- * down (isolate_report.h), and a new process takes over once, by way of seam.h. A second failure
+ * down (isolate_report.h), and a new process takes over once (ISOLATE_TAKEOVER). A second failure
  * within a minute: the face stays held. */
 #ifndef MAROTTE_STAGE_ISOLATE_H
 #define MAROTTE_STAGE_ISOLATE_H
@@ -23,6 +23,17 @@ CHECKED mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, c
 void isolate_destroy(isolate *self); /* after its instances; NULL is fine */
 /* Until destroy. */
 const mrt_plugin_type *isolate_type(const isolate *self);
+
+/* An interface of these types alone: the layer has to know when a new process takes over, so that
+ * the face is blended from one to the other. */
+#define ISOLATE_TAKEOVER "marotte.stage.takeover/1"
+typedef struct isolate_takeover {
+    /* [frame] Before process, unless a blend is still going on: whether another process fills the
+     * pull from this call on. `pull` is what process will be given; it may be changed to what that
+     * one held last. */
+    bool (*take_over)(mrt_plugin *self, mrt_pull *pull);
+    const mrt_plugin_type *(*inner)(const mrt_plugin_type *outer); /* the type that was wrapped */
+} isolate_takeover;
 
 /* The type that was wrapped, or the type itself. */
 const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type);

@@ -1,5 +1,5 @@
 /* stage/mapping/taught.h - what a mapping was taught (MRT_STATE: poses, gestures), kept: with each
- * state of a performance that is recorded (take/source.h), and as a note of the show, from which
+ * state of a performance that is recorded (take/replay.h), and as a note of the show, from which
  * the next session goes on. [main], or any one thread that may read the show and has the mapping.
  */
 #ifndef MAROTTE_STAGE_TAUGHT_H

@@ -305,7 +305,7 @@ static void show_hand(one_hand *hand, int64_t time_ns, mrt_hand *out)
 
 sample_step sample_step_of(const channel_route *route, const mrt_sample *sample)
 {
-    sample_step out = {.time_ns = sample->time_ns, .count = 1};
+    sample_step out = {.time_ns = sample->time_ns, .due_ns = sample->time_ns, .count = 1};
     out.of[0] = (step_sample){.route = route, .sample = *sample};
     return out;
 }

@@ -38,7 +38,7 @@ void channel_route_calibrate(channel_route *route, uint32_t side,
                              const hand_calibration *calibration);
 
 /* What is performed at once: samples of several inputs that belong to one instant, at most one of
- * each, in the order of the inputs. All have the step's time. */
+ * each, in the order of the inputs. All have the step's time, and are one voice's. */
 enum { STEP_SAMPLES_MAX = 8 };
 typedef struct step_sample {
     uint32_t input; /* index */
@@ -47,6 +47,8 @@ typedef struct step_sample {
 } step_sample;
 typedef struct sample_step {
     int64_t time_ns;
+    uint32_t voice;
+    int64_t due_ns; /* by the clock of who performs (sample_source) */
     uint32_t count;
     step_sample of[STEP_SAMPLES_MAX];
 } sample_step;

@@ -1,10 +1,10 @@
 #include "stage/perform/layer.h"
 #include "base/bytes.h"
 #include "base/clock.h"
+#include "stage/mapping/isolate.h"
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/taught.h"
-#include "stage/perform/guard.h"
-#include "stage/perform/seam.h"
+#include "stage/mapping/guard.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,8 +38,8 @@ static mrt_pull layer_home(const mrt_pull *leaving);
 struct layer {
     instance *mapping;
     const mrt_mapping *functions;
-    const mrt_resume *resume; /* NULL: it has none */
-    const stage_seam *seam;   /* NULL: nobody takes turns */
+    const mrt_resume *resume;         /* NULL: it has none */
+    const isolate_takeover *takeover; /* NULL: it runs here */
     const mrt_face *about;
     guard guard;
     layer_settings settings;
@@ -129,7 +129,7 @@ static void use_mapping(layer *self, instance *mapping)
     self->mapping = mapping;
     self->functions = plugin_interface(mapping->type, MRT_MAPPING);
     self->resume = plugin_interface(mapping->type, MRT_RESUME);
-    self->seam = plugin_interface(mapping->type, STAGE_SEAM);
+    self->takeover = plugin_interface(mapping->type, ISOLATE_TAKEOVER);
 }
 
 static mrt_result activate(layer *self, error *err)
@@ -410,8 +410,8 @@ static void run_mapping(layer *self, int64_t time_ns)
     instance_latch(self->mapping);
     tell_params(self, time_ns);
     self->frame.params = self->mapping->params;
-    if (self->seam && !layer_is_fading(self) &&
-        self->seam->take_turn(self->mapping->self, &self->pull))
+    if (self->takeover && !layer_is_fading(self) &&
+        self->takeover->take_over(self->mapping->self, &self->pull))
         layer_cut(self);
     mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
     if (result == MRT_HOLD) {

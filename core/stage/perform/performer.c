@@ -1,22 +1,22 @@
 #include "stage/perform/performer.h"
 #include "base/bytes.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 struct performer {
     composer *composer;
-    layer *layer;
+    layer *own; /* of voice 0, made with the performer; NULL: none */
+    performer_voice voice[PERFORMER_VOICES_MAX];
     performer_counts counts;
 };
 
+/* ---- made and unmade ---- */
+
 static void count(performer *self)
 {
-    const layer_counts *l = layer_counted(self->layer);
     const composer_counts *c = composer_counted(self->composer);
-    self->counts.samples = l->samples;
-    self->counts.steps = l->steps;
     self->counts.solves = c->solves;
-    self->counts.bad_pulls = l->bad_pulls;
     self->counts.held_pulls = c->held_pulls;
     self->counts.limited_steps = c->limited_steps;
     self->counts.folded_steps = c->folded_steps;
@@ -25,7 +25,18 @@ static void count(performer *self)
     self->counts.commits = c->commits;
     self->counts.min_determinant = c->min_determinant;
     if (!self->counts.first_problem.text[0])
-        self->counts.first_problem = l->first_problem.text[0] ? l->first_problem : c->first_problem;
+        self->counts.first_problem = c->first_problem;
+}
+
+mrt_result performer_make_layer(const performer *self, instance *mapping,
+                                const performer_settings *as, layer **out, error *err)
+{
+    layer_settings settings = {.hands.rezero_pedal = as->rezero_pedal, .keeps_taught = true};
+    for (int side = 0; side < 2; ++side)
+        settings.hands.length_mm[side] =
+            as->hand_length_mm > 0 ? as->hand_length_mm : as->side_length_mm[side];
+    settings.reach_mm = composer_reach_mm(self->composer, &settings.centre);
+    return layer_create(out, mapping, composer_about(self->composer), &settings, err);
 }
 
 mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
@@ -36,39 +47,68 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the performer");
     mrt_result result = composer_create(&self->composer, file, &settings->solver, err);
-    if (result < 0)
-        goto fail;
-    layer_settings guard = {.hands.rezero_pedal = settings->rezero_pedal, .keeps_taught = true};
-    for (int side = 0; side < 2; ++side)
-        guard.hands.length_mm[side] = settings->hand_length_mm > 0 ? settings->hand_length_mm
-                                                                   : settings->side_length_mm[side];
-    guard.reach_mm = composer_reach_mm(self->composer, &guard.centre);
-    result = layer_create(&self->layer, mapping, composer_about(self->composer), &guard, err);
-    if (result < 0)
-        goto fail;
+    if (result >= 0 && mapping)
+        result = performer_make_layer(self, mapping, settings, &self->own, err);
+    if (result < 0) {
+        performer_destroy(self);
+        return result;
+    }
+    self->voice[0] =
+        (performer_voice){.layer = self->own, .is_seen = true, .weight = 1.0, .gain = 1.0};
     count(self);
     *out = self;
     return MRT_OK;
-fail:
-    performer_destroy(self);
-    return result;
 }
 
 void performer_destroy(performer *self)
 {
     if (!self)
         return;
-    layer_destroy(self->layer);
+    layer_destroy(self->own);
     composer_destroy(self->composer);
     free(self);
 }
 
+performer_voice *performer_voice_of(performer *self, uint32_t voice)
+{
+    return &self->voice[voice];
+}
+
+/* ---- the face of an instant ---- */
+
+/* Eases the ends of the vectors and the degrees of freedom towards what the mapping says. */
+static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_t now_ns)
+{
+    bool goes_on = v->has_smooth && v->smooth.count == pull->count &&
+                   v->smooth.anchor == pull->anchor && v->smooth.mode == pull->mode;
+    if (!(v->smooth_s > 0.0) || pull->mode != MRT_ANCHORED)
+        return pull;
+    double dt_s = (double)(now_ns - v->smooth_ns) * 1e-9;
+    double share = dt_s > 0.0 ? dt_s / (v->smooth_s + dt_s) : 0.0;
+    mrt_pull before = v->smooth;
+    v->smooth = *pull;
+    v->smooth_ns = now_ns;
+    v->has_smooth = true;
+    for (uint32_t i = 0; goes_on && i < pull->count; ++i) {
+        mrt_vec3 *to = &v->smooth.vector[i].end;
+        const mrt_vec3 *from = &before.vector[i].end;
+        to->x = (float)((double)from->x + share * ((double)to->x - (double)from->x));
+        to->y = (float)((double)from->y + share * ((double)to->y - (double)from->y));
+        to->z = (float)((double)from->z + share * ((double)to->z - (double)from->z));
+    }
+    for (uint32_t i = 0; goes_on && i < MRT_MAX_DOFS; ++i)
+        if (!isnan(before.dof[i]) && !isnan(pull->dof[i]))
+            v->smooth.dof[i] = (float)((double)before.dof[i] +
+                                       share * ((double)pull->dof[i] - (double)before.dof[i]));
+    return &v->smooth;
+}
+
 /* Over the mapping: what a contact is pulled by both adds up. */
-static composer_part finger_part(const composer_part *as, uint32_t turn, const mrt_pull *pull)
+static composer_part finger_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
 {
     composer_part out = *as;
-    out.slot += PERFORMER_SLOTS * turn;
-    out.layer = 2 * as->layer + 1;
+    out.slot += PERFORMER_VOICES_MAX * bank;
+    out.layer += 1;
     out.is_additive = out.is_finger = true;
     out.pull = pull;
     return out;
@@ -77,79 +117,108 @@ static composer_part finger_part(const composer_part *as, uint32_t turn, const m
 static uint32_t pointer_parts(const layer *of, const composer_part *as, composer_part *out)
 {
     const pointer *p = layer_pointer(of);
-    uint32_t count = 0;
+    uint32_t part_count = 0;
     if (p->pull.mode != MRT_IDLE)
-        out[count++] = finger_part(as, 2, &p->pull);
+        out[part_count++] = finger_part(as, 2, &p->pull);
     if (p->places.mode == MRT_IDLE && !p->commits && !(p->restore > 0.0))
-        return count;
-    out[count] = finger_part(as, 3, &p->places);
-    out[count].is_fresh = as->is_fresh && p->is_fresh;
-    out[count++].restore = as->is_fresh ? p->restore : 0.0;
-    return count;
+        return part_count;
+    out[part_count] = finger_part(as, 3, &p->places);
+    out[part_count].is_fresh = as->is_fresh && p->is_fresh;
+    out[part_count++].restore = as->is_fresh ? p->restore : 0.0;
+    return part_count;
 }
 
-uint32_t performer_parts(const layer *of, const composer_part *as,
+/* What a voice pulls, what is leaving it, and what its pointer adds, to contacts and to places. */
+static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {
+    performer_voice *v = &self->voice[index];
+    const composer_part whole = {.slot = index,
+                                 .layer = 2 * v->lane,
+                                 .is_additive = v->is_additive,
+                                 .is_fresh = is_fresh,
+                                 .weight = v->weight,
+                                 .gain = v->gain,
+                                 .pull = smoothed(v, layer_pull(v->layer), now_ns),
+                                 .owns = v->owns};
     uint32_t part_count = 0;
-    double weight = layer_weight(of);
-    const mrt_pull *leaving = layer_leaving(of);
+    double weight = layer_weight(v->layer);
+    const mrt_pull *leaving = layer_leaving(v->layer);
     if (leaving) {
-        out[part_count] = *as;
-        out[part_count].slot += PERFORMER_SLOTS * (1 - layer_side(of));
-        out[part_count].layer = 2 * as->layer;
+        out[part_count] = whole;
+        out[part_count].slot += PERFORMER_VOICES_MAX * (1 - layer_side(v->layer));
         out[part_count].is_fresh = false;
         out[part_count].weight *= 1.0 - weight;
         out[part_count++].pull = leaving;
     }
-    out[part_count] = *as;
-    out[part_count].slot += PERFORMER_SLOTS * layer_side(of);
-    out[part_count].layer = 2 * as->layer;
+    out[part_count] = whole;
+    out[part_count].slot += PERFORMER_VOICES_MAX * layer_side(v->layer);
     out[part_count++].weight *= weight;
-    return part_count + pointer_parts(of, as, out + part_count);
+    return part_count + pointer_parts(v->layer, &whole, out + part_count);
 }
 
-void performer_move(layer *of, composer *shown)
+static bool is_below(const performer_voice *a, const performer_voice *b)
 {
-    const composer_part all = {
-        .is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = layer_pull(of)};
-    composer_part part[PERFORMER_PARTS_MAX];
-    uint32_t part_count = performer_parts(of, &all, part);
-    composer_move(shown, part, part_count, layer_frame(of)->dt_s);
+    return a->lane != b->lane ? a->lane < b->lane : a->rank < b->rank;
 }
+
+static uint32_t list_voices(const performer *self, uint32_t out[PERFORMER_VOICES_MAX])
+{
+    uint32_t voice_count = 0;
+    for (uint32_t i = 0; i < PERFORMER_VOICES_MAX; ++i) {
+        const performer_voice *v = &self->voice[i];
+        uint32_t at = voice_count;
+        if (!v->layer || !v->is_seen)
+            continue;
+        for (; at > 0 && is_below(v, &self->voice[out[at - 1]]); --at)
+            out[at] = out[at - 1];
+        out[at] = i;
+        voice_count += 1;
+    }
+    return voice_count;
+}
+
+/* ---- step by step ---- */
 
 void performer_map(performer *self, const sample_step *s)
 {
-    bool near = composer_is_near(self->composer, layer_pull(self->layer));
-    layer_step(self->layer, s, near);
+    layer *of = self->voice[s->voice].layer;
+    const layer_counts *counts = layer_counted(of);
+    uint64_t bad_before = counts->bad_pulls;
+    layer_step(of, s, composer_is_near(self->composer, layer_pull(of)));
+    self->counts.samples += s->count;
+    self->counts.steps += 1;
+    self->counts.bad_pulls += counts->bad_pulls - bad_before;
+    if (!self->counts.first_problem.text[0])
+        self->counts.first_problem = counts->first_problem;
 }
 
-void performer_constrain(performer *self)
+void performer_constrain(performer *self, uint32_t voice, int64_t now_ns)
 {
-    performer_move(self->layer, self->composer);
+    uint32_t spoken[PERFORMER_VOICES_MAX], part_count = 0;
+    uint32_t voice_count = list_voices(self, spoken);
+    composer_part part[COMPOSER_PARTS_MAX];
+    double dt_s = 0.0;
+    for (uint32_t i = 0; i < voice_count; ++i)
+        part_count += parts_of(self, spoken[i], spoken[i] == voice, now_ns, part + part_count);
+    if (voice < PERFORMER_VOICES_MAX)
+        dt_s = layer_frame(self->voice[voice].layer)->dt_s;
+    composer_move(self->composer, part, part_count, dt_s);
     count(self);
 }
 
 void performer_step(performer *self, const sample_step *s)
 {
     performer_map(self, s);
-    performer_constrain(self);
-}
-
-mrt_result performer_rezero(performer *self, uint32_t side, error *why)
-{
-    return hands_rezero(layer_hands(self->layer), side, layer_frame(self->layer)->time_ns, why);
-}
-
-const rezero_counts *performer_rezeros(const performer *self)
-{
-    return hands_rezeros(layer_hands(self->layer));
+    performer_constrain(self, s->voice, s->due_ns);
 }
 
 void performer_draw(performer *self)
 {
     composer_draw(self->composer);
 }
+
+/* ---- seen ---- */
 
 composer *performer_composer(performer *self)
 {
@@ -158,7 +227,7 @@ composer *performer_composer(performer *self)
 
 layer *performer_layer(performer *self)
 {
-    return self->layer;
+    return self->voice[0].layer;
 }
 
 face *performer_face(performer *self)
@@ -173,7 +242,7 @@ csrbf_settings performer_solver(const performer *self)
 
 const mrt_pull *performer_pull(const performer *self)
 {
-    return layer_pull(self->layer);
+    return layer_pull(self->voice[0].layer);
 }
 
 bool performer_is_anchored(const performer *self)
@@ -181,48 +250,55 @@ bool performer_is_anchored(const performer *self)
     return composer_is_anchored(self->composer);
 }
 
+const performer_counts *performer_counted(const performer *self)
+{
+    return &self->counts;
+}
+
+mrt_result performer_rezero(performer *self, uint32_t side, error *why)
+{
+    layer *of = self->voice[0].layer;
+    return hands_rezero(layer_hands(of), side, layer_frame(of)->time_ns, why);
+}
+
+const rezero_counts *performer_rezeros(const performer *self)
+{
+    return hands_rezeros(layer_hands(self->voice[0].layer));
+}
+
 /* ---- kept ---- */
 
 size_t performer_save(performer *self, void *bytes, size_t capacity)
 {
+    layer *of = self->voice[0].layer;
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    size_t layer_size = layer_save(self->layer, NULL, 0);
+    size_t layer_size = layer_save(of, NULL, 0);
     size_t face_size = composer_save(self->composer, NULL, 0);
     if (layer_size == 0)
         return 0;
     bytes_put_u32(&out, (uint32_t)layer_size);
     if (out.data && out.size + layer_size + face_size <= out.capacity) {
-        layer_save(self->layer, out.data + out.size, layer_size);
+        layer_save(of, out.data + out.size, layer_size);
         composer_save(self->composer, out.data + out.size + layer_size, face_size);
     }
     return out.size + layer_size + face_size;
 }
 
-mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
-                               error *err)
+mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err)
 {
+    layer *of = self->voice[0].layer;
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     size_t layer_size = bytes_take_u32(&in);
-    composer_reset(shown);
+    composer_reset(self->composer);
     if (in.failed || layer_size > (size_t)(in.end - in.at)) {
         layer_reset(of);
         return error_set(err, MRT_ERR_FORMAT, "the stored state of the performance is damaged");
     }
     mrt_result result = layer_load(of, in.at, layer_size, err);
     if (result >= 0)
-        result =
-            composer_load(shown, in.at + layer_size, (size_t)(in.end - in.at) - layer_size, err);
+        result = composer_load(self->composer, in.at + layer_size,
+                               (size_t)(in.end - in.at) - layer_size, err);
     if (result < 0)
         layer_reset(of);
     return result;
-}
-
-mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err)
-{
-    return performer_load_into(self->layer, self->composer, bytes, size, err);
-}
-
-const performer_counts *performer_counted(const performer *self)
-{
-    return &self->counts;
 }

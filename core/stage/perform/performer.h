@@ -1,7 +1,10 @@
-/* stage/perform/performer.h - one mapping on one face: a layer (steps 3 to 5) whose pull is all
- * that the composer (steps 6 and 7) hears. Steps 3 to 6 run once per step of samples, in time
- * order; step 7 runs per step while unanchored and once per drawn frame while anchored: a
- * performance is a function of its samples alone. [frame] after create; no allocation then. */
+/* stage/perform/performer.h - who performs a face: up to PERFORMER_VOICES_MAX voices, each a layer
+ * (steps 3 to 5) that is seen as far as its voice says, and one composer (steps 6 and 7) that hears
+ * them all. Live one voice performs, on a take one for each clip that is shown, and over a take one
+ * more. Steps 3 to 6 run once per step of samples, in time order; step 7 runs per step while
+ * unanchored and once per drawn frame while anchored: a performance is a function of its samples
+ * alone. Leaves out whose samples come next (scheduler.h). [frame] after create; no allocation
+ * then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "stage/perform/composer.h"
@@ -17,49 +20,55 @@ typedef struct performer_settings {
     uint32_t rezero_pedal;    /* hands.h; 0: none */
 } performer_settings;
 
-/* [main] The face file and the mapping must outlive it; the mapping is activated and reset. */
+/* [main] The face file and the mapping must outlive it; the mapping is activated and reset, and
+ * voice 0 is its layer's. mapping: NULL: nobody performs yet. */
 CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
                                     const performer_settings *settings, error *err);
 void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
+/* [main] A layer for a voice of this performer, which must outlive it: layer_destroy it. */
+CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping,
+                                        const performer_settings *as, layer **out, error *err);
 
-/* Steps 3 to 5, and then 6, of the next. */
+/* ---- voices ---- */
+
+enum {
+    PERFORMER_PARTS_MAX = 4, /* of the composer, for a voice */
+    PERFORMER_VOICES_MAX = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX,
+    PERFORMER_NOBODY = PERFORMER_VOICES_MAX
+};
+typedef struct performer_voice {
+    layer *layer;        /* NULL: nobody */
+    bool is_seen;        /* false: it pulls nothing */
+    uint32_t lane, rank; /* lanes lie over each other, bottom first; the voices of one are blended
+                            into each other, in the order of their ranks */
+    bool is_additive;    /* composer_part says what each is */
+    double weight, gain;
+    const uint8_t *owns;
+    double smooth_s; /* anchored pulls are eased with this time constant; 0: not */
+    bool has_smooth; /* so far */
+    int64_t smooth_ns;
+    mrt_pull smooth;
+} performer_voice;
+/* Between steps, to be changed as the caller pleases; zeroed: nobody. */
+performer_voice *performer_voice_of(performer *self, uint32_t voice);
+
+/* Steps 3 to 5 of the voice s->voice, and then 6 for all: it has performed now, when its clock says
+ * now_ns; PERFORMER_NOBODY: the voices have changed. */
 void performer_map(performer *self, const sample_step *s);
-void performer_constrain(performer *self);
-/* Steps 3 to 6, and 7 while unanchored. A step older than the last one counts as simultaneous. */
+void performer_constrain(performer *self, uint32_t voice, int64_t now_ns);
+/* Steps 3 to 6, and 7 while unanchored. A step older than the last one of its voice counts as
+ * simultaneous. */
 void performer_step(performer *self, const sample_step *s);
-/* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
-CHECKED mrt_result performer_rezero(performer *self, uint32_t side, error *why);
-const rezero_counts *performer_rezeros(const performer *self);
 /* Step 7 for drawing: the shape shown and its normals. */
 void performer_draw(performer *self);
 
+/* ---- seen ---- */
+
 composer *performer_composer(performer *self);
-layer *performer_layer(performer *self);
-
-/* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
- * the size that it takes. 0: the mapping cannot say. */
-size_t performer_save(performer *self, void *bytes, size_t capacity);
-/* [main] On error it is as after create. Parameters stay as they were then. */
-CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
-
-/* The same for a layer and a composer that are used apart: the layer's pull is all that the
- * composer hears. */
-void performer_move(layer *of, composer *shown);
-/* A layer as parts of a step, as `as` says of all: what it pulls, what is leaving it, and what its
- * pointer adds, to contacts and to places. Slots are as->slot, below PERFORMER_SLOTS, and so much
- * more; layers are twice as->layer, and one more. Returns how many: 1 to PERFORMER_PARTS_MAX. */
-enum { PERFORMER_PARTS_MAX = 4, PERFORMER_SLOTS = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX };
-uint32_t performer_parts(const layer *of, const composer_part *as,
-                         composer_part out[PERFORMER_PARTS_MAX]);
-CHECKED mrt_result performer_load_into(layer *of, composer *shown, const void *bytes, size_t size,
-                                       error *err);
-
 /* The face; its shape is that of performer_draw, in the engine's order. */
 face *performer_face(performer *self);
 /* How the last pull's fields are solved: as it says, else as the face's rig has it; radius > 0. */
 csrbf_settings performer_solver(const performer *self);
-/* What the mapping pulls, after the guard. */
-const mrt_pull *performer_pull(const performer *self);
 /* True while the frames are anchored: face_columns_now tells them exactly. */
 bool performer_is_anchored(const performer *self);
 
@@ -70,5 +79,20 @@ typedef struct performer_counts { /* of both: layer.h and composer.h say what ea
     error first_problem;
 } performer_counts;
 const performer_counts *performer_counted(const performer *self);
+
+/* ---- voice 0 ---- */
+
+layer *performer_layer(performer *self);
+/* What its mapping pulls, after the guard. */
+const mrt_pull *performer_pull(const performer *self);
+/* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
+CHECKED mrt_result performer_rezero(performer *self, uint32_t side, error *why);
+const rezero_counts *performer_rezeros(const performer *self);
+
+/* All that frames to come depend on while it performs alone, as bytes (at most `capacity` are
+ * written; NULL: none); returns the size that it takes. 0: the mapping cannot say. */
+size_t performer_save(performer *self, void *bytes, size_t capacity);
+/* [main] On error its layer is reset, and so is the composer. Parameters are as they were then. */
+CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
 
 #endif

@@ -22,6 +22,8 @@ struct player_loop {
     player_events events;
     player_report report;
     scheduler scheduler;
+    scheduler_entry entry[PLAYER_INPUTS_MAX];
+    channel_route route[PLAYER_INPUTS_MAX];
     wake signal; /* of the inputs' threads */
     bool started;
     int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
@@ -275,7 +277,7 @@ void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *
 
 mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample, error *err)
 {
-    sample_step s = sample_step_of(&self->scheduler.entry[index].route, sample);
+    sample_step s = sample_step_of(self->scheduler.entry[index].route, sample);
     s.of[0].input = index;
     scheduler_insert(&self->scheduler, &s);
     return play_step(self, &s, err);
@@ -292,7 +294,8 @@ static void init(playing *self, const player_stage *stage, const player_settings
 {
     *self = (playing){.stage = stage, .settings = *settings, .events = *events};
     scheduler_init(&self->scheduler,
-                   settings->clock == CLOCK_VIRTUAL ? SCHEDULE_MEASURED : SCHEDULE_LIVE);
+                   settings->clock == CLOCK_VIRTUAL ? SCHEDULE_MEASURED : SCHEDULE_LIVE,
+                   self->entry, self->route, PLAYER_INPUTS_MAX);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
         scheduler_calibrate(&self->scheduler, side, settings->calibration[side]);
     wake_init(&self->signal);

@@ -6,10 +6,10 @@
 /* Further apart they have no rhythm: a pedal, a device that was away. */
 static const int64_t period_max_ns = 100 * NS_PER_MS;
 
-void scheduler_init(scheduler *out, scheduler_rule rule)
+void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
+                    channel_route *route, uint32_t capacity)
 {
-    memset(out, 0, sizeof *out);
-    out->rule = rule;
+    *out = (scheduler){.rule = rule, .entry = entry, .route = route, .capacity = capacity};
     out->last_ns = out->shown_ns = INT64_MIN;
 }
 
@@ -28,28 +28,32 @@ static uint32_t measured_by(const channel_route *route)
     return out;
 }
 
-static void route_version(scheduler *self, scheduler_entry *e, uint32_t version)
+static void route_version(scheduler *self, uint32_t index, uint32_t version)
 {
     uint32_t count;
+    scheduler_entry *e = &self->entry[index];
     if (!e->source.channels)
         return;
+    channel_route *route = &self->route[index];
     const mrt_channel *channels = e->source.channels(e->source.self, version, &count);
-    channel_route_init(&e->route, channels, count);
+    channel_route_init(route, channels, count);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
-        channel_route_calibrate(&e->route, side, self->calibration[side]);
+        channel_route_calibrate(route, side, self->calibration[side]);
+    e->route = route;
     e->version = version;
-    e->measures = measured_by(&e->route);
+    e->measures = measured_by(route);
 }
 
 void scheduler_add(scheduler *self, const sample_source *source, const channel_route *route)
 {
-    if (self->count == STEP_SAMPLES_MAX)
+    uint32_t of_voice = 0;
+    for (uint32_t i = 0; i < self->count; ++i)
+        of_voice += self->entry[i].source.voice == source->voice;
+    if (self->count == self->capacity || of_voice == STEP_SAMPLES_MAX)
         return;
-    scheduler_entry *e = &self->entry[self->count++];
-    *e = (scheduler_entry){.source = *source};
-    if (route)
-        e->route = *route;
-    route_version(self, e, 0);
+    self->entry[self->count] = (scheduler_entry){.source = *source, .route = route};
+    self->count += 1;
+    route_version(self, self->count - 1, 0);
 }
 
 void scheduler_remove(scheduler *self, uint32_t index)
@@ -59,6 +63,14 @@ void scheduler_remove(scheduler *self, uint32_t index)
     self->count -= 1;
     memmove(&self->entry[index], &self->entry[index + 1],
             (self->count - index) * sizeof *self->entry);
+    for (uint32_t i = index; i < self->count; ++i)
+        route_version(self, i, self->entry[i].version);
+    self->is_waiting = false;
+}
+
+void scheduler_clear(scheduler *self)
+{
+    self->count = 0;
     self->is_waiting = false;
 }
 
@@ -66,32 +78,48 @@ void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration 
 {
     self->calibration[side] = calibration;
     for (uint32_t i = 0; i < self->count; ++i)
-        route_version(self, &self->entry[i], self->entry[i].version);
+        route_version(self, i, self->entry[i].version);
 }
 
 /* ---- what is there ---- */
 
-typedef struct waiting_sample {
-    bool is_there, is_over, is_chosen;
-    uint32_t version;
-    mrt_sample sample;
-} waiting_sample;
-
-/* The earliest, of several the first; -1: none. */
-static mrt_result look(const scheduler *self, waiting_sample *out, int *out_first, error *err)
+static bool is_before(const scheduler_entry *a, const scheduler_entry *b)
 {
-    *out_first = -1;
+    if (a->due_ns != b->due_ns)
+        return a->due_ns < b->due_ns;
+    return a->source.voice == b->source.voice && a->sample.time_ns < b->sample.time_ns;
+}
+
+static mrt_result ask(scheduler_entry *e, error *err)
+{
+    const sample_source *from = &e->source;
+    mrt_result result = from->peek(from->self, &e->sample, &e->seen_version, err);
+    if (result < 0)
+        return result;
+    e->is_there = result == MRT_OK;
+    e->is_over = result == MRT_END;
+    e->is_chosen = false;
+    if (!e->is_there)
+        return MRT_OK;
+    e->due_ns = from->due_ns ? from->due_ns(from->clock, e->sample.time_ns) : e->sample.time_ns;
+    if (e->due_ns == INT64_MAX) {
+        e->is_there = false;
+        e->is_over = true;
+    }
+    return MRT_OK;
+}
+
+/* The earliest, of several the first; NULL: none. */
+static mrt_result look(scheduler *self, scheduler_entry **out_first, error *err)
+{
+    *out_first = NULL;
     for (uint32_t i = 0; i < self->count; ++i) {
-        const sample_source *from = &self->entry[i].source;
-        waiting_sample *w = &out[i];
-        mrt_result result = from->peek(from->self, &w->sample, &w->version, err);
+        scheduler_entry *e = &self->entry[i];
+        mrt_result result = ask(e, err);
         if (result < 0)
             return result;
-        w->is_there = result == MRT_OK;
-        w->is_over = result == MRT_END;
-        w->is_chosen = false;
-        if (w->is_there && (*out_first < 0 || w->sample.time_ns < out[*out_first].sample.time_ns))
-            *out_first = (int)i;
+        if (e->is_there && (!*out_first || is_before(e, *out_first)))
+            *out_first = e;
     }
     return MRT_OK;
 }
@@ -101,7 +129,8 @@ static mrt_result look(const scheduler *self, waiting_sample *out, int *out_firs
 /* Different hands, or of one hand what only the other measures. */
 static bool may_pair(const scheduler_entry *a, const scheduler_entry *b)
 {
-    return a->measures && b->measures && !(a->measures & b->measures);
+    return a->source.voice == b->source.voice && a->measures && b->measures &&
+           !(a->measures & b->measures);
 }
 
 static int64_t shorter_period_ns(const scheduler_entry *a, const scheduler_entry *b)
@@ -125,60 +154,64 @@ static bool is_expected(const scheduler_entry *e, const scheduler_entry *first, 
 }
 
 /* True: until waits_until_ns something may come that goes with the first sample. */
-static bool is_to_wait(scheduler *self, const waiting_sample *w, uint32_t first, int64_t now_ns)
+static bool is_to_wait(scheduler *self, const scheduler_entry *first, int64_t now_ns)
 {
     int64_t most_ns = 0;
-    const scheduler_entry *of = &self->entry[first];
+    uint32_t index = (uint32_t)(first - self->entry);
     for (uint32_t i = 0; i < self->count; ++i) {
         const scheduler_entry *e = &self->entry[i];
-        if (w[i].is_there || w[i].is_over || !is_expected(e, of, w[first].sample.time_ns))
+        if (e->is_there || e->is_over || !is_expected(e, first, first->sample.time_ns))
             continue;
-        int64_t period_ns = shorter_period_ns(e, of);
+        int64_t period_ns = shorter_period_ns(e, first);
         most_ns = period_ns > most_ns ? period_ns : most_ns;
     }
     if (most_ns == 0)
         return false;
-    if (!self->is_waiting || self->waits_with != first ||
-        self->waits_sequence != w[first].sample.sequence) {
+    if (!self->is_waiting || self->waits_with != index ||
+        self->waits_sequence != first->sample.sequence) {
         self->is_waiting = true;
-        self->waits_with = first;
-        self->waits_sequence = w[first].sample.sequence;
+        self->waits_with = index;
+        self->waits_sequence = first->sample.sequence;
         self->waits_until_ns = now_ns + most_ns;
     }
     if (now_ns < self->waits_until_ns)
         return true;
     for (uint32_t i = 0; i < self->count; ++i)
-        self->entry[i].is_missed |= !w[i].is_there && may_pair(&self->entry[i], of);
+        self->entry[i].is_missed |= !self->entry[i].is_there && may_pair(&self->entry[i], first);
     return false;
 }
 
 /* As it was measured: the instant of the last sample of the step. */
-static int64_t choose_measured(const scheduler *self, waiting_sample *w, uint32_t first)
+static int64_t choose_measured(scheduler *self, scheduler_entry *first)
 {
-    const scheduler_entry *of = &self->entry[first];
-    int64_t first_ns = w[first].sample.time_ns, until_ns = first_ns;
-    uint32_t measures = of->measures;
-    w[first].is_chosen = true;
+    int64_t first_ns = first->sample.time_ns, until_ns = first_ns;
+    uint32_t measures = first->measures;
+    first->is_chosen = true;
     for (uint32_t i = 0; i < self->count; ++i) {
-        const scheduler_entry *e = &self->entry[i];
-        if (!w[i].is_there || w[i].is_chosen || !may_pair(e, of) || (e->measures & measures) ||
-            w[i].sample.time_ns - first_ns > window_ns(e, of))
+        scheduler_entry *e = &self->entry[i];
+        if (!e->is_there || e->is_chosen || !may_pair(e, first) || (e->measures & measures) ||
+            e->sample.time_ns - first_ns > window_ns(e, first))
             continue;
         measures |= e->measures;
-        w[i].is_chosen = true;
-        until_ns = w[i].sample.time_ns > until_ns ? w[i].sample.time_ns : until_ns;
+        e->is_chosen = true;
+        until_ns = e->sample.time_ns > until_ns ? e->sample.time_ns : until_ns;
     }
-    for (uint32_t i = 0; i < self->count; ++i)
-        if (w[i].is_there && self->entry[i].measures == 0 && w[i].sample.time_ns <= until_ns)
-            w[i].is_chosen = true;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        scheduler_entry *e = &self->entry[i];
+        e->is_chosen |= e->is_there && e->measures == 0 && e->sample.time_ns <= until_ns &&
+                        e->source.voice == first->source.voice;
+    }
     return until_ns;
 }
 
-static int64_t choose_recorded(const scheduler *self, waiting_sample *w, uint32_t first)
+static int64_t choose_recorded(scheduler *self, const scheduler_entry *first)
 {
-    int64_t time_ns = w[first].sample.time_ns;
-    for (uint32_t i = 0; i < self->count; ++i)
-        w[i].is_chosen = w[i].is_there && w[i].sample.time_ns == time_ns;
+    int64_t time_ns = first->sample.time_ns;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        scheduler_entry *e = &self->entry[i];
+        e->is_chosen =
+            e->is_there && e->sample.time_ns == time_ns && e->source.voice == first->source.voice;
+    }
     return time_ns;
 }
 
@@ -199,34 +232,33 @@ static int64_t in_order(const scheduler *self, int64_t time_ns)
 mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int64_t *out_until_ns,
                           error *err)
 {
-    waiting_sample w[STEP_SAMPLES_MAX];
-    int first;
+    scheduler_entry *first;
     bool is_over = true;
     *out_until_ns = INT64_MAX;
     out->count = 0;
-    mrt_result result = look(self, w, &first, err);
+    mrt_result result = look(self, &first, err);
     if (result < 0)
         return result;
     for (uint32_t i = 0; i < self->count; ++i)
-        is_over &= w[i].is_over;
-    if (first < 0)
+        is_over &= self->entry[i].is_over;
+    if (!first)
         return is_over ? MRT_END : MRT_TIMEOUT;
-    if (self->rule == SCHEDULE_LIVE && is_to_wait(self, w, (uint32_t)first, now_ns)) {
+    if (self->rule == SCHEDULE_LIVE && is_to_wait(self, first, now_ns)) {
         *out_until_ns = self->waits_until_ns;
         return MRT_TIMEOUT;
     }
-    int64_t time_ns = self->rule == SCHEDULE_RECORDED ? choose_recorded(self, w, (uint32_t)first)
-                                                      : choose_measured(self, w, (uint32_t)first);
+    out->time_ns = self->rule == SCHEDULE_RECORDED ? choose_recorded(self, first)
+                                                   : choose_measured(self, first);
+    out->voice = first->source.voice;
+    out->due_ns = first->due_ns;
     for (uint32_t i = 0; i < self->count; ++i) {
         scheduler_entry *e = &self->entry[i];
-        if (!w[i].is_chosen)
+        if (!e->is_chosen)
             continue;
-        if (w[i].version != e->version)
-            route_version(self, e, w[i].version);
-        out->of[out->count++] =
-            (step_sample){.input = i, .route = &e->route, .sample = w[i].sample};
+        if (e->seen_version != e->version)
+            route_version(self, i, e->seen_version);
+        out->of[out->count++] = (step_sample){.input = i, .route = e->route, .sample = e->sample};
     }
-    out->time_ns = time_ns;
     return MRT_OK;
 }
 

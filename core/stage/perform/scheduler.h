@@ -1,6 +1,6 @@
 /* stage/perform/scheduler.h - asks all that give samples in time order (devices, recordings, the
- * pointer, tracks of a show) and says which samples are performed next, and which of them at once:
- * one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
+ * pointer, tracks of a show) and says which samples are performed next, by whom, and which of them
+ * at once: one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
  * allocation.
  *
  * STEPS  A step's samples have one time, and that is how it is recorded: samples of one time are
@@ -23,19 +23,25 @@ typedef enum scheduler_rule {
 
 typedef struct scheduler_entry {
     sample_source source;
-    channel_route route;
+    const channel_route *route;
     uint32_t version;
     uint32_t measures;  /* bits: angles and wrist of each hand; 0: no hand */
     int64_t last_ns;    /* when its newest taken sample was measured */
     int64_t period_ns;  /* between its samples; 0: not known */
     uint64_t last_step; /* number of the step that had it */
     bool is_missed;     /* it was waited for, and did not come */
+    /* as it was asked last */
+    bool is_there, is_over, is_chosen;
+    uint32_t seen_version;
+    int64_t due_ns;
+    mrt_sample sample;
 } scheduler_entry;
 
 typedef struct scheduler {
     scheduler_rule rule;
-    scheduler_entry entry[STEP_SAMPLES_MAX];
-    uint32_t count;
+    scheduler_entry *entry; /* the caller's, as are the routes */
+    channel_route *route; /* of sources with channels, by their index; NULL: there are none such */
+    uint32_t count, capacity;
     const hand_calibration *calibration[2];
     uint64_t step_count, sample_count;
     int64_t last_ns;  /* of the step taken last */
@@ -46,14 +52,19 @@ typedef struct scheduler {
     int64_t waits_until_ns;
 } scheduler;
 
-void scheduler_init(scheduler *out, scheduler_rule rule);
-/* route: for a source without channels; else NULL. At most STEP_SAMPLES_MAX, more are left out. */
+/* capacity: of entry, and of route unless that is NULL; both must outlive it. */
+void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
+                    channel_route *route, uint32_t capacity);
+/* route: for a source without channels, and must outlive that; else NULL. At most `capacity`, and
+ * STEP_SAMPLES_MAX of a voice: more are left out. */
 void scheduler_add(scheduler *self, const sample_source *source, const channel_route *route);
 void scheduler_remove(scheduler *self, uint32_t index); /* those behind it move up */
+void scheduler_clear(scheduler *self);                  /* no sources */
 /* left, right, for gloves in counts; NULL: shipped. It must live until the next call. */
 void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration *calibration);
 
-/* The next step; routes are valid until the sources change. MRT_TIMEOUT: none now; look again when
+/* The next step: what is due first, of several the first that was added; routes are valid until the
+ * sources change. MRT_TIMEOUT: none now; look again when
  * one of the sources has something, at *out_until_ns at the latest. MRT_END: none any more.
  * now_ns: of the host's clock, SCHEDULE_LIVE only. */
 CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out,

@@ -19,9 +19,9 @@ typedef struct tower { /* of a lane: the finest level, and above it each bin cov
 } tower;
 
 struct activity {
-    source_world world;
+    replay_world world;
     int64_t performance, from_ns, to_ns; /* show time: as far as it was recorded when opened */
-    source *source;
+    replay *replay;
     int64_t known_ns; /* source time */
     int64_t bin_ns;
     tower *lane;                                 /* ACTIVITY_LANES */
@@ -114,7 +114,7 @@ static uint32_t regions_of(const char *name)
 
 static mrt_result list_regions(activity *self, error *err)
 {
-    const mrt_face *about = composer_about(self->world.scratch);
+    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
     self->region_of_contact =
         calloc((size_t)about->contact_count + 1, sizeof *self->region_of_contact);
     self->region_of_dof = calloc((size_t)about->dof_count + 1, sizeof *self->region_of_dof);
@@ -153,7 +153,7 @@ static double squared_mm(mrt_vec3 a, mrt_vec3 b)
 /* A free point counts where the nearest contact is. */
 static uint32_t regions_at(const activity *self, mrt_vec3 place)
 {
-    const mrt_face *about = composer_about(self->world.scratch);
+    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
     uint32_t out = 1u << ALL;
     double least = INFINITY;
     for (uint32_t i = 0; i < about->contact_count; ++i) {
@@ -168,7 +168,7 @@ static uint32_t regions_at(const activity *self, mrt_vec3 place)
 
 static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double dt_s)
 {
-    const mrt_face *about = composer_about(self->world.scratch);
+    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
     double scale = 1.0 / self->unit_mm;
     if (pull->mode == MRT_IDLE)
         return;
@@ -191,7 +191,7 @@ static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double
 
 static void measure(const activity *self, float out[ACTIVITY_LANES])
 {
-    const layer *of = source_layer(self->source);
+    const layer *of = replay_layer(self->replay);
     const pointer *finger = layer_pointer(of);
     double dt_s = layer_frame(of)->dt_s;
     sums s = {{0}, {0}};
@@ -204,7 +204,7 @@ static void measure(const activity *self, float out[ACTIVITY_LANES])
 
 /* ---- made ---- */
 
-static mrt_result open_source(activity *self, error *err)
+static mrt_result open_replay(activity *self, error *err)
 {
     show_performance of;
     mrt_result result = show_performance_read(self->world.show, self->performance, &of, err);
@@ -213,10 +213,10 @@ static mrt_result open_source(activity *self, error *err)
     self->from_ns = of.from_ns;
     self->to_ns = of.to_ns;
     show_performance_finish(&of);
-    return source_open(&self->source, &self->world, self->performance, err);
+    return replay_open(&self->replay, &self->world, self->performance, err);
 }
 
-mrt_result activity_create(activity **out, const source_world *world, int64_t performance,
+mrt_result activity_create(activity **out, const replay_world *world, int64_t performance,
                            error *err)
 {
     *out = NULL;
@@ -234,9 +234,9 @@ mrt_result activity_create(activity **out, const source_world *world, int64_t pe
     for (uint32_t i = 0; i < ACTIVITY_LANES && result >= 0; ++i)
         clear_from(&self->lane[i], 0);
     if (result >= 0)
-        result = open_source(self, err);
+        result = open_replay(self, err);
     if (result >= 0) /* it need not begin at rest */
-        result = source_seek(self->source, self->from_ns, err);
+        result = replay_seek(self->replay, self->from_ns, err);
     if (result < 0) {
         activity_destroy(self);
         return result;
@@ -249,7 +249,7 @@ void activity_destroy(activity *self)
 {
     if (!self)
         return;
-    source_close(self->source);
+    replay_close(self->replay);
     free(self->lane);
     free(self->region_of_contact);
     free(self->region_of_dof);
@@ -261,7 +261,7 @@ void activity_destroy(activity *self)
 
 static bool keep_state(activity *self, size_t *out_size)
 {
-    *out_size = source_save(self->source, NULL, 0);
+    *out_size = replay_save(self->replay, NULL, 0);
     if (*out_size > self->state_capacity) {
         void *grown = realloc(self->state, *out_size);
         if (!grown)
@@ -269,7 +269,7 @@ static bool keep_state(activity *self, size_t *out_size)
         self->state = grown;
         self->state_capacity = *out_size;
     }
-    return *out_size > 0 && source_save(self->source, self->state, *out_size) == *out_size;
+    return *out_size > 0 && replay_save(self->replay, self->state, *out_size) == *out_size;
 }
 
 /* A performance that goes on has more samples, and more that was said, than when it was opened. */
@@ -277,13 +277,13 @@ static mrt_result open_further(activity *self, error *err)
 {
     size_t size;
     bool is_kept = keep_state(self, &size);
-    source_close(self->source);
-    self->source = NULL;
-    mrt_result result = open_source(self, err);
+    replay_close(self->replay);
+    self->replay = NULL;
+    mrt_result result = open_replay(self, err);
     if (result < 0)
         return result;
-    return is_kept ? source_load(self->source, self->state, size, err)
-                   : source_seek(self->source, self->from_ns + self->known_ns + 1, err);
+    return is_kept ? replay_load(self->replay, self->state, size, err)
+                   : replay_seek(self->replay, self->from_ns + self->known_ns + 1, err);
 }
 
 static mrt_result look_further(activity *self, bool *out_has_more, error *err)
@@ -303,12 +303,11 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
     float value[ACTIVITY_LANES];
     bool has_looked = false, has_more = true;
     for (uint32_t n = 0; n < samples_max;) {
-        int64_t next_ns;
-        mrt_result result = self->source ? source_next_ns(self->source, &next_ns, err) : MRT_END;
+        mrt_result result = self->replay ? replay_step(self->replay, INT64_MAX, err) : MRT_END;
         if (result < 0)
             return result;
-        if (result == MRT_END || next_ns == INT64_MAX) {
-            if (has_looked || !self->source)
+        if (result == MRT_END) {
+            if (has_looked || !self->replay)
                 return MRT_END;
             has_looked = true;
             result = look_further(self, &has_more, err);
@@ -316,10 +315,8 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
                 return result < 0 ? result : MRT_END;
             continue;
         }
-        const mrt_pull *pull = layer_pull(source_layer(self->source));
-        (void)source_step(self->source, composer_is_near(self->world.scratch, pull));
         measure(self, value);
-        int64_t source_ns = source_now_ns(self->source) - self->from_ns;
+        int64_t source_ns = replay_now_ns(self->replay) - self->from_ns;
         note(self, source_ns > 0 ? source_ns : 0, value);
         n += 1;
     }

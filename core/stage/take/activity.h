@@ -3,14 +3,14 @@
  * recording does. One thread at a time, any that may read the show. */
 #ifndef MAROTTE_STAGE_ACTIVITY_H
 #define MAROTTE_STAGE_ACTIVITY_H
-#include "stage/take/source.h"
+#include "stage/take/replay.h"
 #include "take/own.h"
 
 typedef struct activity activity;
 
 /* Of the performance's control vectors and degrees of freedom, by the parts of the face that people
- * speak of, and of all of it. world: as for source_open; outlives it. */
-CHECKED mrt_result activity_create(activity **out, const source_world *world, int64_t performance,
+ * speak of, and of all of it. world: as for replay_open; outlives it. */
+CHECKED mrt_result activity_create(activity **out, const replay_world *world, int64_t performance,
                                    error *err);
 void activity_destroy(activity *self); /* NULL is fine */
 /* Performs up to so many further samples. MRT_OK: there are more; MRT_END: all that is recorded by

@@ -192,8 +192,7 @@ mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, co
     if (self->is_over)
         return result < 0 ? result : MRT_END;
     note_step(self, into, s->time_ns);
-    sequencer_weigh_live(of, weight_of(self));
-    sequencer_live_step(of, s);
+    sequencer_live_step(of, s, weight_of(self));
     return result;
 }
 
@@ -464,30 +463,27 @@ static bool moves_something(const overdub *self, const mrt_face *about)
 static mrt_result create_live(overdub *self, error *err)
 {
     const overdub_settings *s = &self->settings;
-    composer *shown = sequencer_composer(self->sequencer);
-    layer_settings guard = {.hands.rezero_pedal = s->rezero_pedal, .keeps_taught = true};
-    for (int side = 0; side < 2; ++side)
-        guard.hands.length_mm[side] =
-            s->hand_length_mm > 0 ? s->hand_length_mm : s->side_length_mm[side];
-    guard.reach_mm = composer_reach_mm(shown, &guard.centre);
-    mrt_result result = layer_create(&self->layer, s->mapping, composer_about(shown), &guard, err);
+    performer *shown = sequencer_performer(self->sequencer);
+    const performer_settings as = {
+        .hand_length_mm = s->hand_length_mm,
+        .side_length_mm = {s->side_length_mm[MRT_LEFT], s->side_length_mm[MRT_RIGHT]},
+        .rezero_pedal = s->rezero_pedal};
+    mrt_result result = performer_make_layer(shown, s->mapping, &as, &self->layer, err);
     if (result < 0)
         return result;
-    const mrt_face *about = composer_about(shown);
+    const mrt_face *about = composer_about(performer_composer(shown));
     self->owned = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
     if (!self->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
     const take_layer *over = overdub_punched(&self->run.plan, &self->take);
     take_layer own = {.own_count = s->own_count, .own = s->own};
-    sequencer_mark_owned(shown, over ? over : &own, self->owned);
+    sequencer_mark_owned(performer_composer(shown), over ? over : &own, self->owned);
     if (!moves_something(self, about))
         return error_set(err, MRT_ERR_ARGUMENT,
                          "the layer would move nothing: no contact or degree of freedom of this "
                          "face is named \"%s\"",
                          (over ? over->own : s->own)[0]);
-    sequencer_live live = {self->layer, self->owned, over ? over->is_additive : false};
-    sequencer_set_live(self->sequencer, &live);
-    sequencer_weigh_live(self->sequencer, 0.0);
+    sequencer_set_live(self->sequencer, self->layer, self->owned, over && over->is_additive);
     return MRT_OK;
 }
 
@@ -509,7 +505,7 @@ static mrt_result create_recorder(overdub *self, error *err)
         .unit_mm = s->unit_mm,
         .hand_length_mm = s->hand_length_mm,
         .rezero_pedal = s->rezero_pedal,
-        .state_bytes = SOURCE_STATE_MIN,
+        .state_bytes = REPLAY_STATE_MIN,
     };
     mrt_result result = recorder_start(&self->recorder, &settings, err);
     if (result < 0)
@@ -592,7 +588,7 @@ static mrt_result on_draw(void *of, int64_t time_ns, error *err)
     overdub *self = of;
     mrt_result result =
         overdub_run_play_to(&self->run, self->sequencer, self->recorder, time_ns, err);
-    composer_draw(sequencer_composer(self->sequencer));
+    performer_draw(sequencer_performer(self->sequencer));
     return result >= 0 && self->run.is_over ? MRT_END : result;
 }
 
@@ -653,9 +649,9 @@ mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
 
 /* ---- what others see ---- */
 
-composer *overdub_composer(overdub *self)
+performer *overdub_performer(overdub *self)
 {
-    return sequencer_composer(self->sequencer);
+    return sequencer_performer(self->sequencer);
 }
 
 recorder *overdub_recorder(overdub *self)

@@ -1,7 +1,7 @@
 #include "stage/take/recorder.h"
 #include "base/clock.h"
-#include "stage/mapping/identity.h"
-#include "stage/take/source.h"
+#include "stage/take/identity.h"
+#include "stage/take/replay.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -405,9 +405,9 @@ static void keep_state(recorder *self, int64_t time_ns)
         return; /* the disk does not keep up: the next one then */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
     size_t size =
-        source_keep(layer_mapping(cast->layer), cast->performer, offset_ns, buffer, capacity);
+        replay_keep(layer_mapping(cast->layer), cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
-    writer_checkpoint(self->writer, cast->performance.id, time_ns, SOURCE_CHECKPOINT_VERSION,
+    writer_checkpoint(self->writer, cast->performance.id, time_ns, REPLAY_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
     self->checkpoint_ns = time_ns;
 }

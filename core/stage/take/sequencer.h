@@ -7,7 +7,7 @@
  * any one thread that may read the show. */
 #ifndef MAROTTE_STAGE_SEQUENCER_H
 #define MAROTTE_STAGE_SEQUENCER_H
-#include "stage/take/source.h"
+#include "stage/take/replay.h"
 
 typedef struct sequencer sequencer;
 
@@ -42,8 +42,8 @@ int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first 
 uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */
 size_t sequencer_kept_bytes(const sequencer *self);     /* of checkpoints */
 
-/* The face shown: composer_draw it. */
-composer *sequencer_composer(sequencer *self);
+/* Who performs all of it: performer_draw it. */
+performer *sequencer_performer(sequencer *self);
 /* An error that says which mapping's process has failed, if one has: the face is held. */
 CHECKED mrt_result sequencer_check(const sequencer *self, error *err);
 /* What is not as it was when it was recorded, lines ended by \n; "" nothing. */
@@ -51,17 +51,12 @@ const char *sequencer_note(const sequencer *self);
 
 /* ---- live: somebody performs over what is played ---- */
 
-/* A layer that is performed now lies above all others. It must outlive that. */
-typedef struct sequencer_live {
-    layer *layer;        /* NULL: nobody performs */
-    const uint8_t *owns; /* as composer_part; NULL: everything */
-    bool is_additive;
-} sequencer_live;
-void sequencer_set_live(sequencer *self, const sequencer_live *live);
-/* How much of it is seen: 0..1, from the next sample or clip on. */
-void sequencer_weigh_live(sequencer *self, double weight);
-/* Its newest step is performed at an instant that has been played to. */
-void sequencer_live_step(sequencer *self, const sample_step *s);
+/* A layer that is performed now lies above all others: a voice of the same performer. It must
+ * outlive that, as what it owns (composer_part). of: NULL: nobody performs. */
+void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive);
+/* Its newest step is performed at an instant that has been played to; weight: how much of it is
+ * seen from then on, 0..1. */
+void sequencer_live_step(sequencer *self, const sample_step *s, double weight);
 /* What a layer of these patterns owns: as composer_part, for composer_about's face. `out` has
  * contact_count + dof_count + 1 places. */
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out);

@@ -26,8 +26,8 @@ typedef struct worker_reader { /* [thread] */
     show *show;
     face_file face;
     bool has_face;
-    composer *scratch;
-    source_world world;
+    performer *scratch;
+    replay_world world;
     worker_curve curve[WORKER_CURVES_MAX];
     uint32_t curve_count;
     uint64_t uses;
@@ -80,8 +80,8 @@ static void open_face(worker_reader *self, const char *path)
         return;
     }
     self->has_face = true;
-    const csrbf_settings solver = kept_solver_for(self->show, &self->face, NULL);
-    if (composer_create(&self->scratch, &self->face, &solver, &err) < 0)
+    const performer_settings as = {.solver = kept_solver_for(self->show, &self->face, NULL)};
+    if (performer_create(&self->scratch, &self->face, NULL, &as, &err) < 0)
         note(self, &err);
 }
 
@@ -98,7 +98,7 @@ static void worker_reader_open(worker_reader *self, const char *show_path, const
         return;
     }
     open_face(self, face_path);
-    self->world = (source_world){
+    self->world = (replay_world){
         .show = self->show, .plugins = self->plugins, .log = self->log, .scratch = self->scratch};
 }
 
@@ -114,7 +114,7 @@ static void worker_reader_close(worker_reader *self)
     for (uint32_t i = 0; i < self->curve_count; ++i)
         activity_destroy(self->curve[i].curve);
     waveform_destroy(self->wave);
-    composer_destroy(self->scratch);
+    performer_destroy(self->scratch);
     if (self->has_face)
         face_file_destroy(&self->face);
     show_close(self->show);

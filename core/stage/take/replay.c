@@ -1,4 +1,4 @@
-#include "stage/take/source.h"
+#include "stage/take/replay.h"
 #include "base/bytes.h"
 #include "hand/calibration_file.h"
 #include "stage/mapping/isolate.h"
@@ -13,12 +13,12 @@
 #include <string.h>
 
 enum { NOTE = 512, EVENTS_MAX = 1 << 20 };
-/* Of samples that are read ahead, of a source. */
+/* Of samples that are read ahead, of a performance. */
 static const size_t ahead_bytes = (size_t)64 << 20;
 
 typedef struct track { /* one input of the performance */
     int64_t id;
-    source *of;
+    replay *of;
     show_reader *reader;
     channel_route route;
     bool has_pending;
@@ -28,23 +28,22 @@ typedef struct track { /* one input of the performance */
     bool is_ahead; /* the next sample is ahead[ahead_at], or behind them */
 } track;
 
-struct source {
-    source_world world;
+struct replay {
+    replay_world world;
     show_performance info;
     isolate *isolate; /* NULL: the mapping runs here */
     instance mapping;
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
-    scheduler scheduler; /* of the tracks */
-    bool has_next;
+    scheduler scheduler; /* of the tracks, while it is performed by itself */
+    scheduler_entry entry[TAKE_TRACKS_MAX];
     bool has_ahead;
     int64_t ahead_from_ns, ahead_to_ns; /* show time: every sample of it is in memory */
     int64_t asked_from_ns, asked_to_ns;
     show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
-    sample_step next;
-    double length_mm[2]; /* of the hands, by their calibrations; 0: not said */
-    take_event *event;   /* of the whole performance, by time */
+    double length_mm[2];         /* of the hands, by their calibrations; 0: not said */
+    take_event *event;           /* of the whole performance, by time */
     size_t event_count, next_event;
     int64_t now_ns;
     unsigned char
@@ -71,7 +70,7 @@ static plugin_words words_of(const char *text)
 }
 
 /* As on the stage: what does not come with the program may crash without taking it along. */
-static mrt_result set_apart(source *self, const char *library, const mrt_plugin_type **type,
+static mrt_result set_apart(replay *self, const char *library, const mrt_plugin_type **type,
                             error *err)
 {
     const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
@@ -83,7 +82,7 @@ static mrt_result set_apart(source *self, const char *library, const mrt_plugin_
     return result;
 }
 
-static mrt_result find_mapping(source *self, const mrt_plugin_type **out_type, error *err)
+static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = words_of(self->info.performance.mapping);
     if (strcmp(then.id, null_mapping_type.id) == 0) {
@@ -116,7 +115,7 @@ static void set_param(instance *mapping, uint32_t id, double value)
             atomic_store(&mapping->wanted[i], value);
 }
 
-static void set_first_params(source *self)
+static void set_first_params(replay *self)
 {
     const take_performance *p = &self->info.performance;
     for (uint32_t i = 0; i < self->mapping.type->param_count; ++i)
@@ -127,7 +126,7 @@ static void set_first_params(source *self)
 
 /* ---- tracks ---- */
 
-static mrt_result calibrate(source *self, track *t, const take_track *as, error *err)
+static mrt_result calibrate(replay *self, track *t, const take_track *as, error *err)
 {
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         calibration_file file;
@@ -148,7 +147,7 @@ static mrt_result calibrate(source *self, track *t, const take_track *as, error 
     return MRT_OK;
 }
 
-static mrt_result open_track(source *self, track *t, error *err)
+static mrt_result open_track(replay *self, track *t, error *err)
 {
     show_track info;
     mrt_channel channel[MRT_MAX_CHANNELS];
@@ -168,7 +167,7 @@ static mrt_result open_track(source *self, track *t, error *err)
                             self->info.to_ns, err);
 }
 
-static mrt_result open_tracks(source *self, error *err)
+static mrt_result open_tracks(replay *self, error *err)
 {
     mrt_result result = MRT_OK;
     self->track_count = self->info.performance.track_count;
@@ -179,7 +178,7 @@ static mrt_result open_tracks(source *self, error *err)
     return result;
 }
 
-static bool is_of_track(const source *self, const take_event *e)
+static bool is_of_track(const replay *self, const take_event *e)
 {
     for (uint32_t i = 0; i < self->track_count; ++i)
         if (self->track[i].id == e->track)
@@ -188,7 +187,7 @@ static bool is_of_track(const source *self, const take_event *e)
 }
 
 /* Those that change how it is performed. */
-static mrt_result read_events(source *self, error *err)
+static mrt_result read_events(replay *self, error *err)
 {
     mrt_result result = show_events(self->world.show, self->info.from_ns, self->info.to_ns,
                                     &self->event, &self->event_count, err);
@@ -208,7 +207,7 @@ static mrt_result read_events(source *self, error *err)
 }
 
 /* Damaged chunks are passed over, and told once: what can be read is performed. */
-static mrt_result read_sample(source *self, track *t, error *err)
+static mrt_result read_sample(replay *self, track *t, error *err)
 {
     mrt_result result;
     if (t->is_ahead && t->ahead_at < t->ahead_count) {
@@ -248,14 +247,16 @@ static void take_sample(void *data)
     ((track *)data)->has_pending = false;
 }
 
-static void schedule_tracks(source *self)
+void replay_schedule(replay *self, scheduler *into, const sample_source *as)
 {
-    scheduler_init(&self->scheduler, SCHEDULE_RECORDED);
     for (uint32_t i = 0; i < self->track_count; ++i) {
         track *t = &self->track[i];
-        const sample_source from = {t, peek_track, take_sample, NULL};
+        sample_source from = *as;
+        from.self = t;
+        from.peek = peek_track;
+        from.take = take_sample;
         t->of = self;
-        scheduler_add(&self->scheduler, &from, &t->route);
+        scheduler_add(into, &from, &t->route);
     }
 }
 
@@ -273,7 +274,7 @@ enum { WITHOUT_TAUGHT = 2 }; /* version */
 static bool take_apart(kept_parts *out, const show_checkpoint *kept)
 {
     *out = (kept_parts){0};
-    if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > SOURCE_CHECKPOINT_VERSION)
+    if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > REPLAY_CHECKPOINT_VERSION)
         return false;
     bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
     bytes_take(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
@@ -288,14 +289,14 @@ static bool take_apart(kept_parts *out, const show_checkpoint *kept)
 }
 
 /* Bytes of the largest state of this face. */
-static size_t most_kept(const source *self)
+static size_t most_kept(const replay *self)
 {
-    const points *rest = face_rest(composer_face(self->world.scratch));
-    return SOURCE_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+    const points *rest = face_rest(performer_face(self->world.scratch));
+    return REPLAY_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
 
 /* As it was when the performance began: what a reset leads back to. */
-static mrt_result read_taught(source *self, error *err)
+static mrt_result read_taught(replay *self, error *err)
 {
     show_checkpoint kept;
     kept_parts parts;
@@ -325,10 +326,10 @@ static mrt_result read_taught(source *self, error *err)
 
 /* ---- opened and closed ---- */
 
-mrt_result source_open(source **out, const source_world *world, int64_t performance, error *err)
+mrt_result replay_open(replay **out, const replay_world *world, int64_t performance, error *err)
 {
     *out = NULL;
-    source *self = calloc(1, sizeof *self);
+    replay *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
     self->world = *world;
@@ -347,7 +348,9 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
         result = open_tracks(self, err);
     if (result < 0)
         goto fail;
-    schedule_tracks(self);
+    const sample_source alone = {.voice = 0};
+    scheduler_init(&self->scheduler, SCHEDULE_RECORDED, self->entry, NULL, TAKE_TRACKS_MAX);
+    replay_schedule(self, &self->scheduler, &alone);
     const take_performance *p = &self->info.performance;
     layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
                                .hands.min_cutoff_hz = p->again.min_cutoff_hz,
@@ -357,9 +360,9 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     for (int side = 0; side < 2; ++side)
         settings.hands.length_mm[side] =
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
-    settings.reach_mm = composer_reach_mm(world->scratch, &settings.centre);
-    result =
-        layer_create(&self->layer, &self->mapping, composer_about(world->scratch), &settings, err);
+    const composer *shown = performer_composer(world->scratch);
+    settings.reach_mm = composer_reach_mm(shown, &settings.centre);
+    result = layer_create(&self->layer, &self->mapping, composer_about(shown), &settings, err);
     if (result >= 0)
         result = read_events(self, err);
     if (result < 0)
@@ -367,11 +370,11 @@ mrt_result source_open(source **out, const source_world *world, int64_t performa
     *out = self;
     return MRT_OK;
 fail:
-    source_close(self);
+    replay_close(self);
     return result;
 }
 
-static void forget_ahead(source *self)
+static void forget_ahead(replay *self)
 {
     for (uint32_t i = 0; i < self->track_count; ++i) {
         free(self->track[i].ahead);
@@ -383,7 +386,7 @@ static void forget_ahead(source *self)
     self->has_ahead = false;
 }
 
-void source_close(source *self)
+void replay_close(replay *self)
 {
     if (!self)
         return;
@@ -399,82 +402,76 @@ void source_close(source *self)
     free(self);
 }
 
-int64_t source_performance(const source *self)
+int64_t replay_performance(const replay *self)
 {
     return self->info.performance.id;
 }
 
-layer *source_layer(source *self)
+layer *replay_layer(replay *self)
 {
     return self->layer;
 }
 
-const char *source_note(const source *self)
+const char *replay_note(const replay *self)
 {
     return self->note;
 }
 
-mrt_result source_check(const source *self, error *err)
+mrt_result replay_check(const replay *self, error *err)
 {
     return isolate_check(&self->mapping, err);
 }
 
-int64_t source_now_ns(const source *self)
+int64_t replay_now_ns(const replay *self)
 {
     return self->now_ns;
 }
 
-/* ---- sample by sample ---- */
+/* ---- step by step ---- */
 
-static mrt_result find_next(source *self, error *err)
-{
-    int64_t ignored_ns;
-    mrt_result result = MRT_OK;
-    if (!self->has_next)
-        result = scheduler_next(&self->scheduler, 0, &self->next, &ignored_ns, err);
-    self->has_next = self->has_next || result == MRT_OK;
-    return result < 0 ? result : MRT_OK;
-}
-
-mrt_result source_next_ns(source *self, int64_t *out_ns, error *err)
-{
-    mrt_result result = find_next(self, err);
-    *out_ns = result >= 0 && self->has_next ? self->next.time_ns : INT64_MAX;
-    return result;
-}
-
-/* What was asked for before this step. */
-static void obey_events(source *self, int64_t time_ns)
+void replay_prepare(replay *self, const sample_step *s)
 {
     for (; self->next_event < self->event_count; ++self->next_event) {
         const take_event *e = &self->event[self->next_event];
         error why = {""};
-        if (e->time_ns > time_ns)
-            return;
+        if (e->time_ns > s->time_ns)
+            break;
         if (e->kind == TAKE_EVENT_PARAM)
             set_param(&self->mapping, e->param, e->value);
         else if (hands_rezero(layer_hands(self->layer), e->hand, layer_frame(self->layer)->time_ns,
                               &why) != MRT_OK)
             continue; /* as it was refused then */
     }
+    self->now_ns = s->time_ns;
 }
 
-uint32_t source_step(source *self, bool near)
+static void perform_alone(replay *self, performer *on)
 {
-    error ignored = {""};
-    if (find_next(self, &ignored) < 0 || !self->has_next)
-        return 0;
-    self->has_next = false;
-    scheduler_take(&self->scheduler, &self->next);
-    obey_events(self, self->next.time_ns);
-    layer_step(self->layer, &self->next, near);
-    self->now_ns = self->next.time_ns;
-    return self->next.count;
+    performer_voice *alone = performer_voice_of(on, 0);
+    if (alone->layer != self->layer)
+        *alone =
+            (performer_voice){.layer = self->layer, .is_seen = true, .weight = 1.0, .gain = 1.0};
+}
+
+mrt_result replay_step(replay *self, int64_t before_ns, error *err)
+{
+    sample_step next;
+    int64_t ignored_ns;
+    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    if (result < 0)
+        return result;
+    if (result != MRT_OK || next.time_ns >= before_ns)
+        return MRT_END;
+    scheduler_take(&self->scheduler, &next);
+    perform_alone(self, self->world.scratch);
+    replay_prepare(self, &next);
+    performer_map(self->world.scratch, &next);
+    return MRT_OK;
 }
 
 /* ---- to any instant ---- */
 
-static bool is_ahead(const source *self, int64_t time_ns)
+static bool is_ahead(const replay *self, int64_t time_ns)
 {
     return self->has_ahead && time_ns >= self->ahead_from_ns && time_ns <= self->ahead_to_ns;
 }
@@ -493,10 +490,9 @@ static size_t count_before(const track *t, int64_t time_ns)
 }
 
 /* Behind the samples up to now_ns. */
-static mrt_result position(source *self, error *err)
+static mrt_result position(replay *self, error *err)
 {
     mrt_result result = MRT_OK;
-    self->has_next = false;
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
         track *t = &self->track[i];
         int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
@@ -514,7 +510,7 @@ static mrt_result position(source *self, error *err)
     return result;
 }
 
-static mrt_result rewind_all(source *self, error *err)
+static mrt_result rewind_all(replay *self, error *err)
 {
     error why = {""};
     self->now_ns = INT64_MIN;
@@ -522,20 +518,21 @@ static mrt_result rewind_all(source *self, error *err)
     if (self->taught && taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
         log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     layer_reset(self->layer);
-    composer_reset(self->world.scratch);
+    composer_reset(performer_composer(self->world.scratch));
     return position(self, err);
 }
 
-/* Takes up what source_keep has written. */
-static mrt_result take_up(source *self, const kept_parts *kept, composer *into, error *err)
+/* Takes up what replay_keep has written. */
+static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
-    mrt_result result = performer_load_into(self->layer, into, kept->state, kept->state_size, err);
+    perform_alone(self, into);
+    mrt_result result = performer_load(into, kept->state, kept->state_size, err);
     if (result >= 0)
         layer_shift_time(self->layer, kept->show_offset_ns);
     return result;
 }
 
-mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, composer *into,
+mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
                          error *err)
 {
     show_checkpoint kept;
@@ -557,7 +554,7 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
         return result;
     kept_parts parts;
     bool is_wanted = kept.time_ns >= least_ns && take_apart(&parts, &kept) && parts.state_size > 0;
-    bool is_usable = is_wanted && take_up(self, &parts, into, &ignored) >= 0;
+    bool is_usable = is_wanted && resume(self, &parts, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
     if (!has_kept)
         show_checkpoint_finish(&kept);
@@ -569,26 +566,22 @@ mrt_result source_recall(source *self, int64_t time_ns, int64_t least_ns, compos
     return position(self, err);
 }
 
-mrt_result source_seek(source *self, int64_t time_ns, error *err)
+mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
 {
-    mrt_result result = source_recall(self, time_ns, INT64_MIN, self->world.scratch, err);
+    mrt_result result = replay_recall(self, time_ns, INT64_MIN, self->world.scratch, err);
     if (result == MRT_HOLD)
         result = rewind_all(self, err);
-    while (result >= 0) {
-        int64_t next_ns;
-        result = source_next_ns(self, &next_ns, err);
-        if (result < 0 || next_ns >= time_ns)
-            break;
-        (void)source_step(self, composer_is_near(self->world.scratch, layer_pull(self->layer)));
-        performer_move(self->layer, self->world.scratch);
-    }
-    return result;
+    if (result < 0)
+        return result;
+    while ((result = replay_step(self, time_ns, err)) == MRT_OK)
+        performer_constrain(self->world.scratch, 0, self->now_ns);
+    return result < 0 ? result : MRT_OK;
 }
 
 /* ---- read ahead ---- */
 
 /* To the sample behind to_ns, or to the end; *io_to_ns: as far as there was room. */
-static mrt_result read_track_ahead(source *self, track *t, int64_t *io_to_ns, error *err)
+static mrt_result read_track_ahead(replay *self, track *t, int64_t *io_to_ns, error *err)
 {
     size_t most = ahead_bytes / sizeof *t->ahead / self->track_count, capacity = 0;
     mrt_result result = show_reader_seek(t->reader, self->ahead_from_ns, err);
@@ -611,7 +604,7 @@ static mrt_result read_track_ahead(source *self, track *t, int64_t *io_to_ns, er
     return result < 0 ? result : MRT_OK;
 }
 
-static mrt_result read_ahead(source *self, error *err)
+static mrt_result read_ahead(replay *self, error *err)
 {
     kept_parts parts;
     error ignored = {""};
@@ -636,7 +629,7 @@ static mrt_result read_ahead(source *self, error *err)
     return result;
 }
 
-mrt_result source_read_ahead(source *self, int64_t from_ns, int64_t to_ns, error *err)
+mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error *err)
 {
     if (self->has_ahead && self->asked_from_ns < from_ns)
         from_ns = self->asked_from_ns;
@@ -652,7 +645,7 @@ mrt_result source_read_ahead(source *self, int64_t from_ns, int64_t to_ns, error
 
 /* ---- kept ---- */
 
-size_t source_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
+size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
                    size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
@@ -669,7 +662,7 @@ size_t source_keep(const instance *mapping, performer *of, int64_t show_offset_n
     return out.size + size;
 }
 
-size_t source_save(source *self, void *bytes, size_t capacity)
+size_t replay_save(replay *self, void *bytes, size_t capacity)
 {
     size_t size = layer_save(self->layer, NULL, 0);
     if (size == 0)
@@ -681,7 +674,7 @@ size_t source_save(source *self, void *bytes, size_t capacity)
     return out.size + size;
 }
 
-mrt_result source_load(source *self, const void *bytes, size_t size, error *err)
+mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     bytes_take(&in, &self->now_ns, sizeof self->now_ns);

@@ -1,4 +1,4 @@
-/* stage/mapping/identity.h - what a show remembers of plugins and faces, so that a change is
+/* stage/take/identity.h - what a show remembers of plugins and faces, so that a change is
  * noticed later: names, versions, and the SHA-256 of files. [main] */
 #ifndef MAROTTE_STAGE_IDENTITY_H
 #define MAROTTE_STAGE_IDENTITY_H

@@ -1,4 +1,4 @@
-#include "stage/perform/guard.h"
+#include "stage/mapping/guard.h"
 
 #include <math.h>
 #include <stddef.h>

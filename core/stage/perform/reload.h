@@ -1,4 +1,4 @@
-/* stage/mapping/reload.h - a mapping's library that is rebuilt while it performs: the new one is
+/* stage/perform/reload.h - a mapping's library that is rebuilt while it performs: the new one is
  * loaded beside the old one, checked, given the old one's parameters and state, and takes over
  * between two samples without a jump (layer_switch). One that fails is refused, and the old one
  * goes on. All but the taking over happens in a thread of its own. What ran is never unloaded. */

@@ -1,10 +1,10 @@
-#include "stage/mapping/reload.h"
+#include "stage/perform/reload.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "check/check.h"
 #include "stage/mapping/library.h"
 #include "stage/mapping/plugins.h"
-#include "stage/perform/guard.h"
+#include "stage/mapping/guard.h"
 #include "take/hash.h"
 
 #include <errno.h>

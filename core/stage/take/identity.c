@@ -1,4 +1,4 @@
-#include "stage/mapping/identity.h"
+#include "stage/take/identity.h"
 
 #include "base/file.h"
 #include "stage/mapping/isolate.h"
