@@ -17,9 +17,10 @@ CHECKED mrt_result mesh_file_read(mesh *out, const char *path, mesh_unit unit, e
 CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, error *err);
 CHECKED mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err);
 CHECKED mrt_result off_parse(mesh *out, const void *data, size_t size, error *err);
-/* glTF 2.0, .glb or .gltf; `directory` (with its last '/') is where external buffers may be; NULL:
- * none allowed. Node transforms applied. One part per primitive, named by its extras.name when that
- * is a text (as gltf_write_mesh leaves it), else by the node, else by the mesh. */
+/* glTF 2.0, .glb or .gltf, VRM 0 and 1; `directory` (with its last '/') is where external buffers
+ * may be; NULL: none allowed. Node transforms and skins applied, Draco and meshopt decoded (in the
+ * child process). One part per primitive, named by its extras.name when that is a text (as
+ * gltf_write_mesh leaves it), else by the node, else by the mesh. */
 CHECKED mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *directory,
                               error *err);
 

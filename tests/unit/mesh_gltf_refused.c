@@ -163,8 +163,8 @@ static void every_lie_is_refused_by_name(void **state)
         {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[0,0]}]", "in the scene twice"},
         {"'scenes':[{'nodes':[0]}]", "'scenes':[{'nodes':[4]}]", "the scene names node 4"},
         {"'scene':0", "'scene':3", "scene 3 is to be shown"},
-        {"'scene':0", "'scene':0,'extensionsRequired':['KHR_draco_mesh_compression']",
-         "the extension \"KHR_draco_mesh_compression\""},
+        {"'scene':0", "'scene':0,'extensionsRequired':['EXT_mesh_gpu_instancing']",
+         "the extension \"EXT_mesh_gpu_instancing\""},
         {"'scene':0", "'scene':0,", "the JSON is broken"}};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; ++i) {
         char json[6000];

@@ -174,12 +174,23 @@ void check_section(const json &document, const char *key,
     }
 }
 
-/* Extensions that change nothing of what is read here. */
-bool is_harmless(const std::string &extension)
+/* Extensions that are read, or change nothing of what is read here. */
+bool is_known(const std::string &extension)
 {
-    static const char *const known[] = {"KHR_mesh_quantization", "KHR_texture_transform",
-                                        "KHR_texture_basisu",    "KHR_lights_punctual",
-                                        "EXT_texture_webp",      "EXT_texture_avif"};
+    static const char *const known[] = {"KHR_mesh_quantization",
+                                        "KHR_texture_transform",
+                                        "KHR_texture_basisu",
+                                        "KHR_lights_punctual",
+                                        "EXT_texture_webp",
+                                        "EXT_texture_avif",
+                                        "EXT_meshopt_compression",
+                                        "KHR_meshopt_compression",
+                                        "KHR_draco_mesh_compression",
+                                        "VRM",
+                                        "VRMC_vrm",
+                                        "VRMC_springBone",
+                                        "VRMC_node_constraint",
+                                        "VRMC_materials_mtoon"};
     for (const char *name : known)
         if (extension == name)
             return true;
@@ -190,7 +201,7 @@ void check_extensions(const json &document)
 {
     for (const json &extension : array_at(document, "", "extensionsRequired")) {
         std::string name = extension.is_string() ? extension.get<std::string>() : "";
-        if (!is_harmless(name))
+        if (!is_known(name))
             gltf_fail(MRT_ERR_UNSUPPORTED,
                       "the file needs the extension \"%s\", which is not read: export it without",
                       name.substr(0, 64).c_str());
@@ -228,6 +239,47 @@ void check_document(const json &document)
 
 /* ---- buffers ---- */
 
+/* tinygltf wants indices in a buffer: those that are compressed wait in the extension until they
+ * are decoded. */
+void set_aside_draco_indices(json &document)
+{
+    const json none = json::array();
+    const json &accessors = document.contains("accessors") ? document["accessors"] : none;
+    if (!document.contains("meshes"))
+        return;
+    for (json &mesh : document["meshes"]) {
+        if (!mesh.contains("primitives"))
+            continue;
+        for (json &primitive : mesh["primitives"]) {
+            auto indices = primitive.find("indices"), extensions = primitive.find("extensions");
+            if (indices == primitive.end() || extensions == primitive.end() ||
+                !extensions->is_object())
+                continue;
+            auto draco = extensions->find("KHR_draco_mesh_compression");
+            size_t index = indices->get<size_t>();
+            if (draco == extensions->end() || !draco->is_object() || index >= accessors.size() ||
+                accessors[index].contains("bufferView"))
+                continue;
+            (*draco)["indices"] = *indices;
+            primitive.erase("indices");
+        }
+    }
+}
+
+/* A buffer that only readers without meshopt would need (its views are decoded from another). */
+void make_fallback_empty(json &buffer)
+{
+    const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
+    auto extensions = buffer.find("extensions");
+    if (buffer.contains("uri") || extensions == buffer.end() || !extensions->is_object())
+        return;
+    for (const char *name : names)
+        if (extensions->contains(name)) {
+            buffer["uri"] = "data:application/octet-stream;base64,AA==";
+            buffer["byteLength"] = 1;
+        }
+}
+
 /* Points the first buffer of a .glb to the BIN chunk, and bounds what all buffers take. */
 void prepare_buffers(json &document, const gltf_container &container, buffer_source &source)
 {
@@ -236,6 +288,7 @@ void prepare_buffers(json &document, const gltf_container &container, buffer_sou
     if (buffers == document.end())
         return;
     for (json &buffer : *buffers) {
+        make_fallback_empty(buffer);
         size_t length = buffer.value("byteLength", (size_t)0);
         total += length;
         if (length == 0 || total > BUFFER_BYTES_MAX)
@@ -346,6 +399,22 @@ void gltf_fail(mrt_result code, const char *format, ...)
     throw gltf_failure(code, text);
 }
 
+const tinygltf::Value &gltf_member(const tinygltf::Value &of, const char *key)
+{
+    static const tinygltf::Value none;
+    return of.IsObject() && of.Has(key) ? of.Get(key) : none;
+}
+
+int64_t gltf_whole(const tinygltf::Value &value, int64_t otherwise)
+{
+    if (value.IsInt())
+        return value.GetNumberAsInt();
+    double number = value.IsNumber() ? value.GetNumberAsDouble() : -0.5;
+    return number >= INT32_MIN && number <= INT32_MAX && number == (double)(int64_t)number
+               ? (int64_t)number
+               : otherwise;
+}
+
 tinygltf::Model gltf_load(const gltf_container &container, const char *directory)
 {
     json document = parse_json(container.json);
@@ -353,6 +422,7 @@ tinygltf::Model gltf_load(const gltf_container &container, const char *directory
     for (const char *section :
          {"animations", "cameras", "extras", "images", "samplers", "textures"})
         document.erase(section);
+    set_aside_draco_indices(document);
     if (document.contains("skins"))
         for (json &skin : document["skins"])
             if (!skin.contains("inverseBindMatrices"))

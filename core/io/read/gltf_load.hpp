@@ -25,4 +25,14 @@ struct gltf_failure : std::runtime_error {
  * `directory`: as in gltf_parse. */
 tinygltf::Model gltf_load(const gltf_container &container, const char *directory);
 
+/* Decodes what is compressed in it. `file_size` bounds what that may take. */
+void gltf_decode(tinygltf::Model &model, size_t file_size);
+
+/* ---- what extensions say, which nobody has checked ---- */
+
+/* A member of an object, else an empty value. */
+const tinygltf::Value &gltf_member(const tinygltf::Value &of, const char *key);
+/* A whole number, else `otherwise`. */
+int64_t gltf_whole(const tinygltf::Value &value, int64_t otherwise);
+
 #endif

@@ -282,7 +282,8 @@ void parse(mesh &out, const void *data, size_t size, const char *directory)
     mrt_result result = gltf_container_parse(&container, data, size, &failed);
     if (result < 0)
         throw gltf_failure(result, failed.text);
-    const tinygltf::Model model = gltf_load(container, directory);
+    tinygltf::Model model = gltf_load(container, directory);
+    gltf_decode(model, size);
     const gltf_plan plan = gltf_plan_of(model, size);
     result = mesh_create(&out, (uint32_t)plan.vertex_count, (uint32_t)plan.triangle_count, &failed);
     if (result < 0)

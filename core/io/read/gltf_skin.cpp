@@ -8,16 +8,9 @@ namespace
 
 const size_t INFLUENCE_SETS_MAX = 4; /* JOINTS_0 to JOINTS_3 */
 
-/* A member of an extension that is an object, or an empty value. */
-const tinygltf::Value &member(const tinygltf::Value &of, const char *key)
-{
-    static const tinygltf::Value none;
-    return of.IsObject() && of.Has(key) ? of.Get(key) : none;
-}
-
 void set_role(std::vector<std::string> &role, const tinygltf::Value &node, const std::string &name)
 {
-    int index = node.IsInt() ? node.GetNumberAsInt() : -1;
+    int64_t index = gltf_whole(node, -1);
     if (index >= 0 && (size_t)index < role.size() && role[(size_t)index].empty())
         role[(size_t)index] = name;
 }
@@ -28,16 +21,18 @@ std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
     std::vector<std::string> role(model.nodes.size());
     auto old = model.extensions.find("VRM"), now = model.extensions.find("VRMC_vrm");
     if (now != model.extensions.end()) {
-        const tinygltf::Value &bones = member(member(now->second, "humanoid"), "humanBones");
+        const tinygltf::Value &bones =
+            gltf_member(gltf_member(now->second, "humanoid"), "humanBones");
         if (bones.IsObject())
             for (const std::string &name : bones.Keys())
-                set_role(role, member(bones.Get(name), "node"), name);
+                set_role(role, gltf_member(bones.Get(name), "node"), name);
     } else if (old != model.extensions.end()) {
-        const tinygltf::Value &bones = member(member(old->second, "humanoid"), "humanBones");
+        const tinygltf::Value &bones =
+            gltf_member(gltf_member(old->second, "humanoid"), "humanBones");
         for (size_t i = 0; bones.IsArray() && i < bones.ArrayLen(); ++i) {
-            const tinygltf::Value &bone = bones.Get((int)i), &name = member(bone, "bone");
+            const tinygltf::Value &bone = bones.Get((int)i), &name = gltf_member(bone, "bone");
             if (name.IsString())
-                set_role(role, member(bone, "node"), name.Get<std::string>());
+                set_role(role, gltf_member(bone, "node"), name.Get<std::string>());
         }
     }
     return role;

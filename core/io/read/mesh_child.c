@@ -8,11 +8,13 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <linux/memfd.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -86,7 +88,7 @@ mrt_result mesh_wire_parse(mesh *out, const void *data, size_t size, error *err)
 
 /* ---- the other process ---- */
 
-static const int64_t PATIENCE_NS = 10 * NS_PER_S;
+static const int64_t PATIENCE_NS = 20 * NS_PER_S;
 static const size_t ANSWER_SIZE_MAX = (size_t)1536 << 20; /* bytes: what the child may use itself */
 
 extern char **environ;
@@ -102,21 +104,53 @@ static mrt_result find_program(char out[PATH_MAX], error *err)
                         "it reads this format", err);
 }
 
-static int spawn(pid_t *out_pid, char *program, const char *path, int answer_fd)
+static bool write_all(int fd, const char *at, size_t size)
+{
+    while (size > 0) {
+        ssize_t written = write(fd, at, size);
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written <= 0)
+            return false;
+        at += written;
+        size -= (size_t)written;
+    }
+    return lseek(fd, 0, SEEK_SET) == 0;
+}
+
+/* A file without a name, from its beginning: a pipe would have both wait for each other. */
+static mrt_result open_input(int *out_fd, const void *input, size_t size, error *err)
+{
+    int fd = input ? (int)syscall(SYS_memfd_create, "marotte-decode", MFD_CLOEXEC)
+                   : open("/dev/null", O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return error_set(err, MRT_ERR_IO, "no room for what its reader is given: %s",
+                         strerror(errno));
+    if (input && !write_all(fd, input, size)) {
+        int code = errno;
+        close(fd);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for what its reader is given: %s",
+                         strerror(code));
+    }
+    *out_fd = fd;
+    return MRT_OK;
+}
+
+static int spawn(pid_t *out_pid, char *program, const char *argument, int input_fd, int answer_fd)
 {
     posix_spawn_file_actions_t actions;
     /* posix_spawn does not write to its arguments: they are only declared so. */
     union {
-        const char *path;
+        const char *given;
         char *argument;
-    } cast = {.path = path};
+    } cast = {.given = argument};
     char *arguments[] = {program, cast.argument, NULL};
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed)
         return failed;
     failed = posix_spawn_file_actions_adddup2(&actions, answer_fd, STDOUT_FILENO);
     if (!failed)
-        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        failed = posix_spawn_file_actions_adddup2(&actions, input_fd, STDIN_FILENO);
     if (!failed)
         failed =
             posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
@@ -126,7 +160,7 @@ static int spawn(pid_t *out_pid, char *program, const char *path, int answer_fd)
     return failed;
 }
 
-static mrt_result start(pid_t *out_pid, int *out_fd, const char *path, error *err)
+static mrt_result start(pid_t *out_pid, int *out_fd, const char *argument, int input_fd, error *err)
 {
     char program[PATH_MAX];
     int end[2];
@@ -136,7 +170,7 @@ static mrt_result start(pid_t *out_pid, int *out_fd, const char *path, error *er
     result = program_pipe(end, err);
     if (result < 0)
         return result;
-    int failed = spawn(out_pid, program, path, end[1]);
+    int failed = spawn(out_pid, program, argument, input_fd, end[1]);
     close(end[1]);
     if (failed) {
         close(end[0]);
@@ -204,13 +238,19 @@ static mrt_result judge(pid_t pid, error *err)
                      strsignal(WTERMSIG(status)));
 }
 
-mrt_result mesh_child_read(mesh *out, const char *path, error *err)
+mrt_result mesh_child_ask(void **out_answer, size_t *out_size, const char *argument,
+                          const void *input, size_t input_size, error *err)
 {
     answer a = {0};
     pid_t pid = 0;
-    int fd = -1;
-    *out = (mesh){0};
-    mrt_result result = start(&pid, &fd, path, err);
+    int input_fd = -1, fd = -1;
+    *out_answer = NULL;
+    *out_size = 0;
+    mrt_result result = open_input(&input_fd, input, input_size, err);
+    if (result < 0)
+        return result;
+    result = start(&pid, &fd, argument, input_fd, err);
+    close(input_fd);
     if (result < 0)
         return result;
     result = read_answer(&a, fd, err);
@@ -222,8 +262,21 @@ mrt_result mesh_child_read(mesh *out, const char *path, error *err)
     } else {
         result = judge(pid, err);
     }
+    *out_answer = a.data;
+    *out_size = a.size;
+    return result;
+}
+
+mrt_result mesh_child_read(mesh *out, const char *path, error *err)
+{
+    void *said = NULL;
+    size_t size = 0;
+    *out = (mesh){0};
+    mrt_result result = mesh_child_ask(
+        &said, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path, NULL, 0,
+        err);
     if (result == MRT_OK)
-        result = mesh_wire_parse(out, a.data, a.size, err);
-    free(a.data);
+        result = mesh_wire_parse(out, said, size, err);
+    free(said);
     return result;
 }

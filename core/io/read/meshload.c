@@ -1,9 +1,12 @@
-/* marotte-meshload FILE - OpenMesh's readers in a process of their own, with little memory and
- * little time; the mesh goes to the standard output as io/read/mesh_child.h has it. Started by
- * io/read/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+/* marotte-meshload FILE | --decode - other people's readers in a process of their own, with little
+ * memory and little time: OpenMesh's, of a file, the mesh to the standard output as
+ * io/read/mesh_child.h has it; or the decoders of io/decode/decode.h, jobs from the standard input.
+ * Started by io/read/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+#include "io/decode/decode.h"
 #include "io/read/mesh_child.h"
 #include "io/openmesh.h"
 
+#include <string.h>
 #include <sys/resource.h>
 
 #ifndef __has_feature
@@ -27,13 +30,17 @@ int main(int argument_count, char **arguments)
     mesh m;
     error err = {""};
     if (argument_count != 2) {
-        fprintf(stderr, "usage: marotte-meshload FILE\n");
+        fprintf(stderr, "usage: marotte-meshload FILE | --decode\n");
         return 2;
     }
     limit(RLIMIT_CORE, 0, 0);
-    limit(RLIMIT_CPU, 3, 4); /* s: SIGXCPU, which has a name, before SIGKILL */
+    bool decodes = strcmp(arguments[1], MESH_CHILD_DECODE) == 0;
+    rlim_t patience_s = decodes ? 10 : 3;
+    limit(RLIMIT_CPU, patience_s, patience_s + 1); /* SIGXCPU, which has a name, before SIGKILL */
     if (LIMITS_MEMORY)
         limit(RLIMIT_AS, (rlim_t)1536 << 20, (rlim_t)1536 << 20); /* bytes */
+    if (decodes)
+        return decode_serve(stdin, stdout) ? 0 : 1;
     mrt_result result = openmesh_read_unsafe(&m, arguments[1], &err);
     if (result < 0)
         mesh_wire_write_failure(stdout, err.text);
