@@ -28,17 +28,18 @@ typedef struct gltf_report {
     uint64_t byte_count;
 } gltf_report;
 
-/* .glb: base mesh, morph targets, a weights animation with a key per frame. Anchored frames exactly
- * (to float32): one target per column axis and segment, "s1.control2.y", weights = vectors
- * in metres, and one target per committed base, "s2.base". Free frames: principal components up to
- * the tolerance, "component1", weights within -1..1. Where that makes less work and few more bytes,
- * a long motion is split into windows of time, each with a base and components of its own,
- * "w2.base" (weight 1 in its frames) and "w2.component1"; the weights of other windows are 0. Each
- * key shows its own shape, and between two keys the shape goes straight from one to the other.
- * Normals follow to first order. A clip without motion is a plain mesh; the mesh's own targets are
- * left out. Parts are primitives on the same vertices, in the file's order, with their name in
- * extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of says. Errors name
- * the frame or file. */
+/* .glb: base mesh, morph targets, a weights animation with a key per frame, every weight within
+ * 0..1, as programs that play it limit them to that. Anchored frames exactly (to float32): a target
+ * for each direction of a column's axis that is used in a segment, "s1.control2.y+", in metres
+ * times a power of two, and one target per committed base, "s2.base". Free frames: principal
+ * components up to the tolerance, "component1", counted from a "base" (weight 1 in these frames).
+ * Where that makes less work and few more bytes, a long motion is split into windows of time, each
+ * with a base and components of its own, "w2.base" and "w2.component1"; the weights of others are
+ * 0. Each key shows its own shape, and between two keys the shape goes straight from one to the
+ * other. Normals follow to first order. A clip without motion is a plain mesh; the mesh's own
+ * targets are left out. Parts are primitives on the same vertices, in the file's order, with their
+ * name in extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of says.
+ * Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */

@@ -82,12 +82,13 @@ static void motion_of_rank_two_needs_two_components(void **state)
     components found;
     components_request wanted = {.base_m = base_m, .tolerance_mm = 0.01};
     assert_int_equal(components_find(&found, c, &wanted, NULL, &err), MRT_OK);
-    assert_int_equal(found.target_count, 2);
+    assert_int_equal(found.target_count, 3); /* and what they are counted from */
+    assert_int_equal(found.window[0].count, 2);
     assert_int_equal(found.frame_count, 500);
     assert_true(true_error_mm(&found, c, base_m) <= 0.01);
     assert_int_equal(found.window_count, 1);
-    for (size_t i = 0; i < (size_t)found.frame_count * found.target_count; ++i)
-        assert_true(fabsf(found.window[0].weight[i]) <= 1.0f);
+    for (size_t i = 0; i < (size_t)found.frame_count * 2; ++i)
+        assert_true(found.window[0].weight[i] >= 0.0f && found.window[0].weight[i] <= 1.0f);
     components_finish(&found);
     clip_destroy(c);
     mesh_destroy(&m);
@@ -115,7 +116,7 @@ static void noise_holds_the_tolerance_or_says_that_it_does_not(void **state)
     components found;
     components_request wanted = {.base_m = base_m, .tolerance_mm = 0.05};
     assert_int_equal(components_find(&found, c, &wanted, NULL, &err), MRT_OK);
-    assert_true(found.target_count <= length);
+    assert_true(found.target_count <= length + 1);
     assert_true(found.max_error_mm <= 0.05);
     assert_true(fabs(true_error_mm(&found, c, base_m) - found.max_error_mm) < 1e-4);
     components_finish(&found);

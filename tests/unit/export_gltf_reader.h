@@ -273,6 +273,8 @@ static inline double glb_key_error_mm(const glb_face *face, size_t key, const fl
 {
     double greatest = 0.0;
     const float *weight = face->weight + key * face->target_count;
+    for (size_t j = 0; j < face->target_count; ++j) /* as far as programs that play it let them */
+        assert_true(weight[j] >= 0.0f && weight[j] <= 1.0f);
     for (size_t v = 0; v < face->vertex_count; ++v) {
         double square = 0.0;
         for (size_t i = v * 3; i < v * 3 + 3; ++i) {

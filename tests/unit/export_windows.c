@@ -195,7 +195,8 @@ static void a_long_motion_of_few_shapes_is_one_window(void **state)
     gltf_report other = write_clip(c, (gltf_options){0});
     assert_int_equal(other.window_count, 1);
     glb g = glb_open(path);
-    assert_int_equal(glb_target_index(&g, "component1"), 0);
+    assert_int_equal(glb_target_index(&g, "base"), 0);
+    assert_int_equal(glb_target_index(&g, "component1"), 1);
     glb_close(&g);
     clip_destroy(c);
 }

@@ -229,15 +229,43 @@ static mrt_result fit_all(search *s, error *err)
 
 /* ---- the result ---- */
 
-/* Scales every axis by the power of two that brings its weights into -1..1: exact in float32, so
- * that the errors measured are those of the values handed out. */
+static float least_weight(const component_window *out, size_t component)
+{
+    float least = 0.0f;
+    for (size_t i = 0; i < out->frame_count; ++i)
+        least = fminf(least, out->weight[i * out->count + component]);
+    return least;
+}
+
+/* Programs that play a file limit a weight to what a slider shows: 0 to 1. So the base is where all
+ * components have their least weight, and they are counted from there. */
+static mrt_result count_from_least(component_window *out, uint32_t vertex_count, error *err)
+{
+    for (size_t j = 0; j < out->count; ++j) {
+        const float *axis = out->axis + j * out->moved_count * 3;
+        float least = least_weight(out, j);
+        if (!(least < 0.0f))
+            continue;
+        if (!out->base && !(out->base = calloc((size_t)vertex_count * 3, sizeof *out->base)))
+            return no_memory(err);
+        for (size_t i = 0; i < out->moved_count; ++i)
+            for (size_t k = 0; k < 3; ++k)
+                out->base[(size_t)out->moved[i] * 3 + k] += least * axis[i * 3 + k];
+        for (size_t i = 0; i < out->frame_count; ++i)
+            out->weight[i * out->count + j] -= least;
+    }
+    return MRT_OK;
+}
+
+/* Scales every axis by the power of two that brings its weights, none below 0, to at most 1: exact
+ * in float32. */
 static void scale_axes(component_window *out)
 {
     size_t length = (size_t)out->moved_count * 3;
     for (size_t j = 0; j < out->count; ++j) {
         float greatest = 0.0f;
         for (size_t i = 0; i < out->frame_count; ++i)
-            greatest = fmaxf(greatest, fabsf(out->weight[i * out->count + j]));
+            greatest = fmaxf(greatest, out->weight[i * out->count + j]);
         int exponent = 0;
         (void)frexpf(greatest, &exponent);
         for (size_t i = 0; i < out->frame_count; ++i)
@@ -276,8 +304,10 @@ static mrt_result hand_out(search *s, component_window *out, double *out_error_m
         out->base = s->frames.base;
         s->frames.base = NULL;
     }
-    scale_axes(out);
-    return MRT_OK;
+    mrt_result result = count_from_least(out, s->frames.frames->vertex_count, err);
+    if (result >= 0)
+        scale_axes(out);
+    return result;
 }
 
 /* Once it is known what moves. */
@@ -338,7 +368,7 @@ mrt_result component_window_find(component_window *out, double *out_error_m,
         window_frames_init(&s.frames, frames, wanted->first_frame, wanted->frame_count,
                            wanted->base, wanted->tolerance_m, err);
     if (result == MRT_OK)
-        result = search_init(&s, wanted->cap - s.frames.has_base, err);
+        result = search_init(&s, wanted->cap > 1 ? wanted->cap - 1 : wanted->cap, err);
     if (result == MRT_OK)
         result = find_axes(&s, err);
     if (result == MRT_OK)

@@ -9,7 +9,7 @@ typedef struct window_request {
     uint32_t first_frame, frame_count; /* of the free frames, at least 1 */
     window_base base;
     double tolerance_m;
-    uint32_t cap; /* of targets, the base among them: at least 1 with a base */
+    uint32_t cap; /* of targets, the base among them; 1 is taken as 2 */
     const export_progress *progress;
     double done_before, done_share; /* of all there is to do */
 } window_request;

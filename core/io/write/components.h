@@ -19,7 +19,7 @@ typedef struct component_window {
     float *base;     /* vertex_count by 3: metres from base_m; NULL: none, the base is base_m */
     uint32_t *moved; /* moved_count: vertices, ascending */
     float *axis;     /* count by moved_count by 3: metres per unit of weight */
-    float *weight;   /* frame_count by count: within -1..1 */
+    float *weight;   /* frame_count by count: within 0..1 */
 } component_window;
 
 typedef struct components {
@@ -27,8 +27,8 @@ typedef struct components {
     uint32_t target_count; /* components of all windows, and their bases */
     uint32_t *frame;       /* frame_count: the free frames of the clip, ascending */
     component_window *window;
-    /* Over all free frames and vertices, of base_m + base + sum of weight * axis as float32 holds
-     * them. */
+    /* Over all free frames and vertices, of base_m + base + sum of weight * axis, but for what
+     * their sum in float32 loses. */
     double max_error_mm;
 } components;
 
@@ -41,7 +41,7 @@ typedef struct components_request {
 
 /* In each window the fewest leading principal components that hold the tolerance in every frame;
  * where those of the frames looked at do not suffice, what is missing in the worst ones is added.
- * When a limit comes first, out->max_error_mm is above the tolerance. One window has no base. */
+ * When a limit comes first, out->max_error_mm is above the tolerance. */
 CHECKED mrt_result components_find(components *out, const clip *c, const components_request *wanted,
                                    const export_progress *progress, error *err);
 void components_finish(components *c); /* accepts NULL and zeroed */

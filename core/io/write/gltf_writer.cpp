@@ -15,11 +15,19 @@ extern "C" {
 namespace
 {
 
+/* One axis of a column as targets: what plays them limits a weight to 0..1, so each direction that
+ * is used has its own, in units of a power of two that no weight is above. */
+struct axis_targets {
+    float most = 0.0f, least = 0.0f; /* of the weights, metres */
+    size_t plus = 0, minus = 0;      /* among all targets; only where it is used */
+    int exponent = 0;
+};
+
 /* Where the targets of a segment are among all targets. */
 struct segment_targets {
-    size_t base; /* valid if has_base */
-    size_t first_column;
-    bool has_base;
+    size_t base = 0; /* valid if has_base */
+    bool has_base = false;
+    std::vector<axis_targets> axis; /* 3 per column */
 };
 
 struct performance {
@@ -40,14 +48,57 @@ struct performance {
     }
 };
 
+float in_metres(double mm)
+{
+    return static_cast<float>(mm * GLTF_METRES_PER_MM);
+}
+
+/* How far each axis of each segment goes, and so what it is counted in. */
+void measure_axes(performance &p)
+{
+    for (uint32_t i = 0; i < p.segment.size(); ++i)
+        p.segment[i].axis.resize(size_t{clip_segment_at(p.source, i)->column_count} * 3);
+    for (uint32_t frame = 0; frame < clip_frame_count(p.source); ++frame) {
+        if (clip_frame_segment(p.source, frame) < 0)
+            continue;
+        const double *vector = clip_vector(p.source, frame);
+        for (axis_targets &axis :
+             p.segment[static_cast<size_t>(clip_frame_segment(p.source, frame))].axis) {
+            float weight = in_metres(*vector++);
+            axis.most = std::max(axis.most, weight);
+            axis.least = std::min(axis.least, weight);
+        }
+    }
+    for (segment_targets &at : p.segment)
+        for (axis_targets &axis : at.axis)
+            (void)std::frexp(std::max(axis.most, -axis.least), &axis.exponent);
+}
+
+void add_axis_targets(gltf_output &out, gltf_surface &s, axis_targets &at, const float *column,
+                      size_t axis, const std::string &name)
+{
+    std::vector<float> offset(s.position.size());
+    auto add = [&](float unit, const char *direction) {
+        for (size_t v = 0; v < s.source->vertex_count; ++v)
+            offset[v * 3 + axis] = unit * column[v];
+        gltf_surface_target(out, s, name + direction, offset.data());
+        return s.target.size() - 1;
+    };
+    const float unit = std::ldexp(1.0f, at.exponent);
+    if (at.most > 0.0f)
+        at.plus = add(unit, "+");
+    if (at.least < 0.0f)
+        at.minus = add(-unit, "-");
+}
+
 void add_segment_targets(gltf_output &out, gltf_surface &s, performance &p, uint32_t index)
 {
     static const char axis_name[] = "xyz";
     const clip_segment *segment = clip_segment_at(p.source, index);
+    segment_targets &at = p.segment[index];
     size_t vertex_count = s.source->vertex_count;
     std::string prefix = "s" + std::to_string(index + 1) + ".";
     std::vector<float> offset(vertex_count * 3);
-    segment_targets at = {};
     for (size_t i = 0; i < offset.size(); ++i) {
         offset[i] = static_cast<float>(static_cast<double>(segment->base[i]) * GLTF_METRES_PER_MM -
                                        static_cast<double>(s.position[i]));
@@ -56,23 +107,15 @@ void add_segment_targets(gltf_output &out, gltf_surface &s, performance &p, uint
     at.base = s.target.size();
     if (at.has_base)
         gltf_surface_target(out, s, prefix + "base", offset.data());
-    at.first_column = s.target.size();
-    for (uint32_t k = 0; k < segment->column_count; ++k) {
-        const float *column = segment->column + k * vertex_count;
-        for (size_t axis = 0; axis < 3; ++axis) {
-            std::fill(offset.begin(), offset.end(), 0.0f);
-            for (size_t v = 0; v < vertex_count; ++v)
-                offset[v * 3 + axis] = column[v];
-            gltf_surface_target(out, s, prefix + segment->name[k] + "." + axis_name[axis],
-                                offset.data());
-        }
-    }
-    p.segment[index] = at;
+    for (size_t i = 0; i < at.axis.size(); ++i)
+        add_axis_targets(out, s, at.axis[i], segment->column + i / 3 * vertex_count, i % 3,
+                         prefix + segment->name[i / 3] + "." + axis_name[i % 3]);
 }
 
 void add_exact_targets(gltf_output &out, gltf_surface &s, performance &p)
 {
     p.segment.resize(clip_segment_count(p.source));
+    measure_axes(p);
     for (uint32_t i = 0; i < p.segment.size(); ++i)
         if (clip_segment_at(p.source, i)->frame_count > 0)
             add_segment_targets(out, s, p, i);
@@ -108,7 +151,7 @@ void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
         add_window_targets(out, s, p, w);
 }
 
-/* Weights of an anchored frame: its vectors in metres, and its committed base. */
+/* Weights of an anchored frame: its vectors, and its committed base. */
 void put_anchored_weights(const performance &p, uint32_t frame, float *weight)
 {
     auto segment = static_cast<uint32_t>(clip_frame_segment(p.source, frame));
@@ -116,8 +159,11 @@ void put_anchored_weights(const performance &p, uint32_t frame, float *weight)
     const double *vector = clip_vector(p.source, frame);
     if (at.has_base)
         weight[at.base] = 1.0f;
-    for (size_t i = 0; i < size_t{clip_segment_at(p.source, segment)->column_count} * 3; ++i)
-        weight[at.first_column + i] = static_cast<float>(vector[i] * GLTF_METRES_PER_MM);
+    for (const axis_targets &axis : at.axis) {
+        float along = std::ldexp(in_metres(*vector++), -axis.exponent);
+        if (along != 0.0f)
+            weight[along > 0.0f ? axis.plus : axis.minus] = std::fabs(along);
+    }
 }
 
 /* Weights of a window's frames: its base, and its components. */
