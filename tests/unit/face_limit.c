@@ -234,6 +234,33 @@ static void clay_gives_less_instead_of_tearing(void **state)
     face_destroy(s.face);
 }
 
+/* A tip that drives the skin into a knob of the skull, and on: it comes to lie on it, and crumples
+ * there though the clay itself is whole. */
+static void clay_on_the_skull_is_not_crumpled(void **state)
+{
+    (void)state;
+    static face_scene s;
+    const csrbf_settings with = {.radius = 40.0};
+    error err = {""};
+    double way = 0.0;
+    scene_init(&s);
+    s.proxy[0] = (rig_proxy){.bone = SKULL, .centre = {0, 10, 60}, .radii = {20, 20, 20}};
+    s.rig.proxy_count = 1;
+    must(scene_finish(&s, &err), &err);
+    vec3 from = scene_rest(&s, scene_at(3, 6)), tip = from;
+    for (int step = 1; step <= STEPS; ++step) {
+        tip =
+            drag_one(&s, &with, tip, vec3_add(from, (vec3){-0.1 * step, 0.1 * step, -0.3 * step}));
+        face_surface now = face_judge(s.face);
+        assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
+        way = fmax(way, vec3_length(vec3_sub(scene_shown(&s, scene_at(3, 6)), from)));
+    }
+    print_message("the skin went %.1f mm, %.1f mm held back\n", way,
+                  face_judge(s.face).held_back_mm);
+    assert_true(way > 5.0 && face_judge(s.face).held_back_mm > 5.0);
+    face_destroy(s.face);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -242,6 +269,7 @@ int main(void)
         cmocka_unit_test(it_gives_less_without_a_jump),
         cmocka_unit_test(space_folds_nowhere_beside_the_skin),
         cmocka_unit_test(clay_gives_less_instead_of_tearing),
+        cmocka_unit_test(clay_on_the_skull_is_not_crumpled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

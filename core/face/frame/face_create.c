@@ -98,7 +98,13 @@ static mrt_result create_order(face *f, const mesh *m, error *err)
 
 static mrt_result create_points(face *f, const mesh *m, error *err)
 {
-    points *const all[] = {&f->rest, &f->base, &f->shown, &f->free, &f->before};
+    points *const all[] = {&f->rest,
+                           &f->base,
+                           &f->shown,
+                           &f->free,
+                           &f->before,
+                           &f->limit.shown_before,
+                           &f->limit.shown_after};
     mrt_result result = create_order(f, m, err);
     for (size_t i = 0; result >= 0 && i < sizeof all / sizeof *all; ++i)
         result = points_create(all[i], &f->order, m->position, err);
@@ -336,7 +342,14 @@ void face_destroy(face *f)
 {
     if (!f)
         return;
-    points *const all[] = {&f->rest, &f->base, &f->shown, &f->free, &f->before, &f->grip_place};
+    points *const all[] = {&f->rest,
+                           &f->base,
+                           &f->shown,
+                           &f->free,
+                           &f->before,
+                           &f->grip_place,
+                           &f->limit.shown_before,
+                           &f->limit.shown_after};
     double *const rows[] = {f->g,    f->position, f->scratch, f->gain,   f->tip,         f->step,
                             f->pull, f->from,     f->to,      f->weight, f->next_weight, f->given};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)

@@ -771,15 +771,26 @@ static void note_changed(face *f)
     }
 }
 
+/* Clay as the skull lets it be seen. */
+static const points *show_clay(const face *f, points *out, const points *from)
+{
+    if (f->projection.block_count == 0)
+        return from;
+    points_copy(out, from);
+    projection_apply_still(&f->projection, out);
+    return out;
+}
+
 static double yield(face *f, const csrbf_settings *settings)
 {
     const float *before[3], *after[3];
     surface_limits limits = clay;
+    const points *from = show_clay(f, &f->limit.shown_before, &f->before);
+    const points *to = show_clay(f, &f->limit.shown_after, &f->free);
     limits.stretch = stretch_of(settings);
     note_changed(f);
-    return (double)surface_meter_yield(f->surface_meter, &limits, streams(&f->before, before),
-                                       streams(&f->free, after), f->limit.is_changed,
-                                       f->limit.share);
+    return (double)surface_meter_yield(f->surface_meter, &limits, streams(from, before),
+                                       streams(to, after), f->limit.is_changed, f->limit.share);
 }
 
 /* How near a place is to a tip: 1 there, 0 from the radius on. */

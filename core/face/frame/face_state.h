@@ -61,8 +61,9 @@ typedef struct face_limit {
     float (*longest)[3];                         /* of each triangle of skin: its edges at rest */
     double *pose_weight;                         /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
-    float *share;      /* of each vertex: of a step of clay */
-    double *tip_share; /* control_capacity: likewise */
+    points shown_before, shown_after; /* clay, before and after a step */
+    float *share;                     /* of each vertex: of a step of clay */
+    double *tip_share;                /* control_capacity: likewise */
 } face_limit;
 
 struct face {

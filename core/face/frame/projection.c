@@ -159,30 +159,33 @@ static uint32_t project_block(const proxy_frame *f, const projection_block *b, p
 }
 
 /* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
-static uint32_t ease_in_turn(projection *p, points *shown, uint32_t first, uint32_t end)
+static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, points *shown,
+                             uint32_t first, uint32_t end, projection_done *done)
 {
     uint32_t moved_by = 0;
     for (uint32_t i = first; i < end; ++i) {
-        projection_block *b = &p->block[i];
-        b->depth_mm = 0.0;
-        b->moved_count = project_block(&p->frame[b->proxy], b, shown, EASED, &b->depth_mm);
-        if (b->moved_count > 0)
+        const projection_block *b = &p->block[i];
+        double depth_mm = 0.0;
+        uint32_t moved_count = project_block(&frame[b->proxy], b, shown, EASED, &depth_mm);
+        if (moved_count > 0)
             moved_by = 1 + b->proxy;
+        if (done)
+            done[i] = (projection_done){moved_count, depth_mm};
     }
     return moved_by;
 }
 
 /* Puts back onto each floor what another proxy has pushed below it; returns who did so last, or
  * moved_by: there was nothing. */
-static uint32_t floor_in_turn(projection *p, points *shown, uint32_t first, uint32_t end,
-                              uint32_t moved_by, bool *out_any)
+static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, points *shown,
+                              uint32_t first, uint32_t end, uint32_t moved_by, bool *out_any)
 {
     *out_any = false;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
         double depth_mm = 0.0;
         if (moved_by == 1 + b->proxy ||
-            project_block(&p->frame[b->proxy], b, shown, FLOORED, &depth_mm) == 0)
+            project_block(&frame[b->proxy], b, shown, FLOORED, &depth_mm) == 0)
             continue;
         moved_by = 1 + b->proxy;
         *out_any = true;
@@ -190,15 +193,28 @@ static uint32_t floor_in_turn(projection *p, points *shown, uint32_t first, uint
     return moved_by;
 }
 
-bool projection_apply(projection *p, points *shown, uint32_t block)
+/* done: of all blocks and proxies, or NULL. True: some vertex has moved. */
+static bool apply(const projection *p, const proxy_frame *frame, points *shown, uint32_t block,
+                  projection_done *done)
 {
     uint32_t first = p->block_count > 0 ? p->first[block] : 0;
     uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
-    uint32_t moved_by = ease_in_turn(p, shown, first, end);
+    uint32_t moved_by = ease_in_turn(p, frame, shown, first, end, done);
     bool is_moved = moved_by != 0, again = is_moved && end - first > 1;
     for (int i = 0; again && i < FLOOR_PASSES; ++i)
-        moved_by = floor_in_turn(p, shown, first, end, moved_by, &again);
+        moved_by = floor_in_turn(p, frame, shown, first, end, moved_by, &again);
     return is_moved;
+}
+
+bool projection_apply(projection *p, points *shown, uint32_t block)
+{
+    return apply(p, p->frame, shown, block, p->done);
+}
+
+void projection_apply_still(const projection *p, points *at)
+{
+    for (uint32_t block = 0; block < at->block_count; ++block)
+        (void)apply(p, p->still, at, block, NULL);
 }
 
 void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)
@@ -219,18 +235,15 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)
 
 void projection_rest(projection *p)
 {
-    for (uint32_t i = 0; i < p->block_count; ++i) {
-        p->block[i].depth_mm = 0.0;
-        p->block[i].moved_count = 0;
-    }
+    memset(p->done, 0, p->block_count * sizeof *p->done);
 }
 
 projection_report projection_reported(const projection *p)
 {
     projection_report report = {0};
     for (uint32_t i = 0; i < p->block_count; ++i) {
-        report.depth_mm = fmax(report.depth_mm, p->block[i].depth_mm);
-        report.moved_count += p->block[i].moved_count;
+        report.depth_mm = fmax(report.depth_mm, p->done[i].depth_mm);
+        report.moved_count += p->done[i].moved_count;
     }
     return report;
 }
@@ -316,8 +329,9 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     out->proxy_count = r->proxy_count;
     size_t room = (size_t)r->proxy_count * rest->block_count;
     out->block = malloc((room + 1) * sizeof *out->block);
+    out->done = calloc(room + 1, sizeof *out->done);
     out->first = calloc((size_t)rest->block_count + 1, sizeof *out->first);
-    if (!out->block || !out->first) {
+    if (!out->block || !out->done || !out->first) {
         projection_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u skull proxies", r->proxy_count);
     }
@@ -328,7 +342,7 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
             return result;
         }
         out->posed[i] = still[0];
-        out->frame[i] = frame_of(&r->proxy[i], still);
+        out->frame[i] = out->still[i] = frame_of(&r->proxy[i], still);
     }
     for (uint32_t block = 0; block < rest->block_count; ++block) {
         out->first[block] = out->block_count;
@@ -347,6 +361,7 @@ void projection_destroy(projection *p)
     if (!p)
         return;
     free(p->block);
+    free(p->done);
     free(p->first);
     *p = (projection){0};
 }

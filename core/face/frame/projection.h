@@ -26,21 +26,26 @@ typedef struct proxy_frame {
 
 typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
     uint32_t proxy, block;
-    /* of the last frame in which the block was written */
-    uint32_t moved_count;
-    double depth_mm;
     float floor[POINTS_BLOCK];  /* c */
     float band[POINTS_BLOCK];   /* e; 0: left alone */
     float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is within the band */
 } projection_block;
 
+/* What was done to one of them. */
+typedef struct projection_done {
+    uint32_t moved_count;
+    double depth_mm;
+} projection_done;
+
 typedef struct projection {
     const rig_proxy *proxy;
     uint32_t proxy_count, block_count;
     projection_block *block; /* by block, then by proxy */
+    projection_done *done;   /* block_count: in the last frame in which the block was written */
     uint32_t *first; /* of each block of vertices, and the end: where in `block` it begins */
     rigid posed[PROJECTION_PROXIES_MAX]; /* of the bone of each proxy, and what follows from it */
     proxy_frame frame[PROJECTION_PROXIES_MAX];
+    proxy_frame still[PROJECTION_PROXIES_MAX]; /* with the bones at rest */
 } projection;
 
 typedef struct projection_report {
@@ -58,6 +63,8 @@ void projection_destroy(projection *p);
 void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 /* One block of vertices, just written. Keeps the bounds of shown. True: it has moved some. */
 bool projection_apply(projection *p, points *shown, uint32_t block);
+/* The same of all blocks with the bones at rest, whatever the frame is; it is not reported. */
+void projection_apply_still(const projection *p, points *at);
 /* Nothing is projected: the shape shown is that at rest. */
 void projection_rest(projection *p);
 /* Of all blocks, as they were written last. */
