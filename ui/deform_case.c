@@ -1,5 +1,6 @@
 #include "deform_case.h"
 
+#include "base/json.h"
 #include "base/text.h"
 
 #include <jansson.h>
@@ -30,41 +31,10 @@ static place place_of(const place *parent, const char *key)
 
 static const place root = {"$"};
 
-/* What a value is, for messages: "[1,2,3]" is "an array of 3". */
-static const char *describe(char out[64], const json_t *value)
-{
-    char word[40];
-    switch (value ? (int)json_typeof(value) : -1) {
-    case JSON_OBJECT:
-        return "an object";
-    case JSON_ARRAY:
-        (void)snprintf(out, 64, "an array of %zu", json_array_size(value));
-        return out;
-    case JSON_STRING:
-        text_copy(word, sizeof word,
-                  text_view_of(json_string_value(value), json_string_length(value)));
-        (void)snprintf(out, 64, "\"%s\"", word);
-        return out;
-    case JSON_INTEGER:
-    case JSON_REAL:
-        (void)snprintf(out, 64, "%g", json_number_value(value));
-        return out;
-    case JSON_TRUE:
-        return "true";
-    case JSON_FALSE:
-        return "false";
-    case JSON_NULL:
-        return "null";
-    default:
-        return "nothing";
-    }
-}
-
 static mrt_result unexpected(error *err, const place *at, const char *expected, const json_t *found)
 {
-    char text[64];
     return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
-                     describe(text, found));
+                     json_describe(found).text);
 }
 
 static mrt_result read_number(double *out, const json_t *value, const place *at, error *err)

@@ -80,6 +80,15 @@ mrt_result program_pipe(int out_end[2], error *err)
     return error_set(err, MRT_ERR_IO, "no pipe: %s", strerror(errno));
 }
 
+char *program_argument(const char *word)
+{
+    union {
+        const char *word;
+        char *argument;
+    } cast = {.word = word};
+    return cast.argument;
+}
+
 /* Until it has ended or the time is over. */
 static void sleep_beside(int pidfd, int64_t left_ns)
 {

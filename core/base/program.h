@@ -17,6 +17,10 @@ CHECKED mrt_result program_find(char out[PATH_MAX], const char *name, const char
 /* A pipe, of which a program that another thread starts at this moment inherits neither end. */
 CHECKED mrt_result program_pipe(int out_end[2], error *err);
 
+/* The word as an argument of posix_spawn, which does not write to what it is given: it is only
+ * declared so. */
+char *program_argument(const char *word);
+
 /* Waits for the child's end for at most so long; then it is killed. False: it has not ended of its
  * own will in time, and out_status is 0 if not even then (a disk that hangs holds it): nobody waits
  * for ever. */

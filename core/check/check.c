@@ -1,15 +1,226 @@
 #include "check/check.h"
-#include "base/clock.h"
-#include "base/text.h"
-#include "check/cases.h"
-#include "check/process.h"
 
+#include "base/clock.h"
+#include "base/program.h"
+#include "base/text.h"
+#include "check/wire.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <poll.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+/* ---- one case in a process of its own: started, listened to, ended when it takes too long ---- */
+
+extern char **environ;
+
+typedef struct process_words {
+    const char *program, *library, *case_name;
+    uint32_t type;
+    uint64_t seed;                              /* below 2^63 */
+    const char *input_address, *output_address; /* NULL: none */
+    uint32_t padding; /* bytes that shift its stack: everything lies elsewhere */
+} process_words;
+
+typedef struct case_process {
+    pid_t pid; /* 0: none is running */
+    int fd;
+    int64_t deadline_ns;
+    size_t used;
+    char line[WIRE_LINE + 1];
+    bool has_ended; /* it told its end */
+    bool was_late;  /* it was ended here */
+    int status;     /* of waitpid, once it is over */
+} case_process;
+
+/* A line: kind, name, text. */
+typedef void on_line_fn(void *data, char kind, const char *name, const char *text);
+
+enum { PROCESSES_MAX = 64, PADDING_MAX = 8192, LISTEN_MS = 200 };
+
+/* The program that runs cases: $MAROTTE_PLUGINCHECK, beside this program, or in the build folder.
+ */
+static mrt_result find_program(char out[PATH_MAX], error *err)
+{
+    return program_find(out, "marotte-plugincheck", "MAROTTE_PLUGINCHECK", MAROTTE_BUILD_DIR,
+                        "it examines plugins", err);
+}
+
+/* ---- starting ---- */
+
+/* The environment with a variable more that shifts what lies behind it; NULL: no memory. */
+static char **padded_environment(uint32_t padding, char *variable)
+{
+    size_t count = 0;
+    while (environ[count])
+        count += 1;
+    char **out = calloc(count + 2, sizeof *out);
+    if (!out)
+        return NULL;
+    memcpy(out, environ, count * sizeof *out);
+    (void)snprintf(variable, PADDING_MAX, "MAROTTE_PADDING=%0*d",
+                   (int)(padding % (PADDING_MAX - 32)), 0);
+    out[count] = variable;
+    return out;
+}
+
+static int spawn(case_process *out, const process_words *words, int told_fd)
+{
+    char type[16], seed[24], variable[PADDING_MAX];
+    posix_spawn_file_actions_t actions;
+    (void)snprintf(type, sizeof type, "%" PRIu32, words->type);
+    (void)snprintf(seed, sizeof seed, "%" PRIu64, words->seed & INT64_MAX);
+    char *arguments[] = {program_argument(words->program),
+                         program_argument(words->library),
+                         program_argument(words->case_name),
+                         type,
+                         seed,
+                         program_argument(words->input_address ? words->input_address : "-"),
+                         program_argument(words->output_address ? words->output_address : "-"),
+                         NULL};
+    char **environment = padded_environment(words->padding, variable);
+    if (!environment)
+        return ENOMEM;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed) {
+        free(environment);
+        return failed;
+    }
+    failed = posix_spawn_file_actions_adddup2(&actions, told_fd, WIRE_FD);
+    for (int fd = 0; fd < 3 && !failed; ++fd)
+        failed = posix_spawn_file_actions_addopen(&actions, fd, "/dev/null",
+                                                  fd == 0 ? O_RDONLY : O_WRONLY, 0);
+    if (!failed)
+        failed = posix_spawn(&out->pid, words->program, &actions, NULL, arguments, environment);
+    (void)posix_spawn_file_actions_destroy(&actions);
+    free(environment);
+    return failed;
+}
+
+static mrt_result process_start(case_process *out, const process_words *words, error *err)
+{
+    int end[2];
+    *out = (case_process){.fd = -1};
+    mrt_result result = program_pipe(end, err);
+    if (result < 0)
+        return result;
+    int failed = spawn(out, words, end[1]);
+    close(end[1]);
+    if (failed) {
+        close(end[0]);
+        out->pid = 0;
+        return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", words->program, strerror(failed));
+    }
+    out->fd = end[0];
+    out->deadline_ns = clock_now_ns() + CASE_LIMIT_S * NS_PER_S;
+    return MRT_OK;
+}
+
+/* ---- listening ---- */
+
+static void take_line(case_process *self, char *line, on_line_fn *on_line, void *data)
+{
+    char *name = line[0] && line[1] == ' ' ? line + 2 : NULL;
+    char *blank = name ? strchr(name, ' ') : NULL;
+    if (!blank)
+        return;
+    *blank = '\0';
+    if (line[0] == WIRE_END)
+        self->has_ended = true;
+    else
+        on_line(data, line[0], name, blank + 1);
+}
+
+static void take_lines(case_process *self, on_line_fn *on_line, void *data)
+{
+    char *newline;
+    self->line[self->used] = '\0';
+    while ((newline = memchr(self->line, '\n', self->used))) {
+        size_t length = (size_t)(newline - self->line) + 1;
+        *newline = '\0';
+        take_line(self, self->line, on_line, data);
+        memmove(self->line, self->line + length, self->used - length);
+        self->used -= length;
+    }
+    if (self->used == WIRE_LINE)
+        self->used = 0; /* no line of ours */
+}
+
+static void reap(case_process *self)
+{
+    (void)program_wait(self->pid, &self->status, NS_PER_S);
+    close(self->fd);
+    self->fd = -1;
+    self->pid = 0;
+}
+
+static void read_some(case_process *self, on_line_fn *on_line, void *data)
+{
+    ssize_t got = read(self->fd, self->line + self->used, WIRE_LINE - self->used);
+    if (got < 0 && (errno == EINTR || errno == EAGAIN))
+        return;
+    if (got <= 0) {
+        (void)kill(self->pid, SIGKILL); /* it closed its end: nothing more is to be heard */
+        reap(self);
+        return;
+    }
+    self->used += (size_t)got;
+    take_lines(self, on_line, data);
+}
+
+/* What a process started may hold the pipe open: its own end counts. */
+static void end_late(case_process *self)
+{
+    if (self->pid == 0 || clock_now_ns() < self->deadline_ns)
+        return;
+    self->was_late = true;
+    (void)kill(self->pid, SIGKILL);
+    reap(self);
+}
+
+/* Waits until one of them says something or is over, at most 0.2 s; false: none is running. One
+ * that is over has pid 0 afterwards. on_line is given data[i] for running[i]. */
+static bool process_listen(case_process *running, uint32_t count, on_line_fn *on_line,
+                           void *const *data)
+{
+    struct pollfd waiting[PROCESSES_MAX];
+    uint32_t of[PROCESSES_MAX];
+    nfds_t waiting_count = 0;
+    for (uint32_t i = 0; i < count && waiting_count < PROCESSES_MAX; ++i) {
+        if (running[i].pid == 0)
+            continue;
+        of[waiting_count] = i;
+        waiting[waiting_count++] = (struct pollfd){.fd = running[i].fd, .events = POLLIN};
+    }
+    if (waiting_count == 0)
+        return false;
+    int ready = poll(waiting, waiting_count, LISTEN_MS);
+    for (nfds_t i = 0; i < waiting_count; ++i) {
+        if (ready > 0 && waiting[i].revents)
+            read_some(&running[of[i]], on_line, data[of[i]]);
+        end_late(&running[of[i]]);
+    }
+    return true;
+}
+
+static void process_finish(case_process *self)
+{
+    if (self->pid == 0)
+        return;
+    (void)kill(self->pid, SIGKILL);
+    reap(self);
+}
+
+/* ---- what it finds ---- */
 
 enum { JOBS_MAX = 16, CASES_MAX = 32, SUM_TEXT = 32, SUM_PADDING = 3001 };
 static const uint64_t seed_step = 1000003; /* between two children of the same kind */
@@ -121,7 +332,7 @@ static void on_line(void *data, char kind, const char *name, const char *text)
 }
 
 /* A child that said nothing of its end. */
-static void judge_end(const check_process *process, job *of)
+static void judge_end(const case_process *process, job *of)
 {
     char text[CHECK_TEXT];
     if (process->has_ended || of->has_failed)
@@ -144,19 +355,19 @@ static void judge_end(const check_process *process, job *of)
 
 /* ---- running ---- */
 
-static mrt_result start(const examiner *self, check_process *process, const job *of, error *err)
+static mrt_result start(const examiner *self, case_process *process, const job *of, error *err)
 {
     bool is_second_sum = strcmp(of->name, CASE_SUM) == 0 && of->turn > 0;
     uint64_t seed = self->settings->seed + (is_second_sum ? 0 : of->turn * seed_step);
-    const check_words words = {.program = self->program,
-                               .library = self->path,
-                               .case_name = of->name,
-                               .type = of->type,
-                               .seed = seed & INT64_MAX,
-                               .input_address = self->settings->input_address,
-                               .output_address = self->settings->output_address,
-                               .padding = is_second_sum ? SUM_PADDING : 1};
-    return check_process_start(process, &words, err);
+    const process_words words = {.program = self->program,
+                                 .library = self->path,
+                                 .case_name = of->name,
+                                 .type = of->type,
+                                 .seed = seed & INT64_MAX,
+                                 .input_address = self->settings->input_address,
+                                 .output_address = self->settings->output_address,
+                                 .padding = is_second_sum ? SUM_PADDING : 1};
+    return process_start(process, &words, err);
 }
 
 static uint32_t count_jobs_at_once(const examiner *self)
@@ -171,7 +382,7 @@ static uint32_t count_jobs_at_once(const examiner *self)
 /* What runs: slot by slot a process, its job, and whom it tells. */
 typedef struct slots {
     uint32_t count;
-    check_process process[JOBS_MAX];
+    case_process process[JOBS_MAX];
     listener listener[JOBS_MAX];
     void *data[JOBS_MAX];
 } slots;
@@ -198,7 +409,7 @@ static job *next_job(job *jobs, uint32_t count, const slots *running)
     return NULL;
 }
 
-static void finish_job(examiner *self, check_process *process, listener *of)
+static void finish_job(examiner *self, case_process *process, listener *of)
 {
     judge_end(process, of->job);
     of->job = NULL;
@@ -224,10 +435,9 @@ static mrt_result run_jobs(examiner *self, job *jobs, uint32_t count, error *err
             running.listener[i].job = next;
             result = start(self, &running.process[i], next, err);
         }
-    } while (result >= 0 &&
-             check_process_listen(running.process, running.count, on_line, running.data));
+    } while (result >= 0 && process_listen(running.process, running.count, on_line, running.data));
     for (uint32_t i = 0; i < running.count; ++i)
-        check_process_finish(&running.process[i]);
+        process_finish(&running.process[i]);
     return result;
 }
 
@@ -354,7 +564,7 @@ static mrt_result begin(examiner *self, const char *path, const check_settings *
     if (!report->library)
         return error_set(err, MRT_ERR_MEMORY, "no memory to examine %s", path);
     report->library->concerns = CONCERNS_LIBRARY;
-    return check_program_find(self->program, err);
+    return find_program(self->program, err);
 }
 
 static uint32_t count_all(examiner *self)

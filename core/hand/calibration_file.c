@@ -2,6 +2,7 @@
 
 #include "base/angle.h"
 #include "base/file.h"
+#include "base/json.h"
 #include "base/text.h"
 #include "hand/sensor.h"
 
@@ -21,7 +22,7 @@ typedef struct json_place {
 
 /* ---- values and their places ---- */
 
-enum { WORD_TEXT = 64, FOUND_TEXT = 128, EXPECTED_TEXT = 256 };
+enum { WORD_TEXT = 64, EXPECTED_TEXT = 256 };
 
 /* Bytes from somebody else, for a message. */
 typedef struct word {
@@ -60,41 +61,11 @@ static json_place json_place_item(const json_place *of, size_t index)
     return out;
 }
 
-static void describe_value(char out[FOUND_TEXT], const json_t *value)
-{
-    switch (value ? (int)json_typeof(value) : -1) {
-    case JSON_OBJECT:
-        (void)snprintf(out, FOUND_TEXT, "an object");
-        break;
-    case JSON_ARRAY:
-        (void)snprintf(out, FOUND_TEXT, "an array of %zu", json_array_size(value));
-        break;
-    case JSON_STRING:
-        (void)snprintf(out, FOUND_TEXT, "\"%s\"", word_of(json_string_value(value)).text);
-        break;
-    case JSON_INTEGER:
-    case JSON_REAL:
-        (void)snprintf(out, FOUND_TEXT, "%.9g", json_number_value(value));
-        break;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        (void)snprintf(out, FOUND_TEXT, "%s", json_is_true(value) ? "true" : "false");
-        break;
-    case JSON_NULL:
-        (void)snprintf(out, FOUND_TEXT, "null");
-        break;
-    default:
-        (void)snprintf(out, FOUND_TEXT, "nothing");
-        break;
-    }
-}
-
 /* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
 static mrt_result json_place_unexpected(error *err, const json_place *at, const char *expected)
 {
-    char found[FOUND_TEXT];
-    describe_value(found, at->value);
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected, found);
+    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
+                     json_describe(at->value).text);
 }
 
 static mrt_result json_place_object(const json_place *at, const char *expected, error *err)

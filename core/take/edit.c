@@ -1,6 +1,7 @@
 /* An edit as data: the operations with their arguments and ranges, and the line of JSON. */
 #include "take/edit.h"
 
+#include "base/json.h"
 #include "base/text.h"
 #include "take/own.h"
 #include "take/timecode.h"
@@ -438,8 +439,6 @@ mrt_result edit_check_arguments(const edit *e, error *err)
 
 /* ---- as JSON ---- */
 
-enum { FOUND_TEXT = 96 };
-
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
@@ -447,42 +446,9 @@ static mrt_result no_memory(error *err)
 
 /* ---- reading ---- */
 
-/* What a value is, for messages. */
-static void describe_value(char out[FOUND_TEXT], const json_t *value)
-{
-    char word[64];
-    switch (json_typeof(value)) {
-    case JSON_STRING:
-        text_copy(word, sizeof word,
-                  text_view_of(json_string_value(value), json_string_length(value)));
-        (void)snprintf(out, FOUND_TEXT, "\"%s\"", word);
-        break;
-    case JSON_INTEGER:
-        (void)snprintf(out, FOUND_TEXT, "%lld", (long long)json_integer_value(value));
-        break;
-    case JSON_REAL:
-        (void)snprintf(out, FOUND_TEXT, "%.9g", json_real_value(value));
-        break;
-    case JSON_ARRAY:
-        (void)snprintf(out, FOUND_TEXT, "an array of %zu", json_array_size(value));
-        break;
-    case JSON_OBJECT:
-        (void)snprintf(out, FOUND_TEXT, "an object");
-        break;
-    default:
-        (void)snprintf(out, FOUND_TEXT, "%s",
-                       json_is_true(value)    ? "true"
-                       : json_is_false(value) ? "false"
-                                              : "null");
-        break;
-    }
-}
-
 static mrt_result unexpected(error *err, const edit_argument *argument, const json_t *value)
 {
-    char found[FOUND_TEXT];
-    describe_value(found, value);
-    return refuse_argument(err, argument, found);
+    return refuse_argument(err, argument, json_describe(value).text);
 }
 
 static mrt_result read_scalar(char *at, const edit_argument *argument, const json_t *value,
@@ -617,11 +583,9 @@ static mrt_result read_kind(edit_kind *out, const json_t *object, error *err)
     *out = kind_named(json_string_value(op));
     if (*out != EDIT_NONE)
         return MRT_OK;
-    char found[FOUND_TEXT];
-    describe_value(found, op);
     return error_set(err, MRT_ERR_UNSUPPORTED,
                      "$.op: this version knows no edit %s; a newer marotte may have made it",
-                     found);
+                     json_describe(op).text);
 }
 
 static bool is_used(const edit_use *use, uint32_t count, const char *key)

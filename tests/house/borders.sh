@@ -23,7 +23,7 @@ word='(^|[^_[:alnum:]>.])'
 
 # Libraries: of plugins by library_open alone (the checker has its own), of the system by their names.
 only "${word}dlopen\(" "loads a library: plugins go through stage/mapping/library.h" \
-    core/stage/mapping/library.c core/check/child/types.c ui/draw/gl.c ui/window/gui/window.c
+    core/stage/mapping/library.c core/check/child/cases_library.c ui/draw/gl.c ui/window/gui/window.c
 # A path to a plugin is what the person has just written: on the command line, or in the window.
 only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what is stored is looked up by plugin_list_find" \
     core/stage/mapping/plugins.c core/stage/mapping/plugins.h ui/calibrate.c ui/devices.c \
@@ -31,7 +31,7 @@ only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what 
 # Processes: no shell, ever.
 only "${word}(system|popen|execl|execlp|execle|execv|execvp|fork|vfork)\(" "starts a process through a shell or by fork" # nobody
 only "${word}posix_spawnp?\(" "starts a process: see CONTRIBUTING.md" \
-    core/check/process.c core/io/read/mesh_child.c core/stage/mapping/isolate_process.c ui/paper/paper_moai.c \
+    core/check/check.c core/io/read/mesh_child.c core/stage/mapping/isolate_process.c ui/paper/paper_moai.c \
     ui/video.c ui/window/app/exporter.c
 # Beside posix_spawn: descriptors that children do not get, waits that end, nothing that is the whole process's.
 only "${word}pipe\(" "is inherited by programs that start meanwhile: program_pipe" # nobody

@@ -2,8 +2,10 @@
  * do on the frame thread, what a pull may not hold, what it may not write to. Findings are told. */
 #ifndef MAROTTE_CHECK_CHILD_ACTOR_H
 #define MAROTTE_CHECK_CHILD_ACTOR_H
-#include "check/child/faces.h"
-#include "check/child/host.h"
+#include "check/child/actor.h"
+#include "check/child/cases.h"
+#include "check/child/fixture.h"
+#include "check/rules.h"
 
 enum { ACTOR_CANARIES = 64 };
 typedef struct actor {
@@ -49,5 +51,20 @@ void actor_difference(const actor *a, const actor *b, char *out, size_t capacity
 /* Before and after a call that is [frame]: what is caught in between is told for `function`. */
 void actor_frame_enter(void);
 void actor_frame_leave(const char *function);
+
+/* ---- a stretch of a stream ---- */
+
+enum { PLAY_SPAN = 500 };
+
+/* On the usual face, with that stream. False: it could not be made; nothing to judge. */
+bool play_open(actor *out, stream *out_hands, const examination *e, stream_kind kind,
+               uint64_t seed);
+void play_frames(actor *mapping, stream *hands, uint32_t count);
+/* Both go on by that many frames, each with its own copy of the same stream. Fails `rule` at the
+ * first difference: "TEXT: frame 12: vector 3 ends at ..."; false then. */
+bool play_same(actor *a, stream *a_hands, actor *b, stream *b_hands, uint32_t count,
+               check_rule rule, const char *text);
+/* Tells that the rules of frames and pulls were judged. */
+void play_judged(void);
 
 #endif

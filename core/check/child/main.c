@@ -2,10 +2,9 @@
  * process of its own because what it examines may take it down. Tells what it finds on descriptor 3
  * (wire.h); not for people. INPUT and OUTPUT: addresses, "-" for none. */
 #include "base/text.h"
-#include "check/cases.h"
 #include "check/child/cases.h"
 #include "check/child/tell.h"
-#include "check/child/watch.h"
+#include "check/child/trap.h"
 #include "check/wire.h"
 
 #include <errno.h>

@@ -1,13 +1,30 @@
-/* check/child/trap.h - catches what a plugin may not do where it is: allocate, lock, open, send,
- * ask for the time, wait, start something. The program defines these functions of libc itself, so
- * that the plugin's calls, and those of the libraries that it uses, come here first; outside a
- * trapped call they go on unchanged. Does not see system calls made without libc, nor what other
- * threads of the plugin do. glibc. */
+/* check/child/trap.h - catches what a plugin does that it may not: where in it something happened;
+ * functions of libc that it may not call where it is; calls that do not come back. Linux, glibc. */
 #ifndef MAROTTE_CHECK_CHILD_TRAP_H
 #define MAROTTE_CHECK_CHILD_TRAP_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* ---- where it happened ---- */
+
+/* After dlopen: finds where the library lies in memory. Without it every place is unknown. */
+void place_learn(const char *library_path);
+
+enum { PLACE_FRAMES = 32 };
+typedef struct place {
+    void *frame[PLACE_FRAMES]; /* return addresses, the innermost first */
+    int count;
+} place;
+
+/* The stack of the caller. No allocation after place_learn. */
+void place_take(place *out);
+/* The innermost function of the plugin; false, and "an unknown place": none is on the stack. */
+bool place_name(const place *where, char *out, size_t capacity);
+/* Whether the address lies in the plugin. */
+bool place_is_inside(const void *address);
+
+/* ---- what it may not call ---- */
 
 typedef enum trap_kind {
     TRAP_ALLOCATION = 0,
@@ -40,5 +57,19 @@ bool trap_caught(trap_kind kind, char *out, size_t capacity);
 
 /* Bytes of the heap in use. */
 size_t trap_heap_bytes(void);
+
+/* ---- what does not come back ---- */
+
+/* From now on. The case may take `limit_s` of wall time, a single call 10 s of CPU time, and a call
+ * on the frame thread 1 s. */
+void watch_begin(unsigned limit_s);
+/* The case came to its end. */
+void watch_end(void);
+
+/* Around each call on the frame thread. */
+void watch_frame_enter(void);
+void watch_frame_leave(void);
+/* Before any other call. */
+void watch_next(void);
 
 #endif

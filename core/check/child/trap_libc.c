@@ -23,7 +23,6 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
-#include <sys/uio.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -54,7 +53,8 @@ static void find_real(const char *name, void *out_function, size_t size)
         REAL(type, name, params);                                                                  \
         trap_note(kind, #name);                                                                    \
         return real arguments;                                                                     \
-    }
+    }                                                                                              \
+    extern type name params
 
 /* What would wait gives `instead` while it is caught. */
 #define CATCH_WAIT(type, name, params, arguments, waits, instead)                                  \
@@ -66,7 +66,8 @@ static void find_real(const char *name, void *out_function, size_t size)
             return instead;                                                                        \
         }                                                                                          \
         return real arguments;                                                                     \
-    }
+    }                                                                                              \
+    extern type name params
 
 /* ---- memory ---- */
 
@@ -148,8 +149,8 @@ MRT_EXPORT void free(void *memory)
 
 CATCH(TRAP_ALLOCATION, void *, mmap,
       (void *at, size_t size, int protection, int flags, int file, off_t offset),
-      (at, size, protection, flags, file, offset))
-CATCH(TRAP_ALLOCATION, int, munmap, (void *at, size_t size), (at, size))
+      (at, size, protection, flags, file, offset));
+CATCH(TRAP_ALLOCATION, int, munmap, (void *at, size_t size), (at, size));
 
 /* ---- locks ---- */
 
@@ -163,61 +164,45 @@ MRT_EXPORT int pthread_mutex_lock(pthread_mutex_t *mutex)
     return 0;
 }
 
-CATCH(TRAP_LOCK, int, pthread_mutex_timedlock,
-      (pthread_mutex_t *restrict mutex, const struct timespec *restrict until), (mutex, until))
-CATCH(TRAP_LOCK, int, pthread_rwlock_rdlock, (pthread_rwlock_t * lock), (lock))
-CATCH(TRAP_LOCK, int, pthread_rwlock_wrlock, (pthread_rwlock_t * lock), (lock))
-CATCH(TRAP_LOCK, int, pthread_spin_lock, (pthread_spinlock_t * lock), (lock))
+CATCH(TRAP_LOCK, int, pthread_rwlock_rdlock, (pthread_rwlock_t * lock), (lock));
+CATCH(TRAP_LOCK, int, pthread_rwlock_wrlock, (pthread_rwlock_t * lock), (lock));
 
 /* ---- waiting ---- */
 
-static bool is_zero(const struct timespec *span)
-{
-    return span && span->tv_sec == 0 && span->tv_nsec == 0;
-}
-
 CATCH_WAIT(int, nanosleep, (const struct timespec *span, struct timespec *left), (span, left), true,
-           0)
+           0);
 CATCH_WAIT(int, clock_nanosleep,
            (clockid_t clock, int flags, const struct timespec *span, struct timespec *left),
-           (clock, flags, span, left), true, 0)
-CATCH_WAIT(int, usleep, (useconds_t span), (span), true, 0)
-CATCH_WAIT(unsigned, sleep, (unsigned span), (span), true, 0)
-CATCH_WAIT(int, sched_yield, (void), (), true, 0)
+           (clock, flags, span, left), true, 0);
+CATCH_WAIT(int, usleep, (useconds_t span), (span), true, 0);
+CATCH_WAIT(unsigned, sleep, (unsigned span), (span), true, 0);
+CATCH_WAIT(int, sched_yield, (void), (), true, 0);
 CATCH_WAIT(int, poll, (struct pollfd * files, nfds_t count, int span), (files, count, span),
-           span != 0, 0)
+           span != 0, 0);
 CATCH_WAIT(int, select,
            (int count, fd_set *restrict in, fd_set *restrict out, fd_set *restrict odd,
             struct timeval *restrict span),
-           (count, in, out, odd, span), !span || span->tv_sec || span->tv_usec, 0)
-CATCH_WAIT(int, pselect,
-           (int count, fd_set *restrict in, fd_set *restrict out, fd_set *restrict odd,
-            const struct timespec *restrict span, const sigset_t *restrict mask),
-           (count, in, out, odd, span, mask), !is_zero(span), 0)
+           (count, in, out, odd, span), !span || span->tv_sec || span->tv_usec, 0);
 CATCH_WAIT(int, epoll_wait, (int file, struct epoll_event *out, int count, int span),
-           (file, out, count, span), span != 0, 0)
+           (file, out, count, span), span != 0, 0);
 CATCH_WAIT(int, pthread_cond_wait,
            (pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex),
-           (condition, mutex), true, 0)
+           (condition, mutex), true, 0);
 CATCH_WAIT(int, pthread_cond_timedwait,
            (pthread_cond_t *restrict condition, pthread_mutex_t *restrict mutex,
             const struct timespec *restrict until),
-           (condition, mutex, until), true, ETIMEDOUT)
-CATCH_WAIT(int, sem_wait, (sem_t * semaphore), (semaphore), true, 0)
-CATCH_WAIT(int, sem_timedwait, (sem_t *restrict semaphore, const struct timespec *restrict until),
-           (semaphore, until), true, 0)
-CATCH_WAIT(int, pthread_join, (pthread_t thread, void **out), (thread, out), true, EINVAL)
+           (condition, mutex, until), true, ETIMEDOUT);
+CATCH_WAIT(int, sem_wait, (sem_t * semaphore), (semaphore), true, 0);
+CATCH_WAIT(int, pthread_join, (pthread_t thread, void **out), (thread, out), true, EINVAL);
 CATCH_WAIT(pid_t, waitpid, (pid_t process, int *out, int options), (process, out, options), true,
-           -1)
+           -1);
 
 /* ---- clocks ---- */
 
-CATCH(TRAP_CLOCK, int, clock_gettime, (clockid_t clock, struct timespec *out), (clock, out))
+CATCH(TRAP_CLOCK, int, clock_gettime, (clockid_t clock, struct timespec *out), (clock, out));
 CATCH(TRAP_CLOCK, int, gettimeofday, (struct timeval *restrict out, void *restrict zone),
-      (out, zone))
-CATCH(TRAP_CLOCK, time_t, time, (time_t * out), (out))
-CATCH(TRAP_CLOCK, clock_t, clock, (void), ())
-CATCH(TRAP_CLOCK, int, timespec_get, (struct timespec * out, int base), (out, base))
+      (out, zone));
+CATCH(TRAP_CLOCK, time_t, time, (time_t * out), (out));
 
 /* ---- files ---- */
 
@@ -237,7 +222,8 @@ static mode_t mode_of(int flags, va_list arguments)
         va_end(arguments);                                                                         \
         trap_note(TRAP_FILE, #name);                                                               \
         return real(path, flags, mode);                                                            \
-    }
+    }                                                                                              \
+    extern int name(const char *path, int flags, ...)
 
 #define CATCH_OPENAT(name)                                                                         \
     MRT_EXPORT int name(int folder, const char *path, int flags, ...)                              \
@@ -249,54 +235,46 @@ static mode_t mode_of(int flags, va_list arguments)
         va_end(arguments);                                                                         \
         trap_note(TRAP_FILE, #name);                                                               \
         return real(folder, path, flags, mode);                                                    \
-    }
+    }                                                                                              \
+    extern int name(int folder, const char *path, int flags, ...)
 
 /* Programs built for large files call these. */
 int open64(const char *path, int flags, ...);
 int openat64(int folder, const char *path, int flags, ...);
 FILE *fopen64(const char *path, const char *mode);
-
-CATCH_OPEN(open)
-CATCH_OPEN(open64)
-CATCH_OPENAT(openat)
-CATCH_OPENAT(openat64)
+CATCH_OPEN(open);
+CATCH_OPEN(open64);
+CATCH_OPENAT(openat);
+CATCH_OPENAT(openat64);
 CATCH(TRAP_FILE, FILE *, fopen, (const char *restrict path, const char *restrict mode),
-      (path, mode))
-CATCH(TRAP_FILE, FILE *, fopen64, (const char *path, const char *mode), (path, mode))
-CATCH(TRAP_FILE, int, fclose, (FILE * stream), (stream))
-CATCH(TRAP_FILE, int, fflush, (FILE * stream), (stream))
+      (path, mode));
+CATCH(TRAP_FILE, FILE *, fopen64, (const char *path, const char *mode), (path, mode));
+CATCH(TRAP_FILE, int, fclose, (FILE * stream), (stream));
+CATCH(TRAP_FILE, int, fflush, (FILE * stream), (stream));
 CATCH(TRAP_FILE, size_t, fread,
       (void *restrict out, size_t size, size_t count, FILE *restrict stream),
-      (out, size, count, stream))
+      (out, size, count, stream));
 CATCH(TRAP_FILE, size_t, fwrite,
       (const void *restrict in, size_t size, size_t count, FILE *restrict stream),
-      (in, size, count, stream))
+      (in, size, count, stream));
 CATCH(TRAP_FILE, char *, fgets, (char *restrict out, int size, FILE *restrict stream),
-      (out, size, stream))
-CATCH(TRAP_FILE, int, fputs, (const char *restrict text, FILE *restrict stream), (text, stream))
-CATCH(TRAP_FILE, int, fputc, (int letter, FILE *stream), (letter, stream))
-CATCH(TRAP_FILE, int, puts, (const char *text), (text))
-CATCH(TRAP_FILE, int, putchar, (int letter), (letter))
-CATCH(TRAP_FILE, ssize_t, read, (int file, void *out, size_t size), (file, out, size))
+      (out, size, stream));
+CATCH(TRAP_FILE, int, fputs, (const char *restrict text, FILE *restrict stream), (text, stream));
+CATCH(TRAP_FILE, int, fputc, (int letter, FILE *stream), (letter, stream));
+CATCH(TRAP_FILE, int, puts, (const char *text), (text));
+CATCH(TRAP_FILE, int, putchar, (int letter), (letter));
+CATCH(TRAP_FILE, ssize_t, read, (int file, void *out, size_t size), (file, out, size));
 CATCH(TRAP_FILE, ssize_t, pread, (int file, void *out, size_t size, off_t at),
-      (file, out, size, at))
-CATCH(TRAP_FILE, ssize_t, readv, (int file, const struct iovec *parts, int count),
-      (file, parts, count))
-CATCH(TRAP_FILE, ssize_t, write, (int file, const void *in, size_t size), (file, in, size))
-CATCH(TRAP_FILE, ssize_t, pwrite, (int file, const void *in, size_t size, off_t at),
-      (file, in, size, at))
-CATCH(TRAP_FILE, ssize_t, writev, (int file, const struct iovec *parts, int count),
-      (file, parts, count))
-CATCH(TRAP_FILE, int, close, (int file), (file))
-CATCH(TRAP_FILE, off_t, lseek, (int file, off_t offset, int from), (file, offset, from))
-CATCH(TRAP_FILE, int, fsync, (int file), (file))
-CATCH(TRAP_FILE, int, access, (const char *path, int mode), (path, mode))
-CATCH(TRAP_FILE, int, stat, (const char *restrict path, struct stat *restrict out), (path, out))
-CATCH(TRAP_FILE, int, fstat, (int file, struct stat *out), (file, out))
-CATCH(TRAP_FILE, int, unlink, (const char *path), (path))
-CATCH(TRAP_FILE, int, rename, (const char *from, const char *to), (from, to))
-CATCH(TRAP_FILE, int, mkdir, (const char *path, mode_t mode), (path, mode))
-CATCH(TRAP_FILE, DIR *, opendir, (const char *path), (path))
+      (file, out, size, at));
+CATCH(TRAP_FILE, ssize_t, write, (int file, const void *in, size_t size), (file, in, size));
+CATCH(TRAP_FILE, int, close, (int file), (file));
+CATCH(TRAP_FILE, int, fsync, (int file), (file));
+CATCH(TRAP_FILE, int, access, (const char *path, int mode), (path, mode));
+CATCH(TRAP_FILE, int, stat, (const char *restrict path, struct stat *restrict out), (path, out));
+CATCH(TRAP_FILE, int, unlink, (const char *path), (path));
+CATCH(TRAP_FILE, int, rename, (const char *from, const char *to), (from, to));
+CATCH(TRAP_FILE, int, mkdir, (const char *path, mode_t mode), (path, mode));
+CATCH(TRAP_FILE, DIR *, opendir, (const char *path), (path));
 
 /* Calls of printf become these, or puts and the like, which are above. */
 int __printf_chk(int flag, const char *format, ...);
@@ -311,66 +289,55 @@ int __fprintf_chk(FILE *stream, int flag, const char *format, ...);
         int length = vfprintf(stream, format, arguments);                                          \
         va_end(arguments);                                                                         \
         return length;                                                                             \
-    }
+    }                                                                                              \
+    extern int name first
 
 __attribute__((format(printf, 1, 0)))
-CATCH_PRINT(printf, (const char *restrict format, ...), format, stdout)
-    __attribute__((format(printf, 2, 0)))
-    CATCH_PRINT(fprintf, (FILE *restrict stream, const char *restrict format, ...), format, stream)
-        __attribute__((format(printf, 2, 0)))
-        CATCH_PRINT(__printf_chk, (int flag __attribute__((unused)), const char *format, ...),
-                    format, stdout) __attribute__((format(printf, 3, 0)))
-        CATCH_PRINT(__fprintf_chk,
-                    (FILE * stream, int flag __attribute__((unused)), const char *format, ...),
-                    format, stream)
+CATCH_PRINT(printf, (const char *restrict format, ...), format, stdout);
 
-    /* ---- the network ---- */
+__attribute__((format(printf, 2, 0)))
+CATCH_PRINT(fprintf, (FILE *restrict stream, const char *restrict format, ...), format, stream);
 
-    CATCH(TRAP_NETWORK, int, socket, (int domain, int type, int protocol), (domain, type, protocol))
-        CATCH(TRAP_NETWORK, int, connect, (int file, const struct sockaddr *to, socklen_t size),
-              (file, to, size)) CATCH(TRAP_NETWORK, int, bind,
-                                      (int file, const struct sockaddr *to, socklen_t size),
-                                      (file, to, size)) CATCH(TRAP_NETWORK, int, listen,
-                                                              (int file, int count), (file, count))
-            CATCH(TRAP_NETWORK, int, accept,
-                  (int file, struct sockaddr *restrict from, socklen_t *restrict size),
-                  (file, from, size)) CATCH(TRAP_NETWORK, ssize_t, send,
-                                            (int file, const void *in, size_t size, int flags),
-                                            (file, in, size, flags))
-                CATCH(TRAP_NETWORK, ssize_t, sendto,
-                      (int file, const void *in, size_t size, int flags, const struct sockaddr *to,
-                       socklen_t to_size),
-                      (file, in, size, flags, to, to_size))
-                    CATCH(TRAP_NETWORK, ssize_t, sendmsg,
-                          (int file, const struct msghdr *message, int flags),
-                          (file, message, flags))
-                        CATCH(TRAP_NETWORK, ssize_t, recv,
-                              (int file, void *out, size_t size, int flags),
-                              (file, out, size, flags))
-                            CATCH(TRAP_NETWORK, ssize_t, recvfrom,
-                                  (int file, void *restrict out, size_t size, int flags,
-                                   struct sockaddr *restrict from, socklen_t *restrict from_size),
-                                  (file, out, size, flags, from, from_size))
-                                CATCH(TRAP_NETWORK, ssize_t, recvmsg,
-                                      (int file, struct msghdr *message, int flags),
-                                      (file, message, flags))
-                                    CATCH(TRAP_NETWORK, int, getaddrinfo,
-                                          (const char *restrict node, const char *restrict service,
-                                           const struct addrinfo *restrict hints,
-                                           struct addrinfo **restrict out),
-                                          (node, service, hints, out))
+__attribute__((format(printf, 2, 0)))
+CATCH_PRINT(__printf_chk, (int flag __attribute__((unused)), const char *format, ...), format,
+            stdout);
+__attribute__((format(printf, 3, 0)))
+CATCH_PRINT(__fprintf_chk,
+            (FILE * stream, int flag __attribute__((unused)), const char *format, ...), format,
+            stream);
 
-    /* ---- processes, threads ---- */
+/* ---- the network ---- */
 
-    CATCH(TRAP_PROCESS, pid_t, fork, (void), ())
-        CATCH(TRAP_PROCESS, int, execve,
-              (const char *path, char *const *words, char *const *environment),
-              (path, words, environment)) CATCH(TRAP_PROCESS, int, system, (const char *line),
-                                                (line))
-            CATCH(TRAP_PROCESS, FILE *, popen, (const char *line, const char *mode), (line, mode))
-                CATCH(TRAP_PROCESS, int, pthread_create,
-                      (pthread_t *restrict out, const pthread_attr_t *restrict attributes,
-                       void *(*run)(void *), void *restrict data),
-                      (out, attributes, run, data))
+CATCH(TRAP_NETWORK, int, socket, (int domain, int type, int protocol), (domain, type, protocol));
+CATCH(TRAP_NETWORK, int, connect, (int file, const struct sockaddr *to, socklen_t size),
+      (file, to, size));
+CATCH(TRAP_NETWORK, ssize_t, send, (int file, const void *in, size_t size, int flags),
+      (file, in, size, flags));
+CATCH(TRAP_NETWORK, ssize_t, sendto,
+      (int file, const void *in, size_t size, int flags, const struct sockaddr *to,
+       socklen_t to_size),
+      (file, in, size, flags, to, to_size));
+CATCH(TRAP_NETWORK, ssize_t, recv, (int file, void *out, size_t size, int flags),
+      (file, out, size, flags));
+CATCH(TRAP_NETWORK, ssize_t, recvfrom,
+      (int file, void *restrict out, size_t size, int flags, struct sockaddr *restrict from,
+       socklen_t *restrict from_size),
+      (file, out, size, flags, from, from_size));
+CATCH(TRAP_NETWORK, int, getaddrinfo,
+      (const char *restrict node, const char *restrict service,
+       const struct addrinfo *restrict hints, struct addrinfo **restrict out),
+      (node, service, hints, out));
 
-    /* NOLINTEND(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */
+/* ---- processes, threads ---- */
+
+CATCH(TRAP_PROCESS, pid_t, fork, (void), ());
+CATCH(TRAP_PROCESS, int, execve, (const char *path, char *const *words, char *const *environment),
+      (path, words, environment));
+CATCH(TRAP_PROCESS, int, system, (const char *line), (line));
+CATCH(TRAP_PROCESS, FILE *, popen, (const char *line, const char *mode), (line, mode));
+CATCH(TRAP_PROCESS, int, pthread_create,
+      (pthread_t *restrict out, const pthread_attr_t *restrict attributes, void *(*run)(void *),
+       void *restrict data),
+      (out, attributes, run, data));
+
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */

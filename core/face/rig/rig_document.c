@@ -1,6 +1,7 @@
 #include "face/rig/rig_document.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/text.h"
 
 #include <math.h>
@@ -57,46 +58,10 @@ rig_node rig_json_item(const rig_node *of, size_t index)
     return out;
 }
 
-/* What a value is, for messages: "[1,2,3]" is "an array of 3". */
-static void describe(char out[LINE_TEXT], const json_t *value)
-{
-    switch (value ? (int)json_typeof(value) : -1) {
-    case JSON_OBJECT:
-        (void)snprintf(out, LINE_TEXT, "an object");
-        break;
-    case JSON_ARRAY:
-        (void)snprintf(out, LINE_TEXT, "an array of %zu", json_array_size(value));
-        break;
-    case JSON_STRING: {
-        rig_word word = rig_word_of(json_string_value(value));
-        (void)snprintf(out, LINE_TEXT, "\"%s\"", word.text);
-        break;
-    }
-    case JSON_INTEGER:
-    case JSON_REAL:
-        (void)snprintf(out, LINE_TEXT, "%.9g", json_number_value(value));
-        break;
-    case JSON_TRUE:
-        (void)snprintf(out, LINE_TEXT, "true");
-        break;
-    case JSON_FALSE:
-        (void)snprintf(out, LINE_TEXT, "false");
-        break;
-    case JSON_NULL:
-        (void)snprintf(out, LINE_TEXT, "null");
-        break;
-    default:
-        (void)snprintf(out, LINE_TEXT, "nothing");
-        break;
-    }
-}
-
 mrt_result rig_json_unexpected(error *err, const rig_node *at, const char *expected)
 {
-    char found[LINE_TEXT];
-    describe(found, at->value);
     return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->place.text, expected,
-                     found);
+                     json_describe(at->value).text);
 }
 
 mrt_result rig_json_object(const rig_node *at, const char *expected, error *err)

@@ -139,12 +139,7 @@ static mrt_result open_input(int *out_fd, const void *input, size_t size, error 
 static int spawn(pid_t *out_pid, char *program, const char *argument, int input_fd, int answer_fd)
 {
     posix_spawn_file_actions_t actions;
-    /* posix_spawn does not write to its arguments: they are only declared so. */
-    union {
-        const char *given;
-        char *argument;
-    } cast = {.given = argument};
-    char *arguments[] = {program, cast.argument, NULL};
+    char *arguments[] = {program, program_argument(argument), NULL};
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed)
         return failed;

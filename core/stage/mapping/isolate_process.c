@@ -48,23 +48,13 @@ static mrt_result make_block(isolate_process *out, int *out_fd, error *err)
     return MRT_OK;
 }
 
-/* posix_spawn does not write to what it is given: it is only declared so. */
-static char *argument(const char *word)
-{
-    union {
-        const char *word;
-        char *argument;
-    } cast = {.word = word};
-    return cast.argument;
-}
-
 static int spawn(pid_t *out_pid, char *program, const char *library, const char *type_id,
                  int block_fd)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none, all;
-    char *arguments[] = {program, argument(library), argument(type_id), NULL};
+    char *arguments[] = {program, program_argument(library), program_argument(type_id), NULL};
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed)
         return failed;
