@@ -8,6 +8,7 @@
 
 #include "window/app/presets.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,6 +57,69 @@ static void tear_down(bench *b)
 {
     instance_destroy(&b->mapping);
     settings_close(b->settings);
+}
+
+/* ---- what was taught ---- */
+
+static void a_preset_has_values_and_what_was_taught(void **state)
+{
+    (void)state;
+    bench b;
+    static const unsigned char taught[] = {0x00, 0x7f, 0xff, ',', '='};
+    unsigned char *found;
+    size_t size;
+    double values[COUNT];
+    error err = {""};
+    set_up(&b);
+    char *text = presets_make(&b.mapping, taught, sizeof taught);
+    assert_string_equal(text, "taught:007fff2c3d");
+    assert_true(presets_has_values(text, ""));
+    free(text);
+    instance_set_value(&b.mapping, 1, 2.5);
+    text = presets_make(&b.mapping, taught, sizeof taught);
+    assert_string_equal(text, "brows.gain=2.5,taught:007fff2c3d");
+    assert_true(presets_has_values(text, "brows.gain=2.5"));
+    assert_false(presets_has_values(text, "brows.gain=2"));
+    assert_false(presets_has_values(text, ""));
+    presets_values(&type, text, values, &err);
+    assert_string_equal(err.text, "");
+    assert_float_equal(values[1], 2.5, 0.0);
+    assert_int_equal(presets_taught(text, &found, &size, &err), MRT_OK);
+    assert_int_equal(size, sizeof taught);
+    assert_memory_equal(found, taught, size);
+    free(found);
+    free(text);
+    text = presets_make(&b.mapping, NULL, 0); /* of a mapping that cannot be taught */
+    assert_string_equal(text, "brows.gain=2.5");
+    assert_int_equal(presets_taught(text, &found, &size, &err), MRT_OK);
+    assert_null(found);
+    free(text);
+    tear_down(&b);
+}
+
+static void damaged_lessons_are_refused_and_values_stay(void **state)
+{
+    (void)state;
+    static const char *const odd[] = {"taught:",           "taught:0",   "taught:zz",
+                                      "taught:00 1",       "taught:0g",  "taught:00,palm=1",
+                                      "taught:00\xff\xfe", "taught:AB00"};
+    size_t size, length = strlen("palm=1,taught:");
+    double values[COUNT];
+    for (size_t i = 0; i <= sizeof odd / sizeof odd[0]; ++i) {
+        unsigned char *found = NULL;
+        error err = {""};
+        char *text = calloc(1, length + 2 * PRESET_TAUGHT_MAX + 64);
+        assert_non_null(text);
+        (void)sprintf(text, "palm=1,%s", i < sizeof odd / sizeof odd[0] ? odd[i] : "taught:");
+        if (i == sizeof odd / sizeof odd[0]) /* longer than any */
+            memset(text + length, '0', 2 * PRESET_TAUGHT_MAX + 2);
+        assert_true(presets_taught(text, &found, &size, &err) < 0);
+        assert_null(found);
+        assert_non_null(strstr(err.text, "damaged"));
+        presets_values(&type, text, values, &err);
+        assert_float_equal(values[2], 1.0, 0.0);
+        free(text);
+    }
 }
 
 static void a_text_names_what_is_changed_alone(void **state)
@@ -173,6 +237,8 @@ static void odd_names_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_preset_has_values_and_what_was_taught),
+        cmocka_unit_test(damaged_lessons_are_refused_and_values_stay),
         cmocka_unit_test(a_text_names_what_is_changed_alone),
         cmocka_unit_test(a_text_gives_its_values_and_initial_ones_for_the_rest),
         cmocka_unit_test(what_no_longer_fits_is_noted_and_left_out),

@@ -576,6 +576,53 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
     desk_finish(&d);
 }
 
+/* As a preset does it. */
+static void what_is_taught_anew_is_recorded_with_it(void **state)
+{
+    (void)state;
+    static unsigned char shipped[TAUGHT_BYTES_MAX], taught[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    live_desk d;
+    error err = {""};
+    take t = {0};
+    live_status status;
+    projector alone;
+    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    add_poses(&d);
+    size_t size = live_taught(d.live, shipped, sizeof shipped);
+    assert_true(size > 0 && size <= sizeof shipped);
+    press(&d, "Teach");
+    let_perform(&d, 30);
+    assert_int_equal(live_taught(d.live, taught, sizeof taught), size);
+    assert_memory_not_equal(taught, shipped, size);
+    desk_must(live_teach(d.live, shipped, size, &err), &err);
+    assert_int_equal(live_taught(d.live, now, sizeof now), size);
+    assert_memory_equal(now, shipped, size);
+    /* What makes no sense is refused, and changes nothing. */
+    assert_true(live_teach(d.live, taught, size / 2, &err) < 0);
+    assert_non_null(strstr(err.text, "org.marotte.poses"));
+    desk_must(live_teach(d.live, taught, size, &err), &err);
+    assert_true(live_teach(d.live, "nonsense", 8, &err) < 0);
+    assert_int_equal(live_taught(d.live, now, sizeof now), size);
+    assert_memory_equal(now, taught, size);
+    let_perform(&d, 60); /* the blend is over */
+    desk_must(live_record(d.live, &slate, &err), &err);
+    assert_true(live_teach(d.live, shipped, size, &err) < 0); /* not while a take is recorded */
+    let_perform(&d, 60);
+    desk_must(live_record_end(d.live, &err), &err);
+    live_status_of(d.live, &status);
+    show_take_on(&d, status.take, &t);
+    desk_must(live_teach(d.live, shipped, size, &err), &err);
+    /* Whatever it is taught now, the take is performed with what it knew then. */
+    project(&d, &t, &alone);
+    (void)projected(&d, &alone, t.duration_ns / 2);
+    layer *then = performer_layer(sequencer_performer(alone.plays));
+    assert_int_equal(taught_save(layer_mapping(then), now, sizeof now), size);
+    assert_memory_equal(now, taught, size);
+    pack_up(&alone);
+    take_finish(&t);
+    desk_finish(&d);
+}
+
 static void seen_face_is_described_by_the_stage_alone(void **state)
 {
     (void)state;
@@ -604,6 +651,7 @@ int main(void)
         cmocka_unit_test(what_a_take_needs_is_opened_beside_the_frame_thread),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
         cmocka_unit_test(what_was_taught_stays_with_the_take_and_the_show),
+        cmocka_unit_test(what_is_taught_anew_is_recorded_with_it),
         cmocka_unit_test(seen_face_is_described_by_the_stage_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

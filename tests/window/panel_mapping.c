@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "panel_stand.h"
+#include "stage/mapping/taught.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -232,6 +233,84 @@ static void a_preset_is_saved_used_and_deleted(void **state)
     stand_close(&s);
 }
 
+/* As a person holds a hand and presses the button, or Forget. */
+static void hold_and_press(stand *s, const char *button)
+{
+    static mrt_frame frame;
+    static mrt_pull pull;
+    const mrt_mapping *functions = plugin_interface(s->mapping.type, MRT_MAPPING);
+    frame.hand[MRT_RIGHT].present = true;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        frame.hand[MRT_RIGHT].angle[i] = 0.03f * (float)(i + 1);
+    instance_trigger(&s->mapping, index_of(s, button));
+    instance_latch(&s->mapping);
+    frame.params = s->mapping.params;
+    assert_true(functions->process(s->mapping.self, &frame, &pull) >= 0);
+}
+
+static size_t lessons_of(const stand *s, unsigned char out[TAUGHT_BYTES_MAX])
+{
+    size_t size = taught_save(&s->mapping, out, TAUGHT_BYTES_MAX);
+    assert_true(size > 0);
+    return size;
+}
+
+static bool news_say(stand *s, const char *words)
+{
+    for (uint32_t i = 0; i < news_list_count(s->news); ++i)
+        if (strstr(news_list_at(s->news, i)->text, words))
+            return true;
+    return false;
+}
+
+static void a_preset_keeps_what_was_taught(void **state)
+{
+    (void)state;
+    static unsigned char shipped[TAUGHT_BYTES_MAX], taught[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    stand s = {.input_count = 0};
+    open_with(&s, "poses", 1.0f);
+    const mrt_mapping *functions = plugin_interface(s.mapping.type, MRT_MAPPING);
+    assert_true(functions->activate(s.mapping.self, &about) >= 0);
+    functions->reset(s.mapping.self);
+    size_t size = lessons_of(&s, shipped);
+    assert_true(stand_shows(&s, "Teach 8")); /* buttons that do not fit begin another line */
+    stand_check_words(&s, NULL);
+    hold_and_press(&s, "Teach 2");
+    assert_int_equal(lessons_of(&s, taught), size);
+    assert_memory_not_equal(taught, shipped, size);
+    stand_click(&s, "Save as\xe2\x80\xa6");
+    stand_type(&s, "my hand");
+    stand_key(&s, UI_KEY_ENTER);
+    hold_and_press(&s, "Forget");
+    assert_int_equal(lessons_of(&s, now), size);
+    assert_memory_equal(now, shipped, size);
+    stand_settle(&s);
+    stand_picture(&s, "panel_mapping_preset_taught");
+    stand_click(&s, "Use again");
+    assert_int_equal(lessons_of(&s, now), size);
+    assert_memory_equal(now, taught, size);
+    undo(&s);
+    assert_int_equal(lessons_of(&s, now), size);
+    assert_memory_equal(now, shipped, size);
+    redo(&s);
+    assert_int_equal(lessons_of(&s, now), size);
+    assert_memory_equal(now, taught, size);
+    /* Somebody else's file: it says what is wrong, and what was taught stays. */
+    const uint32_t steps = s.step_count;
+    settings_set_text(s.settings, "mapping.poses.preset.my hand", "amount=50,taught:00nonsense");
+    stand_click(&s, "Use again");
+    assert_float_equal(value_of(&s, "Amount"), 50.0, 1e-9);
+    assert_true(news_say(&s, "damaged"));
+    settings_set_text(s.settings, "mapping.poses.preset.my hand", "amount=50,taught:00112233");
+    stand_click(&s, "Use again");
+    assert_true(news_say(&s, "is not taken"));
+    assert_int_equal(lessons_of(&s, now), size);
+    assert_memory_equal(now, taught, size);
+    assert_int_equal(s.step_count, steps + 1); /* the values, once */
+    functions->deactivate(s.mapping.self);
+    stand_close(&s);
+}
+
 static void a_preset_that_was_deleted_or_written_over_comes_back(void **state)
 {
     (void)state;
@@ -368,6 +447,7 @@ int main(void)
         cmocka_unit_test(a_button_presses_its_trigger),
         cmocka_unit_test(a_hundred_parameters_are_folded_by_group),
         cmocka_unit_test(a_preset_is_saved_used_and_deleted),
+        cmocka_unit_test(a_preset_keeps_what_was_taught),
         cmocka_unit_test(a_preset_that_was_deleted_or_written_over_comes_back),
         cmocka_unit_test(pedals_say_what_they_do_and_how_far_they_are_down),
         cmocka_unit_test(a_finger_is_moved_and_a_contact_clicked),

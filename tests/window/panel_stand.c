@@ -8,6 +8,7 @@
 #include "panel_stand.h"
 
 #include "base/clock.h"
+#include "stage/mapping/taught.h"
 #include "window/gui/theme.h"
 
 #include <math.h>
@@ -238,6 +239,19 @@ mrt_result live_set_mapping(live *self, const char *text, error *err)
     if (result >= 0)
         stand_mapping(here, text);
     return result;
+}
+
+size_t live_taught(live *self, void *bytes, size_t capacity)
+{
+    (void)self;
+    return here->has_mapping ? taught_save(&here->mapping, bytes, capacity) : 0;
+}
+
+mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
+{
+    (void)self;
+    mrt_result result = refused(err);
+    return result < 0 ? result : taught_load(&here->mapping, bytes, size, err);
 }
 
 instance *live_mapping(live *self)

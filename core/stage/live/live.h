@@ -117,6 +117,13 @@ void live_point(live *self, pointer_grip grip, const float rest[3], const float 
 
 /* The face goes over to it without a jump. "" none. Refused while a take is recorded. */
 CHECKED mrt_result live_set_mapping(live *self, const char *text, error *err);
+/* What the one that performs was taught (MRT_STATE), as bytes: TAUGHT_BYTES_MAX at most. 0: it
+ * cannot be taught. */
+size_t live_taught(live *self, void *bytes, size_t capacity);
+/* It is taught that instead, and the face goes over without a jump; what is recorded is another
+ * performance from there on. Refused while a take is recorded, and by a mapping that does not know
+ * such bytes: it is as before then. */
+CHECKED mrt_result live_teach(live *self, const void *bytes, size_t size, error *err);
 /* The names of those that take the face on the stage, "anchored, magnet"; makes each of them once.
  */
 void live_list_fitting(live *self, char *out, size_t capacity);

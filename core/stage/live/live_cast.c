@@ -24,6 +24,8 @@ typedef struct live_change {
     const hand_calibration *calibration;
     hand_skeleton *skeleton;
     uint32_t pedal;
+    const void *taught;
+    size_t taught_size;
 } live_change;
 
 static void live_inputs_change_pedal(live *self);
@@ -220,6 +222,50 @@ static taught *fetch_taught(live *self)
         return out;
     free(out);
     return NULL;
+}
+
+size_t live_taught(live *self, void *bytes, size_t capacity)
+{
+    taught *t = fetch_taught(self);
+    size_t size = t ? t->size : 0;
+    if (t)
+        memcpy(bytes, t->bytes, size < capacity ? size : capacity);
+    free(t);
+    return size;
+}
+
+/* MRT_HOLD: one mapping leaves while another comes; later. */
+static mrt_result teach_now(live_stage *stage, void *data, error *err)
+{
+    live_change *c = data;
+    layer *of = performer_layer(stage->scene->performer);
+    if (layer_is_fading(of))
+        return MRT_HOLD;
+    mrt_result result = taught_load(layer_mapping(of), c->taught, c->taught_size, err);
+    if (result < 0)
+        return result;
+    layer_cut(of);
+    return live_cast_begin(stage, c, err);
+}
+
+mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
+{
+    mrt_result result = live_check_free(self, "what the mapping was taught", err);
+    if (result >= 0 && self->coming)
+        result = error_set(err, MRT_ERR_ARGUMENT, "another mapping is coming: try again");
+    live_change c = {.taught = bytes, .taught_size = size};
+    const recorder_settings as = live_cast_settings(self, true);
+    if (result >= 0)
+        result = live_cast_prepare(self, &as, &c, err);
+    const int64_t until_ns = clock_now_ns() + NS_PER_S; /* a blend takes LAYER_FADE_S */
+    while (result >= 0 && (result = live_ask(self, teach_now, &c, err)) == MRT_HOLD) {
+        if (clock_now_ns() >= until_ns)
+            result = error_set(err, MRT_ERR_ARGUMENT, "another mapping is coming: try again");
+        else
+            clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
+    }
+    live_cast_dismiss(self, &c);
+    return result;
 }
 
 /* For another instance of it, on another face. */

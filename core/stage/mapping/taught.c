@@ -21,7 +21,42 @@ mrt_result taught_load(const instance *mapping, const void *bytes, size_t size, 
                      mapping->type->id);
 }
 
-/* ---- a note of the show: hexadecimal ---- */
+/* ---- as text ---- */
+
+char *taught_text(const void *bytes, size_t size)
+{
+    static const char digit[] = "0123456789abcdef";
+    const unsigned char *from = bytes;
+    char *out = malloc(2 * size + 1);
+    if (!out)
+        return NULL;
+    for (size_t i = 0; i < size; ++i) {
+        out[2 * i] = digit[from[i] >> 4];
+        out[2 * i + 1] = digit[from[i] & 15];
+    }
+    out[2 * size] = '\0';
+    return out;
+}
+
+static int value_of(char c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+size_t taught_of_text(char *text)
+{
+    unsigned char *out = (unsigned char *)text;
+    size_t length = strlen(text);
+    for (size_t i = 0; i + 1 < length; i += 2) {
+        int high = value_of(text[i]), low = value_of(text[i + 1]);
+        if (high < 0 || low < 0)
+            return 0;
+        out[i / 2] = (unsigned char)(16 * high + low);
+    }
+    return length % 2 == 0 ? length / 2 : 0;
+}
+
+/* ---- a note of the show ---- */
 
 static void key_of(char out[160], const mrt_plugin_type *type)
 {
@@ -31,19 +66,12 @@ static void key_of(char out[160], const mrt_plugin_type *type)
 mrt_result taught_keep(show *into, const mrt_plugin_type *type, const void *bytes, size_t size,
                        error *err)
 {
-    static const char digit[] = "0123456789abcdef";
-    const unsigned char *from = bytes;
     char key[160];
     if (!into || !show_is_writable(into) || size == 0)
         return MRT_OK;
-    char *text = malloc(2 * size + 1);
+    char *text = taught_text(bytes, size);
     if (!text)
         return error_set(err, MRT_ERR_MEMORY, "no memory to keep what a mapping was taught");
-    for (size_t i = 0; i < size; ++i) {
-        text[2 * i] = digit[from[i] >> 4];
-        text[2 * i + 1] = digit[from[i] & 15];
-    }
-    text[2 * size] = '\0';
     key_of(key, type);
     mrt_result result = show_note_write(into, key, text, err);
     free(text);
@@ -63,25 +91,6 @@ void taught_keep_now(show *into, const instance *mapping, log_queue *log)
     free(bytes);
 }
 
-static int value_of(char c)
-{
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
-/* In place; 0: it is no such text. */
-static size_t read_bytes(char *text)
-{
-    unsigned char *out = (unsigned char *)text;
-    size_t length = strlen(text);
-    for (size_t i = 0; i + 1 < length; i += 2) {
-        int high = value_of(text[i]), low = value_of(text[i + 1]);
-        if (high < 0 || low < 0)
-            return 0;
-        out[i / 2] = (unsigned char)(16 * high + low);
-    }
-    return length % 2 == 0 ? length / 2 : 0;
-}
-
 void taught_recall(show *of, const instance *mapping, log_queue *log)
 {
     enum { TEXT = 2 * TAUGHT_BYTES_MAX + 1 };
@@ -94,7 +103,7 @@ void taught_recall(show *of, const instance *mapping, log_queue *log)
         return;
     key_of(key, mapping->type);
     mrt_result result = show_note_read(of, key, text, TEXT, &err);
-    size_t size = result >= 0 && text[0] ? read_bytes(text) : 0;
+    size_t size = result >= 0 && text[0] ? taught_of_text(text) : 0;
     if (size > 0)
         result = taught_load(mapping, text, size, &err);
     else if (result >= 0 && text[0])

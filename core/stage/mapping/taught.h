@@ -1,6 +1,7 @@
 /* stage/mapping/taught.h - what a mapping was taught (MRT_STATE: poses, gestures), kept: with each
- * state of a performance that is recorded (take/replay.h), and as a note of the show, from which
- * the next session goes on. [main], or any one thread that may read the show and has the mapping.
+ * state of a performance that is recorded (take/replay.h), with presets, and as a note of the show,
+ * from which the next session goes on. [main], or any one thread that may read the show and has the
+ * mapping.
  */
 #ifndef MAROTTE_STAGE_TAUGHT_H
 #define MAROTTE_STAGE_TAUGHT_H
@@ -13,6 +14,11 @@ enum { TAUGHT_BYTES_MAX = 1 << 16 };
 size_t taught_save(const instance *mapping, void *bytes, size_t capacity);
 /* An error: it refuses it, and is as before. */
 CHECKED mrt_result taught_load(const instance *mapping, const void *bytes, size_t size, error *err);
+
+/* The bytes in hexadecimal, for a note or a preset. To be freed; NULL: no memory. */
+char *taught_text(const void *bytes, size_t size);
+/* In place; the bytes, at the beginning of `text`, are counted. 0: it is no such text. */
+size_t taught_of_text(char *text);
 
 /* What it was taught by now is what another session of the show goes on from. Does nothing to a
  * show that cannot be written. */

@@ -1,6 +1,7 @@
 #include "window/app/presets.h"
 #include "base/text.h"
 #include "stage/input/device_list.h"
+#include "stage/mapping/taught.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,6 +68,60 @@ void presets_text(const instance *mapping, char *out, size_t capacity)
     }
 }
 
+/* ---- what was taught: the last field, which no parameter's key can begin ---- */
+
+static const char taught_word[] = "taught:";
+
+/* Behind the word; NULL: it was taught nothing. */
+static const char *find_taught(const char *text)
+{
+    const char *at = strstr(text, taught_word);
+    return at && (at == text || at[-1] == ',') ? at + sizeof taught_word - 1 : NULL;
+}
+
+char *presets_make(const instance *mapping, const void *taught, size_t size)
+{
+    char values[PRESET_TEXT];
+    presets_text(mapping, values, sizeof values);
+    char *bytes = size > 0 ? taught_text(taught, size) : NULL;
+    if (size > 0 && !bytes)
+        return NULL;
+    size_t capacity = strlen(values) + sizeof taught_word + 2 * size + 2;
+    char *out = malloc(capacity);
+    if (out)
+        (void)snprintf(out, capacity, "%s%s%s%s", values, values[0] && bytes ? "," : "",
+                       bytes ? taught_word : "", bytes ? bytes : "");
+    free(bytes);
+    return out;
+}
+
+bool presets_has_values(const char *text, const char *values)
+{
+    const char *taught = find_taught(text);
+    size_t length = taught ? (size_t)(taught - text) - (sizeof taught_word - 1) : strlen(text);
+    if (length > 0 && taught)
+        length -= 1; /* the ',' before it */
+    return strlen(values) == length && strncmp(values, text, length) == 0;
+}
+
+mrt_result presets_taught(const char *text, unsigned char **out, size_t *out_size, error *err)
+{
+    const char *taught = find_taught(text);
+    *out = NULL;
+    *out_size = 0;
+    if (!taught)
+        return MRT_OK;
+    char *bytes = strlen(taught) <= 2 * PRESET_TAUGHT_MAX ? strdup(taught) : NULL;
+    size_t size = bytes ? taught_of_text(bytes) : 0;
+    if (size == 0) {
+        free(bytes);
+        return error_set(err, MRT_ERR_FORMAT, "what the preset was taught is damaged");
+    }
+    *out = (unsigned char *)bytes;
+    *out_size = size;
+    return MRT_OK;
+}
+
 static bool is_button(const mrt_param *p)
 {
     return (p->flags & MRT_PARAM_TRIGGER) != 0;
@@ -109,8 +164,13 @@ void presets_values(const mrt_plugin_type *type, const char *text, double *out_v
     for (uint32_t i = 0; i < type->param_count; ++i)
         out_values[i] = type->params[i].initial;
     text_view rest = text_view_of(text, strlen(text)), field;
+    const char *taught = find_taught(text);
+    if (taught)
+        rest.end = taught - (sizeof taught_word - 1);
     while (rest.at != rest.end && text_next_field(&rest, ',', &field)) {
         char one[256];
+        if (field.at == field.end)
+            break; /* before what was taught */
         text_copy(one, sizeof one, field);
         read_one(type, one, out_values, out_note);
         if (!rest.at)

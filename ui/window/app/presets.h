@@ -1,12 +1,17 @@
-/* window/app/presets.h - the values of a mapping's parameters under a name, kept in the settings:
- * those that differ from their initial value, as "key=value,...". Names are one level of a settings
- * key: a '.' in them becomes '-'. [main] */
+/* window/app/presets.h - a mapping under a name, kept in the settings: the values of its parameters
+ * that differ from their initial ones, and what it was taught, as "key=value,...,taught:BYTES" in
+ * hexadecimal. Names are one level of a settings key: a '.' in them becomes '-'. [main] */
 #ifndef MAROTTE_UI_WINDOW_APP_PRESETS_H
 #define MAROTTE_UI_WINDOW_APP_PRESETS_H
 #include "stage/mapping/instance.h"
 #include "window/app/settings.h"
 
-enum { PRESET_NAME = 48, PRESET_TEXT = 8192, PRESET_KEY = 256 };
+enum {
+    PRESET_NAME = 48,
+    PRESET_TEXT = 8192, /* of values */
+    PRESET_KEY = 256,
+    PRESET_TAUGHT_MAX = 32 << 10 /* bytes: the settings are one small file */
+};
 
 /* What the name becomes; false: it is none (empty, control characters, too long). */
 bool presets_clean_name(char out[PRESET_NAME], const char *name);
@@ -19,6 +24,14 @@ const char *presets_kept(const settings *of, const mrt_plugin_type *type, const 
 
 /* The changed values, "push=5,ease=0.2"; cut at a value's end where it does not fit. */
 void presets_text(const instance *mapping, char *out, size_t capacity);
+/* The text of a whole preset. taught: of the mapping; size 0: it cannot be taught. To be freed;
+ * NULL: no memory. */
+char *presets_make(const instance *mapping, const void *taught, size_t size);
+/* Whether a preset's values are those of `values`, as presets_text writes them. */
+bool presets_has_values(const char *text, const char *values);
+/* What of a text was taught; to be freed, NULL with size 0: nothing. An error: it is damaged. */
+CHECKED mrt_result presets_taught(const char *text, unsigned char **out, size_t *out_size,
+                                  error *err);
 /* The values that a text stands for, param_count of them: what it does not name is initial. What it
  * names and the type does not have is in the note (""): a preset of another version is used as far
  * as it goes. */

@@ -1725,6 +1725,12 @@ void ui_same_line(ui *self)
     ImGui::SameLine();
 }
 
+void ui_next_line(ui *self)
+{
+    (void)self;
+    ImGui::NewLine();
+}
+
 void ui_at(ui *self, float x)
 {
     const ImGuiWindow *window = ImGui::GetCurrentWindow();

@@ -9,6 +9,7 @@
 
 #include "base/text.h"
 #include "stage/input/device_list.h"
+#include "stage/mapping/taught.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -31,6 +32,8 @@ typedef struct step {
     char *type_id; /* values: of this mapping */
     change *changes;
     uint32_t change_count;
+    unsigned char *taught[2]; /* values: what it was taught before and after; NULL: it stays */
+    size_t taught_size[2];
     char *text[2]; /* another mapping: before and after; NULL: values */
     char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
 } step;
@@ -111,6 +114,9 @@ static void go_to(mapping_steps *self, const step *of, int side)
         for (uint32_t k = 0; k < mapping->type->param_count; ++k)
             if (mapping->type->params[k].id == of->changes[i].id)
                 instance_set_value(mapping, k, of->changes[i].value[side]);
+    if (of->taught[side] &&
+        live_teach(app_live(self->app), of->taught[side], of->taught_size[side], &err) < 0)
+        say(self, MRT_LOG_ERROR, err.text);
 }
 
 static void undo(void *owner, uint64_t number)
@@ -134,6 +140,8 @@ static void finish(step *of)
     free(of->type_id);
     free(of->changes);
     free(of->preset);
+    free(of->taught[BEFORE]);
+    free(of->taught[AFTER]);
     free(of->text[BEFORE]);
     free(of->text[AFTER]);
 }
@@ -158,16 +166,57 @@ static void keep(mapping_steps *self, step *made, const char *words)
     app_did(self->app, &told);
 }
 
-/* Sets the parameters of the mapping that performs to these values (param_count, by index) and
- * makes a step of those that differ. `words`: "gain 0.8". */
-static void mapping_steps_set(mapping_steps *self, const double *values, const char *words)
+/* What the mapping that performs was taught; to be freed, NULL: nothing, or no memory. */
+static unsigned char *fetch_taught(mapping_steps *self, size_t *out_size)
+{
+    unsigned char *out = malloc(TAUGHT_BYTES_MAX);
+    *out_size = out ? live_taught(app_live(self->app), out, TAUGHT_BYTES_MAX) : 0;
+    if (*out_size > 0)
+        return out;
+    free(out);
+    return NULL;
+}
+
+/* The mapping that performs is taught what `of` says, and `made` becomes a step of it too. */
+static void teach(mapping_steps *self, step *made, unsigned char *taught, size_t size)
+{
+    error err = {""};
+    size_t before_size;
+    unsigned char *before = fetch_taught(self, &before_size);
+    bool is_other = !before || before_size != size || memcmp(before, taught, size) != 0;
+    if (is_other && live_teach(app_live(self->app), taught, size, &err) < 0) {
+        char words[256];
+        (void)snprintf(words, sizeof words, "what the preset was taught is not taken: %.200s",
+                       err.text);
+        say(self, MRT_LOG_ERROR, words);
+        is_other = false;
+    }
+    if (!is_other || !before) {
+        free(before);
+        free(taught);
+        return;
+    }
+    made->taught[BEFORE] = before;
+    made->taught_size[BEFORE] = before_size;
+    made->taught[AFTER] = taught;
+    made->taught_size[AFTER] = size;
+}
+
+/* Sets the parameters of the mapping that performs to these values (param_count, by index), teaches
+ * it (NULL: nothing; freed) and makes a step of what differs. `words`: "gain 0.8". */
+static void mapping_steps_set(mapping_steps *self, const double *values, unsigned char *taught,
+                              size_t taught_size, const char *words)
 {
     instance *mapping = live_mapping(app_live(self->app));
-    if (!mapping)
+    if (!mapping) {
+        free(taught);
         return;
+    }
     uint32_t count = mapping->type->param_count;
     step made = {.type_id = strdup(mapping->type->id),
                  .changes = calloc((size_t)count + 1, sizeof(change))};
+    if (taught)
+        teach(self, &made, taught, taught_size);
     for (uint32_t i = 0; i < count; ++i) {
         const mrt_param *p = &mapping->type->params[i];
         double before = instance_value(mapping, i);
@@ -178,7 +227,7 @@ static void mapping_steps_set(mapping_steps *self, const double *values, const c
             made.changes[made.change_count++] =
                 (change){p->id, {before, instance_value(mapping, i)}};
     }
-    if (made.type_id && made.changes && made.change_count > 0)
+    if (made.type_id && made.changes && (made.change_count > 0 || made.taught[AFTER]))
         keep(self, &made, words);
     else
         finish(&made);
@@ -247,16 +296,27 @@ static void change_preset(mapping_steps *self, const mrt_plugin_type *type, cons
         finish(&made);
 }
 
-/* A preset of the mapping that performs is kept (its values as they are now), or deleted. `name` is
- * clean. */
+/* A preset of the mapping that performs is kept (its values, and what it was taught, as they are
+ * now), or deleted. `name` is clean. */
 static void mapping_steps_save_preset(mapping_steps *self, const char *name)
 {
-    char text[PRESET_TEXT];
+    size_t size = 0;
     const instance *mapping = live_mapping(app_live(self->app));
     if (!mapping)
         return;
-    presets_text(mapping, text, sizeof text);
-    change_preset(self, mapping->type, name, text);
+    unsigned char *taught = fetch_taught(self, &size);
+    if (size > PRESET_TAUGHT_MAX) {
+        say(self, MRT_LOG_ERROR,
+            "the mapping was taught more than a preset can keep: its values alone are saved");
+        size = 0;
+    }
+    char *text = presets_make(mapping, taught, size);
+    if (text)
+        change_preset(self, mapping->type, name, text);
+    else
+        say(self, MRT_LOG_ERROR, "no memory for the preset");
+    free(taught);
+    free(text);
 }
 
 static void mapping_steps_delete_preset(mapping_steps *self, const char *name)
@@ -611,7 +671,7 @@ static void draw_group(mapping_panel *self, ui *on, instance *mapping, const cha
         if (is_button && is_after_button) {
             ui_same_line(on);
             if (ui_available_width(on) < ui_text_width(on, UI_STYLE_BODY, p->name) + 24.0f)
-                ui_space(on, 0.0f);
+                ui_next_line(on);
         }
         mapping_param_draw(self, on, mapping, i, p->name);
         is_after_button = is_button;
@@ -775,9 +835,15 @@ static void use(mapping_panel *self, const instance *mapping, const char *name)
     if (!text)
         return;
     presets_values(mapping->type, text, self->values, &note);
-    (void)snprintf(words, sizeof words, "preset '%s'", name);
-    mapping_panel_set(self, self->values, words);
-    (void)snprintf(self->preset, sizeof self->preset, "%s", name);
+    unsigned char *taught;
+    size_t taught_size;
+    error why = {""};
+    if (presets_taught(text, &taught, &taught_size, &why) < 0)
+        news_list_add(app_news(self->app), MRT_LOG_ERROR, "mapping", why.text);
+    (void)snprintf(words, sizeof words, "%.50s: preset '%s'", mapping->type->name, name);
+    mapping_steps_set(self->steps, self->values, taught, taught_size, words);
+    if (name != self->preset)
+        (void)snprintf(self->preset, sizeof self->preset, "%s", name);
     if (note.text[0])
         news_list_add(app_news(self->app), MRT_LOG_WARNING, "mapping", note.text);
 }
@@ -801,7 +867,7 @@ static bool is_still(const mapping_panel *self, const instance *mapping)
     if (!text)
         return true;
     presets_text(mapping, now, sizeof now);
-    return strcmp(now, text) == 0;
+    return presets_has_values(text, now);
 }
 
 static void draw_naming(mapping_panel *self, ui *on)
@@ -849,7 +915,9 @@ static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
     if (ui_choice(on, "Preset", 66.0f, items, at == count ? count + 1 : count, &at) &&
         at < self->preset_count)
         use(self, mapping, self->presets[at]);
-    ui_hint(on, "Values of all parameters under a name, kept for this mapping.");
+    ui_hint(
+        on,
+        "Values of all parameters, and what it was taught, under a name, kept for this mapping.");
 }
 
 static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
@@ -874,6 +942,12 @@ static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
     if (ui_button(on, "Delete", UI_QUIET))
         mapping_steps_delete_preset(self->steps, self->preset);
     ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
+    if (!self->preset[0] || !plugin_interface(mapping->type, MRT_STATE))
+        return;
+    ui_same_line(on);
+    if (ui_button(on, "Use again", UI_QUIET))
+        use(self, mapping, self->preset);
+    ui_hint(on, "Sets its values, and teaches the mapping what the preset keeps.");
 }
 
 /* ---- learn mode ---- */
@@ -1075,7 +1149,7 @@ static void mapping_panel_set(mapping_panel *self, const double *values, const c
 {
     char all[EDIT_TEXT];
     (void)snprintf(all, sizeof all, "%.50s: %.100s", self->type ? self->type->name : "", words);
-    mapping_steps_set(self->steps, values, all);
+    mapping_steps_set(self->steps, values, NULL, 0, all);
 }
 
 /* ---- of the mapping that performs ---- */
