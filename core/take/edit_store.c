@@ -90,6 +90,11 @@ static mrt_result list_set_head(void *self, int64_t head, error *err)
     return result;
 }
 
+static mrt_result list_pay(void *self, uint64_t steps, error *err)
+{
+    return show_spend(((edit_store *)self)->show, steps, err);
+}
+
 /* ---- open, close ---- */
 
 static mrt_result open_row(edit_store **out, show *s, const show_take *row, int64_t (*utc_ms)(void),
@@ -133,7 +138,7 @@ void edit_store_close(edit_store *self)
 
 history_store edit_store_list(edit_store *self)
 {
-    return (history_store){self, list_extent, list_read, list_append, list_set_head};
+    return (history_store){self, list_extent, list_read, list_append, list_set_head, list_pay};
 }
 
 const take *edit_store_bare(const edit_store *self)

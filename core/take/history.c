@@ -7,6 +7,9 @@
 /* Steps back that need no folding from the start. */
 enum { KEPT = 32 };
 
+/* Of work, as base/budget.h counts it: after each edit the whole take is checked. */
+enum { STEPS_AN_EDIT = 200, STEPS_AN_ITEM = 12 };
+
 typedef struct words {
     char text[EDIT_TEXT];
 } words;
@@ -44,6 +47,16 @@ static mrt_result read_edit(edit *out, const history_store *store, int64_t n, er
     return result < 0 ? at_edit(n, result, err) : MRT_OK;
 }
 
+static mrt_result pay(const history_store *store, const take *t, int64_t n, error *err)
+{
+    uint64_t items = t->marker_count;
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        items += t->layer[i].clip_count;
+    mrt_result result =
+        store->pay ? store->pay(store->self, STEPS_AN_EDIT + items * STEPS_AN_ITEM, err) : MRT_OK;
+    return result < 0 ? at_edit(n, result, err) : MRT_OK;
+}
+
 /* Edits from..until onto t; *out_reached: the last that could be applied. t is half changed after a
  * failure. `said`: their words, or NULL. */
 static mrt_result apply_edits(take *t, const history_store *store, int64_t from, int64_t until,
@@ -52,7 +65,9 @@ static mrt_result apply_edits(take *t, const history_store *store, int64_t from,
     mrt_result result = MRT_OK;
     for (int64_t n = from; result >= 0 && n <= until; ++n) {
         edit e;
-        result = read_edit(&e, store, n, err);
+        result = pay(store, t, n, err);
+        if (result >= 0)
+            result = read_edit(&e, store, n, err);
         if (result < 0)
             break;
         if (said && n >= 1)

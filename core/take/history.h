@@ -26,11 +26,14 @@ typedef struct history_store {
     CHECKED mrt_result (*append)(void *self, const char *text, const edit_reference *shows,
                                  error *err);
     CHECKED mrt_result (*set_head)(void *self, int64_t head, error *err);
+    /* Before an edit is applied: what that costs, in steps as base/budget.h counts them. NULL:
+     * nothing. */
+    CHECKED mrt_result (*pay)(void *self, uint64_t steps, error *err);
 } history_store;
 
 /* `bare` with edits first..until applied. An edit that cannot be applied is named by its number,
  * and `out` is then the take before it: what can be shown of it; *out_reached (may be NULL) is the
- * last edit in force. Without memory for that, `out` is zeroed. */
+ * last edit in force. Without memory for that, or when it cannot be paid, `out` is zeroed. */
 CHECKED mrt_result history_fold(take *out, const take *bare, const history_store *store,
                                 int64_t until, int64_t *out_reached, error *err);
 

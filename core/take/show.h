@@ -31,6 +31,8 @@ CHECKED mrt_result show_open(show **out, const char *path, show_mode mode, error
 /* All that is asked of it from now on is paid out of one budget (base/budget.h), as fits a command
  * that ends; without, each question has one of its own. */
 void show_limit_work(show *self);
+/* Pays for work that is done with what was read of it; steps as in base/budget.h. */
+CHECKED mrt_result show_spend(show *self, uint64_t steps, error *err);
 void show_close(show *self); /* its readers and its writer first; NULL is fine */
 
 const char *show_path(const show *self);

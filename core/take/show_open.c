@@ -381,6 +381,11 @@ void show_limit_work(show *self)
     sqlite_limit_all(self->db);
 }
 
+mrt_result show_spend(show *self, uint64_t steps, error *err)
+{
+    return sqlite_spend(self->db, steps, err);
+}
+
 /* There may be voices in it: it is nobody else's to read, unless its owner says so. */
 static mrt_result make_file(const char *path, error *err)
 {

@@ -210,8 +210,8 @@ static inline void help_list_base(help_list *list, const char *brief)
 
 static inline history_store help_store(help_list *list)
 {
-    return (history_store){list, help_list_extent, help_list_read, help_list_append,
-                           help_list_set_head};
+    return (history_store){
+        list, help_list_extent, help_list_read, help_list_append, help_list_set_head, NULL};
 }
 
 static inline void help_list_finish(help_list *list)

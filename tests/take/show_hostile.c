@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include "base/text.h"
+#include "take/edit_store.h"
+#include "take/show_file.h"
 #include "take/show_disk.h"
 #include "take/show_scene.h"
 
@@ -431,6 +433,52 @@ static void a_question_costs_no_more_than_the_file_allows(void **state)
     show_close(got);
 }
 
+static void insert_edit(sqlite3_stmt *insert, int64_t take_id, int n, const char *json)
+{
+    sqlite3_bind_int64(insert, 1, take_id);
+    sqlite3_bind_int(insert, 2, n);
+    sqlite3_bind_int64(insert, 3, show_edit_crc(take_id, n, json));
+    sqlite3_bind_text(insert, 4, json, -1, SQLITE_TRANSIENT);
+    assert_int_equal(sqlite3_step(insert), SQLITE_DONE);
+    sqlite3_reset(insert);
+}
+
+/* Each of many edits looks at each of many clips. */
+static void edits_cost_no_more_than_the_file_allows(void **state)
+{
+    enum { SPLITS = 3000, INSERTS = 20000 };
+    scene *s = *state;
+    error err = {""};
+    char json[96];
+    sqlite3 *db;
+    sqlite3_stmt *insert;
+    show *got;
+    take t;
+    record_some(s->path);
+    assert_int_equal(sqlite3_open(s->path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db, "BEGIN; UPDATE take SET edit_head = 23000", NULL, NULL, NULL),
+                     SQLITE_OK);
+    assert_int_equal(
+        sqlite3_prepare_v2(db, "INSERT INTO edit VALUES(?, 0, ?, 0, ?, ?)", -1, &insert, NULL),
+        SQLITE_OK);
+    for (int i = 1; i <= SPLITS + INSERTS; ++i) {
+        if (i <= SPLITS)
+            snprintf(json, sizeof json, "{\"op\":\"clip.split\",\"clip\":%d,\"at_ns\":%d}", i + 1,
+                     i * 500000);
+        else
+            snprintf(json, sizeof json, "{\"op\":\"range.insert\",\"at_ns\":0,\"length_ns\":1}");
+        insert_edit(insert, 1, i, json);
+    }
+    sqlite3_finalize(insert);
+    assert_int_equal(sqlite3_exec(db, "COMMIT", NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    scene_must(show_open(&got, s->path, SHOW_READ, &err), &err);
+    if (edit_store_take(&t, got, 1, &err) >= 0 || !strstr(err.text, "steps of work"))
+        fail_msg("\"%s\" does not speak of work", err.text);
+    take_finish(&t);
+    show_close(got);
+}
+
 static void a_state_larger_than_its_reader_wants_is_not_unpacked(void **state)
 {
     scene *s = *state;
@@ -588,6 +636,7 @@ int main(void)
         TEST(recovering_leaves_values_of_another_kind_out),
         TEST(recovering_ends_on_chains_that_lead_in_circles),
         TEST(a_question_costs_no_more_than_the_file_allows),
+        TEST(edits_cost_no_more_than_the_file_allows),
         TEST(a_state_larger_than_its_reader_wants_is_not_unpacked),
         TEST(texts_of_a_show_are_printable),
         TEST(a_refused_track_takes_no_other_with_it),
