@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* SEEK_DATA */
 #include "base/file.h"
 
 #include <ctype.h>
@@ -69,6 +70,32 @@ fail:
     close(fd);
     file_bytes_finish(out);
     return result;
+}
+
+bool file_next_data(int fd, uint64_t from, uint64_t *out_begin, uint64_t *out_end)
+{
+    const off_t begin = lseek(fd, (off_t)from, SEEK_DATA);
+    const off_t end = begin < 0 ? -1 : lseek(fd, begin, SEEK_HOLE);
+    *out_begin = *out_end = 0;
+    if (end <= begin)
+        return false;
+    *out_begin = (uint64_t)begin;
+    *out_end = (uint64_t)end;
+    return true;
+}
+
+uint64_t file_data_size(const char *path)
+{
+    struct stat status;
+    uint64_t size = 0, begin, end = 0;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return 0;
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
+        while (file_next_data(fd, end, &begin, &end))
+            size += end - begin;
+    close(fd);
+    return size;
 }
 
 void file_bytes_finish(file_bytes *bytes)

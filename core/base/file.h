@@ -6,6 +6,8 @@
 #define MAROTTE_BASE_FILE_H
 #include "base/error.h"
 
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 typedef struct file_bytes {
@@ -16,6 +18,12 @@ typedef struct file_bytes {
 /* Reads a regular file of 1..size_cap bytes; an empty file is an error. */
 CHECKED mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err);
 void file_bytes_finish(file_bytes *bytes);
+
+/* A sparse file is as long as it says, and costs nobody anything: who asks what a file may cost, or
+ * goes over all of it, looks at what is there. The next bytes at or after `from` that are not a
+ * hole; false: none. Where the file system knows no holes, that is all of it. */
+bool file_next_data(int fd, uint64_t from, uint64_t *out_begin, uint64_t *out_end);
+uint64_t file_data_size(const char *path); /* how many there are; 0: no regular file, or none */
 
 typedef struct file_writer {
     FILE *stream; /* write here; errors are found by file_writer_commit */

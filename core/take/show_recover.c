@@ -6,6 +6,7 @@
 #include "take/show_file.h"
 #include "take/show_schema.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -195,6 +196,19 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
     return result;
 }
 
+static mrt_result salvage_pages(pages *in, uint64_t begin, uint64_t end,
+                                mrt_result (*each)(void *data, const show_salvage_row *row),
+                                void *data)
+{
+    mrt_result result = MRT_OK;
+    for (uint64_t at = begin / PAGE_BYTES; at < end / PAGE_BYTES && result == MRT_OK; ++at) {
+        uint8_t page[PAGE_BYTES];
+        if (read_page(in, (uint32_t)at + 1, page))
+            result = salvage_page(in, page, each, data);
+    }
+    return result;
+}
+
 /* Calls `each` for every row of at most SHOW_SALVAGE_COLUMNS_MAX columns, until it fails. MRT_END:
  * what may be spent was used up before the end of the file. */
 static mrt_result show_salvage(const char *path,
@@ -202,18 +216,21 @@ static mrt_result show_salvage(const char *path,
                                void *data, budget *left, error *err)
 {
     pages in = {.file = fopen(path, "rb"), .left = left};
-    if (!in.file)
+    const int holes = open(path, O_RDONLY | O_CLOEXEC); /* a stream's own place is its own */
+    if (!in.file || holes < 0) {
+        if (in.file)
+            (void)fclose(in.file);
         return error_set(err, MRT_ERR_IO, "%s: cannot be read", path);
-    long size = fseek(in.file, 0, SEEK_END) == 0 ? ftell(in.file) : 0;
+    }
+    const long size = fseek(in.file, 0, SEEK_END) == 0 ? ftell(in.file) : 0;
+    uint64_t begin, end = PAGE_BYTES;
     in.count = size > 0 ? (uint32_t)(size / PAGE_BYTES) : 0;
     in.seen = calloc((size_t)in.count + 1, sizeof *in.seen);
     mrt_result result =
         in.seen ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
-    for (uint32_t number = 2; number <= in.count && result == MRT_OK; ++number) {
-        uint8_t page[PAGE_BYTES];
-        if (read_page(&in, number, page))
-            result = salvage_page(&in, page, each, data);
-    }
+    while (result == MRT_OK && file_next_data(holes, end, &begin, &end))
+        result = salvage_pages(&in, begin, end, each, data);
+    close(holes);
     (void)fclose(in.file);
     free(in.seen);
     free(in.payload);
@@ -534,15 +551,23 @@ static mrt_result copy_all(recovery *self, const char *path, error *err)
 static mrt_result copy_file(const char *path, FILE *out, error *err)
 {
     char piece[65536];
-    FILE *in = fopen(path, "rb");
-    if (!in)
+    uint64_t begin, end = 0;
+    const int in = open(path, O_RDONLY | O_CLOEXEC);
+    if (in < 0)
         return error_set(err, MRT_ERR_IO, "%s: cannot be read", path);
-    size_t got;
     bool good = true;
-    while (good && (got = fread(piece, 1, sizeof piece, in)) > 0)
-        good = fwrite(piece, 1, got, out) == got;
-    good = good && !ferror(in);
-    (void)fclose(in);
+    while (good && file_next_data(in, end, &begin, &end)) {
+        good = fseek(out, (long)begin, SEEK_SET) == 0;
+        while (good && begin < end) {
+            const uint64_t left = end - begin;
+            const ssize_t got =
+                pread(in, piece, left < sizeof piece ? left : sizeof piece, (off_t)begin);
+            good =
+                got > 0 && fwrite(piece, 1, (size_t)got, out) == (size_t)got && !cancel_is_asked();
+            begin += good ? (uint64_t)got : 0;
+        }
+    }
+    close(in);
     return good ? MRT_OK : error_set(err, MRT_ERR_IO, "%s: cannot be copied", path);
 }
 
@@ -665,7 +690,7 @@ mrt_result show_recover(show_recovery *out, const char *path, const char *out_pa
     show *fresh;
     mrt_result result = show_create(&fresh, out_path, err);
     if (result >= 0) {
-        result = recover_into(fresh, path, copy_path, (uint64_t)status.st_size, out, err);
+        result = recover_into(fresh, path, copy_path, file_data_size(path), out, err);
         show_close(fresh);
         if (result < 0)
             (void)unlink(out_path);

@@ -2,6 +2,7 @@
 
 #include "base/budget.h"
 #include "base/cancel.h"
+#include "base/file.h"
 #include "base/text.h"
 
 #include <limits.h>
@@ -409,15 +410,12 @@ static int configure(sqlite *self)
     return code == SQLITE_OK ? sqlite3_busy_timeout(self->handle, BUSY_MS) : code;
 }
 
+/* What it may cost grows with it; a hole is no reason. */
 static uint64_t measure(const char *path)
 {
     char log[4096];
-    struct stat status;
-    uint64_t size = stat(path, &status) == 0 && status.st_size > 0 ? (uint64_t)status.st_size : 0;
     (void)snprintf(log, sizeof log, "%s-wal", path);
-    if (stat(log, &status) == 0 && status.st_size > 0)
-        size += (uint64_t)status.st_size;
-    return size;
+    return file_data_size(path) + file_data_size(log);
 }
 
 static int open_handle(sqlite *self, sqlite_mode mode)

@@ -412,6 +412,28 @@ static void recovering_ends_on_chains_that_lead_in_circles(void **state)
     assert_true(got.row_count > 0);
 }
 
+/* A terabyte that is not there is neither read nor copied. */
+static void recovering_leaves_holes_out(void **state)
+{
+    enum { DAMAGED_PAGES = 4 };
+    scene *s = *state;
+    error err = {""};
+    show_recovery got;
+    char out[SCENE_PATH];
+    record_some(s->path);
+    FILE *file = fopen(s->path, "rb+");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 3 * 4096, SEEK_SET), 0);
+    for (int i = 0; i < DAMAGED_PAGES * 4096; ++i)
+        assert_int_equal(fputc(0xff, file), 0xff);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(truncate(s->path, (off_t)1 << 40), 0);
+    beside(s, "out.marotte", out);
+    scene_must(show_recover(&got, s->path, out, &err), &err);
+    assert_true(got.row_count > 0);
+    assert_false(got.is_cut);
+}
+
 /* Small tables that multiply each other. */
 static void a_question_costs_no_more_than_the_file_allows(void **state)
 {
@@ -427,6 +449,7 @@ static void a_question_costs_no_more_than_the_file_allows(void **state)
             "WITH RECURSIVE n(i) AS (SELECT 10 UNION ALL SELECT i + 1 FROM n WHERE i < 30000)"
             " INSERT INTO span SELECT 1, i, 1, 1, 0, 0, NULL FROM n;"
             "UPDATE take SET end_ns = NULL");
+    assert_int_equal(truncate(s->path, (off_t)1 << 40), 0); /* it is no larger for it */
     scene_must(show_open(&got, s->path, SHOW_READ, &err), &err);
     assert_int_equal(show_takes(got, &takes, &count, &err), MRT_ERR_FORMAT);
     assert_non_null(strstr(err.text, "steps of work"));
@@ -635,6 +658,7 @@ int main(void)
         TEST(values_of_another_kind_are_damage_and_everything_ends),
         TEST(recovering_leaves_values_of_another_kind_out),
         TEST(recovering_ends_on_chains_that_lead_in_circles),
+        TEST(recovering_leaves_holes_out),
         TEST(a_question_costs_no_more_than_the_file_allows),
         TEST(edits_cost_no_more_than_the_file_allows),
         TEST(a_state_larger_than_its_reader_wants_is_not_unpacked),

@@ -299,6 +299,36 @@ static void reading_refuses_what_is_not_a_file_with_bytes(void **state)
     assert_true(file_read(&bytes, "/dev/zero", 100, &err) < 0);
 }
 
+static void holes_of_a_file_do_not_count(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/marotte-base-XXXXXX";
+    const off_t far = (off_t)1 << 40;
+    uint64_t begin, end;
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_true(file_data_size(path) == 0);
+    assert_int_equal(pwrite(fd, "near", 4, 0), 4);
+    assert_int_equal(pwrite(fd, "far", 3, far), 3);
+    const uint64_t size = file_data_size(path);
+    assert_true(size >= 7);
+    assert_true(file_next_data(fd, 0, &begin, &end));
+    assert_true(begin == 0 && end >= 4);
+    const bool knows_holes = end <= (uint64_t)far;
+    if (knows_holes) {
+        assert_true(size < 1u << 20);
+        assert_true(file_next_data(fd, end, &begin, &end));
+        assert_true(begin <= (uint64_t)far && end == (uint64_t)far + 3);
+    }
+    assert_false(file_next_data(fd, (uint64_t)far + 3, &begin, &end));
+    close(fd);
+    unlink(path);
+    assert_true(file_data_size(path) == 0);
+    assert_true(file_data_size("/tmp") == 0);
+    if (!knows_holes)
+        skip();
+}
+
 static void a_budget_grows_with_the_file_and_says_when_it_is_used_up(void **state)
 {
     (void)state;
@@ -342,6 +372,7 @@ int main(void)
         cmocka_unit_test(rigid_motions_compose_invert_and_keep_lengths),
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
         cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
+        cmocka_unit_test(holes_of_a_file_do_not_count),
         cmocka_unit_test(a_budget_grows_with_the_file_and_says_when_it_is_used_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
