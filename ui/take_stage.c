@@ -159,10 +159,26 @@ void take_stage_tell(take_stage *self)
 
 /* ---- frames ---- */
 
+enum { PLAYED_S = 600, BYTES_A_SECOND = 200 };
+
 static int64_t first_frame_from(timecode_rate rate, int64_t time_ns)
 {
     int64_t frame = timecode_frame(rate, time_ns);
     return timecode_time_ns(rate, frame) < time_ns ? frame + 1 : frame;
+}
+
+/* A show of a few rows may say that a take lasts for days, and an export would fill the disk. */
+static mrt_result check_length(const take_call *call, const take *t, error *err)
+{
+    const double allowed_s =
+        PLAYED_S + (double)show_file_size(call->show) / BYTES_A_SECOND; /* recordings are denser */
+    const double length_s = (double)t->duration_ns / 1e9;
+    if (call->text[TAKE_OUT] || length_s <= allowed_s)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "take %lld lasts %.6g s, which is much for a show of %llu bytes: say with "
+                     "--out how much of it is meant",
+                     (long long)t->id, length_s, (unsigned long long)show_file_size(call->show));
 }
 
 mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err)
@@ -183,6 +199,9 @@ mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, erro
                          "%.9g .. %.9g s is no range of take %lld, which lasts %.9g s",
                          (double)in_ns / 1e9, (double)out_ns / 1e9, (long long)t->id,
                          (double)t->duration_ns / 1e9);
+    result = check_length(call, t, err);
+    if (result < 0)
+        return result;
     out->first = first_frame_from(out->rate, in_ns);
     out->count = first_frame_from(out->rate, out_ns) - out->first;
     if (out->count > 0)

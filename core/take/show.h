@@ -36,6 +36,7 @@ CHECKED mrt_result show_spend(show *self, uint64_t steps, error *err);
 void show_close(show *self); /* its readers and its writer first; NULL is fine */
 
 const char *show_path(const show *self);
+uint64_t show_file_size(const show *self); /* bytes, when it was opened; its log's too */
 bool show_is_writable(const show *self);
 const char *show_notice(const show *self); /* "", or one line for the person in front of it */
 

@@ -460,6 +460,11 @@ const char *show_path(const show *self)
     return self->path;
 }
 
+uint64_t show_file_size(const show *self)
+{
+    return sqlite_file_size(self->db);
+}
+
 bool show_is_writable(const show *self)
 {
     return self->is_writable;

@@ -218,6 +218,15 @@ bad 1 "$scratch/busy.marotte" rate "$scratch/busy.marotte" 1 3
 take rate "$scratch/busy.marotte" 1 3 >/dev/null
 says 'recovered' show "$scratch/busy.marotte" 1
 
+# A small show may say that a take lasts for days; nobody fills a disk with that by accident.
+cp "$show" "$scratch/days.marotte"
+take insert "$scratch/days.marotte" 1 --at 0 --length 900000 >"$scratch/said"
+bad 1 'say with --out how much of it is meant' export "$scratch/days.marotte" 1 --export "$scratch/days.pc2"
+bad 1 'say with --out how much of it is meant' show "$scratch/days.marotte" 1 --hash
+take export "$scratch/days.marotte" 1 --in 899999 --out 900000 --export "$scratch/days.pc2" >"$scratch/said"
+[ -s "$scratch/days.pc2" ] || fail "a range of a long take is not exported"
+rm -f "$scratch"/days.*
+
 # A show that was damaged, or made with other things than are there now.
 # What is exported of a take says of the surface what was said when it was performed.
 for map in anchored unanchored,preset=paper; do
