@@ -2,7 +2,7 @@
  */
 #include "command.h"
 #include "facts.h"
-#include "keys.h"
+#include "terminal.h"
 
 #include "base/cancel.h"
 #include "base/clock.h"

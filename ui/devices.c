@@ -1,7 +1,8 @@
 /* `marotte devices`: what is plugged in, how it is doing and passing it on, learning a switch. */
 #include "command.h"
-#include "news.h"
+#include "terminal.h"
 
+#include "base/json.h"
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/program.h"
@@ -89,9 +90,10 @@ static json_t *device_to_json(const device_found *one)
     char spec[256];
     snprintf(spec, sizeof spec, "%.48s:%s", device_list_plugin_name(one->type),
              one->device.address);
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "plugin", one->type->id, "name",
-                     one->device.name, "address", one->device.address, "input", spec, "state",
-                     state_name(one->device.state), "advice", one->device.advice);
+    return json_pack("{s:o, s:o, s:o, s:o, s:s, s:o}", "plugin", json_text(one->type->id), "name",
+                     json_text(one->device.name), "address", json_text(one->device.address),
+                     "input", json_text(spec), "state", state_name(one->device.state), "advice",
+                     json_text(one->device.advice));
 }
 
 static void devices_print_json(const device_list *found, const plugin_list *plugins)
@@ -102,8 +104,8 @@ static void devices_print_json(const device_list *found, const plugin_list *plug
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         if (device_list_knows(type))
-            json_array_append_new(
-                looked_for, json_pack("{s:s, s:s}", "plugin", type->id, "about", type->about));
+            json_array_append_new(looked_for, json_pack("{s:o, s:o}", "plugin", json_text(type->id),
+                                                        "about", json_text(type->about)));
     }
     json_t *all = json_pack("{s:o, s:o}", "devices", devices, "looked_for", looked_for);
     json_dumpf(all, stdout, JSON_INDENT(2));
@@ -367,9 +369,9 @@ static json_t *health_to_json(const input *in, const health_report *health)
             json_object_set_new(saturated, channels[i].name,
                                 json_real((double)health->saturated[i]));
     json_t *out = json_pack(
-        "{s:s, s:s, s:f, s:s, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:i, s:o}", "input",
-        input_name(in), "state", input_state_name((input_state)health->state), "state_s",
-        health->state_s, "words", health->words, "rate_hz", health->rate_hz, "jitter_ms",
+        "{s:o, s:s, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:I, s:i, s:o}", "input",
+        json_text(input_name(in)), "state", input_state_name((input_state)health->state), "state_s",
+        health->state_s, "words", json_text(health->words), "rate_hz", health->rate_hz, "jitter_ms",
         health->jitter_ms, "lateness_ms", health->lateness_ms, "lateness_worst_ms",
         health->lateness_worst_ms, "silence_s", health->silence_s, "samples",
         (json_int_t)health->sample_count, "lost", (json_int_t)health->gap_count, "dropped",

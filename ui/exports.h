@@ -5,7 +5,7 @@
 #define MAROTTE_UI_EXPORTS_H
 #include "facts.h"
 #include "io/export.h"
-#include "progress.h"
+#include "terminal.h"
 #include "stage/perform/composer.h"
 #include "take/show.h"
 #include "video.h"

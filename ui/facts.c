@@ -2,6 +2,7 @@
 #include "base/text.h"
 
 #include "base/file.h"
+#include "base/json.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -86,7 +87,7 @@ void facts_number(facts *self, const char *key, const char *label, double value,
 void facts_text(facts *self, const char *key, const char *label, const char *value)
 {
     if (self->object)
-        json_object_set_new(self->object, key, json_string_nocheck(value));
+        json_object_set_new(self->object, key, json_text(value));
     else
         print_line(label, value);
 }
@@ -104,7 +105,7 @@ static json_t *list_of(facts *self, const char *key)
 void facts_list(facts *self, const char *key, const char *label, const char *value)
 {
     if (self->object)
-        json_array_append_new(list_of(self, key), json_string_nocheck(value));
+        json_array_append_new(list_of(self, key), json_text(value));
     else
         print_line(label, value);
 }
@@ -112,7 +113,7 @@ void facts_list(facts *self, const char *key, const char *label, const char *val
 static json_t *value_of(const facts_cell *cell)
 {
     if (cell->text)
-        return json_string_nocheck(cell->text);
+        return json_text(cell->text);
     if (cell->decimals < 0)
         return json_boolean(cell->number > 0.0);
     return cell->decimals == 0 ? json_integer((json_int_t)llround(cell->number))

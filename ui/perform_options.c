@@ -1,7 +1,7 @@
 #include "perform_options.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "place.h"
+#include "base/installed.h"
 #include "take/take.h"
 
 #include <getopt.h>
@@ -136,7 +136,7 @@ static int set_face(perform_options *out, const command *self, const char *text)
 {
     if (out->face)
         return command_usage(self, "one --face is possible");
-    out->face = place_face(text);
+    out->face = installed_face(text);
     if (out->face)
         return COMMAND_DONE;
     const error no_memory = {"no memory"};

@@ -1,7 +1,618 @@
-/* marotte plugin: which plugins there are, new ones, and whether they are right. */
-#include "plugin.h"
+/* marotte plugin. */
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/program.h"
+#include "base/text.h"
+#include "check/check.h"
+#include "base/json.h"
+#include "command.h"
+#include "base/installed.h"
+#include "stage/mapping/plugins.h"
+#include "template_files.h"
+#include "terminal.h"
 
+#include <assert.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- plugin list ---- */
+
+static const char *kind_of(const mrt_plugin_type *type)
+{
+    static const char *const kinds[8] = {"none",
+                                         "input",
+                                         "mapping",
+                                         "input and mapping",
+                                         "output",
+                                         "input and output",
+                                         "mapping and output",
+                                         "input, mapping and output"};
+    unsigned kind = plugin_interface(type, MRT_INPUT) ? 1u : 0u;
+    kind |= plugin_interface(type, MRT_MAPPING) ? 2u : 0u;
+    kind |= plugin_interface(type, MRT_OUTPUT) ? 4u : 0u;
+    return kinds[kind];
+}
+
+static void print_params(const mrt_plugin_type *type)
+{
+    for (uint32_t i = 0; i < type->param_count; ++i) {
+        const mrt_param *p = &type->params[i];
+        if (p->flags & MRT_PARAM_HIDDEN)
+            continue;
+        terminal_print("    %-14s %-14s %g .. %g %s%s(%g)  %s\n", p->group, p->name, p->min, p->max,
+                       p->unit, p->unit[0] ? " " : "", p->initial, p->help);
+        for (size_t k = 0; p->labels && p->labels[k] && (double)k <= p->max - p->min; ++k)
+            terminal_print("    %-14s %-14s   %g = %s\n", "", "", p->min + (double)k, p->labels[k]);
+    }
+}
+
+static void print_list(const plugin_list *list, bool with_params)
+{
+    for (uint32_t i = 0; i < list->entry_count; ++i) {
+        const mrt_plugin_type *type = list->entry[i].type;
+        terminal_print("%-24s %-16s %-6s %s\n", type->id, kind_of(type), type->version,
+                       type->about);
+        terminal_print("    from %s\n", list->entry[i].path);
+        if (with_params)
+            print_params(type);
+    }
+    for (uint32_t i = 0; i < list->refusal_count; ++i)
+        terminal_print("not used: %s: %s\n", list->refusal[i].path, list->refusal[i].reason);
+}
+
+static json_t *param_to_json(const mrt_param *p)
+{
+    json_t *out =
+        json_pack("{s:i, s:o, s:o, s:o, s:o, s:f, s:f, s:f}", "id", (int)p->id, "name",
+                  json_text(p->name), "group", json_text(p->group), "unit", json_text(p->unit),
+                  "help", json_text(p->help), "min", p->min, "max", p->max, "initial", p->initial);
+    if (p->labels) {
+        json_t *labels = json_array();
+        for (size_t k = 0; p->labels[k] && (double)k <= p->max - p->min; ++k)
+            json_array_append_new(labels, json_text(p->labels[k]));
+        json_object_set_new(out, "labels", labels);
+    }
+    return out;
+}
+
+static void print_list_json(const plugin_list *list)
+{
+    json_t *plugins = json_array();
+    json_t *refused = json_array();
+    for (uint32_t i = 0; i < list->entry_count; ++i) {
+        const mrt_plugin_type *type = list->entry[i].type;
+        json_t *params = json_array();
+        for (uint32_t k = 0; k < type->param_count; ++k)
+            json_array_append_new(params, param_to_json(&type->params[k]));
+        json_array_append_new(
+            plugins, json_pack("{s:o, s:o, s:s, s:o, s:o, s:o, s:o}", "id", json_text(type->id),
+                               "name", json_text(type->name), "kind", kind_of(type), "version",
+                               json_text(type->version), "about", json_text(type->about), "path",
+                               json_text(list->entry[i].path), "params", params));
+    }
+    for (uint32_t i = 0; i < list->refusal_count; ++i)
+        json_array_append_new(refused,
+                              json_pack("{s:o, s:o}", "path", json_text(list->refusal[i].path),
+                                        "reason", json_text(list->refusal[i].reason)));
+    json_t *all = json_pack("{s:o, s:o}", "plugins", plugins, "refused", refused);
+    json_dumpf(all, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(all);
+}
+
+static int plugin_list_run(int argc, char **argv)
+{
+    bool as_json = false, with_params = false;
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--json") == 0)
+            as_json = true;
+        else if (strcmp(argv[i], "--params") == 0)
+            with_params = true;
+        else
+            return command_usage(&command_plugin, "\"%s\" is not expected here", argv[i]);
+    }
+    plugin_list list = {0};
+    error err = {""};
+    if (plugin_list_load(&list, &err) < 0)
+        return command_failed(&command_plugin, &err);
+    if (as_json)
+        print_list_json(&list);
+    else
+        print_list(&list, with_params);
+    plugin_list_destroy(&list);
+    return COMMAND_DONE;
+}
+
+/* ---- plugin check ---- */
+
+typedef struct options {
+    const char *path;
+    check_settings check;
+    int64_t seed, repeat;
+    bool as_json, lists_rules;
+} options;
+
+/* ---- the words ---- */
+
+static bool is_number(const char *word, int64_t low, int64_t *out)
+{
+    return text_int(text_view_of(word, strlen(word)), out) && *out >= low;
+}
+
+/* COMMAND_DONE: understood. */
+static int take_option(options *out, const char *name, const char *value)
+{
+    if (!value)
+        return command_usage(&command_plugin, "\"%s\" needs a value, or is not expected", name);
+    if (strcmp(name, "--input") == 0)
+        out->check.input_address = value;
+    else if (strcmp(name, "--output") == 0)
+        out->check.output_address = value;
+    else if (strcmp(name, "--seed") == 0 && !is_number(value, 0, &out->seed))
+        return command_usage(&command_plugin, "--seed %s: expected a whole number from 0", value);
+    else if (strcmp(name, "--repeat") == 0 && !is_number(value, 1, &out->repeat))
+        return command_usage(&command_plugin, "--repeat %s: expected a whole number from 1", value);
+    else if (strcmp(name, "--seed") != 0 && strcmp(name, "--repeat") != 0)
+        return command_usage(&command_plugin, "\"%s\" is not expected here", name);
+    return COMMAND_DONE;
+}
+
+static int take_words(options *out, int argc, char **argv)
+{
+    int code = COMMAND_DONE;
+    for (int i = 1; i < argc && code == COMMAND_DONE; ++i) {
+        if (strcmp(argv[i], "--json") == 0)
+            out->as_json = true;
+        else if (strcmp(argv[i], "--rules") == 0)
+            out->lists_rules = true;
+        else if (argv[i][0] == '-') {
+            code = take_option(out, argv[i], i + 1 < argc ? argv[i + 1] : NULL);
+            ++i;
+        } else if (out->path)
+            return command_usage(&command_plugin, "one plugin at a time: \"%s\" is too many",
+                                 argv[i]);
+        else
+            out->path = argv[i];
+    }
+    if (code == COMMAND_DONE && !out->path && !out->lists_rules)
+        return command_usage(&command_plugin, "say which plugin to check: check FILE.so");
+    return code;
+}
+
+/* ---- the rules ---- */
+
+static void list_rules(void)
+{
+    for (int i = 0; i < RULE_COUNT; ++i)
+        terminal_print("%-20s %s\n", check_rule_id((check_rule)i), check_rule_says((check_rule)i));
+}
+
+static void list_rules_as_json(void)
+{
+    json_t *all = json_array();
+    for (int i = 0; i < RULE_COUNT; ++i)
+        json_array_append_new(all, json_pack("{s:s, s:s}", "rule", check_rule_id((check_rule)i),
+                                             "says", check_rule_says((check_rule)i)));
+    json_dumpf(all, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(all);
+}
+
+/* ---- the report ---- */
+
+static const char *verdict_word(check_verdict verdict)
+{
+    static const char *const words[] = {[CHECK_NOT_CONCERNED] = "",
+                                        [CHECK_SKIPPED] = "skipped",
+                                        [CHECK_OK] = "ok",
+                                        [CHECK_FAILED] = "FAILED"};
+    return words[verdict];
+}
+
+static void print_finding(check_rule rule, const check_finding *finding, const char *text)
+{
+    terminal_print("  %-20s %-7s  %s\n", check_rule_id(rule), verdict_word(finding->verdict), text);
+    if (finding->verdict == CHECK_FAILED)
+        terminal_print("  %-20s %-7s  plugin.h: %s\n", "", "", check_rule_says(rule));
+}
+
+static void print_subject(const check_subject *subject)
+{
+    const char *last = "";
+    if (subject->id[0])
+        terminal_print("%s\n", subject->id);
+    for (int i = 0; i < RULE_COUNT; ++i) {
+        const check_finding *finding = &subject->finding[i];
+        if (finding->verdict == CHECK_NOT_CONCERNED)
+            continue;
+        bool is_again = finding->verdict == CHECK_SKIPPED && strcmp(finding->text, last) == 0;
+        print_finding((check_rule)i, finding, is_again ? "as above" : finding->text);
+        last = finding->text;
+    }
+}
+
+static void print_report(const options *o, const check_report *report)
+{
+    terminal_print("%s\n", o->path);
+    for (uint32_t i = 0; i <= report->type_count; ++i)
+        print_subject(&report->library[i]);
+    terminal_print("%u failed, %u ok, %u skipped; %.1f s, seed %" PRId64 "\n", report->failed_count,
+                   report->ok_count, report->skipped_count, report->wall_s, o->seed);
+}
+
+static json_t *subject_to_json(const check_subject *subject)
+{
+    json_t *rules = json_array();
+    for (int i = 0; i < RULE_COUNT; ++i) {
+        const check_finding *finding = &subject->finding[i];
+        if (finding->verdict == CHECK_NOT_CONCERNED)
+            continue;
+        json_array_append_new(
+            rules,
+            json_pack("{s:s, s:s, s:o, s:s}", "rule", check_rule_id((check_rule)i), "verdict",
+                      finding->verdict == CHECK_FAILED ? "failed" : verdict_word(finding->verdict),
+                      "text", json_text(finding->text), "says", check_rule_says((check_rule)i)));
+    }
+    return json_pack("{s:o, s:o}", "id", json_text(subject->id), "rules", rules);
+}
+
+static json_t *report_to_json(const options *o, const check_report *report)
+{
+    json_t *types = json_array();
+    for (uint32_t i = 1; i <= report->type_count; ++i)
+        json_array_append_new(types, subject_to_json(&report->library[i]));
+    return json_pack("{s:o, s:o, s:o, s:i, s:i, s:i, s:f, s:I}", "plugin", json_text(o->path),
+                     "library", subject_to_json(report->library), "types", types, "failed",
+                     (int)report->failed_count, "ok", (int)report->ok_count, "skipped",
+                     (int)report->skipped_count, "seconds", report->wall_s, "seed",
+                     (json_int_t)o->seed);
+}
+
+/* ---- running ---- */
+
+static void show_progress(void *data, uint32_t done, uint32_t count)
+{
+    progress_show(data, count ? (double)done / (double)count : -1.0, "");
+}
+
+static int check_once(options *o, json_t *all)
+{
+    progress line;
+    check_report report;
+    error err = {""};
+    progress_start(&line, "examining");
+    o->check.seed = (uint64_t)o->seed;
+    o->check.on_progress = show_progress;
+    o->check.data = &line;
+    mrt_result result = check_run(&report, o->path, &o->check, &err);
+    progress_end(&line);
+    if (result < 0)
+        return command_failed(&command_plugin, &err);
+    bool has_failed = report.failed_count > 0;
+    if (all)
+        json_array_append_new(all, report_to_json(o, &report));
+    else if (o->repeat == 1 || has_failed)
+        print_report(o, &report);
+    else
+        terminal_print("%s: nothing found; %.1f s, seed %" PRId64 "\n", o->path, report.wall_s,
+                       o->seed);
+    (void)fflush(stdout);
+    check_report_finish(&report);
+    return has_failed ? COMMAND_FAILED : COMMAND_DONE;
+}
+
+static int check_often(options *o, json_t *all)
+{
+    int code = COMMAND_DONE;
+    for (int64_t i = 0; i < o->repeat; ++i, ++o->seed) {
+        int one = check_once(o, all);
+        code = one == COMMAND_DONE ? code : one;
+    }
+    return code;
+}
+
+/* One report; an array of them when it was examined more than once. */
+static void print_json(const json_t *all)
+{
+    json_dumpf(json_array_size(all) == 1 ? json_array_get(all, 0) : all, stdout, JSON_INDENT(2));
+    putchar('\n');
+}
+
+static int plugin_check_run(int argc, char **argv)
+{
+    /* Another seed each time, short enough to be typed. */
+    options o = {.repeat = 1, .seed = clock_now_ns() / 1000 % 1000000};
+    int code = take_words(&o, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    if (o.lists_rules) {
+        if (o.as_json)
+            list_rules_as_json();
+        else
+            list_rules();
+        return COMMAND_DONE;
+    }
+    json_t *all = o.as_json ? json_array() : NULL;
+    code = check_often(&o, all);
+    if (all && json_array_size(all) > 0)
+        print_json(all);
+    json_decref(all);
+    return code;
+}
+
+/* ---- plugin new ---- */
+
+/* With "org.example." before it a name fits into one line of the log. */
+enum { NAME_MAX_LETTERS = 24 };
+
+static const char placeholder[] = "template_name";
+
+typedef struct wish {
+    const char *name, *parent;
+    const template_file *files; /* TEMPLATE_FILES of them; NULL: not said */
+} wish;
+
+/* ---- names ---- */
+
+static const char name_letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
+
+static bool is_word_of_the_language(const char *name)
+{
+    static const char words[] =
+        " alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl "
+        "const const_cast constexpr continue decltype default delete do double dynamic_cast else "
+        "enum explicit export extern false float for friend goto if inline int long mutable "
+        "namespace new noexcept not not_eq nullptr operator or or_eq private protected public "
+        "register reinterpret_cast restrict return short signed sizeof static static_assert "
+        "static_cast struct switch template this thread_local throw true try typedef typeid "
+        "typename union unsigned using virtual void volatile wchar_t while xor xor_eq ";
+    char word[NAME_MAX_LETTERS + 3];
+    snprintf(word, sizeof word, " %s ", name);
+    return strstr(words, word) != NULL;
+}
+
+static int check_name(const char *name)
+{
+    size_t length = strlen(name);
+    char shown[80]; /* one line, whatever it holds */
+    text_copy(shown, sizeof shown, text_view_of(name, length));
+    bool begins_well = name[0] >= 'a' && name[0] <= 'z';
+    if (!begins_well || strspn(name, name_letters) != length || length > NAME_MAX_LETTERS)
+        return command_usage(&command_plugin,
+                             "new: \"%s\" cannot be a plugin's name: lower-case letters, digits "
+                             "and _, a letter first, at most %d (as in slow_jaw)",
+                             shown, NAME_MAX_LETTERS);
+    if (is_word_of_the_language(name))
+        return command_usage(&command_plugin,
+                             "new: \"%s\" is a word of C or C++: choose another name", name);
+    return COMMAND_DONE;
+}
+
+/* ---- options ---- */
+
+static int read_kind(wish *out, const template_file *files)
+{
+    if (out->files && out->files != files)
+        return command_usage(&command_plugin, "new: --mapping or --input, not both");
+    out->files = files;
+    return COMMAND_DONE;
+}
+
+static int read_options(wish *out, int argc, char **argv)
+{
+    *out = (wish){.parent = "."};
+    int code = COMMAND_DONE;
+    for (int i = 1; i < argc && code == COMMAND_DONE; ++i) {
+        if (strcmp(argv[i], "--mapping") == 0)
+            code = read_kind(out, template_mapping);
+        else if (strcmp(argv[i], "--input") == 0)
+            code = read_kind(out, template_input);
+        else if (strcmp(argv[i], "--dir") == 0 && i + 1 < argc)
+            out->parent = argv[++i];
+        else if (strcmp(argv[i], "--dir") == 0)
+            code = command_usage(&command_plugin, "new: --dir needs a folder");
+        else if (argv[i][0] == '-' || out->name)
+            code = command_usage(&command_plugin, "new: \"%s\" is not expected here", argv[i]);
+        else
+            out->name = argv[i];
+    }
+    if (code != COMMAND_DONE)
+        return code;
+    if (!out->name)
+        return command_usage(&command_plugin, "new: what is it to be called?");
+    code = check_name(out->name);
+    if (code == COMMAND_DONE && !out->files)
+        code = command_usage(&command_plugin, "new: --mapping (hands in, a face out) or --input "
+                                              "(where hands come from)?");
+    return code;
+}
+
+/* ---- files ---- */
+
+/* The text with the plugin's name in it, ended by a 0. NULL: no memory. */
+static char *named(const char *text, size_t size, const char *name, size_t *out_size)
+{
+    size_t name_length = strlen(name), used = 0;
+    const size_t held_length = sizeof placeholder - 1;
+    /* No name is longer than twice the placeholder. */
+    char *out = malloc(2 * size + 1);
+    if (!out)
+        return NULL;
+    for (size_t i = 0; i < size;) {
+        if (size - i >= held_length && memcmp(text + i, placeholder, held_length) == 0) {
+            memcpy(out + used, name, name_length);
+            used += name_length;
+            i += held_length;
+        } else {
+            out[used++] = text[i++];
+        }
+    }
+    out[used] = '\0';
+    *out_size = used;
+    return out;
+}
+_Static_assert(NAME_MAX_LETTERS <= 2 * (sizeof placeholder - 1), "named() has room for twice");
+
+static mrt_result path_of(char out[INSTALLED_LENGTH], const wish *w, const template_file *file,
+                          error *err)
+{
+    size_t size = 0;
+    char *name = named(file->name, strlen(file->name), w->name, &size);
+    if (!name)
+        return error_set(err, MRT_ERR_MEMORY, "new: no memory");
+    int length = snprintf(out, INSTALLED_LENGTH, "%s/%s/%s", w->parent, w->name, name);
+    free(name);
+    if (length < 0 || length >= INSTALLED_LENGTH)
+        return error_set(err, MRT_ERR_ARGUMENT, "new: the path of the folder is too long");
+    return MRT_OK;
+}
+
+static mrt_result write_file(const wish *w, const template_file *file, error *err)
+{
+    char path[INSTALLED_LENGTH];
+    mrt_result result = path_of(path, w, file, err);
+    if (result < 0)
+        return result;
+    size_t size = 0;
+    char *text = named(file->bytes, file->size, w->name, &size);
+    if (!text)
+        return error_set(err, MRT_ERR_MEMORY, "new: no memory");
+    result = file_write(path, text, size, err);
+    free(text);
+    return result;
+}
+
+static mrt_result make_folder(char out[INSTALLED_LENGTH], const wish *w, error *err)
+{
+    struct stat about;
+    if (stat(w->parent, &about) != 0 || !S_ISDIR(about.st_mode))
+        return error_set(err, MRT_ERR_IO, "new: there is no folder %s to write into", w->parent);
+    int length = snprintf(out, INSTALLED_LENGTH, "%s/%s", w->parent, w->name);
+    if (length < 0 || length >= INSTALLED_LENGTH)
+        return error_set(err, MRT_ERR_ARGUMENT, "new: the path of the folder is too long");
+    if (mkdir(out, 0777) == 0)
+        return MRT_OK;
+    if (errno == EEXIST)
+        return error_set(err, MRT_ERR_IO,
+                         "new: %s is there already and stays as it is: choose another name, or "
+                         "another --dir",
+                         out);
+    return error_set(err, MRT_ERR_IO, "new: %s cannot be made: %s", out, strerror(errno));
+}
+
+static void remove_all(const wish *w, const char *folder)
+{
+    error none;
+    char path[INSTALLED_LENGTH];
+    for (int i = 0; i < TEMPLATE_FILES; ++i)
+        if (path_of(path, w, &w->files[i], &none) >= 0)
+            unlink(path);
+    rmdir(folder);
+}
+
+/* All files, or nothing. */
+static mrt_result write_all(const wish *w, error *err)
+{
+    char folder[INSTALLED_LENGTH];
+    assert(w->files);
+    mrt_result result = make_folder(folder, w, err);
+    if (result < 0)
+        return result;
+    for (int i = 0; i < TEMPLATE_FILES && result >= 0; ++i)
+        result = write_file(w, &w->files[i], err);
+    if (result < 0)
+        remove_all(w, folder);
+    return result;
+}
+
+/* ---- what is next ---- */
+
+static bool is_on_path(const char *program)
+{
+    const char *path = getenv("PATH");
+    while (path && *path) {
+        size_t length = strcspn(path, ":");
+        char candidate[INSTALLED_LENGTH];
+        int written = snprintf(candidate, sizeof candidate, "%.*s/marotte", (int)length, path);
+        char *real = written > 0 && written < INSTALLED_LENGTH && length > 0
+                         ? realpath(candidate, NULL)
+                         : NULL;
+        if (real) { /* the first one is the one that runs */
+            bool is_it = strcmp(real, program) == 0;
+            free(real);
+            return is_it;
+        }
+        path += length + (path[length] == ':');
+    }
+    return false;
+}
+
+static void print_program(void)
+{
+    char program[INSTALLED_LENGTH];
+    if (!installed_program(program) || is_on_path(program))
+        fputs("marotte", stdout);
+    else
+        terminal_print_quoted(program);
+}
+
+/* What cmake does not find by itself. */
+static void print_prefix(void)
+{
+    char prefix[INSTALLED_LENGTH];
+    if (!installed_prefix(prefix)) {
+        fputs(" -DMAROTTE_INCLUDE=FOLDER_OF_marotte/plugin.h", stdout);
+    } else if (strcmp(prefix, "/usr") != 0 && strcmp(prefix, "/usr/local") != 0) {
+        fputs(" -DCMAKE_PREFIX_PATH=", stdout);
+        terminal_print_quoted(prefix);
+    }
+}
+
+static void print_next(const wish *w)
+{
+    bool is_mapping = w->files == template_mapping;
+    char folder[INSTALLED_LENGTH];
+    snprintf(folder, sizeof folder, "%s/%s", w->parent, w->name);
+    const char *shown = strncmp(folder, "./", 2) == 0 ? folder + 2 : folder;
+    terminal_print("wrote %s: %s.c is the %s, README.md says the rest. Next:\n  cd ", shown,
+                   w->name, is_mapping ? "mapping" : "input");
+    terminal_print_quoted(shown);
+    fputs(" && cmake -B build", stdout);
+    print_prefix();
+    fputs(" && cmake --build build\n  ", stdout);
+    print_program();
+    terminal_print(" plugin check build/%s.so\n  ", w->name);
+    print_program();
+    if (is_mapping)
+        terminal_print(
+            " perform --face puppet --input log:take.csv --map build/%s.so --export face.png\n",
+            w->name);
+    else
+        terminal_print(
+            " perform --face puppet --input build/%s.so --map one_hand --export face.png\n",
+            w->name);
+}
+
+static int plugin_new_run(int argc, char **argv)
+{
+    wish w;
+    error err = {""};
+    int code = read_options(&w, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    if (write_all(&w, &err) < 0)
+        return command_failed(&command_plugin, &err);
+    print_next(&w);
+    return COMMAND_DONE;
+}
+
+/* ---- the command ---- */
 
 static int run(int argc, char **argv)
 {

@@ -1,7 +1,396 @@
-/* marotte rig: rigs for faces. */
-#include "rig.h"
+/* marotte rig. */
+#include "base/file.h"
+#include "base/text.h"
+#include "base/json.h"
+#include "command.h"
+#include "face/rig_check.h"
+#include "face/rig_draft.h"
+#include "rigfit.h"
+#include "terminal.h"
+#include "rigpicture.h"
+#include "stage/perform/face_file.h"
+#include "video.h"
 
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* ---- rig check ---- */
+
+typedef struct checking {
+    const char *path;
+    bool as_json;
+    rig_findings findings;
+} checking;
+
+static const char *const severity_name[] = {
+    [RIG_NOTE] = "note", [RIG_WARNING] = "warning", [RIG_ERROR] = "error"};
+
+static bool read_options(checking *c, int argc, char **argv)
+{
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--json") == 0)
+            c->as_json = true;
+        else if (!c->path && argv[i][0] != '-')
+            c->path = argv[i];
+        else
+            return false;
+    }
+    return c->path != NULL;
+}
+
+static void print_text(const checking *c)
+{
+    const rig_findings *all = &c->findings;
+    for (uint32_t i = 0; i < all->count; ++i)
+        terminal_print("%-8s %s: %s\n", severity_name[all->item[i].severity], all->item[i].path,
+                       all->item[i].text);
+    terminal_print("%s: %u errors, %u warnings, %u notes\n", c->path,
+                   rig_findings_count(all, RIG_ERROR), rig_findings_count(all, RIG_WARNING),
+                   rig_findings_count(all, RIG_NOTE));
+}
+
+static void print_json(const checking *c)
+{
+    const rig_findings *all = &c->findings;
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < all->count; ++i)
+        json_array_append_new(list, json_pack("{ss, so, so}", "severity",
+                                              severity_name[all->item[i].severity], "path",
+                                              json_text(all->item[i].path), "text",
+                                              json_text(all->item[i].text)));
+    json_t *out = json_pack("{so, si, si, si, so}", "file", json_text(c->path), "errors",
+                            (int)rig_findings_count(all, RIG_ERROR), "warnings",
+                            (int)rig_findings_count(all, RIG_WARNING), "notes",
+                            (int)rig_findings_count(all, RIG_NOTE), "findings", list);
+    json_dumpf(out, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(out);
+}
+
+static mrt_result check(checking *c, const face_file *f, error *err)
+{
+    binding b;
+    error reason = {""};
+    bool is_bound = binding_create(&b, f->rig, &f->mesh, &f->topology, &reason) >= 0;
+    mrt_result result =
+        rig_check(&c->findings, f->rig, &f->mesh, &f->topology, is_bound ? &b : NULL, err);
+    if (is_bound)
+        binding_destroy(&b);
+    else if (result >= 0 && rig_findings_count(&c->findings, RIG_ERROR) == 0)
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "%s: %s", c->path, reason.text);
+    return result;
+}
+
+static int rigcheck_run(int argc, char **argv)
+{
+    checking c = {0};
+    face_file f = {0};
+    error err = {""};
+    if (!read_options(&c, argc, argv))
+        return command_usage(&command_rig, "check takes one rig file, and --json");
+    mrt_result result = face_file_read(&f, c.path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err);
+    if (result >= 0 && !f.rig)
+        result = error_set(&err, MRT_ERR_ARGUMENT,
+                           "%s: is a mesh; marotte rig new drafts a rig for it", c.path);
+    if (result >= 0)
+        result = check(&c, &f, &err);
+    if (result >= 0 && c.as_json)
+        print_json(&c);
+    else if (result >= 0)
+        print_text(&c);
+    bool is_right = result >= 0 && rig_findings_count(&c.findings, RIG_ERROR) == 0;
+    rig_findings_finish(&c.findings);
+    face_file_destroy(&f);
+    if (result < 0)
+        return command_failed(&command_rig, &err);
+    return is_right ? COMMAND_DONE : COMMAND_FAILED;
+}
+
+/* ---- rig new ---- */
+
+enum { PATH_TEXT = 4096 };
+
+typedef struct drafting {
+    const char *mesh_path;
+    char out_path[PATH_TEXT];
+    mesh_unit unit;
+    bool may_replace;
+} drafting;
+
+static bool read_unit(mesh_unit *out, const char *word)
+{
+    static const char *const names[] = {
+        [MESH_UNIT_MM] = "mm", [MESH_UNIT_CM] = "cm", [MESH_UNIT_M] = "m"};
+    for (int unit = MESH_UNIT_MM; unit <= MESH_UNIT_M; ++unit)
+        if (strcmp(names[unit], word) == 0) {
+            *out = (mesh_unit)unit;
+            return true;
+        }
+    return false;
+}
+
+static bool read_new_options(drafting *d, int argc, char **argv)
+{
+    const char *out_path = NULL;
+    for (int i = 1; i < argc; ++i) {
+        if (strcmp(argv[i], "--force") == 0)
+            d->may_replace = true;
+        else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
+            out_path = argv[++i];
+        else if (strcmp(argv[i], "--unit") == 0 && i + 1 < argc && read_unit(&d->unit, argv[i + 1]))
+            ++i;
+        else if (!d->mesh_path && argv[i][0] != '-')
+            d->mesh_path = argv[i];
+        else
+            return false;
+    }
+    if (!d->mesh_path)
+        return false;
+    const char *slash = strrchr(d->mesh_path, '/');
+    const char *dot = strrchr(slash ? slash : d->mesh_path, '.');
+    int stem = dot ? (int)(dot - d->mesh_path) : (int)strlen(d->mesh_path);
+    int length = out_path ? snprintf(d->out_path, PATH_TEXT, "%s", out_path)
+                          : snprintf(d->out_path, PATH_TEXT, "%.*s.rig.json", stem, d->mesh_path);
+    return length < PATH_TEXT;
+}
+
+static void print_lines(const char *prefix, const char *lines)
+{
+    while (lines && *lines) {
+        int length = (int)strcspn(lines, "\n");
+        terminal_print("%s%.*s\n", prefix, length, lines);
+        lines += length + (lines[length] == '\n');
+    }
+}
+
+/* Where rigs may not name it, a person must be told. */
+static void print_place(const drafting *d)
+{
+    error err = {""};
+    char *folder = file_directory(d->out_path);
+    if (folder && file_check_below(folder, d->mesh_path, &err) < 0)
+        terminal_print("confirm  $.mesh: %s\n", err.text);
+    free(folder);
+}
+
+static mrt_result draft(const drafting *d, error *err)
+{
+    face_file f;
+    rig r;
+    char *confirm = NULL;
+    mrt_result result = face_file_read(&f, d->mesh_path, d->unit, FACE_FILE_ANY, err);
+    if (result < 0)
+        return result;
+    if (f.rig)
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: is a rig; new takes a mesh", d->mesh_path);
+    else
+        result = rig_draft_make(&r, &confirm, &f.mesh, d->mesh_path, err);
+    if (result >= 0) {
+        result = rig_validate(&r, &f.mesh, &f.topology, err);
+        if (result >= 0)
+            result = rig_write(&r, d->out_path, err);
+        rig_destroy(&r);
+    }
+    if (result >= 0) {
+        terminal_print("wrote    %s\n", d->out_path);
+        print_lines("note     ", f.note);
+        print_lines("confirm  ", confirm);
+        print_place(d);
+        fputs("next     marotte rig check ", stdout);
+        terminal_print_quoted(d->out_path);
+        fputs("\nnext     marotte rig show ", stdout);
+        terminal_print_quoted(d->out_path);
+        fputs(" --out rig.png\n", stdout);
+    }
+    free(confirm);
+    face_file_destroy(&f);
+    return result;
+}
+
+static int rignew_run(int argc, char **argv)
+{
+    drafting d = {0};
+    error err = {""};
+    if (!read_new_options(&d, argc, argv))
+        return command_usage(&command_rig, "new takes a mesh, --out, --unit mm|cm|m and --force");
+    if (!d.may_replace && access(d.out_path, F_OK) == 0) {
+        (void)error_set(&err, MRT_ERR_ARGUMENT,
+                        "%s: is there already; --force writes over it, --out elsewhere",
+                        d.out_path);
+        return command_failed(&command_rig, &err);
+    }
+    return draft(&d, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+}
+
+/* ---- rig show ---- */
+
+typedef struct showing {
+    const char *path, *out_path;
+    rigpicture_view view[RIGPICTURE_VIEWS_MAX];
+    uint32_t view_count; /* 0: from the usual sides */
+    bool has_poses;      /* --poses: them instead of the rig */
+    video_look look;     /* its size */
+} showing;
+
+static const double radian_per_degree = 0.017453292519943295;
+
+static bool read_angle(float *out_rad, const char *word)
+{
+    double deg;
+    if (!text_double(text_view_of(word, strlen(word)), &deg) || deg < -360.0 || deg > 360.0)
+        return false;
+    *out_rad = (float)(deg * radian_per_degree);
+    return true;
+}
+
+static bool read_show_options(showing *s, int argc, char **argv)
+{
+    for (int i = 1; i < argc; ++i) {
+        bool has_value = i + 1 < argc;
+        if (strcmp(argv[i], "--out") == 0 && has_value) {
+            s->out_path = argv[++i];
+        } else if (strcmp(argv[i], "--poses") == 0) {
+            s->has_poses = true;
+        } else if (strcmp(argv[i], "--size") == 0 && has_value) {
+            if (!video_look_size(&s->look, argv[++i]))
+                return false;
+        } else if (strcmp(argv[i], "--yaw") == 0 && has_value) {
+            s->view_count = 1;
+            if (!read_angle(&s->view[0].yaw_rad, argv[++i]))
+                return false;
+        } else if (strcmp(argv[i], "--pitch") == 0 && has_value) {
+            s->view_count = 1;
+            if (!read_angle(&s->view[0].pitch_rad, argv[++i]))
+                return false;
+        } else if (!s->path && argv[i][0] != '-') {
+            s->path = argv[i];
+        } else {
+            return false;
+        }
+    }
+    return s->path && (s->out_path || s->has_poses);
+}
+
+/* ---- the rig ---- */
+
+static void use_usual_views(showing *s)
+{
+    const float quarter = (float)(35.0 * radian_per_degree),
+                side = (float)(90.0 * radian_per_degree);
+    s->view[0] = (rigpicture_view){0.0f, 0.0f};
+    s->view[1] = (rigpicture_view){quarter, 0.14f};
+    s->view[2] = (rigpicture_view){side, 0.0f};
+    s->view_count = 3;
+}
+
+static mrt_result show_rig(showing *s, const face_file *f, error *err)
+{
+    binding b;
+    if (s->view_count == 0)
+        use_usual_views(s);
+    mrt_result result = binding_create(&b, f->rig, &f->mesh, &f->topology, err);
+    if (result < 0)
+        return result;
+    char typed[1024];
+    command_typed(typed, sizeof typed);
+    const rigpicture_about about = {typed, s->look.width, s->look.height};
+    result =
+        rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, &about, err);
+    binding_destroy(&b);
+    if (result >= 0)
+        terminal_print("wrote %s: %u bones, %u contacts, %u views\n", s->out_path,
+                       f->rig->bone_count, f->rig->contact_count, s->view_count);
+    return result;
+}
+
+/* ---- its poses ---- */
+
+static mrt_result print_poses(rig_poses_stage *stage, rigportraits_frame *frame, error *err)
+{
+    for (uint32_t i = 0; i < stage->rig->pose_count; ++i) {
+        mrt_result result = rig_poses_show(stage, i, err);
+        if (result < 0)
+            return result;
+        if (i < RIGPORTRAITS_MAX)
+            rigportraits_frame_add(frame, stage->position, stage->mesh->vertex_count);
+        rig_poses_measure m = rig_poses_measured(stage);
+        terminal_print(
+            "%-20s least determinant %6.3f   penetration %.2f mm   furthest %.1f mm (vertex "
+            "%u)%s\n",
+            stage->rig->pose[i].name, m.least_determinant, m.penetration_mm, m.furthest_mm,
+            m.furthest_vertex, m.least_determinant > 0.0 ? "" : "   FOLDS");
+    }
+    return MRT_OK;
+}
+
+static mrt_result draw_poses(const showing *s, rig_poses_stage *stage,
+                             const rigportraits_frame *frame, error *err)
+{
+    char title[256], typed[1024];
+    command_typed(typed, sizeof typed);
+    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, stage->rig->pose_count);
+    const rigportraits_about about = {title, typed, s->look.width, s->look.height};
+    mrt_result result = rigportraits_write(s->out_path, stage, frame, &about, err);
+    if (result < 0)
+        return result;
+    if (stage->rig->pose_count > RIGPORTRAITS_MAX)
+        terminal_print("wrote %s: the first %d of %u poses\n", s->out_path, RIGPORTRAITS_MAX,
+                       stage->rig->pose_count);
+    else
+        terminal_print("wrote %s: %u poses\n", s->out_path, stage->rig->pose_count);
+    return result;
+}
+
+static mrt_result show_poses(const showing *s, const face_file *f, error *err)
+{
+    rig_poses_stage stage;
+    if (f->rig->pose_count == 0)
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s: $.poses is empty: no poses to show; write some, as rigs/README.md says", s->path);
+    mrt_result result = rig_poses_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
+    if (result < 0)
+        return result;
+    rigportraits_frame frame =
+        rigportraits_frame_empty(s->view_count > 0 ? s->view[0] : rigportraits_usual_view());
+    result = print_poses(&stage, &frame, err);
+    if (result >= 0 && s->out_path)
+        result = draw_poses(s, &stage, &frame, err);
+    rig_poses_stage_finish(&stage);
+    return result;
+}
+
+static mrt_result show(showing *s, error *err)
+{
+    face_file f;
+    mrt_result result = face_file_read(&f, s->path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+    if (result < 0)
+        return result;
+    if (!f.rig)
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "%s: is a mesh; marotte rig new drafts a rig for it", s->path);
+    else
+        result = s->has_poses ? show_poses(s, &f, err) : show_rig(s, &f, err);
+    face_file_destroy(&f);
+    return result;
+}
+
+static int rigshow_run(int argc, char **argv)
+{
+    showing s = {0};
+    error err = {""};
+    if (!read_show_options(&s, argc, argv))
+        return command_usage(
+            &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
+                          "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
+                          "poses (then --out may be left away)");
+    return show(&s, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+}
+
+/* ---- the command ---- */
 
 static int run(int argc, char **argv)
 {

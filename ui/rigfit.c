@@ -1,5 +1,8 @@
 /* marotte rig fit: can this rig make these faces? */
-#include "rig.h"
+#include "rigfit.h"
+
+#include "base/json.h"
+#include "terminal.h"
 
 #include "base/text.h"
 #include "face/fit.h"
@@ -284,16 +287,16 @@ static means summarise(const fitting *f)
 
 static void print_row(const char *name, const double value[7])
 {
-    printf("%-24.24s %9.3f %9.2f %9.3f %9.3f %9.3f %9.3f %9.2f\n", name, value[0], value[1],
-           value[2], value[3], value[4], value[5], value[6]);
+    terminal_print("%-24.24s %9.3f %9.2f %9.3f %9.3f %9.3f %9.3f %9.2f\n", name, value[0], value[1],
+                   value[2], value[3], value[4], value[5], value[6]);
 }
 
 static void print_text(const fitting *f)
 {
-    printf("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "", "residual", "worst", "rigid", "inside",
-           "least", "paper's", "paper's");
-    printf("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "target", "", "mm", "mm", "mm", "jacobian",
-           "residual", "rigid mm");
+    terminal_print("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "", "residual", "worst", "rigid",
+                   "inside", "least", "paper's", "paper's");
+    terminal_print("%-24s %9s %9s %9s %9s %9s %9s %9s\n", "target", "", "mm", "mm", "mm",
+                   "jacobian", "residual", "rigid mm");
     double paper_rigid_mm = 0.0;
     for (uint32_t i = 0; i < f->result_count; ++i) {
         const fit_result *one = &f->result[i];
@@ -315,10 +318,10 @@ static json_t *result_to_json(const fitting *f, const fit_result *one)
     for (uint32_t i = 0; i < f->contact_count; ++i)
         json_object_set_new(pulls, f->face.rig->contact[f->contact[i]].name,
                             json_pack("[fff]", one->pull[i].x, one->pull[i].y, one->pull[i].z));
-    return json_pack("{ss, sf, sf, sf, sf, sf, sf, sf, so}", "name", one->name, "relative_residual",
-                     one->relative_residual, "worst_mm", one->worst_mm, "rigid_motion_mm",
-                     one->rigid_motion_mm, "penetration_mm", one->penetration_mm, "min_determinant",
-                     one->min_determinant, "paper_residual", one->paper_residual,
+    return json_pack("{so, sf, sf, sf, sf, sf, sf, sf, so}", "name", json_text(one->name),
+                     "relative_residual", one->relative_residual, "worst_mm", one->worst_mm,
+                     "rigid_motion_mm", one->rigid_motion_mm, "penetration_mm", one->penetration_mm,
+                     "min_determinant", one->min_determinant, "paper_residual", one->paper_residual,
                      "paper_rigid_motion_mm", one->paper_rigid_motion_mm, "pulls_mm", pulls);
 }
 
@@ -328,12 +331,12 @@ static void print_json(const fitting *f)
     for (uint32_t i = 0; i < f->result_count; ++i)
         json_array_append_new(list, result_to_json(f, &f->result[i]));
     means all = summarise(f);
-    json_t *out =
-        json_pack("{ss, ss, si, so, sf, sf, sf, sf, sf, sf}", "rig", f->rig_path, "targets_file",
-                  f->targets_path, "contacts", (int)f->contact_count, "targets", list,
-                  "mean_relative_residual", all.residual, "mean_paper_residual", all.paper_residual,
-                  "worst_mm", all.worst_mm, "worst_rigid_motion_mm", all.rigid_mm,
-                  "worst_penetration_mm", all.penetration_mm, "min_determinant", all.determinant);
+    json_t *out = json_pack(
+        "{so, so, si, so, sf, sf, sf, sf, sf, sf}", "rig", json_text(f->rig_path), "targets_file",
+        json_text(f->targets_path), "contacts", (int)f->contact_count, "targets", list,
+        "mean_relative_residual", all.residual, "mean_paper_residual", all.paper_residual,
+        "worst_mm", all.worst_mm, "worst_rigid_motion_mm", all.rigid_mm, "worst_penetration_mm",
+        all.penetration_mm, "min_determinant", all.determinant);
     json_dumpf(out, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     putchar('\n');
     json_decref(out);
@@ -346,8 +349,8 @@ static void print_suggestion(const fitting *f)
         json_array_append_new(list, json_integer((json_int_t)f->suggested[i]));
     for (uint32_t i = 0; !f->as_json && i < f->suggested_count; ++i) {
         const float *p = f->face.mesh.position + (size_t)f->suggested[i] * 3;
-        printf("suggested  vertex %6u at (%6.1f, %6.1f, %6.1f) mm\n", f->suggested[i], (double)p[0],
-               (double)p[1], (double)p[2]);
+        terminal_print("suggested  vertex %6u at (%6.1f, %6.1f, %6.1f) mm\n", f->suggested[i],
+                       (double)p[0], (double)p[1], (double)p[2]);
     }
     if (f->as_json) {
         json_t *out = json_pack("{sO}", "suggested_vertices", list);

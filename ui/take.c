@@ -1,12 +1,578 @@
-/* marotte take: work on takes. Finds the subcommand, opens its show, says what came of it. */
 #include "take.h"
 
 #include "base/cancel.h"
-#include "place.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "base/installed.h"
+#include "take/edit_store.h"
 
+#include <getopt.h>
+#include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- the command line ---- */
+
+enum { OPTION_FIRST = 256 };
+
+static const struct {
+    const char *name;
+    bool has_value;
+} options[TAKE_OPTION_COUNT] = {
+    [TAKE_JSON] = {"json", false},
+    [TAKE_IN] = {"in", true},
+    [TAKE_OUT] = {"out", true},
+    [TAKE_AT] = {"at", true},
+    [TAKE_CLIP] = {"clip", true},
+    [TAKE_LAYER] = {"layer", true},
+    [TAKE_TO] = {"to", true},
+    [TAKE_SPEED] = {"speed", true},
+    [TAKE_POINTS] = {"points", true},
+    [TAKE_OFF] = {"off", false},
+    [TAKE_FADE] = {"fade", true},
+    [TAKE_FADE_IN] = {"fade-in", true},
+    [TAKE_FADE_OUT] = {"fade-out", true},
+    [TAKE_GAIN] = {"gain", true},
+    [TAKE_OFFSET] = {"offset", true},
+    [TAKE_LENGTH] = {"length", true},
+    [TAKE_RIPPLE] = {"ripple", false},
+    [TAKE_OWN] = {"own", true},
+    [TAKE_PLACE] = {"place", true},
+    [TAKE_REGION] = {"region", true},
+    [TAKE_FROM] = {"from", true},
+    [TAKE_SOURCE] = {"source", true},
+    [TAKE_SCENE] = {"scene", true},
+    [TAKE_SHOT] = {"shot", true},
+    [TAKE_NUMBER] = {"number", true},
+    [TAKE_START] = {"start", true},
+    [TAKE_FPS] = {"fps", true},
+    [TAKE_LAST] = {"last", true},
+    [TAKE_FACE] = {"face", true},
+    [TAKE_MAP] = {"map", true},
+    [TAKE_CALIBRATION] = {"calibration", true},
+    [TAKE_HAND_LENGTH] = {"hand-length", true},
+    [TAKE_FILTER] = {"filter", true},
+    [TAKE_EXPORT] = {"export", true},
+    [TAKE_WAV] = {"wav", false},
+    [TAKE_TOLERANCE] = {"tolerance", true},
+    [TAKE_MAX_TARGETS] = {"max-targets", true},
+    [TAKE_CSV] = {"csv", true},
+    [TAKE_TRACK] = {"track", true},
+    [TAKE_HASH_OPTION] = {"hash", false},
+    [TAKE_STEPS] = {"steps", true},
+    [TAKE_INPUT] = {"input", true},
+    [TAKE_PREROLL] = {"preroll", true},
+    [TAKE_COUNT_IN] = {"count-in", true},
+    [TAKE_PASSES] = {"passes", true},
+    [TAKE_NAME_OPTION] = {"name", true},
+    [TAKE_REALTIME] = {"realtime", false},
+    [TAKE_REZERO_PEDAL] = {"rezero-pedal", true},
+    [TAKE_SIZE] = {"size", true},
+    [TAKE_VIEW] = {"view", true},
+    [TAKE_MIRROR] = {"mirror", false},
+    [TAKE_BACKGROUND] = {"background", true},
+};
+
+const char *take_option_name(take_option option)
+{
+    return options[option].name;
+}
+
+static int misused(const take_verb *verb, const char *what, const char *text)
+{
+    fprintf(stderr, "marotte take %s: \"%s\" %s (marotte take %s --help)\n", verb->name, text, what,
+            verb->name);
+    return COMMAND_USAGE;
+}
+
+static int add_export(take_call *out, const char *path)
+{
+    exports_file file = {path, exports_format_of(path)};
+    if (strcmp(file_extension_of(path).text, "wav") == 0) {
+        out->wav = path;
+        return COMMAND_DONE;
+    }
+    if (out->export_count == EXPORTS_MAX)
+        return misused(out->verb, "is one export too many", path);
+    if (file.format == EXPORTS_NONE)
+        return misused(out->verb,
+                       "does not end in .glb, .pc2, .mdd, .csv, .png, .mp4, .wav or / (a folder)",
+                       path);
+    out->exports[out->export_count++] = file;
+    return COMMAND_DONE;
+}
+
+static int add_calibration(take_call *out, const char *path)
+{
+    if (out->calibration_count == TAKE_CALIBRATIONS_MAX)
+        return misused(out->verb, "is one calibration too many: one per hand", path);
+    out->calibration[out->calibration_count++] = path;
+    return COMMAND_DONE;
+}
+
+static int add_input(take_call *out, const char *spec)
+{
+    if (out->input_count == TAKE_INPUTS_MAX)
+        return misused(out->verb, "is one input too many", spec);
+    out->input[out->input_count++] = spec;
+    return COMMAND_DONE;
+}
+
+static int take_one(take_call *out, take_option option, const char *value)
+{
+    if (option == TAKE_EXPORT)
+        return add_export(out, value);
+    if (option == TAKE_CALIBRATION)
+        return add_calibration(out, value);
+    if (option == TAKE_INPUT)
+        return add_input(out, value);
+    if (out->text[option] && value)
+        return misused(out->verb, "was given twice", options[option].name);
+    out->text[option] = value ? value : "";
+    return COMMAND_DONE;
+}
+
+/* "SHOW TAKE [VALUE]": so many must be there, so many may be. */
+static void count_words(const char *words, uint32_t *out_least, uint32_t *out_most)
+{
+    *out_least = *out_most = 0;
+    for (const char *at = words; *at; at += strcspn(at, " "), at += *at == ' ') {
+        *out_most += 1;
+        *out_least += *at != '[';
+    }
+}
+
+static int take_words(take_call *out, int argc, char **argv)
+{
+    uint32_t least, most;
+    count_words(out->verb->words, &least, &most);
+    for (int i = optind; i < argc; ++i) {
+        if (out->word_count == most)
+            return misused(out->verb, "is not expected here", argv[i]);
+        out->word[out->word_count++] = argv[i];
+    }
+    if (out->word_count >= least)
+        return COMMAND_DONE;
+    fprintf(stderr, "marotte take %s: say %s (marotte take %s --help)\n", out->verb->name,
+            out->verb->words, out->verb->name);
+    return COMMAND_USAGE;
+}
+
+static uint32_t list_options(struct option *out, const take_verb *verb)
+{
+    uint32_t count = 0;
+    for (int i = 0; i < TAKE_OPTION_COUNT; ++i)
+        if (i == TAKE_JSON || verb->options & TAKE_BIT(i))
+            out[count++] = (struct option){options[i].name,
+                                           options[i].has_value ? required_argument : no_argument,
+                                           NULL, OPTION_FIRST + i};
+    out[count] = (struct option){NULL, 0, NULL, 0};
+    return count;
+}
+
+/* argv[0]: the subcommand's name. COMMAND_DONE, or COMMAND_USAGE after saying why. */
+static int take_options_read(take_call *out, const take_verb *verb, int argc, char **argv)
+{
+    struct option known[TAKE_OPTION_COUNT + 1];
+    *out = (take_call){.verb = verb};
+    (void)list_options(known, verb);
+    int code = COMMAND_DONE, option;
+    opterr = 0;
+    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", known, NULL)) != -1) {
+        if (option == ':')
+            code = misused(verb, "needs a value", argv[optind - 1]);
+        else if (option == '?')
+            code = misused(verb, "is no option of it", argv[optind - 1]);
+        else
+            code = take_one(out, (take_option)(option - OPTION_FIRST), optarg);
+    }
+    return code == COMMAND_DONE ? take_words(out, argc, argv) : code;
+}
+
+/* ---- what was asked for, as numbers, times and rates ---- */
+
+mrt_result take_misused(take_call *call, error *err, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(err->text, sizeof err->text, format, arguments);
+    va_end(arguments);
+    call->is_usage = true;
+    return MRT_ERR_ARGUMENT;
+}
+
+mrt_result take_need(take_call *call, take_option option, error *err)
+{
+    if (call->text[option])
+        return MRT_OK;
+    return take_misused(call, err, "--%s is missing", take_option_name(option));
+}
+
+mrt_result take_number_of(take_call *call, const char *what, const char *text, double least,
+                          double most, double *out, error *err)
+{
+    if (text_double(text_view_of(text, strlen(text)), out) && *out >= least && *out <= most)
+        return MRT_OK;
+    return take_misused(call, err, "%s \"%s\" is not a number from %g to %g", what, text, least,
+                        most);
+}
+
+mrt_result take_number(take_call *call, take_option option, double least, double most, double *out,
+                       error *err)
+{
+    char what[32];
+    if (!call->text[option])
+        return MRT_OK;
+    (void)snprintf(what, sizeof what, "--%s", take_option_name(option));
+    return take_number_of(call, what, call->text[option], least, most, out, err);
+}
+
+/* ---- rates ---- */
+
+mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err)
+{
+    const char *text = call->text[TAKE_FPS];
+    double fps = t && t->fps > 0.0 ? t->fps : 30.0;
+    if (!text) {
+        mrt_result result = timecode_rate_of(out, fps, err);
+        if (result >= 0)
+            out->is_drop = t && t->is_drop_frame && timecode_can_drop(*out);
+        return result;
+    }
+    if (timecode_rate_parse(out, text, err) >= 0)
+        return MRT_OK;
+    char why[sizeof err->text / 2];
+    (void)snprintf(why, sizeof why, "%.500s", err->text);
+    return take_misused(call, err, "--fps: %s", why);
+}
+
+/* Frames in a second of labels. */
+static int64_t nominal(timecode_rate rate)
+{
+    return ((int64_t)rate.num + rate.den - 1) / rate.den;
+}
+
+/* The same hours, minutes and seconds, and as much of the second, at another rate. */
+static int64_t relabel(timecode_rate from, timecode_rate to, int64_t frame)
+{
+    char text[TIMECODE_TEXT + 32];
+    long long hours, minutes, seconds, frames;
+    int64_t out;
+    error ignored = {""};
+    timecode_write(text, from, frame);
+    if (sscanf(text, "%lld:%lld:%lld%*[:;]%lld", &hours, &minutes, &seconds, &frames) != 4)
+        return frame;
+    frames = frames * nominal(to) / nominal(from);
+    for (; frames < nominal(to); ++frames) { /* drop-frame leaves labels out */
+        (void)snprintf(text, sizeof text, "%02lld:%02lld:%02lld%c%02lld", hours, minutes, seconds,
+                       to.is_drop ? ';' : ':', frames);
+        if (timecode_parse(&out, to, text, &ignored) >= 0)
+            return out;
+    }
+    return frame;
+}
+
+int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame)
+{
+    timecode_rate own = rate;
+    error ignored = {""};
+    if (t->timecode_frame == 0 || !(t->fps > 0.0) || timecode_rate_of(&own, t->fps, &ignored) < 0)
+        return t->timecode_frame + frame;
+    own.is_drop = t->is_drop_frame && timecode_can_drop(own);
+    bool is_same = own.num == rate.num && own.den == rate.den && own.is_drop == rate.is_drop;
+    return (is_same ? t->timecode_frame : relabel(own, rate, t->timecode_frame)) + frame;
+}
+
+/* ---- times ---- */
+
+static mrt_result time_of_label(take_call *call, const char *text, const take *t, int64_t *out,
+                                error *err)
+{
+    timecode_rate rate;
+    int64_t frame;
+    if (!call->text[TAKE_FPS] && !(t->fps > 0.0))
+        return take_misused(call, err,
+                            "\"%s\" is time code, and the take has no frame rate: --fps N, or "
+                            "first marotte take timecode SHOW TAKE --fps N",
+                            text);
+    mrt_result result = take_rate(call, t, &rate, err);
+    if (result < 0)
+        return result;
+    rate.is_drop = strchr(text, ';') != NULL && timecode_can_drop(rate);
+    if (timecode_parse(&frame, rate, text, err) < 0) {
+        call->is_usage = true;
+        return MRT_ERR_ARGUMENT;
+    }
+    *out = timecode_time_ns(rate, frame - take_label_frame(t, rate, 0));
+    return MRT_OK;
+}
+
+mrt_result take_time_of(take_call *call, const char *what, const char *text, const take *t,
+                        int64_t *out, error *err)
+{
+    double seconds;
+    if (strchr(text, ':') || strchr(text, ';'))
+        return time_of_label(call, text, t, out, err);
+    mrt_result result = take_number_of(call, what, text, -1e6, 1e6, &seconds, err);
+    if (result >= 0)
+        *out = llround(seconds * 1e9);
+    return result;
+}
+
+mrt_result take_time(take_call *call, take_option option, const take *t, int64_t *out, error *err)
+{
+    char what[32];
+    if (!call->text[option])
+        return MRT_OK;
+    (void)snprintf(what, sizeof what, "--%s", take_option_name(option));
+    return take_time_of(call, what, call->text[option], t, out, err);
+}
+
+/* ---- the show, and what in it is meant ---- */
+
+take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
+{
+    take_name out;
+    (void)snprintf(out.text, sizeof out.text, "%s%s%s%s%u", scene, scene[0] ? "/" : "", shot,
+                   shot[0] ? "/" : "", number);
+    return out;
+}
+
+mrt_result take_open_show(take_call *call, error *err)
+{
+    static const show_mode modes[] = {
+        [TAKE_READS] = SHOW_READ, [TAKE_WRITES] = SHOW_WRITE, [TAKE_RECORDS] = SHOW_RECORD};
+    const show_mode mode = modes[call->verb->use];
+    const bool writes = mode != SHOW_READ;
+    mrt_result result = show_open(&call->show, call->word[0], mode, err);
+    if (result < 0)
+        return result;
+    if (mode != SHOW_RECORD)
+        show_limit_work(call->show);
+    const char *notice = show_notice(call->show);
+    if (writes && !show_is_writable(call->show))
+        return error_set(err, MRT_ERR_IO, "%s", notice);
+    if (notice[0])
+        fprintf(stderr, "note: %s\n", notice);
+    return MRT_OK;
+}
+
+/* ---- which take ---- */
+
+static void list_ids(char *out, size_t capacity, const show_take *takes, size_t count)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < count && used + 24 < capacity; ++i)
+        used += (size_t)snprintf(out + used, capacity - used, "%s%lld", i ? ", " : "",
+                                 (long long)takes[i].id);
+}
+
+/* The slate is an edit away from how the take was made. */
+static bool has_slate(take_call *call, const show_take *of, const char *text)
+{
+    take t;
+    error ignored = {""};
+    mrt_result result = edit_store_take_of(&t, call->show, of, &ignored);
+    bool is_named =
+        result >= 0 && strcmp(take_slate_text(t.scene, t.shot, t.number).text, text) == 0;
+    take_finish(&t);
+    return is_named;
+}
+
+static int64_t find_among(take_call *call, const char *text, const show_take *takes, size_t count)
+{
+    int64_t id;
+    if (count > 0 && strcmp(text, "last") == 0)
+        return takes[count - 1].id;
+    if (text_int(text_view_of(text, strlen(text)), &id)) {
+        for (size_t i = 0; i < count; ++i)
+            if (takes[i].id == id)
+                return id;
+        return 0;
+    }
+    for (size_t i = count; strchr(text, '/') && i-- > 0;)
+        if (has_slate(call, &takes[i], text))
+            return takes[i].id;
+    return 0;
+}
+
+mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *err)
+{
+    show_take *takes;
+    size_t count;
+    mrt_result result = show_takes(call->show, &takes, &count, err);
+    if (result < 0)
+        return result;
+    *out_id = find_among(call, text, takes, count);
+    char ids[200];
+    list_ids(ids, sizeof ids, takes, count);
+    free(takes);
+    if (*out_id)
+        return MRT_OK;
+    if (count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: has no takes yet: marotte perform --record %s",
+                         call->word[0], call->word[0]);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s: has no take \"%.80s\": there are %s; \"last\" or SCENE/SHOT/NUMBER are "
+                     "possible too",
+                     call->word[0], text, ids);
+}
+
+mrt_result take_read(take_call *call, const char *text, take *out, error *err)
+{
+    int64_t id;
+    *out = (take){0};
+    mrt_result result = take_find(call, text, &id, err);
+    if (result < 0)
+        return result;
+    error why = {""};
+    result = edit_store_take(out, call->show, id, &why);
+    if (result >= 0)
+        return MRT_OK;
+    if (out->id == 0)
+        return error_set(err, result, "%s", why.text);
+    fprintf(stderr, "warning: take %lld: %s; what was before that edit is used\n", (long long)id,
+            why.text);
+    return MRT_OK;
+}
+
+/* ---- which clip, which layer ---- */
+
+static mrt_result id_of(take_call *call, take_option option, uint32_t *out, error *err)
+{
+    double number = 0.0;
+    mrt_result result = take_number(call, option, 1, 4e9, &number, err);
+    *out = (uint32_t)number;
+    return result;
+}
+
+static bool is_at(const take_layer *layer, const take_clip *c, int64_t at_ns)
+{
+    return at_ns == EDIT_UNSAID ||
+           (c->start_ns + layer->offset_ns <= at_ns && at_ns < c->end_ns + layer->offset_ns);
+}
+
+mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_t *out, error *err)
+{
+    uint32_t count = 0;
+    if (call->text[TAKE_CLIP])
+        return id_of(call, TAKE_CLIP, out, err);
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            if (is_at(&t->layer[i], &t->layer[i].clip[k], at_ns)) {
+                *out = t->layer[i].clip[k].id;
+                count += 1;
+            }
+    if (count == 1)
+        return MRT_OK;
+    if (count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld shows no clip%s", (long long)t->id,
+                         at_ns == EDIT_UNSAID ? "" : " at that instant");
+    return take_misused(call, err,
+                        "take %lld shows %u clips%s: --clip N says which (marotte take show)",
+                        (long long)t->id, count, at_ns == EDIT_UNSAID ? "" : " at that instant");
+}
+
+mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err)
+{
+    const char *text = call->text[TAKE_LAYER];
+    if (!text && t->layer_count == 1) {
+        *out = t->layer[0].id;
+        return MRT_OK;
+    }
+    if (!text)
+        return take_misused(call, err, "take %lld has %u layers: --layer N or its name says which",
+                            (long long)t->id, t->layer_count);
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (strcmp(t->layer[i].name, text) == 0) {
+            *out = t->layer[i].id;
+            return MRT_OK;
+        }
+    int64_t id;
+    if (!text_int(text_view_of(text, strlen(text)), &id) || id < 1 || id > UINT32_MAX - 1)
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld has no layer \"%.80s\"",
+                         (long long)t->id, text);
+    *out = (uint32_t)id;
+    return MRT_OK;
+}
+
+/* ---- the subcommands that perform takes, or read what was recorded ---- */
+
+static const take_verb play_verbs[] = {
+    {"record", "SHOW TAKE",
+     "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
+     "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
+     "  --name NAME    of the layer\n"
+     "  --layer L      not a new layer: in place of what that one shows (punch-in)\n"
+     "  --in T, --out T   where it is recorded (from 0, until the performance ends)\n"
+     "  --fade S       cross-fade at both ends, seconds (0.25)\n"
+     "  --count-in S   the take stands still for so long first\n"
+     "  --preroll S    it plays so long before --in\n"
+     "  --passes N     --in to --out again and again: a layer each; the last whole one is heard\n"
+     "  --speed N      of the take, 0.1 to 4 (1)\n"
+     "  --calibration FILE, --rezero-pedal N, --realtime, --face FILE   as in marotte perform\n"
+     "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",
+     "performs over it: another layer, or a punch-in",
+     TAKE_BIT(TAKE_INPUT) | TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_NAME_OPTION) |
+         TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FADE) |
+         TAKE_BIT(TAKE_COUNT_IN) | TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) |
+         TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) |
+         TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
+     TAKE_RECORDS, take_record_run},
+    {"export", "SHOW TAKE",
+     "  --export FILE  .glb .pc2 .mdd .csv .png; .mp4: with its sound and time code; frames/: a\n"
+     "                 folder of pictures; .wav: its sound; may be given many times\n"
+     "  --wav          the sound too, beside the first file\n"
+     "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
+     "  --in T, --out T   a range of it\n"
+     "  --face FILE    on this face (that which it was performed on)\n"
+     "  --tolerance MM, --max-targets N   of glTF, as in marotte perform\n"
+     "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
+     "                 of .mp4, pictures and sheets, as in marotte perform\n",
+     "frames, pictures and sound for other programs",
+     TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
+         TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
+         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
+         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
+     TAKE_READS, take_export_run},
+    {"remap", "SHOW TAKE",
+     "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
+     "  --face FILE       another face\n"
+     "  --calibration FILE   of the performer's glove, one per hand\n"
+     "  --hand-length MM  wrist to middle fingertip\n"
+     "  --filter min_cutoff=HZ,beta=N   another One-Euro filter of the angles\n"
+     "  --scene S, --shot S   of the new take's slate (as the old one's)\n"
+     "The old take stays as it is. Says how far apart the two are.\n",
+     "performs a take anew, as another take",
+     TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CALIBRATION) |
+         TAKE_BIT(TAKE_HAND_LENGTH) | TAKE_BIT(TAKE_FILTER) | TAKE_BIT(TAKE_SCENE) |
+         TAKE_BIT(TAKE_SHOT),
+     TAKE_WRITES, take_remap_run},
+    {"diff", "SHOW TAKE TAKE",
+     "  --region R,R   only these: mouth, jaw, brows, lids, eyes, cheeks, nose, head\n"
+     "  --fps RATE     frames that are compared (the first take's, or 30)\n"
+     "  --in T, --out T   a range\n"
+     "  --face FILE    both on this face\n"
+     "  --csv FILE     mm of each region at each frame\n"
+     "A vertex belongs to the region of the contact that is nearest, within the rig's radius.\n",
+     "how far apart two takes move the face",
+     TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) |
+         TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CSV),
+     TAKE_READS, take_diff_run},
+    {"log", "SHOW TAKE",
+     "  --track N      which one (marotte take show); not needed where there is one\n"
+     "  --out FILE.csv\n"
+     "The table is that of plugins/log/README.md: --input log:FILE.csv performs it.\n",
+     "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
+     take_log_run},
+};
+const take_verbs take_play_verbs = {"Perform over, perform anew, compare, export", play_verbs,
+                                    sizeof play_verbs / sizeof play_verbs[0]};
+
+/* ---- the command ---- */
 
 static const take_verbs *const groups[] = {&take_file_verbs, &take_edit_verbs, &take_layer_verbs,
                                            &take_audio_verbs, &take_play_verbs};
@@ -91,7 +657,7 @@ static int run_call(take_call *call)
 {
     error err = {""};
     const char *named = call->text[TAKE_FACE];
-    char *found = named ? place_face(named) : NULL;
+    char *found = named ? installed_face(named) : NULL;
     if (found)
         call->text[TAKE_FACE] = found;
     call->told = facts_create(call->text[TAKE_JSON] != NULL);

@@ -1,6 +1,6 @@
 /* take.h - what the subcommands of `marotte take` share: the table of them, their command line, the
- * show and take that they work on, and times as a person writes them. One file per subject
- * (take_*.c). [main] */
+ * show and take that they work on, and times as a person writes them. take_edit.c edits takes,
+ * take_show.c reads shows, take_export.c, take_record.c and take_diff.c perform takes. [main] */
 #ifndef MAROTTE_UI_TAKE_H
 #define MAROTTE_UI_TAKE_H
 #include "command.h"
@@ -9,7 +9,7 @@
 #include "take/show.h"
 #include "take/timecode.h"
 
-/* Every option of every subcommand; take_options.c has their names. */
+/* Every option of every subcommand; take.c has their names. */
 typedef enum take_option {
     TAKE_JSON = 0,
     TAKE_IN,
@@ -110,16 +110,13 @@ typedef struct take_verbs {
     const take_verb *verb;
     uint32_t count;
 } take_verbs;
-extern const take_verbs take_edit_verbs, take_layer_verbs, take_file_verbs, take_play_verbs,
-    take_audio_verbs;
+extern const take_verbs take_edit_verbs, take_layer_verbs, take_file_verbs, take_audio_verbs;
 
-/* ---- take_options.c ---- */
+/* ---- the command line ---- */
 
-/* argv[0]: the subcommand's name. COMMAND_DONE, or COMMAND_USAGE after saying why. */
-int take_options_read(take_call *out, const take_verb *verb, int argc, char **argv);
 const char *take_option_name(take_option option); /* "in" */
 
-/* ---- take_words.c: what was asked for, as numbers ---- */
+/* ---- what was asked for, as numbers ---- */
 
 /* Wrong usage: exit code 2. */
 __attribute__((format(printf, 3, 4))) mrt_result take_misused(take_call *call, error *err,
@@ -141,7 +138,7 @@ CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out,
  * label of the start is kept: the same hours, minutes and seconds. */
 int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
 
-/* ---- take_find.c: the show and what is in it ---- */
+/* ---- the show and what is in it ---- */
 
 CHECKED mrt_result take_open_show(take_call *call, error *err);
 /* "3", "last", "scene/shot/2". */
@@ -160,5 +157,18 @@ typedef struct take_name {
 } take_name;
 take_name take_slate_text(const char *scene, const char *shot,
                           uint32_t number); /* "1/a/2"; without what is "" */
+
+/* ---- subcommands of take.c's own table ---- */
+
+CHECKED mrt_result take_check_run(take_call *call, error *err);
+CHECKED mrt_result take_diff_run(take_call *call, error *err);
+CHECKED mrt_result take_export_run(take_call *call, error *err);
+CHECKED mrt_result take_record_run(take_call *call, error *err);
+CHECKED mrt_result take_log_run(take_call *call, error *err);
+CHECKED mrt_result take_remap_run(take_call *call, error *err);
+CHECKED mrt_result take_show_run(take_call *call, error *err);
+
+/* How far apart two takes move the face, by regions, and when most. */
+CHECKED mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err);
 
 #endif

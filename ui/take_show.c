@@ -1,13 +1,17 @@
-/* marotte take show: what a take is made of. */
-#include "take/edit_store.h"
+/* Subcommands that read shows. */
+#include "base/program.h"
+#include "base/cancel.h"
 #include "base/clock.h"
+#include "take.h"
+#include "take/edit_store.h"
 #include "take/hash.h"
-#include "take_play.h"
 #include "take_stage.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- take show: what a take is made of ---- */
 
 static double seconds(int64_t time_ns)
 {
@@ -290,4 +294,394 @@ mrt_result take_show_run(take_call *call, error *err)
         result = tell_events(call, &t, err);
     take_finish(&t);
     return result < 0 || !call->text[TAKE_HASH_OPTION] ? result : tell_hash(call, err);
+}
+
+/* ---- a show as a whole: what is in it, what is made of what was not recorded on purpose, what can
+ * be saved of a damaged one ---- */
+
+/* ---- list ---- */
+
+static void tell_row(take_call *call, const show_take *made, const take *t, const char *problem)
+{
+    char label[24], line[512], stars[8] = "";
+    for (uint32_t i = 0; i < t->rating && i < 5; ++i)
+        stars[i] = '*';
+    take_name slate = take_slate_text(t->scene, t->shot, t->number);
+    (void)snprintf(label, sizeof label, "take %lld", (long long)made->id);
+    (void)snprintf(line, sizeof line, "%s  %.2f s%s%s%s%s%s%s%s%s", slate.text,
+                   (double)t->duration_ns / 1e9, stars[0] ? "  " : "", stars,
+                   t->name[0] ? "  " : "", t->name, t->audio.audio ? "  with sound" : "",
+                   t->is_deleted ? "  deleted" : "", t->is_recording ? "  being recorded" : "",
+                   problem[0] ? "  damaged" : "");
+    const facts_cell cells[] = {{"id", NULL, (double)made->id, 0},
+                                {"slate", slate.text, 0, 0},
+                                {"name", t->name, 0, 0},
+                                {"duration_s", NULL, (double)t->duration_ns / 1e9, 9},
+                                {"rating", NULL, t->rating, 0},
+                                {"origin", t->origin, 0, 0},
+                                {"layers", NULL, t->layer_count, 0},
+                                {"edits", NULL, made->edit_head, 0},
+                                {"deleted", NULL, t->is_deleted, -1},
+                                {"recording", NULL, t->is_recording, -1},
+                                {"problem", problem, 0, 0}};
+    facts_row(call->told, "takes", label, line, cells, sizeof cells / sizeof cells[0]);
+}
+
+static mrt_result run_list(take_call *call, error *err)
+{
+    show_take *takes;
+    size_t count;
+    mrt_result result = show_look_begin(call->show, err);
+    if (result >= 0)
+        result = show_takes(call->show, &takes, &count, err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+        take t;
+        error problem = {""};
+        if (edit_store_take_of(&t, call->show, &takes[i], &problem) < 0 && !problem.text[0])
+            (void)error_set(&problem, MRT_ERR_FORMAT, "damaged");
+        tell_row(call, &takes[i], &t, problem.text);
+        take_finish(&t);
+    }
+    show_look_end(call->show);
+    facts_number(call->told, "take_count", "takes", (double)count, 0, "");
+    free(takes);
+    return cancel_check(err);
+}
+
+/* ---- keep ---- */
+
+typedef struct keep {
+    int64_t from_ns, to_ns;
+    show_span *span;
+    size_t count;
+} keep;
+
+/* What was performed live in that time; the first pass finds where it ends. */
+static mrt_result visit(take_call *call, const int64_t *ids, size_t count, keep *out, error *err)
+{
+    for (size_t i = 0; i < count; ++i) {
+        show_performance of;
+        mrt_result result = show_performance_read(call->show, ids[i], &of, err);
+        if (result < 0)
+            return result;
+        bool is_live = of.performance.again.of == 0;
+        int64_t from_ns = of.from_ns, to_ns = of.to_ns;
+        show_performance_finish(&of);
+        if (!is_live)
+            continue;
+        if (!out->span) {
+            out->to_ns = to_ns > out->to_ns ? to_ns : out->to_ns;
+            continue;
+        }
+        from_ns = from_ns > out->from_ns ? from_ns : out->from_ns;
+        if (from_ns < to_ns)
+            out->span[out->count++] = (show_span){
+                .performance = ids[i], .from_ns = from_ns, .to_ns = to_ns, .is_shown = true};
+    }
+    return MRT_OK;
+}
+
+/* One performance goes on at a time, but recordings that are performed faster than life lie over
+ * each other: the newer one is kept, and of the older what came before it. */
+static void keep_one_at_a_time(keep *out)
+{
+    size_t left = out->count;
+    int64_t newer_ns = INT64_MAX;
+    for (size_t i = out->count; i-- > 0;) {
+        show_span span = out->span[i];
+        span.to_ns = span.to_ns < newer_ns ? span.to_ns : newer_ns;
+        if (span.from_ns >= span.to_ns)
+            continue;
+        newer_ns = span.from_ns;
+        out->span[--left] = span;
+    }
+    out->count -= left;
+    memmove(out->span, out->span + left, out->count * sizeof *out->span);
+}
+
+static mrt_result keep_newest(take_call *call, double seconds, const int64_t *ids, size_t count,
+                              keep *out, error *err)
+{
+    mrt_result result = visit(call, ids, count, out, err);
+    if (result >= 0 && out->to_ns == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: nothing was performed into it yet",
+                         call->word[0]);
+    if (result < 0)
+        return result;
+    out->from_ns = out->to_ns - (int64_t)(seconds * 1e9);
+    out->span = calloc(count + 1, sizeof *out->span);
+    if (!out->span)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a take");
+    result = visit(call, ids, count, out, err);
+    keep_one_at_a_time(out);
+    if (out->count > 0)
+        out->from_ns = out->span[0].from_ns;
+    return result;
+}
+
+static mrt_result run_keep(take_call *call, error *err)
+{
+    double seconds = 30.0;
+    int64_t *ids, id;
+    size_t count;
+    keep kept = {0};
+    mrt_result result = take_number(call, TAKE_LAST, 0.001, 1e6, &seconds, err);
+    if (result >= 0)
+        result = show_performance_ids(call->show, &ids, &count, err);
+    if (result < 0)
+        return result;
+    result = keep_newest(call, seconds, ids, count, &kept, err);
+    free(ids);
+    const show_new_take made = {.created_ns = clock_utc_ms() * 1000000,
+                                .start_ns = kept.from_ns,
+                                .end_ns = kept.to_ns,
+                                .scene = call->text[TAKE_SCENE] ? call->text[TAKE_SCENE] : "",
+                                .shot = call->text[TAKE_SHOT] ? call->text[TAKE_SHOT] : "",
+                                .origin = "kept from the journal",
+                                .spans = kept.span,
+                                .span_count = kept.count};
+    if (result >= 0)
+        result = show_take_create(call->show, &made, &id, err);
+    if (result >= 0) {
+        facts_number(call->told, "take_id", "take id", (double)id, 0, "");
+        facts_number(call->told, "duration_s", "duration",
+                     (double)(kept.to_ns - kept.from_ns) / 1e9, 3, "s");
+    }
+    free(kept.span);
+    return result;
+}
+
+/* ---- recover ---- */
+
+static mrt_result run_recover(take_call *call, error *err)
+{
+    show_recovery report;
+    mrt_result result = take_need(call, TAKE_OUT, err);
+    if (result >= 0)
+        result = show_recover(&report, call->word[0], call->text[TAKE_OUT], err);
+    if (result < 0)
+        return result;
+    facts_number(call->told, "rows", "rows copied", (double)report.row_count, 0, "");
+    facts_number(call->told, "damaged", "damaged, left out", (double)report.damaged_count, 0, "");
+    if (report.is_cut)
+        fprintf(stderr, "warning: %s leads in circles: not all of it was looked at\n",
+                call->word[0]);
+    facts_list(call->told, "files", "wrote", call->text[TAKE_OUT]);
+    return MRT_OK;
+}
+
+static const take_verb file_verbs[] = {
+    {"list", "SHOW", "", "the takes of a show", 0, TAKE_READS, run_list},
+    {"show", "SHOW TAKE",
+     "  --hash         SHA-256 over all vertices of all frames, too\n"
+     "  --fps RATE     of these frames (the take's, or 30)\n"
+     "  --in T, --out T   a range of them\n"
+     "  --face FILE    on this face (that which it was performed on)\n",
+     "what a take is made of",
+     TAKE_BIT(TAKE_HASH_OPTION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_IN) |
+         TAKE_BIT(TAKE_OUT),
+     TAKE_READS, take_show_run},
+    {"keep", "SHOW",
+     "  --last S       so many seconds (30)\n  --scene S, --shot S   of its slate\n",
+     "makes a take of the newest seconds",
+     TAKE_BIT(TAKE_LAST) | TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT), TAKE_WRITES, run_keep},
+    {"check", "SHOW", "Exit code 1 when something is damaged.\n",
+     "reads everything and says what is damaged", 0, TAKE_READS, take_check_run},
+    {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
+     "copies what can be read of a damaged show", TAKE_BIT(TAKE_OUT), TAKE_OPENS_ITSELF,
+     run_recover},
+};
+const take_verbs take_file_verbs = {"The show", file_verbs,
+                                    sizeof file_verbs / sizeof file_verbs[0]};
+
+/* ---- take check: everything is read once ---- */
+
+enum { TOLD_MAX = 100, PIECE_BYTES = 1 << 16 };
+
+typedef struct checking {
+    take_call *call;
+    uint32_t problem_count;
+    uint64_t sample_count;
+    uint64_t audio_frames;
+} checking;
+
+static void note(checking *self, const error *problem)
+{
+    if (self->problem_count++ < TOLD_MAX)
+        facts_list(self->call->told, "problems", "damaged", problem->text);
+}
+
+static mrt_result check_track(checking *self, int64_t id, error *err)
+{
+    show_track of;
+    show_reader *reader = NULL;
+    mrt_sample sample;
+    error problem = {""};
+    mrt_result result = show_track_read(self->call->show, id, &of, &problem);
+    if (result < 0) {
+        note(self, &problem);
+        return MRT_OK;
+    }
+    result = show_reader_open(&reader, self->call->show, id, of.from_ns, of.to_ns, err);
+    show_track_finish(&of);
+    if (result < 0)
+        return result;
+    while ((result = show_reader_next(reader, &sample, &problem)) != MRT_END) {
+        if (result == MRT_OK)
+            self->sample_count += 1;
+        else
+            note(self, &problem);
+        if (result < 0 && (self->problem_count > 100000 || cancel_is_asked()))
+            break;
+    }
+    show_reader_close(reader);
+    return MRT_OK;
+}
+
+static mrt_result check_tracks(checking *self, error *err)
+{
+    int64_t *ids;
+    size_t count;
+    mrt_result result = show_track_ids(self->call->show, &ids, &count, err);
+    if (result < 0)
+        return result;
+    progress_start(&self->call->shown, "reading");
+    for (size_t i = 0; i < count && result >= 0; ++i) {
+        progress_show(&self->call->shown, (double)i / (double)count, "");
+        result = check_track(self, ids[i], err);
+    }
+    progress_end(&self->call->shown);
+    free(ids);
+    facts_number(self->call->told, "tracks", "tracks", (double)count, 0, "");
+    facts_number(self->call->told, "samples", "samples", (double)self->sample_count, 0, "");
+    return result;
+}
+
+static void check_states(checking *self, int64_t performance, int64_t from_ns, int64_t to_ns)
+{
+    error problem = {""};
+    for (int64_t at_ns = to_ns; at_ns >= from_ns;) {
+        show_checkpoint kept;
+        if (show_checkpoint_before(self->call->show, performance, at_ns, 0, &kept, &problem) < 0) {
+            note(self, &problem);
+            return;
+        }
+        if (!kept.bytes)
+            return;
+        bool is_first = kept.time_ns == INT64_MIN;
+        at_ns = is_first ? at_ns : kept.time_ns - 1;
+        show_checkpoint_finish(&kept);
+        if (is_first)
+            return;
+    }
+}
+
+static mrt_result check_performances(checking *self, error *err)
+{
+    int64_t *ids;
+    size_t count;
+    mrt_result result = show_performance_ids(self->call->show, &ids, &count, err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+        show_performance of;
+        error problem = {""};
+        if (show_performance_read(self->call->show, ids[i], &of, &problem) < 0) {
+            note(self, &problem);
+            continue;
+        }
+        check_states(self, ids[i], of.from_ns, of.to_ns);
+        show_performance_finish(&of);
+    }
+    free(ids);
+    facts_number(self->call->told, "performances", "performances", (double)count, 0, "");
+    return MRT_OK;
+}
+
+static mrt_result check_takes(checking *self, error *err)
+{
+    show_take *takes;
+    size_t count;
+    mrt_result result = show_takes(self->call->show, &takes, &count, err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+        take t;
+        error problem = {""};
+        if (edit_store_take_of(&t, self->call->show, &takes[i], &problem) < 0)
+            note(self, &problem);
+        take_finish(&t);
+    }
+    free(takes);
+    facts_number(self->call->told, "takes", "takes", (double)count, 0, "");
+    return MRT_OK;
+}
+
+static void check_sound(checking *self, int64_t id, void *piece)
+{
+    show_audio of;
+    error problem = {""};
+    mrt_result result = show_audio_info(self->call->show, id, &of, &problem);
+    for (int64_t frame = 0; result >= 0 && frame < of.frame_count;) {
+        size_t size = 0;
+        size_t width = of.channel_count * (of.format[1] == '1'   ? 2u
+                                           : of.format[1] == '2' ? 3u
+                                                                 : 4u);
+        result = show_audio_read(self->call->show, id, frame, piece, PIECE_BYTES, &size, &problem);
+        if (result < 0 || size < width || width == 0)
+            break;
+        frame += (int64_t)(size / width);
+        self->audio_frames += size / width;
+    }
+    if (result < 0)
+        note(self, &problem);
+}
+
+static mrt_result check_sounds(checking *self, error *err)
+{
+    int64_t *ids;
+    size_t count;
+    mrt_result result = show_audio_ids(self->call->show, &ids, &count, err);
+    if (result < 0)
+        return result;
+    void *piece = malloc(PIECE_BYTES);
+    for (size_t i = 0; piece && i < count && !cancel_is_asked(); ++i)
+        check_sound(self, ids[i], piece);
+    free(ids);
+    if (!piece)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
+    free(piece);
+    facts_number(self->call->told, "sounds", "sounds", (double)count, 0, "");
+    return MRT_OK;
+}
+
+mrt_result take_check_run(take_call *call, error *err)
+{
+    checking self = {.call = call};
+    mrt_result result = check_tracks(&self, err);
+    if (result >= 0)
+        result = check_performances(&self, err);
+    if (result >= 0)
+        result = check_takes(&self, err);
+    if (result >= 0)
+        result = check_sounds(&self, err);
+    if (result >= 0)
+        result = cancel_check(err);
+    if (result < 0)
+        return result;
+    error whole = {""};
+    if (self.problem_count == 0 && show_check(call->show, &whole) < 0)
+        note(&self, &whole);
+    facts_number(call->told, "problem_count", "damaged places", self.problem_count, 0, "");
+    if (self.problem_count == 0)
+        return MRT_OK;
+    char quoted[1024];
+    program_quote(quoted, sizeof quoted, call->word[0]);
+    call->is_told = true;
+    return error_set(err, MRT_ERR_FORMAT,
+                     "%s is damaged in %u places: marotte take recover %s --out NEW.marotte saves "
+                     "the rest",
+                     call->word[0], self.problem_count, quoted[0] ? quoted : "SHOW");
 }

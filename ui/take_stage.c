@@ -2,7 +2,7 @@
 
 #include "base/cancel.h"
 #include "base/file.h"
-#include "news.h"
+#include "terminal.h"
 #include "take/edit_store.h"
 #include "take/hash.h"
 #include "take/own.h"

@@ -3,6 +3,8 @@
 #include "base/text.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 json_words json_describe(const json_t *value)
 {
@@ -37,4 +39,24 @@ json_words json_describe(const json_t *value)
         break;
     }
     return out;
+}
+
+json_t *json_text(const char *text)
+{
+    char *shown = malloc(strlen(text) + 1), *out = shown;
+    while (shown) {
+        size_t length = strcspn(text, "\n\t");
+        text_copy(out, length + 1, text_view_of(text, length));
+        out += strlen(out);
+        text += length;
+        if (*text == '\0')
+            break;
+        *out++ = *text++;
+    }
+    if (!shown)
+        return NULL;
+    *out = '\0';
+    json_t *value = json_string(shown);
+    free(shown);
+    return value;
 }

@@ -145,4 +145,25 @@ usage 'needs a value' perform --face
 usage 'not expected' perform surplus
 usage 'say what to do' plugin
 usage 'there is no "lits"' plugin lits
+
+# Names that steer a terminal: printed as '?', also in JSON; commands to copy name the same file.
+is_clean() { # what file
+    ! LC_ALL=C grep -qP '\x1b|\xff' "$2" || fail "$1 prints what steers a terminal"
+}
+folder=$scratch/$'steer\e[31m\xff it'
+mkdir "$folder"
+printf 'v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n' >"$folder/head.obj"
+"$MAROTTE" rig new "$folder/head.obj" --unit mm >"$scratch/said" 2>&1 || fail "rig new: $(cat "$scratch/said")"
+is_clean "rig new" "$scratch/said"
+next=$(sed -n 's/^next     marotte rig check //p' "$scratch/said")
+eval "\"\$MAROTTE\" rig check $next --json" >"$scratch/said" 2>"$scratch/errors"
+[ $? -le 1 ] && grep -q '"file"' "$scratch/said" || fail "the command to copy does not find its file: $next: $(cat "$scratch/errors")"
+is_clean "rig check --json" "$scratch/said"
+"$MAROTTE" perform --face "$moai" --input "log:$demo" --map anchored --record "$folder/a.marotte" >/dev/null 2>"$scratch/errors" || fail "$(cat "$scratch/errors")"
+dd if=/dev/zero of="$folder/a.marotte" bs=1 seek=40000 count=4000 conv=notrunc 2>/dev/null
+for how in "" --json; do
+    "$MAROTTE" take check "$folder/a.marotte" $how >"$scratch/said" 2>&1
+    is_clean "take check $how" "$scratch/said"
+done
+grep -q 'marotte take recover' "$scratch/said" || fail "take check does not say how the rest is saved: $(cat "$scratch/said")"
 finish

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "rig_help.h"
-#include "rigpose.h"
+#include "face/rig/rig_poses.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ typedef struct plane {
     rig rig;
     mesh mesh;
     topology topology;
-    rigpose_stage stage;
+    rig_poses_stage stage;
 } plane;
 
 static void open_plane(plane *out)
@@ -39,26 +39,26 @@ static void open_plane(plane *out)
         fail_msg("%s", err.text);
     out->mesh = make_sheet();
     out->topology = make_topology(&out->mesh);
-    if (rigpose_stage_init(&out->stage, &out->rig, &out->mesh, &out->topology, &err) < 0)
+    if (rig_poses_stage_init(&out->stage, &out->rig, &out->mesh, &out->topology, &err) < 0)
         fail_msg("%s", err.text);
 }
 
 static void close_plane(plane *p)
 {
-    rigpose_stage_finish(&p->stage);
+    rig_poses_stage_finish(&p->stage);
     topology_destroy(&p->topology);
     mesh_destroy(&p->mesh);
     rig_destroy(&p->rig);
 }
 
-static void show(rigpose_stage *stage, uint32_t pose)
+static void show(rig_poses_stage *stage, uint32_t pose)
 {
     error err = {""};
-    if (rigpose_show(stage, pose, &err) < 0)
+    if (rig_poses_show(stage, pose, &err) < 0)
         fail_msg("%s", err.text);
 }
 
-static void assert_at(const rigpose_stage *stage, uint32_t vertex, float x, float y, float z)
+static void assert_at(const rig_poses_stage *stage, uint32_t vertex, float x, float y, float z)
 {
     const float *p = stage->position + (size_t)vertex * 3;
     const float apart = fabsf(p[0] - x) + fabsf(p[1] - y) + fabsf(p[2] - z);
@@ -73,7 +73,7 @@ static void pulls_ride_on_turned_bones(void **state)
     open_plane(&p);
     show(&p.stage, TURNED);
     assert_at(&p.stage, CORNER, -10.0f, 14.0f, 3.0f); /* (14, 10, 3), a quarter turn on */
-    rigpose_measure m = rigpose_measured(&p.stage);
+    rig_poses_measure m = rig_poses_measured(&p.stage);
     assert_true(m.furthest_mm > 39.9 && m.furthest_mm < 42.0); /* the sheet's corners: 40 */
     assert_true(m.least_determinant > 0.0 && m.least_determinant <= 1.0);
     close_plane(&p);
@@ -89,7 +89,7 @@ static void no_pose_is_left_in_the_next(void **state)
     show(&p.stage, REST);
     for (uint32_t i = 0; i < p.mesh.vertex_count * 3; ++i)
         assert_true(fabsf(p.stage.position[i] - p.mesh.position[i]) < 1e-5f);
-    rigpose_measure m = rigpose_measured(&p.stage);
+    rig_poses_measure m = rig_poses_measured(&p.stage);
     assert_true(m.furthest_mm < 1e-4 && fabs(m.least_determinant - 1.0) < 1e-6);
     close_plane(&p);
 }
@@ -100,7 +100,7 @@ static void a_pose_that_folds_is_measured_as_one(void **state)
     plane p;
     open_plane(&p);
     show(&p.stage, FOLDED);
-    rigpose_measure m = rigpose_measured(&p.stage);
+    rig_poses_measure m = rig_poses_measured(&p.stage);
     assert_true(m.least_determinant < 0.0);
     assert_int_equal(m.furthest_vertex, MIDDLE);
     assert_true(fabs(m.furthest_mm - 35.0) < 1e-3);
@@ -121,7 +121,7 @@ static void a_shape_becomes_a_pose_that_gives_the_shape(void **state)
     vec3 at[2] = {face_contact_now(p.stage.face, 1), face_contact_now(p.stage.face, 2)};
     dof[0] = (float)p.rig.pose[TURNED].dof_value[0];
     assert_int_equal(b->dof_count, 1);
-    if (rigpose_of(&made, "again", p.stage.face, 1, &p.rig, &p.stage.solver, at, dof, &err) < 0)
+    if (rig_poses_of(&made, "again", p.stage.face, 1, &p.rig, &p.stage.solver, at, dof, &err) < 0)
         fail_msg("%s", err.text);
     assert_string_equal(made.name, "again");
     assert_int_equal(made.dof_count, 1);
@@ -130,14 +130,14 @@ static void a_shape_becomes_a_pose_that_gives_the_shape(void **state)
     assert_true(made.pull_count >= 1 && made.pull_contact[0] == 0);
     const vec3 meant = p.rig.pose[TURNED].pull_mm[0];
     assert_true(vec3_length(vec3_sub(made.pull_mm[0], meant)) < 0.01);
-    rigpose_finish(&made);
+    rig_poses_finish(&made);
     close_plane(&p);
 }
 
 /* ---- the puppet ---- */
 
 /* Greatest motion of the contacts to the subject's left, whose mirror has another one. */
-static double asymmetry(const rig *r, const mesh *m, const rigpose_stage *stage)
+static double asymmetry(const rig *r, const mesh *m, const rig_poses_stage *stage)
 {
     double most = 0.0;
     for (uint32_t i = 0; i < r->contact_count; ++i) {
@@ -153,7 +153,7 @@ static double asymmetry(const rig *r, const mesh *m, const rigpose_stage *stage)
 }
 
 /* Between the middles of the lips, mm; 11.7 at rest. */
-static double lips_apart(const rig *r, const rigpose_stage *stage)
+static double lips_apart(const rig *r, const rig_poses_stage *stage)
 {
     uint32_t upper = rig_find_contact(r, "lip.upper.mid"),
              lower = rig_find_contact(r, "lip.lower.mid");
@@ -174,17 +174,17 @@ static void expressions_of_the_puppet_are_sound(void **state)
                     {"grumpy", 3.0, 11.0},
                     {"mischief", 5.0, 14.0}};
     face_file f;
-    rigpose_stage stage;
+    rig_poses_stage stage;
     error err = {""};
     if (face_file_read(&f, SOURCE_DIR "/rigs/puppet/puppet.rig.json", MESH_UNIT_AUTO,
                        FACE_FILE_USABLE, &err) < 0 ||
-        rigpose_stage_init(&stage, f.rig, &f.mesh, &f.topology, &err) < 0)
+        rig_poses_stage_init(&stage, f.rig, &f.mesh, &f.topology, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(f.rig->pose_count, 4);
     for (uint32_t i = 0; i < 4; ++i) {
         assert_string_equal(f.rig->pose[i].name, expected[i].name);
         show(&stage, i);
-        rigpose_measure m = rigpose_measured(&stage);
+        rig_poses_measure m = rig_poses_measured(&stage);
         double lips_mm = lips_apart(f.rig, &stage);
         print_message("%s: least determinant %.3f, penetration %.2f mm, lips %.1f mm apart\n",
                       expected[i].name, m.least_determinant, m.penetration_mm, lips_mm);
@@ -195,7 +195,7 @@ static void expressions_of_the_puppet_are_sound(void **state)
         if (i == 3)
             assert_true(asymmetry(f.rig, &f.mesh, &stage) > 10.0);
     }
-    rigpose_stage_finish(&stage);
+    rig_poses_stage_finish(&stage);
     face_file_destroy(&f);
 }
 

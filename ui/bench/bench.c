@@ -1,6 +1,8 @@
-/* marotte bench: how fast the engine is here, beside what this machine could do at most. */
 #include "bench/bench.h"
+
+#include "base/clock.h"
 #include "base/isa.h"
+#include "base/large.h"
 #include "base/pool.h"
 #include "command.h"
 
@@ -10,6 +12,192 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+/* ---- measuring ---- */
+
+static double time_one(bench_work *work)
+{
+    if (work->before)
+        work->before(work->data);
+    else
+        work->run(work->data); /* its data comes into the caches, the others' leave */
+    int64_t start_ns = clock_now_ns();
+    work->run(work->data);
+    return (double)(clock_now_ns() - start_ns);
+}
+
+uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double seconds)
+{
+    uint32_t round = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        (void)time_one(&work[i]);
+        work[i].least_ns = 0.0;
+    }
+    int64_t end_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    while (round < rounds && (round < 3 || clock_now_ns() < end_ns)) {
+        for (uint32_t i = 0; i < count; ++i) {
+            double took_ns = time_one(&work[i]);
+            if (round == 0 || took_ns < work[i].least_ns)
+                work[i].least_ns = took_ns;
+            if (work[i].took_ns)
+                work[i].took_ns[round] = took_ns;
+        }
+        ++round;
+    }
+    return round;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double bench_quantile(double *value, uint32_t count, double share)
+{
+    if (count == 0)
+        return 0.0;
+    qsort(value, count, sizeof *value, by_size);
+    uint32_t index = (uint32_t)((double)count * share);
+    return value[index < count ? index : count - 1];
+}
+
+/* ---- what is promised ---- */
+
+/* Other work on the machine takes from a ratio too: a gate asks for half of it. */
+static const double gate_share = 0.5;
+
+static void note(bench *self, const bench_promise *promise)
+{
+    if (self->promise_count < BENCH_PROMISES)
+        self->promise[self->promise_count++] = *promise;
+}
+
+void bench_at_least(bench *self, const char *what, double measured, double promised)
+{
+    note(self, &(bench_promise){what, "", measured, promised, false, true});
+}
+
+void bench_at_most(bench *self, const char *what, double measured, double promised)
+{
+    note(self, &(bench_promise){what, "", measured, promised, true, true});
+}
+
+void bench_at_most_ms(bench *self, const char *what, double measured_ms, double promised_ms)
+{
+    note(self, &(bench_promise){what, " ms", measured_ms, promised_ms, true, false});
+}
+
+static bool is_kept(const bench_promise *p, double share)
+{
+    return p->is_most ? p->measured * share <= p->promised : p->measured >= p->promised * share;
+}
+
+uint32_t bench_promises(bench *self)
+{
+    uint32_t broken = 0;
+    if (self->promise_count > 0)
+        bench_title(self, "What is promised");
+    for (uint32_t i = 0; i < self->promise_count; ++i) {
+        const bench_promise *p = &self->promise[i];
+        char line[160];
+        bool is_broken = p->is_gated && !is_kept(p, gate_share);
+        broken += is_broken;
+        const char *verdict = is_kept(p, 1.0) ? "kept" : is_broken ? "far missed" : "missed";
+        snprintf(line, sizeof line, "%-40s %9.3f%s, promised at %s %g%s", p->what, p->measured,
+                 p->unit, p->is_most ? "most" : "least", p->promised, p->unit);
+        const facts_cell cells[] = {
+            {"what", p->what, 0.0, 0},
+            {"measured", NULL, p->measured, 6},
+            {p->is_most ? "at_most" : "at_least", NULL, p->promised, 6},
+            {"is_kept", NULL, is_kept(p, 1.0), -1},
+            {"is_half_kept", NULL, is_kept(p, gate_share), -1},
+            {"is_gated", NULL, p->is_gated, -1},
+        };
+        facts_row(self->told, "promises", verdict, line, cells, sizeof cells / sizeof cells[0]);
+    }
+    return broken;
+}
+
+/* ---- what the machine can do ---- */
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+enum { ALIGNMENT = 64, STAGGER = 80 * sizeof(float) };
+
+mrt_result bench_roof_create(bench_roof *out, size_t bytes, error *err)
+{
+    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    *out = (bench_roof){.bytes = bytes, .used = bytes};
+    out->from = large_alloc(bytes);
+    out->to = large_alloc(bytes + STAGGER);
+    out->other = large_alloc(bytes + 2 * STAGGER);
+    if (!out->from || !out->to || !out->other) {
+        bench_roof_destroy(out);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to measure the machine with");
+    }
+    for (size_t i = 0; i < bytes / sizeof(float); ++i)
+        out->from[i] = 1.0f + (float)(i % 1000) * 0.01f;
+    memset(out->to, 0, bytes);
+    memset(out->other, 0, bytes);
+    return MRT_OK;
+}
+
+void bench_roof_destroy(bench_roof *self)
+{
+    free(self->from);
+    free(self->to);
+    free(self->other);
+    *self = (bench_roof){0};
+}
+
+void bench_roof_copy(void *roof)
+{
+    const bench_roof *self = roof;
+    memcpy(self->to, self->from, self->used / 2);
+}
+
+void bench_roof_triad(void *roof)
+{
+    const bench_roof *self = roof;
+    size_t count = self->used / 3 / ALIGNMENT * (ALIGNMENT / sizeof(float));
+    const float *a = self->from, *b = self->other;
+    float *out = self->to;
+#ifdef __SSE2__
+    const __m128 scale = _mm_set1_ps(0.5f);
+    for (size_t i = 0; i < count; i += 4)
+        _mm_stream_ps(out + i,
+                      _mm_add_ps(_mm_load_ps(a + i), _mm_mul_ps(scale, _mm_load_ps(b + i))));
+    _mm_sfence();
+#else
+    for (size_t i = 0; i < count; ++i)
+        out[i] = a[i] + 0.5f * b[i];
+#endif
+}
+
+void bench_roof_roots(void *roof)
+{
+    const bench_roof *self = roof;
+    const float *restrict from = self->from;
+    float *restrict to = self->to;
+    for (int i = 0; i < BENCH_ROOTS; ++i)
+        to[i] = sqrtf(from[i]);
+}
+
+void bench_roof_flush(void *roof)
+{
+    const bench_roof *self = roof;
+    volatile float sink = 0.0f;
+    float sum = 0.0f;
+    for (size_t i = 0; i < self->bytes / sizeof(float); i += ALIGNMENT / sizeof(float))
+        sum += self->other[i]; /* read only: what is written would be written back later */
+    sink = sum;
+    (void)sink;
+}
+
+/* ---- the command ---- */
 
 static const char help[] =
     "marotte bench [--quick] [--gate] [--json] [--only PART]\n\n"

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "csrbf/shape.h"
 #include "facts.h"
-#include "progress.h"
+#include "terminal.h"
 
 /* Something that is timed: called again and again, it does the same work each time. */
 typedef struct bench_work {

@@ -2,7 +2,7 @@
  * file's order, step by step. */
 #include "base/clock.h"
 #include "bench/bench.h"
-#include "place.h"
+#include "base/installed.h"
 #include "stage/live/live_board.h"
 #include "stage/perform/performer.h"
 #include "stage/mapping/plugins.h"
@@ -192,7 +192,7 @@ static mrt_result measure(scene *self, const char *mapping, error *err)
 
 static mrt_result prepare(scene *self, error *err)
 {
-    char *path = place_face("puppet");
+    char *path = installed_face("puppet");
     mrt_result result = path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);

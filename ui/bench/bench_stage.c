@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "bench/bench.h"
 #include "draw/draw.h"
-#include "place.h"
+#include "base/installed.h"
 #include "stage/input/feed.h"
 #include "stage/live/live.h"
 
@@ -133,7 +133,7 @@ static void open_drawing(scene *self)
 
 static mrt_result start(scene *self, error *err)
 {
-    char *path = place_face("puppet");
+    char *path = installed_face("puppet");
     mrt_result result = path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);

@@ -4,7 +4,7 @@
 #define MAROTTE_UI_PAPER_PAPER_H
 #include "facts.h"
 #include "paper/page.h"
-#include "progress.h"
+#include "terminal.h"
 
 #include <limits.h>
 

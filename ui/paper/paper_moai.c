@@ -4,7 +4,7 @@
 
 #include "base/clock.h"
 #include "base/program.h"
-#include "place.h"
+#include "base/installed.h"
 #include "stage/mapping/plugins.h"
 
 #include <errno.h>
@@ -95,13 +95,13 @@ static const char *reason_of(said *trouble)
 
 static mrt_result run_command(paper *of, const char *const *word, json_t **out_facts, error *err)
 {
-    char program[PLACE_LENGTH];
+    char program[INSTALLED_LENGTH];
     int told[2] = {-1, -1}, failed[2] = {-1, -1}, status = 0;
     pid_t pid = 0;
     said *facts_said = calloc(1, sizeof *facts_said), *trouble = calloc(1, sizeof *trouble);
     mrt_result result = MRT_OK;
     *out_facts = NULL;
-    if (!facts_said || !trouble || !place_program(program) || program_pipe(told, err) < 0 ||
+    if (!facts_said || !trouble || !installed_program(program) || program_pipe(told, err) < 0 ||
         program_pipe(failed, err) < 0 || !start(&pid, program, word, told[1], failed[1]))
         result = error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
                            strerror(errno));
@@ -156,11 +156,11 @@ static const figure to_the_letter[] = {
 };
 
 /* A recording that comes with marotte: from a clone what stands there, else what was installed. */
-static void name_recording(char out[PLACE_LENGTH], const char *file)
+static void name_recording(char out[INSTALLED_LENGTH], const char *file)
 {
-    char cloned[PLACE_LENGTH];
+    char cloned[INSTALLED_LENGTH];
     (void)snprintf(cloned, sizeof cloned, "plugins/log/%s", file);
-    if (access(cloned, R_OK) == 0 || !place_data(out, file))
+    if (access(cloned, R_OK) == 0 || !installed_data(out, file))
         memcpy(out, cloned, sizeof cloned);
 }
 
@@ -210,11 +210,11 @@ static void say_facts(paper *of, const figure *f, const json_t *told)
 /* As one types it: the picture beside, and no --json. */
 static void say_command(paper *of, const figure *f, const char *const *word)
 {
-    char line[3 * PLACE_LENGTH] = "marotte";
+    char line[3 * INSTALLED_LENGTH] = "marotte";
     size_t used = strlen(line);
     for (int i = 1; word[i] && used < sizeof line; ++i) {
         bool is_picture = strcmp(word[i - 1], "--export") == 0;
-        char quoted[PLACE_LENGTH + 64];
+        char quoted[INSTALLED_LENGTH + 64];
         program_quote(quoted, sizeof quoted, is_picture ? f->file : word[i]);
         used += (size_t)snprintf(line + used, sizeof line - used, " %s", quoted);
     }
@@ -223,7 +223,8 @@ static void say_command(paper *of, const figure *f, const char *const *word)
 
 static mrt_result add_figure(paper *of, const figure *f, error *err)
 {
-    char path[PATH_MAX], file[PLACE_LENGTH], right[PLACE_LENGTH + 8], left[PLACE_LENGTH + 8];
+    char path[PATH_MAX], file[INSTALLED_LENGTH], right[INSTALLED_LENGTH + 8],
+        left[INSTALLED_LENGTH + 8];
     json_t *told;
     mrt_result result = paper_add_file(of, path, f->file, err);
     if (result < 0)

@@ -9,7 +9,7 @@
 #include "csrbf/shape.h"
 #include "io/mesh_file.h"
 #include "paper/svg.h"
-#include "place.h"
+#include "base/installed.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
@@ -587,7 +587,7 @@ static mrt_result compare_cases(paper *of, scene *self, error *err)
 
 static mrt_result add_reference(paper *of, error *err)
 {
-    char *path = place_face("moai");
+    char *path = installed_face("moai");
     face_file moai = {0};
     scene *self = calloc(1, sizeof *self);
     mrt_result result = path && self ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");

@@ -1,5 +1,5 @@
 #include "window/dialogs.h"
-#include "place.h"
+#include "base/installed.h"
 
 #include "take/timecode.h"
 
@@ -537,7 +537,7 @@ static void draw_shipped(dialogs *self)
         ui_same_line(self->ui);
         if (!is_pressed)
             continue;
-        char *path = place_face(shipped[i]);
+        char *path = installed_face(shipped[i]);
         if (path)
             open_path(self, path);
         free(path);

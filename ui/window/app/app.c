@@ -1,5 +1,5 @@
 #include "window/app/app_state.h"
-#include "place.h"
+#include "base/installed.h"
 #include "window/gui/theme.h"
 #include "window/app/presets.h"
 
@@ -355,7 +355,7 @@ mrt_result app_open_face(app *self, const char *given)
 {
     error err = {0};
     face_file *made = NULL;
-    char *found = place_face(given), *path = found ? realpath(found, NULL) : NULL;
+    char *found = installed_face(given), *path = found ? realpath(found, NULL) : NULL;
     mrt_result result = read_face(&made, path ? path : given, &err);
     if (result < 0)
         (void)app_report(self, result, &err);
@@ -402,7 +402,7 @@ static void *read_first_face(void *data)
     for (int i = 0; i < 3 && self->result < 0; ++i) {
         if (!self->path[i][0])
             continue;
-        char *found = place_face(self->path[i]), *real = found ? realpath(found, NULL) : NULL;
+        char *found = installed_face(self->path[i]), *real = found ? realpath(found, NULL) : NULL;
         self->result = read_face(&self->face, real ? real : self->path[i], &self->err);
         if (self->result >= 0)
             self->face_path = strdup(real ? real : self->path[i]);

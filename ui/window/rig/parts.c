@@ -1,7 +1,7 @@
 /* The parts of a rig as tabs of its panel: bones, the ellipsoids that skin does not enter, poses,
  * the turns of a ball, the jaw. */
 #include "window/rig/panel.h"
-#include "rigpose.h"
+#include "face/rig/rig_poses.h"
 
 #include "base/angle.h"
 
@@ -247,7 +247,7 @@ bool rig_panel_show_pose(rig_panel *self)
     if (pose == RIG_NONE || !work || !work->face || pose >= work->rig.pose_count ||
         !rig_model_is_laid(self->model) || !(solver.radius > 0.0))
         return false;
-    if (rigpose_show_on(work->face, &work->rig, pose, &solver, &err) < 0)
+    if (rig_poses_show_on(work->face, &work->rig, pose, &solver, &err) < 0)
         return false;
     points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
     face_reset(work->face); /* as others expect it */
@@ -290,8 +290,8 @@ static void add_pose(rig_panel *self)
     const live_view *view = app_view(self->of);
     const csrbf_settings solver = app_view(self->of)->solver;
     mrt_result result =
-        rigpose_of(&made, free_pose_name(rig_model_rig(self->model), name), work->face,
-                   MRT_MAX_VECTORS, &work->rig, &solver, view->contact, view->meter.dof, &err);
+        rig_poses_of(&made, free_pose_name(rig_model_rig(self->model), name), work->face,
+                     MRT_MAX_VECTORS, &work->rig, &solver, view->contact, view->meter.dof, &err);
     if (result < 0) {
         rig_panel_say(self, err.text);
         return;
@@ -299,7 +299,7 @@ static void add_pose(rig_panel *self)
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_add_pose(r, &made, &index, &err), &err, "add a pose"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, index);
-    rigpose_finish(&made);
+    rig_poses_finish(&made);
 }
 
 static void remove_pose(rig_panel *self)

@@ -1,4 +1,4 @@
-#include "rigpose.h"
+#include "face/rig/rig_poses.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,10 +24,10 @@ static csrbf_settings solver_of(const rig *r, const mesh *m)
     return solver;
 }
 
-mrt_result rigpose_stage_init(rigpose_stage *out, const rig *r, const mesh *m, const topology *t,
-                              error *err)
+mrt_result rig_poses_stage_init(rig_poses_stage *out, const rig *r, const mesh *m,
+                                const topology *t, error *err)
 {
-    *out = (rigpose_stage){.rig = r, .mesh = m, .solver = solver_of(r, m)};
+    *out = (rig_poses_stage){.rig = r, .mesh = m, .solver = solver_of(r, m)};
     mrt_result result = face_create(&out->face, r, m, t, most_pulls(r), err);
     if (result >= 0) {
         out->position = malloc((size_t)m->vertex_count * 3 * sizeof *out->position + 1);
@@ -35,17 +35,17 @@ mrt_result rigpose_stage_init(rigpose_stage *out, const rig *r, const mesh *m, c
             result = error_set(err, MRT_ERR_MEMORY, "no memory for the pose");
     }
     if (result < 0)
-        rigpose_stage_finish(out);
+        rig_poses_stage_finish(out);
     return result;
 }
 
-void rigpose_stage_finish(rigpose_stage *self)
+void rig_poses_stage_finish(rig_poses_stage *self)
 {
     if (!self)
         return;
     face_destroy(self->face);
     free(self->position);
-    *self = (rigpose_stage){0};
+    *self = (rig_poses_stage){0};
 }
 
 static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pose *pose)
@@ -94,8 +94,8 @@ static mrt_result pull(face *f, const rig_pose *pose, error *err)
     return result;
 }
 
-mrt_result rigpose_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
-                           error *err)
+mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
+                             error *err)
 {
     const rig_pose *wanted = &r->pose[pose];
     error why = {""};
@@ -108,9 +108,9 @@ mrt_result rigpose_show_on(face *f, const rig *r, uint32_t pose, const csrbf_set
     return MRT_OK;
 }
 
-mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err)
+mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
 {
-    mrt_result result = rigpose_show_on(self->face, self->rig, pose, &self->solver, err);
+    mrt_result result = rig_poses_show_on(self->face, self->rig, pose, &self->solver, err);
     if (result >= 0)
         points_to_rows(self->position, face_shown(self->face), face_order(self->face));
     return result;
@@ -120,7 +120,7 @@ mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err)
 
 static const double least_way_mm = 0.25, least_dof = 1e-3;
 
-void rigpose_finish(rig_pose *pose)
+void rig_poses_finish(rig_pose *pose)
 {
     free(pose->name);
     for (uint32_t i = 0; i < pose->dof_count; ++i)
@@ -182,8 +182,8 @@ static mrt_result note_pulls(rig_pose *out, face *f, const csrbf_settings *solve
     return MRT_OK;
 }
 
-mrt_result rigpose_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
-                      const csrbf_settings *solver, const vec3 *at, const float *dof, error *err)
+mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
+                        const csrbf_settings *solver, const vec3 *at, const float *dof, error *err)
 {
     const bones *b = face_bones(f);
     const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
@@ -196,16 +196,16 @@ mrt_result rigpose_of(rig_pose *out, const char *name, face *f, uint32_t room, c
     }
     face_reset(f);
     if (result < 0)
-        rigpose_finish(out);
+        rig_poses_finish(out);
     return result;
 }
 
 /* ---- what it does ---- */
 
-rigpose_measure rigpose_measured(const rigpose_stage *self)
+rig_poses_measure rig_poses_measured(const rig_poses_stage *self)
 {
-    rigpose_measure out = {.least_determinant = face_min_determinant(self->face),
-                           .penetration_mm = face_penetration_mm(self->face)};
+    rig_poses_measure out = {.least_determinant = face_min_determinant(self->face),
+                             .penetration_mm = face_penetration_mm(self->face)};
     for (uint32_t v = 0; v < self->mesh->vertex_count; ++v) {
         const float *rest = self->mesh->position + (size_t)v * 3;
         const float *now = self->position + (size_t)v * 3;

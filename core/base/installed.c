@@ -1,4 +1,4 @@
-#include "place.h"
+#include "base/installed.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,44 +12,44 @@ static const char *const data[] = {MAROTTE_DATA_FROM_PROGRAM, "share/marotte"};
 static const char *const rigs[] = {MAROTTE_DATA_FROM_PROGRAM "/rigs", "share/marotte/rigs"};
 enum { PLACES = 2 };
 
-bool place_program(char out[PLACE_LENGTH])
+bool installed_program(char out[INSTALLED_LENGTH])
 {
-    ssize_t length = readlink("/proc/self/exe", out, PLACE_LENGTH - 1);
+    ssize_t length = readlink("/proc/self/exe", out, INSTALLED_LENGTH - 1);
     out[length > 0 ? length : 0] = '\0';
-    return length > 0 && length < PLACE_LENGTH - 1;
+    return length > 0 && length < INSTALLED_LENGTH - 1;
 }
 
 /* The first of the places, as seen from the program's folder, in which there is such a file. */
-static bool find(char out[PLACE_LENGTH], const char *const place[PLACES], const char *file)
+static bool find(char out[INSTALLED_LENGTH], const char *const place[PLACES], const char *file)
 {
-    char program[PLACE_LENGTH];
-    if (!place_program(program))
+    char program[INSTALLED_LENGTH];
+    if (!installed_program(program))
         return false;
     int folder_length = (int)(strrchr(program, '/') - program);
     for (int i = 0; i < PLACES; ++i) {
         int length =
-            snprintf(out, PLACE_LENGTH, "%.*s/%s/%s", folder_length, program, place[i], file);
-        if (length > 0 && length < PLACE_LENGTH && access(out, R_OK) == 0)
+            snprintf(out, INSTALLED_LENGTH, "%.*s/%s/%s", folder_length, program, place[i], file);
+        if (length > 0 && length < INSTALLED_LENGTH && access(out, R_OK) == 0)
             return true;
     }
     return false;
 }
 
-bool place_prefix(char out[PLACE_LENGTH])
+bool installed_prefix(char out[INSTALLED_LENGTH])
 {
     static const char header[] = "include/marotte/plugin.h";
     if (!find(out, prefixes, header))
         return false;
     out[strlen(out) - sizeof header] = '\0';
     char *real = realpath(out, NULL);
-    bool fits = real && strlen(real) < PLACE_LENGTH;
+    bool fits = real && strlen(real) < INSTALLED_LENGTH;
     if (fits)
         memcpy(out, real, strlen(real) + 1);
     free(real);
     return fits;
 }
 
-bool place_data(char out[PLACE_LENGTH], const char *file)
+bool installed_data(char out[INSTALLED_LENGTH], const char *file)
 {
     return find(out, data, file);
 }
@@ -60,12 +60,12 @@ static bool is_file(const char *path)
     return stat(path, &about) == 0 && !S_ISDIR(about.st_mode);
 }
 
-char *place_face(const char *given)
+char *installed_face(const char *given)
 {
-    char file[PLACE_LENGTH], found[PLACE_LENGTH];
+    char file[INSTALLED_LENGTH], found[INSTALLED_LENGTH];
     int length = snprintf(file, sizeof file, "%s/%s.rig.json", given, given);
     bool is_name = given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
-    if (is_name && !is_file(given) && length > 0 && length < PLACE_LENGTH &&
+    if (is_name && !is_file(given) && length > 0 && length < INSTALLED_LENGTH &&
         find(found, rigs, file))
         return realpath(found, NULL);
     return strdup(given);

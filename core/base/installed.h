@@ -1,22 +1,22 @@
-/* ui/place.h - where the program's own files are: relative to the program, so that what was
+/* base/installed.h - where the program's own files are: relative to the program, so that what was
  * installed may be moved. The build folder looks like an installation. [main] */
-#ifndef MAROTTE_UI_PLACE_H
-#define MAROTTE_UI_PLACE_H
+#ifndef MAROTTE_BASE_INSTALLED_H
+#define MAROTTE_BASE_INSTALLED_H
 #include <stdbool.h>
 
-enum { PLACE_LENGTH = 4096 };
+enum { INSTALLED_LENGTH = 4096 };
 
 /* The running program. False: nobody knows. */
-bool place_program(char out[PLACE_LENGTH]);
+bool installed_program(char out[INSTALLED_LENGTH]);
 /* What a plugin's build has to be told: the folder that include/marotte/plugin.h and the package
  * files are in, without links. False: the header is not installed. */
-bool place_prefix(char out[PLACE_LENGTH]);
+bool installed_prefix(char out[INSTALLED_LENGTH]);
 
 /* What --face means: a file, or the name of a rig that comes with marotte ("puppet"). A file of
  * that name wins, and what is neither is given back as it is. A copy for the caller to free; NULL:
  * no memory. */
-char *place_face(const char *given);
+char *installed_face(const char *given);
 /* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
-bool place_data(char out[PLACE_LENGTH], const char *file);
+bool installed_data(char out[INSTALLED_LENGTH], const char *file);
 
 #endif

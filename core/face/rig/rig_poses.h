@@ -1,46 +1,46 @@
-/* ui/rigpose.h - a rig's poses on its face: bones turned, contacts pulled, and what that does to
- * the surface. It leaves out pictures of them (rigportraits.h). [main] */
-#ifndef MAROTTE_UI_RIGPOSE_H
-#define MAROTTE_UI_RIGPOSE_H
+/* face/rig/rig_poses.h - a rig's poses on its face: bones turned, contacts pulled, and what that
+ * does to the surface. It leaves out pictures of them (rigpicture.h). [main] */
+#ifndef MAROTTE_FACE_RIG_POSES_H
+#define MAROTTE_FACE_RIG_POSES_H
 #include "face/face.h"
 
-typedef struct rigpose_stage {
+typedef struct rig_poses_stage {
     const rig *rig;
     const mesh *mesh;
     face *face;
     csrbf_settings solver; /* the rig's; without a radius a quarter of the face's height */
     float *position;       /* vertex_count by 3, mm, in the file's order: the pose shown last */
-} rigpose_stage;
+} rig_poses_stage;
 
-typedef struct rigpose_measure {
+typedef struct rig_poses_measure {
     double least_determinant; /* <= 0: it folds; see face_min_determinant */
     double penetration_mm;    /* below the proxies' floors, as shown */
     double furthest_mm;       /* of any vertex, from rest */
     uint32_t furthest_vertex; /* of the mesh file */
-} rigpose_measure;
+} rig_poses_measure;
 
 /* The rig and the mesh must outlive it. On error there is nothing to finish. */
-CHECKED mrt_result rigpose_stage_init(rigpose_stage *out, const rig *r, const mesh *m,
-                                      const topology *t, error *err);
-void rigpose_stage_finish(rigpose_stage *self); /* accepts NULL and zeroed */
+CHECKED mrt_result rig_poses_stage_init(rig_poses_stage *out, const rig *r, const mesh *m,
+                                        const topology *t, error *err);
+void rig_poses_stage_finish(rig_poses_stage *self); /* accepts NULL and zeroed */
 
 /* Shows one of the rig's poses, from rest, whatever was shown before; degrees of freedom that it
  * does not name are 0. Pulls are as with all bones at rest, and ride on the bones. Errors name the
  * file and the pose. */
-CHECKED mrt_result rigpose_show(rigpose_stage *self, uint32_t pose, error *err);
+CHECKED mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err);
 /* Of the pose shown. */
-rigpose_measure rigpose_measured(const rigpose_stage *self);
+rig_poses_measure rig_poses_measured(const rig_poses_stage *self);
 
 /* The same on a face of that rig that is somebody's. */
-CHECKED mrt_result rigpose_show_on(face *f, const rig *r, uint32_t pose,
-                                   const csrbf_settings *solver, error *err);
+CHECKED mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose,
+                                     const csrbf_settings *solver, error *err);
 /* The other way round: the pose that brings the rig's contacts to `at` (contact_count, mm) while
  * its bones are turned by dof (dof_count); what moves by less than can be seen is left out. The
  * face of that rig, which has room for so many controls, is at rest afterwards. `name` is copied;
  * to be finished. */
-CHECKED mrt_result rigpose_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
-                              const csrbf_settings *solver, const vec3 *at, const float *dof,
-                              error *err);
-void rigpose_finish(rig_pose *pose); /* zeroed is fine */
+CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
+                                const rig *r, const csrbf_settings *solver, const vec3 *at,
+                                const float *dof, error *err);
+void rig_poses_finish(rig_pose *pose); /* zeroed is fine */
 
 #endif

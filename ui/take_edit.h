@@ -1,7 +1,7 @@
-/* take_change.h - edits made by subcommands: a list of edits that a subcommand asks for, applied to
+/* take_edit.h - edits made by subcommands: a list of edits that a subcommand asks for, applied to
  * a take through its history. [main] */
-#ifndef MAROTTE_UI_TAKE_CHANGE_H
-#define MAROTTE_UI_TAKE_CHANGE_H
+#ifndef MAROTTE_UI_TAKE_EDIT_H
+#define MAROTTE_UI_TAKE_EDIT_H
 #include "take.h"
 #include "take/edit_store.h"
 

@@ -1,0 +1,605 @@
+#include "perform_session.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "exports.h"
+#include "hand/calibration_folder.h"
+#include "stage/mapping/taught.h"
+#include "stage/take/kept_solver.h"
+#include "take/edit_store.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- hands ---- */
+
+static const char *const side_name[2] = {"left", "right"};
+
+/* ---- which calibration ---- */
+
+static bool is_in_counts(const input *from, uint32_t side)
+{
+    uint32_t count;
+    const mrt_channel *channel = input_channels(from, &count);
+    for (uint32_t i = 0; i < count; ++i)
+        if (channel[i].hand == side && channel[i].semantic >= MRT_CH_ANGLE &&
+            channel[i].semantic < MRT_CH_ANGLE + MRT_ANGLES &&
+            strcmp(channel[i].unit, "count") == 0)
+            return true;
+    return false;
+}
+
+static bool needs_calibration(input *const *inputs, uint32_t input_count, uint32_t side)
+{
+    for (uint32_t i = 0; i < input_count; ++i)
+        if (is_in_counts(inputs[i], side))
+            return true;
+    return false;
+}
+
+static void print_lines(const char *text)
+{
+    for (const char *line = text; *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stderr, "note: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+/* Takes what is needed of the file, and finishes it; path: taken over. */
+static void put_on(perform_hands *self, calibration_file *file, char *path)
+{
+    uint32_t side = file->side;
+    self->path[side] = path;
+    self->length_mm[side] = file->hand_length_mm;
+    calibration_file_use(file, &self->use[side]);
+    print_lines(file->note);
+    calibration_file_finish(file);
+}
+
+static mrt_result choose_named(perform_hands *self, const char *path, calibration_file *file,
+                               error *err)
+{
+    mrt_result result = calibration_file_read(file, path, err);
+    if (result < 0)
+        return result;
+    if (self->path[file->side]) {
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "%s: is of the %s hand, as %s is: one calibration per hand", path,
+                           side_name[file->side], self->path[file->side]);
+        calibration_file_finish(file);
+        return result;
+    }
+    char *copy = strdup(path);
+    if (copy) {
+        put_on(self, file, copy);
+        return MRT_OK;
+    }
+    calibration_file_finish(file);
+    return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+}
+
+static mrt_result choose_newest(perform_hands *self, uint32_t side, calibration_file *file,
+                                error *err)
+{
+    char *path;
+    error note;
+    mrt_result result = calibration_folder_newest(file, &path, side, &note, err);
+    if (result < 0)
+        return result;
+    if (note.text[0])
+        fprintf(stderr, "note: %s\n", note.text);
+    if (result == MRT_OK) {
+        fprintf(stderr, "note: %s hand: %s (%s, %s)\n", side_name[side], path,
+                file->name[0] ? file->name : "no name", file->date[0] ? file->date : "no date");
+        put_on(self, file, path);
+    }
+    return MRT_OK;
+}
+
+static mrt_result choose(perform_hands *self, const perform_options *options, input *const *inputs,
+                         uint32_t input_count, calibration_file *file, error *err)
+{
+    bool has_named = options->calibration_count > 0;
+    bool has_none = has_named && strcmp(options->calibration[0], "none") == 0;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; !has_none && i < options->calibration_count && result >= 0; ++i)
+        result = choose_named(self, options->calibration[i], file, err);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
+        bool is_needed = needs_calibration(inputs, input_count, side);
+        if (self->path[side] && !is_needed)
+            fprintf(stderr, "note: %s: not used: no glove gives counts of a %s hand\n",
+                    self->path[side], side_name[side]);
+        if (is_needed && !self->path[side] && !has_none)
+            result = choose_newest(self, side, file, err);
+        if (result >= 0 && is_needed && !self->path[side])
+            fprintf(stderr,
+                    "note: %s hand not calibrated: shipped defaults; marotte calibrate --input "
+                    "PLUGIN:ADDRESS --name NAME --hand %s\n",
+                    side_name[side], side_name[side]);
+    }
+    return result;
+}
+
+mrt_result perform_hands_choose(perform_hands *out, const perform_options *options,
+                                input *const *inputs, uint32_t input_count, error *err)
+{
+    memset(out, 0, sizeof *out);
+    calibration_file *file = malloc(sizeof *file);
+    if (!file)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
+    mrt_result result = choose(out, options, inputs, input_count, file, err);
+    free(file);
+    return result;
+}
+
+void perform_hands_finish(perform_hands *self)
+{
+    for (int side = 0; side < 2; ++side) {
+        free(self->path[side]);
+        self->path[side] = NULL;
+    }
+}
+
+const hand_calibration *perform_hands_calibration(const perform_hands *self, uint32_t side)
+{
+    return self->path[side] ? &self->use[side] : NULL;
+}
+
+mrt_result perform_hands_text(char **out, const char *path, error *err)
+{
+    calibration_file *file = malloc(sizeof *file);
+    if (!file)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = calibration_file_read(file, path, err);
+    if (result >= 0) {
+        *out = calibration_file_text(file);
+        calibration_file_finish(file);
+        if (!*out)
+            result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    }
+    free(file);
+    return result;
+}
+
+/* ---- while it goes on, and afterwards ---- */
+
+void perform_hands_report(const perform_hands *self, const performer *p, facts *told)
+{
+    const rezero_counts *rezeros = performer_rezeros(p);
+    for (int side = 0; side < 2; ++side)
+        if (self->path[side])
+            facts_list(told, "calibrations", "calibration", self->path[side]);
+    if (rezeros->done + rezeros->refused == 0)
+        return;
+    facts_number(told, "rezeros", "re-zeros", rezeros->done, 0, "");
+    facts_number(told, "rezeros_refused", "  refused", rezeros->refused, 0, rezeros->refusal.text);
+}
+
+static uint32_t rezero(performer *p)
+{
+    uint32_t done = 0;
+    const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        if (!hand[side].present)
+            continue;
+        error why = {""};
+        if (performer_rezero(p, side, &why) == MRT_OK) {
+            done |= 1u << side;
+            fprintf(stderr, "note: the %s hand's pose is its neutral pose now\n", side_name[side]);
+        } else {
+            fprintf(stderr, "note: not re-zeroed: %s\n", why.text);
+        }
+    }
+    return done;
+}
+
+uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown)
+{
+    uint32_t done = 0;
+    for (char key = keys_next(); key; key = keys_next()) {
+        progress_end(shown);
+        if (key == 'z')
+            done |= rezero(p);
+        else if (key == 'q')
+            atomic_store(stop, true);
+    }
+    return done;
+}
+
+/* ---- mapping ---- */
+
+static mrt_result isolate_mapping(perform_mapping *self, const mrt_plugin_type **type, error *err)
+{
+    mrt_result result = isolate_create(&self->isolate, *type, self->library, &self->settings, err);
+    if (result >= 0)
+        *type = isolate_type(self->isolate);
+    return result;
+}
+
+static bool is_to_be_isolated(const perform_mapping *self, perform_isolation how)
+{
+    if (how == PERFORM_ISOLATE_AUTO)
+        return !plugin_is_shipped(self->library);
+    return how == PERFORM_ISOLATE_ON;
+}
+
+mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
+                                const perform_mapping_settings *with, error *err)
+{
+    const mrt_plugin_type *type;
+    *out = (perform_mapping){.settings = {.clock = with->clock, .writes_reports = true}};
+    mrt_result result = plugin_list_choose(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
+    if (result < 0)
+        return result;
+    out->library = plugin_list_path_of(with->plugins, type);
+    if (is_to_be_isolated(out, with->isolation))
+        result = isolate_mapping(out, &type, err);
+    if (result >= 0)
+        result = instance_create(&out->instance, type, with->clock, with->log, err);
+    if (result >= 0)
+        result = instance_set_list(&out->instance, spec->params, err);
+    return result;
+}
+
+mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *options,
+                                 performer *of, log_queue *log, error *err)
+{
+    const reload_settings settings = {.library = self->library,
+                                      .mapping = &self->instance,
+                                      .about = composer_about(performer_composer(of)),
+                                      .log = log,
+                                      .clock = self->settings.clock,
+                                      .isolate = self->isolate ? &self->settings : NULL};
+    if (!options->watches_plugins)
+        return MRT_OK;
+    return reload_start(&self->reload, &settings, err);
+}
+
+void perform_mapping_step(perform_mapping *self, performer *of, recorder *into)
+{
+    if (!self->reload || !reload_step(self->reload, performer_layer(of)))
+        return;
+    self->current = layer_mapping(performer_layer(of));
+    if (into)
+        recorder_change_mapping(into, reload_identity(self->reload));
+}
+
+/* Of the first and of the one that performs now; those between are gone. */
+static isolate_counts counts_of(const perform_mapping *self)
+{
+    isolate_counts sum = {0};
+    const instance *const both[2] = {&self->instance, self->current};
+    for (int i = 0; i < 2; ++i) {
+        if (!self->isolate || !both[i] || !both[i]->self || (i > 0 && both[i] == both[0]))
+            continue;
+        isolate_counts one = isolate_counted(both[i]->self);
+        sum.failed += one.failed;
+        sum.restarted += one.restarted;
+        sum.late += one.late;
+        sum.is_away |= one.is_away;
+    }
+    return sum;
+}
+
+mrt_result perform_mapping_check(const perform_mapping *self, error *err)
+{
+    if (self->settings.clock == CLOCK_REAL)
+        return MRT_OK;
+    mrt_result result = isolate_check(&self->instance, err);
+    return result >= 0 && self->current ? isolate_check(self->current, err) : result;
+}
+
+void perform_mapping_report(const perform_mapping *self, facts *told)
+{
+    isolate_counts counts = counts_of(self);
+    if (self->isolate)
+        facts_text(told, "isolated", "isolated", "in a process of its own");
+    if (counts.failed) {
+        facts_number(told, "mapping_failed", "mapping failed", counts.failed, 0, "times");
+        facts_number(told, "mapping_restarted", "  restarted", counts.restarted, 0, "times");
+    }
+    if (counts.late)
+        facts_number(told, "mapping_late", "mapping late", counts.late, 0,
+                     "samples in which the face was held");
+    if (self->reload) {
+        reload_counts reloads = reload_counted(self->reload);
+        facts_number(told, "reloads", "reloads", reloads.taken, 0, "");
+        facts_number(told, "reloads_refused", "  refused", reloads.refused, 0, "");
+    }
+}
+
+void perform_mapping_close(perform_mapping *self)
+{
+    reload_stop(self->reload);
+    instance_destroy(&self->instance);
+    isolate_destroy(self->isolate);
+    *self = (perform_mapping){.library = NULL};
+}
+
+/* ---- sound ---- */
+
+static const int64_t patience_ns = 3 * NS_PER_S;
+
+mrt_result perform_sound_start(perform_sound *out, show *s, writer *w, error *err)
+{
+    *out = (perform_sound){.show = s};
+    const sound_settings settings = {.show = s};
+    mrt_result result = sound_create(&out->sound, &settings, err);
+    return result < 0 ? result : sound_arm(out->sound, w, 0, err);
+}
+
+static void say(perform_sound *self, const char *text)
+{
+    if (!text[0] || strcmp(self->told, text) == 0)
+        return;
+    snprintf(self->told, sizeof self->told, "%s", text);
+    fprintf(stderr, "warning: %s; the hands are recorded all the same\n", text);
+}
+
+void perform_sound_update(perform_sound *self)
+{
+    sound_in_status status;
+    if (!self->sound)
+        return;
+    sound_update(self->sound);
+    sound_in_look(self->sound, &status);
+    say(self, status.device.text);
+    say(self, status.record.text);
+}
+
+void perform_sound_stop(perform_sound *self)
+{
+    if (!self->sound)
+        return;
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    sound_disarm(self->sound);
+    while (sound_is_armed(self->sound) && clock_now_ns() < until_ns) {
+        sound_update(self->sound);
+        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
+    }
+}
+
+mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told, error *err)
+{
+    sound_in_status status;
+    show_audio audio;
+    if (!self->sound)
+        return MRT_OK;
+    sound_in_look(self->sound, &status);
+    if (status.record.audio == 0) {
+        facts_text(told, "sound", "sound", "none came");
+        return MRT_OK;
+    }
+    mrt_result result = show_audio_info(self->show, status.record.audio, &audio, err);
+    if (result >= 0)
+        result = edit_store_attach_audio(self->show, take_id, &audio, clock_utc_ms, err);
+    if (result < 0)
+        return result;
+    facts_text(told, "sound", "sound", audio.name);
+    facts_number(told, "sound_s", "  length", (double)audio.frame_count / (double)audio.rate_hz, 2,
+                 "s");
+    facts_number(told, "sound_drift_ppm", "  drift", status.record.drift_ppm, 1,
+                 "ppm of its clock against the samples'");
+    if (status.record.gap_count)
+        facts_number(told, "sound_gaps", "  gaps", status.record.gap_count, 0, "");
+    return MRT_OK;
+}
+
+mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double length_s,
+                               const char *beside, char **out_path, progress *shown, error *err)
+{
+    take t = {0};
+    *out_path = NULL;
+    if (!self->sound)
+        return MRT_OK;
+    mrt_result result = edit_store_take(&t, self->show, take_id, err);
+    if (result >= 0 && t.audio.audio != 0)
+        result = exports_video_sound(out_path, self->show, &t, 0, (int64_t)(length_s * 1e9), beside,
+                                     shown, err);
+    take_finish(&t);
+    return result;
+}
+
+void perform_sound_finish(perform_sound *self)
+{
+    sound_destroy(self->sound);
+    *self = (perform_sound){0};
+}
+
+/* ---- recording ---- */
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+}
+
+/* As on the command line: "log:demo.csv,end=8". */
+static char *spec_text(const plugin_spec *spec)
+{
+    size_t size = strlen(spec->plugin) + strlen(spec->address) + strlen(spec->params) + 3;
+    char *out = malloc(size);
+    if (out)
+        snprintf(out, size, "%s%s%s%s%s", spec->plugin, spec->address[0] ? ":" : "", spec->address,
+                 spec->params[0] ? "," : "", spec->params);
+    return out;
+}
+
+static mrt_result open_show(perform_record *out, const char *path, error *err)
+{
+    bool is_there = access(path, F_OK) == 0;
+    mrt_result result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
+                                 : show_create(&out->show, path, err);
+    if (result < 0 || show_is_writable(out->show))
+        return result;
+    return error_set(err, MRT_ERR_IO, "%s", show_notice(out->show));
+}
+
+static mrt_result describe(perform_record *out, const perform_options *options,
+                           const perform_record_of *of, error *err)
+{
+    for (uint32_t i = 0; i < options->input_count; ++i) {
+        out->input_text[i] = spec_text(&options->input[i]);
+        if (!out->input_text[i])
+            return no_memory(err);
+    }
+    for (int side = 0; side < 2; ++side) {
+        if (!of->hands->path[side])
+            continue;
+        mrt_result result = perform_hands_text(&out->calibration[side], of->hands->path[side], err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+static double unit_mm(mesh_unit unit)
+{
+    return unit == MESH_UNIT_M ? 1000.0 : unit == MESH_UNIT_CM ? 10.0 : unit == MESH_UNIT_MM;
+}
+
+csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
+                                     log_queue *log)
+{
+    show *there = NULL;
+    error ignored = {""};
+    if (options->record && access(options->record, F_OK) == 0 &&
+        show_open(&there, options->record, SHOW_READ, &ignored) < 0)
+        there = NULL;
+    const csrbf_settings out = kept_solver_for(there, on, log);
+    show_close(there);
+    return out;
+}
+
+mrt_result perform_record_start(perform_record *out, const perform_options *options,
+                                const perform_record_of *of, error *err)
+{
+    *out = (perform_record){0};
+    if (!options->record)
+        return MRT_OK;
+    mrt_result result = describe(out, options, of, err);
+    if (result >= 0)
+        result = open_show(out, options->record, err);
+    if (result < 0)
+        return result;
+    out->performer = of->performer;
+    out->log = of->log;
+    taught_recall(out->show, layer_mapping(performer_layer(of->performer)), of->log);
+    const char *texts[PERFORM_INPUTS_MAX];
+    for (uint32_t i = 0; i < options->input_count; ++i)
+        texts[i] = out->input_text[i];
+    recorder_settings settings = {
+        .show = out->show,
+        .plugins = of->plugins,
+        .log = of->log,
+        .clock = of->clock,
+        .inputs = of->inputs,
+        .input_text = texts,
+        .input_count = of->input_count,
+        .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
+        .layer = performer_layer(of->performer),
+        .performer = of->performer,
+        .face_path = options->face,
+        .face = of->face,
+        .unit_mm = unit_mm(options->unit),
+        .hand_length_mm = options->hand_length_mm,
+        .rezero_pedal = options->rezero_pedal,
+    };
+    result = recorder_start(&out->recorder, &settings, err);
+    if (result < 0)
+        return result;
+    const writer_slate slate = {options->scene, options->shot, 0};
+    recorder_take_next(out->recorder, &slate);
+    if (!options->has_sound)
+        return MRT_OK;
+    if (of->clock == CLOCK_VIRTUAL)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "--sound: recordings are played faster than anybody speaks: --realtime");
+    return perform_sound_start(&out->sound, out->show, recorder_writer(out->recorder), err);
+}
+
+void perform_record_watch(perform_record *self)
+{
+    if (!self->recorder)
+        return;
+    perform_sound_update(&self->sound);
+    perform_record_watch_writer(recorder_writer(self->recorder), &self->is_waiting_told);
+}
+
+void perform_record_watch_writer(writer *of, bool *is_told)
+{
+    char text[512];
+    writer_status status = writer_status_of(of);
+    bool is_well = status.state == WRITER_OK && !status.is_missing;
+    if (is_well == !*is_told)
+        return;
+    *is_told = !is_well;
+    writer_message(of, text, sizeof text);
+    fprintf(stderr, "%s: %s\n", is_well ? "note" : "warning",
+            is_well ? "recording goes on: what was held in memory is written" : text);
+}
+
+mrt_result perform_record_end(perform_record *self, facts *told, error *err)
+{
+    char name[32];
+    if (!self->recorder)
+        return MRT_OK;
+    perform_sound_stop(&self->sound);
+    mrt_result result = recorder_take_end(self->recorder, err);
+    self->take = recorder_take(self->recorder);
+    if (result >= 0 && recorder_problem(self->recorder)[0])
+        result = error_set(err, MRT_ERR_IO, "%s", recorder_problem(self->recorder));
+    if (result >= 0)
+        result = writer_flush(recorder_writer(self->recorder), err);
+    if (result >= 0)
+        result = perform_sound_attach(&self->sound, self->take, told, err);
+    taught_keep_now(self->show, layer_mapping(performer_layer(self->performer)), self->log);
+    writer_status status = writer_status_of(recorder_writer(self->recorder));
+    error later = {""};
+    mrt_result stopped = recorder_stop(self->recorder, &later);
+    self->recorder = NULL;
+    if (stopped < 0) /* it says more than what failed before it */
+        result = error_set(err, stopped, "%s", later.text);
+    if (result < 0)
+        return result;
+    snprintf(name, sizeof name, "%jd", (intmax_t)self->take);
+    facts_text(told, "show", "show", show_path(self->show));
+    facts_text(told, "take", "take", name);
+    facts_number(told, "samples_recorded", "samples recorded", (double)status.committed_count, 0,
+                 "");
+    if (status.lost_count)
+        facts_number(told, "samples_not_recorded", "not recorded", (double)status.lost_count, 0,
+                     "samples");
+    return MRT_OK;
+}
+
+void perform_record_rescue(show *of)
+{
+    char path[4096];
+    error err = {""};
+    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
+    if (result < 0)
+        fprintf(stderr, "error: %s: was deleted, moved or replaced, and is lost: %s\n",
+                show_path(of), err.text);
+    else if (result != MRT_END)
+        fprintf(stderr, "warning: %s: was deleted, moved or replaced: all of it is in %s\n",
+                show_path(of), path);
+}
+
+void perform_record_finish(perform_record *self)
+{
+    error ignored = {""};
+    perform_sound_finish(&self->sound);
+    if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
+        fprintf(stderr, "warning: %s\n", ignored.text);
+    perform_record_rescue(self->show);
+    show_close(self->show);
+    for (int i = 0; i < PERFORM_INPUTS_MAX; ++i)
+        free(self->input_text[i]);
+    free(self->calibration[MRT_LEFT]);
+    free(self->calibration[MRT_RIGHT]);
+    *self = (perform_record){0};
+}

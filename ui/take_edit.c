@@ -1,0 +1,920 @@
+#include "take_edit.h"
+
+#include "base/clock.h"
+#include "base/text.h"
+#include "take/own.h"
+#include "take/sound_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a list of edits, applied to a take through its history ---- */
+
+edit *take_change_add(take_change *change, edit_kind kind)
+{
+    edit *out = &change->edit[change->count++];
+    edit_init(out, kind);
+    return out;
+}
+
+/* ---- names in a list ---- */
+
+static mrt_result next_name(take_call *call, text_view *rest, char out[TAKE_NAME], error *err)
+{
+    text_view field;
+    if (!text_next_field(rest, ',', &field))
+        return MRT_END;
+    size_t length = (size_t)(field.end - field.at);
+    if (length == 0 || length >= TAKE_NAME)
+        return take_misused(call, err, "a name in a list has no or more than %d letters",
+                            TAKE_NAME - 1);
+    text_copy(out, TAKE_NAME, field);
+    return MRT_OK;
+}
+
+mrt_result take_read_own(take_call *call, const char *text, edit *out, error *err)
+{
+    text_view rest = text_view_of(text, strlen(text));
+    out->own = calloc(EDIT_OWN_MAX, sizeof *out->own);
+    if (!out->own)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
+    for (;;) {
+        char name[TAKE_NAME];
+        mrt_result result = next_name(call, &rest, name, err);
+        if (result != MRT_OK)
+            return result == MRT_END ? MRT_OK : result;
+        own_region region;
+        bool is_region = own_region_named(name, &region);
+        const own_part *part = is_region ? own_part_of(region) : NULL;
+        for (uint32_t i = 0; i < (part ? part->pattern_count : 1); ++i) {
+            if (out->own_count == EDIT_OWN_MAX)
+                return take_misused(call, err, "at most %d patterns are possible", EDIT_OWN_MAX);
+            (void)snprintf(out->own[out->own_count++], TAKE_NAME, "%s",
+                           part ? part->pattern[i] : name);
+        }
+    }
+}
+
+mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, error *err)
+{
+    text_view rest = text_view_of(text, strlen(text));
+    *out = 0;
+    for (;;) {
+        char name[TAKE_NAME];
+        own_region region;
+        mrt_result result = next_name(call, &rest, name, err);
+        if (result != MRT_OK)
+            return result == MRT_END ? MRT_OK : result;
+        if (!own_region_named(name, &region))
+            return take_misused(call, err,
+                                "\"%s\" is no region: mouth, jaw, brows, lids, eyes, cheeks, nose, "
+                                "head are",
+                                name);
+        *out |= 1u << region;
+    }
+}
+
+/* ---- done ---- */
+
+static mrt_result do_all(take_call *call, history *of, const take_change *change, error *err)
+{
+    for (uint32_t i = 0; i < change->count; ++i) {
+        mrt_result result = history_do(of, &change->edit[i], err);
+        if (result < 0)
+            return result;
+        facts_list(call->told, "edits", "edit", history_words(of, history_head(of)));
+    }
+    const take *now = history_take(of);
+    facts_text(call->told, "take", "take",
+               take_slate_text(now->scene, now->shot, now->number).text);
+    facts_number(call->told, "take_id", "take id", (double)now->id, 0, "");
+    facts_number(call->told, "duration_s", "duration", (double)now->duration_ns / 1e9, 3, "s");
+    facts_number(call->told, "edits_in_force", "edits in force", (double)history_head(of), 0, "");
+    return MRT_OK;
+}
+
+mrt_result take_change_run(take_call *call,
+                           mrt_result (*ask)(take_call *call, const take *t, take_change *out,
+                                             error *err),
+                           error *err)
+{
+    int64_t id;
+    edit_store *store;
+    history *of;
+    mrt_result result = take_find(call, call->word[1], &id, err);
+    if (result >= 0)
+        result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
+    if (result < 0)
+        return result;
+    history_store list = edit_store_list(store);
+    result = history_open(&of, edit_store_bare(store), &list, err);
+    if (result >= 0) {
+        take_change change = {.count = 0};
+        result = ask(call, history_take(of), &change, err);
+        if (result >= 0)
+            result = do_all(call, of, &change, err);
+        for (uint32_t i = 0; i < change.count; ++i)
+            edit_finish(&change.edit[i]);
+        history_close(of);
+    }
+    edit_store_close(store);
+    return result;
+}
+
+/* ---- what a take shows and when, and what is written on it ---- */
+
+/* ---- clips ---- */
+
+static mrt_result ask_trim(take_call *call, const take *t, take_change *out, error *err)
+{
+    if (!call->text[TAKE_IN] && !call->text[TAKE_OUT])
+        return take_misused(call, err, "--in or --out is missing");
+    bool is_clip = call->text[TAKE_CLIP] != NULL;
+    edit *e = take_change_add(out, is_clip ? EDIT_CLIP_TRIM : EDIT_RANGE_KEEP);
+    int64_t *from = is_clip ? &e->start_ns : &e->in_ns, *until = is_clip ? &e->end_ns : &e->out_ns;
+    if (!is_clip) {
+        *from = 0;
+        *until = t->duration_ns;
+    }
+    mrt_result result = take_time(call, TAKE_IN, t, from, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_OUT, t, until, err);
+    return result < 0 || !is_clip ? result : take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+}
+
+static mrt_result ask_split(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_CLIP_SPLIT);
+    mrt_result result = take_need(call, TAKE_AT, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_AT, t, &e->at_ns, err);
+    return result < 0 ? result : take_find_clip(call, t, e->at_ns, &e->clip, err);
+}
+
+static mrt_result ask_move(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_CLIP_MOVE);
+    if (!call->text[TAKE_TO] && !call->text[TAKE_LAYER])
+        return take_misused(call, err, "--to or --layer is missing");
+    mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_TO, t, &e->start_ns, err);
+    if (result >= 0 && call->text[TAKE_LAYER])
+        result = take_find_layer(call, t, &e->layer, err);
+    return result;
+}
+
+/* "0:0,2:1.5": timeline to source, seconds. */
+static mrt_result read_points(take_call *call, const char *text, edit *out, error *err)
+{
+    text_view rest = text_view_of(text, strlen(text)), field, half;
+    out->warp = calloc(EDIT_WARP_MAX, sizeof *out->warp);
+    if (!out->warp)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
+    while (text_next_field(&rest, ',', &field)) {
+        double at_s, source_s;
+        bool good = out->warp_count < EDIT_WARP_MAX && text_next_field(&field, ':', &half) &&
+                    text_double(half, &at_s) && text_next_field(&field, ':', &half) &&
+                    text_double(half, &source_s) && fabs(at_s) <= 1e6 && fabs(source_s) <= 1e6;
+        if (!good)
+            return take_misused(call, err,
+                                "--points \"%.80s\" is not AT:SOURCE,AT:SOURCE... in seconds, at "
+                                "most %d",
+                                text, EDIT_WARP_MAX);
+        out->warp[out->warp_count++] =
+            (take_warp_point){llround(at_s * 1e9), llround(source_s * 1e9)};
+    }
+    return MRT_OK;
+}
+
+static mrt_result ask_retime(take_call *call, const take *t, take_change *out, error *err)
+{
+    bool is_curve = call->text[TAKE_POINTS] != NULL;
+    if (is_curve == (call->text[TAKE_SPEED] != NULL))
+        return take_misused(call, err, "either --speed or --points is wanted");
+    edit *e = take_change_add(out, is_curve ? EDIT_CLIP_CURVE : EDIT_CLIP_SPEED);
+    mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+    if (result < 0)
+        return result;
+    if (is_curve)
+        return read_points(call, call->text[TAKE_POINTS], e, err);
+    result = take_number(call, TAKE_SPEED, 0.01, 100.0, &e->speed, err);
+    return result < 0 ? result : take_time(call, TAKE_AT, t, &e->at_ns, err);
+}
+
+static mrt_result ask_smooth(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_CLIP_SMOOTH);
+    mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+    return result < 0
+               ? result
+               : take_number_of(call, "SECONDS", call->word[2], 0.0, 10.0, &e->smooth_s, err);
+}
+
+/* A layer where one is named, else a clip. */
+static mrt_result ask_target(take_call *call, const take *t, take_change *out, edit_kind of_layer,
+                             edit_kind of_clip, edit **out_edit, error *err)
+{
+    bool is_layer = call->text[TAKE_LAYER] != NULL;
+    if (is_layer && call->text[TAKE_CLIP])
+        return take_misused(call, err, "either --clip or --layer is wanted");
+    edit *e = *out_edit = take_change_add(out, is_layer ? of_layer : of_clip);
+    return is_layer ? take_find_layer(call, t, &e->layer, err)
+                    : take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+}
+
+static mrt_result ask_mute(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = ask_target(call, t, out, EDIT_LAYER_MUTE, EDIT_CLIP_MUTE, &e, err);
+    if (result >= 0)
+        e->is_muted = call->text[TAKE_OFF] == NULL;
+    return result;
+}
+
+static mrt_result ask_gain(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = ask_target(call, t, out, EDIT_LAYER_GAIN, EDIT_CLIP_GAIN, &e, err);
+    return result < 0 ? result
+                      : take_number_of(call, "GAIN", call->word[2], 0.0, 10.0, &e->gain, err);
+}
+
+static mrt_result ask_fade(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_CLIP_FADE);
+    if (!call->text[TAKE_FADE_IN] && !call->text[TAKE_FADE_OUT])
+        return take_misused(call, err, "--fade-in or --fade-out is missing");
+    mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
+    double in_s = 0.0, out_s = 0.0;
+    if (result >= 0)
+        result = take_number(call, TAKE_FADE_IN, 0.0, 1e6, &in_s, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_FADE_OUT, 0.0, 1e6, &out_s, err);
+    if (call->text[TAKE_FADE_IN])
+        e->fade_in_ns = llround(in_s * 1e9);
+    if (call->text[TAKE_FADE_OUT])
+        e->fade_out_ns = llround(out_s * 1e9);
+    return result;
+}
+
+static mrt_result ask_cut(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_RANGE_CUT);
+    mrt_result result = take_need(call, TAKE_IN, err);
+    if (result >= 0)
+        result = take_need(call, TAKE_OUT, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_IN, t, &e->in_ns, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_OUT, t, &e->out_ns, err);
+    e->is_ripple = call->text[TAKE_RIPPLE] != NULL;
+    if (result >= 0 && call->text[TAKE_LAYER]) {
+        e->layer_count = 1;
+        result = take_find_layer(call, t, &e->layers[0], err);
+    }
+    return result;
+}
+
+static mrt_result ask_insert(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_RANGE_INSERT);
+    mrt_result result = take_need(call, TAKE_AT, err);
+    if (result >= 0)
+        result = take_need(call, TAKE_LENGTH, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_AT, t, &e->at_ns, err);
+    double length_s = 0.0;
+    if (result >= 0)
+        result = take_number(call, TAKE_LENGTH, 1e-9, 1e6, &length_s, err);
+    e->length_ns = llround(length_s * 1e9);
+    return result;
+}
+
+static mrt_result ask_delete(take_call *call, const take *t, take_change *out, error *err)
+{
+    bool is_clip = call->text[TAKE_CLIP] != NULL;
+    edit *e = take_change_add(out, is_clip ? EDIT_CLIP_REMOVE : EDIT_TAKE_DELETE);
+    return is_clip ? take_find_clip(call, t, EDIT_UNSAID, &e->clip, err) : MRT_OK;
+}
+
+static mrt_result ask_restore(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)call, (void)t, (void)err;
+    take_change_add(out, EDIT_TAKE_RESTORE);
+    return MRT_OK;
+}
+
+/* ---- what is written on it ---- */
+
+static mrt_result put_text(take_call *call, char *out, size_t size, const char *text, error *err)
+{
+    if (strlen(text) >= size)
+        return take_misused(call, err, "\"%.40s...\" is too long: at most %zu bytes", text,
+                            size - 1);
+    memcpy(out, text, strlen(text) + 1);
+    return MRT_OK;
+}
+
+static mrt_result ask_rename(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    edit *e = take_change_add(out, EDIT_TAKE_RENAME);
+    return put_text(call, e->name, sizeof e->name, call->word[2], err);
+}
+
+static mrt_result ask_slate(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_TAKE_SLATE);
+    double number = (double)t->number;
+    const char *scene = call->text[TAKE_SCENE], *shot = call->text[TAKE_SHOT];
+    if (!scene && !shot && !call->text[TAKE_NUMBER])
+        return take_misused(call, err, "--scene, --shot or --number is missing");
+    mrt_result result = put_text(call, e->scene, sizeof e->scene, scene ? scene : t->scene, err);
+    if (result >= 0)
+        result = put_text(call, e->shot, sizeof e->shot, shot ? shot : t->shot, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_NUMBER, 1, 99999, &number, err);
+    e->number = (uint32_t)number;
+    return result;
+}
+
+static mrt_result ask_note(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    edit *e = take_change_add(out, EDIT_TAKE_NOTE);
+    return put_text(call, e->note, sizeof e->note, call->word[2], err);
+}
+
+static mrt_result ask_rate(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    double stars = 0.0;
+    edit *e = take_change_add(out, EDIT_TAKE_RATE);
+    mrt_result result = take_number_of(call, "STARS", call->word[2], 0, 5, &stars, err);
+    e->rating = (uint32_t)stars;
+    return result;
+}
+
+static mrt_result ask_mark(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_MARKER_ADD);
+    mrt_result result = take_need(call, TAKE_AT, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_AT, t, &e->at_ns, err);
+    return result < 0 ? result : put_text(call, e->text, sizeof e->text, call->word[2], err);
+}
+
+static mrt_result ask_timecode(take_call *call, const take *t, take_change *out, error *err)
+{
+    timecode_rate rate;
+    if (!call->text[TAKE_FPS] && !call->text[TAKE_START])
+        return take_misused(call, err, "--fps or --start is missing");
+    mrt_result result = take_rate(call, t, &rate, err);
+    if (result < 0)
+        return result;
+    if (call->text[TAKE_FPS])
+        take_change_add(out, EDIT_TAKE_FPS)->fps = timecode_fps(rate);
+    if (!call->text[TAKE_START])
+        return MRT_OK;
+    edit *e = take_change_add(out, EDIT_TAKE_TIMECODE);
+    rate.is_drop = strchr(call->text[TAKE_START], ';') != NULL && timecode_can_drop(rate);
+    e->is_drop = rate.is_drop;
+    result = timecode_parse(&e->frame, rate, call->text[TAKE_START], err);
+    call->is_usage = result < 0;
+    return result;
+}
+
+static mrt_result ask_edit(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    edit parsed;
+    mrt_result result = edit_parse(&parsed, call->word[2], strlen(call->word[2]), err);
+    if (result >= 0)
+        out->edit[out->count++] = parsed;
+    return result;
+}
+
+#define RUN(name)                                                                                  \
+    static mrt_result run_##name(take_call *call, error *err)                                      \
+    {                                                                                              \
+        return take_change_run(call, ask_##name, err);                                             \
+    }
+RUN(trim)
+RUN(split)
+RUN(move)
+RUN(retime)
+RUN(smooth)
+RUN(mute)
+RUN(gain)
+RUN(fade)
+RUN(cut)
+RUN(insert)
+RUN(delete)
+RUN(restore)
+RUN(rename)
+RUN(slate)
+RUN(note)
+RUN(rate)
+RUN(mark)
+RUN(timecode)
+RUN(edit)
+
+#define CLIP_HELP  "  --clip N     which clip (marotte take show); not needed where there is one\n"
+#define LAYER_HELP "  --layer L    of a whole layer, by its number or name\n"
+#define FPS_HELP   "  --fps RATE   of time code, where the take has no frame rate\n"
+
+static const take_verb edit_verbs[] = {
+    {"trim", "SHOW TAKE",
+     "  --in T       its first instant (0)\n  --out T      its end\n"
+     "  --clip N     trims that clip, not the take\n" FPS_HELP,
+     "keeps a range of a take",
+     TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
+     run_trim},
+    {"cut", "SHOW TAKE",
+     "  --in T --out T   the range\n  --ripple     what is later moves up\n" LAYER_HELP FPS_HELP,
+     "takes a range out",
+     TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_RIPPLE) | TAKE_BIT(TAKE_LAYER) |
+         TAKE_BIT(TAKE_FPS),
+     TAKE_WRITES, run_cut},
+    {"insert", "SHOW TAKE", "  --at T       where\n  --length S   seconds\n" FPS_HELP,
+     "opens a gap", TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_LENGTH) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
+     run_insert},
+    {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "splits a clip",
+     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, run_split},
+    {"move", "SHOW TAKE",
+     "  --to T       its new start\n  --layer L    another layer\n" CLIP_HELP FPS_HELP,
+     "moves a clip",
+     TAKE_BIT(TAKE_TO) | TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS),
+     TAKE_WRITES, run_move},
+    {"retime", "SHOW TAKE",
+     "  --speed F    so many times as fast\n  --at T       about this instant (its start)\n"
+     "  --points A:S,A:S...   or a curve: at A s of the timeline it shows its own S s\n" CLIP_HELP
+         FPS_HELP,
+     "plays a clip faster, slower, or along a curve",
+     TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_POINTS) | TAKE_BIT(TAKE_CLIP) |
+         TAKE_BIT(TAKE_FPS),
+     TAKE_WRITES, run_retime},
+    {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooths a clip; 0 ends it", TAKE_BIT(TAKE_CLIP),
+     TAKE_WRITES, run_smooth},
+    {"mute", "SHOW TAKE", "  --off        is heard again\n" CLIP_HELP LAYER_HELP,
+     "mutes a clip or a layer", TAKE_BIT(TAKE_OFF) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_LAYER),
+     TAKE_WRITES, run_mute},
+    {"gain", "SHOW TAKE GAIN", CLIP_HELP LAYER_HELP, "how much of a clip or a layer: 0 to 10",
+     TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_LAYER), TAKE_WRITES, run_gain},
+    {"fade", "SHOW TAKE", "  --fade-in S, --fade-out S   seconds\n" CLIP_HELP,
+     "fades a clip in or out",
+     TAKE_BIT(TAKE_FADE_IN) | TAKE_BIT(TAKE_FADE_OUT) | TAKE_BIT(TAKE_CLIP), TAKE_WRITES, run_fade},
+    {"delete", "SHOW TAKE", "  --clip N     that clip, not the take\n",
+     "puts a take away: restore brings it back", TAKE_BIT(TAKE_CLIP), TAKE_WRITES, run_delete},
+    {"restore", "SHOW TAKE", "", "brings a deleted take back", 0, TAKE_WRITES, run_restore},
+    {"rename", "SHOW TAKE NAME", "", "names a take", 0, TAKE_WRITES, run_rename},
+    {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   what is left out stays\n",
+     "changes a take's slate", TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT) | TAKE_BIT(TAKE_NUMBER),
+     TAKE_WRITES, run_slate},
+    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", 0, TAKE_WRITES, run_note},
+    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", 0, TAKE_WRITES, run_rate},
+    {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "marks an instant",
+     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, run_mark},
+    {"timecode", "SHOW TAKE",
+     "  --fps RATE   24, 25, 29.97, 30000/1001 ...\n"
+     "  --start TC   time code of its first frame: 01:00:00:00, drop-frame 01:00:00;00\n",
+     "gives a take a frame rate and time code", TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_START),
+     TAKE_WRITES, run_timecode},
+    {"edit", "SHOW TAKE JSON",
+     "  JSON: any edit as it is stored: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
+     "does any edit", 0, TAKE_WRITES, run_edit},
+};
+const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / sizeof edit_verbs[0]};
+
+/* ---- layers, and what they take from other takes ---- */
+
+/* ---- one layer: SHOW TAKE LAYER [VALUE] ---- */
+
+static mrt_result named_layer(take_call *call, const take *t, take_change *out, edit_kind kind,
+                              edit **out_edit, error *err)
+{
+    *out_edit = take_change_add(out, kind);
+    call->text[TAKE_LAYER] = call->word[2];
+    return take_find_layer(call, t, &(*out_edit)->layer, err);
+}
+
+static mrt_result put_name(take_call *call, char out[TAKE_NAME], const char *text, error *err)
+{
+    if (strlen(text) >= TAKE_NAME)
+        return take_misused(call, err, "a name has at most %d bytes", TAKE_NAME - 1);
+    (void)snprintf(out, TAKE_NAME, "%s", text);
+    return MRT_OK;
+}
+
+static mrt_result ask_layer_add(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    edit *e = take_change_add(out, EDIT_LAYER_ADD);
+    double place = -1.0;
+    mrt_result result = put_name(call, e->name, call->word[2], err);
+    if (result >= 0 && call->text[TAKE_OWN])
+        result = take_read_own(call, call->text[TAKE_OWN], e, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_PLACE, 0, EDIT_LAYERS_MAX - 1, &place, err);
+    if (place >= 0.0)
+        e->place = (uint32_t)place;
+    return result;
+}
+
+static mrt_result ask_layer_remove(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    return named_layer(call, t, out, EDIT_LAYER_REMOVE, &e, err);
+}
+
+static mrt_result ask_layer_name(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_RENAME, &e, err);
+    return result < 0 ? result : put_name(call, e->name, call->word[3], err);
+}
+
+static mrt_result ask_layer_own(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_OWN, &e, err);
+    bool owns_all = strcmp(call->word[3], "all") == 0;
+    return result < 0 || owns_all ? result : take_read_own(call, call->word[3], e, err);
+}
+
+static mrt_result ask_layer_mute(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_MUTE, &e, err);
+    e->is_muted = call->text[TAKE_OFF] == NULL;
+    return result;
+}
+
+static mrt_result ask_layer_solo(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_SOLO, &e, err);
+    e->is_solo = call->text[TAKE_OFF] == NULL;
+    return result;
+}
+
+static mrt_result ask_layer_additive(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_ADDITIVE, &e, err);
+    e->is_additive = call->text[TAKE_OFF] == NULL;
+    return result;
+}
+
+static mrt_result ask_layer_gain(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_GAIN, &e, err);
+    return result < 0 ? result
+                      : take_number_of(call, "GAIN", call->word[3], 0.0, 10.0, &e->gain, err);
+}
+
+static mrt_result ask_layer_offset(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    double offset_s = 0.0;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_OFFSET, &e, err);
+    if (result >= 0)
+        result = take_number_of(call, "SECONDS", call->word[3], -1e6, 1e6, &offset_s, err);
+    e->offset_ns = llround(offset_s * 1e9);
+    return result;
+}
+
+static mrt_result ask_layer_order(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = NULL;
+    double place = 0.0;
+    mrt_result result = named_layer(call, t, out, EDIT_LAYER_ORDER, &e, err);
+    if (result >= 0)
+        result = take_number_of(call, "PLACE", call->word[3], 0, EDIT_LAYERS_MAX - 1, &place, err);
+    e->place = (uint32_t)place;
+    return result;
+}
+
+/* ---- what another take shows ---- */
+
+static bool can_speak_of(const take_layer *layer, const edit *e)
+{
+    bool is_any = layer->own_count == 0 || (e->regions == 0 && e->own_count == 0);
+    for (uint32_t i = 0; i < layer->own_count && !is_any; ++i) {
+        for (uint32_t k = 0; k < e->own_count; ++k)
+            is_any |= own_patterns_meet(layer->own[i], e->own[k]);
+        for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
+            const own_part *part = own_part_of((own_region)region);
+            for (uint32_t k = 0; e->regions & 1u << region && k < part->pattern_count; ++k)
+                is_any |= own_patterns_meet(layer->own[i], part->pattern[k]);
+        }
+    }
+    return is_any;
+}
+
+/* The topmost clip that speaks of what is wanted at that instant. */
+static const take_clip *find_material(const take *of, const edit *e, int64_t at_ns,
+                                      int64_t *out_at_ns)
+{
+    for (uint32_t i = of->layer_count; i-- > 0;) {
+        take_voice voice[2];
+        if (!own_layer_is_heard(of, i) || !can_speak_of(&of->layer[i], e))
+            continue;
+        if (take_at(voice, &of->layer[i], at_ns) > 0) {
+            *out_at_ns = at_ns - of->layer[i].offset_ns;
+            return voice[0].clip;
+        }
+    }
+    return NULL;
+}
+
+/* At its speed there, be it a curve. later_ns: from the clip's time to that of the edit. */
+static mrt_result put_material(edit *e, const take_clip *c, int64_t at_ns, int64_t later_ns,
+                               error *err)
+{
+    e->performance = c->performance;
+    e->from_ns = c->from_ns;
+    e->to_ns = c->to_ns;
+    if (c->warp_count == 1) {
+        e->source_ns = take_warp_to_source(c, at_ns);
+        return MRT_OK;
+    }
+    e->warp = calloc(c->warp_count, sizeof *e->warp);
+    if (!e->warp)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for an edit");
+    e->warp_count = c->warp_count;
+    for (uint32_t i = 0; i < c->warp_count; ++i)
+        e->warp[i] = (take_warp_point){c->warp[i].at_ns + later_ns, c->warp[i].source_ns};
+    return MRT_OK;
+}
+
+static mrt_result read_material(take_call *call, edit *e, error *err)
+{
+    take of;
+    int64_t at_ns = e->in_ns, clip_at_ns = 0;
+    mrt_result result = take_need(call, TAKE_FROM, err);
+    if (result >= 0)
+        result = take_read(call, call->text[TAKE_FROM], &of, err);
+    if (result < 0)
+        return result;
+    result = take_time(call, TAKE_SOURCE, &of, &at_ns, err);
+    const take_clip *c = result < 0 ? NULL : find_material(&of, e, at_ns, &clip_at_ns);
+    if (c)
+        result = put_material(e, c, clip_at_ns, e->in_ns - clip_at_ns, err);
+    else if (result >= 0)
+        result = error_set(err, MRT_ERR_ARGUMENT, "take %lld shows nothing of that at %.9g s",
+                           (long long)of.id, (double)at_ns / 1e9);
+    take_finish(&of);
+    return result;
+}
+
+static mrt_result read_span(take_call *call, const take *t, edit *e, error *err)
+{
+    double fade_s = 0.1;
+    mrt_result result = take_need(call, TAKE_IN, err);
+    if (result >= 0)
+        result = take_need(call, TAKE_OUT, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_IN, t, &e->in_ns, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_OUT, t, &e->out_ns, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_FADE, 0.0, 1e6, &fade_s, err);
+    e->fade_ns = llround(fade_s * 1e9);
+    return result;
+}
+
+static mrt_result ask_layer_comp(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_COMP);
+    if ((call->text[TAKE_REGION] == NULL) == (call->text[TAKE_OWN] == NULL))
+        return take_misused(call, err, "either --region or --own is wanted");
+    mrt_result result = read_span(call, t, e, err);
+    if (result >= 0)
+        result = call->text[TAKE_REGION]
+                     ? take_read_regions(call, call->text[TAKE_REGION], &e->regions, err)
+                     : take_read_own(call, call->text[TAKE_OWN], e, err);
+    return result < 0 ? result : read_material(call, e, err);
+}
+
+static mrt_result ask_layer_punch(take_call *call, const take *t, take_change *out, error *err)
+{
+    edit *e = take_change_add(out, EDIT_PUNCH);
+    mrt_result result = read_span(call, t, e, err);
+    if (result >= 0)
+        result = take_find_layer(call, t, &e->layer, err);
+    return result < 0 ? result : read_material(call, e, err);
+}
+
+/* ---- back and forth ---- */
+
+static mrt_result step(take_call *call, history *of, bool is_undo, error *err)
+{
+    double wanted = 1.0;
+    mrt_result result = take_number(call, TAKE_STEPS, 1, 1e6, &wanted, err);
+    for (double i = 0.0; i < wanted && result >= 0; i += 1.0) {
+        int64_t n = history_head(of) + (is_undo ? 0 : 1);
+        char words[EDIT_TEXT];
+        (void)snprintf(words, sizeof words, "%s", history_words(of, n));
+        result = is_undo ? history_undo(of, err) : history_redo(of, err);
+        if (result == MRT_END && i < 0.5)
+            return error_set(err, MRT_ERR_ARGUMENT, "there is nothing to %s",
+                             is_undo ? "undo" : "redo");
+        if (result == MRT_END)
+            return MRT_OK;
+        if (result >= 0)
+            facts_list(call->told, "edits", is_undo ? "undone" : "done again", words);
+    }
+    return result;
+}
+
+static void tell_history(take_call *call, const history *of)
+{
+    for (int64_t n = 1; n <= history_last(of); ++n) {
+        char label[32];
+        bool is_undone = n > history_head(of);
+        (void)snprintf(label, sizeof label, "%lld%s", (long long)n, is_undone ? " (undone)" : "");
+        facts_list(call->told, is_undone ? "undone" : "edits", label, history_words(of, n));
+    }
+}
+
+static mrt_result with_history(take_call *call, int what, error *err)
+{
+    int64_t id;
+    edit_store *store;
+    history *of;
+    mrt_result result = take_find(call, call->word[1], &id, err);
+    if (result >= 0)
+        result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
+    if (result < 0)
+        return result;
+    history_store list = edit_store_list(store);
+    result = history_open(&of, edit_store_bare(store), &list, err);
+    if (result >= 0) {
+        if (what == 0)
+            tell_history(call, of);
+        else
+            result = step(call, of, what < 0, err);
+        if (result >= 0) {
+            facts_number(call->told, "edits_in_force", "edits in force", (double)history_head(of),
+                         0, "");
+            facts_number(call->told, "edit_count", "of", (double)history_last(of), 0, "");
+        }
+        history_close(of);
+    }
+    edit_store_close(store);
+    return result;
+}
+
+static mrt_result run_undo(take_call *call, error *err)
+{
+    return with_history(call, -1, err);
+}
+
+static mrt_result run_redo(take_call *call, error *err)
+{
+    return with_history(call, 1, err);
+}
+
+static mrt_result run_history(take_call *call, error *err)
+{
+    return with_history(call, 0, err);
+}
+
+RUN(layer_add)
+RUN(layer_remove)
+RUN(layer_name)
+RUN(layer_own)
+RUN(layer_mute)
+RUN(layer_solo)
+RUN(layer_additive)
+RUN(layer_gain)
+RUN(layer_offset)
+RUN(layer_order)
+RUN(layer_comp)
+RUN(layer_punch)
+
+#define OFF_HELP "  --off        no longer\n"
+#define OWN_HELP                                                                                   \
+    "  mouth, jaw, brows, lids, eyes, cheeks, nose, head, or patterns of names of contacts and\n"  \
+    "  degrees of freedom (\"mouth.*,jaw.open\")\n"
+#define SPAN_HELP                                                                                  \
+    "  --from TAKE  the other take\n  --in T --out T   the span\n"                                 \
+    "  --source T   what of the other take is shown at --in (the same time)\n"                     \
+    "  --fade S     cross-fades at both ends (0.1)\n"                                              \
+    "  --fps RATE   of time code, where a take has no frame rate\n"
+#define SPAN_BITS                                                                                  \
+    (TAKE_BIT(TAKE_FROM) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_SOURCE) |        \
+     TAKE_BIT(TAKE_FADE) | TAKE_BIT(TAKE_FPS))
+
+static const take_verb layer_verbs[] = {
+    {"layer add", "SHOW TAKE NAME",
+     "  --own NAMES  what it moves (all):\n" OWN_HELP
+     "  --place N    from the bottom, 0 (on top)\n",
+     "adds a layer", TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_PLACE), TAKE_WRITES, run_layer_add},
+    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", 0, TAKE_WRITES, run_layer_remove},
+    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", 0, TAKE_WRITES, run_layer_name},
+    {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES: all, or\n" OWN_HELP, "what a layer moves", 0,
+     TAKE_WRITES, run_layer_own},
+    {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mutes a layer", TAKE_BIT(TAKE_OFF), TAKE_WRITES,
+     run_layer_mute},
+    {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "only solo layers are heard", TAKE_BIT(TAKE_OFF),
+     TAKE_WRITES, run_layer_solo},
+    {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "adds to the layers below", TAKE_BIT(TAKE_OFF),
+     TAKE_WRITES, run_layer_additive},
+    {"layer gain", "SHOW TAKE LAYER GAIN", "", "how much of a layer: 0 to 10", 0, TAKE_WRITES,
+     run_layer_gain},
+    {"layer offset", "SHOW TAKE LAYER SECONDS", "", "shows a layer later, or earlier", 0,
+     TAKE_WRITES, run_layer_offset},
+    {"layer order", "SHOW TAKE LAYER PLACE", "", "moves a layer to a place from the bottom, 0", 0,
+     TAKE_WRITES, run_layer_order},
+    {"comp", "SHOW TAKE",
+     "  --region R,R or --own NAMES   which parts of the face:\n" OWN_HELP SPAN_HELP,
+     "takes parts of the face from another take",
+     SPAN_BITS | TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_OWN), TAKE_WRITES, run_layer_comp},
+    {"punch", "SHOW TAKE", "  --layer L    which layer, by its number or name\n" SPAN_HELP,
+     "a layer shows a span of another take", SPAN_BITS | TAKE_BIT(TAKE_LAYER), TAKE_WRITES,
+     run_layer_punch},
+    {"undo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "undoes the last edit",
+     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, run_undo},
+    {"redo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "does again what was undone",
+     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, run_redo},
+    {"history", "SHOW TAKE", "", "all edits in words", 0, TAKE_READS, run_history},
+};
+const take_verbs take_layer_verbs = {"Layers, other takes, undo", layer_verbs,
+                                     sizeof layer_verbs / sizeof layer_verbs[0]};
+
+/* ---- the sound ---- */
+
+static bool show_part(void *data, double part)
+{
+    progress_show(data, part, "");
+    return true;
+}
+
+static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    double offset_s = 0.0, gain = 1.0;
+    mrt_result result = take_number(call, TAKE_OFFSET, -1e6, 1e6, &offset_s, err);
+    if (result >= 0)
+        result = take_number(call, TAKE_GAIN, 0.0, 10.0, &gain, err);
+    if (result < 0)
+        return result;
+    const sound_file_watch watch = {show_part, &call->shown};
+    edit *e = take_change_add(out, EDIT_AUDIO_ATTACH);
+    e->offset_ns = llround(offset_s * 1e9);
+    e->gain = gain;
+    progress_start(&call->shown, "sound");
+    result =
+        sound_file_import(&e->audio, call->show, call->word[2], SOUND_FILE_CUT_REFUSE, &watch, err);
+    progress_end(&call->shown);
+    return result;
+}
+
+static mrt_result ask_sound_offset(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    double offset_s = 0.0;
+    edit *e = take_change_add(out, EDIT_AUDIO_OFFSET);
+    mrt_result result = take_number_of(call, "SECONDS", call->word[2], -1e6, 1e6, &offset_s, err);
+    e->offset_ns = llround(offset_s * 1e9);
+    return result;
+}
+
+static mrt_result ask_sound_gain(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)t;
+    edit *e = take_change_add(out, EDIT_AUDIO_GAIN);
+    return take_number_of(call, "GAIN", call->word[2], 0.0, 10.0, &e->gain, err);
+}
+
+static mrt_result ask_sound_detach(take_call *call, const take *t, take_change *out, error *err)
+{
+    (void)call, (void)t, (void)err;
+    take_change_add(out, EDIT_AUDIO_DETACH);
+    return MRT_OK;
+}
+
+RUN(sound_attach)
+RUN(sound_offset)
+RUN(sound_gain)
+RUN(sound_detach)
+
+static const take_verb audio_verbs[] = {
+    {"audio attach", "SHOW TAKE FILE",
+     "  --offset S   where it starts on the take's timeline, seconds (0)\n"
+     "  --gain G     0 to 10 (1)\n"
+     "WAV, FLAC, Ogg, AIFF and others; it is kept in the show, sample by sample.\n",
+     "gives a take a sound", TAKE_BIT(TAKE_OFFSET) | TAKE_BIT(TAKE_GAIN), TAKE_WRITES,
+     run_sound_attach},
+    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", 0, TAKE_WRITES, run_sound_offset},
+    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", 0, TAKE_WRITES, run_sound_gain},
+    {"audio detach", "SHOW TAKE", "", "takes its sound away", 0, TAKE_WRITES, run_sound_detach},
+};
+const take_verbs take_audio_verbs = {"Sound", audio_verbs,
+                                     sizeof audio_verbs / sizeof audio_verbs[0]};
