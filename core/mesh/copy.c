@@ -30,6 +30,17 @@ static void copy_materials(copying *c, mesh *out, const mesh *m)
         out->material[i].name = copy_text(c, m->material[i].name);
 }
 
+static void copy_images(copying *c, mesh *out, const mesh *m)
+{
+    out->image = copy_array(c, m->image, m->image_count, sizeof *m->image);
+    for (uint32_t i = 0; out->image && i < m->image_count; ++i) {
+        const mesh_image *from = &m->image[i];
+        out->image[i].name = copy_text(c, from->name);
+        out->image[i].encoded = copy_array(c, from->encoded, from->encoded_size, 1);
+        out->image[i].rgba = copy_array(c, from->rgba, (size_t)from->width * from->height, 4);
+    }
+}
+
 static void copy_parts(copying *c, mesh *out, const mesh *m)
 {
     out->part = copy_array(c, m->part, m->part_count, sizeof *m->part);
@@ -81,6 +92,9 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
     out->normal = copy_array(&c, m->normal, vertices, sizeof *m->normal);
     out->point = copy_array(&c, m->point, m->vertex_count, sizeof *m->point);
     out->smooth = copy_array(&c, m->smooth, m->vertex_count, sizeof *m->smooth);
+    out->uv = copy_array(&c, m->uv, (size_t)m->vertex_count * 2, sizeof *m->uv);
+    out->colour = copy_array(&c, m->colour, (size_t)m->vertex_count * 4, sizeof *m->colour);
+    copy_images(&c, out, m);
     copy_materials(&c, out, m);
     copy_parts(&c, out, m);
     copy_attributes(&c, out, m);

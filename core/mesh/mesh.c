@@ -11,6 +11,20 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory for the mesh");
 }
 
+mesh_material mesh_material_grey(void)
+{
+    static const mesh_texture none = {.place = {1, 0, 0, 0, 1, 0}};
+    return (mesh_material){.base_colour = {0.6f, 0.6f, 0.6f, 1.0f},
+                           .roughness = 0.7f,
+                           .alpha_cutoff = 0.5f,
+                           .base = none,
+                           .normal = none,
+                           .emission = none,
+                           .surface = none,
+                           .normal_scale = 1.0f,
+                           .shade_toony = 0.9f};
+}
+
 mrt_result mesh_create(mesh *out, uint32_t vertex_count, uint32_t triangle_count, error *err)
 {
     *out = (mesh){.vertex_count = vertex_count,
@@ -24,8 +38,8 @@ mrt_result mesh_create(mesh *out, uint32_t vertex_count, uint32_t triangle_count
     out->part = calloc(1, sizeof *out->part);
     if (!out->position || !out->triangle || !out->material || !out->part)
         goto fail;
-    out->material[0] = (mesh_material){
-        .name = strdup(""), .base_colour = {0.6f, 0.6f, 0.6f, 1.0f}, .roughness = 0.7f};
+    out->material[0] = mesh_material_grey();
+    out->material[0].name = strdup("");
     out->part[0] = (mesh_part){
         .name = strdup(""), .triangle_count = triangle_count, .vertex_count = vertex_count};
     if (!out->material[0].name || !out->part[0].name)
@@ -52,6 +66,14 @@ void mesh_destroy(mesh *m)
         free(m->target[i].name);
         free(m->target[i].offset);
     }
+    for (uint32_t i = 0; m->image && i < m->image_count; ++i) {
+        free(m->image[i].name);
+        free(m->image[i].encoded);
+        free(m->image[i].rgba);
+    }
+    free(m->image);
+    free(m->uv);
+    free(m->colour);
     for (uint32_t i = 0; m->joint && i < m->joint_count; ++i) {
         free(m->joint[i].name);
         free(m->joint[i].role);
@@ -111,6 +133,23 @@ static bool all_finite(const float *value, size_t count)
     return true;
 }
 
+static mrt_result validate_looks(const mesh *m, error *err)
+{
+    if ((m->uv && !all_finite(m->uv, (size_t)m->vertex_count * 2)) ||
+        (m->colour && !all_finite(m->colour, (size_t)m->vertex_count * 4)))
+        return error_set(err, MRT_ERR_FORMAT, "a texture coordinate or colour is not finite");
+    for (uint32_t i = 0; i < m->material_count; ++i) {
+        const mesh_material *look = &m->material[i];
+        const mesh_texture *texture[] = {&look->base, &look->normal, &look->emission,
+                                         &look->surface};
+        for (size_t t = 0; t < sizeof texture / sizeof *texture; ++t)
+            if (texture[t]->image > m->image_count || !all_finite(texture[t]->place, 6))
+                return error_set(err, MRT_ERR_FORMAT, "material \"%s\" uses picture %u of %u",
+                                 look->name, texture[t]->image, m->image_count);
+    }
+    return MRT_OK;
+}
+
 static mrt_result validate_skin(const mesh *m, error *err)
 {
     for (uint32_t i = 0; i < m->joint_count; ++i) {
@@ -166,5 +205,6 @@ mrt_result mesh_validate(const mesh *m, error *err)
                         (size_t)m->vertex_count * m->attribute[i].component_count))
             return error_set(err, MRT_ERR_FORMAT, "attribute \"%s\" is not finite",
                              m->attribute[i].name);
-    return validate_skin(m, err);
+    mrt_result result = validate_looks(m, err);
+    return result < 0 ? result : validate_skin(m, err);
 }

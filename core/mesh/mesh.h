@@ -7,11 +7,47 @@
 #define MAROTTE_MESH_MESH_H
 #include "base/error.h"
 
+/* A picture of the file. */
+typedef struct mesh_image {
+    char *name;       /* "" when the file has none */
+    uint8_t *encoded; /* as it is in the file: encoded_size bytes; NULL: it is decoded */
+    uint8_t *rgba;    /* width by height by 4, rows from the top; NULL: there is none */
+    size_t encoded_size;
+    uint32_t width, height; /* px */
+} mesh_image;
+
+typedef enum mesh_wrap { MESH_WRAP_REPEAT = 0, MESH_WRAP_MIRROR, MESH_WRAP_CLAMP } mesh_wrap;
+
+typedef struct mesh_texture { /* a picture on a surface */
+    uint32_t image;           /* 1 + index into mesh.image; 0: none */
+    mesh_wrap wrap[2];
+    float place[6]; /* from mesh.uv to the picture: two rows of three, the last of a row a shift */
+} mesh_texture;
+
+typedef enum mesh_alpha { MESH_ALPHA_OPAQUE = 0, MESH_ALPHA_MASK, MESH_ALPHA_BLEND } mesh_alpha;
+
+typedef enum mesh_lighting {
+    MESH_LIGHTING_FULL = 0,
+    MESH_LIGHTING_NONE, /* its colours as they are */
+    MESH_LIGHTING_TOON  /* two tones: the base colour, and the shade's where no light falls */
+} mesh_lighting;
+
 typedef struct mesh_material {
     char *name;           /* "" when the file has none */
-    float base_colour[4]; /* linear RGBA, 0..1 */
+    float base_colour[4]; /* linear RGBA, 0..1: multiplies the base texture and mesh.colour */
     float roughness;      /* 0..1 */
     float metallic;       /* 0..1 */
+    bool says_roughness;  /* false: the format's default */
+    bool is_single_sided; /* what is seen from behind is not drawn */
+    mesh_alpha alpha;
+    float alpha_cutoff; /* MASK: less is not there */
+    mesh_texture base, normal, emission;
+    mesh_texture surface; /* green multiplies the roughness, blue the metal */
+    float normal_scale;
+    float emission_colour[3]; /* linear, >= 0: multiplies its texture */
+    mesh_lighting lighting;
+    float shade_colour[3];          /* TOON: linear, in the place of base_colour */
+    float shade_shift, shade_toony; /* TOON: VRMC_materials_mtoon's factors */
 } mesh_material;
 
 /* A run of triangles that belong together: an OBJ group x material, a glTF primitive. Parts are
@@ -65,11 +101,14 @@ typedef struct mesh {
      * same point of the surface, at the same place bit for bit; of those of one point, the first
      * that faces the same way, so that no edge shows between them. */
     uint32_t *point, *smooth;
+    float *uv;     /* vertex_count by 2, as glTF: (0, 0) is the upper left; NULL: none */
+    float *colour; /* vertex_count by 4, linear RGBA, 0..1; NULL: none */
+    mesh_image *image;
     mesh_material *material;
     mesh_part *part;
     mesh_attribute *attribute;
     mesh_target *target;
-    uint32_t material_count, part_count, attribute_count, target_count;
+    uint32_t image_count, material_count, part_count, attribute_count, target_count;
     /* The skeleton at rest, which is how the positions stand. */
     mesh_joint *joint;
     uint32_t joint_count;
@@ -96,6 +135,9 @@ static inline uint32_t mesh_point(const mesh *m, uint32_t vertex)
 
 /* Bounds of the positions. */
 void mesh_bounds(const mesh *m, float out_low[3], float out_high[3]);
+
+/* A grey surface: what is not said of one. The name is NULL. */
+mesh_material mesh_material_grey(void);
 
 /* What every reader's result is checked with, and what a caller with a mesh of his own can use:
  * finite positions, targets and weights, indices in range, parts disjoint and covering, parents of

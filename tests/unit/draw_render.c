@@ -309,6 +309,9 @@ static void grain_is_fixed_to_the_stone(void **state)
     error err;
     mesh m = shapes_wall(150, 0);
     m.material[0].roughness = 0.95f;
+    free(m.material[0].name);
+    m.material[0].name = strdup("stone");
+    assert_non_null(m.material[0].name);
     draw_face *face = draw_face_create(&m, &err);
     draw_render(renderer, target, face, &front, 0, 0, SIDE, SIDE);
     draw_read(target, picture);
@@ -366,7 +369,7 @@ static void materials_show_their_colours(void **state)
     m.material = material;
     m.part = part;
     m.material_count = m.part_count = 2;
-    material[1] = (mesh_material){NULL, {0.02f, 0.05f, 0.6f, 1.0f}, 0.6f, 0.0f};
+    material[1] = (mesh_material){.base_colour = {0.02f, 0.05f, 0.6f, 1.0f}, .roughness = 0.6f};
     material[0].base_colour[0] = 0.6f;
     material[0].base_colour[1] = material[0].base_colour[2] = 0.03f;
     part[0].material = 1; /* the parts' order is not the materials' */

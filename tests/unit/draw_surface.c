@@ -12,26 +12,44 @@ static surface surface_named(const char *name, float roughness, float metallic)
     char copy[64] = "";
     for (size_t i = 0; name && i + 1 < sizeof copy && name[i]; ++i)
         copy[i] = name[i];
-    mesh_material m = {name ? copy : NULL, {0.5f, 0.5f, 0.5f, 1.0f}, roughness, metallic};
+    mesh_material m = {.name = name ? copy : NULL,
+                       .base_colour = {0.5f, 0.5f, 0.5f, 1.0f},
+                       .roughness = roughness,
+                       .metallic = metallic,
+                       .says_roughness = true};
     return surface_of(&m);
 }
 
-static void dry_materials_have_a_grain(void **state)
+static void dry_materials_that_say_so_have_a_grain(void **state)
 {
     (void)state;
     assert_int_equal(surface_named("stone", 0.95f, 0).kind, SURFACE_STONE);
-    assert_int_equal(surface_named("", 0.95f, 0).kind, SURFACE_STONE);
-    assert_int_equal(surface_named(NULL, 0.95f, 0).kind, SURFACE_STONE);
+    assert_int_equal(surface_named("", 0.95f, 0).kind, SURFACE_SMOOTH);
+    assert_int_equal(surface_named(NULL, 0.95f, 0).kind, SURFACE_SMOOTH);
     assert_int_equal(surface_named("skin", 0.88f, 0).kind, SURFACE_FELT);
     assert_int_equal(surface_named("Felt.001", 0.9f, 0).kind, SURFACE_FELT);
     assert_int_equal(surface_named("lid_upper.l", 0.85f, 0).kind, SURFACE_FELT);
 }
 
+static void a_default_roughness_makes_no_felt(void **state)
+{
+    (void)state;
+    char name[] = "skin";
+    mesh_material m = mesh_material_grey();
+    m.name = name;
+    m.roughness = 1.0f;
+    assert_int_equal(surface_of(&m).kind, SURFACE_SMOOTH);
+    m.says_roughness = true;
+    assert_int_equal(surface_of(&m).kind, SURFACE_FELT);
+    m.base.image = 1; /* it has colours of its own */
+    assert_int_equal(surface_of(&m).kind, SURFACE_PAINTED);
+}
+
 static void words_are_whole_words(void **state)
 {
     (void)state;
-    assert_int_equal(surface_named("solid", 0.9f, 0).kind, SURFACE_STONE);
-    assert_int_equal(surface_named("earth", 0.9f, 0).kind, SURFACE_STONE);
+    assert_int_equal(surface_named("moraine solid", 0.9f, 0).kind, SURFACE_SMOOTH);
+    assert_int_equal(surface_named("earth", 0.9f, 0).kind, SURFACE_SMOOTH);
     assert_int_equal(surface_named("left ears", 0.9f, 0).kind, SURFACE_FELT);
     assert_int_equal(surface_named("stone.skin", 0.9f, 0).kind, SURFACE_STONE);
 }
@@ -64,7 +82,8 @@ static void metal_is_metal(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(dry_materials_have_a_grain),
+        cmocka_unit_test(dry_materials_that_say_so_have_a_grain),
+        cmocka_unit_test(a_default_roughness_makes_no_felt),
         cmocka_unit_test(words_are_whole_words),
         cmocka_unit_test(what_is_smoother_is_smooth),
         cmocka_unit_test(mouths_are_wet),

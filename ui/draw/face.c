@@ -49,14 +49,26 @@ static bool has_any(const char *name, const char *const *word, size_t count)
 }
 #define HAS_ANY(name, words) has_any(name, words, sizeof words / sizeof *words)
 
+/* What the file itself says of more than one colour. */
+static bool is_painted(const mesh_material *m)
+{
+    return m->base.image || m->normal.image || m->emission.image || m->surface.image ||
+           m->emission_colour[0] + m->emission_colour[1] + m->emission_colour[2] > 0.0f ||
+           m->lighting != MESH_LIGHTING_FULL || m->alpha == MESH_ALPHA_MASK;
+}
+
 surface surface_of(const mesh_material *material)
 {
     surface s = {SURFACE_SMOOTH, 0.0f, 0.0f};
-    if (material->metallic >= 0.5f)
+    if (is_painted(material))
+        s.kind = SURFACE_PAINTED;
+    if (material->metallic >= 0.5f || s.kind == SURFACE_PAINTED)
         return s;
     if (material->roughness > dry_roughness) {
-        bool is_felt = HAS_ANY(material->name, felt_words) && !HAS_ANY(material->name, stone_words);
-        s.kind = is_felt ? SURFACE_FELT : SURFACE_STONE;
+        if (HAS_ANY(material->name, stone_words))
+            s.kind = SURFACE_STONE;
+        else if (material->says_roughness && HAS_ANY(material->name, felt_words))
+            s.kind = SURFACE_FELT;
         return s;
     }
     bool is_wet = HAS_ANY(material->name, wet_words);
@@ -338,24 +350,52 @@ static mrt_result allocate(draw_face *self, uint32_t material_count, error *err)
     return enough ? MRT_OK : no_memory(err);
 }
 
-/* Where each material's batch begins; index_count is left 0. */
+/* Own alpha of a mesh that says nothing of blending counts too. */
+static bool is_clear(const mesh_material *look)
+{
+    return look->alpha == MESH_ALPHA_BLEND ||
+           (look->alpha == MESH_ALPHA_OPAQUE && look->base_colour[3] < 0.999f);
+}
+
+/* Where each material's batch begins, those that are clear behind the others; index_count is left
+ * 0. */
 static void lay_out_batches(draw_face *self, const mesh *m)
 {
     self->batch_count = m->material_count;
     for (uint32_t i = 0; i < m->part_count; ++i)
         self->batch[m->part[i].material].first_index += (size_t)m->part[i].triangle_count * 3;
     size_t next = 0;
-    for (uint32_t i = 0; i < m->material_count; ++i) {
-        const mesh_material *look = &m->material[i];
-        face_batch *batch = &self->batch[i];
-        size_t index_count = batch->first_index;
-        *batch = (face_batch){.first_index = next,
-                              .roughness = look->roughness,
-                              .metallic = look->metallic,
-                              .surface = surface_of(look)};
-        memcpy(batch->base_colour, look->base_colour, sizeof batch->base_colour);
-        next += index_count;
+    for (int clear = 0; clear < 2; ++clear) {
+        for (uint32_t i = 0; i < m->material_count; ++i) {
+            const mesh_material *look = &m->material[i];
+            if (is_clear(look) != (clear == 1))
+                continue;
+            face_batch *batch = &self->batch[i];
+            size_t index_count = batch->first_index;
+            *batch = (face_batch){.first_index = next,
+                                  .look = *look,
+                                  .surface = surface_of(look),
+                                  .is_clear = clear == 1};
+            if (m->colour)
+                batch->surface.kind = SURFACE_PAINTED;
+            batch->look.name = NULL;
+            next += index_count;
+        }
+        if (clear == 0)
+            self->solid_count = (uint32_t)(next / 3);
     }
+}
+
+static void find_centre(face_batch *batch, const draw_face *self, const mesh *m)
+{
+    double sum[3] = {0};
+    for (GLsizei i = 0; i < batch->index_count; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            sum[axis] +=
+                (double)m->position[(size_t)self->triangle[batch->first_index + (size_t)i] * 3 +
+                                    (size_t)axis];
+    for (int axis = 0; axis < 3 && batch->index_count > 0; ++axis)
+        batch->centre[axis] = (float)(sum[axis] / (double)batch->index_count);
 }
 
 /* One batch per material, in their order; triangles keep the file's order in it. */
@@ -370,9 +410,12 @@ static void sort_by_material(draw_face *self, const mesh *m)
                (size_t)part->triangle_count * 3 * sizeof *self->triangle);
         batch->index_count += (GLsizei)(part->triangle_count * 3);
     }
+    for (uint32_t i = 0; i < self->batch_count; ++i)
+        if (self->batch[i].is_clear)
+            find_centre(&self->batch[i], self, m);
     if (m->triangle_count == 0) { /* points */
         self->batch_count = 1;
-        self->batch[0] = (face_batch){.base_colour = {0.6f, 0.6f, 0.6f, 1.0f}, .roughness = 0.7f};
+        self->batch[0] = (face_batch){.look = mesh_material_grey()};
     }
 }
 
@@ -409,14 +452,77 @@ static GLuint add_attribute(GLuint index, GLint component_count, uint32_t vertex
     return buffer;
 }
 
-static mrt_result upload(draw_face *self, const float *position, error *err)
+static GLenum wrap_of(mesh_wrap wrap)
+{
+    return wrap == MESH_WRAP_CLAMP    ? GL_CLAMP_TO_EDGE
+           : wrap == MESH_WRAP_MIRROR ? GL_MIRRORED_REPEAT
+                                      : GL_REPEAT;
+}
+
+static GLuint make_texture(const mesh_image *image, const face_texture *wanted)
+{
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, wanted->is_colour ? GL_SRGB8_ALPHA8 : GL_RGBA8,
+                 (GLsizei)image->width, (GLsizei)image->height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                 image->rgba);
+    glGenerateMipmap(GL_TEXTURE_2D);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, (GLint)wrap_of(wanted->wrap[0]));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, (GLint)wrap_of(wanted->wrap[1]));
+    return name;
+}
+
+/* Makes it, unless another material has the same; 0: there is no such picture. */
+static GLuint texture_of(draw_face *self, const mesh *m, const mesh_texture *wanted, bool is_colour)
+{
+    if (!wanted->image || !m->uv || !m->image[wanted->image - 1].rgba)
+        return 0;
+    face_texture made = {0, wanted->image, {wanted->wrap[0], wanted->wrap[1]}, is_colour};
+    for (uint32_t i = 0; i < self->texture_count; ++i) {
+        const face_texture *known = &self->texture[i];
+        if (known->image == made.image && known->is_colour == made.is_colour &&
+            known->wrap[0] == made.wrap[0] && known->wrap[1] == made.wrap[1])
+            return known->name;
+    }
+    made.name = make_texture(&m->image[wanted->image - 1], &made);
+    self->texture[self->texture_count++] = made;
+    return made.name;
+}
+
+static mrt_result add_textures(draw_face *self, const mesh *m, error *err)
+{
+    self->texture = calloc((size_t)m->material_count * FACE_TEXTURES + 1, sizeof *self->texture);
+    if (!self->texture)
+        return no_memory(err);
+    for (uint32_t i = 0; m->triangle_count > 0 && i < m->material_count; ++i) {
+        const mesh_material *look = &m->material[i];
+        GLuint *texture = self->batch[i].texture;
+        if (self->batch[i].index_count == 0)
+            continue;
+        texture[FACE_BASE] = texture_of(self, m, &look->base, true);
+        texture[FACE_NORMAL_MAP] = texture_of(self, m, &look->normal, false);
+        texture[FACE_EMISSION] = texture_of(self, m, &look->emission, true);
+        texture[FACE_ROUGH_METAL] = texture_of(self, m, &look->surface, false);
+    }
+    return gl_check_error("the textures of the mesh", err);
+}
+
+static mrt_result upload(draw_face *self, const mesh *m, error *err)
 {
     uint32_t count = self->vertex_count;
+    const float *position = m->position;
     glGenVertexArrays(1, &self->vertex_array);
     glBindVertexArray(self->vertex_array);
     self->position_buffer = add_attribute(FACE_POSITION, 3, count, position, GL_STREAM_DRAW);
     self->normal_buffer = add_attribute(FACE_NORMAL, 3, count, self->normal, GL_STREAM_DRAW);
     self->rest_buffer = add_attribute(FACE_REST, 3, count, position, GL_STATIC_DRAW);
+    if (m->colour)
+        self->tint_buffer = add_attribute(FACE_TINT, 4, count, m->colour, GL_STATIC_DRAW);
+    if (m->uv)
+        self->uv_buffer = add_attribute(FACE_UV, 2, count, m->uv, GL_STATIC_DRAW);
     self->index_buffer = add_buffer(GL_ELEMENT_ARRAY_BUFFER,
                                     (size_t)self->triangle_count * 3 * sizeof *self->triangle,
                                     self->triangle, GL_STATIC_DRAW);
@@ -459,7 +565,9 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
         memcpy(self->normal, m->normal, (size_t)m->vertex_count * 3 * sizeof *self->normal);
     else
         face_compute_normals(self, m->position);
-    result = upload(self, m->position, err);
+    result = upload(self, m, err);
+    if (result == MRT_OK)
+        result = add_textures(self, m, err);
     return result == MRT_OK ? add_openness(self, m->position, err) : result;
 }
 
@@ -494,11 +602,15 @@ void draw_face_destroy(draw_face *self)
     if (!self)
         return;
     GLuint buffers[] = {self->position_buffer, self->normal_buffer, self->rest_buffer,
-                        self->openness_buffer, self->index_buffer,  self->colour_buffer};
+                        self->openness_buffer, self->index_buffer,  self->colour_buffer,
+                        self->tint_buffer,     self->uv_buffer};
     if (self->vertex_array) {
         glDeleteVertexArrays(1, &self->vertex_array);
         glDeleteBuffers((GLsizei)(sizeof buffers / sizeof *buffers), buffers);
     }
+    for (uint32_t i = 0; self->texture && i < self->texture_count; ++i)
+        glDeleteTextures(1, &self->texture[i].name);
+    free(self->texture);
     seams_finish(&self->seam);
     for (int i = 0; i < 6; ++i)
         free(self->lane[i]);
@@ -526,7 +638,7 @@ void draw_face_colour(draw_face *self, const float *rgb)
 void face_draw_all(const draw_face *face)
 {
     if (face->triangle_count)
-        glDrawElements(GL_TRIANGLES, (GLsizei)(face->triangle_count * 3), GL_UNSIGNED_INT, NULL);
+        glDrawElements(GL_TRIANGLES, (GLsizei)(face->solid_count * 3), GL_UNSIGNED_INT, NULL);
     else
         glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
 }

@@ -14,8 +14,10 @@
 
 typedef enum surface_kind {
     SURFACE_SMOOTH = 0,
-    SURFACE_STONE, /* pores, weather, grain */
-    SURFACE_FELT,  /* fibres, a pale fuzz where it turns away */
+    SURFACE_STONE,   /* pores, weather, grain */
+    SURFACE_FELT,    /* fibres, a pale fuzz where it turns away */
+    SURFACE_PAINTED, /* smooth, with what the file brings: textures, vertex colours, toon, no light
+                      */
     SURFACE_KINDS
 } surface_kind;
 
@@ -44,15 +46,35 @@ enum { /* vertex attributes, as in shaders/face.vert */
        FACE_NORMAL = 1,
        FACE_REST = 2,
        FACE_OPENNESS = 3,
-       FACE_COLOUR = 4
+       FACE_COLOUR = 4,
+       FACE_TINT = 5,
+       FACE_UV = 6
+};
+
+enum { /* textures of a material, in the order of its uniforms */
+       FACE_BASE = 0,
+       FACE_NORMAL_MAP,
+       FACE_EMISSION,
+       FACE_ROUGH_METAL,
+       FACE_TEXTURES
 };
 
 typedef struct face_batch { /* the triangles of one material */
     GLsizei index_count;
     size_t first_index;
-    float base_colour[4], roughness, metallic;
+    mesh_material look; /* without its name */
     surface surface;
+    GLuint texture[FACE_TEXTURES]; /* the face's; 0: none */
+    bool is_clear;                 /* drawn after the others, the farthest first */
+    float centre[3];               /* mm, at rest */
 } face_batch;
+
+typedef struct face_texture { /* a picture on the graphics card, as one of its users wants it */
+    GLuint name;
+    uint32_t image; /* of the mesh, counted from 1 */
+    mesh_wrap wrap[2];
+    bool is_colour; /* sRGB-coded */
+} face_texture;
 
 typedef struct face_box { /* around the vertices of a part that are numbers; low > high: none */
     float low[3], high[3];
@@ -60,8 +82,12 @@ typedef struct face_box { /* around the vertices of a part that are numbers; low
 
 struct draw_face {
     GLuint vertex_array, position_buffer, normal_buffer, rest_buffer, openness_buffer, index_buffer;
-    GLuint colour_buffer; /* 0: the materials' colours */
+    GLuint colour_buffer;          /* 0: the materials' colours */
+    GLuint tint_buffer, uv_buffer; /* 0: the mesh has none */
+    face_texture *texture;
+    uint32_t texture_count;
     uint32_t vertex_count, triangle_count;
+    uint32_t solid_count; /* of the triangles: the others, behind them, are clear */
     face_batch *batch;
     uint32_t batch_count;
     uint32_t *triangle; /* triangle_count by 3, sorted by batch */
@@ -74,8 +100,8 @@ struct draw_face {
     float height_mm;            /* at rest */
 };
 
-/* Draws every triangle, or the vertices as points when there is none; the program and the vertex
- * array are bound by the caller. */
+/* Draws every triangle that is not clear, or the vertices as points when there is none; the program
+ * and the vertex array are bound by the caller. */
 void face_draw_all(const draw_face *face);
 
 #endif

@@ -32,7 +32,7 @@ void gl_end_scene(void);
 /* Before a thread's context is destroyed or let go. */
 void gl_forget_scenes(void);
 
-enum { GL_STATE_UNITS = 2, GL_STATE_SWITCHES = 12 };
+enum { GL_STATE_UNITS = 5, GL_STATE_SWITCHES = 12 };
 typedef struct gl_state { /* of the caller: a window, a user interface */
     GLint draw_framebuffer, read_framebuffer, program, vertex_array, array_buffer, unit;
     GLint texture[GL_STATE_UNITS], multisample_texture[GL_STATE_UNITS], sampler[GL_STATE_UNITS];

@@ -32,6 +32,17 @@ static void find_face_uniforms(renderer_face_program *out)
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
     out->softness = glGetUniformLocation(p, "softness");
     out->coat = glGetUniformLocation(p, "coat");
+    static const char *const textures[FACE_TEXTURES] = {"base_map", "normal_map", "emission_map",
+                                                        "rough_metal_map"};
+    for (int i = 0; i < FACE_TEXTURES; ++i)
+        out->texture[i] = glGetUniformLocation(p, textures[i]);
+    out->place = glGetUniformLocation(p, "place");
+    out->has_tint = glGetUniformLocation(p, "has_tint");
+    out->emission = glGetUniformLocation(p, "emission");
+    out->normal_scale = glGetUniformLocation(p, "normal_scale");
+    out->shade = glGetUniformLocation(p, "shade");
+    out->toon = glGetUniformLocation(p, "toon");
+    out->alpha_range = glGetUniformLocation(p, "alpha_range");
 }
 
 static mrt_result create_programs(draw_renderer *self, error *err)
@@ -39,9 +50,22 @@ static mrt_result create_programs(draw_renderer *self, error *err)
     const gl_source face[] = {shaders_face_vert, shaders_face_frag};
     const gl_source depth[] = {shaders_depth_vert, shaders_depth_frag};
     const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
-    static const char *const kind[SURFACE_KINDS] = {"", "#define STONE\n", "#define FELT\n"};
-    for (int i = 0; i < SURFACE_KINDS; ++i) {
-        self->face[i].program = gl_program_create(face, kind[i], err);
+#define PAINTED "#define PAINTED\n"
+#define BENT    "#define NORMAL_MAP\n"
+#define GLOW    "#define EMISSION\n"
+#define CUT     "#define CUT\n"
+    static const char *const look[LOOKS] = {
+        [LOOK_SMOOTH] = "",
+        [LOOK_STONE] = "#define STONE\n",
+        [LOOK_FELT] = "#define FELT\n",
+        [LOOK_PAINTED] = PAINTED,
+        [LOOK_PAINTED_BENT] = PAINTED BENT,
+        [LOOK_PAINTED_ALL] = PAINTED BENT GLOW "#define ROUGH_METAL\n",
+        [LOOK_PAINTED_CUT] = PAINTED BENT GLOW "#define ROUGH_METAL\n" CUT,
+        [LOOK_FLAT] = PAINTED GLOW "#define FLAT\n" CUT,
+        [LOOK_TOON] = PAINTED BENT GLOW "#define TOON\n" CUT};
+    for (int i = 0; i < LOOKS; ++i) {
+        self->face[i].program = gl_program_create(face, look[i], err);
         if (!self->face[i].program)
             return MRT_ERR_UNSUPPORTED;
         find_face_uniforms(&self->face[i]);
@@ -54,6 +78,20 @@ static mrt_result create_programs(draw_renderer *self, error *err)
     self->background_origin = glGetUniformLocation(self->background_program, "origin");
     glGenVertexArrays(1, &self->vertex_array);
     return gl_check_error("the drawing programs", err);
+}
+
+static mrt_result create_no_textures(draw_renderer *self, error *err)
+{
+    static const GLubyte pixel[FACE_TEXTURES][4] = {
+        {255, 255, 255, 255}, {128, 128, 255, 255}, {255, 255, 255, 255}, {255, 255, 255, 255}};
+    glGenTextures(FACE_TEXTURES, self->no_texture);
+    for (int i = 0; i < FACE_TEXTURES; ++i) {
+        glBindTexture(GL_TEXTURE_2D, self->no_texture[i]);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 1, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixel[i]);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    }
+    return gl_check_error("the textures of plain surfaces", err);
 }
 
 static mrt_result create_shadow(draw_renderer *self, error *err)
@@ -92,7 +130,8 @@ draw_renderer *draw_renderer_create(error *err)
     }
     gl_state before;
     gl_state_enter(&before);
-    bool made = create_programs(self, err) == MRT_OK && create_shadow(self, err) == MRT_OK;
+    bool made = create_programs(self, err) == MRT_OK && create_no_textures(self, err) == MRT_OK &&
+                create_shadow(self, err) == MRT_OK;
     if (made)
         made = (self->letters = letters_create(letters_fonts, err)) != NULL;
     if (made)
@@ -113,8 +152,9 @@ void draw_renderer_destroy(draw_renderer *self)
     letters_destroy(self->letters);
     strokes_destroy(self->strokes);
     overlays_destroy(self->overlays);
-    for (int i = 0; i < SURFACE_KINDS; ++i)
+    for (int i = 0; i < LOOKS; ++i)
         glDeleteProgram(self->face[i].program);
+    glDeleteTextures(FACE_TEXTURES, self->no_texture);
     glDeleteProgram(self->depth_program);
     glDeleteProgram(self->background_program);
     glDeleteTextures(1, &self->shadow_map);
@@ -190,55 +230,154 @@ static void set_face_uniforms(const renderer_face_program *u, const draw_face *f
     glUniform1i(u->has_own_colours, face->colour_buffer != 0);
 }
 
-/* Own colours are opaque, and smooth. */
-static bool is_clear(const draw_face *face, const face_batch *batch)
+/* What of a painted surface is drawn, by its alpha: a < low and a >= high are left out. */
+typedef enum pass {
+    PASS_SOLID = 0,   /* opaque and masked surfaces */
+    PASS_CLEAR_SOLID, /* of clear ones, what is as good as opaque: it may hide what is behind */
+    PASS_CLEAR
+} pass;
+
+static renderer_look look_of(const face_batch *batch)
 {
-    return batch->base_colour[3] < 0.999f && !face->colour_buffer;
+    static const renderer_look plain[SURFACE_KINDS] = {LOOK_SMOOTH, LOOK_STONE, LOOK_FELT,
+                                                       LOOK_PAINTED};
+    const float *emission = batch->look.emission_colour;
+    if (batch->surface.kind != SURFACE_PAINTED)
+        return plain[batch->surface.kind];
+    if (batch->look.lighting != MESH_LIGHTING_FULL)
+        return batch->look.lighting == MESH_LIGHTING_TOON ? LOOK_TOON : LOOK_FLAT;
+    if (batch->is_clear || batch->look.alpha == MESH_ALPHA_MASK)
+        return LOOK_PAINTED_CUT;
+    if (batch->texture[FACE_ROUGH_METAL] || emission[0] + emission[1] + emission[2] > 0.0f)
+        return LOOK_PAINTED_ALL;
+    return batch->texture[FACE_NORMAL_MAP] ? LOOK_PAINTED_BENT : LOOK_PAINTED;
 }
 
-static void draw_batch(const renderer_face_program *u, const draw_face *face,
-                       const face_batch *batch)
+static const float as_good_as_opaque = 0.95f;
+
+static void set_painted(const draw_renderer *self, const renderer_face_program *u,
+                        const draw_face *face, const face_batch *batch, pass which)
 {
-    glUseProgram(u->program);
+    const mesh_material *look = &batch->look;
+    const mesh_texture *texture[FACE_TEXTURES] = {&look->base, &look->normal, &look->emission,
+                                                  &look->surface};
+    GLfloat place[FACE_TEXTURES][6];
+    for (int i = 0; i < FACE_TEXTURES; ++i) {
+        memcpy(place[i], texture[i]->place, sizeof place[i]);
+        glActiveTexture(GL_TEXTURE1 + (GLenum)i);
+        glBindTexture(GL_TEXTURE_2D, batch->texture[i] ? batch->texture[i] : self->no_texture[i]);
+        glUniform1i(u->texture[i], 1 + i);
+    }
+    glActiveTexture(GL_TEXTURE0);
+    glUniform3fv(u->place, 2 * FACE_TEXTURES, place[0]);
+    glUniform1i(u->has_tint, face->tint_buffer != 0);
+    glUniform3fv(u->emission, 1, look->emission_colour);
+    glUniform1f(u->normal_scale, look->normal_scale);
+    glUniform3fv(u->shade, 1, look->shade_colour);
+    glUniform2f(u->toon, look->shade_shift, look->shade_toony);
+    if (which == PASS_SOLID)
+        glUniform2f(u->alpha_range, look->alpha == MESH_ALPHA_MASK ? look->alpha_cutoff : -1.0f,
+                    2.0f);
+    else
+        glUniform2f(u->alpha_range, which == PASS_CLEAR ? 0.004f : as_good_as_opaque,
+                    which == PASS_CLEAR ? as_good_as_opaque : 2.0f);
+}
+
+static void draw_batch(const draw_renderer *self, const draw_face *face, const face_batch *batch,
+                       pass which)
+{
     static const float opaque[4] = {1.0f, 1.0f, 1.0f, 1.0f};
     bool own = face->colour_buffer != 0;
-    glUniform4fv(u->base_colour, 1, own ? opaque : batch->base_colour);
-    glUniform1f(u->roughness, own ? 0.6f : batch->roughness);
-    glUniform1f(u->metallic, own ? 0.0f : batch->metallic);
+    renderer_look look = own ? LOOK_SMOOTH : look_of(batch);
+    const renderer_face_program *u = &self->face[look];
+    glUseProgram(u->program);
+    glUniform4fv(u->base_colour, 1, own ? opaque : batch->look.base_colour);
+    glUniform1f(u->roughness, own ? 0.6f : batch->look.roughness);
+    glUniform1f(u->metallic, own ? 0.0f : batch->look.metallic);
     glUniform1f(u->softness, own ? 0.0f : batch->surface.softness);
     glUniform1f(u->coat, own ? 0.0f : batch->surface.coat);
+    if (look >= LOOK_PAINTED) {
+        set_painted(self, u, face, batch, which);
+        if (batch->look.is_single_sided)
+            glEnable(GL_CULL_FACE);
+    }
     if (face->triangle_count)
         glDrawElements(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
                        (const void *)(batch->first_index * sizeof(GLuint)));
     else
         glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+    glDisable(GL_CULL_FACE);
 }
 
-static void draw_batches(const draw_renderer *self, const draw_face *face, bool clear_ones)
+/* Own colours are opaque. */
+static bool is_drawn_clear(const draw_face *face, const face_batch *batch)
+{
+    return batch->is_clear && !face->colour_buffer;
+}
+
+static void draw_solid(const draw_renderer *self, const draw_face *face)
 {
     for (uint32_t i = 0; i < face->batch_count; ++i) {
         const face_batch *batch = &face->batch[i];
         bool is_used = batch->index_count > 0 || face->triangle_count == 0;
-        if (is_used && is_clear(face, batch) == clear_ones)
-            draw_batch(&self->face[face->colour_buffer ? SURFACE_SMOOTH : batch->surface.kind],
-                       face, batch);
+        if (is_used && !is_drawn_clear(face, batch))
+            draw_batch(self, face, batch, PASS_SOLID);
     }
+}
+
+static float distance_of(const face_batch *batch, const float eye[3])
+{
+    float x = batch->centre[0] - eye[0], y = batch->centre[1] - eye[1],
+          z = batch->centre[2] - eye[2];
+    return x * x + y * y + z * z;
+}
+
+/* The farthest that is nearer than `last` (or as near, and later); NULL: none is left. */
+static const face_batch *next_clear(const draw_face *face, const float eye[3],
+                                    const face_batch *last)
+{
+    const face_batch *best = NULL;
+    float best_distance = -1.0f, last_distance = last ? distance_of(last, eye) : INFINITY;
+    for (uint32_t i = 0; i < face->batch_count; ++i) {
+        const face_batch *batch = &face->batch[i];
+        float distance = distance_of(batch, eye);
+        bool is_left = distance < last_distance || (distance == last_distance && batch > last);
+        if (batch->index_count > 0 && is_drawn_clear(face, batch) && is_left &&
+            distance > best_distance) {
+            best = batch;
+            best_distance = distance;
+        }
+    }
+    return best;
+}
+
+static void draw_clear(const draw_renderer *self, const draw_face *face, const view *v)
+{
+    float eye[3];
+    camera_eye(&v->camera, eye);
+    for (const face_batch *batch = next_clear(face, eye, NULL); batch;
+         batch = next_clear(face, eye, batch))
+        if (batch->surface.kind == SURFACE_PAINTED)
+            draw_batch(self, face, batch, PASS_CLEAR_SOLID);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glDepthMask(GL_FALSE);
+    for (const face_batch *batch = next_clear(face, eye, NULL); batch;
+         batch = next_clear(face, eye, batch))
+        draw_batch(self, face, batch, PASS_CLEAR);
 }
 
 static void draw_face_lit(const draw_renderer *self, const draw_face *face, const view *v)
 {
-    for (int i = 0; i < SURFACE_KINDS; ++i)
+    for (int i = 0; i < LOOKS; ++i)
         set_face_uniforms(&self->face[i], face, v);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, self->shadow_map);
     glBindVertexArray(face->vertex_array);
     glEnable(GL_DEPTH_TEST);
     glPointSize(4.0f);
-    draw_batches(self, face, false);
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    glDepthMask(GL_FALSE);
-    draw_batches(self, face, true);
+    draw_solid(self, face);
+    draw_clear(self, face, v);
 }
 
 void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,

@@ -17,10 +17,28 @@ typedef struct renderer_face_program {
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
     GLint shadow_projection, shadow_map, shadow_texel_mm, origin, has_own_colours;
     GLint softness, coat;
+    GLint texture[FACE_TEXTURES], place, has_tint; /* of a painted surface */
+    GLint emission, normal_scale, shade, toon, alpha_range;
 } renderer_face_program;
 
+/* The face's program once for each way of drawing it: software renderers compute both sides of a
+ * branch, and what may be left out of a pixel hides what is behind it late. */
+typedef enum renderer_look {
+    LOOK_SMOOTH = 0,
+    LOOK_STONE,
+    LOOK_FELT,
+    LOOK_PAINTED,      /* base texture, vertex colours */
+    LOOK_PAINTED_BENT, /* and a normal map */
+    LOOK_PAINTED_ALL,  /* and emission, roughness and metal */
+    LOOK_PAINTED_CUT,  /* and alpha */
+    LOOK_FLAT,         /* no light: base, emission, alpha */
+    LOOK_TOON,
+    LOOKS
+} renderer_look;
+
 struct draw_renderer {
-    renderer_face_program face[SURFACE_KINDS];
+    renderer_face_program face[LOOKS];
+    GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, in the place of each */
     GLuint depth_program, background_program;
     GLint depth_projection, background_origin;
     GLuint shadow_map, shadow_framebuffer;

@@ -37,7 +37,8 @@ struct job_list {
         return jobs.back().order;
     }
 
-    /* What the answers take is paid out of the file's budget before there is any. */
+    /* What is sent (it may be named many times) and what the answers take is paid out of the file's
+     * budget before there is any. */
     void run(size_t file_size)
     {
         error failed = {""};
@@ -46,7 +47,7 @@ struct job_list {
             size_t size = decode_answer_size(&jobs[i].order);
             if (size == 0)
                 gltf_fail(MRT_ERR_FORMAT, "%s: its compression makes no sense", names[i].c_str());
-            if (budget_spend_bytes(&all, size, &failed) < 0)
+            if (budget_spend_bytes(&all, size + jobs[i].size, &failed) < 0)
                 gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s", names[i].c_str(), failed.text);
         }
         mrt_result result = decode_run(jobs.data(), (uint32_t)jobs.size(), &failed);

@@ -156,10 +156,34 @@ void check_scene(const json &scene, const std::string &where)
     check_indices(scene, where, "nodes");
 }
 
+void check_texture_info(const json &parent, const std::string &where, const char *key)
+{
+    const json &info = object_at(parent, where, key);
+    check_whole(info, where + "." + key, {"index", "texCoord"});
+}
+
+void check_texture(const json &texture, const std::string &where)
+{
+    check_whole(texture, where, {"sampler", "source"});
+}
+
+void check_image(const json &image, const std::string &where)
+{
+    check_whole(image, where, "bufferView");
+    for (const char *key : {"uri", "name"})
+        if (image.contains(key) && !image[key].is_string())
+            gltf_fail(MRT_ERR_FORMAT, "%s.%s must be a string", where.c_str(), key);
+}
+
 void check_material(const json &material, const std::string &where)
 {
     const json &rough = object_at(material, where, "pbrMetallicRoughness");
     check_numbers(rough, where + ".pbrMetallicRoughness", "baseColorFactor", 4);
+    check_texture_info(rough, where + ".pbrMetallicRoughness", "baseColorTexture");
+    check_texture_info(rough, where + ".pbrMetallicRoughness", "metallicRoughnessTexture");
+    check_texture_info(material, where, "normalTexture");
+    check_texture_info(material, where, "emissiveTexture");
+    check_numbers(material, where, "emissiveFactor", 3);
 }
 
 void check_section(const json &document, const char *key,
@@ -235,6 +259,8 @@ void check_document(const json &document)
     check_section(document, "scenes", check_scene);
     check_section(document, "skins", check_skin);
     check_section(document, "materials", check_material);
+    check_section(document, "textures", check_texture);
+    check_section(document, "images", check_image);
 }
 
 /* ---- buffers ---- */
@@ -337,8 +363,7 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
         out->assign(source->binary.at, source->binary.end);
         return true;
     }
-    std::string shown(std::min<size_t>(uri.size(), 64) + 1, '\0');
-    text_copy(&shown[0], shown.size(), text_view_of(uri.data(), uri.size()));
+    std::string shown = gltf_printable(uri);
     if (!source->directory || !is_plain_file_name(uri)) {
         (void)error_set(&source->failed, MRT_ERR_UNSUPPORTED,
                         "buffer \"%s\": only data URIs%s are read", shown.c_str(),
@@ -415,12 +440,25 @@ int64_t gltf_whole(const tinygltf::Value &value, int64_t otherwise)
                : otherwise;
 }
 
-tinygltf::Model gltf_load(const gltf_container &container, const char *directory)
+std::string gltf_printable(const std::string &text)
 {
+    std::string out(std::min<size_t>(text.size(), 64) + 1, '\0');
+    text_copy(&out[0], out.size(), text_view_of(text.data(), text.size()));
+    return out.c_str();
+}
+
+gltf_document gltf_load(const gltf_container &container, const char *directory)
+{
+    gltf_document out;
     json document = parse_json(container.json);
     check_document(document);
-    for (const char *section :
-         {"animations", "cameras", "extras", "images", "samplers", "textures"})
+    for (const json &image : array_at(document, "", "images"))
+        out.images.push_back({image.value("name", ""), image.value("uri", ""),
+                              (int)image.value("bufferView", (int64_t)-1)});
+    for (const json &material : array_at(document, "", "materials"))
+        out.says_roughness.push_back(
+            object_at(material, "", "pbrMetallicRoughness").contains("roughnessFactor"));
+    for (const char *section : {"animations", "cameras", "extras", "images"})
         document.erase(section);
     set_aside_draco_indices(document);
     if (document.contains("skins"))
@@ -431,7 +469,7 @@ tinygltf::Model gltf_load(const gltf_container &container, const char *directory
     prepare_buffers(document, container, source);
 
     tinygltf::TinyGLTF loader;
-    tinygltf::Model model;
+    tinygltf::Model &model = out.model;
     std::string failed, warned, text = document.dump();
     document = nullptr;
     loader.SetFsCallbacks({file_exists, same_path, read_buffer, nullptr, &source});
@@ -442,5 +480,5 @@ tinygltf::Model gltf_load(const gltf_container &container, const char *directory
     if (!loaded || !failed.empty())
         gltf_fail(MRT_ERR_FORMAT, "%s",
                   failed.empty() ? "the document makes no sense" : first_line(failed).c_str());
-    return model;
+    return out;
 }

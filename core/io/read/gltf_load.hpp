@@ -5,6 +5,7 @@
 #define MAROTTE_IO_GLTF_LOAD_HPP
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <tiny_gltf.h>
 
@@ -21,9 +22,22 @@ struct gltf_failure : std::runtime_error {
 
 [[noreturn, gnu::format(printf, 2, 3)]] void gltf_fail(mrt_result code, const char *format, ...);
 
-/* The part of the model that shapes need: no images, textures, animations, cameras, lights.
- * `directory`: as in gltf_parse. */
-tinygltf::Model gltf_load(const gltf_container &container, const char *directory);
+struct gltf_image_source { /* what the document says of a picture; nobody has looked at it */
+    std::string name, uri;
+    int view; /* -1: none */
+};
+
+struct gltf_document {
+    tinygltf::Model model; /* without images, animations, cameras, lights */
+    std::vector<gltf_image_source> images;
+    std::vector<bool> says_roughness; /* of each material */
+};
+
+/* `directory`: as in gltf_parse. */
+gltf_document gltf_load(const gltf_container &container, const char *directory);
+
+/* The text as a person may see it. */
+std::string gltf_printable(const std::string &text);
 
 /* Decodes what is compressed in it. `file_size` bounds what that may take. */
 void gltf_decode(tinygltf::Model &model, size_t file_size);

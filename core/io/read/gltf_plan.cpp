@@ -1,5 +1,7 @@
 #include "io/read/gltf_plan.hpp"
 
+#include "io/read/gltf_material.hpp"
+
 #include <algorithm>
 #include <set>
 
@@ -14,9 +16,10 @@ namespace
 /* Which accessors the vertices of a primitive come from: equal keys, equal vertices. */
 typedef std::vector<std::pair<std::string, int>> group_key;
 
-group_key key_of(const tinygltf::Primitive &primitive)
+group_key key_of(const tinygltf::Model &model, const tinygltf::Primitive &primitive)
 {
-    group_key key;
+    group_key key = {{"uv", gltf_uv_accessor(model, primitive)},
+                     {"colour", gltf_colour_accessor(primitive)}};
     for (const auto &attribute : primitive.attributes)
         if (attribute.first == "POSITION" || attribute.first == "NORMAL" ||
             attribute.first.rfind("JOINTS_", 0) == 0 || attribute.first.rfind("WEIGHTS_", 0) == 0 ||
@@ -49,6 +52,7 @@ class planner
             pay_for_skin(instance.skin);
         plan_.skeleton = gltf_skeleton_of(model_, plan_.scene);
         plan_.has_normals = true;
+        plan_.is_material_used.assign(model_.materials.size(), false);
         for (const gltf_instance &instance : plan_.scene.instances) {
             if (plan_.meshes.count(instance.mesh) == 0)
                 add_mesh(instance.mesh);
@@ -70,6 +74,18 @@ class planner
         if (accessor.count() != vertex_count)
             gltf_fail(MRT_ERR_FORMAT, "accessor %d: %zu of %s for %zu vertices", index,
                       accessor.count(), what, vertex_count);
+    }
+
+    bool has_looks(int index, size_t least, size_t most, const char *what, size_t vertex_count)
+    {
+        if (index < 0)
+            return false;
+        gltf_accessor accessor(model_, index);
+        if (accessor.component_count() < least || accessor.component_count() > most ||
+            accessor.count() != vertex_count)
+            gltf_fail(MRT_ERR_FORMAT, "accessor %d: %zu of %s for %zu vertices, or of another type",
+                      index, accessor.count(), what, vertex_count);
+        return true;
     }
 
     void add_attribute(const std::string &name, int index, size_t vertex_count)
@@ -101,6 +117,8 @@ class planner
             check_shape(normal->second, "NORMAL", count);
         else
             plan_.has_normals = false;
+        plan_.has_uv |= has_looks(gltf_uv_accessor(model_, primitive), 2, 2, "TEXCOORD", count);
+        plan_.has_colours |= has_looks(gltf_colour_accessor(primitive), 3, 4, "COLOR_0", count);
         for (const auto &target : primitive.targets) {
             auto offset = target.find("POSITION");
             if (offset != target.end())
@@ -123,7 +141,7 @@ class planner
     void add_surface(gltf_mesh_plan &mesh, std::map<group_key, size_t> &groups,
                      const tinygltf::Primitive &primitive)
     {
-        group_key key = key_of(primitive);
+        group_key key = key_of(model_, primitive);
         auto found = groups.find(key);
         if (found == groups.end()) {
             gltf_group_plan group = group_of(primitive);
@@ -138,6 +156,8 @@ class planner
             gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but %zu are there",
                       primitive.material, model_.materials.size());
         plan_.needs_default_material |= primitive.material < 0;
+        if (primitive.material >= 0)
+            plan_.is_material_used[(size_t)primitive.material] = true;
         mesh.surfaces.push_back({&primitive, found->second, triangle_count});
         mesh.triangle_count += triangle_count;
     }
@@ -201,6 +221,7 @@ class planner
         size_t per_vertex = 6 + 3 * plan_.targets.size();
         if (!plan_.skeleton.joints.empty())
             per_vertex += 2 * MESH_SKIN_WIDTH;
+        per_vertex += (plan_.has_uv ? 2u : 0u) + (plan_.has_colours ? 4u : 0u);
         for (const gltf_attribute_plan &attribute : plan_.attributes)
             per_vertex += attribute.component_count;
         check_budget(plan_.vertex_count * per_vertex + plan_.triangle_count * 3);
@@ -257,6 +278,19 @@ class planner
 gltf_plan gltf_plan_of(const tinygltf::Model &model, size_t file_size)
 {
     return planner(model, file_size).make();
+}
+
+int gltf_uv_accessor(const tinygltf::Model &model, const tinygltf::Primitive &primitive)
+{
+    auto found = primitive.attributes.find(
+        "TEXCOORD_" + std::to_string(gltf_material_uv_set(model, primitive.material)));
+    return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+int gltf_colour_accessor(const tinygltf::Primitive &primitive)
+{
+    auto found = primitive.attributes.find("COLOR_0");
+    return found == primitive.attributes.end() ? -1 : found->second;
 }
 
 bool gltf_is_custom(const std::string &attribute)

@@ -39,11 +39,17 @@ struct gltf_plan {
     std::vector<gltf_attribute_plan> attributes;
     size_t vertex_count, triangle_count, part_count; /* of all instances */
     size_t skipped_count;                            /* primitives of points or lines */
-    bool has_normals, needs_default_material;
+    std::vector<bool> is_material_used;
+    bool has_normals, has_uv, has_colours, needs_default_material;
 };
 
 /* `file_size` bounds the memory that the plan may ask for. */
 gltf_plan gltf_plan_of(const tinygltf::Model &model, size_t file_size);
+
+/* The accessor of the coordinates that the primitive's textures lie on; -1: none. */
+int gltf_uv_accessor(const tinygltf::Model &model, const tinygltf::Primitive &primitive);
+/* Of its vertex colours; -1: none. */
+int gltf_colour_accessor(const tinygltf::Primitive &primitive);
 
 bool gltf_is_custom(const std::string &attribute); /* "_NAME" */
 /* Index of a custom attribute, or -1 when its type does not fit the plan. */

@@ -1,5 +1,6 @@
 /* glTF into a mesh: plans the scene, reads the accessors, and is the border that no exception
  * crosses. */
+#include "io/read/gltf_material.hpp"
 #include "io/read/gltf_plan.hpp"
 
 #include <cstdlib>
@@ -21,43 +22,6 @@ template <class T> T *zeroed(size_t count)
     if (!memory)
         throw std::bad_alloc();
     return static_cast<T *>(memory);
-}
-
-char *clean_name(const std::string &name)
-{
-    char *out = zeroed<char>(MESH_BUILD_NAME_LENGTH_MAX + 1);
-    text_copy(out, MESH_BUILD_NAME_LENGTH_MAX + 1, text_view_of(name.data(), name.size()));
-    return out;
-}
-
-float unit_range(double value)
-{
-    return value > 0.0 ? (value < 1.0 ? (float)value : 1.0f) : 0.0f;
-}
-
-/* mesh_create's grey material is the one of primitives without any. */
-void make_materials(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
-{
-    size_t count = model.materials.size();
-    bool needs_default = plan.needs_default_material || count == 0;
-    mesh_material grey = out.material[0];
-    mesh_material *material = zeroed<mesh_material>(count + 1);
-    free(out.material);
-    out.material = material;
-    material[count] = grey;
-    out.material_count = (uint32_t)(count + 1);
-    for (size_t i = 0; i < count; ++i) {
-        const tinygltf::PbrMetallicRoughness &source = model.materials[i].pbrMetallicRoughness;
-        for (size_t channel = 0; channel < 4; ++channel)
-            material[i].base_colour[channel] = unit_range(source.baseColorFactor.at(channel));
-        material[i].roughness = unit_range(source.roughnessFactor);
-        material[i].metallic = unit_range(source.metallicFactor);
-        material[i].name = clean_name(model.materials[i].name);
-    }
-    if (!needs_default) {
-        free(grey.name);
-        out.material_count -= 1;
-    }
 }
 
 /* What the file calls a primitive, else the node. */
@@ -82,7 +46,7 @@ void make_parts(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
         for (const gltf_primitive_plan &surface : plan.meshes.at(instance.mesh).surfaces) {
             mesh_part &part = out.part[out.part_count];
             int material = surface.source->material;
-            part.name = clean_name(part_name(*surface.source, instance));
+            part.name = gltf_clean_name(part_name(*surface.source, instance));
             part.material = (uint32_t)(material < 0 ? (int)model.materials.size() : material);
             part.first_triangle = first;
             part.triangle_count = (uint32_t)surface.triangle_count;
@@ -96,7 +60,7 @@ void make_targets(mesh &out, const gltf_plan &plan)
     out.target = zeroed<mesh_target>(plan.targets.size());
     for (const std::string &name : plan.targets) {
         mesh_target &target = out.target[out.target_count++];
-        target.name = clean_name(name);
+        target.name = gltf_clean_name(name);
         target.offset = zeroed<float>(plan.vertex_count * 3);
     }
 }
@@ -106,7 +70,7 @@ void make_attributes(mesh &out, const gltf_plan &plan)
     out.attribute = zeroed<mesh_attribute>(plan.attributes.size());
     for (const gltf_attribute_plan &source : plan.attributes) {
         mesh_attribute &attribute = out.attribute[out.attribute_count++];
-        attribute.name = clean_name(source.name);
+        attribute.name = gltf_clean_name(source.name);
         attribute.component_count = (uint32_t)source.component_count;
         attribute.value = zeroed<float>(plan.vertex_count * source.component_count);
     }
@@ -121,8 +85,8 @@ void make_joints(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
     out.joint = zeroed<mesh_joint>(skeleton.joints.size());
     for (const gltf_joint &from : skeleton.joints) {
         mesh_joint &joint = out.joint[out.joint_count++];
-        joint.name = clean_name(model.nodes[from.node].name);
-        joint.role = clean_name(from.role);
+        joint.name = gltf_clean_name(model.nodes[from.node].name);
+        joint.role = gltf_clean_name(from.role);
         joint.parent = from.parent;
         for (int row = 0; row < 3; ++row) {
             for (int column = 0; column < 3; ++column)
@@ -188,6 +152,7 @@ class reader
             gltf_accessor(model_, source.attributes.at("NORMAL")).read_floats(normal);
             skin.place_normals(normal, group.vertex_count);
         }
+        read_looks(source, group.vertex_count, first);
         for (const auto &attribute : source.attributes)
             if (gltf_is_custom(attribute.first))
                 read_attribute(attribute.first, attribute.second, first);
@@ -199,6 +164,29 @@ class reader
             gltf_accessor(model_, offsets->second).read_floats(offset);
             skin.place_vectors(offset, group.vertex_count);
         }
+    }
+
+    void read_looks(const tinygltf::Primitive &source, size_t count, size_t first)
+    {
+        int uv = gltf_uv_accessor(model_, source), colour = gltf_colour_accessor(source);
+        if (uv >= 0)
+            gltf_accessor(model_, uv).read_floats(out_.uv + first * 2);
+        if (!out_.colour)
+            return;
+        float *to = out_.colour + first * 4;
+        std::vector<float> value(count * 4, 1.0f);
+        size_t width = 4;
+        if (colour >= 0) {
+            gltf_accessor accessor(model_, colour);
+            width = accessor.component_count();
+            std::fill(value.begin(), value.end(), 0.0f);
+            accessor.read_floats(value.data());
+        }
+        for (size_t v = 0; v < count; ++v)
+            for (size_t c = 0; c < 4; ++c) {
+                float number = c < width ? value[v * width + c] : 1.0f;
+                to[v * 4 + c] = number > 0.0f ? (number < 1.0f ? number : 1.0f) : 0.0f;
+            }
     }
 
     void read_attribute(const std::string &name, int index, size_t first)
@@ -282,17 +270,21 @@ void parse(mesh &out, const void *data, size_t size, const char *directory)
     mrt_result result = gltf_container_parse(&container, data, size, &failed);
     if (result < 0)
         throw gltf_failure(result, failed.text);
-    tinygltf::Model model = gltf_load(container, directory);
-    gltf_decode(model, size);
+    gltf_document document = gltf_load(container, directory);
+    gltf_decode(document.model, size);
+    const tinygltf::Model &model = document.model;
     const gltf_plan plan = gltf_plan_of(model, size);
     result = mesh_create(&out, (uint32_t)plan.vertex_count, (uint32_t)plan.triangle_count, &failed);
     if (result < 0)
         throw gltf_failure(result, failed.text);
-    make_materials(out, model, plan);
+    gltf_materials(out, document, plan.is_material_used,
+                   plan.needs_default_material || model.materials.empty(), directory, size);
     make_parts(out, model, plan);
     make_targets(out, plan);
     make_attributes(out, plan);
     make_joints(out, model, plan);
+    out.uv = plan.has_uv ? zeroed<float>(plan.vertex_count * 2) : nullptr;
+    out.colour = plan.has_colours ? zeroed<float>(plan.vertex_count * 4) : nullptr;
     if (plan.has_normals)
         out.normal = zeroed<float>(plan.vertex_count * 3);
     reader r(out, model, plan);

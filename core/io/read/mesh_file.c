@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "io/read/mesh_child.h"
+#include "io/read/mesh_images.h"
 #include "mesh/weld.h"
 
 #include <stdlib.h>
@@ -109,6 +110,64 @@ static void scale(mesh *m, double mm_per_unit)
             m->joint[j].rest[i] = (float)((double)m->joint[j].rest[i] * mm_per_unit);
 }
 
+/* ---- its axes ---- */
+
+static void axis_vector(int out[3], mesh_axis axis)
+{
+    out[0] = out[1] = out[2] = 0;
+    if (axis != MESH_AXIS_AUTO)
+        out[(axis - MESH_AXIS_X) % 3] = axis < MESH_AXIS_MINUS_X ? 1 : -1;
+}
+
+/* Rows: where each axis of the mesh lies in the file. */
+static void turn_vectors(int turn[3][3], float *vector, size_t count)
+{
+    for (float *v = vector, *end = vector + count * 3; v < end; v += 3) {
+        const float from[3] = {v[0], v[1], v[2]};
+        for (int row = 0; row < 3; ++row)
+            for (int axis = 0; axis < 3; ++axis)
+                if (turn[row][axis])
+                    v[row] = turn[row][axis] > 0 ? from[axis] : -from[axis];
+    }
+}
+
+/* Up becomes +y, forward +z, and the left of whoever looks out of the face +x: no bit of a number
+ * changes but its sign. */
+static void turn_axes(mesh *m, mesh_axis up, mesh_axis forward)
+{
+    int turn[3][3];
+    axis_vector(turn[1], up);
+    axis_vector(turn[2], forward);
+    for (int i = 0; i < 3; ++i)
+        turn[0][i] = turn[1][(i + 1) % 3] * turn[2][(i + 2) % 3] -
+                     turn[1][(i + 2) % 3] * turn[2][(i + 1) % 3];
+    turn_vectors(turn, m->position, m->vertex_count);
+    if (m->normal)
+        turn_vectors(turn, m->normal, m->vertex_count);
+    for (uint32_t t = 0; t < m->target_count; ++t)
+        turn_vectors(turn, m->target[t].offset, m->vertex_count);
+    for (uint32_t j = 0; j < m->joint_count; ++j)
+        for (size_t column = 0; column < 4; ++column) {
+            float *rest = m->joint[j].rest + column, vector[3] = {rest[0], rest[4], rest[8]};
+            turn_vectors(turn, vector, 1);
+            for (size_t row = 0; row < 3; ++row)
+                rest[row * 4] = vector[row];
+        }
+}
+
+static void set_axes(mesh *m)
+{
+    if (m->up == MESH_AXIS_AUTO)
+        m->up = MESH_AXIS_Y;
+    if (m->forward == MESH_AXIS_AUTO)
+        m->forward = MESH_AXIS_Z;
+    if (m->up == MESH_AXIS_Y && m->forward == MESH_AXIS_Z)
+        return;
+    turn_axes(m, m->up, m->forward);
+    if (m->forward == MESH_AXIS_MINUS_Z)
+        mesh_note(m, "it is VRM 0, which faces -z: it is turned round");
+}
+
 /* The unit in which a head is between 100 and 1000 mm high. */
 static double guess_mm_per_unit(mesh *m)
 {
@@ -159,6 +218,8 @@ mrt_result mesh_file_read(mesh *out, const char *path, mesh_unit unit, error *er
     result = parse(out, format, &bytes, path, err);
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {
+        set_axes(out);
+        mesh_images_decode(out);
         scale(out, mm_per_unit_of(out, unit, format));
         result = mesh_validate(out, err);
     }

@@ -21,6 +21,42 @@ const vec3 light_colour[3] =
     vec3[3](vec3(3.10, 2.92, 2.66), vec3(0.22, 0.26, 0.34), vec3(0.80, 0.90, 1.05));
 const vec3 sky = vec3(0.255, 0.285, 0.335), ground = vec3(0.095, 0.083, 0.072);
 
+#ifdef PAINTED
+in vec4 v_tint;
+in vec2 v_uv;
+uniform sampler2D base_map, normal_map, emission_map, rough_metal_map;
+uniform vec3 place[8]; // two rows of each, from v_uv
+uniform vec3 emission; // linear
+uniform float normal_scale;
+uniform vec3 shade;   // toon: linear
+uniform vec2 toon;    // shift, toony
+uniform vec2 alpha_range;
+
+vec2 place_of(int map)
+{
+    vec3 at = vec3(v_uv, 1.0);
+    return vec2(dot(place[2 * map], at), dot(place[2 * map + 1], at));
+}
+
+#ifdef NORMAL_MAP
+// The normal map, in a frame made of how position and coordinates change from pixel to pixel.
+vec3 bend(vec3 normal)
+{
+    vec2 uv = place_of(1);
+    vec3 px = dFdx(v_position), py = dFdy(v_position);
+    vec2 ux = dFdx(uv), uy = dFdy(uv);
+    vec3 along = cross(py, normal) * ux.x + cross(normal, px) * uy.x;
+    vec3 down = cross(py, normal) * ux.y + cross(normal, px) * uy.y;
+    float size = max(dot(along, along), dot(down, down));
+    if (!(size > 1e-20))
+        return normal;
+    vec3 bump = texture(normal_map, uv).xyz * 2.0 - 1.0;
+    bump.xy *= normal_scale;
+    return normalize((along * bump.x - down * bump.y) * inversesqrt(size) + normal * max(bump.z, 0.05));
+}
+#endif
+#endif
+
 #if defined(STONE) || defined(FELT)
 float lattice(ivec3 p)
 {
@@ -217,6 +253,36 @@ void main()
     float open = gl_FrontFacing ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
     float rough = clamp(roughness, 0.12, 1.0);
     vec3 base = has_own_colours ? v_colour : base_colour.rgb;
+    float shown_alpha = base_colour.a, metal = metallic;
+#ifdef PAINTED
+    vec4 paint = v_tint * texture(base_map, place_of(0));
+    base *= paint.rgb;
+    shown_alpha *= paint.a;
+#endif
+#ifdef NORMAL_MAP
+    normal = bend(normal);
+#endif
+#ifdef EMISSION
+    vec3 glow = emission * texture(emission_map, place_of(2)).rgb;
+#endif
+#ifdef ROUGH_METAL
+    vec4 kind = texture(rough_metal_map, place_of(3));
+    rough = clamp(roughness * kind.g, 0.12, 1.0);
+    metal *= kind.b;
+#endif
+#ifdef CUT
+    if (shown_alpha < alpha_range.x || shown_alpha >= alpha_range.y)
+        discard;
+    shown_alpha = alpha_range.y < 1.5 ? shown_alpha : 1.0; // what is drawn as solid is
+#endif
+#ifdef FLAT
+    colour = vec4(encode_srgb(base + glow), shown_alpha);
+#elif defined(TOON)
+    // VRMC_materials_mtoon: one step, from the shade's colour to the base's
+    float facing = dot(normal, light_direction[0]) * key_visibility(normal) + toon.x;
+    float lit = clamp((facing + 1.0 - toon.y) / max(2.0 - 2.0 * toon.y, 1e-3), 0.0, 1.0);
+    colour = vec4(encode_srgb(mix(shade * paint.rgb, base, lit) + glow), shown_alpha);
+#else
 
 #ifdef STONE
     vec4 grain = vec4(0.0);
@@ -245,13 +311,17 @@ void main()
 #if defined(STONE) || defined(FELT)
     vec3 mirror = vec3(0.015);
 #else
-    vec3 mirror = mix(vec3(0.04), base, metallic);
+    vec3 mirror = mix(vec3(0.04), base, metal);
 #endif
-    vec3 diffuse = base * (1.0 - metallic);
+    vec3 diffuse = base * (1.0 - metal);
     float visible[3] = float[3](key_visibility(normal), mix(0.35, 1.0, open), open);
     vec3 light = reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
     for (int i = 0; i < 3; ++i)
         light += visible[i] * light_colour[i] *
                  reflect_light(normal, to_eye, light_direction[i], diffuse, mirror, rough);
-    colour = vec4(encode_srgb(expose(light)) + dither(ivec2(gl_FragCoord.xy) - origin), base_colour.a);
+#ifdef EMISSION
+    light += glow;
+#endif
+    colour = vec4(encode_srgb(expose(light)) + dither(ivec2(gl_FragCoord.xy) - origin), shown_alpha);
+#endif
 }

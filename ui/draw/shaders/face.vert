@@ -3,6 +3,13 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 rest; // mm: where the grain of the stone is fixed
 layout(location = 3) in float openness;
 layout(location = 4) in vec3 own_colour; // linear
+#ifdef PAINTED
+layout(location = 5) in vec4 tint; // linear
+layout(location = 6) in vec2 uv;
+uniform bool has_tint;
+out vec4 v_tint;
+out vec2 v_uv;
+#endif
 uniform mat4 projection;
 out vec3 v_position, v_normal, v_rest;
 out vec3 v_colour;
@@ -15,5 +22,9 @@ void main()
     v_rest = rest;
     v_openness = openness;
     v_colour = own_colour;
+#ifdef PAINTED
+    v_tint = has_tint ? tint : vec4(1.0);
+    v_uv = uv;
+#endif
     gl_Position = projection * vec4(position, 1.0);
 }

@@ -1,0 +1,395 @@
+#include "io/read/gltf_material.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <new>
+
+extern "C" {
+#include "base/budget.h"
+#include "base/file.h"
+#include "io/read/mesh_build.h"
+}
+
+namespace
+{
+
+const size_t IMAGES_MAX = 64;
+const size_t IMAGE_SIZE_MAX = (size_t)64 << 20; /* bytes, encoded */
+
+typedef tinygltf::Value value;
+
+const value &extension(const tinygltf::ExtensionMap &extensions, const char *name)
+{
+    static const value none;
+    auto found = extensions.find(name);
+    return found == extensions.end() ? none : found->second;
+}
+
+double number_or(const value &of, double otherwise)
+{
+    double number = of.IsNumber() ? of.GetNumberAsDouble() : otherwise;
+    return std::isfinite(number) ? number : otherwise;
+}
+
+float within(double number, double low, double high)
+{
+    return number > low ? (number < high ? (float)number : (float)high) : (float)low;
+}
+
+/* Up to `count` numbers of an array; the others stay. */
+void read_numbers(const value &of, double *out, size_t count)
+{
+    for (size_t i = 0; of.IsArray() && i < count && i < of.ArrayLen(); ++i)
+        out[i] = number_or(of.Get((int)i), out[i]);
+}
+
+/* IEC 61966-2-1 */
+double linear_of_srgb(double coded)
+{
+    return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
+}
+
+/* ---- pictures ---- */
+
+struct picture_source {
+    const gltf_document &document;
+    const char *directory;
+    budget bytes;
+};
+
+std::vector<unsigned char> copy_of(const unsigned char *at, size_t size)
+{
+    return std::vector<unsigned char>(at, at + size);
+}
+
+int hex_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+std::string percent_decoded(const std::string &uri)
+{
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
+        int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
+        out += low >= 0 ? (char)(high * 16 + low) : uri[i];
+        i += low >= 0 ? 2 : 0;
+    }
+    return out;
+}
+
+/* A file beside the document, or below. */
+std::vector<unsigned char> read_file(const picture_source &from, const std::string &uri)
+{
+    std::string name = percent_decoded(uri);
+    if (!from.directory)
+        gltf_fail(MRT_ERR_UNSUPPORTED, "only pictures inside of the file are read");
+    bool is_plain = !name.empty() && name[0] != '/' && name.find('\0') == std::string::npos &&
+                    name.find("://") == std::string::npos;
+    if (!is_plain)
+        gltf_fail(MRT_ERR_UNSUPPORTED, "only files beside the document are read");
+    error failed = {""};
+    file_bytes bytes;
+    std::string path = from.directory + name;
+    mrt_result result = file_check_below(from.directory, path.c_str(), &failed);
+    if (result >= 0)
+        result = file_read(&bytes, path.c_str(), IMAGE_SIZE_MAX, &failed);
+    if (result < 0)
+        gltf_fail(result, "%s", failed.text);
+    std::vector<unsigned char> out =
+        copy_of(reinterpret_cast<const unsigned char *>(bytes.data), bytes.size);
+    file_bytes_finish(&bytes);
+    return out;
+}
+
+std::vector<unsigned char> read_uri(const picture_source &from, const std::string &uri)
+{
+    if (uri.rfind("data:", 0) != 0)
+        return read_file(from, uri);
+    std::vector<unsigned char> out;
+    std::string type;
+    if (uri.size() > IMAGE_SIZE_MAX * 4 / 3 || !tinygltf::DecodeDataURI(&out, type, uri, 0, false))
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI is neither PNG nor JPEG");
+    return out;
+}
+
+std::vector<unsigned char> read_view(const picture_source &from, int index)
+{
+    const tinygltf::Model &model = from.document.model;
+    if (index < 0 || (size_t)index >= model.bufferViews.size())
+        gltf_fail(MRT_ERR_FORMAT, "its bufferView is not there");
+    const tinygltf::BufferView &view = model.bufferViews[(size_t)index];
+    if (view.buffer < 0 || (size_t)view.buffer >= model.buffers.size())
+        gltf_fail(MRT_ERR_FORMAT, "its buffer is not there");
+    const std::vector<unsigned char> &bytes = model.buffers[(size_t)view.buffer].data;
+    if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset ||
+        view.byteLength > IMAGE_SIZE_MAX)
+        gltf_fail(MRT_ERR_FORMAT, "its bytes are not there");
+    return copy_of(bytes.data() + view.byteOffset, view.byteLength);
+}
+
+/* ---- materials ---- */
+
+class material_reader
+{
+  public:
+    material_reader(mesh &out, const gltf_document &document, const char *directory,
+                    size_t file_size)
+        : out_(out), document_(document),
+          model_(document.model), from_{document, directory, budget_of(BUDGET_IMAGE, file_size)}
+    {
+        out_.image = static_cast<mesh_image *>(calloc(IMAGES_MAX, sizeof *out_.image));
+        if (!out_.image)
+            throw std::bad_alloc();
+    }
+
+    mesh_material read(size_t index, bool is_used)
+    {
+        const tinygltf::Material &source = model_.materials[index];
+        const tinygltf::PbrMetallicRoughness &rough = source.pbrMetallicRoughness;
+        mesh_material m = mesh_material_grey();
+        for (size_t channel = 0; channel < 4; ++channel)
+            m.base_colour[channel] = within(rough.baseColorFactor.at(channel), 0, 1);
+        m.roughness = within(rough.roughnessFactor, 0, 1);
+        m.metallic = within(rough.metallicFactor, 0, 1);
+        m.says_roughness = document_.says_roughness[index];
+        m.is_single_sided = !source.doubleSided;
+        m.alpha = source.alphaMode == "MASK"    ? MESH_ALPHA_MASK
+                  : source.alphaMode == "BLEND" ? MESH_ALPHA_BLEND
+                                                : MESH_ALPHA_OPAQUE;
+        m.alpha_cutoff = within(source.alphaCutoff, 0, 1);
+        if (m.alpha == MESH_ALPHA_OPAQUE)
+            m.base_colour[3] = 1.0f;
+        read_emission(m, source);
+        read_lighting(m, source, index);
+        if (is_used)
+            read_textures(m, source, index);
+        m.name = gltf_clean_name(source.name);
+        return m;
+    }
+
+  private:
+    void read_emission(mesh_material &m, const tinygltf::Material &source)
+    {
+        double strength =
+            number_or(gltf_member(extension(source.extensions, "KHR_materials_emissive_strength"),
+                                  "emissiveStrength"),
+                      1.0);
+        for (size_t i = 0; i < 3 && i < source.emissiveFactor.size(); ++i)
+            m.emission_colour[i] = within(source.emissiveFactor[i] * strength, 0, 100);
+    }
+
+    void read_lighting(mesh_material &m, const tinygltf::Material &source, size_t index)
+    {
+        const value &toon = extension(source.extensions, "VRMC_materials_mtoon");
+        const value &old = gltf_member(extension(model_.extensions, "VRM"), "materialProperties");
+        if (extension(source.extensions, "KHR_materials_unlit").IsObject())
+            m.lighting = MESH_LIGHTING_NONE;
+        double shade[3] = {0, 0, 0};
+        if (toon.IsObject()) {
+            m.lighting = MESH_LIGHTING_TOON;
+            read_numbers(gltf_member(toon, "shadeColorFactor"), shade, 3);
+            m.shade_shift = within(number_or(gltf_member(toon, "shadingShiftFactor"), 0), -1, 1);
+            m.shade_toony = within(number_or(gltf_member(toon, "shadingToonyFactor"), 0.9), 0, 1);
+        } else if (old.IsArray() && index < old.ArrayLen()) {
+            const value &of = old.Get((int)index), &shader = gltf_member(of, "shader");
+            if (!shader.IsString() || shader.Get<std::string>() != "VRM/MToon")
+                return;
+            m.lighting = MESH_LIGHTING_TOON;
+            shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* MToon's own default */
+            read_numbers(gltf_member(gltf_member(of, "vectorProperties"), "_ShadeColor"), shade, 3);
+            for (double &channel : shade)
+                channel = linear_of_srgb(channel);
+            const value &numbers = gltf_member(of, "floatProperties");
+            read_old_toon(m, number_or(gltf_member(numbers, "_ShadeShift"), 0),
+                          number_or(gltf_member(numbers, "_ShadeToony"), 0.9));
+        }
+        for (size_t i = 0; i < 3; ++i)
+            m.shade_colour[i] = within(shade[i], 0, 1);
+    }
+
+    /* VRM 0's two numbers as VRM 1's, as UniVRM carries them over. */
+    static void read_old_toon(mesh_material &m, double shift, double toony)
+    {
+        double low = shift, high = 1.0 + (shift - 1.0) * toony;
+        m.shade_toony = within((2.0 - (high - low)) * 0.5, 0, 1);
+        m.shade_shift = within(-(high + low) * 0.5, -1, 1);
+    }
+
+    void read_textures(mesh_material &m, const tinygltf::Material &source, size_t index)
+    {
+        int uv_set = gltf_material_uv_set(model_, (int)index);
+        const tinygltf::TextureInfo &base = source.pbrMetallicRoughness.baseColorTexture;
+        m.base = read_texture(base.index, base.texCoord, base.extensions, uv_set, source.name);
+        m.normal = read_texture(source.normalTexture.index, source.normalTexture.texCoord,
+                                source.normalTexture.extensions, uv_set, source.name);
+        m.normal_scale = within(source.normalTexture.scale, -10, 10);
+        const tinygltf::TextureInfo &surface = source.pbrMetallicRoughness.metallicRoughnessTexture;
+        m.surface =
+            read_texture(surface.index, surface.texCoord, surface.extensions, uv_set, source.name);
+        m.emission = read_texture(source.emissiveTexture.index, source.emissiveTexture.texCoord,
+                                  source.emissiveTexture.extensions, uv_set, source.name);
+    }
+
+    mesh_texture read_texture(int index, int uv_set, const tinygltf::ExtensionMap &extensions,
+                              int material_uv_set, const std::string &material)
+    {
+        mesh_texture out = mesh_material_grey().base;
+        if (index < 0)
+            return out;
+        if ((size_t)index >= model_.textures.size())
+            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but %zu are there", index,
+                      model_.textures.size());
+        const value &transform = extension(extensions, "KHR_texture_transform");
+        if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {
+            note(material, "one of its textures lies on other coordinates");
+            return out;
+        }
+        const tinygltf::Texture &texture = model_.textures[(size_t)index];
+        place(out, transform);
+        set_wrap(out, texture.sampler);
+        out.image = image_of(texture, material);
+        return out;
+    }
+
+    /* KHR_texture_transform: shift * turn * scale. */
+    static void place(mesh_texture &out, const value &transform)
+    {
+        double shift[2] = {0, 0}, scale[2] = {1, 1};
+        read_numbers(gltf_member(transform, "offset"), shift, 2);
+        read_numbers(gltf_member(transform, "scale"), scale, 2);
+        double angle = number_or(gltf_member(transform, "rotation"), 0);
+        double c = std::cos(angle), s = std::sin(angle);
+        const double rows[6] = {c * scale[0],  s * scale[1], shift[0],
+                                -s * scale[0], c * scale[1], shift[1]};
+        for (size_t i = 0; i < 6; ++i)
+            out.place[i] = within(rows[i], -1e6, 1e6);
+    }
+
+    void set_wrap(mesh_texture &out, int sampler) const
+    {
+        if (sampler < 0 || (size_t)sampler >= model_.samplers.size())
+            return;
+        const int wrap[2] = {model_.samplers[(size_t)sampler].wrapS,
+                             model_.samplers[(size_t)sampler].wrapT};
+        for (int axis = 0; axis < 2; ++axis)
+            out.wrap[axis] = wrap[axis] == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE ? MESH_WRAP_CLAMP
+                             : wrap[axis] == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT
+                                 ? MESH_WRAP_MIRROR
+                                 : MESH_WRAP_REPEAT;
+    }
+
+    /* PNG or JPEG where the file has it, else what an extension brings (which is refused by name).
+     */
+    uint32_t image_of(const tinygltf::Texture &texture, const std::string &material)
+    {
+        int64_t source = texture.source;
+        for (const char *name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"})
+            if (source < 0)
+                source = gltf_whole(gltf_member(extension(texture.extensions, name), "source"), -1);
+        if (source < 0 || (size_t)source >= document_.images.size()) {
+            note(material, "its picture is not there");
+            return 0;
+        }
+        auto known = known_.find((size_t)source);
+        if (known == known_.end())
+            known = known_.insert({(size_t)source, add_image((size_t)source)}).first;
+        return known->second;
+    }
+
+    uint32_t add_image(size_t source)
+    {
+        const gltf_image_source &wanted = document_.images[source];
+        std::string name = !wanted.name.empty()                ? wanted.name
+                           : wanted.uri.rfind("data:", 0) == 0 ? ""
+                                                               : wanted.uri;
+        try {
+            if (out_.image_count == IMAGES_MAX)
+                gltf_fail(MRT_ERR_UNSUPPORTED, "more than %zu pictures are not drawn", IMAGES_MAX);
+            std::vector<unsigned char> bytes =
+                wanted.uri.empty() ? read_view(from_, wanted.view) : read_uri(from_, wanted.uri);
+            error failed = {""};
+            if (bytes.empty() || budget_spend_bytes(&from_.bytes, bytes.size(), &failed) < 0)
+                gltf_fail(MRT_ERR_UNSUPPORTED, "%s", bytes.empty() ? "it is empty" : failed.text);
+            mesh_image &image = out_.image[out_.image_count];
+            image.encoded = static_cast<uint8_t *>(malloc(bytes.size()));
+            if (!image.encoded)
+                throw std::bad_alloc();
+            out_.image_count += 1;
+            std::memcpy(image.encoded, bytes.data(), bytes.size());
+            image.encoded_size = bytes.size();
+            image.name = gltf_clean_name(name);
+            return out_.image_count;
+        } catch (const gltf_failure &failure) {
+            mesh_note(&out_, "the picture \"%s\" is not drawn: %s", gltf_printable(name).c_str(),
+                      failure.what());
+            return 0;
+        }
+    }
+
+    void note(const std::string &material, const char *what)
+    {
+        mesh_note(&out_, "material \"%s\": %s", gltf_printable(material).c_str(), what);
+    }
+
+    mesh &out_;
+    const gltf_document &document_;
+    const tinygltf::Model &model_;
+    picture_source from_;
+    std::map<size_t, uint32_t> known_;
+};
+
+} // namespace
+
+char *gltf_clean_name(const std::string &name)
+{
+    char *out = static_cast<char *>(calloc(MESH_BUILD_NAME_LENGTH_MAX + 1, 1));
+    if (!out)
+        throw std::bad_alloc();
+    text_copy(out, MESH_BUILD_NAME_LENGTH_MAX + 1, text_view_of(name.data(), name.size()));
+    return out;
+}
+
+int gltf_material_uv_set(const tinygltf::Model &model, int material)
+{
+    if (material < 0 || (size_t)material >= model.materials.size())
+        return 0;
+    const tinygltf::Material &m = model.materials[(size_t)material];
+    const tinygltf::TextureInfo &base = m.pbrMetallicRoughness.baseColorTexture;
+    int set = base.index >= 0              ? base.texCoord
+              : m.normalTexture.index >= 0 ? m.normalTexture.texCoord
+                                           : m.emissiveTexture.texCoord;
+    const tinygltf::ExtensionMap &extensions = base.index >= 0 ? base.extensions
+                                               : m.normalTexture.index >= 0
+                                                   ? m.normalTexture.extensions
+                                                   : m.emissiveTexture.extensions;
+    return (int)gltf_whole(gltf_member(extension(extensions, "KHR_texture_transform"), "texCoord"),
+                           set);
+}
+
+void gltf_materials(mesh &out, const gltf_document &document, const std::vector<bool> &is_used,
+                    bool with_default, const char *directory, size_t file_size)
+{
+    size_t count = document.model.materials.size();
+    mesh_material grey = out.material[0];
+    mesh_material *material = static_cast<mesh_material *>(calloc(count + 1, sizeof *material));
+    if (!material)
+        throw std::bad_alloc();
+    free(out.material);
+    out.material = material;
+    out.material_count = (uint32_t)(count + 1);
+    material[count] = grey;
+    material_reader reader(out, document, directory, file_size);
+    for (size_t i = 0; i < count; ++i)
+        material[i] = reader.read(i, is_used[i]);
+    if (!with_default) {
+        free(grey.name);
+        out.material_count -= 1;
+    }
+}

@@ -1,0 +1,24 @@
+/* io/gltf_material.hpp - what a glTF file says of how its surfaces look: materials, textures, VRM's
+ * toon shading, and the pictures that they use, still encoded. Private to the glTF reader; failures
+ * are gltf_failure, but a picture that is not there is only noted. */
+#ifndef MAROTTE_IO_GLTF_MATERIAL_HPP
+#define MAROTTE_IO_GLTF_MATERIAL_HPP
+#include "io/read/gltf_load.hpp"
+
+extern "C" {
+#include "mesh/mesh.h"
+}
+
+/* Replaces out's materials; with_default: mesh_create's grey one follows the file's. Those that are
+ * not in `is_used` ask for no pictures. `directory`: as in gltf_parse; `file_size` bounds what the
+ * pictures take. */
+void gltf_materials(mesh &out, const gltf_document &document, const std::vector<bool> &is_used,
+                    bool with_default, const char *directory, size_t file_size);
+
+/* Which TEXCOORD_n the material's textures lie on. */
+int gltf_material_uv_set(const tinygltf::Model &model, int material);
+
+/* Memory that mesh_destroy frees: a name, made printable. */
+char *gltf_clean_name(const std::string &name);
+
+#endif
