@@ -6,7 +6,7 @@ cd "$SOURCE_DIR" || exit 1
 failed=0 checked=0
 complain() { echo "ARCHITECTURE.md: $1"; failed=1; }
 
-# perform/layer.c, core/hand, window/app/app.c ...: the files that are meant; none: no such file.
+# perform/layer.c, core/hand, window/app/app_open.c ...: the files that are meant; none: no such file.
 files_of() {
     local name=${1%/} base
     for base in "" core/ core/include/ core/stage/ core/stage/live/ core/stage/perform/; do

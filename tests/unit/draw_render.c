@@ -7,7 +7,7 @@
 
 #include "draw/draw.h"
 #include "draw/gl.h"
-#include "draw/occlusion.h"
+#include "draw/face.h"
 #include "draw_help.h"
 
 #include <stdio.h>

@@ -6,7 +6,6 @@
 #include <cmocka.h>
 
 #include "draw/draw.h"
-#include "draw/thumbnails.h"
 #include "draw/sheet.h"
 #include "draw_help.h"
 

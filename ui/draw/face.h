@@ -104,4 +104,11 @@ struct draw_face {
  * and the vertex array are bound by the caller. */
 void face_draw_all(const draw_face *face);
 
+/* How much of the room each vertex sees in the rest shape: eye sockets and nostrils are dark, noses
+ * are not. Baked once by looking at the mesh from many sides. */
+/* out_openness: one per vertex, 0 (sees nothing) .. 1. The face's buffers (but not the openness)
+ * and normals are there. position: vertex_count by 3, mm. */
+CHECKED mrt_result occlusion_bake(float *out_openness, const draw_face *face, const float *position,
+                                  error *err);
+
 #endif

@@ -4,6 +4,7 @@
 #ifndef MAROTTE_UI_DRAW_GL_H
 #define MAROTTE_UI_DRAW_GL_H
 #include "base/error.h"
+#include "draw/shaders.h"
 
 #include <epoxy/gl.h>
 
@@ -16,10 +17,6 @@ CHECKED mrt_result gl_check_current(error *err);
 CHECKED mrt_result gl_check_error(const char *what, error *err);
 
 typedef enum gl_stage { GL_STAGE_VERTEX, GL_STAGE_FRAGMENT, GL_STAGE_COUNT } gl_stage;
-typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
-    const char *name, *text;
-    size_t size;
-} gl_source;
 /* 0: failed. Every stage sees `defines` ("" or lines of #define) and the text of common.glsl before
  * its own. */
 GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err);

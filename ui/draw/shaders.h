@@ -1,7 +1,12 @@
 /* draw/shaders.h - the GLSL texts of shaders/, built into the library. Const data. */
 #ifndef MAROTTE_UI_DRAW_SHADERS_H
 #define MAROTTE_UI_DRAW_SHADERS_H
-#include "draw/gl.h"
+#include <stddef.h>
+
+typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
+    const char *name, *text;
+    size_t size;
+} gl_source;
 
 extern const gl_source shaders_common, shaders_screen_vert, shaders_background_frag,
     shaders_resolve_frag, shaders_depth_vert, shaders_depth_frag, shaders_face_vert,

@@ -1,6 +1,6 @@
 /* What a person does to takes: the list, the one that is chosen, its edits with undo and redo, the
  * transport, recording. */
-#include "window/app/app_state.h"
+#include "window/app/app_shared.h"
 
 #include "base/clock.h"
 

@@ -1,6 +1,5 @@
-#include "window/timeline/take_list.h"
-#include "window/gui/ui.h"
 #include "window/timeline/timeline.h"
+#include "window/gui/ui.h"
 
 #include "base/clock.h"
 #include "base/text.h"

@@ -1,14 +1,13 @@
 /* window/timeline/timeline.h - the state of the timeline's panel, which its files share: timeline.c
- * puts the panel together, paint.c draws a take, journal.c what is shown while no take is chosen,
- * mouse.c turns the pointer into gestures, menu.c has the menus and dialogs, strip.c the transport
- * above, take_list.c the list beside it. No other room includes this header. [main] */
+ * puts the panel together, paint.c draws a take, paint_journal.c what is shown while no take is
+ * chosen, mouse.c turns the pointer into gestures, menu.c has the menus and dialogs, strip.c the
+ * transport above, take_list.c the list beside it. No other room includes this header. [main] */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #define MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #include "window/panels/panels.h"
 #include "window/gui/theme.h"
 #include "window/timeline/drag.h"
 #include "window/timeline/journal.h"
-#include "window/timeline/take_list.h"
 #include "window/timeline/worker.h"
 
 #define TIMELINE_LIST_WIDTH   250.0f
@@ -27,6 +26,32 @@
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
 #define TIMELINE_GRID_COLOUR  0x23272cffu
 #define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the play head */
+
+/* ---- which takes the list shows, newest first: all, the good ones, or those that were deleted,
+ * with some words in title or note (take_list.c). Pure but for its memory, which is kept ---- */
+
+typedef enum takes_filter {
+    TAKES_ALL = 0,
+    TAKES_GOOD, /* three stars and more */
+    TAKES_DELETED,
+    TAKES_FILTERS
+} takes_filter;
+extern const char *const takes_filter_name[TAKES_FILTERS];
+
+enum { TAKES_WORDS = 64, TAKES_SEARCH_FROM = 9 }; /* so many takes are worth a search field */
+typedef struct timeline_takes {
+    takes_filter filter;
+    char words[TAKES_WORDS]; /* all of them must be there, in any case */
+    uint32_t *index;         /* of the lines, in the order in which they are shown */
+    uint32_t count, capacity;
+} timeline_takes;
+
+void timeline_takes_finish(timeline_takes *self); /* accepts zeroed */
+
+/* "5.3 s", "2:05", "1:02:05" */
+void timeline_takes_duration(char *out, size_t capacity, int64_t duration_ns);
+/* All words of `words` are in the title or the note, in any case. */
+bool timeline_takes_matches(const app_take_line *line, const char *words);
 
 /* What the pointer does, beside drags that are edits (drag.h). */
 typedef enum timeline_gesture {
@@ -151,7 +176,7 @@ void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
 
-/* journal.c */
+/* paint_journal.c */
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
 
 /* take_list.c */

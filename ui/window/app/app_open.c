@@ -1,4 +1,4 @@
-#include "window/app/app_state.h"
+#include "window/app/app_shared.h"
 #include "base/installed.h"
 #include "window/gui/theme.h"
 #include "window/app/presets.h"

@@ -1,7 +1,8 @@
-/* window/app/app_state.h - what an application is made of, for its two files: app.c is what there
- * is and what is opened, app_takes.c what is done to takes. Nobody else includes it. [main] */
-#ifndef MAROTTE_UI_WINDOW_APP_APP_STATE_H
-#define MAROTTE_UI_WINDOW_APP_APP_STATE_H
+/* window/app/app_shared.h - what an application is made of, for its two files: app_open.c is what
+ * there is and what is opened, app_takes.c what is done to takes. Nobody else includes it. [main]
+ */
+#ifndef MAROTTE_UI_WINDOW_APP_APP_SHARED_H
+#define MAROTTE_UI_WINDOW_APP_APP_SHARED_H
 #include "window/app/app.h"
 #include "window/app/exporter.h"
 
@@ -83,7 +84,7 @@ struct app {
     uint32_t exports_failed;
 };
 
-/* ---- app.c ---- */
+/* ---- app_open.c ---- */
 
 /* An error is said in the news, once; the result comes back. */
 mrt_result app_report(app *self, mrt_result result, const error *err);
