@@ -1,7 +1,6 @@
 /* log.c - the input plugin "org.marotte.log": plays a recorded hand as if it were performed now. */
 #include <marotte/plugin.h>
 
-#include "log_file.h"
 #include "log_parse.h"
 
 #include <stdio.h>

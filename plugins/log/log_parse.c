@@ -1,16 +1,547 @@
 #include "log_parse.h"
 
-#include "log_format.h"
-
+#include <errno.h>
+#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* What the two formats share: the record being read, and how a line is refused. */
+
+typedef struct log_record {
+    int64_t time_ns; /* of the file's own clock */
+    float value[MRT_MAX_CHANNELS];
+} log_record;
+
+/* Radians beyond a whole turn are no joint's angle. */
+#define LOG_ANGLE_MAX 6.2831853071795865
+
+/* Adds a channel; `name` and `unit` are copied. */
+static void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
+                            uint32_t hand);
+
+/* Writes the reason and returns MRT_ERR_FORMAT. */
+__attribute__((format(printf, 2, 3))) static mrt_result log_refuse(char *out_reason,
+                                                                   const char *format, ...);
+
+typedef struct log_table {
+    bool time_in_ns;
+    double scale[MRT_MAX_CHANNELS]; /* from the file's unit to the channel's */
+    double limit[MRT_MAX_CHANNELS]; /* largest magnitude, in the channel's unit */
+    bool may_have_units;            /* no record has been seen yet */
+} log_table;
+static mrt_result log_table_header(log_table *table, log_data *data, log_text line,
+                                   char *out_reason);
+/* A line that says the units. 0: it does not, it is a record. > 0: it did. < 0: refused. */
+static mrt_result log_table_units(log_table *table, log_data *data, log_text line,
+                                  char *out_reason);
+static mrt_result log_table_record(log_table *table, const log_data *data, log_text line,
+                                   log_record *out, char *out_reason);
+
+static void log_recording_channels(log_data *data, uint32_t hand);
+static mrt_result log_recording_record(log_text line, log_record *out, char *out_reason);
+
+static const char *const log_sensor_name[MRT_ANGLES] = {
+    "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
+    "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
+    "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
+    "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
+
+/* ---- texts ---- */
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static log_text trimmed(log_text text)
+{
+    while (text.at < text.end && is_blank(*text.at))
+        text.at += 1;
+    while (text.end > text.at && is_blank(text.end[-1]))
+        text.end -= 1;
+    return text;
+}
+
+/* Takes what is before the next `separator` off `rest`. */
+static log_text taken(log_text *rest, char separator)
+{
+    const char *stop = memchr(rest->at, separator, (size_t)(rest->end - rest->at));
+    log_text piece = {rest->at, stop ? stop : rest->end};
+    rest->at = stop ? stop + 1 : NULL;
+    return trimmed(piece);
+}
+
+bool log_text_line(log_text *rest, log_text *out_line)
+{
+    if (!rest->at || rest->at == rest->end)
+        return false;
+    *out_line = taken(rest, '\n');
+    return true;
+}
+
+bool log_text_field(log_text *rest, log_text *out_field)
+{
+    if (!rest->at)
+        return false;
+    *out_field = taken(rest, ',');
+    return true;
+}
+
+bool log_text_word(log_text *rest, log_text *out_word)
+{
+    while (rest->at < rest->end && is_blank(*rest->at))
+        rest->at += 1;
+    if (rest->at == rest->end)
+        return false;
+    out_word->at = rest->at;
+    while (rest->at < rest->end && !is_blank(*rest->at))
+        rest->at += 1;
+    out_word->end = rest->at;
+    return true;
+}
+
+bool log_text_starts_number(log_text text)
+{
+    return text.at < text.end && (is_digit(*text.at) || strchr("+-.", *text.at));
+}
+
+bool log_text_is(log_text text, const char *word)
+{
+    size_t length = strlen(word);
+    return (size_t)(text.end - text.at) == length && memcmp(text.at, word, length) == 0;
+}
+
+void log_text_copy(char *out, size_t capacity, log_text text)
+{
+    size_t length = (size_t)(text.end - text.at);
+    if (length > capacity - 1)
+        length = capacity - 1;
+    for (size_t i = 0; i < length; ++i)
+        out[i] = text.at[i] >= 32 && text.at[i] < 127 ? text.at[i] : '?';
+    out[length] = '\0';
+}
+
+/* ---- numbers: digits * 10^exponent ---- */
+
+enum { DIGITS_MAX = 17, EXPONENT_MAX = 400 };
+
+typedef struct decimal {
+    uint64_t digits;
+    int32_t digit_count, exponent;
+} decimal;
+
+/* A run of digits; those that no double could tell apart only move the exponent. False: none. */
+static bool take_digits(log_text *text, decimal *number, int32_t exponent_per_digit)
+{
+    const char *first = text->at;
+    for (; text->at < text->end && is_digit(*text->at); text->at += 1) {
+        uint64_t digit = (uint64_t)(*text->at - '0');
+        if (number->digit_count < DIGITS_MAX) {
+            number->digits = number->digits * 10 + digit;
+            number->digit_count += number->digits > 0;
+            number->exponent += exponent_per_digit;
+        } else if (number->exponent < EXPONENT_MAX) {
+            number->exponent += exponent_per_digit + 1;
+        }
+    }
+    return text->at > first;
+}
+
+static bool take_sign(log_text *text)
+{
+    bool negative = text->at < text->end && *text->at == '-';
+    if (text->at < text->end && (*text->at == '-' || *text->at == '+'))
+        text->at += 1;
+    return negative;
+}
+
+static bool take_exponent(log_text *text, decimal *number)
+{
+    text->at += 1;
+    bool negative = take_sign(text);
+    int32_t exponent = 0;
+    const char *first = text->at;
+    for (; text->at < text->end && is_digit(*text->at); text->at += 1)
+        if (exponent < EXPONENT_MAX)
+            exponent = exponent * 10 + (*text->at - '0');
+    number->exponent += negative ? -exponent : exponent;
+    return text->at > first;
+}
+
+/* Exact for up to 15 digits and exponents within +-22, so that "0.1" is the double 0.1. */
+static double decimal_value(const decimal *number)
+{
+    double value = (double)number->digits, power = 1.0;
+    int32_t exponent = number->exponent;
+    if (exponent < -60 || number->digits == 0)
+        return 0.0;
+    for (int32_t i = 0; i < (exponent < 0 ? -exponent : exponent); ++i)
+        power *= 10.0;
+    return exponent < 0 ? value / power : value * power;
+}
+
+bool log_text_number(log_text text, double *out)
+{
+    decimal number = {0, 0, 0};
+    bool negative = take_sign(&text);
+    bool has_digits = take_digits(&text, &number, 0);
+    if (text.at < text.end && *text.at == '.') {
+        text.at += 1;
+        has_digits = take_digits(&text, &number, -1) || has_digits;
+    }
+    if (!has_digits)
+        return false;
+    if (text.at < text.end && (*text.at == 'e' || *text.at == 'E') &&
+        !take_exponent(&text, &number))
+        return false;
+    if (text.at != text.end)
+        return false;
+    if (number.digits > 0 && number.digit_count + number.exponent > 30)
+        return false;
+    double value = decimal_value(&number);
+    *out = negative ? -value : value;
+    return true;
+}
+
+bool log_text_integer(log_text text, int64_t *out)
+{
+    bool negative = take_sign(&text);
+    int64_t value = 0;
+    const char *first = text.at;
+    for (; text.at < text.end && is_digit(*text.at); text.at += 1) {
+        int64_t digit = *text.at - '0';
+        if (value > (LOG_INTEGER_MAX - digit) / 10)
+            return false;
+        value = value * 10 + digit;
+    }
+    *out = negative ? -value : value;
+    return text.at == text.end && text.at > first;
+}
+
+/* ---- recordings of others ---- */
+
+enum { WORDS = 30, WORD_SECOND = 5, WORD_FIRST_ANGLE = 7, ANGLES = 23 };
+
+/* angle = sign * (a[plus] - a[minus]) + zero, with a counted from 1 as the recordings do; minus 0:
+ * nothing is taken off. The recordings give each finger's own deviation (positive to the little
+ * finger's side); the glove measured the three differences between neighbours, which are ours. */
+static const struct source {
+    int plus, minus;
+    double sign, zero_rad;
+} sources[MRT_ANGLES] = {
+    {1, 0, -1, 0},     {2, 0, -1, 0},     {3, 0, -1, 0},    {4, 0, 1, 0.55},  /* thumb */
+    {5, 0, -1, 0},     {6, 0, -1, 0},     {7, 0, -1, 0},                      /* index */
+    {9, 0, -1, 0},     {10, 0, -1, 0},    {11, 0, -1, 0},   {8, 12, -1, 0.2}, /* middle */
+    {13, 0, -1, 0},    {14, 0, -1, 0},    {15, 0, -1, 0},   {16, 12, 1, 0.1}, /* ring */
+    {17, 0, -1, 0},    {18, 0, -1, 0},    {19, 0, -1, 0},   {20, 16, 1, 0.1}, /* little */
+    {21, 0, -1, -0.3}, {22, 0, -1, -0.2}, {23, 0, 1, -0.1},                   /* palm, wrist */
+};
+
+static void log_recording_channels(log_data *data, uint32_t hand)
+{
+    data->is_hand_assumed = true;
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
+        char name[LOG_NAME];
+        snprintf(name, sizeof name, "%s.%s", hand == MRT_LEFT ? "left" : "right",
+                 log_sensor_name[i]);
+        log_add_channel(data, name, "rad", MRT_CH_ANGLE + i, hand);
+    }
+}
+
+/* Days since 1970-01-01 in the Gregorian calendar, whose years here begin in March: leap days then
+ * come last. */
+static int64_t days_of(int64_t year, int64_t month, int64_t day)
+{
+    int64_t y = month <= 2 ? year - 1 : year;
+    int64_t month_from_march = month <= 2 ? month + 9 : month - 3;
+    int64_t day_of_year = (153 * month_from_march + 2) / 5 + day - 1;
+    return 365 * y + y / 4 - y / 100 + y / 400 + day_of_year - 719468;
+}
+
+static bool is_within(double value, double low, double high)
+{
+    return value >= low && value <= high && value == (double)(int64_t)value;
+}
+
+/* year month day hour minute second, to ns since 1970: a midnight between two records is no jump */
+static bool time_of(const double *word, int64_t *out_ns)
+{
+    double second = word[WORD_SECOND];
+    if (!is_within(word[0], 1900, 2200) || !is_within(word[1], 1, 12) ||
+        !is_within(word[2], 1, 31) || !is_within(word[3], 0, 23) || !is_within(word[4], 0, 59) ||
+        !(second >= 0.0 && second < 61.0))
+        return false;
+    int64_t days = days_of((int64_t)word[0], (int64_t)word[1], (int64_t)word[2]);
+    int64_t minutes = (days * 24 + (int64_t)word[3]) * 60 + (int64_t)word[4];
+    *out_ns = minutes * 60 * INT64_C(1000000000) + (int64_t)(second * 1e9 + 0.5);
+    return true;
+}
+
+static mrt_result read_words(log_text line, double *out, char *out_reason)
+{
+    log_text word;
+    int count = 0;
+    while (log_text_word(&line, &word)) {
+        if (count < WORDS && !log_text_number(word, &out[count])) {
+            char text[LOG_NAME];
+            log_text_copy(text, sizeof text, word);
+            return log_refuse(out_reason, "word %d is no number: \"%s\"", count + 1, text);
+        }
+        count += 1;
+    }
+    if (count != WORDS)
+        return log_refuse(out_reason, "expected 30 numbers (date, time, switch, 23 angles), not %d",
+                          count);
+    return MRT_OK;
+}
+
+static mrt_result log_recording_record(log_text line, log_record *out, char *out_reason)
+{
+    double word[WORDS] = {0};
+    mrt_result result = read_words(line, word, out_reason);
+    if (result < 0)
+        return result;
+    if (!time_of(word, &out->time_ns))
+        return log_refuse(out_reason, "its date and time make no sense");
+    const double *angle = word + WORD_FIRST_ANGLE;
+    for (int i = 0; i < ANGLES; ++i)
+        if (!(angle[i] >= -LOG_ANGLE_MAX && angle[i] <= LOG_ANGLE_MAX))
+            return log_refuse(out_reason, "angle %d is more than a turn", i + 1);
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const struct source *s = &sources[i];
+        double base = s->minus > 0 ? angle[s->minus - 1] : 0.0;
+        out->value[i] = (float)(s->sign * (angle[s->plus - 1] - base) + s->zero_rad);
+    }
+    return MRT_OK;
+}
+
+/* ---- tables of ours ---- */
+
+static const char *const wrist_name[7] = {"wrist.x",  "wrist.y",  "wrist.z", "wrist.qx",
+                                          "wrist.qy", "wrist.qz", "wrist.qw"};
+static const char *const pedal_name[MRT_MAX_PEDALS] = {"pedal.1", "pedal.2", "pedal.3", "pedal.4"};
+
+static const double RADIANS_PER_DEGREE = 0.017453292519943295;
+static const double OTHER_MAX = 1e6, COUNT_MAX = 65535;
+static const double TIME_MAX_S = 1e8;
+
+/* ---- the header ---- */
+
+typedef struct meaning {
+    uint32_t semantic, hand;
+    const char *unit;
+} meaning;
+
+static bool is_angle(uint32_t semantic)
+{
+    return semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES;
+}
+
+static meaning meaning_of(const char *name)
+{
+    for (uint32_t i = 0; i < MRT_MAX_PEDALS; ++i)
+        if (strcmp(name, pedal_name[i]) == 0)
+            return (meaning){MRT_CH_PEDAL + i, MRT_NO_HAND, "1"};
+    uint32_t hand;
+    if (strncmp(name, "right.", 6) == 0)
+        hand = MRT_RIGHT;
+    else if (strncmp(name, "left.", 5) == 0)
+        hand = MRT_LEFT;
+    else
+        return (meaning){MRT_CH_OTHER, MRT_NO_HAND, ""};
+    const char *sensor = strchr(name, '.') + 1;
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i)
+        if (strcmp(sensor, log_sensor_name[i]) == 0)
+            return (meaning){MRT_CH_ANGLE + i, hand, "rad"};
+    for (uint32_t i = 0; i < 7; ++i)
+        if (strcmp(sensor, wrist_name[i]) == 0)
+            return (meaning){MRT_CH_WRIST + i, hand, i < 3 ? "mm" : "1"};
+    return (meaning){MRT_CH_OTHER, hand, ""};
+}
+
+static mrt_result add_column(log_table *table, log_data *data, log_text field, char *out_reason)
+{
+    uint32_t i = data->channel_count;
+    char name[LOG_NAME];
+    log_text_copy(name, sizeof name, field);
+    if (i == MRT_MAX_CHANNELS)
+        return log_refuse(out_reason,
+                          "more than %d columns beside the time, from \"%s\" on: split the file",
+                          MRT_MAX_CHANNELS, name);
+    if (name[0] == '\0' || strlen(name) != (size_t)(field.end - field.at))
+        return log_refuse(out_reason, "the name of column %u has no or more than %d letters",
+                          i + 2u, LOG_NAME - 1);
+    for (uint32_t k = 0; k < i; ++k)
+        if (strcmp(data->name[k], name) == 0)
+            return log_refuse(out_reason, "two columns are called \"%s\"", name);
+    meaning m = meaning_of(name);
+    table->scale[i] = 1.0;
+    table->limit[i] = is_angle(m.semantic) ? LOG_ANGLE_MAX : OTHER_MAX;
+    log_add_channel(data, name, m.unit, m.semantic, m.hand);
+    return MRT_OK;
+}
+
+static mrt_result log_table_header(log_table *table, log_data *data, log_text line,
+                                   char *out_reason)
+{
+    log_text field;
+    *table = (log_table){.may_have_units = true};
+    log_text_field(&line, &field);
+    table->time_in_ns = log_text_is(field, "time_ns");
+    if (!table->time_in_ns && !log_text_is(field, "time_s")) {
+        char text[LOG_NAME];
+        log_text_copy(text, sizeof text, field);
+        return log_refuse(out_reason,
+                          "expected a log: a header row whose first column is time_s or time_ns, "
+                          "not \"%s\"",
+                          text);
+    }
+    while (log_text_field(&line, &field)) {
+        mrt_result result = add_column(table, data, field, out_reason);
+        if (result < 0)
+            return result;
+    }
+    if (data->channel_count == 0)
+        return log_refuse(out_reason, "the header names no column beside the time");
+    return MRT_OK;
+}
+
+/* ---- units ---- */
+
+static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, log_text unit,
+                                 char *out_reason)
+{
+    if (log_text_is(unit, "rad"))
+        return MRT_OK;
+    if (log_text_is(unit, "deg")) {
+        table->scale[i] = RADIANS_PER_DEGREE;
+        return MRT_OK;
+    }
+    if (!log_text_is(unit, "count"))
+        return log_refuse(out_reason, "the unit of \"%s\" is not rad, deg or count", data->name[i]);
+    table->limit[i] = COUNT_MAX;
+    strcpy(data->unit[i], "count");
+    data->channel[i].min = 0.0f;
+    data->channel[i].max = 255.0f;
+    return MRT_OK;
+}
+
+static mrt_result set_unit(log_table *table, log_data *data, uint32_t i, log_text unit,
+                           char *out_reason)
+{
+    if (is_angle(data->channel[i].semantic))
+        return set_angle_unit(table, data, i, unit, out_reason);
+    if (data->channel[i].semantic == MRT_CH_OTHER) {
+        log_text_copy(data->unit[i], LOG_NAME, unit);
+        return MRT_OK;
+    }
+    if (unit.at == unit.end || log_text_is(unit, data->unit[i]))
+        return MRT_OK;
+    return log_refuse(out_reason, "the unit of \"%s\" is %s", data->name[i], data->unit[i]);
+}
+
+/* One calibration serves all sensors of a hand, so they come in one unit. */
+static mrt_result check_hands(const log_data *data, char *out_reason)
+{
+    for (uint32_t hand = MRT_LEFT; hand <= MRT_RIGHT; ++hand) {
+        const char *unit = NULL;
+        for (uint32_t i = 0; i < data->channel_count; ++i) {
+            if (data->channel[i].hand != hand || !is_angle(data->channel[i].semantic))
+                continue;
+            if (unit && strcmp(unit, data->unit[i]) != 0)
+                return log_refuse(out_reason,
+                                  "the sensors of one hand are partly in counts, partly in angles");
+            unit = data->unit[i];
+        }
+    }
+    return MRT_OK;
+}
+
+static mrt_result log_table_units(log_table *table, log_data *data, log_text line, char *out_reason)
+{
+    log_text unit;
+    log_text_field(&line, &unit);
+    if (!log_text_is(unit, "unit"))
+        return MRT_OK;
+    uint32_t count = 0;
+    while (log_text_field(&line, &unit)) {
+        if (count == data->channel_count)
+            return log_refuse(out_reason, "there are more units than columns");
+        mrt_result result = set_unit(table, data, count++, unit, out_reason);
+        if (result < 0)
+            return result;
+    }
+    if (count != data->channel_count)
+        return log_refuse(out_reason, "there are %u units for %u columns", count,
+                          data->channel_count);
+    mrt_result result = check_hands(data, out_reason);
+    return result < 0 ? result : 1;
+}
+
+/* ---- records ---- */
+
+static mrt_result read_time(const log_table *table, log_text field, int64_t *out_ns,
+                            char *out_reason)
+{
+    double seconds;
+    if (table->time_in_ns) {
+        if (log_text_integer(field, out_ns))
+            return MRT_OK;
+        return log_refuse(out_reason, "its time_ns is no whole number within +-4e18");
+    }
+    if (!log_text_number(field, &seconds) || !(seconds >= -TIME_MAX_S && seconds <= TIME_MAX_S))
+        return log_refuse(out_reason, "its time_s is no number within +-1e8");
+    double ns = seconds * 1e9;
+    *out_ns = (int64_t)(ns < 0.0 ? ns - 0.5 : ns + 0.5);
+    return MRT_OK;
+}
+
+static mrt_result read_value(const log_table *table, const log_data *data, uint32_t i,
+                             log_text field, float *out, char *out_reason)
+{
+    double value;
+    if (!log_text_number(field, &value))
+        return log_refuse(out_reason, "its \"%s\" is no number", data->name[i]);
+    value *= table->scale[i];
+    if (!(value >= -table->limit[i] && value <= table->limit[i]))
+        return log_refuse(out_reason, "its \"%s\" is out of range", data->name[i]);
+    *out = (float)value;
+    return MRT_OK;
+}
+
+static mrt_result log_table_record(log_table *table, const log_data *data, log_text line,
+                                   log_record *out, char *out_reason)
+{
+    log_text field;
+    log_text_field(&line, &field);
+    mrt_result result = read_time(table, field, &out->time_ns, out_reason);
+    uint32_t count = 0;
+    while (result >= 0 && log_text_field(&line, &field)) {
+        if (count < data->channel_count)
+            result = read_value(table, data, count, field, &out->value[count], out_reason);
+        count += 1;
+    }
+    if (result >= 0 && count != data->channel_count)
+        return log_refuse(out_reason, "it has %u values for %u columns", count,
+                          data->channel_count);
+    return result;
+}
+
+/* ---- a log ---- */
 
 /* Eleven days: no performance lasts longer, and sums of such times stay far from overflow. */
 static const int64_t LENGTH_MAX_NS = INT64_C(1000000) * 1000000000;
 
-mrt_result log_refuse(char *out_reason, const char *format, ...)
+static mrt_result log_refuse(char *out_reason, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -18,12 +549,6 @@ mrt_result log_refuse(char *out_reason, const char *format, ...)
     va_end(arguments);
     return MRT_ERR_FORMAT;
 }
-
-const char *const log_sensor_name[MRT_ANGLES] = {
-    "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-    "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-    "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-    "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
 
 /* What the values of a channel may reach, for gauges. */
 static float channel_max(uint32_t semantic, const char *unit)
@@ -42,18 +567,18 @@ static bool is_never_negative(uint32_t semantic, const char *unit)
     return strcmp(unit, "count") == 0 || semantic >= MRT_CH_PEDAL;
 }
 
-void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
-                     uint32_t hand)
+static void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
+                            uint32_t hand)
 {
     uint32_t i = data->channel_count++;
     snprintf(data->name[i], LOG_NAME, "%s", name);
     snprintf(data->unit[i], LOG_NAME, "%s", unit);
-    float max = channel_max(semantic, unit);
+    float max = channel_max(semantic, data->unit[i]);
     data->channel[i] = (mrt_channel){data->name[i],
                                      data->unit[i],
                                      semantic,
                                      hand,
-                                     is_never_negative(semantic, unit) ? 0.0f : -max,
+                                     is_never_negative(semantic, data->unit[i]) ? 0.0f : -max,
                                      max};
 }
 
@@ -270,4 +795,64 @@ void log_data_finish(log_data *data)
     free(data->time_ns);
     free(data->value);
     memset(data, 0, sizeof *data);
+}
+
+/* ---- as a file ---- */
+
+static const size_t SIZE_MAX_BYTES = (size_t)LOG_FILE_MAX_MIB << 20;
+
+static mrt_result refuse(char *out_reason, mrt_result code, const char *reason)
+{
+    snprintf(out_reason, LOG_REASON, "%s", reason);
+    return code;
+}
+
+/* The size is a hint only: the file may shrink or grow while it is read. */
+static mrt_result read_all(log_file *out, int descriptor, size_t size, char *out_reason)
+{
+    out->data = malloc(size + 1);
+    if (!out->data)
+        return refuse(out_reason, MRT_ERR_MEMORY, "there is no memory for it");
+    while (out->size < size) {
+        ssize_t count = read(descriptor, out->data + out->size, size - out->size);
+        if (count < 0 && errno == EINTR)
+            continue;
+        if (count < 0)
+            return refuse(out_reason, MRT_ERR_IO, strerror(errno));
+        if (count == 0)
+            break;
+        out->size += (size_t)count;
+    }
+    return MRT_OK;
+}
+
+static mrt_result read_regular(log_file *out, int descriptor, char *out_reason)
+{
+    struct stat status;
+    if (fstat(descriptor, &status) < 0)
+        return refuse(out_reason, MRT_ERR_IO, strerror(errno));
+    if (S_ISDIR(status.st_mode))
+        return refuse(out_reason, MRT_ERR_IO, "it is a directory, a log is a file");
+    if (!S_ISREG(status.st_mode))
+        return refuse(out_reason, MRT_ERR_IO, "it is a device or a pipe, a log is a file");
+    if (status.st_size < 0 || (uint64_t)status.st_size > SIZE_MAX_BYTES) {
+        snprintf(out_reason, LOG_REASON, "it is larger than %d MiB: split it", LOG_FILE_MAX_MIB);
+        return MRT_ERR_UNSUPPORTED;
+    }
+    return read_all(out, descriptor, (size_t)status.st_size, out_reason);
+}
+
+mrt_result log_file_read(log_file *out, const char *path, char *out_reason)
+{
+    *out = (log_file){NULL, 0};
+    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0)
+        return refuse(out_reason, MRT_ERR_IO, strerror(errno));
+    mrt_result result = read_regular(out, descriptor, out_reason);
+    close(descriptor);
+    if (result < 0) {
+        free(out->data);
+        *out = (log_file){NULL, 0};
+    }
+    return result;
 }

@@ -1,12 +1,41 @@
-/* log_parse.h - a recorded performance out of the bytes of a file: records in time order, one value
- * per channel. Two formats (README.md): the log table (log_table.c) and the recordings of
- * GraspDB14 (log_recording.c). Damaged lines are skipped and counted; what cannot be a log is
- * refused. Reads no file and keeps no time. Pure but for malloc; [main]. */
-#ifndef MAROTTE_LOG_PARSE_H
-#define MAROTTE_LOG_PARSE_H
+/* log/log_parse.h - recordings of hands as text: a table of ours or a recording of others, read
+ * line by line into samples. One thread. */
+#ifndef PLUGINS_LOG_PARSE_H
+#define PLUGINS_LOG_PARSE_H
 #include <marotte/plugin.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#include "log_text.h"
+/* ---- texts: strict numbers and words ---- */
+
+enum { LOG_REASON = 200 }; /* bytes of a text that says why something is refused */
+
+typedef struct log_text {
+    const char *at, *end;
+} log_text;
+
+/* Takes the next line off `rest`, trimmed of blanks and of its \r\n or \n; false at the end. */
+bool log_text_line(log_text *rest, log_text *out_line);
+/* Takes the next run of non-blank bytes off `rest`; false when only blanks are left. */
+bool log_text_word(log_text *rest, log_text *out_word);
+/* Takes what is before the next comma (or the rest) off `rest`, trimmed of blanks; false once the
+ * rest is used up. "a,,b" gives "a", "", "b". */
+bool log_text_field(log_text *rest, log_text *out_field);
+
+bool log_text_starts_number(log_text text); /* with a digit, sign or point */
+bool log_text_is(log_text text, const char *word);
+/* Copies into a 0-ended buffer, cut to fit; bytes that do not print become '?'. */
+void log_text_copy(char *out, size_t capacity, log_text text);
+
+/* The whole text must be one decimal number: [+-]digits[.digits][e[+-]digits]. At most 17
+ * significant digits count; the magnitude must be below 1e30. */
+bool log_text_number(log_text text, double *out);
+/* Within +-LOG_INTEGER_MAX: the difference of any two is an int64_t. */
+bool log_text_integer(log_text text, int64_t *out);
+#define LOG_INTEGER_MAX INT64_C(4000000000000000000)
+
+/* ---- a log ---- */
 
 enum { LOG_NAME = 40 };
 
@@ -34,5 +63,18 @@ mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t han
  * wrist; the angles of joints are the same in both hands. Twice gives it back, bit for bit. */
 void log_mirror(log_data *data);
 void log_data_finish(log_data *data);
+
+/* ---- as a file ---- */
+
+enum { LOG_FILE_MAX_MIB = 128 };
+
+typedef struct log_file {
+    unsigned char *data; /* owned: free() it */
+    size_t size;
+} log_file;
+
+/* Never waits for a pipe or a device: what is no regular file is refused. out_reason:
+ * LOG_REASON bytes. */
+mrt_result log_file_read(log_file *out, const char *path, char *out_reason);
 
 #endif

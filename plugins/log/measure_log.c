@@ -2,7 +2,6 @@
  * 99th percentile, the quantisation step, the noise at rest and how far a value goes when it
  * changes; per log the rate and the share of records that repeat the one before. The table of
  * plugins/log/README.md, and the demo's noise, come from here. */
-#include "log_file.h"
 #include "log_parse.h"
 
 #include <math.h>

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+/* ---- report descriptors ---- */
+
 enum { STACK = 4, USAGES = 64, LONG_ITEM = 0xfe };
 
 /* Item tags with their type, the two size bits left out. */
@@ -317,4 +319,248 @@ mrt_result descriptor_parse(descriptor *out, const uint8_t *bytes, size_t size,
     if (result < 0)
         memset(out, 0, sizeof *out);
     return result;
+}
+
+/* ---- the pedals among them ---- */
+
+/* HID usage tables 1.3 */
+enum {
+    PAGE_DESKTOP = 0x01,
+    PAGE_SIMULATION = 0x02,
+    PAGE_KEYBOARD = 0x07,
+    PAGE_BUTTON = 0x09,
+    DESKTOP_X = 0x30,
+    DESKTOP_WHEEL = 0x38,
+    SIMULATION_RUDDER = 0xba,
+    SIMULATION_THROTTLE = 0xbb,
+    SIMULATION_ACCELERATOR = 0xc4,
+    SIMULATION_BRAKE = 0xc5,
+    SIMULATION_CLUTCH = 0xc6
+};
+
+static bool is_button(const descriptor_field *field)
+{
+    return field->page == PAGE_BUTTON && !field->is_array && field->width == 1;
+}
+
+static bool is_foot_axis(const descriptor_field *field)
+{
+    return field->page == PAGE_SIMULATION && !field->is_array &&
+           (field->usage == SIMULATION_ACCELERATOR || field->usage == SIMULATION_BRAKE ||
+            field->usage == SIMULATION_CLUTCH);
+}
+
+bool describe_is_axis(const descriptor_field *field)
+{
+    if (field->is_array || field->is_relative || field->width < 4)
+        return false;
+    return is_foot_axis(field) ||
+           (field->page == PAGE_DESKTOP && field->usage >= DESKTOP_X &&
+            field->usage <= DESKTOP_WHEEL) ||
+           (field->page == PAGE_SIMULATION &&
+            (field->usage == SIMULATION_RUDDER || field->usage == SIMULATION_THROTTLE));
+}
+
+static const char *axis_name(const descriptor_field *field)
+{
+    static const char *const desktop[] = {"axis x",  "axis y", "axis z", "axis rx", "axis ry",
+                                          "axis rz", "slider", "dial",   "wheel"};
+    if (field->page == PAGE_DESKTOP)
+        return desktop[field->usage - DESKTOP_X];
+    switch (field->usage) {
+    case SIMULATION_RUDDER:
+        return "rudder";
+    case SIMULATION_THROTTLE:
+        return "throttle";
+    case SIMULATION_ACCELERATOR:
+        return "accelerator";
+    case SIMULATION_BRAKE:
+        return "brake";
+    default:
+        return "clutch";
+    }
+}
+
+static void add_switch(layout *out, const descriptor_field *field)
+{
+    if (out->switch_count == LAYOUT_SWITCHES)
+        return;
+    layout_switch *s = &out->switches[out->switch_count++];
+    *s = (layout_switch){.report_id = field->report_id,
+                         .bit = field->bit,
+                         .width = field->width,
+                         .is_signed = field->is_signed,
+                         .up = field->low,
+                         .down = field->high};
+    if (is_button(field))
+        snprintf(s->name, sizeof s->name, "button %u", field->usage);
+    else
+        snprintf(s->name, sizeof s->name, "%s", axis_name(field));
+}
+
+static void add_buttons(layout *out, const descriptor *from)
+{
+    for (uint32_t i = 0; i < from->field_count; ++i)
+        if (is_button(&from->field[i]))
+            add_switch(out, &from->field[i]);
+}
+
+/* The pedals' own axes, if it names any; else all but those that are skipped. */
+static void add_axes(layout *out, const descriptor *from, bool has_foot_axes)
+{
+    uint32_t passed = 0;
+    for (uint32_t i = 0; i < from->field_count; ++i) {
+        const descriptor_field *field = &from->field[i];
+        if (has_foot_axes ? is_foot_axis(field)
+                          : describe_is_axis(field) && passed++ >= out->axis_skip)
+            add_switch(out, field);
+    }
+}
+
+static bool has_any(const descriptor *from, bool (*is)(const descriptor_field *))
+{
+    for (uint32_t i = 0; i < from->field_count; ++i)
+        if (is(&from->field[i]))
+            return true;
+    return false;
+}
+
+bool describe_switches(layout *out, const descriptor *from)
+{
+    out->switch_count = 0;
+    bool has_foot_axes = has_any(from, is_foot_axis);
+    bool axes_first = has_foot_axes || out->axis_skip > 0;
+    if (axes_first)
+        add_axes(out, from, has_foot_axes);
+    add_buttons(out, from);
+    if (!axes_first)
+        add_axes(out, from, false);
+    return out->switch_count > 0;
+}
+
+bool describe_keys(layout *out, const descriptor *from)
+{
+    for (uint32_t i = 0; i < from->field_count; ++i) {
+        const descriptor_field *field = &from->field[i];
+        if (!field->is_array || field->page != PAGE_KEYBOARD || field->width != 8 ||
+            field->bit % 8 != 0 || field->count > UINT8_MAX || field->bit / 8 > UINT8_MAX)
+            continue;
+        out->key_report_id = field->report_id;
+        out->key_at = (uint8_t)(field->bit / 8);
+        out->key_count = (uint8_t)field->count;
+        return true;
+    }
+    return false;
+}
+
+bool describe_may_be_pedal(const descriptor *from)
+{
+    for (uint32_t i = 0; i < from->field_count; ++i) {
+        const descriptor_field *field = &from->field[i];
+        bool is_of_mouse = field->page == PAGE_DESKTOP && field->is_relative;
+        if (is_of_mouse || field->page == PAGE_KEYBOARD)
+            return false;
+    }
+    return has_any(from, is_button) || has_any(from, describe_is_axis);
+}
+
+/* ---- reports ---- */
+
+enum { KEY_ERROR_ROLL_OVER = 1 };
+
+bool decode_number(const uint8_t *bytes, size_t size, uint32_t bit, uint32_t width, bool is_signed,
+                   int64_t *out)
+{
+    if (width < 1 || width > 32 || (uint64_t)bit + width > (uint64_t)size * 8)
+        return false;
+    uint64_t number = 0;
+    for (uint32_t i = 0; i < width; ++i) {
+        uint64_t byte = bytes[(bit + i) / 8];
+        number |= (byte >> ((bit + i) % 8) & 1u) << i;
+    }
+    *out = (int64_t)number;
+    if (is_signed && (number >> (width - 1) & 1u))
+        *out -= (int64_t)1 << width;
+    return true;
+}
+
+static bool is_of_report(uint8_t report_id, const uint8_t *bytes, size_t size)
+{
+    return report_id == 0 || (size > 0 && bytes[0] == report_id);
+}
+
+static bool decode_field(const layout_switch *s, const uint8_t *bytes, size_t size, float *out)
+{
+    int64_t number;
+    if (!is_of_report(s->report_id, bytes, size) || s->up == s->down ||
+        !decode_number(bytes, size, s->bit, s->width, s->is_signed, &number))
+        return false;
+    double way = (double)(number - s->up) / ((double)s->down - (double)s->up);
+    *out = (float)(way > 0.0 ? (way < 1.0 ? way : 1.0) : 0.0);
+    return true;
+}
+
+/* The list of keys that are down, if the report has one: the part of it that did arrive. */
+static const uint8_t *keys_of(const layout *of, const uint8_t *bytes, size_t size,
+                              size_t *out_count)
+{
+    if (of->key_count == 0 || size <= of->key_at || !is_of_report(of->key_report_id, bytes, size))
+        return NULL;
+    size_t count = size - of->key_at;
+    *out_count = count < of->key_count ? count : of->key_count;
+    return bytes + of->key_at;
+}
+
+/* A keyboard that has lost count says so with one code in every place. */
+static bool is_roll_over(const uint8_t *keys, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (keys[i] != KEY_ERROR_ROLL_OVER)
+            return false;
+    return count > 1;
+}
+
+static bool holds(const uint8_t *keys, size_t count, uint8_t key)
+{
+    return key != 0 && memchr(keys, key, count) != NULL;
+}
+
+static bool holds_any(const uint8_t *keys, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        if (keys[i] != 0)
+            return true;
+    return false;
+}
+
+static bool is_key_down(const layout *of, uint32_t index, const uint8_t *keys, size_t count)
+{
+    if (of->any_key && index == 0)
+        return holds_any(keys, count);
+    for (int k = 0; k < LAYOUT_KEYS; ++k)
+        if (holds(keys, count, of->switches[index].key[k]))
+            return true;
+    return false;
+}
+
+bool decode_report(const layout *of, const uint8_t *bytes, size_t size,
+                   float value[LAYOUT_SWITCHES])
+{
+    if (size < of->head_count || memcmp(bytes, of->head, of->head_count) != 0)
+        return false;
+    size_t key_count = 0;
+    const uint8_t *keys = keys_of(of, bytes, size, &key_count);
+    if (keys && is_roll_over(keys, key_count))
+        keys = NULL;
+    bool spoke = false;
+    for (uint32_t i = 0; i < of->switch_count; ++i) {
+        const layout_switch *s = &of->switches[i];
+        if (s->kind == LAYOUT_FIELD) {
+            spoke = decode_field(s, bytes, size, &value[i]) || spoke;
+        } else if (keys) {
+            value[i] = is_key_down(of, i, keys, key_count) ? 1.0f : 0.0f;
+            spoke = true;
+        }
+    }
+    return spoke;
 }

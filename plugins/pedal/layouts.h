@@ -1,9 +1,11 @@
 /* pedal/layouts.h - what is known about foot pedals: which USB device it is, where it reports, and
- * which part of a report is which switch. Leaves out how a report is read (decode.h) and how a
- * layout comes about that is not in the table (describe.h, learn.h). Const data and plain structs.
+ * which part of a report is which switch. Leaves out how a report is read (descriptor.h) and how a
+ * layout comes about that is not in the table (descriptor.h, learn.h). Its text is
+ * for a person to read and mend; what was learnt is kept in the user's configuration folder.
  */
-#ifndef MAROTTE_PLUGINS_PEDAL_LAYOUTS_H
-#define MAROTTE_PLUGINS_PEDAL_LAYOUTS_H
+#ifndef PLUGINS_PEDAL_LAYOUTS_H
+#define PLUGINS_PEDAL_LAYOUTS_H
+#include <marotte/plugin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -61,5 +63,27 @@ const layout *layouts_table(size_t *out_count);
 
 /* More than up and down: passed on as it is, without debouncing. */
 bool layout_is_analogue(const layout_switch *s);
+
+/* ---- as text ---- */
+
+enum { LAYOUT_TEXT_BYTES = 4096, LAYOUT_TEXT_REASON = 200 };
+
+/* On failure `out` is zeroed and `reason` names the line and what was expected. */
+mrt_result layout_text_parse(layout *out, const char *bytes, size_t size,
+                             char reason[LAYOUT_TEXT_REASON]);
+/* Writes the text with its end of string; returns its length, which is less than the capacity. */
+size_t layout_text_print(char out[LAYOUT_TEXT_BYTES], const layout *from);
+
+/* ---- kept: marotte/pedals/05f3_00ff.layout below $XDG_CONFIG_HOME or ~/.config ---- */
+
+enum { LAYOUT_FILE_PATH = 512, LAYOUT_FILE_REASON = LAYOUT_TEXT_REASON + LAYOUT_FILE_PATH + 64 };
+
+/* False: neither XDG_CONFIG_HOME nor HOME names a folder. */
+bool layout_file_path(char out[LAYOUT_FILE_PATH], uint16_t vendor, uint16_t product);
+/* MRT_OK; MRT_END: there is none; < 0: `reason` says why it cannot be used. */
+mrt_result layout_file_load(layout *out, uint16_t vendor, uint16_t product,
+                            char reason[LAYOUT_FILE_REASON]);
+/* Makes the folders; what was there before stays until the new file is whole. */
+mrt_result layout_file_store(const layout *from, char reason[LAYOUT_FILE_REASON]);
 
 #endif

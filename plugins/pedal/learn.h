@@ -2,10 +2,13 @@
  * each switch is pressed once, in order. Leaves out what is said to the person and where the result
  * goes. Works on the numbers that the report descriptor names; without one, on single bits. Pure
  * functions on one struct; no allocation. */
-#ifndef MAROTTE_PLUGINS_PEDAL_LEARN_H
-#define MAROTTE_PLUGINS_PEDAL_LEARN_H
+#ifndef PLUGINS_PEDAL_LEARN_H
+#define PLUGINS_PEDAL_LEARN_H
 #include "descriptor.h"
 #include "layouts.h"
+
+#include <stdbool.h>
+#include <stdint.h>
 
 enum { LEARN_FIELDS = 512, LEARN_REPORT = 64 };
 
@@ -44,5 +47,25 @@ bool learn_report(learn *self, const uint8_t *bytes, size_t size, int64_t time_n
 bool learn_tick(learn *self, int64_t now_ns); /* call it at until_ns at the latest */
 /* True between learn_start and LEARN_DONE or LEARN_FAILED. */
 bool learn_is_running(const learn *self);
+
+/* ---- contacts that chatter become one edge ---- */
+
+enum { DEBOUNCE_SWITCHES = 4 };
+typedef struct debounce {
+    float raw[DEBOUNCE_SWITCHES], shown[DEBOUNCE_SWITCHES];
+    int64_t quiet_until_ns[DEBOUNCE_SWITCHES]; /* end of the window after the last edge */
+} debounce;
+
+/* All up, and no edge lately. */
+void debounce_reset(debounce *self);
+/* When held back changes are due; INT64_MAX: there are none. */
+int64_t debounce_due_ns(const debounce *self);
+/* Shows what is due at time_ns; true: something changed. Call it before debounce_take of a later
+ * time, with what debounce_due_ns says. */
+bool debounce_settle(debounce *self, int64_t time_ns, int64_t window_ns);
+/* Takes what the switches are at time_ns; bit n of `analogue`: switch n is passed on as it is.
+ * True: `shown` changed. */
+bool debounce_take(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
+                   int64_t time_ns, int64_t window_ns);
 
 #endif

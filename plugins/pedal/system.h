@@ -1,8 +1,8 @@
 /* pedal/system.h - what Linux knows about a USB device without anybody opening it: its name, the
  * report descriptor that the kernel has read, who may use it, who does. Leaves out everything that
  * needs the device's answer (usb.h). [main] [input]: reads small files of /sys and /proc. */
-#ifndef MAROTTE_PLUGINS_PEDAL_SYSTEM_H
-#define MAROTTE_PLUGINS_PEDAL_SYSTEM_H
+#ifndef PLUGINS_PEDAL_SYSTEM_H
+#define PLUGINS_PEDAL_SYSTEM_H
 #include "usb.h"
 
 enum { SYSTEM_NAME = 64, SYSTEM_NODE = 32, SYSTEM_HOLDER = 64 };
@@ -20,5 +20,14 @@ bool system_may_open(const usb_seen *device);
 bool system_is_claimed(const char *path, uint8_t interface_number);
 /* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
 bool system_holder(char out[SYSTEM_HOLDER], const usb_seen *device);
+
+/* ---- what the person can do about a device that cannot be used, in one sentence ---- */
+
+enum { ADVICE_TEXT = 384 };
+
+void advice_denied(char out[ADVICE_TEXT], const usb_seen *device);
+void advice_busy(char out[ADVICE_TEXT], const usb_seen *device);
+void advice_unknown(char out[ADVICE_TEXT], const usb_seen *device);
+void advice_no_endpoint(char out[ADVICE_TEXT], const usb_seen *device);
 
 #endif

@@ -1,7 +1,6 @@
 #include "glove_motion.h"
 
 #include "hand/hand.h"
-#include "log_file.h"
 #include "log_parse.h"
 
 #include <math.h>

@@ -2,9 +2,8 @@
  * was read keeps its promises, and no report leads outside of itself.
  * First byte 'd': the descriptor's size in two bytes, the descriptor, reports of 8 bytes.
  * First byte 't': a layout's text, a 0, reports of 8 bytes. */
-#include "decode.h"
-#include "describe.h"
-#include "layout_text.h"
+#include "descriptor.h"
+#include "layouts.h"
 #include "learn.h"
 
 #include <assert.h>

@@ -7,7 +7,6 @@
 #include <cmocka.h>
 
 #include "log_parse.h"
-#include "log_text.h"
 
 #include <math.h>
 #include <stdio.h>

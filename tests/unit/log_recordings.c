@@ -9,7 +9,6 @@
 
 #include "hand/filter.h"
 #include "hand/hand.h"
-#include "log_file.h"
 #include "log_parse.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
 
 #include "base/log.h"
 #include "hand/filter.h"
-#include "log_file.h"
 #include "log_parse.h"
 
 /* No contact, no degree of freedom. */

@@ -8,7 +8,6 @@
 #include <cmocka.h>
 
 #include "hand/filter.h"
-#include "log_file.h"
 #include "log_parse.h"
 #include "one_hand_bench.h"
 #include "unit/allocation_count.h"

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "debounce.h"
+#include "learn.h"
 
 static const int64_t MS = 1000000;
 static const int64_t WINDOW = 8 * 1000000;

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "decode.h"
+#include "descriptor.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "describe.h"
+#include "descriptor.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "layout_file.h"
+#include "layouts.h"
 
 #include <stdio.h>
 #include <stdlib.h>

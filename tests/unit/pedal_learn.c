@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "decode.h"
+#include "descriptor.h"
 #include "learn.h"
 
 #include <string.h>
