@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "face/rig/rig_head.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
 #include "stage/perform/face_file.h"
@@ -141,6 +142,59 @@ static void what_has_no_face_is_refused(void **state)
     mesh_destroy(&m);
 }
 
+static float draw(uint32_t *random) /* 0 .. 1 */
+{
+    *random = *random * 1664525u + 1013904223u;
+    return (float)(*random >> 8) / 16777216.0f;
+}
+
+static mesh mesh_of(uint32_t count)
+{
+    mesh m;
+    error err = {""};
+    if (mesh_create(&m, count, 1, &err) < 0)
+        fail_msg("%s", err.text);
+    return m;
+}
+
+static void vertices_without_a_mirror_image_are_counted(void **state)
+{
+    (void)state;
+    enum { COUNT = 600 };
+    const double middle_x = 0.25;
+    uint32_t random = 7, count, example;
+    mesh m = mesh_of(COUNT);
+    for (uint32_t i = 0; i < 3 * COUNT; ++i)
+        m.position[i] = 4.0f * draw(&random) - 2.0f;
+    for (double reach_mm = 0.01; reach_mm < 0.6; reach_mm *= 2.3) {
+        uint32_t expected = 0;
+        for (uint32_t v = 0; v < COUNT; ++v) {
+            double nearest_mm;
+            (void)rig_mirror_of(&m, v, middle_x, &nearest_mm);
+            expected += nearest_mm > reach_mm;
+        }
+        assert_true(rig_mirror_count_alone(&count, &example, &m, middle_x, reach_mm));
+        assert_int_equal(count, expected);
+    }
+    mesh_destroy(&m);
+}
+
+/* Looking at all others of their height for each took hours. */
+static void a_flat_mesh_without_mirror_images_is_no_work(void **state)
+{
+    (void)state;
+    enum { COUNT = 1 << 20 };
+    uint32_t random = 7, count, example;
+    mesh m = mesh_of(COUNT);
+    for (uint32_t v = 0; v < COUNT; ++v)
+        m.position[3 * v] = 1.0f + draw(&random), m.position[3 * v + 2] = 1000.0f * draw(&random);
+    assert_true(rig_mirror_count_alone(&count, &example, &m, 0.0, 0.5));
+    assert_int_equal(count, COUNT);
+    assert_true(rig_mirror_count_alone(&count, &example, &m, 0.0, 1e-300));
+    assert_int_equal(count, COUNT);
+    mesh_destroy(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -149,6 +203,8 @@ int main(void)
         cmocka_unit_test(left_contacts_mirror_right_ones),
         cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
         cmocka_unit_test(what_has_no_face_is_refused),
+        cmocka_unit_test(vertices_without_a_mirror_image_are_counted),
+        cmocka_unit_test(a_flat_mesh_without_mirror_images_is_no_work),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,10 +5,14 @@
 
 /* ---- left and right ---- */
 
+/* A vertex in its cell of a grid; doubles, because a mesh may be huge and its reach tiny. */
 typedef struct placed {
-    double y;
+    double cell[3];
     uint32_t vertex;
 } placed;
+
+enum { SCANNED_MAX = 100 }; /* vertices of three cells: more lie on each other */
+static const double cell_min_mm = 1e-9;
 
 vec3 rig_mirror_position(const mesh *m, uint32_t vertex)
 {
@@ -16,20 +20,34 @@ vec3 rig_mirror_position(const mesh *m, uint32_t vertex)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
+static int compare_cells(const double a[3], const double b[3])
+{
+    for (int i = 0; i < 3; ++i)
+        if (a[i] < b[i] || a[i] > b[i])
+            return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
 static int compare_placed(const void *left, const void *right)
 {
     const placed *a = left, *b = right;
-    if (a->y < b->y || a->y > b->y)
-        return a->y < b->y ? -1 : 1;
-    return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
+    const int cells = compare_cells(a->cell, b->cell);
+    return cells ? cells : a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
 }
 
-static size_t first_at_least(const placed *sorted, size_t count, double y)
+static void find_cell(double out[3], vec3 p, double cell_mm)
+{
+    out[0] = floor(p.x / cell_mm);
+    out[1] = floor(p.y / cell_mm);
+    out[2] = floor(p.z / cell_mm);
+}
+
+static size_t first_at_least(const placed *sorted, size_t count, const double cell[3])
 {
     size_t low = 0, high = count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (sorted[middle].y < y)
+        if (compare_cells(sorted[middle].cell, cell) < 0)
             low = middle + 1;
         else
             high = middle;
@@ -42,13 +60,23 @@ static vec3 mirrored(vec3 p, double middle_x)
     return (vec3){2.0 * middle_x - p.x, p.y, p.z};
 }
 
-static bool has_partner(const placed *sorted, const mesh *m, vec3 image, double reach_mm)
+/* Three cells above each other are one run of the sorted ones. */
+static bool has_partner(const placed *sorted, const mesh *m, vec3 image, double reach_mm,
+                        double cell_mm)
 {
-    for (size_t i = first_at_least(sorted, m->vertex_count, image.y - reach_mm);
-         i < m->vertex_count && sorted[i].y <= image.y + reach_mm; ++i) {
-        vec3 d = vec3_sub(rig_mirror_position(m, sorted[i].vertex), image);
-        if (vec3_dot(d, d) <= reach_mm * reach_mm)
-            return true;
+    double at[3];
+    find_cell(at, image, cell_mm);
+    for (int column = 0; column < 9; ++column) {
+        const double from[3] = {at[0] + column / 3 - 1, at[1] + column % 3 - 1, at[2] - 1.0};
+        const double to[3] = {from[0], from[1], at[2] + 1.0};
+        const size_t first = first_at_least(sorted, m->vertex_count, from);
+        for (size_t i = first; i < m->vertex_count && i - first < SCANNED_MAX &&
+                               compare_cells(sorted[i].cell, to) <= 0;
+             ++i) {
+            vec3 d = vec3_sub(rig_mirror_position(m, sorted[i].vertex), image);
+            if (vec3_dot(d, d) <= reach_mm * reach_mm)
+                return true;
+        }
     }
     return false;
 }
@@ -61,11 +89,15 @@ bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const me
     placed *sorted = malloc(((size_t)m->vertex_count + 1) * sizeof *sorted);
     if (!sorted)
         return false;
-    for (uint32_t v = 0; v < m->vertex_count; ++v)
-        sorted[v] = (placed){rig_mirror_position(m, v).y, v};
+    const double cell_mm = fmax(reach_mm, cell_min_mm);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        find_cell(sorted[v].cell, rig_mirror_position(m, v), cell_mm);
+        sorted[v].vertex = v;
+    }
     qsort(sorted, m->vertex_count, sizeof *sorted, compare_placed);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        if (has_partner(sorted, m, mirrored(rig_mirror_position(m, v), middle_x), reach_mm))
+        if (has_partner(sorted, m, mirrored(rig_mirror_position(m, v), middle_x), reach_mm,
+                        cell_mm))
             continue;
         if (*out_count == 0)
             *out_example = v;
