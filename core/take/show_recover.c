@@ -646,12 +646,26 @@ static bool has_contents(sqlite *db)
            count == 7 && sqlite_number(db, "SELECT id FROM chunk LIMIT 1", 0, &count, NULL) >= 0;
 }
 
+/* Whatever the version that it says: a column that is computed would be computed for each row. */
+static bool is_known_schema(sqlite *db)
+{
+    int64_t version, oldest_reader;
+    if (sqlite_number(db, "PRAGMA user_version", 0, &version, NULL) >= 0 &&
+        version > SHOW_VERSION && show_schema_check(db, version, &oldest_reader, NULL) >= 0)
+        return true;
+    for (version = SHOW_VERSION; version > 0; --version)
+        if (show_schema_check(db, version, &oldest_reader, NULL) >= 0)
+            return true;
+    return false;
+}
+
 static mrt_result open_damaged(sqlite **out, const char *path, char *copy_path, show *fresh,
                                error *err)
 {
     static const sqlite_mode modes[] = {SQLITE_MODE_READ, SQLITE_MODE_READ_FROZEN};
     for (size_t i = 0; i < sizeof modes / sizeof modes[0]; ++i) {
-        if (sqlite_open(out, path, modes[i], NULL) >= 0 && has_contents(*out))
+        if (sqlite_open(out, path, modes[i], NULL) >= 0 && has_contents(*out) &&
+            is_known_schema(*out))
             return MRT_OK;
         sqlite_close(*out);
         *out = NULL;
