@@ -134,8 +134,8 @@ mrt_result show_track_read(show *self, int64_t id, show_track *out, error *err)
         out->track.plugin = text_of(rows, 2, &no_memory);
         out->track.calibration[0] = exact_or_null(rows, 3, &no_memory);
         out->track.calibration[1] = exact_or_null(rows, 4, &no_memory);
-        out->from_ns = sqlite_int(rows, 5);
-        out->to_ns = sqlite_int(rows, 6);
+        out->from_ns = sqlite_time(rows, 5);
+        out->to_ns = sqlite_time(rows, 6);
         if (no_memory)
             result = error_set(err, MRT_ERR_MEMORY, "no memory for track %lld", (long long)id);
     } else if (result == MRT_END) {
@@ -526,8 +526,8 @@ static bool read_performance(show_performance *out, sqlite_statement *row)
     p->unit_mm = sqlite_double(row, 5);
     p->hand_length_mm = sqlite_double(row, 6);
     p->rezero_pedal = (uint32_t)sqlite_int(row, 7);
-    out->from_ns = sqlite_int(row, 8);
-    out->to_ns = sqlite_int(row, 9);
+    out->from_ns = sqlite_time(row, 8);
+    out->to_ns = sqlite_time(row, 9);
     return p->mapping && p->rig && (p->rig_json || !has_json);
 }
 
@@ -697,7 +697,7 @@ mrt_result show_event_insert(sqlite *db, const take_event *event, error *err)
 static void read_event(void *item, sqlite_statement *row)
 {
     take_event *out = item;
-    *out = (take_event){.time_ns = sqlite_int(row, 0),
+    *out = (take_event){.time_ns = sqlite_time(row, 0),
                         .kind = (uint32_t)sqlite_int(row, 1),
                         .track = sqlite_int(row, 2),
                         .param = (uint32_t)sqlite_int(row, 3),
@@ -876,7 +876,7 @@ static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio
     if (result == MRT_OK) {
         out->id = sqlite_int(row, 0);
         sqlite_text(row, 1, out->name, sizeof out->name);
-        out->start_ns = sqlite_int(row, 2);
+        out->start_ns = sqlite_time(row, 2);
         out->rate_hz = (uint32_t)sqlite_int(row, 3);
         out->channel_count = (uint32_t)sqlite_int(row, 4);
         sqlite_text(row, 5, out->format, sizeof out->format);
@@ -1003,7 +1003,7 @@ mrt_result show_audio_check(show *self, int64_t id, error *err)
 static void read_anchor(void *item, sqlite_statement *row)
 {
     *(show_audio_anchor *)item =
-        (show_audio_anchor){.frame = sqlite_int(row, 0), .time_ns = sqlite_int(row, 1)};
+        (show_audio_anchor){.frame = sqlite_int(row, 0), .time_ns = sqlite_time(row, 1)};
 }
 
 mrt_result show_audio_anchors(show *self, int64_t id, show_audio_anchor **out, size_t *out_count,

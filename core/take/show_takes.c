@@ -116,9 +116,9 @@ static void read_take(void *item, sqlite_statement *row)
 {
     show_take *out = item;
     *out = (show_take){.id = sqlite_int(row, 0),
-                       .created_ns = sqlite_int(row, 1),
-                       .start_ns = sqlite_int(row, 2),
-                       .end_ns = sqlite_int(row, 3),
+                       .created_ns = sqlite_time(row, 1),
+                       .start_ns = sqlite_time(row, 2),
+                       .end_ns = sqlite_time(row, 3),
                        .is_recording = sqlite_int(row, 4) != 0,
                        .is_recovered = sqlite_int(row, 5) != 0,
                        .number = (uint32_t)sqlite_int(row, 8),
@@ -165,8 +165,8 @@ mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err)
 static void read_span(void *item, sqlite_statement *row)
 {
     *(show_span *)item = (show_span){.performance = sqlite_int(row, 0),
-                                     .from_ns = sqlite_int(row, 1),
-                                     .to_ns = sqlite_int(row, 2),
+                                     .from_ns = sqlite_time(row, 1),
+                                     .to_ns = sqlite_time(row, 2),
                                      .is_shown = sqlite_int(row, 3) != 0};
 }
 

@@ -718,6 +718,14 @@ int64_t sqlite_int(sqlite_statement *statement, int column)
     return sqlite3_column_int64(statement->handle, column);
 }
 
+int64_t sqlite_time(sqlite_statement *statement, int column)
+{
+    int64_t time_ns = sqlite_int(statement, column);
+    return time_ns > INT64_MAX / 2    ? INT64_MAX / 2
+           : time_ns < -INT64_MAX / 2 ? -INT64_MAX / 2
+                                      : time_ns;
+}
+
 double sqlite_double(sqlite_statement *statement, int column)
 {
     return sqlite3_column_double(statement->handle, column);

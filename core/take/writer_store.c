@@ -140,7 +140,7 @@ static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t fr
     if (result < 0)
         return result;
     while ((result = sqlite_step(takes, err)) == MRT_OK) {
-        int64_t start_ns = sqlite_int(takes, 1);
+        int64_t start_ns = sqlite_time(takes, 1);
         result = show_span_insert(db, sqlite_int(takes, 0), performance,
                                   start_ns > from_ns ? start_ns : from_ns, NULL, true, err);
         if (result < 0)
@@ -216,7 +216,7 @@ static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int
     if (result < 0)
         return result;
     while ((result = sqlite_step(performances, err)) == MRT_OK) {
-        int64_t end_ns = sqlite_int(performances, 2);
+        int64_t end_ns = sqlite_time(performances, 2);
         ++count;
         result = show_span_insert(db, id, sqlite_int(performances, 0), sqlite_int(performances, 1),
                                   &end_ns, true, err);
