@@ -383,6 +383,10 @@ static const char *const known[] = {
     "UPDATE span SET to_ns = 9223372036854775807, from_ns = -9223372036854775808",
     "UPDATE performance SET to_ns = 9223372036854775807, from_ns = -9223372036854775808",
     "UPDATE checkpoint SET time_ns = -9223372036854775808",
+    "PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'bytes BLOB NOT "
+    "NULL',"
+    " 'bytes BLOB NOT NULL, evil AS (instr(zeroblob(100000000), zeroblob(50000000) || x''01''))')"
+    " WHERE name = 'chunk'",
     "INSERT INTO audio VALUES(7, 'a', 0, 48000, 1, 's16');"
     " INSERT INTO audio_chunk VALUES(7, 7, 0, 9223372036854775807, 1, 0, x'0000')",
 };
