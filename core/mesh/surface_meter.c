@@ -24,6 +24,7 @@ struct surface_meter {
     uint32_t *corner; /* triangle_count by 3 */
     surface_edge *edge;
     uint32_t *number;       /* of each triangle that was given; UINT32_MAX: left out */
+    uint32_t (*edge_of)[3]; /* triangle_count */
     float *sharpest;        /* triangle_count: the least cosine of its edges at rest */
     float *inverse_area;    /* triangle_count: 1 over twice the area at rest */
     surface_normal *normal; /* scratch: of each triangle */
@@ -87,6 +88,18 @@ static void list_triangles(surface_meter *self, const float *const rest[3],
     }
 }
 
+/* Which of a triangle's edges has these ends; edge i leads from corner i. */
+static size_t side_of(const surface_meter *self, uint32_t triangle, uint32_t a, uint32_t b)
+{
+    const uint32_t *corner = self->corner + (size_t)3 * triangle;
+    for (size_t i = 0; i < 2; ++i) {
+        uint32_t from = corner[i], to = corner[i + 1];
+        if ((from == a && to == b) || (from == b && to == a))
+            return i;
+    }
+    return 2;
+}
+
 /* Each edge once: with its two triangles; with one where it is a border, or where more meet. */
 static void list_edges(surface_meter *self, half_edge *half)
 {
@@ -104,6 +117,9 @@ static void list_edges(surface_meter *self, half_edge *half)
         *e =
             (surface_edge){.end = {half[i].low, half[i].high},
                            .triangle = {half[i].triangle, half[end - i == 2 ? i + 1 : i].triangle}};
+        for (uint32_t k = i; k < end; ++k)
+            self->edge_of[half[k].triangle]
+                         [side_of(self, half[k].triangle, half[k].low, half[k].high)] = count - 1;
         i = end;
     }
     self->edge_count = count;
@@ -149,11 +165,12 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
         self->normal = malloc(room * sizeof *self->normal);
         self->number = malloc(room * sizeof *self->number);
         self->sharpest = malloc(room * sizeof *self->sharpest);
+        self->edge_of = malloc(room * sizeof *self->edge_of);
         self->inverse_area = malloc(room * sizeof *self->inverse_area);
         self->against = malloc(room);
     }
-    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->inverse_area ||
-        !self->against) {
+    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->number ||
+        !self->sharpest || !self->edge_of || !self->inverse_area || !self->against) {
         free(half);
         surface_meter_destroy(self);
         *out = NULL;
@@ -177,6 +194,7 @@ void surface_meter_destroy(surface_meter *self)
     free(self->normal);
     free(self->inverse_area);
     free(self->number);
+    free(self->edge_of);
     free(self->sharpest);
     free(self->against);
     free(self);
@@ -341,16 +359,47 @@ float surface_meter_yield(surface_meter *self, const surface_limits *limits,
     return least;
 }
 
-double surface_meter_bend(surface_meter *self, const surface_limits *limits,
-                          const float *const at[3])
+bool surface_meter_around(const surface_meter *self, uint32_t triangle, uint32_t out[6])
+{
+    uint32_t t = self->number[triangle];
+    if (t == UINT32_MAX)
+        return false;
+    memcpy(out, self->corner + (size_t)3 * t, 3 * sizeof *out);
+    for (size_t i = 0; i < 3; ++i) {
+        const surface_edge *e = &self->edge[self->edge_of[t][i]];
+        const uint32_t *c = self->corner + (size_t)3 * e->triangle[e->triangle[0] == t ? 1 : 0];
+        for (size_t k = 0; k < 3; ++k)
+            if (c[k] != e->end[0] && c[k] != e->end[1])
+                out[3 + i] = c[k];
+    }
+    return true;
+}
+
+static float bend_at(const surface_meter *self, const surface_edge *e, const yield_limits *l,
+                     const float *const at[3])
+{
+    surface_normal a = normal_of(at, self->corner + (size_t)3 * e->triangle[0]);
+    surface_normal b = normal_of(at, self->corner + (size_t)3 * e->triangle[1]);
+    return bend_of(e, l, a.x * b.x + a.y * b.y + a.z * b.z);
+}
+
+double surface_meter_bend(const surface_meter *self, const surface_limits *limits,
+                          const uint32_t *triangle, uint32_t count, const float *const before[3],
+                          const float *const after[3])
 {
     const yield_limits l = yield_of(limits);
     float most = 0.0f;
-    for (uint32_t t = 0; t < self->triangle_count; ++t)
-        self->normal[t] = normal_of(at, self->corner + (size_t)3 * t);
-    for (uint32_t i = 0; i < self->edge_count; ++i) {
-        float bend = bend_of(&self->edge[i], &l, cosine_of(self, &self->edge[i]));
-        most = bend > most ? bend : most;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t t = self->number[triangle[i]];
+        for (size_t k = 0; k < 3 && t != UINT32_MAX; ++k) {
+            const surface_edge *e = &self->edge[self->edge_of[t][k]];
+            float bend = bend_at(self, e, &l, after);
+            if (!(bend > 1.0f && bend > most))
+                continue;
+            float was = bend_at(self, e, &l, before);
+            bend /= was > 1.0f ? was : 1.0f;
+            most = bend > most ? bend : most;
+        }
     }
     return (double)most;
 }

@@ -55,8 +55,14 @@ float surface_meter_yield(surface_meter *self, const surface_limits *limits,
                           const float *const before[3], const float *const after[3],
                           const uint8_t *is_changed, float *share);
 
-/* How far the edge that is bent most is bent, 1 being limits->bend_deg (or a crease's limit). */
-double surface_meter_bend(surface_meter *self, const surface_limits *limits,
-                          const float *const at[3]);
+/* The corners of a triangle and, across each of its edges, the third one of its neighbour; at a
+ * border one of its own. Its number is that at create. False: it was left out. */
+bool surface_meter_around(const surface_meter *self, uint32_t triangle, uint32_t out[6]);
+/* Of the edges of these triangles (as above) the greatest bend after, 1 being limits->bend_deg (or
+ * a crease's limit); of an edge that was beyond it before, times its bend before. Reads what lies
+ * around these triangles alone. */
+double surface_meter_bend(const surface_meter *self, const surface_limits *limits,
+                          const uint32_t *triangle, uint32_t count, const float *const before[3],
+                          const float *const after[3]);
 
 #endif

@@ -7,9 +7,10 @@
  * plane I + s G is positive definite then. That strain grows in proportion to the pulls, so one
  * number says how much of them can be given. Where it is above 1 the pulls around give way to each
  * other (csrbf/soften.h), the more the further it is above; and what is left of it is taken from
- * all alike. Nothing here remembers a frame: the same pulls, the same face. Only triangles that can
- * be strained too much are looked at: how steep each column is at most in a group of them is known
- * since the engagement, and that bounds what its weights can do there.
+ * all alike. The same pulls, the same face, whatever frames were before. Only triangles that can be
+ * strained too much are looked at: how steep each column is at most in a group of them is known
+ * since the engagement, and that bounds what its weights can do there. Where triangles have turned
+ * far, the edges around them are judged as they are shown.
  *
  * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
  * tells, so the field is looked at too, and the largest part of the pulls given that leaves room.
@@ -19,42 +20,59 @@
  * near which too much of the room before a limit is used go less far. */
 #include "csrbf/soften.h"
 #include "face/frame/face_state.h"
+#include "face/frame/strain.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const float squeeze_most = 0.85f; /* M */
-static const float tilt_most = 2.7f;     /* T: the tangent of 70 degrees */
-static const float room_least = 0.05f;   /* of the stretch that is allowed, where it is used up */
-enum { SOFTENINGS = 5, GROUP = 16 };
+static const float room_least = 0.05f; /* of the stretch that is allowed, where it is used up */
+enum { SOFTENINGS = 5, GROUP = STRAIN_GROUP };
 /* Ridge for each 1 of strain that is too much, at first: tips near each other need little, and give
  * way where they differ alone; each time so many times more. */
 static const double softening = 0.02, softening_more = 3.0;
 static const double strain_most = 8.0;
 
-enum { PARTS = 4, UNFOLDINGS = 16 }; /* tries */
+enum { UNBENDINGS = 8, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
 /* Of the field of a face without a rig, at its vertices: how much of the room around them is left
  * at least, and how exactly that is met. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
 static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 0.02};
 static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.02};
 
-/* Of GROUP triangles, by axis: where its first edge points, across it in its plane, its normal; 1
- * over the first edge's length, how far the second one goes along it, 1 over the height. */
-typedef struct limit_frames {
-    float first[3][GROUP], second[3][GROUP], normal[3][GROUP];
-    float of_a[GROUP], along[GROUP], of_height[GROUP];
-    float of_turn[GROUP]; /* 1 over the tangent of how far it may turn whatever its neighbours do */
-} limit_frames;
+/* GROUP triangles near each other. */
+typedef struct limit_patch {
+    strain_shapes origin; /* of the engagement */
+    strain_frames posed;  /* as the bones alone pose it */
+    float of_turn[GROUP]; /* 1 over the tangent of how far it may turn whatever others do */
+} limit_patch;
 
-/* Of GROUP triangles. */
+/* What is known of them beside. */
 typedef struct limit_group {
-    float of_bound; /* what is strained by no more than 1 / of_bound need not be looked at */
-    float rounding; /* of the origin: what it may turn and stretch a triangle by */
-    bool is_framed; /* its frames are those of the skin as posed */
-    bool is_wanted;
+    float steepness;    /* strained and turned at most by so much of a gradient */
+    float rounding;     /* of the origin: what it may turn and stretch a triangle by */
+    float room;         /* bound_pose less of rounding; INFINITY: not known in this frame */
+    float strain;       /* at most, or the turn or the size; INFINITY: not known with this pose */
+    uint32_t main_bone; /* or STILL */
+    uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
+    bool is_framed;                      /* patch.posed is that of this pose */
+    float centre[3], radius;
 } limit_group;
+
+/* A bone that carries a group beside its main one: how far at most; the mean gradient of that, and
+ * how far the gradient of some triangle is from it. */
+typedef struct limit_carried {
+    uint32_t bone;
+    float weight, gradient[3], apart;
+} limit_carried;
+
+/* How a bone moves relative to another; turn: the length of R - I; < 0: not known in this frame. */
+typedef struct limit_apart {
+    rigid motion;
+    double turn;
+} limit_apart;
+
+enum { STILL = RIG_BONES_MAX, CARRIERS }; /* what no bone moves is carried by that */
 
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
 
@@ -78,7 +96,7 @@ static void measure_turns(face *f)
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
         double turn = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.frames[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(turn));
+        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(turn));
     }
 }
 
@@ -92,9 +110,27 @@ static void measure_rest(face *f)
             points_at(b, &f->rest, corner[e == 2 ? 0 : e + 1]);
             f->limit.longest[t][e] =
                 (float)vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
-            f->limit.has_skin[corner[e] / POINTS_BLOCK] = 1;
         }
     }
+}
+
+/* The blocks of each group's corners, each once. */
+static void list_blocks(face *f)
+{
+    face_limit *l = &f->limit;
+    uint32_t count = 0;
+    for (size_t group = 0; group < group_count(f); ++group) {
+        const uint32_t *corner = f->skin + 3 * GROUP * group;
+        uint32_t first = l->group[group].first_block = count;
+        for (size_t i = 0; i < 3 * group_size(f, group); ++i) {
+            uint32_t block = corner[i] / POINTS_BLOCK, at = first;
+            while (at < count && l->block[at] != block)
+                ++at;
+            l->block[at] = block;
+            count += at == count;
+        }
+    }
+    l->group[group_count(f)].first_block = count;
 }
 
 mrt_result face_limit_create(face *f, error *err)
@@ -105,15 +141,21 @@ mrt_result face_limit_create(face *f, error *err)
     l->posed = calloc(vertices, sizeof *l->posed);
     l->added = calloc(vertices, sizeof *l->added);
     l->share = calloc(vertices, sizeof *l->share);
-    l->has_skin = calloc(blocks, 1);
-    l->is_reached = calloc(blocks, 1);
-    l->is_wanted = calloc(blocks, 1);
     l->is_posed = calloc(blocks, 1);
+    l->is_added = calloc(blocks, 1);
     l->is_changed = calloc(blocks, 1);
-    l->frames = calloc(groups, sizeof *l->frames);
     l->group = calloc(groups, sizeof *l->group);
+    l->patch = calloc(groups, sizeof *l->patch);
+    l->loops = strain_loops_now();
     l->pull_bound = calloc(groups, sizeof *l->pull_bound);
-    l->pose_bound = calloc(groups, sizeof *l->pose_bound);
+    l->change = calloc(groups, sizeof *l->change);
+    l->carried = calloc(groups * CARRIERS, sizeof *l->carried);
+    l->block = calloc((size_t)3 * f->skin_count + 1, sizeof *l->block);
+    l->apart = calloc((size_t)CARRIERS * CARRIERS, sizeof *l->apart);
+    l->still = calloc(vertices, sizeof *l->still);
+    l->wanted = calloc(groups, sizeof *l->wanted);
+    l->candidate = calloc((size_t)f->skin_count + 1, sizeof *l->candidate);
+    l->bounded = calloc((size_t)3 * f->columns.capacity + 1, sizeof *l->bounded);
     l->steepest = calloc(groups * ((size_t)f->columns.capacity + 1), sizeof *l->steepest);
     l->g = calloc(3 * controls, sizeof *l->g);
     l->longest = calloc((size_t)f->skin_count + 1, sizeof *l->longest);
@@ -126,15 +168,16 @@ mrt_result face_limit_create(face *f, error *err)
     l->tip_share = calloc(controls, sizeof *l->tip_share);
     l->likeness = calloc(controls * controls, sizeof *l->likeness);
     l->scratch = calloc(CSRBF_SOFTEN_SCRATCH(controls), sizeof *l->scratch);
-    if (!l->posed || !l->added || !l->frames || !l->g || !l->share || !l->has_skin ||
-        !l->is_reached || !l->is_wanted || !l->is_posed || !l->group || !l->pull_bound ||
-        !l->pose_bound || !l->steepest || !l->is_changed || !l->longest || !l->pose_weight ||
-        !l->asked || !l->centre || !l->step || !l->ridge || !l->strain || !l->tip_share ||
-        !l->likeness || !l->scratch)
+    if (!l->posed || !l->added || !l->g || !l->share || !l->is_posed || !l->is_added || !l->group ||
+        !l->pull_bound || !l->change || !l->carried || !l->apart || !l->block || !l->still ||
+        !l->wanted || !l->candidate || !l->bounded || !l->steepest || !l->is_changed ||
+        !l->longest || !l->pose_weight || !l->asked || !l->centre || !l->step || !l->ridge ||
+        !l->strain || !l->tip_share || !l->likeness || !l->scratch)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the limits of %u triangles",
                          f->skin_count);
     measure_rest(f);
     measure_turns(f);
+    list_blocks(f);
     return MRT_OK;
 }
 
@@ -144,15 +187,20 @@ void face_limit_destroy(face *f)
     free(l->posed);
     free(l->added);
     free(l->share);
-    free(l->frames);
     free(l->g);
-    free(l->has_skin);
-    free(l->is_reached);
-    free(l->is_wanted);
     free(l->is_posed);
     free(l->group);
+    free(l->patch);
     free(l->pull_bound);
-    free(l->pose_bound);
+    free(l->change);
+    free(l->carried);
+    free(l->apart);
+    free(l->block);
+    free(l->still);
+    free(l->wanted);
+    free(l->candidate);
+    free(l->bounded);
+    free(l->is_added);
     free(l->steepest);
     free(l->is_changed);
     free(l->longest);
@@ -173,7 +221,7 @@ static double stretch_of(const csrbf_settings *settings)
     return settings->stretch_most > 0.0 ? fmax(settings->stretch_most, 1.1) : CSRBF_STRETCH_MOST;
 }
 
-/* ---- anchored: how much the skin is strained ---- */
+/* ---- anchored: triangles ---- */
 
 static const float *const *streams(const points *p, const float *out[3])
 {
@@ -194,44 +242,199 @@ static void put_rows(float (*row)[4], const points *origin, float sum[3][POINTS_
     }
 }
 
-/* The corners of GROUP triangles as two edges from the first corner, by axis. */
-typedef struct limit_edges {
-    float a[3][GROUP], b[3][GROUP];
-} limit_edges;
-
-static void gather(limit_edges *out, float (*row)[4], const uint32_t *corner, size_t count)
+static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
 {
-    for (size_t i = 0; i < GROUP; ++i) {
-        const uint32_t *c = corner + 3 * (i < count ? i : 0);
-        const float *o = row[c[0]], *p = row[c[1]], *q = row[c[2]];
-        for (size_t axis = 0; axis < 3; ++axis) {
-            out->a[axis][i] = p[axis] - o[axis];
-            out->b[axis][i] = q[axis] - o[axis];
-        }
-    }
+    return (strain_corners){.row = (const float(*)[4])row,
+                            .vertex = f->skin + 3 * GROUP * group,
+                            .count = group_size(f, group)};
 }
 
-/* What is squashed to nothing by the bones has no frame, and is not strained. */
-static void find_frames(limit_frames *out, const limit_edges *e)
+/* ---- anchored: where the skin can be strained at all ----
+ *
+ * What the controls add has a gradient no longer than B over the origin: as long as it was when it
+ * was measured last, and since then the sum over the columns of how much their weights have changed
+ * by how steep each is. What the bones do to a group, seen from its main bone, is
+ *   I + sum_b w_b (R_b - I) + u_b g_b^T,   u_b = M_b x - x, g_b = grad w_b,
+ * over the other bones, M_b being their motion relative to that one. It makes no vector shorter
+ * than by its least singular value s; so the skin as posed has the gradient G with |G| <= B / s,
+ * and is looked at only where that may be too much. B remembers frames; what is found does not
+ * depend on it. */
+
+/* The greatest of all rounding in a sum of so many columns, over the sum of its terms' sizes. */
+static float rounding_of(const face *f)
 {
-    for (size_t i = 0; i < GROUP; ++i) {
-        float ax = e->a[0][i], ay = e->a[1][i], az = e->a[2][i];
-        float bx = e->b[0][i], by = e->b[1][i], bz = e->b[2][i];
-        float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
-        float aa = ax * ax + ay * ay + az * az, nn = nx * nx + ny * ny + nz * nz;
-        bool is_good = (aa > 1e-20f) & (nn > 1e-30f);
-        float of_a = is_good ? 1.0f / sqrtf(is_good ? aa : 1.0f) : 0.0f;
-        float of_n = is_good ? 1.0f / sqrtf(is_good ? nn : 1.0f) : 0.0f;
-        float fx = ax * of_a, fy = ay * of_a, fz = az * of_a;
-        nx *= of_n, ny *= of_n, nz *= of_n;
-        out->first[0][i] = fx, out->first[1][i] = fy, out->first[2][i] = fz;
-        out->normal[0][i] = nx, out->normal[1][i] = ny, out->normal[2][i] = nz;
-        out->second[0][i] = ny * fz - nz * fy;
-        out->second[1][i] = nz * fx - nx * fz;
-        out->second[2][i] = nx * fy - ny * fx;
-        out->of_a[i] = of_a;
-        out->along[i] = bx * fx + by * fy + bz * fz;
-        out->of_height[i] = is_good ? of_n / of_a : 0.0f;
+    return 4.0f * (float)(f->columns.count + 4) * 6e-8f;
+}
+
+/* How steep a row is in the group at most. */
+static float steepest_in(const float *row, const uint32_t *corner, const strain_shapes *of,
+                         size_t count, float rounding)
+{
+    float steepest = 0.0f;
+    for (size_t i = 0; i < count; ++i, corner += 3) {
+        float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
+        float p = (a - o) * of->of_a[i];
+        float q = (b - o - of->along[i] * p) * of->of_height[i];
+        float large = fabsf(o) + fabsf(a) + fabsf(b);
+        float thin = of->of_a[i] + of->of_height[i] * (1.0f + fabsf(of->along[i]) * of->of_a[i]);
+        steepest = fmaxf(steepest, sqrtf(p * p + q * q) + rounding * large * thin);
+    }
+    return steepest;
+}
+
+/* How much a gradient strains the group, and what rounding may do to it. */
+static void bound_group(face *f, size_t group)
+{
+    limit_group *g = &f->limit.group[group];
+    const limit_patch *patch = &f->limit.patch[group];
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    const float of_strain = sqrtf(1.0f / (STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST) +
+                                  1.0f / (STRAIN_TILT_MOST * STRAIN_TILT_MOST));
+    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
+    size_t count = group_size(f, group);
+    float most = of_strain, rounding = 0.0f;
+    for (size_t i = 0; i < count; ++i) {
+        most = fmaxf(most, sqrtf(1.0f + patch->of_turn[i] * patch->of_turn[i]));
+        if (!(patch->origin.of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
+            most = INFINITY;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
+        float with = steepest_in(row, corner, &patch->origin, count, rounding_of(f));
+        float without = steepest_in(row, corner, &patch->origin, count, 0.0f);
+        rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
+    }
+    g->steepness = most * sure;
+    g->rounding = rounding;
+}
+
+/* The ball around a group. */
+static void enclose_group(face *f, size_t group)
+{
+    limit_group *g = &f->limit.group[group];
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    size_t count = 3 * group_size(f, group);
+    double centre[3] = {0}, square = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        double at[3];
+        points_at(at, f->origin, corner[i]);
+        for (int axis = 0; axis < 3; ++axis)
+            centre[axis] += at[axis] / (double)count;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        double at[3];
+        points_at(at, f->origin, corner[i]);
+        vec3 way = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
+        square = fmax(square, vec3_dot(way, way));
+    }
+    for (int axis = 0; axis < 3; ++axis)
+        g->centre[axis] = (float)centre[axis];
+    g->radius = (float)sqrt(square);
+}
+
+static const float *carrier_row(const face *f, uint32_t bone)
+{
+    if (bone == STILL)
+        return f->limit.still;
+    return bone < f->bone_count && f->bones.moves[bone] ? f->field[bone].weight : NULL;
+}
+
+/* The gradient of a row at a triangle of the group. */
+static vec3 gradient_at(const float *row, const uint32_t *corner, const strain_frames *frames,
+                        size_t i)
+{
+    const strain_shapes *of = &frames->shape;
+    float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
+    float p = (a - o) * of->of_a[i];
+    float q = (b - o - of->along[i] * p) * of->of_height[i];
+    return (vec3){(double)(p * frames->first[0][i] + q * frames->second[0][i]),
+                  (double)(p * frames->first[1][i] + q * frames->second[1][i]),
+                  (double)(p * frames->first[2][i] + q * frames->second[2][i])};
+}
+
+static void find_gradient(limit_carried *out, const float *row, const uint32_t *corner,
+                          const strain_frames *frames, size_t count)
+{
+    vec3 mean = {0, 0, 0};
+    double apart = 0.0;
+    for (size_t i = 0; i < count; ++i)
+        mean = vec3_add(
+            mean, vec3_scale(gradient_at(row, corner + 3 * i, frames, i), 1.0 / (double)count));
+    for (size_t i = 0; i < count; ++i)
+        apart =
+            fmax(apart, vec3_length(vec3_sub(gradient_at(row, corner + 3 * i, frames, i), mean)));
+    out->gradient[0] = (float)mean.x;
+    out->gradient[1] = (float)mean.y;
+    out->gradient[2] = (float)mean.z;
+    out->apart = (float)apart;
+}
+
+/* Which bone carries the group most, and which others do. Returns where the next one begins. */
+static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
+{
+    limit_group *g = &f->limit.group[group];
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    size_t count = group_size(f, group);
+    uint32_t next = g->first_carried;
+    float main_weight = -1.0f, most[CARRIERS] = {0.0f};
+    for (uint32_t bone = 0; bone < CARRIERS; ++bone) {
+        const float *row = carrier_row(f, bone);
+        float sum = 0.0f;
+        for (size_t i = 0; row && i < 3 * count; ++i) {
+            most[bone] = fmaxf(most[bone], row[corner[i]]);
+            sum += row[corner[i]];
+        }
+        if (sum > main_weight) {
+            main_weight = sum;
+            g->main_bone = bone;
+        }
+    }
+    for (uint32_t bone = 0; bone < CARRIERS; ++bone) {
+        limit_carried *c = &f->limit.carried[next];
+        if (bone == g->main_bone || !(most[bone] > 0.0f))
+            continue;
+        *c = (limit_carried){.bone = bone, .weight = most[bone]};
+        find_gradient(c, carrier_row(f, bone), corner, frames, count);
+        next += 1;
+    }
+    return next;
+}
+
+void face_limit_engage(face *f)
+{
+    face_limit *l = &f->limit;
+    const columns *c = &f->columns;
+    size_t groups = group_count(f);
+    memset(l->steepest, 0, c->count * groups * sizeof *l->steepest);
+    memset(l->pull_bound, 0, groups * sizeof *l->pull_bound);
+    memset(l->bounded, 0, (size_t)3 * c->count * sizeof *l->bounded);
+    l->is_pose_known = false;
+    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+        float none[3][POINTS_BLOCK] = {{0.0f}};
+        put_rows(l->posed, f->origin, none, block);
+    }
+    for (size_t group = 0; group < groups; ++group) {
+        const uint32_t *corner = f->skin + 3 * GROUP * group;
+        size_t count = group_size(f, group);
+        strain_frames frames;
+        const strain_corners at = corners_of(f, group, l->posed);
+        l->loops->frames(&frames, &at);
+        l->patch[group].origin = frames.shape;
+        bound_group(f, group);
+        enclose_group(f, group);
+        l->group[group + 1].first_carried = carry_group(f, group, &frames);
+        for (uint32_t word = 0; word < c->mark_words; ++word) {
+            uint64_t marks = 0;
+            for (size_t i = 0; i < 3 * count; ++i)
+                marks |= c->mark[corner[i] / POINTS_BLOCK * (size_t)c->mark_words + word];
+            for (; marks != 0; marks &= marks - 1) {
+                size_t column = (size_t)word * COLUMNS_WORD + (size_t)__builtin_ctzll(marks);
+                if (column < f->control_column_count)
+                    l->steepest[column * groups + group] =
+                        steepest_in(columns_row(c, (uint32_t)column), corner,
+                                    &l->patch[group].origin, count, rounding_of(f));
+            }
+        }
     }
 }
 
@@ -244,213 +447,158 @@ static bool is_still(const face *f)
     return true;
 }
 
-/* ---- anchored: where the skin can be strained at all ----
- *
- * What columns add to a triangle has the gradient sum of weight_j by gradient of column_j, and no
- * more than the sum of their lengths. With B that of the controls and P that of the bones, both
- * over the origin, the skin as posed has the gradient G with |G| <= B / (1 - P). Rounding is
- * counted in: each column's part of it is in its steepness. */
-
-/* The greatest of all rounding in a sum of so many columns, over the sum of its terms' sizes. */
-static float rounding_of(const face *f)
-{
-    return 4.0f * (float)(f->columns.count + 4) * 6e-8f;
-}
-
-/* How steep a column is in the group at most, over the origin. edges: its frames' triangles. */
-static float steepest_in(const float *row, const uint32_t *corner, const limit_frames *frames,
-                         size_t count, float rounding)
-{
-    float steepest = 0.0f;
-    for (size_t i = 0; i < count; ++i, corner += 3) {
-        float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
-        float p = (a - o) * frames->of_a[i];
-        float q = (b - o - frames->along[i] * p) * frames->of_height[i];
-        float large = fabsf(o) + fabsf(a) + fabsf(b);
-        float thin = frames->of_a[i] +
-                     frames->of_height[i] * (1.0f + fabsf(frames->along[i]) * frames->of_a[i]);
-        steepest = fmaxf(steepest, sqrtf(p * p + q * q) + rounding * large * thin);
-    }
-    return steepest;
-}
-
-/* limit_group of the origin. */
-static void bound_group(face *f, size_t group, const limit_frames *frames)
-{
-    limit_group *g = &f->limit.group[group];
-    const uint32_t *corner = f->skin + 3 * GROUP * group;
-    const float of_strain =
-        sqrtf(1.0f / (squeeze_most * squeeze_most) + 1.0f / (tilt_most * tilt_most));
-    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
-    float most = of_strain, rounding = 0.0f;
-    for (size_t i = 0; i < group_size(f, group); ++i) {
-        float of_turn = f->limit.frames[group].of_turn[i];
-        most = fmaxf(most, sqrtf(1.0f + of_turn * of_turn));
-        if (!(frames->of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
-            most = INFINITY;
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-        const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
-        float with = steepest_in(row, corner, frames, group_size(f, group), rounding_of(f));
-        float without = steepest_in(row, corner, frames, group_size(f, group), 0.0f);
-        rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
-    }
-    g->of_bound = most * sure;
-    g->rounding = rounding;
-}
-
-void face_limit_engage(face *f)
-{
-    face_limit *l = &f->limit;
-    const columns *c = &f->columns;
-    size_t groups = group_count(f);
-    memset(l->steepest, 0, c->count * groups * sizeof *l->steepest);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
-        float none[3][POINTS_BLOCK] = {{0.0f}};
-        put_rows(l->posed, f->origin, none, block);
-    }
-    for (size_t group = 0; group < groups; ++group) {
-        const uint32_t *corner = f->skin + 3 * GROUP * group;
-        size_t count = group_size(f, group);
-        limit_edges edges;
-        limit_frames frames;
-        gather(&edges, l->posed, corner, count);
-        find_frames(&frames, &edges);
-        bound_group(f, group, &frames);
-        for (uint32_t word = 0; word < c->mark_words; ++word) {
-            uint64_t marks = 0;
-            for (size_t i = 0; i < 3 * count; ++i)
-                marks |= c->mark[corner[i] / POINTS_BLOCK * (size_t)c->mark_words + word];
-            for (; marks != 0; marks &= marks - 1) {
-                size_t column = (size_t)word * COLUMNS_WORD + (size_t)__builtin_ctzll(marks);
-                l->steepest[column * groups + group] = steepest_in(
-                    columns_row(c, (uint32_t)column), corner, &frames, count, rounding_of(f));
-            }
-        }
-    }
-}
-
-/* bound: by group, what these columns can do to the gradient there. */
-static void bound_columns(const face *f, float *restrict bound, const double *weight,
-                          uint32_t first, uint32_t end)
-{
-    size_t groups = group_count(f);
-    memset(bound, 0, groups * sizeof *bound);
-    for (uint32_t column = first; column < end; ++column) {
-        const double *w = weight + (size_t)3 * column;
-        const float *restrict steepest = f->limit.steepest + column * groups;
-        float size = (float)sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-        if (size == 0.0f)
-            continue;
-        for (size_t group = 0; group < groups; ++group)
-            bound[group] += size * steepest[group];
-    }
-}
-
 /* What the bones do, of which nothing is known yet but that. */
 static void begin_pose(face *f)
 {
     face_limit *l = &f->limit;
-    bool is_at_rest = is_still(f);
-    if (is_at_rest && l->is_at_rest && l->engagement == f->engagement)
+    bool was_at_rest = l->is_pose_known && l->is_at_rest;
+    l->is_pose_known = true;
+    l->is_at_rest = is_still(f);
+    if (l->is_at_rest && was_at_rest)
         return;
     memset(l->pose_weight, 0, (size_t)3 * f->control_column_count * sizeof *l->pose_weight);
     memcpy(l->pose_weight + (size_t)3 * f->control_column_count,
            f->weight + (size_t)3 * f->control_column_count,
            (size_t)3 * (f->columns.count - f->control_column_count) * sizeof *l->pose_weight);
-    bound_columns(f, l->pose_bound, l->pose_weight, f->control_column_count, f->columns.count);
     memset(l->is_posed, 0, f->rest.block_count);
-    for (size_t group = 0; group < group_count(f); ++group)
-        l->group[group].is_framed = false;
-    l->is_at_rest = is_at_rest;
-    l->engagement = f->engagement;
-}
-
-/* Groups that the pulls can strain too much, and the blocks of their corners. */
-static void find_wanted(face *f)
-{
-    face_limit *l = &f->limit;
-    bound_columns(f, l->pull_bound, f->given, 0, f->control_column_count);
-    memset(l->is_wanted, 0, f->rest.block_count);
+    for (size_t i = 0; i < (size_t)CARRIERS * CARRIERS; ++i)
+        l->apart[i].turn = -1.0;
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
-        float left = 1.0f - l->pose_bound[group] - g->rounding;
-        const uint32_t *corner = f->skin + 3 * GROUP * group;
-        g->is_wanted = l->pull_bound[group] != 0.0f &&
-                       !(left > 0.0f && l->pull_bound[group] * g->of_bound < left);
-        for (size_t i = 0; g->is_wanted && i < 3 * group_size(f, group); ++i)
-            l->is_wanted[corner[i] / POINTS_BLOCK] = 1;
+        g->room = l->is_at_rest ? 1.0f - g->rounding : INFINITY;
+        g->strain = INFINITY;
+        g->is_framed = false;
     }
 }
 
-/* Where the bones alone have the blocks that are wanted. */
-static void pose_wanted(face *f)
+static rigid motion_of(const face *f, uint32_t bone)
+{
+    return bone == STILL ? rigid_identity() : f->pose[bone];
+}
+
+/* Of the motion of a bone relative to another: found once in a frame. */
+static const limit_apart *apart_of(face *f, uint32_t main_bone, uint32_t bone)
+{
+    limit_apart *out = &f->limit.apart[main_bone * CARRIERS + bone];
+    if (out->turn >= 0.0)
+        return out;
+    const rigid main_motion = motion_of(f, main_bone), motion = motion_of(f, bone);
+    const rigid back = rigid_inverse(&main_motion);
+    double square = 0.0;
+    out->motion = rigid_compose(&back, &motion);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double off = out->motion.r[i][j] - (i == j ? 1.0 : 0.0);
+            square += off * off;
+        }
+    out->turn = sqrt(0.5 * square);
+    return out;
+}
+
+/* The least singular value of I + u g^T, of p = u . g at least and n = |u| |g| at most. */
+static double least_scale(double p, double n)
+{
+    return 1.0 + p > 0.0 ? fmin(1.0, 0.5 * (sqrt(4.0 * (1.0 + p) + n * n) - n)) : 0.0;
+}
+
+/* At least the shortest that the bones make a unit vector of the group; < 0: nothing is known. */
+static float bound_pose(face *f, const limit_group *g)
+{
+    const vec3 centre = {(double)g->centre[0], (double)g->centre[1], (double)g->centre[2]};
+    double lost = (double)g->rounding, scale = 1.0, most = 0.0;
+    for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i) {
+        const limit_carried *c = &f->limit.carried[i];
+        const limit_apart *apart = apart_of(f, g->main_bone, c->bone);
+        const vec3 way = vec3_sub(rigid_apply(&apart->motion, centre), centre);
+        const vec3 gradient = {(double)c->gradient[0], (double)c->gradient[1],
+                               (double)c->gradient[2]};
+        double round = apart->turn * (double)g->radius, off = (double)c->apart;
+        double far = sqrt(vec3_dot(way, way)) + round;
+        double steep = sqrt(vec3_dot(gradient, gradient)) + off;
+        double p = vec3_dot(way, gradient) - round * steep - far * off, n = far * steep;
+        lost += (double)c->weight * apart->turn + fmin(n, most);
+        if (n > most) { /* the others are counted as if they all went against it */
+            most = n;
+            scale = least_scale(p, n);
+        }
+    }
+    return (float)(scale - 1.01 * lost);
+}
+
+/* pull_bound, and what it has grown by since each group was measured last: of f->given. */
+static void follow_pulls(face *f)
 {
     face_limit *l = &f->limit;
-    columns *c = &f->columns;
-    columns_weigh(c, l->pose_weight, c->count);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
-        float sum[3][POINTS_BLOCK] = {{0.0f}};
-        if (!l->is_wanted[block] || l->is_posed[block])
-            continue;
-        if (face_reaches(c, c->weights.live, block))
-            columns_sum(c, sum, block);
-        put_rows(l->posed, f->origin, sum, block);
-        l->is_posed[block] = 1;
+    size_t groups = group_count(f);
+    memset(l->change, 0, groups * sizeof *l->change);
+    for (uint32_t column = 0; column < f->control_column_count; ++column) {
+        const double *now = f->given + (size_t)3 * column;
+        double *before = l->bounded + (size_t)3 * column;
+        vec3 way = {now[0] - before[0], now[1] - before[1], now[2] - before[2]};
+        float size = (float)vec3_length(way);
+        memcpy(before, now, 3 * sizeof *now);
+        if (size > 0.0f)
+            l->loops->add(l->change, l->steepest + column * groups, size, groups);
     }
+    l->loops->add(l->pull_bound, l->change, 1.0f, groups);
 }
 
-/* What the columns as weighed add to them. */
-static void add_wanted(face *f)
+/* Whether the steepest gradient that the pulls may have there strains it too much. */
+static bool is_too_steep(face *f, size_t group)
 {
-    face_limit *l = &f->limit;
-    const columns *c = &f->columns;
-    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
-        float sum[3][POINTS_BLOCK] = {{0.0f}};
-        bool was_reached = l->is_reached[block] != 0;
-        if (!l->is_wanted[block])
-            continue;
-        l->is_reached[block] = face_reaches(c, c->weights.live, block);
-        if (l->is_reached[block])
-            columns_sum(c, sum, block);
-        if (l->is_reached[block] || was_reached)
-            put_rows(l->added, NULL, sum, block);
-    }
+    limit_group *g = &f->limit.group[group];
+    float most = f->limit.pull_bound[group] * g->steepness;
+    if (!(most > 0.0f))
+        return false;
+    if (isinf(g->room) && most < 1.0f)
+        g->room = bound_pose(f, g) - g->rounding;
+    return !(most < 1.0f && most < g->room);
 }
 
-/* What the controls add to them. */
-static void add_pulls(face *f)
+/* Likewise, by what has been found there before. */
+static bool may_be_strained(face *f, size_t group)
 {
-    columns_weigh(&f->columns, f->given, f->control_column_count);
-    add_wanted(f);
+    limit_group *g = &f->limit.group[group];
+    if (!is_too_steep(f, group)) {
+        if (f->limit.change[group] > 0.0f)
+            g->strain = INFINITY;
+        return false;
+    }
+    if (isfinite(g->strain) && f->limit.change[group] > 0.0f)
+        g->strain += g->room > 0.0f && isfinite(g->room)
+                         ? f->limit.change[group] * g->steepness / g->room
+                         : INFINITY;
+    return !(g->strain < 1.0f);
 }
 
-/* Squeezed and tilted; size: the sum of squares of the gradient. */
-static void find_strains(float strain[GROUP], float turn[GROUP], float size[GROUP],
-                         const limit_frames *f, const limit_edges *e)
+/* What the columns as weighed do to a block. */
+static void write_block(const face *f, float (*row)[4], const points *origin, uint32_t block)
 {
-    const float of_squeeze = 1.0f / squeeze_most, of_tilt = 1.0f / tilt_most;
-    for (size_t i = 0; i < GROUP; ++i) {
-        float px = e->a[0][i] * f->of_a[i], py = e->a[1][i] * f->of_a[i],
-              pz = e->a[2][i] * f->of_a[i];
-        float qx = (e->b[0][i] - f->along[i] * px) * f->of_height[i];
-        float qy = (e->b[1][i] - f->along[i] * py) * f->of_height[i];
-        float qz = (e->b[2][i] - f->along[i] * pz) * f->of_height[i];
-        float pp = f->first[0][i] * px + f->first[1][i] * py + f->first[2][i] * pz;
-        float sp = f->second[0][i] * px + f->second[1][i] * py + f->second[2][i] * pz;
-        float np = f->normal[0][i] * px + f->normal[1][i] * py + f->normal[2][i] * pz;
-        float pq = f->first[0][i] * qx + f->first[1][i] * qy + f->first[2][i] * qz;
-        float qq = f->second[0][i] * qx + f->second[1][i] * qy + f->second[2][i] * qz;
-        float nq = f->normal[0][i] * qx + f->normal[1][i] * qy + f->normal[2][i] * qz;
-        float mean = 0.5f * (pp + qq), apart = 0.5f * (pp - qq), shear = 0.5f * (sp + pq);
-        float squeeze = sqrtf(apart * apart + shear * shear) - mean;
-        float tilt = sqrtf(np * np + nq * nq);
-        squeeze = squeeze > 0.0f ? squeeze : 0.0f;
-        strain[i] = squeeze * of_squeeze + tilt * of_tilt;
-        turn[i] = squeeze + tilt * f->of_turn[i];
-        size[i] = px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz;
-    }
+    float sum[3][POINTS_BLOCK] = {{0.0f}};
+    if (face_reaches(&f->columns, f->columns.weights.live, block))
+        columns_sum(&f->columns, sum, block);
+    put_rows(row, origin, sum, block);
 }
+
+/* Where the bones alone have a block, once their columns are weighed. */
+static void pose_block(face *f, uint32_t block)
+{
+    if (f->limit.is_posed[block])
+        return;
+    write_block(f, f->limit.posed, f->origin, block);
+    f->limit.is_posed[block] = 1;
+}
+
+/* What the controls add there. */
+static void add_block(face *f, uint32_t block)
+{
+    if (f->limit.is_added[block])
+        return;
+    write_block(f, f->limit.added, NULL, block);
+    f->limit.is_added[block] = 1;
+}
+
+/* ---- anchored: how much it is strained ---- */
 
 static float length_of(const float *row_a, const float *row_b)
 {
@@ -489,41 +637,67 @@ static void strain_controls(face *f, size_t t, double strain)
 
 static double measure_group(face *f, size_t group, float stretch)
 {
-    float strain[GROUP], turn[GROUP], size[GROUP];
-    double greatest = 0.0;
-    limit_edges edges;
-    size_t count = group_size(f, group), first = GROUP * group;
-    if (!f->limit.group[group].is_framed) {
-        gather(&edges, f->limit.posed, f->skin + 3 * first, count);
-        find_frames(&f->limit.frames[group], &edges);
-        f->limit.group[group].is_framed = true;
+    face_limit *l = &f->limit;
+    limit_group *g = &l->group[group];
+    limit_patch *patch = &l->patch[group];
+    const strain_corners posed = corners_of(f, group, l->posed);
+    const strain_corners added = corners_of(f, group, l->added);
+    strain_found found;
+    float greatest = 0.0f;
+    g->strain = 0.0f;
+    if (!g->is_framed)
+        l->loops->frames(&patch->posed, &posed);
+    g->is_framed = true;
+    l->loops->strains(&found, &patch->posed, patch->of_turn, &added);
+    for (size_t i = 0; i < added.count; ++i) {
+        float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
+        size_t t = GROUP * group + i;
+        float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
+        strain = stretched > strain ? stretched : strain;
+        if (strain > 1.0f)
+            strain_controls(f, t, fmin((double)strain, strain_most));
+        if (turn > 1.0f)
+            l->candidate[l->candidate_count++] = (uint32_t)t;
+        greatest = strain > greatest ? strain : greatest;
+        g->strain = strain > g->strain ? strain : g->strain;
+        g->strain = turn > g->strain ? turn : g->strain;
+        g->strain = size > g->strain ? size : g->strain;
     }
-    gather(&edges, f->limit.added, f->skin + 3 * first, count);
-    find_strains(strain, turn, size, &f->limit.frames[group], &edges);
-    for (size_t i = 0; i < count; ++i) {
-        f->limit.may_bend |= turn[i] > 1.0f;
-        if (size[i] > 1.0f)
-            strain[i] = fmaxf(strain[i], stretch_strain(f, first + i, stretch));
-        if (strain[i] > 1.0f)
-            strain_controls(f, first + i, fmin((double)strain[i], strain_most));
-        greatest = fmax(greatest, (double)strain[i]);
-    }
-    return greatest;
+    return (double)greatest;
 }
 
-/* The greatest that is above 1; limit.strain: how far each control's surroundings are above it. */
+/* Of f->given the greatest that is above 1; limit.strain: how far each control's surroundings are
+ * above it; limit.candidate: triangles that may be bent against others. */
 static double measure_strain(face *f)
 {
+    face_limit *l = &f->limit;
     const float stretch = (float)stretch_of(&f->settings);
     double greatest = 0.0;
-    memset(f->limit.strain, 0, f->control_count * sizeof *f->limit.strain);
-    f->limit.may_bend = false;
-    find_wanted(f);
-    pose_wanted(f);
-    add_pulls(f);
-    for (size_t group = 0; group < group_count(f); ++group)
-        if (f->limit.group[group].is_wanted)
-            greatest = fmax(greatest, measure_group(f, group, stretch));
+    size_t wanted = 0, groups = group_count(f);
+    memset(l->strain, 0, f->control_count * sizeof *l->strain);
+    memset(l->is_added, 0, f->rest.block_count);
+    l->candidate_count = 0;
+    follow_pulls(f);
+    columns_weigh(&f->columns, f->given, f->control_column_count);
+    for (size_t group = 0; group < groups; ++group) {
+        const strain_corners added = corners_of(f, group, l->added);
+        const limit_group *g = &l->group[group];
+        if (!may_be_strained(f, group))
+            continue;
+        for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+            add_block(f, l->block[i]);
+        l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin, &added);
+        if (is_too_steep(f, group))
+            l->wanted[wanted++] = (uint32_t)group;
+    }
+    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
+    for (size_t i = 0; i < wanted; ++i) {
+        size_t group = l->wanted[i];
+        const limit_group *g = &l->group[group];
+        for (uint32_t k = g->first_block; k < g[1].first_block; ++k)
+            pose_block(f, l->block[k]);
+        greatest = fmax(greatest, measure_group(f, group, stretch));
+    }
     return greatest;
 }
 
@@ -623,31 +797,14 @@ static void give_part(face *f, double part)
     give(f);
 }
 
-/* As surface_meter_bend of the skin with so much of what the controls add. */
-static double bend_of_skin(face *f, float part)
-{
-    points *p = &f->before; /* of use to drags alone */
-    for (uint32_t block = 0; block < p->block_count; ++block)
-        for (size_t slot = (size_t)block * POINTS_BLOCK;
-             f->limit.has_skin[block] && slot < (size_t)(block + 1) * POINTS_BLOCK; ++slot) {
-            const float *posed = f->limit.posed[slot], *added = f->limit.added[slot];
-            p->x[slot] = posed[0] + part * added[0];
-            p->y[slot] = posed[1] + part * added[1];
-            p->z[slot] = posed[2] + part * added[2];
-        }
-    const float *at[3];
-    return surface_meter_bend(f->surface_meter, &bends, streams(p, at));
-}
-
-/* The pulls give way where they strain the skin; then all of them by what is left. */
-static void yield_pulls(face *f, double strain)
+/* The pulls give way where they strain the skin. Returns how much of what is left of them there may
+ * be. */
+static double yield_pulls(face *f, double strain)
 {
     face_limit *l = &f->limit;
     size_t numbers = (size_t)3 * f->control_count;
-    find_asked(f);
     compare_controls(f);
     memset(l->ridge, 0, f->control_count * sizeof *l->ridge);
-    memcpy(l->g, l->asked, numbers * sizeof *l->g);
     double ridge = softening;
     for (int i = 0; i < SOFTENINGS && strain > 1.0; ++i, ridge *= softening_more) {
         for (uint32_t k = 0; k < f->control_count; ++k)
@@ -658,32 +815,64 @@ static void yield_pulls(face *f, double strain)
         give(f);
         strain = measure_strain(f);
     }
-    give_part(f, strain > 1.0 ? (isfinite(strain) ? 1.0 / strain : 0.0) : 1.0);
+    return strain > 1.0 ? (isfinite(strain) ? 1.0 / strain : 0.0) : 1.0;
 }
 
-/* Edges that were sharp before may be too sharp now though each of their triangles has turned as
- * little as it may: that is looked at edge by edge, and all pulls give way to it. */
-static void unbend(face *f)
+/* The vertices around the candidates: as posed in shown_before, and with so much of what the
+ * controls add in shown_after. */
+static void place_candidates(face *f, float part)
 {
-    double posed = 0.0;
-    memcpy(f->limit.is_wanted, f->limit.has_skin, f->rest.block_count);
-    add_wanted(f); /* as the strain was measured */
-    pose_wanted(f);
-    for (int i = 0; i < PARTS; ++i) {
-        double bend = bend_of_skin(f, 1.0f);
-        if (i == 0 && bend > 1.0)
-            posed = bend_of_skin(f, 0.0f); /* what the bones bend is not in the pulls */
-        bend /= fmax(posed, 1.0);
-        if (!(bend > 1.0))
-            return;
-        if (i == 0 && !f->is_held) {
-            find_asked(f);
-            memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);
-            f->is_held = true;
+    face_limit *l = &f->limit;
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            uint32_t slot = around[k];
+            const float *posed = l->posed[slot], *added = l->added[slot];
+            l->shown_before.x[slot] = posed[0];
+            l->shown_before.y[slot] = posed[1];
+            l->shown_before.z[slot] = posed[2];
+            l->shown_after.x[slot] = posed[0] + part * added[0];
+            l->shown_after.y[slot] = posed[1] + part * added[1];
+            l->shown_after.z[slot] = posed[2] + part * added[2];
         }
-        give_part(f, 1.0 / bend);
-        add_pulls(f);
     }
+}
+
+/* Triangles that have turned far may be bent too far against their neighbours: that is looked at
+ * edge by edge, and all pulls give way to it. Takes and returns how much of f->given there may be.
+ */
+static double unbend(face *f, double part)
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    for (int weighed = 0; weighed < 2; ++weighed) {
+        if (weighed == 0)
+            columns_weigh(&f->columns, f->given, f->control_column_count);
+        else
+            columns_weigh(&f->columns, l->pose_weight, f->columns.count);
+        for (uint32_t i = 0; i < l->candidate_count; ++i) {
+            uint32_t around[6];
+            if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+                continue;
+            for (int k = 0; k < 6; ++k)
+                if (weighed == 0)
+                    add_block(f, around[k] / POINTS_BLOCK);
+                else
+                    pose_block(f, around[k] / POINTS_BLOCK);
+        }
+    }
+    for (int i = 0; i < UNBENDINGS; ++i) {
+        place_candidates(f, (float)part);
+        double bend =
+            surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+                               streams(&l->shown_before, before), streams(&l->shown_after, after));
+        if (!(bend > 1.0))
+            break;
+        part /= bend;
+    }
+    return part;
 }
 
 /* As face_min_determinant, beyond the least that there may be, of so much of limit.centre, which is
@@ -706,10 +895,6 @@ static void unfold(face *f)
     face_limit *l = &f->limit;
     if (f->rig || f->meter.slope_bound <= slope_safe)
         return;
-    if (!f->is_held) {
-        find_asked(f);
-        memcpy(l->g, l->asked, (size_t)3 * f->control_count * sizeof *l->g);
-    }
     memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
     double low = 0.0, high = 1.0, room_low = 1.0 - determinant_least;
     double room = room_of_part(f, 1.0), room_high = room;
@@ -743,14 +928,18 @@ void face_limit_pull(face *f)
     f->meter.held_back_mm = 0.0;
     if (f->control_count == 0 || f->settings.stretch_most < 0.0)
         return;
-    f->is_held = false;
     begin_pose(f);
-    double strain = measure_strain(f);
-    if (strain > 1.0)
-        yield_pulls(f, strain);
+    double strain = measure_strain(f), part = 1.0;
     f->is_held = strain > 1.0;
-    if (f->limit.may_bend)
-        unbend(f);
+    find_asked(f);
+    memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);
+    if (strain > 1.0)
+        part = yield_pulls(f, strain);
+    if (f->limit.candidate_count > 0)
+        part = unbend(f, part);
+    if (part < 1.0)
+        give_part(f, part);
+    f->is_held = strain > 1.0 || part < 1.0;
     if (f->is_held)
         give_fields(f);
     unfold(f);

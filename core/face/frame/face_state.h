@@ -47,19 +47,26 @@ typedef struct face_blocks {
 /* What is given of a pull so that no skin folds or tears: face_limit.c. */
 typedef struct face_limit {
     float (*posed)[4], (*added)[4]; /* of each vertex: by the bones alone; by the controls */
-    struct limit_frames *frames;    /* of the triangles of skin as posed */
+    const struct strain_loops *loops;
     struct limit_group *group;
-    float *steepest;                /* by column, of each group: its gradient's greatest length */
-    float *pull_bound, *pose_bound; /* of each group: of the gradient of the controls; the bones */
-    bool may_bend;                  /* some triangle may have turned too far against another */
-    bool is_at_rest;                /* they are those of the origin, without a pose, of: */
-    uint32_t engagement;
-    double *g;                                   /* control_capacity by 3: what is given */
-    uint8_t *has_skin, *is_reached, *is_changed; /* of each block: by the controls; by a step */
-    uint8_t *is_wanted, *is_posed;               /* to be looked at; `posed` is that of the pose */
-    float (*step)[4];                            /* of each vertex: what clay was to move by */
-    float (*longest)[3];                         /* of each triangle of skin: its edges at rest */
-    double *pose_weight;                         /* column capacity by 3 */
+    struct limit_patch *patch;     /* of each group */
+    struct limit_carried *carried; /* of each group: see limit_group */
+    uint32_t *block;               /* likewise: of its vertices */
+    struct limit_apart *apart;     /* of each two bones */
+    float *still;                  /* of each vertex: what no moving bone carries of it */
+    float *steepest;   /* by column of a control, of each group: its gradient's greatest length */
+    float *pull_bound; /* of each group: at least the length of the gradient of `bounded` */
+    float *change;     /* what the last of its changes can have added to that */
+    double *bounded;   /* column capacity by 3 */
+    uint32_t *wanted;  /* scratch: groups */
+    uint32_t *candidate, candidate_count; /* triangles that may be bent against others */
+    bool is_pose_known, is_at_rest;       /* since the engagement; `posed` is the origin */
+    double *g;                            /* control_capacity by 3: what is given */
+    uint8_t *is_changed;                  /* of each block: by a step */
+    uint8_t *is_posed, *is_added;         /* `posed` is that of the pose, `added` of the pulls */
+    float (*step)[4];                     /* of each vertex: what clay was to move by */
+    float (*longest)[3];                  /* of each triangle of skin: its edges at rest */
+    double *pose_weight;                  /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
     points shown_before, shown_after; /* clay, before and after a step */
     float *share;                     /* of each vertex: of a step of clay */

@@ -1,0 +1,66 @@
+/* face/frame/strain.h - how a displacement strains triangles, in groups of STRAIN_GROUP: how steep
+ * it is, how it squeezes, tilts and turns each. Compiled once for each instruction set (base/isa.h)
+ * from strain_loops.c; all give the same bits. Leaves out what is done about it (face_limit.c).
+ * Inside the room. Pure; any thread. */
+#ifndef MAROTTE_FACE_STRAIN_H
+#define MAROTTE_FACE_STRAIN_H
+#include <stddef.h>
+#include <stdint.h>
+
+enum { STRAIN_GROUP = 16 };
+
+/* M and T: a gradient G squeezes a triangle by the least eigenvalue of the symmetric part of G in
+ * its plane, negated, over M; and tilts it by how steep it is along the normal, over T. */
+#define STRAIN_SQUEEZE_MOST 0.85f
+#define STRAIN_TILT_MOST    2.7f /* the tangent of 70 degrees */
+
+/* The corners of triangles: `count` by 3 rows of `row`, count at most STRAIN_GROUP. */
+typedef struct strain_corners {
+    const float (*row)[4]; /* x, y, z of each vertex */
+    const uint32_t *vertex;
+    size_t count;
+} strain_corners;
+
+/* 1 over the first edge's length, how far the second one goes along it, 1 over the height. What is
+ * squashed to nothing has 0, and is not strained. */
+typedef struct strain_shapes {
+    float of_a[STRAIN_GROUP], along[STRAIN_GROUP], of_height[STRAIN_GROUP];
+} strain_shapes;
+
+/* And by axis: where the first edge points, across it in the triangle's plane, its normal. */
+typedef struct strain_frames {
+    strain_shapes shape;
+    float first[3][STRAIN_GROUP], second[3][STRAIN_GROUP], normal[3][STRAIN_GROUP];
+} strain_frames;
+
+typedef struct strain_found {
+    float strain[STRAIN_GROUP]; /* squeezed over M and tilted over T */
+    float turn[STRAIN_GROUP];   /* squeezed, and tilted times of_turn */
+    float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
+} strain_found;
+
+typedef struct strain_loops {
+    /* out[i] += by * row[i] */
+    void (*add)(float *out, const float *row, float by, size_t count);
+    void (*frames)(strain_frames *out, const strain_corners *at);
+    /* The greatest size of the gradient of a displacement of these corners. */
+    float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
+    void (*strains)(strain_found *out, const strain_frames *f, const float *of_turn,
+                    const strain_corners *displacement);
+} strain_loops;
+
+/* Of the instruction set that is used. */
+const strain_loops *strain_loops_now(void);
+
+#define STRAIN_JOIN(name, variant) strain_##name##_##variant
+#define STRAIN_OF(name, variant)   STRAIN_JOIN(name, variant)
+
+#define STRAIN_DECLARE(variant)                                                                    \
+    void STRAIN_OF(add, variant)(float *out, const float *row, float by, size_t count);            \
+    void STRAIN_OF(frames, variant)(strain_frames * out, const strain_corners *at);                \
+    float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
+                                       const strain_corners *displacement);                        \
+    void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \
+                                     const float *of_turn, const strain_corners *displacement)
+
+#endif

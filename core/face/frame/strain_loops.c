@@ -1,0 +1,101 @@
+/* The loops of face/frame/strain.h, for one instruction set. */
+#include "face/frame/strain.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define STRAIN(name) STRAIN_OF(name, MAROTTE_VARIANT)
+STRAIN_DECLARE(MAROTTE_VARIANT);
+
+/* The corners as two edges from the first one, by axis; those that are left repeat the first. */
+typedef struct edges {
+    float a[3][STRAIN_GROUP], b[3][STRAIN_GROUP];
+} edges;
+
+static void gather(edges *out, const strain_corners *at)
+{
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
+        const float *o = at->row[c[0]], *p = at->row[c[1]], *q = at->row[c[2]];
+        for (size_t axis = 0; axis < 3; ++axis) {
+            out->a[axis][i] = p[axis] - o[axis];
+            out->b[axis][i] = q[axis] - o[axis];
+        }
+    }
+}
+
+void STRAIN(add)(float *restrict out, const float *restrict row, float by, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        out[i] += by * row[i];
+}
+
+void STRAIN(frames)(strain_frames *restrict out, const strain_corners *at)
+{
+    edges e;
+    gather(&e, at);
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        float ax = e.a[0][i], ay = e.a[1][i], az = e.a[2][i];
+        float bx = e.b[0][i], by = e.b[1][i], bz = e.b[2][i];
+        float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
+        float aa = ax * ax + ay * ay + az * az, nn = nx * nx + ny * ny + nz * nz;
+        bool is_good = (aa > 1e-20f) & (nn > 1e-30f);
+        float of_a = is_good ? 1.0f / sqrtf(is_good ? aa : 1.0f) : 0.0f;
+        float of_n = is_good ? 1.0f / sqrtf(is_good ? nn : 1.0f) : 0.0f;
+        float fx = ax * of_a, fy = ay * of_a, fz = az * of_a;
+        nx *= of_n, ny *= of_n, nz *= of_n;
+        out->first[0][i] = fx, out->first[1][i] = fy, out->first[2][i] = fz;
+        out->normal[0][i] = nx, out->normal[1][i] = ny, out->normal[2][i] = nz;
+        out->second[0][i] = ny * fz - nz * fy;
+        out->second[1][i] = nz * fx - nx * fz;
+        out->second[2][i] = nx * fy - ny * fx;
+        out->shape.of_a[i] = of_a;
+        out->shape.along[i] = bx * fx + by * fy + bz * fz;
+        out->shape.of_height[i] = is_good ? of_n / (is_good ? of_a : 1.0f) : 0.0f;
+    }
+}
+
+float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacement)
+{
+    edges e;
+    float square[STRAIN_GROUP], most = 0.0f;
+    gather(&e, displacement);
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        float px = e.a[0][i] * s->of_a[i], py = e.a[1][i] * s->of_a[i], pz = e.a[2][i] * s->of_a[i];
+        float qx = (e.b[0][i] - s->along[i] * px) * s->of_height[i];
+        float qy = (e.b[1][i] - s->along[i] * py) * s->of_height[i];
+        float qz = (e.b[2][i] - s->along[i] * pz) * s->of_height[i];
+        square[i] = px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz;
+    }
+    for (size_t i = 0; i < STRAIN_GROUP; ++i)
+        most = square[i] > most ? square[i] : most;
+    return sqrtf(most);
+}
+
+void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
+                     const float *restrict of_turn, const strain_corners *displacement)
+{
+    const float of_squeeze = 1.0f / STRAIN_SQUEEZE_MOST, of_tilt = 1.0f / STRAIN_TILT_MOST;
+    const strain_shapes *s = &f->shape;
+    edges e;
+    gather(&e, displacement);
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        float px = e.a[0][i] * s->of_a[i], py = e.a[1][i] * s->of_a[i], pz = e.a[2][i] * s->of_a[i];
+        float qx = (e.b[0][i] - s->along[i] * px) * s->of_height[i];
+        float qy = (e.b[1][i] - s->along[i] * py) * s->of_height[i];
+        float qz = (e.b[2][i] - s->along[i] * pz) * s->of_height[i];
+        float pp = f->first[0][i] * px + f->first[1][i] * py + f->first[2][i] * pz;
+        float sp = f->second[0][i] * px + f->second[1][i] * py + f->second[2][i] * pz;
+        float np = f->normal[0][i] * px + f->normal[1][i] * py + f->normal[2][i] * pz;
+        float pq = f->first[0][i] * qx + f->first[1][i] * qy + f->first[2][i] * qz;
+        float qq = f->second[0][i] * qx + f->second[1][i] * qy + f->second[2][i] * qz;
+        float nq = f->normal[0][i] * qx + f->normal[1][i] * qy + f->normal[2][i] * qz;
+        float mean = 0.5f * (pp + qq), apart = 0.5f * (pp - qq), shear = 0.5f * (sp + pq);
+        float squeeze = sqrtf(apart * apart + shear * shear) - mean;
+        float tilt = sqrtf(np * np + nq * nq);
+        squeeze = squeeze > 0.0f ? squeeze : 0.0f;
+        out->strain[i] = squeeze * of_squeeze + tilt * of_tilt;
+        out->turn[i] = squeeze + tilt * of_turn[i];
+        out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
+    }
+}
