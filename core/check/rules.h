@@ -54,6 +54,8 @@ enum {
     RULE(LIFE_DESTROY_NULL, "life.destroy_null", CONCERNS_TYPE, "destroy(): NULL is fine.")        \
     RULE(LIFE_GROWTH, "life.growth", CONCERNS_TYPE,                                                \
          "destroy() gives back what create() took: memory, files, threads.")                       \
+    RULE(LIFE_THREADS, "life.threads", CONCERNS_MAPPING,                                           \
+         "[main] is not always the same thread: a plugin keeps nothing by thread.")                \
     RULE(RUN_CRASH, "run.crash", CONCERNS_TYPE, "No argument that keeps the contract crashes it.") \
     RULE(RUN_HANG, "run.hang", CONCERNS_TYPE,                                                      \
          "[frame]: no unbounded loop; [main]: a few milliseconds; [input]: until its deadline.")   \

@@ -32,6 +32,7 @@ enum {
     BROKEN_CREATE,
     BROKEN_LIFE_DESTROY_NULL,
     BROKEN_LIFE_GROWTH,
+    BROKEN_LIFE_THREADS,
     BROKEN_RUN_CRASH,
     BROKEN_RUN_HANG,
     BROKEN_RUN_EXIT,
@@ -54,6 +55,7 @@ enum {
     BROKEN_MAPPING_ANCHOR,
     BROKEN_MAPPING_JUMP,
     BROKEN_FRAME_ALLOCATION,
+    BROKEN_STATE_ALLOCATION,
     BROKEN_FRAME_LOCK,
     BROKEN_FRAME_FILE,
     BROKEN_FRAME_NETWORK,
@@ -123,6 +125,7 @@ static void *volatile kept; /* what the compiler must not leave out */
 static volatile double burnt;
 static float shared_smooth_mm;
 static uint32_t shared_frames;
+static pthread_t made_on;
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 
 static mrt_result refuse(const mrt_plugin *self, mrt_result result, const char *why)
@@ -243,6 +246,8 @@ static void break_pull(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
         ((mrt_frame *)(uintptr_t)frame)->pedal[0] = 0.5f;
     if (BREAKS(MAPPING_ANCHOR) && is_late)
         v->start.y = 0.001f * (float)self->memory.frames;
+    if (BREAKS(LIFE_THREADS) && !pthread_equal(made_on, pthread_self()))
+        v->end.y += 1.0f;
     if (BREAKS(REPLAY_SAME))
         v->end.y += 0.0001f * (float)(shared_frames++ % 1000);
     if (BREAKS(REPLAY_PROCESS))
@@ -327,6 +332,14 @@ static size_t state_save(mrt_plugin *self, void *out, size_t capacity)
     stored s = {.value = self->stored};
     if (BREAKS(STATE_SIZE))
         capacity = out ? sizeof s : 0;
+    if (BREAKS(STATE_ALLOCATION)) {
+        unsigned char *copy = malloc(sizeof s); /* between two frames too */
+        size_t size = copy ? put(&s, "broken-s", copy, sizeof s) : 0;
+        if (out)
+            memcpy(out, copy, size < capacity ? size : capacity);
+        free(copy);
+        return size;
+    }
     return put(&s, "broken-s", out, capacity);
 }
 
@@ -412,6 +425,7 @@ static mrt_plugin *create(const mrt_host *host)
         host->log(host, MRT_LOG_ERROR, "no licence for this machine");
         return NULL;
     }
+    made_on = pthread_self();
     if (BREAKS(LIFE_GROWTH))
         kept = malloc(200);
     if (BREAKS(TYPE_CONST))

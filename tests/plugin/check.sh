@@ -31,6 +31,7 @@ explains() { # PLUGIN WORDS
         fail "$1: does not say $2"
 }
 explains frame_allocation 'process\(\) called malloc\(\) in .*\(frame_allocation.so\+0x'
+explains state_allocation 'save\(\) called malloc\(\) in .*\(state_allocation.so\+0x'
 explains run_crash '(Segmentation fault|Aborted) in .*\(run_crash.so\+0x.*in a random walk'
 explains nan 'frame 3 of a random walk: the end of vector 0 is \(nan, '
 

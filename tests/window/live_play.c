@@ -349,73 +349,256 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     desk_finish(&d);
 }
 
-/* ---- the frame thread opens and closes nothing ---- */
+static bool has_performed(live_desk *d, void *data)
+{
+    live_status status;
+    live_status_of(d->live, &status);
+    return status.sample_count > *(const uint64_t *)data;
+}
 
+static void let_perform(live_desk *d, uint64_t samples)
+{
+    live_status status;
+    live_status_of(d->live, &status);
+    uint64_t until = status.sample_count + samples;
+    assert_true(desk_until(d, has_performed, &until));
+}
+
+static void add_hand(live_desk *d)
+{
+    char text[DESK_PATH + 64];
+    error err = {""};
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    desk_must(desk_add_input(d, text, &err), &err);
+}
+
+/* ---- plugins are called where plugin.h says ---- */
+
+enum { SPIED_MAX = 256, SHORT_TAKES = 20 };
 static struct {
     const mrt_plugin_type *real;
     live *on;
-    _Atomic uint32_t made, on_frame_thread; /* instances; made or unmade there */
+    _Atomic(mrt_plugin *) instance[SPIED_MAX];
+    _Atomic uint32_t inside[SPIED_MAX]; /* calls into it now */
+    _Atomic uint32_t made, main_calls, main_on_frame_thread, overlaps;
 } spied;
 
-static void note_thread(void)
+static uint32_t enter(mrt_plugin *self)
 {
+    uint32_t i = 0;
+    while (i < SPIED_MAX - 1 && atomic_load(&spied.instance[i]) != self)
+        i += 1;
+    if (atomic_fetch_add(&spied.inside[i], 1) > 0 && i < SPIED_MAX - 1)
+        atomic_fetch_add(&spied.overlaps, 1);
+    return i;
+}
+
+static void leave(uint32_t at)
+{
+    atomic_fetch_sub(&spied.inside[at], 1);
+}
+
+static void note_main(void)
+{
+    atomic_fetch_add(&spied.main_calls, 1);
     if (spied.on && pthread_equal(pthread_self(), spied.on->thread))
-        atomic_fetch_add(&spied.on_frame_thread, 1);
+        atomic_fetch_add(&spied.main_on_frame_thread, 1);
 }
 
 static mrt_plugin *spied_create(const mrt_host *host)
 {
-    note_thread();
-    atomic_fetch_add(&spied.made, 1);
-    return spied.real->create(host);
+    note_main();
+    mrt_plugin *self = spied.real->create(host);
+    uint32_t i = atomic_fetch_add(&spied.made, 1);
+    if (i < SPIED_MAX - 1)
+        atomic_store(&spied.instance[i], self);
+    return self;
 }
 
 static void spied_destroy(mrt_plugin *self)
 {
-    note_thread();
+    note_main();
+    uint32_t at = enter(self);
     spied.real->destroy(self);
+    atomic_store(&spied.instance[at], NULL); /* its memory may become another one's */
+    leave(at);
 }
 
-static void what_a_take_needs_is_opened_beside_the_frame_thread(void **state)
+static const mrt_mapping *real_mapping(void)
+{
+    return plugin_interface(spied.real, MRT_MAPPING);
+}
+
+static mrt_result spied_activate(mrt_plugin *self, const mrt_face *about)
+{
+    note_main();
+    uint32_t at = enter(self);
+    mrt_result result = real_mapping()->activate(self, about);
+    leave(at);
+    return result;
+}
+
+static void spied_deactivate(mrt_plugin *self)
+{
+    note_main();
+    uint32_t at = enter(self);
+    real_mapping()->deactivate(self);
+    leave(at);
+}
+
+static void spied_reset(mrt_plugin *self)
+{
+    uint32_t at = enter(self);
+    real_mapping()->reset(self);
+    leave(at);
+}
+
+static mrt_result spied_process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
+{
+    uint32_t at = enter(self);
+    mrt_result result = real_mapping()->process(self, frame, pull);
+    leave(at);
+    return result;
+}
+
+static size_t spied_save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const mrt_state *real = plugin_interface(spied.real, MRT_STATE);
+    uint32_t at = enter(self);
+    size_t size = real->save(self, out, capacity);
+    leave(at);
+    return size;
+}
+
+static mrt_result spied_load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const mrt_state *real = plugin_interface(spied.real, MRT_STATE);
+    uint32_t at = enter(self);
+    mrt_result result = real->load(self, bytes, size);
+    leave(at);
+    return result;
+}
+
+static size_t spied_resume_save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const mrt_resume *real = plugin_interface(spied.real, MRT_RESUME);
+    uint32_t at = enter(self);
+    size_t size = real->save(self, out, capacity);
+    leave(at);
+    return size;
+}
+
+static mrt_result spied_resume_load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const mrt_resume *real = plugin_interface(spied.real, MRT_RESUME);
+    uint32_t at = enter(self);
+    mrt_result result = real->load(self, bytes, size);
+    leave(at);
+    return result;
+}
+
+static void spy_on(live_desk *d, mrt_plugin_type *spy)
+{
+    static const mrt_mapping mapping = {spied_activate, spied_deactivate, spied_reset,
+                                        spied_process};
+    static const mrt_state kept = {spied_save, spied_load};
+    static const mrt_resume resume = {spied_resume_save, spied_resume_load};
+    static const mrt_interface all[] = {
+        {MRT_MAPPING, &mapping}, {MRT_STATE, &kept}, {MRT_RESUME, &resume}, {NULL, NULL}};
+    memset(&spied, 0, sizeof spied);
+    for (uint32_t i = 0; i < d->plugins.entry_count; ++i)
+        if (strcmp(d->plugins.entry[i].type->id, "org.marotte.one_hand") == 0) {
+            spied.real = d->plugins.entry[i].type;
+            *spy = *spied.real;
+            d->plugins.entry[i].type = spy;
+        }
+    spy->create = spied_create;
+    spy->destroy = spied_destroy;
+    spy->interfaces = all;
+    spied.on = d->live;
+}
+
+/* A take of `count` clips one after the other, each of a performance of its own. */
+static void make_a_mosaic(live_desk *d, uint32_t count, take *out)
+{
+    error err = {""};
+    live_status status;
+    for (uint32_t i = 0; i < count; ++i) {
+        take t = {0};
+        desk_must(live_record(d->live, &slate, &err), &err);
+        desk_perform(d, 0.08);
+        desk_must(live_record_end(d->live, &err), &err);
+        desk_must(live_cast_anew(d->live, &err), &err);
+        live_status_of(d->live, &status);
+        desk_take(d, status.take, i == 0 ? out : &t);
+        if (i == 0)
+            continue;
+        const take_clip *c = &t.layer[0].clip[0];
+        assert_true(c->performance != out->layer[0].clip[out->layer[0].clip_count - 1].performance);
+        edit e;
+        edit_init(&e, EDIT_CLIP_ADD);
+        e.layer = out->layer[0].id;
+        e.performance = c->performance;
+        e.from_ns = c->from_ns;
+        e.to_ns = c->to_ns;
+        e.source_ns = 0;
+        e.start_ns = out->duration_ns;
+        e.end_ns = out->duration_ns + 50 * NS_PER_MS;
+        desk_must(edit_apply(out, &e, &err), &err);
+        edit_finish(&e);
+        take_finish(&t);
+    }
+    assert_int_equal(out->layer[0].clip_count, count);
+}
+
+static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **state)
 {
     (void)state;
     live_desk d;
     error err = {""};
-    take t = {0};
+    take t = {0}, mosaic = {0};
     live_status status;
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
     mrt_plugin_type spy = {0};
-    for (uint32_t i = 0; i < d.plugins.entry_count; ++i)
-        if (strcmp(d.plugins.entry[i].type->id, "org.marotte.one_hand") == 0) {
-            spied.real = d.plugins.entry[i].type;
-            spy = *spied.real;
-            d.plugins.entry[i].type = &spy;
-        }
-    spy.create = spied_create;
-    spy.destroy = spied_destroy;
-    spied.on = d.live;
+    desk_start(&d, "puppet", "", DESK_SHOW);
+    spy_on(&d, &spy);
+    desk_must(live_set_mapping(d.live, "one_hand", &err), &err);
+    add_hand(&d);
+    make_a_mosaic(&d, SHORT_TAKES, &mosaic);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
-    assert_true(spied.made > 0);
+    uint32_t made = spied.made;
     for (int i = 0; i < 6; ++i) { /* there and back */
         int64_t at_ns = i % 2 ? t.duration_ns * 3 / 4 : 10 * NS_PER_MS;
         live_seek(d.live, at_ns);
         assert_true(desk_until(&d, stands_at, &at_ns));
     }
-    const live_over over = {
-        .in_ns = 200 * NS_PER_MS, .out_ns = 500 * NS_PER_MS, .passes = 3, .name = "again"};
-    desk_must(live_record_over(d.live, &over, &err), &err);
-    int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
-    do {
-        desk_frame(&d);
-        live_status_of(d.live, &status);
-    } while (status.is_recording && clock_now_ns() < until_ns);
-    assert_false(status.is_recording);
+    const take *over_which[] = {&t, &mosaic};
+    for (int i = 0; i < 2; ++i) {
+        desk_must(live_show_take(d.live, over_which[i], &err), &err);
+        const live_over over = {.in_ns = over_which[i]->duration_ns / 5,
+                                .out_ns = over_which[i]->duration_ns * 4 / 5,
+                                .passes = 2,
+                                .name = "again"};
+        desk_must(live_record_over(d.live, &over, &err), &err);
+        int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+        do {
+            desk_frame(&d);
+            live_status_of(d.live, &status);
+        } while (status.is_recording && clock_now_ns() < until_ns);
+        assert_false(status.is_recording);
+    }
     live_show_hands(d.live);
-    assert_int_equal(spied.on_frame_thread, 0);
-    take_finish(&t);
+    live_neutral(d.live);
+    let_perform(&d, 20);
+    assert_true(spied.made >= made + SHORT_TAKES / 2); /* a replay for each clip that was shown */
+    assert_true(spied.made < SPIED_MAX && spied.main_calls > 2 * spied.made);
     spied.on = NULL;
+    assert_int_equal(spied.main_on_frame_thread, 0);
+    assert_int_equal(spied.overlaps, 0);
+    take_finish(&t);
+    take_finish(&mosaic);
     desk_finish(&d);
+    assert_int_equal(spied.overlaps, 0);
 }
 
 static void recording_over_ends_by_itself_at_its_out(void **state)
@@ -456,30 +639,14 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
 /* What is seen of a take stays when the take goes. */
 /* ---- what a mapping was taught ---- */
 
-static bool has_performed(live_desk *d, void *data)
-{
-    live_status status;
-    live_status_of(d->live, &status);
-    return status.sample_count > *(const uint64_t *)data;
-}
-
-static void let_perform(live_desk *d, uint64_t samples)
-{
-    live_status status;
-    live_status_of(d->live, &status);
-    uint64_t until = status.sample_count + samples;
-    assert_true(desk_until(d, has_performed, &until));
-}
-
 static void add_poses(live_desk *d)
 {
-    char path[DESK_PATH], text[DESK_PATH + 64];
+    char path[DESK_PATH];
     error err = {""};
     snprintf(path, sizeof path, "%s/plugins/poses.so", BUILD_DIR);
     desk_must(plugin_list_add(&d->plugins, path, &err), &err);
     desk_must(live_set_mapping(d->live, "poses", &err), &err);
-    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
-    desk_must(desk_add_input(d, text, &err), &err);
+    add_hand(d);
     let_perform(d, 60);
 }
 
@@ -648,7 +815,7 @@ int main(void)
         cmocka_unit_test(at_its_end_a_take_shows_what_it_ends_with),
         cmocka_unit_test(hands_are_recorded_while_a_take_is_shown),
         cmocka_unit_test(what_is_performed_over_plays_as_it_was_seen),
-        cmocka_unit_test(what_a_take_needs_is_opened_beside_the_frame_thread),
+        cmocka_unit_test(plugins_are_called_on_threads_that_may_and_one_at_a_time),
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
         cmocka_unit_test(what_was_taught_stays_with_the_take_and_the_show),
         cmocka_unit_test(what_is_taught_anew_is_recorded_with_it),

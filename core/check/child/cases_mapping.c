@@ -8,6 +8,7 @@
 #include <dirent.h>
 #include <inttypes.h>
 #include <malloc.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -432,6 +433,65 @@ static void judge_beside(const examination *e)
     actor_close(&other);
 }
 
+/* ---- each part of a life on a thread of its own, as a host that loads beside the stage has it
+ * ---- */
+
+enum { LIFE_PARTS = 4 }; /* begin, two halves of the take, end */
+typedef struct life {
+    const examination *e;
+    int part;
+    bool is_open, has_no_thread;
+    uint32_t differs_at; /* TAKE_FRAMES: nowhere */
+} life;
+
+static void play_life(life *of, uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to && of->is_open && of->differs_at == TAKE_FRAMES; ++i) {
+        play_frames(&first, &first_hands, 1);
+        if (actor_sum(&first) != sums[i])
+            of->differs_at = i;
+    }
+}
+
+/* One part, then the next on another thread; this one stays until that has ended, so that no two
+ * are the same. */
+static void *live_part(void *data)
+{
+    life *of = data;
+    int part = of->part++;
+    pthread_t thread;
+    if (part == 0)
+        of->is_open = play_open(&first, &first_hands, of->e, STREAM_RESTLESS, of->e->seed);
+    else if (part < LIFE_PARTS - 1)
+        play_life(of, part == 1 ? 0 : TAKE_FRAMES / 2, part == 1 ? TAKE_FRAMES / 2 : TAKE_FRAMES);
+    else
+        actor_close(&first);
+    if (part == LIFE_PARTS - 1)
+        return NULL;
+    if (pthread_create(&thread, NULL, live_part, of) == 0)
+        (void)pthread_join(thread, NULL);
+    else
+        of->has_no_thread = true;
+    return NULL;
+}
+
+static void judge_threads(const examination *e)
+{
+    life of = {.e = e, .differs_at = TAKE_FRAMES};
+    (void)live_part(&of);
+    if (of.has_no_thread) {
+        actor_close(&first);
+        tell_skipped(RULE_LIFE_THREADS, "no thread could be started");
+        return;
+    }
+    if (of.differs_at < TAKE_FRAMES)
+        tell_failed(RULE_LIFE_THREADS,
+                    "the take differs from frame %u on when create(), process() and destroy() come "
+                    "from threads of their own: it keeps something by thread",
+                    of.differs_at);
+    tell_ok(RULE_LIFE_THREADS, "%s", "");
+}
+
 /* False: nothing more can be judged. */
 static bool judge_reset_after(const examination *e, stream_kind kind, uint64_t seed)
 {
@@ -463,6 +523,7 @@ void cases_replay(const examination *e)
     if (!judge_again(e))
         return;
     judge_beside(e);
+    judge_threads(e);
     judge_reset(e);
 }
 
@@ -492,7 +553,6 @@ enum { ODD_SIZES = sizeof odd_sizes / sizeof *odd_sizes };
 typedef struct store {
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
-    bool is_frame; /* [frame], else [main] */
     check_rule size_rule, refuses_rule, whole_rule;
     const char *name;
 } store;
@@ -506,11 +566,9 @@ static size_t save(const store *s, actor *mapping, void *out, size_t capacity)
 {
     tell_doing(RULE_COUNT, "save() of %s", s->name);
     watch_next();
-    if (s->is_frame)
-        actor_frame_enter();
+    actor_frame_enter();
     size_t size = s->save(mapping->self, out, capacity);
-    if (s->is_frame)
-        actor_frame_leave("save()");
+    actor_frame_leave("save()");
     return size;
 }
 
@@ -518,11 +576,9 @@ static mrt_result load(const store *s, actor *mapping, const void *bytes, size_t
 {
     tell_doing(RULE_COUNT, "load() of %s with %zu bytes", s->name, size);
     watch_next();
-    if (s->is_frame)
-        actor_frame_enter();
+    actor_frame_enter();
     mrt_result result = s->load(mapping->self, bytes, size);
-    if (s->is_frame)
-        actor_frame_leave("load()");
+    actor_frame_leave("load()");
     return result;
 }
 
@@ -659,7 +715,7 @@ void cases_state(const examination *e)
     static const check_rule rules[] = {RULE_STATE_SIZE, RULE_STATE_ROUND, RULE_STATE_REFUSES,
                                        RULE_STATE_ALL_OR_NONE};
     const mrt_state *functions = types_interface(e->type, MRT_STATE);
-    const store s = {functions->save,    functions->load,        false,      RULE_STATE_SIZE,
+    const store s = {functions->save,    functions->load,        RULE_STATE_SIZE,
                      RULE_STATE_REFUSES, RULE_STATE_ALL_OR_NONE, "MRT_STATE"};
     if (!play_open(&first, &first_hands, e, STREAM_WALK, e->seed) ||
         !play_open(&second, &second_hands, e, STREAM_WALK, e->seed))
@@ -782,7 +838,7 @@ void cases_resume(const examination *e)
     static const check_rule rules[] = {RULE_RESUME_SIZE, RULE_RESUME_SAME, RULE_RESUME_SILENT,
                                        RULE_RESUME_REFUSES, RULE_RESUME_ALL_OR_NONE};
     const mrt_resume *functions = types_interface(e->type, MRT_RESUME);
-    const store s = {functions->save,     functions->load,         true,        RULE_RESUME_SIZE,
+    const store s = {functions->save,     functions->load,         RULE_RESUME_SIZE,
                      RULE_RESUME_REFUSES, RULE_RESUME_ALL_OR_NONE, "MRT_RESUME"};
     for (int i = 0; i < MOMENTS; ++i)
         if (!judge_moment(&s, e, i % 2 ? STREAM_WALK : STREAM_RESTLESS, moments[i]))

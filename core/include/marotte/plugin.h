@@ -5,11 +5,13 @@
  * answers. A plugin includes this header and nothing else of marotte. C11; also valid C++17.
  *
  * THREADS  Each function is marked with where it runs:
- *            [main]  the UI thread: may allocate, open files, take a few milliseconds;
+ *            [main]  a thread that may wait, not always the same: the UI's, one that loads, one
+ *                    that plays a take: may allocate, open files, take a few milliseconds;
  *            [input] a thread the host makes for one input: may block, until its deadline;
  *            [frame] the real-time thread: no allocation, lock, I/O, clock or unbounded loop;
  *            [any]   all of these, even at the same time (host services only).
- *          Two calls into one instance never overlap, whatever their marks: plugins need no lock.
+ *          Two calls into one instance never overlap, whatever their marks and threads, and each
+ *          sees what the one before did: plugins need no lock, and keep nothing by thread.
  * UNITS    mm, rad, ns (int64_t) or s (double); right-handed: +x the subject's left, +y up,
  *          +z out of the face. Faces and pulls are in the face frame. Hands are in the hand frame:
  *          origin at the wrist, fingers along +z, back of the hand along +y, so a right thumb is
@@ -256,11 +258,13 @@ typedef struct mrt_mapping {
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
-/* ---- state: what parameters cannot hold, such as an anchor or a calibration ---- */
+/* ---- state: what a person taught it and parameters cannot hold, such as poses or a calibration.
+ * Kept with takes, shows and presets; reset() returns to what was loaded last ---- */
 #define MRT_STATE "marotte.state/1"
 typedef struct mrt_state {
-    size_t (*save)(mrt_plugin *self, void *out, size_t capacity); /* [main] the size it takes */
-    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [main] all or none */
+    /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
+    size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
+    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [frame] all or none */
 } mrt_state;
 
 /* ---- resume: all that process() depends on but its parameters, so that a take can be taken up at

@@ -76,8 +76,8 @@ struct mrt_plugin {
 
     pthread_mutex_t busy; /* held by [main] functions, and by the supervisor while it recovers */
     const mrt_face *face; /* under busy; NULL: not active */
-    void *state;          /* under busy: MRT_STATE as loaded last */
-    size_t state_size;
+    unsigned char *state; /* under busy: MRT_STATE as loaded last; ISOLATE_BYTES of room */
+    size_t state_size;    /* 0: none */
 
     /* the supervisor's */
     pthread_t supervisor;
@@ -197,7 +197,7 @@ static mrt_result bring_up(mrt_plugin *self)
         say(self, MRT_LOG_WARNING, why.text);
         return result;
     }
-    if (self->state)
+    if (self->state_size > 0)
         result = ask_with(link, ISOLATE_STATE_LOAD, self->state, self->state_size);
     if (result >= 0) {
         size_t size = isolate_face_put(link->block->bytes, ISOLATE_BYTES, self->face);
@@ -715,43 +715,42 @@ static mrt_result load_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_n
     return ask_child(self, kind, patience_ns);
 }
 
+/* ---- [frame]: what is kept between two frames ---- */
+
+/* 0 too when it is late now: that is no failure. */
+static size_t save_between(mrt_plugin *self, uint32_t kind, void *out, size_t capacity)
+{
+    bool is_there = has_saved(self, kind);
+    if (!is_there && self->is_virtual)
+        is_there = ask_child(self, kind, virtual_deadline_ns) >= 0;
+    else if (!is_there && runs(self))
+        is_there =
+            put_settled(self, kind, save_patience_ns) == MRT_OK && self->link.block->result >= 0;
+    return is_there ? saved_bytes(self, kind, out, capacity) : 0;
+}
+
 static size_t state_save(mrt_plugin *self, void *out, size_t capacity)
 {
-    pthread_mutex_lock(&self->busy);
-    bool is_there = has_saved(self, ISOLATE_STATE_SAVE) ||
-                    ask_child(self, ISOLATE_STATE_SAVE, main_patience_ns) >= 0;
-    size_t size = is_there ? saved_bytes(self, ISOLATE_STATE_SAVE, out, capacity) : 0;
-    pthread_mutex_unlock(&self->busy);
-    return size;
+    return save_between(self, ISOLATE_STATE_SAVE, out, capacity);
 }
 
 static mrt_result state_load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    pthread_mutex_lock(&self->busy);
-    mrt_result result = load_bytes(self, ISOLATE_STATE_LOAD, main_patience_ns, bytes, size);
+    if (size > ISOLATE_BYTES || pthread_mutex_trylock(&self->busy) != 0)
+        return MRT_ERR_UNSUPPORTED; /* it is away, and comes back as it was */
+    mrt_result result = load_bytes(self, ISOLATE_STATE_LOAD,
+                                   self->is_virtual ? virtual_deadline_ns : hang_ns, bytes, size);
     if (result >= 0) { /* a new process gets it too */
-        free(self->state);
-        self->state = malloc(size + 1);
-        self->state_size = self->state ? size : 0;
-        if (self->state)
-            memcpy(self->state, bytes, size);
+        memcpy(self->state, bytes, size);
+        self->state_size = size;
     }
     pthread_mutex_unlock(&self->busy);
     return result;
 }
 
-/* ---- [frame]: the state between two frames ---- */
-
-/* 0 too when it is late now: that is no failure. */
 static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)
 {
-    bool is_there = has_saved(self, ISOLATE_RESUME_SAVE);
-    if (!is_there && self->is_virtual)
-        is_there = ask_child(self, ISOLATE_RESUME_SAVE, virtual_deadline_ns) >= 0;
-    else if (!is_there && runs(self))
-        is_there = put_settled(self, ISOLATE_RESUME_SAVE, save_patience_ns) == MRT_OK &&
-                   self->link.block->result >= 0;
-    return is_there ? saved_bytes(self, ISOLATE_RESUME_SAVE, out, capacity) : 0;
+    return save_between(self, ISOLATE_RESUME_SAVE, out, capacity);
 }
 
 static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
@@ -771,10 +770,11 @@ static mrt_plugin *create(const mrt_host *host)
     const instance *made = host->data; /* this host is always ours */
     const isolate *of = isolate_of(made->type);
     mrt_plugin *self = calloc(1, sizeof *self);
-    unsigned char *resume = malloc(ISOLATE_BYTES);
-    if (!self || !resume) {
+    unsigned char *resume = malloc(ISOLATE_BYTES), *state = malloc(ISOLATE_BYTES);
+    if (!self || !resume || !state) {
         free(self);
         free(resume);
+        free(state);
         return NULL;
     }
     self->host = host;
@@ -788,9 +788,11 @@ static mrt_plugin *create(const mrt_host *host)
     self->param_count = of->inner->param_count;
     self->can_resume = plugin_interface(of->inner, MRT_RESUME) != NULL;
     self->resume = resume;
+    self->state = state;
     if (supervisor_start(self) >= 0)
         return self;
     free(resume);
+    free(state);
     free(self);
     return NULL;
 }

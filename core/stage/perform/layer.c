@@ -45,7 +45,8 @@ struct layer {
     layer_settings settings;
     hands *hands;
     pointer pointer;
-    bool resets; /* the mapping is to begin anew, once nothing is between */
+    bool resets;          /* the mapping is to begin anew, once nothing is between */
+    uint32_t reset_waits; /* steps, for what it was taught */
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */
@@ -58,6 +59,7 @@ struct layer {
 };
 
 static const double dt_max_s = 0.1;
+static const uint32_t reset_waits_most = 100;
 
 static void let_bones_go(mrt_pull *pull)
 {
@@ -65,21 +67,21 @@ static void let_bones_go(mrt_pull *pull)
         pull->dof[i] = NAN;
 }
 
-/* What it was taught by now is what a reset returns to. */
-static void keep_taught(layer *self)
+/* What it was taught by now is what a reset returns to. False: it did not say; a process of its own
+ * may be late. */
+static bool keep_taught(layer *self)
 {
     error ignored = {""};
     unsigned char *bytes = self->room->taught;
     if (!self->settings.keeps_taught || !bytes)
-        return;
+        return true;
     size_t size = taught_save(self->mapping, bytes, TAUGHT_BYTES_MAX);
-    if (size > 0 && taught_load(self->mapping, bytes, size, &ignored) < 0)
-        return;
+    return size > 0 && taught_load(self->mapping, bytes, size, &ignored) >= 0;
 }
 
 void layer_begin_anew(layer *self)
 {
-    keep_taught(self);
+    (void)keep_taught(self);
     layer_reset(self);
 }
 
@@ -451,10 +453,12 @@ static void begin_anew(layer *self)
 {
     if (!self->resets || layer_is_fading(self))
         return;
+    if (!keep_taught(self) && self->takeover && self->reset_waits++ < reset_waits_most)
+        return;
     self->resets = false;
+    self->reset_waits = 0;
     layer_cut(self);
     let_bones_go(&self->pull);
-    keep_taught(self);
     self->functions->reset(self->mapping->self);
 }
 

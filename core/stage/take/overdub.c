@@ -561,8 +561,8 @@ void overdub_destroy(overdub *self)
         return;
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
         log_push(self->settings.log, MRT_LOG_ERROR, "recorder", ignored.text);
+    layer_destroy(self->layer); /* its face is the sequencer's */
     sequencer_destroy(self->sequencer);
-    layer_destroy(self->layer);
     take_finish(&self->take);
     free(self->owned);
     free(self);

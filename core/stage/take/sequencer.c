@@ -11,14 +11,15 @@
 enum {
     PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* a play's index is its voice */
     LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* who performs over the take */
-    SPARES_MAX = 16,                       /* replays kept open */
-    PREPARED_MAX = 8,                      /* so that none need be closed while a take is played */
+    SPARES_KEPT = 16,                      /* replays kept open */
+    OPEN_MAX = 64,                         /* with those that play, while it is prepared */
     SOURCES_MAX = PLAYS_MAX * TAKE_TRACKS_MAX,
     BEFORE_ALL = -1 /* now_ns before the first instant */
 };
 
 static const size_t checkpoint_bytes_default = (size_t)256 << 20;
 static const int64_t span_min_ns = NS_PER_S / 2;
+static const char unprepared[] = "more clips come than can be opened at once: some are left out";
 
 typedef struct play { /* a clip that is shown now */
     const sequencer *of;
@@ -42,7 +43,7 @@ struct sequencer {
     scheduler scheduler; /* of the tracks of all that plays, due on the timeline */
     scheduler_entry *entry;
     play play[PLAYS_MAX];
-    replay *spare[SPARES_MAX]; /* open, of no clip: the oldest first */
+    replay *spare[OPEN_MAX]; /* open, of no clip: the oldest first */
     uint32_t spare_count;
     int64_t *boundary; /* ascending: when clips of heard layers start and end */
     size_t boundary_count;
@@ -51,8 +52,9 @@ struct sequencer {
     int64_t now_ns;
     uint64_t sample_count;
     char note[1024];
-    error failed;    /* of a mapping whose clip has ended */
-    bool is_touched; /* by somebody live: the face is not the take's alone */
+    error failed;     /* of a mapping whose clip has ended */
+    bool is_touched;  /* by somebody live: the face is not the take's alone */
+    bool is_prepared; /* nothing is opened, read or closed now */
 
     checkpoint *checkpoint; /* by at_ns */
     size_t checkpoint_count, checkpoint_capacity, checkpoint_bytes;
@@ -83,30 +85,39 @@ static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no me
 
 /* ---- replays, opened and closed ---- */
 
+static replay *take_spare(sequencer *self, uint32_t index)
+{
+    replay *out = self->spare[index];
+    self->spare_count -= 1;
+    memmove(&self->spare[index], &self->spare[index + 1],
+            (self->spare_count - index) * sizeof *self->spare);
+    return out;
+}
+
 /* One that is open already, or a new one; wherever it is: to be sought or loaded. What opening
- * takes (a file's hash, a process) is done once for all the clips of a performance. */
+ * takes (a file's hash, a process) is done once for all the clips of a performance. MRT_HOLD: none
+ * was prepared. */
 static mrt_result open_replay(sequencer *self, int64_t performance, replay **out, error *err)
 {
-    for (uint32_t i = 0; i < self->spare_count; ++i) {
-        if (replay_performance(self->spare[i]) != performance)
-            continue;
-        *out = self->spare[i];
-        self->spare_count -= 1;
-        memmove(&self->spare[i], &self->spare[i + 1],
-                (self->spare_count - i) * sizeof *self->spare);
-        return MRT_OK;
-    }
-    return replay_open(out, &self->world, performance, err);
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        if (replay_performance(self->spare[i]) == performance) {
+            *out = take_spare(self, i);
+            return MRT_OK;
+        }
+    *out = NULL;
+    return self->is_prepared ? MRT_HOLD : replay_open(out, &self->world, performance, err);
 }
 
 static void keep_spare(sequencer *self, replay *r)
 {
-    if (self->spare_count == SPARES_MAX) {
-        replay_close(self->spare[0]);
-        self->spare_count -= 1;
-        memmove(&self->spare[0], &self->spare[1], self->spare_count * sizeof *self->spare);
-    }
+    error ignored = {""};
     self->spare[self->spare_count++] = r;
+    if (self->is_prepared)
+        return;
+    if (replay_check(r, &ignored) < 0) /* another process, next time */
+        replay_close(take_spare(self, self->spare_count - 1));
+    while (self->spare_count > SPARES_KEPT)
+        replay_close(take_spare(self, 0));
 }
 
 static void close_spares(sequencer *self)
@@ -119,12 +130,9 @@ static void close_spares(sequencer *self)
 static void close_play(sequencer *self, play *p) /* its replay stays open for a while */
 {
     error why = {""};
-    bool has_failed = p->replay && replay_check(p->replay, &why) < 0;
-    if (has_failed && !self->failed.text[0])
+    if (p->replay && replay_check(p->replay, &why) < 0 && !self->failed.text[0])
         self->failed = why;
-    if (has_failed)
-        replay_close(p->replay);
-    else if (p->replay)
+    if (p->replay)
         keep_spare(self, p->replay);
     *p = (play){0};
     *performer_voice_of(self->performer, (uint32_t)(p - self->play)) = (performer_voice){0};
@@ -283,6 +291,12 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     }
     *p = (play){.of = self, .clip = clip, .lane = lane, .is_wanted = true};
     mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    if (result == MRT_HOLD) {
+        *p = (play){0};
+        add_note(self, unprepared);
+        log_push(self->world.log, MRT_LOG_WARNING, "take", unprepared);
+        return MRT_OK;
+    }
     if (result >= 0)
         result = replay_seek(p->replay, show_ns, err);
     if (result >= 0 && brings_shape(self, p))
@@ -409,6 +423,8 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     if (in->failed || size > (size_t)(in->end - in->at))
         return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
     mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    if (result == MRT_HOLD)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", unprepared);
     if (result >= 0)
         result = replay_load(p->replay, in->at, size, err);
     if (result >= 0)
@@ -487,7 +503,7 @@ static mrt_result insert(sequencer *self, size_t at, size_t size, error *err)
 
 static mrt_result keep_checkpoint(sequencer *self, error *err)
 {
-    if (self->is_unkeepable || self->is_touched)
+    if (self->is_unkeepable || self->is_touched || self->is_prepared)
         return MRT_OK;
     if (self->checkpoint_span_ns == 0)
         self->checkpoint_span_ns = span_min_ns;
@@ -689,51 +705,95 @@ static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, er
     return keep_checkpoint(self, err);
 }
 
-/* The source that a clip will perform with; NULL: there is no room for more. */
-static mrt_result open_for(sequencer *self, uint32_t lane, const take_clip *clip, replay **out,
-                           error *err)
+/* ---- prepared ---- */
+
+static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, int64_t from_ns,
+                     int64_t to_ns)
 {
-    play *p = find_play(self, lane, clip->id);
-    *out = p ? p->replay : NULL;
-    for (uint32_t i = 0; i < self->spare_count && !*out; ++i)
-        if (replay_performance(self->spare[i]) == clip->performance)
-            *out = self->spare[i];
-    if (*out || self->spare_count >= PREPARED_MAX)
-        return MRT_OK;
-    mrt_result result = replay_open(out, &self->world, clip->performance, err);
-    if (result >= 0)
-        self->spare[self->spare_count++] = *out;
-    return result;
+    int64_t offset_ns = self->take.layer[lane].offset_ns;
+    return own_layer_is_heard(&self->take, lane) && !c->is_muted &&
+           c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
 }
 
+/* How many clips of a performance play at an instant of the span, or end or begin there. */
+static uint32_t count_playing(const sequencer *self, int64_t performance, int64_t at_ns,
+                              int64_t from_ns, int64_t to_ns)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
+        const take_layer *l = &self->take.layer[i];
+        for (uint32_t j = 0; j < l->clip_count; ++j)
+            count += l->clip[j].performance == performance &&
+                     is_shown(self, i, &l->clip[j], from_ns, to_ns) &&
+                     l->clip[j].start_ns + l->offset_ns <= at_ns &&
+                     l->clip[j].end_ns + l->offset_ns >= at_ns;
+    }
+    return count;
+}
+
+static uint32_t list_open(const sequencer *self, replay *out[OPEN_MAX + PLAYS_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        if (self->play[slot].replay)
+            out[count++] = self->play[slot].replay;
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        out[count++] = self->spare[i];
+    return count;
+}
+
+static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to_ns)
+{
+    for (uint32_t k = self->spare_count; k-- > 0;) {
+        bool is_needed = false;
+        for (uint32_t i = 0; i < self->take.layer_count; ++i)
+            for (uint32_t j = 0; j < self->take.layer[i].clip_count; ++j) {
+                const take_clip *c = &self->take.layer[i].clip[j];
+                is_needed |= c->performance == replay_performance(self->spare[k]) &&
+                             is_shown(self, i, c, from_ns, to_ns);
+            }
+        if (!is_needed)
+            replay_close(take_spare(self, k));
+    }
+}
+
+/* As many replays as the clip and those beside it need are open, and have read what they need. */
 static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *clip,
                                int64_t from_ns, int64_t to_ns, error *err)
 {
-    replay *of;
-    mrt_result result = open_for(self, lane, clip, &of, err);
-    if (result < 0 || !of)
-        return result;
-    int64_t first_ns = from_ns > clip->start_ns ? from_ns : clip->start_ns;
-    int64_t last_ns = to_ns < clip->end_ns ? to_ns : clip->end_ns;
-    return replay_read_ahead(of, show_time_ns(clip, take_warp_to_source(clip, first_ns)),
-                             show_time_ns(clip, take_warp_to_source(clip, last_ns)) + NS_PER_S,
-                             err);
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    int64_t offset_ns = self->take.layer[lane].offset_ns;
+    int64_t first_ns = from_ns - offset_ns > clip->start_ns ? from_ns - offset_ns : clip->start_ns;
+    int64_t last_ns = to_ns - offset_ns < clip->end_ns ? to_ns - offset_ns : clip->end_ns;
+    uint32_t missing =
+        count_playing(self, clip->performance, clip->start_ns + offset_ns, from_ns, to_ns);
+    uint32_t open_count = list_open(self, open);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < open_count && missing > 0; ++i)
+        missing -= replay_performance(open[i]) == clip->performance;
+    for (; missing > 0 && result >= 0 && open_count < OPEN_MAX; --missing) {
+        result = replay_open(&open[open_count], &self->world, clip->performance, err);
+        if (result >= 0)
+            self->spare[self->spare_count++] = open[open_count++];
+    }
+    for (uint32_t i = 0; i < open_count && result >= 0; ++i)
+        if (replay_performance(open[i]) == clip->performance)
+            result = replay_read_ahead(
+                open[i], show_time_ns(clip, take_warp_to_source(clip, first_ns)),
+                show_time_ns(clip, take_warp_to_source(clip, last_ns)) + NS_PER_S, err);
+    return result;
 }
 
 mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err)
 {
     mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
-        const take_layer *l = &self->take.layer[i];
-        for (uint32_t j = 0; own_layer_is_heard(&self->take, i) && j < l->clip_count; ++j) {
-            const take_clip *c = &l->clip[j];
-            bool is_shown = !c->is_muted && c->start_ns + l->offset_ns < to_ns &&
-                            c->end_ns + l->offset_ns > from_ns;
-            if (is_shown && result >= 0)
-                result =
-                    prepare_clip(self, i, c, from_ns - l->offset_ns, to_ns - l->offset_ns, err);
-        }
-    }
+    from_ns -= span_min_ns; /* an instant that is kept may lie so far before */
+    close_what_is_not_shown(self, from_ns, to_ns);
+    for (uint32_t i = 0; i < self->take.layer_count; ++i)
+        for (uint32_t j = 0; j < self->take.layer[i].clip_count && result >= 0; ++j)
+            if (is_shown(self, i, &self->take.layer[i].clip[j], from_ns, to_ns))
+                result = prepare_clip(self, i, &self->take.layer[i].clip[j], from_ns, to_ns, err);
+    self->is_prepared = result >= 0;
     return result;
 }
 
@@ -826,6 +886,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     if (result < 0)
         return result;
     int64_t at_ns = self->now_ns;
+    self->is_prepared = false;
     close_plays(self);
     close_spares(self); /* performances may have become longer */
     forget_checkpoints(self);

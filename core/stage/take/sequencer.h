@@ -33,8 +33,10 @@ CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err
 CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
 /* Plays on to a later instant; an earlier one is a seek. */
 CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err);
-/* What clips of this span perform with is opened and read now, at most 8 of them: to play it takes
- * no file and no process. */
+/* What clips of this span perform with is opened and read now: to play it takes no file and no
+ * process. From then on nothing is opened, read or closed, until nobody performs over it any more
+ * (sequencer_set_live) or the take changes: clips beyond 64, or of elsewhere, are left out and
+ * noted. */
 CHECKED mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err);
 /* To the next step of any clip shown, or (MRT_END) none is left before the take's end. */
 CHECKED mrt_result sequencer_step(sequencer *self, error *err);
