@@ -16,7 +16,6 @@
 #include "stage/mapping/plugins.h"
 #include "stage/input/spec.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -537,8 +536,10 @@ static int set_input(calibrate_options *out, const char *text)
                          text);
 }
 
-static int read_option(calibrate_options *out, int option, const char *text)
+static int read_option(void *data, const command *self, int option, const char *text)
 {
+    calibrate_options *out = data;
+    (void)self;
     switch (option) {
     case OPTION_INPUT:
         return set_input(out, text);
@@ -587,22 +588,7 @@ static int check_options(const calibrate_options *options)
 static int read_options(calibrate_options *out, int argc, char **argv)
 {
     *out = (calibrate_options){.side = MRT_NO_HAND};
-    int code = COMMAND_DONE;
-    opterr = 0;
-    optind = 1;
-    while (code == COMMAND_DONE) {
-        int option = getopt_long(argc, argv, ":", option_table, NULL);
-        if (option == -1)
-            break;
-        if (option == ':')
-            code = command_usage(&command_calibrate, "%s needs a value", argv[optind - 1]);
-        else if (option == '?')
-            code = command_usage(&command_calibrate, "there is no option \"%s\"", argv[optind - 1]);
-        else
-            code = read_option(out, option, optarg);
-    }
-    if (code == COMMAND_DONE && optind < argc)
-        code = command_usage(&command_calibrate, "\"%s\" is not expected here", argv[optind]);
+    int code = command_options(&command_calibrate, argc, argv, option_table, read_option, out);
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 

@@ -77,3 +77,22 @@ int command_failed(const command *self, const error *err)
     fprintf(stderr, "marotte %s: %s\n", self->name, err->text);
     return COMMAND_FAILED;
 }
+
+int command_options(const command *self, int argc, char **argv, const struct option *table,
+                    command_read_option *read, void *data)
+{
+    int code = COMMAND_DONE, option;
+    opterr = 0;
+    optind = 1;
+    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", table, NULL)) != -1) {
+        if (option == ':')
+            code = command_usage(self, "%s needs a value", argv[optind - 1]);
+        else if (option == '?')
+            code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
+        else
+            code = read(data, self, option, optarg);
+    }
+    if (code == COMMAND_DONE && optind < argc)
+        code = command_usage(self, "\"%s\" is not expected here", argv[optind]);
+    return code;
+}

@@ -5,6 +5,8 @@
 #define MAROTTE_UI_COMMAND_H
 #include "base/error.h"
 
+#include <getopt.h>
+
 enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
 
 typedef struct command {
@@ -20,6 +22,12 @@ extern const command command_bench, command_calibrate, command_deform, command_d
 /* What the person typed, "marotte perform --face moai ...": words quoted where a shell needs it, of
  * long paths the last folders. */
 void command_typed(char *out, size_t capacity);
+
+/* Reads a command line of options alone, each with `read`, which says COMMAND_DONE for one that it
+ * understood. Anything else is wrong usage, and said. */
+typedef int command_read_option(void *data, const command *self, int option, const char *value);
+int command_options(const command *self, int argc, char **argv, const struct option *table,
+                    command_read_option *read, void *data);
 
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,

@@ -13,7 +13,6 @@
 
 #include <jansson.h>
 
-#include <getopt.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -658,8 +657,10 @@ static int set_seconds(devices_options *out, const char *text)
                          text);
 }
 
-static int read_option(devices_options *out, int option, const char *text)
+static int read_option(void *data, const command *self, int option, const char *text)
 {
+    devices_options *out = data;
+    (void)self;
     switch (option) {
     case OPTION_JSON:
         out->is_json = true;
@@ -695,22 +696,7 @@ static int check_options(const devices_options *options)
 
 static int read_options(devices_options *out, int argc, char **argv)
 {
-    int code = COMMAND_DONE;
-    opterr = 0;
-    optind = 1;
-    while (code == COMMAND_DONE) {
-        int option = getopt_long(argc, argv, ":", option_table, NULL);
-        if (option == -1)
-            break;
-        if (option == ':')
-            code = command_usage(&command_devices, "%s needs a value", argv[optind - 1]);
-        else if (option == '?')
-            code = command_usage(&command_devices, "there is no option \"%s\"", argv[optind - 1]);
-        else
-            code = read_option(out, option, optarg);
-    }
-    if (code == COMMAND_DONE && optind < argc)
-        code = command_usage(&command_devices, "\"%s\" is not expected here", argv[optind]);
+    int code = command_options(&command_devices, argc, argv, option_table, read_option, out);
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 

@@ -4,7 +4,6 @@
 #include "base/installed.h"
 #include "take/take.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -201,8 +200,9 @@ static int check_look(const perform_options *out, const command *self)
     return COMMAND_DONE;
 }
 
-static int read_option(perform_options *out, const command *self, int option, const char *text)
+static int read_option(void *data, const command *self, int option, const char *text)
 {
+    perform_options *out = data;
     double number = 0;
     int code;
     switch (option) {
@@ -268,22 +268,7 @@ static int read_option(perform_options *out, const command *self, int option, co
 int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
 {
     *out = (perform_options){.fps = 30.0, .scene = "", .shot = "", .look = video_look_usual()};
-    int code = COMMAND_DONE;
-    opterr = 0;
-    optind = 1;
-    while (code == COMMAND_DONE) {
-        int option = getopt_long(argc, argv, ":", option_table, NULL);
-        if (option == -1)
-            break;
-        if (option == ':')
-            code = command_usage(self, "%s needs a value", argv[optind - 1]);
-        else if (option == '?')
-            code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
-        else
-            code = read_option(out, self, option, optarg);
-    }
-    if (code == COMMAND_DONE && optind < argc)
-        code = command_usage(self, "\"%s\" is not expected here", argv[optind]);
+    int code = command_options(self, argc, argv, option_table, read_option, out);
     if (code == COMMAND_DONE && !out->face)
         code = command_usage(self, "--face is missing");
     if (code == COMMAND_DONE && out->input_count == 0)
