@@ -348,3 +348,331 @@ void hand_pose(const hand_skeleton *skeleton, const float *angle_rad, const rigi
     rigid origin = rigid_identity();
     pose_node(&p, &skeleton->node[0], &origin);
 }
+
+/* ---- and back ---- */
+
+enum { PALM_JOINTS = 6 };
+static const int palm_joint[PALM_JOINTS] = {0, 1, 5, 9, 13, 17}; /* of MRT_JOINTS */
+/* The thumb's base is seen worst, and stands where the table is a compromise. */
+static const double palm_weight[PALM_JOINTS] = {1, 0.5, 1, 1, 1, 1};
+static const double arch_low_rad = -0.2, arch_high_rad = 0.8;
+static const double arch_usual_rad = 0.12, arch_usual_spread_rad = 0.3;
+/* Of the cosine of a knuckle's bend: its spread counts from here (70 degrees) to there (55). */
+static const double spread_from = 0.34, spread_full = 0.57;
+static const double spread_most_rad = 0.9;
+/* Of the sine of the thumb's angle off the fingers' direction: its roll likewise (6, 17 degrees).
+ */
+static const double roll_from = 0.1, roll_full = 0.3;
+/* Misfit of a palm that is still sure, and of one that is none. */
+static const double misfit_sure = 0.22, misfit_none = 0.40;
+static const float beyond_deg = 8.0f; /* the clinical range: some joints go further */
+static const double bent_from_rad = 0.25, bent_full_rad = 0.7;
+static const double backwards_most_rad = 0.6; /* in sum; beyond: a hand of the other side */
+
+/* A palm laid upon another. */
+typedef struct palm_fit {
+    rigid turn; /* R and t: seen = scale R p + t */
+    double scale;
+    double off;  /* weighted sum of squares of what is left over */
+    double size; /* weighted sum of squares about the centre, as seen */
+} palm_fit;
+
+static vec3 vec3_of(mrt_vec3 a)
+{
+    return (vec3){(double)a.x, (double)a.y, (double)a.z};
+}
+
+static bool is_seen(const hand_landmarks *seen, int joint)
+{
+    mrt_vec3 at = seen->at[joint];
+    return !(seen->doubtful >> joint & 1u) && isfinite(at.x) && isfinite(at.y) && isfinite(at.z);
+}
+
+/* The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations. */
+static void largest_eigenvector(double m[4][4], double out[4])
+{
+    double v[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    double apart = 1.0, size = m[0][0] * m[0][0] + 1e-300;
+    for (int sweep = 0; sweep < 12 && apart > 1e-28 * size; ++sweep) {
+        apart = 0.0;
+        for (int p = 0; p < 3; ++p)
+            for (int q = p + 1; q < 4; ++q) {
+                apart += m[p][q] * m[p][q];
+                size += m[q][q] * m[q][q];
+                if (m[p][q] == 0.0)
+                    continue;
+                double theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+                double t = 1.0 / (fabs(theta) + sqrt(theta * theta + 1.0));
+                t = theta < 0.0 ? -t : t;
+                double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int k = 0; k < 4; ++k) {
+                    double kp = m[k][p], kq = m[k][q];
+                    m[k][p] = c * kp - s * kq;
+                    m[k][q] = s * kp + c * kq;
+                }
+                for (int k = 0; k < 4; ++k) {
+                    double pk = m[p][k], qk = m[q][k];
+                    m[p][k] = c * pk - s * qk;
+                    m[q][k] = s * pk + c * qk;
+                    double vp = v[k][p], vq = v[k][q];
+                    v[k][p] = c * vp - s * vq;
+                    v[k][q] = s * vp + c * vq;
+                }
+            }
+    }
+    int largest = 0;
+    for (int i = 1; i < 4; ++i)
+        largest = m[i][i] > m[largest][largest] ? i : largest;
+    for (int k = 0; k < 4; ++k)
+        out[k] = v[k][largest];
+}
+
+/* Horn, "Closed-form solution of absolute orientation using unit quaternions" (1987), section 4.
+ * weight: 0 leaves a pair out. */
+static palm_fit lay_palm(const vec3 *from, const vec3 *to, const double *weight)
+{
+    palm_fit fit = {.turn = rigid_identity()};
+    vec3 from_centre = ORIGIN, to_centre = ORIGIN;
+    double all = 0.0, from_size = 0.0, along = 0.0, s[3][3] = {{0}};
+    for (int i = 0; i < PALM_JOINTS; ++i) {
+        from_centre = vec3_add(from_centre, vec3_scale(from[i], weight[i]));
+        to_centre = vec3_add(to_centre, vec3_scale(to[i], weight[i]));
+        all += weight[i];
+    }
+    from_centre = vec3_scale(from_centre, 1.0 / all);
+    to_centre = vec3_scale(to_centre, 1.0 / all);
+    for (int i = 0; i < PALM_JOINTS; ++i) {
+        vec3 a = vec3_sub(from[i], from_centre), b = vec3_sub(to[i], to_centre);
+        const double a_of[3] = {a.x, a.y, a.z}, b_of[3] = {b.x, b.y, b.z};
+        from_size += weight[i] * vec3_dot(a, a);
+        fit.size += weight[i] * vec3_dot(b, b);
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+                s[j][k] += weight[i] * a_of[j] * b_of[k];
+    }
+    double n[4][4] = {
+        {s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
+        {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
+        {s[2][0] - s[0][2], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
+        {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}};
+    double q[4];
+    largest_eigenvector(n, q);
+    const double xyzw[4] = {q[1], q[2], q[3], q[0]};
+    fit.turn = rigid_from_quaternion(xyzw, ORIGIN);
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k)
+            along += fit.turn.r[k][j] * s[j][k];
+    fit.scale = from_size > 0.0 ? along / from_size : 0.0;
+    fit.off = fmax(fit.size - fit.scale * along, 0.0);
+    fit.turn.t = vec3_sub(to_centre, vec3_scale(rigid_rotate(&fit.turn, from_centre), fit.scale));
+    return fit;
+}
+
+static palm_fit lay_arched_palm(const hand_skeleton *skeleton, const vec3 *to, const double *weight,
+                                double arch_rad)
+{
+    float angle_rad[MRT_ANGLES] = {0};
+    mrt_vec3 joint[MRT_JOINTS], palm[MRT_PALM];
+    vec3 from[PALM_JOINTS];
+    const rigid still = rigid_identity();
+    angle_rad[SENSOR_ARCH] = (float)arch_rad;
+    hand_pose(skeleton, angle_rad, &still, joint, palm);
+    for (int i = 0; i < PALM_JOINTS; ++i)
+        from[i] = vec3_of(joint[palm_joint[i]]);
+    return lay_palm(from, to, weight);
+}
+
+/* The arch that leaves least over, by parabolas through three arches that close in on it; and
+ * nearer to that of most hands the less the palm says of it. */
+static double find_arch(const hand_skeleton *skeleton, const vec3 *to, const double *weight)
+{
+    const double middle = 0.5 * (arch_low_rad + arch_high_rad);
+    double arch = middle, curve = 0.0, off = 0.0;
+    for (double step = arch_high_rad - middle; step > 0.01; step *= 0.2) {
+        double below = lay_arched_palm(skeleton, to, weight, arch - step).off;
+        double above = lay_arched_palm(skeleton, to, weight, arch + step).off;
+        off = lay_arched_palm(skeleton, to, weight, arch).off;
+        curve = fmax((below + above - 2.0 * off) / (step * step), 0.0);
+        if (curve > 0.0)
+            arch -= fmin(fmax((above - below) / (2.0 * step * curve), -step), step);
+        arch = fmin(fmax(arch, arch_low_rad), arch_high_rad);
+    }
+    double known = 0.5 * curve;
+    double unknown = off / PALM_JOINTS / (arch_usual_spread_rad * arch_usual_spread_rad);
+    return known + unknown > 0.0 ? (known * arch + unknown * arch_usual_rad) / (known + unknown)
+                                 : arch_usual_rad;
+}
+
+/* A direction in the landmarks' frame, as a right hand has it in the hand frame. */
+static vec3 own_direction(const hand_skeleton *skeleton, const rigid *wrist, vec3 way)
+{
+    rigid back = rigid_inverse(wrist);
+    vec3 own = rigid_rotate(&back, way);
+    if (skeleton->side == MRT_LEFT)
+        own.x = -own.x;
+    return vec3_normalised(own, AXIS_Z);
+}
+
+/* The bones of a finger as right-handed directions in a frame. */
+static bool finger_bones(const hand_skeleton *skeleton, const hand_landmarks *seen,
+                         const rigid *wrist, const rigid *frame, int finger, vec3 out[3])
+{
+    const rigid back = rigid_inverse(frame);
+    int joint = 1 + 4 * finger;
+    for (int bone = 0; bone < 3; ++bone) {
+        if (!is_seen(seen, joint + bone) || !is_seen(seen, joint + bone + 1))
+            return false;
+        vec3 way = vec3_sub(vec3_of(seen->at[joint + bone + 1]), vec3_of(seen->at[joint + bone]));
+        out[bone] = rigid_rotate(&back, own_direction(skeleton, wrist, way));
+    }
+    return true;
+}
+
+static double share_between(double value, double from, double full)
+{
+    return fmin(fmax((value - from) / (full - from), 0.0), 1.0);
+}
+
+/* The frame turned the shortest way until its z points along a unit direction in it. */
+static rigid turned_onto(const rigid *frame, vec3 along)
+{
+    vec3 axis = vec3_cross(AXIS_Z, along);
+    double sine = vec3_length(axis);
+    rigid turn = rigid_turn(ORIGIN, vec3_normalised(axis, AXIS_X), atan2(sine, along.z));
+    return rigid_compose(frame, &turn);
+}
+
+/* How far a bone is bent towards the palm from the one before, whose frame it turns onto the bone.
+ * About x while that is little, as the finger's plane cannot be told from noise then; by the whole
+ * angle between the two when it is more, whichever way the finger seems to lean: no joint bends far
+ * to the other sides. out_about_x_rad: as seen, for who doubts that. */
+static double bend_in(rigid *frame, vec3 bone, double *out_about_x_rad)
+{
+    const rigid back = rigid_inverse(frame);
+    vec3 own = rigid_rotate(&back, bone);
+    double whole = atan2(hypot(own.x, own.y), own.z);
+    *out_about_x_rad = atan2(-own.y, own.z);
+    double bent = share_between(whole, bent_from_rad, bent_full_rad);
+    *frame = turned_onto(frame, own);
+    return *out_about_x_rad + bent * (whole - *out_about_x_rad);
+}
+
+/* What is known of a finger beside its bends. */
+typedef struct finger_reading {
+    double spread_rad, sure; /* towards the thumb; 0..1 */
+    double backwards_rad;    /* bend of its middle joint to the back of the hand, as seen */
+} finger_reading;
+
+static finger_reading read_finger(const hand_skeleton *skeleton, const hand_landmarks *seen,
+                                  const rigid *wrist, int finger, float *angle_rad)
+{
+    const double arch_rad = fingers[finger].arch_share * (double)angle_rad[SENSOR_ARCH];
+    rigid frame = rigid_turn(ORIGIN, AXIS_Z, arch_rad);
+    finger_reading out = {.sure = 0.0};
+    vec3 bone[3];
+    if (!finger_bones(skeleton, seen, wrist, &frame, finger, bone))
+        return out;
+    double aside = bone[0].z > 0.0 ? atan2(bone[0].x, bone[0].z) : 0.0;
+    aside = fmin(fmax(aside, -spread_most_rad), spread_most_rad);
+    double bend_rad = atan2(-bone[0].y, bone[0].z / cos(aside)), looseness = cos(bend_rad);
+    out.sure = share_between(looseness, spread_from, spread_full);
+    out.spread_rad = looseness > spread_from ? aside / looseness : 0.0;
+    float *bend = &angle_rad[fingers[finger].mpj_sensor];
+    rigid first = rigid_turn(ORIGIN, AXIS_Y, aside);
+    rigid second = rigid_turn(ORIGIN, AXIS_X, bend_rad);
+    frame = rigid_compose(&first, &second);
+    double about_x_rad;
+    bend[0] = (float)bend_rad;
+    bend[1] = (float)bend_in(&frame, bone[1], &about_x_rad);
+    out.backwards_rad = -about_x_rad;
+    bend[2] = (float)bend_in(&frame, bone[2], &about_x_rad);
+    return out;
+}
+
+static void read_thumb(const hand_skeleton *skeleton, const hand_landmarks *seen,
+                       const rigid *wrist, float *angle_rad)
+{
+    const rigid palm = rigid_identity();
+    vec3 bone[3];
+    if (!finger_bones(skeleton, seen, wrist, &palm, 0, bone))
+        return;
+    double aside = sqrt(bone[0].x * bone[0].x + bone[0].y * bone[0].y);
+    double sure = share_between(aside, roll_from, roll_full);
+    double roll_rad = atan2(-bone[0].y, bone[0].x);
+    if (roll_rad < -0.5 * ANGLE_PI) /* it goes from the plane of the palm to across it, and on */
+        roll_rad += 2.0 * ANGLE_PI;
+    double last_rad = (double)angle_rad[SENSOR_THUMB_ROLL];
+    angle_rad[SENSOR_THUMB_ROLL] = (float)(last_rad + sure * (roll_rad - last_rad));
+    angle_rad[SENSOR_THUMB_ABDUCTION] = (float)(atan2(aside, bone[0].z) - THUMB_REST_RAD);
+    rigid frame = thumb_turn(angle_rad);
+    double about_x_rad;
+    angle_rad[SENSOR_THUMB_MPJ] = (float)bend_in(&frame, bone[1], &about_x_rad);
+    angle_rad[SENSOR_THUMB_IJ] = (float)bend_in(&frame, bone[2], &about_x_rad);
+}
+
+/* Returns by how much their middle joints bend backwards, all of them. */
+static double read_fingers(const hand_skeleton *skeleton, const hand_landmarks *seen,
+                           const rigid *wrist, float *angle_rad)
+{
+    static const int between[3] = {SENSOR_MIDDLE_INDEX_SPREAD, SENSOR_RING_MIDDLE_SPREAD,
+                                   SENSOR_LITTLE_RING_SPREAD};
+    finger_reading of[FINGER_COUNT];
+    double backwards_rad = 0.0;
+    for (int finger = 1; finger < FINGER_COUNT; ++finger) {
+        of[finger] = read_finger(skeleton, seen, wrist, finger, angle_rad);
+        backwards_rad += of[finger].backwards_rad;
+    }
+    for (int i = 0; i < 3; ++i) {
+        const finger_reading *a = &of[i + 1], *b = &of[i + 2];
+        double last_rad = (double)angle_rad[between[i]];
+        double apart_rad = a->spread_rad - b->spread_rad;
+        angle_rad[between[i]] = (float)(last_rad + fmin(a->sure, b->sure) * (apart_rad - last_rad));
+    }
+    return backwards_rad;
+}
+
+/* No joint goes further than joints do: what is seen beyond that is noise. */
+static void limit_to_joints(float *angle_rad)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const float least = (sensor_table[i].low_deg - beyond_deg) * (float)(ANGLE_PI / 180.0);
+        const float most = (sensor_table[i].high_deg + beyond_deg) * (float)(ANGLE_PI / 180.0);
+        angle_rad[i] = fminf(fmaxf(angle_rad[i], least), most);
+    }
+}
+
+void hand_read(const hand_skeleton *skeleton, const hand_landmarks *seen, hand_reading *reading)
+{
+    hand_reading now = *reading;
+    vec3 to[PALM_JOINTS];
+    double weight[PALM_JOINTS], all = 0.0;
+    int count = 0;
+    reading->confidence = 0.0;
+    for (int i = 0; i < PALM_JOINTS; ++i) {
+        bool is_there = is_seen(seen, palm_joint[i]);
+        to[i] = is_there ? vec3_of(seen->at[palm_joint[i]]) : ORIGIN;
+        weight[i] = is_there ? palm_weight[i] : 0.0;
+        all += weight[i];
+        count += is_there;
+    }
+    if (count < 4)
+        return;
+    double arch_rad =
+        count == PALM_JOINTS ? find_arch(skeleton, to, weight) : (double)now.angle_rad[SENSOR_ARCH];
+    palm_fit fit = lay_arched_palm(skeleton, to, weight, arch_rad);
+    if (!(fit.scale > 0.0) || !(fit.size > 0.0))
+        return;
+    now.wrist = fit.turn;
+    now.wrist.t = is_seen(seen, 0) ? to[0] : fit.turn.t;
+    now.size = fit.scale;
+    now.misfit = sqrt(fit.off / fit.size);
+    now.angle_rad[SENSOR_ARCH] = (float)arch_rad;
+    now.angle_rad[SENSOR_WRIST_PITCH] = now.angle_rad[SENSOR_WRIST_YAW] = 0.0f;
+    read_thumb(skeleton, seen, &now.wrist, now.angle_rad);
+    double backwards_rad = read_fingers(skeleton, seen, &now.wrist, now.angle_rad);
+    now.confidence = share_between(now.misfit, misfit_none, misfit_sure);
+    if (!(now.confidence > 0.0) || backwards_rad > backwards_most_rad)
+        return;
+    limit_to_joints(now.angle_rad);
+    *reading = now;
+}

@@ -60,4 +60,32 @@ void hand_skeleton_destroy(hand_skeleton *skeleton);
 void hand_pose(const hand_skeleton *skeleton, const float *angle_rad, const rigid *wrist,
                mrt_vec3 *out_joint, mrt_vec3 *out_palm);
 
+/* ---- and back: from points that a camera or a headset sees to angles ---- */
+
+/* The joints of hand_pose, seen in any frame and unit: MediaPipe's 21 landmarks in their order;
+ * OpenXR's and WebXR's without the palm and the metacarpals of index to little. */
+typedef struct hand_landmarks {
+    mrt_vec3 at[MRT_JOINTS];
+    uint32_t doubtful; /* bit i: joint i is hidden or guessed and is not used; as if not finite */
+} hand_landmarks;
+
+typedef struct hand_reading {
+    float angle_rad[MRT_ANGLES]; /* the wrist's two are 0: no forearm is seen */
+    rigid wrist;                 /* from the hand frame to the landmarks': their unit */
+    double size;                 /* of the palm, over the skeleton's */
+    double misfit;               /* how far the palm is off the skeleton's, root mean square, over
+                                    its size: about 0.03 for 2 mm */
+    /* 0..1; below 0.5 nothing of this should move a face: hold it. 0 when the palm cannot be told,
+     * is nothing like a palm, or bends like one of the other side. */
+    double confidence;
+} hand_reading;
+
+/* In closed form and without bone lengths, so a hand of any size and proportions will do: the palm
+ * is laid on the skeleton's six points (wrist, base of the thumb, four knuckles), the arch being
+ * free; then each finger is read in its own frame. `reading` holds what was read last, or zeros,
+ * and what cannot be told now is kept: joints beside doubtful landmarks, the spread of a finger
+ * that is bent beyond 70 degrees, the roll of a thumb that lies at the index finger. Nothing but
+ * the confidence changes when that is 0. */
+void hand_read(const hand_skeleton *skeleton, const hand_landmarks *seen, hand_reading *reading);
+
 #endif
