@@ -93,3 +93,30 @@ rigid rigid_from_quaternion(const double xyzw[4], vec3 t)
     out.r[2][2] = 1 - s * (x * x + y * y);
     return out;
 }
+
+/* Shepperd, "Quaternion from rotation matrix" (1978): from the largest of the four. */
+void rigid_to_quaternion(const rigid *m, double out_xyzw[4])
+{
+    const double trace = m->r[0][0] + m->r[1][1] + m->r[2][2];
+    double square[4] = {m->r[0][0], m->r[1][1], m->r[2][2], trace};
+    int largest = 3;
+    for (int i = 0; i < 3; ++i)
+        largest = square[i] > square[largest] ? i : largest;
+    double q[4];
+    if (largest == 3) {
+        q[0] = m->r[2][1] - m->r[1][2];
+        q[1] = m->r[0][2] - m->r[2][0];
+        q[2] = m->r[1][0] - m->r[0][1];
+        q[3] = 1.0 + trace;
+    } else {
+        const int i = largest, j = (i + 1) % 3, k = (i + 2) % 3;
+        q[i] = 1.0 + 2.0 * m->r[i][i] - trace;
+        q[j] = m->r[j][i] + m->r[i][j];
+        q[k] = m->r[k][i] + m->r[i][k];
+        q[3] = m->r[k][j] - m->r[j][k];
+    }
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    double scale = (q[3] < 0.0 ? -1.0 : 1.0) / length;
+    for (int i = 0; i < 4; ++i)
+        out_xyzw[i] = scale * q[i];
+}

@@ -48,5 +48,7 @@ rigid rigid_inverse(const rigid *m);
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad);
 /* From a quaternion x, y, z, w of any non-zero length (identity otherwise) and a translation. */
 rigid rigid_from_quaternion(const double xyzw[4], vec3 t);
+/* The unit quaternion x, y, z, w of its rotation; w >= 0. */
+void rigid_to_quaternion(const rigid *m, double out_xyzw[4]);
 
 #endif

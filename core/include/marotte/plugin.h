@@ -68,8 +68,8 @@ typedef struct mrt_host {
      * this, and with nothing else, can be replayed at any speed. */
     int64_t (*wait_until_ns)(const struct mrt_host *host, int64_t time_ns);
     void (*request_restart)(const struct mrt_host *host); /* [any] stop and start me soon */
-    /* [main] The functions of MRT_FOLDERS ..., until destroy() returns; NULL: this host has none.
-     */
+    /* [main] The functions of MRT_FOLDERS, MRT_LANDMARKS ..., until destroy() returns; NULL: this
+     * host has none. */
     const void *(*service)(const struct mrt_host *host, const char *id);
 } mrt_host;
 
@@ -154,6 +154,29 @@ typedef struct mrt_input {
     void (*close)(mrt_plugin *self);            /* [main] [input] as open */
     uint32_t flags;                             /* MRT_INPUT_* */
 } mrt_input;
+
+/* ---- a service: landmarks of a hand, as cameras and headsets see them, back to its angles ---- */
+#define MRT_LANDMARKS "marotte.landmarks/1"
+typedef struct mrt_landmarks {
+    /* In any right-handed frame and unit: wrist, then base, MCP, IP, tip of the thumb and MCP, PIP,
+     * DIP, tip of index .. little finger: MediaPipe's order; OpenXR's without palm and metacarpals
+     * of the fingers. */
+    mrt_vec3 at[MRT_JOINTS];
+    uint32_t doubtful; /* bit i: joint i is hidden or guessed: not used; as if not finite */
+    uint32_t side;     /* MRT_LEFT, MRT_RIGHT */
+} mrt_landmarks;
+typedef struct mrt_hand_reading {
+    float angle[MRT_ANGLES]; /* as channels of MRT_CH_ANGLE; the wrist's two are 0 */
+    float wrist[7];          /* from the hand frame to the landmarks': position in their unit,
+                                orientation as a quaternion x y z w */
+    float size;              /* of the palm in their unit, over that of a hand of 190 mm */
+    float confidence;        /* 0..1; below 0.5 it should move no face */
+} mrt_hand_reading;
+typedef struct mrt_landmark_reader {
+    /* [main] [input] `reading` holds what was read last of this hand, or zeros: what cannot be told
+     * now is kept. Any number of hands may be read at the same time. */
+    void (*read)(const struct mrt_host *host, const mrt_landmarks *seen, mrt_hand_reading *reading);
+} mrt_landmark_reader;
 
 /* ---- devices: what an input could open, and what to do about what it cannot ---- */
 #define MRT_DEVICES "marotte.devices/1"
@@ -291,6 +314,9 @@ typedef struct mrt_resume {
 MRT_LAYOUT(mrt_vec3, 12, z, 8);
 MRT_LAYOUT(mrt_host, 48, service, 40);
 MRT_LAYOUT(mrt_folders, 16, cache, 8);
+MRT_LAYOUT(mrt_landmarks, 260, side, 256);
+MRT_LAYOUT(mrt_hand_reading, 124, confidence, 120);
+MRT_LAYOUT(mrt_landmark_reader, 8, read, 0);
 MRT_LAYOUT(mrt_param, 72, labels, 64);
 MRT_LAYOUT(mrt_interface, 16, functions, 8);
 MRT_LAYOUT(mrt_plugin_type, 72, destroy, 64);

@@ -1,7 +1,6 @@
 #include "stage/mapping/instance.h"
 #include "base/clock.h"
 #include "base/text.h"
-#include "stage/mapping/services.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -97,10 +96,20 @@ static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
     return said(host, services_cache_folder(self->type->id, out, capacity, &err), &err);
 }
 
+static void read_landmarks(const mrt_host *host, const mrt_landmarks *seen,
+                           mrt_hand_reading *reading)
+{
+    const instance *self = host->data;
+    services_read_landmarks(&self->reader, seen, reading);
+}
+
 static const void *host_service(const mrt_host *host, const char *id)
 {
     static const mrt_folders folders = {settings_folder, cache_folder};
-    (void)host;
+    static const mrt_landmark_reader landmarks = {read_landmarks};
+    instance *self = host->data;
+    if (strcmp(id, MRT_LANDMARKS) == 0 && services_reader_init(&self->reader))
+        return &landmarks;
     return strcmp(id, MRT_FOLDERS) == 0 ? &folders : NULL;
 }
 
@@ -158,6 +167,7 @@ void instance_destroy(instance *self)
     pthread_cond_destroy(&self->wake);
     free(self->wanted);
     free(self->params);
+    services_reader_finish(&self->reader);
     *self = (instance){0};
 }
 

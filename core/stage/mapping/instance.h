@@ -5,6 +5,7 @@
 #ifndef MAROTTE_STAGE_INSTANCE_H
 #define MAROTTE_STAGE_INSTANCE_H
 #include "base/log.h"
+#include "stage/mapping/services.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -19,7 +20,8 @@ typedef struct instance {
     const mrt_plugin_type *type;
     mrt_plugin *self;
     mrt_host host;
-    log_queue *log; /* the caller's */
+    services_reader reader; /* made when the plugin asks for it */
+    log_queue *log;         /* the caller's */
     instance_clock clock;
     int64_t virtual_ns;
     _Atomic double *wanted;     /* parameter values as set by [any] */

@@ -2,6 +2,7 @@
 #include "base/file.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static mrt_result make(file_home below, const char *type_id, char *out, size_t capacity, error *err)
 {
@@ -27,4 +28,43 @@ mrt_result services_settings_folder(const char *type_id, char *out, size_t capac
 mrt_result services_cache_folder(const char *type_id, char *out, size_t capacity, error *err)
 {
     return make(FILE_HOME_CACHE, type_id, out, capacity, err);
+}
+
+bool services_reader_init(services_reader *self)
+{
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
+        if (!self->skeleton[side])
+            self->skeleton[side] = hand_skeleton_create(side, HAND_LENGTH_MM);
+    return self->skeleton[MRT_LEFT] && self->skeleton[MRT_RIGHT];
+}
+
+void services_reader_finish(services_reader *self)
+{
+    hand_skeleton_destroy(self->skeleton[MRT_LEFT]);
+    hand_skeleton_destroy(self->skeleton[MRT_RIGHT]);
+    *self = (services_reader){{NULL, NULL}};
+}
+
+void services_read_landmarks(const services_reader *self, const mrt_landmarks *seen,
+                             mrt_hand_reading *reading)
+{
+    reading->confidence = 0.0f;
+    if (seen->side > MRT_RIGHT)
+        return;
+    hand_landmarks points = {.doubtful = seen->doubtful};
+    memcpy(points.at, seen->at, sizeof points.at);
+    hand_reading now = {.confidence = 0.0};
+    memcpy(now.angle_rad, reading->angle, sizeof now.angle_rad);
+    hand_read(self->skeleton[seen->side], &points, &now);
+    if (!(now.confidence > 0.0))
+        return;
+    double xyzw[4];
+    rigid_to_quaternion(&now.wrist, xyzw);
+    const double wrist[7] = {now.wrist.t.x, now.wrist.t.y, now.wrist.t.z, xyzw[0],
+                             xyzw[1],       xyzw[2],       xyzw[3]};
+    memcpy(reading->angle, now.angle_rad, sizeof reading->angle);
+    for (int i = 0; i < 7; ++i)
+        reading->wrist[i] = (float)wrist[i];
+    reading->size = (float)now.size;
+    reading->confidence = (float)now.confidence;
 }

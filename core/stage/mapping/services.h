@@ -1,8 +1,9 @@
-/* stage/mapping/services.h - what a host offers beside its functions (mrt_host.service), the same
- * in the program and in a plugin's own process. [main] */
+/* stage/mapping/services.h - what a host offers beside its functions (mrt_host.service): folders,
+ * the same in the program and in a mapping's own process; landmarks, to inputs, which are always in
+ * the program. [main] unless marked. */
 #ifndef MAROTTE_STAGE_MAPPING_SERVICES_H
 #define MAROTTE_STAGE_MAPPING_SERVICES_H
-#include "base/error.h"
+#include "hand/hand.h"
 
 /* A folder of this type's own below the person's settings (or cache), made if need be; "" after an
  * error. The type was checked: its id is no path. */
@@ -10,5 +11,16 @@ CHECKED mrt_result services_settings_folder(const char *type_id, char *out, size
                                             error *err);
 CHECKED mrt_result services_cache_folder(const char *type_id, char *out, size_t capacity,
                                          error *err);
+
+/* What MRT_LANDMARKS is read with. Zeroed: nothing is there. */
+typedef struct services_reader {
+    hand_skeleton *skeleton[2];
+} services_reader;
+/* Once; again is fine. False: no memory. */
+bool services_reader_init(services_reader *self);
+void services_reader_finish(services_reader *self);
+/* [any] As plugin.h says; a side that is none gives no confidence. */
+void services_read_landmarks(const services_reader *self, const mrt_landmarks *seen,
+                             mrt_hand_reading *reading);
 
 #endif
