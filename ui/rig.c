@@ -187,11 +187,9 @@ static mrt_result draft(const drafting *d, error *err)
     if (f.rig)
         result = error_set(err, MRT_ERR_ARGUMENT, "%s: is a rig; new takes a mesh", d->mesh_path);
     else
-        result = rig_draft_make(&r, &confirm, &f.mesh, d->mesh_path, err);
+        result = rig_draft_make(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, err);
     if (result >= 0) {
-        result = rig_validate(&r, &f.mesh, &f.topology, err);
-        if (result >= 0)
-            result = rig_write(&r, d->out_path, err);
+        result = rig_write(&r, d->out_path, err);
         rig_destroy(&r);
     }
     if (result >= 0) {

@@ -23,13 +23,16 @@ typedef enum rig_select_kind {
     SELECT_ALL,        /* "all": [ ... ]: the least of them */
     SELECT_ANY,        /* "any": [ ... ]: the greatest of them */
     SELECT_NOT,        /* "not": { ... } */
-    SELECT_PAINTED     /* "painted": a name in the rig's "paints" */
+    SELECT_PAINTED,    /* "painted": a name in the rig's "paints" */
+    SELECT_PIECE,      /* "piece": vertex: the connected piece of surface that it is in */
+    SELECT_PIECES_INSIDE, /* "pieces_inside": { ... }: pieces of which every vertex is selected */
+    SELECT_JOINT /* "joint": a name: how far the file's skin follows it and the joints below it */
 } rig_select_kind;
 
 typedef struct rig_select {
     rig_select_kind kind;
     char *path;             /* JSON path, for messages */
-    char *name;             /* group, attribute or paint */
+    char *name;             /* group, attribute, paint or joint */
     uint32_t *first, *last; /* vertices: range_count inclusive ranges; painted: ascending */
     uint8_t *value;         /* painted: of each range, in 255ths, 1..255; else NULL */
     uint32_t range_count;

@@ -6,9 +6,10 @@
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 
-/* mesh_path: as it can be opened. out_confirm: lines ended by \n, each a thing to confirm; to be
- * freed. Write it with rig_write; unsupported where no face is found. */
-CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m,
+/* mesh_path: as it can be opened. out_confirm: lines ended by \n, each a thing to confirm, with how
+ * sure it is; to be freed. Write it with rig_write: it loads, what would keep it from loading is
+ * left out and said. Unsupported where no head is found. */
+CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                   const char *mesh_path, error *err);
 
 #endif

@@ -8,6 +8,7 @@
 #include "face/rig/rig_head.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
+#include "io/openmesh.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ static drafted draft(const char *path)
     drafted d;
     error err = {""};
     if (face_file_read(&d.file, path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err) < 0 ||
-        rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, path, &err) < 0 ||
+        rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, &d.file.topology, path, &err) < 0 ||
         rig_validate(&d.rig, &d.file.mesh, &d.file.topology, &err) < 0)
         fail_msg("%s: %s", path, err.text);
     return d;
@@ -136,9 +137,12 @@ static void what_has_no_face_is_refused(void **state)
     memcpy(m.position, corner, sizeof corner);
     m.triangle[1] = 1;
     m.triangle[2] = 2;
-    assert_int_equal(rig_draft_make(&r, &confirm, &m, "flat.obj", &err), MRT_ERR_UNSUPPORTED);
+    topology t;
+    assert_int_equal(openmesh_topology(&t, &m, &err), MRT_OK);
+    assert_int_equal(rig_draft_make(&r, &confirm, &m, &t, "flat.obj", &err), MRT_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.text, "no profile of a face"));
     assert_null(confirm);
+    topology_destroy(&t);
     mesh_destroy(&m);
 }
 
@@ -170,7 +174,7 @@ static void vertices_without_a_mirror_image_are_counted(void **state)
         uint32_t expected = 0;
         for (uint32_t v = 0; v < COUNT; ++v) {
             double nearest_mm;
-            (void)rig_mirror_of(&m, v, middle_x, &nearest_mm);
+            (void)rig_mirror_of(&m, NULL, v, middle_x, &nearest_mm);
             expected += nearest_mm > reach_mm;
         }
         assert_true(rig_mirror_count_alone(&count, &example, &m, middle_x, reach_mm));

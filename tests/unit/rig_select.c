@@ -266,6 +266,86 @@ static void attributes_give_shares(void **state)
     mesh_destroy(&m);
 }
 
+/* The sheet without its middle column of cells: two pieces. */
+static mesh make_torn_sheet(void)
+{
+    mesh m = make_sheet();
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < m.triangle_count; ++i) {
+        const uint32_t *corner = m.triangle + (size_t)i * 3;
+        if (corner[0] % SHEET_SIDE == 2)
+            continue;
+        memmove(m.triangle + (size_t)kept++ * 3, corner, 3 * sizeof *corner);
+    }
+    m.triangle_count = m.part[0].triangle_count = kept;
+    return m;
+}
+
+static void pieces_are_found_by_a_vertex_and_by_where_they_lie(void **state)
+{
+    (void)state;
+    mesh m = make_torn_sheet();
+    float out[SHEET_VERTICES];
+    error err = {""};
+    assert_int_equal(select_on(out, &m, "{\"piece\": 8}", &err), MRT_OK);
+    for (uint32_t v = 0; v < SHEET_VERTICES; ++v)
+        assert_true((out[v] > 0.5f) == (v % SHEET_SIDE > 2));
+    assert_int_equal(select_on(out, &m,
+                               "{\"pieces_inside\": {\"box\": {\"low\": [-30, -30, -1], "
+                               "\"high\": [15, 30, 1]}}}",
+                               &err),
+                     MRT_OK);
+    for (uint32_t v = 0; v < SHEET_VERTICES; ++v)
+        assert_true((out[v] > 0.5f) == (v % SHEET_SIDE <= 2));
+    assert_true(select_on(out, &m, "{\"piece\": 25}", &err) < 0);
+    assert_non_null(strstr(err.text, "select.piece: vertex 25 of a mesh of 25 vertices"));
+    mesh_destroy(&m);
+}
+
+static void joints_give_the_shares_of_what_hangs_on_them(void **state)
+{
+    (void)state;
+    mesh m = make_sheet();
+    float out[SHEET_VERTICES];
+    error err = {""};
+    m.joint = calloc(3, sizeof *m.joint);
+    m.joint_count = 3;
+    m.joint[0] = (mesh_joint){.name = strdup("Hips"), .role = strdup(""), .parent = MESH_NO_JOINT};
+    m.joint[1] = (mesh_joint){.name = strdup("Head"), .role = strdup(""), .parent = 0};
+    m.joint[2] = (mesh_joint){.name = strdup("LeftEye"), .role = strdup(""), .parent = 1};
+    m.skin_joint = calloc((size_t)SHEET_VERTICES * MESH_SKIN_WIDTH, sizeof *m.skin_joint);
+    m.skin_weight = calloc((size_t)SHEET_VERTICES * MESH_SKIN_WIDTH, sizeof *m.skin_weight);
+    m.skin_joint[0] = 1; /* vertex 0: half Head, a quarter each of the eye and the hips */
+    m.skin_joint[1] = 2;
+    m.skin_weight[0] = 0.5f;
+    m.skin_weight[1] = m.skin_weight[2] = 0.25f;
+    assert_int_equal(select_on(out, &m, "{\"joint\": \"Head\"}", &err), MRT_OK);
+    assert_true(out[0] > 0.7499f && out[0] < 0.7501f && out[1] < 0.5f);
+    assert_int_equal(select_on(out, &m, "{\"joint\": \"LeftEye\"}", &err), MRT_OK);
+    assert_true(out[0] > 0.2499f && out[0] < 0.2501f);
+    assert_true(select_on(out, &m, "{\"joint\": \"Jaw\"}", &err) < 0);
+    assert_non_null(strstr(err.text, "no skin on a joint \"Jaw\"; it has: Hips, Head, LeftEye"));
+    mesh_destroy(&m);
+}
+
+/* Two parts that meet along a seam: the point belongs to both. */
+static void a_point_is_selected_as_a_whole(void **state)
+{
+    (void)state;
+    mesh m = make_sheet();
+    float out[SHEET_VERTICES];
+    error err = {""};
+    m.point = calloc(SHEET_VERTICES, sizeof *m.point);
+    m.smooth = calloc(SHEET_VERTICES, sizeof *m.smooth);
+    for (uint32_t v = 0; v < SHEET_VERTICES; ++v)
+        m.point[v] = m.smooth[v] = v == 13 ? 12 : v;
+    assert_int_equal(select_on(out, &m, "{\"vertices\": [13]}", &err), MRT_OK);
+    assert_true(out[12] > 0.5f && out[13] > 0.5f && out[14] < 0.5f);
+    assert_int_equal(select_on(out, &m, "{\"not\": {\"vertices\": [12]}}", &err), MRT_OK);
+    assert_true(out[12] < 0.5f && out[13] < 0.5f && out[14] > 0.5f);
+    mesh_destroy(&m);
+}
+
 static void vertices_that_are_not_there_are_refused(void **state)
 {
     (void)state;
@@ -391,6 +471,9 @@ int main(void)
         cmocka_unit_test(a_hundred_thousand_ranges_of_all_vertices_are_one),
         cmocka_unit_test(groups_match_parts_and_materials),
         cmocka_unit_test(attributes_give_shares),
+        cmocka_unit_test(pieces_are_found_by_a_vertex_and_by_where_they_lie),
+        cmocka_unit_test(joints_give_the_shares_of_what_hangs_on_them),
+        cmocka_unit_test(a_point_is_selected_as_a_whole),
         cmocka_unit_test(vertices_that_are_not_there_are_refused),
         cmocka_unit_test(later_regions_win_and_rigid_ones_over_all),
         cmocka_unit_test(shares_make_room_for_later_ones),

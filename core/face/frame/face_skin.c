@@ -65,24 +65,40 @@ static vec3 turned(const face *f, const uint32_t *corner, vec3 normal)
     return vec3_add(normal, matrix3x3_apply(&here.turn, normal));
 }
 
-static double skin_determinant(const face *f)
+static double skin_determinant(const face *f, uint32_t *out_triangle)
 {
     double smallest = 1.0;
+    *out_triangle = 0;
     for (uint32_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + (size_t)3 * t;
         vec3 rest = area_of(&f->rest, corner), shown = area_of(&f->shown, corner);
         vec3 along = vec3_normalised(turned(f, corner, rest), rest);
         double determinant = vec3_dot(shown, along) / vec3_length(rest);
-        smallest = t == 0 || determinant < smallest ? determinant : smallest;
+        if (t > 0 && determinant >= smallest)
+            continue;
+        smallest = determinant;
+        *out_triangle = t;
     }
     return smallest;
 }
 
 double face_min_determinant(const face *f)
 {
+    uint32_t triangle;
     if (f->rig)
-        return skin_determinant(f);
+        return skin_determinant(f, &triangle);
     return f->control_count > 0 ? csrbf_min_determinant(f->field[0].solver, f->origin) : 1.0;
+}
+
+double face_worst_place(const face *f, vec3 *out_rest)
+{
+    uint32_t triangle;
+    double determinant = skin_determinant(f, &triangle);
+    const uint32_t *corner = f->skin + (size_t)3 * triangle;
+    *out_rest = (vec3){0, 0, 0};
+    for (int i = 0; i < 3 && f->skin_count > 0; ++i)
+        *out_rest = vec3_add(*out_rest, vec3_scale(vertex_at(&f->rest, corner[i]), 1.0 / 3.0));
+    return determinant;
 }
 
 face_surface face_judge(const face *f)

@@ -2,7 +2,7 @@
 
 #include "face/bones.h"
 #include "face/rig/rig_document.h"
-#include "face/rig/rig_head.h"
+#include "face/rig/rig_anatomy.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -471,7 +471,7 @@ static void check_mirror(checking *c, uint32_t index, const rig_place *place)
     double off_mm = vec3_length(vec3_sub(image, rig_mirror_position(c->m, other->vertex)));
     if (off_mm <= mirror_reach_mm)
         return;
-    uint32_t better = rig_mirror_of(c->m, contact->vertex, middle_x, &distance_mm);
+    uint32_t better = rig_mirror_of(c->m, NULL, contact->vertex, middle_x, &distance_mm);
     report(c, RIG_WARNING, place->text,
            "\"%s\" and \"%s\" are %.1f mm from being mirror images; vertex %u is %.1f mm from it",
            contact->name, other->name, off_mm, better, distance_mm);
@@ -703,12 +703,12 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
                      const binding *b, error *err)
 {
     bind_marks marks = {0};
-    rig_head head;
+    rig_anatomy anatomy = {0};
     *out = (rig_findings){0};
     checking c = {.r = r, .m = m, .t = t, .binding = b, .out = out};
     c.radius_mm = r->solver.radius > 0.0 ? r->solver.radius : 0.25 * height_of(m);
-    if (rig_head_measure(&head, m, NULL) >= 0)
-        c.head = &head;
+    if (rig_anatomy_find(&anatomy, m, t, NULL) >= 0 && anatomy.has_face)
+        c.head = &anatomy.head;
     check_unusable(&c, &marks);
     check_size(&c);
     check_mesh_hash(&c);
@@ -721,6 +721,7 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
         report(&c, RIG_NOTE, "$.regions", "contacts and parts are checked once this has no errors");
     note_lines(&c, r->note);
     bind_marks_destroy(&marks);
+    rig_anatomy_finish(&anatomy);
     sort_by_severity(out);
     return c.is_out_of_memory ? error_set(err, MRT_ERR_MEMORY, "no memory to check the rig")
                               : MRT_OK;

@@ -1,22 +1,50 @@
 #include "face/rig_draft.h"
 
-#include "base/file.h"
+#include "face/rig/rig_anatomy.h"
 #include "face/rig/rig_document.h"
-#include "face/rig/rig_head.h"
+#include "face/face.h"
+#include "face/rig_check.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+enum { REGIONS_MAX = 200 };
+#define NECK      0.6  /* of the reach: so far below the chin the skin is drawn along */
+#define EYE_REACH 1.28 /* of an eyeball's radius: so far around it nothing is pulled */
+#define LID_REACH 1.22 /* of an eyeball's radius: so far in front of it lids are */
+
+typedef enum ambition { /* what a draft has: less is tried where more does not load */
+                        ALL = 0,
+                        WITHOUT_LIDS,
+                        WITHOUT_PIECES,
+                        AMBITIONS
+} ambition;
+
+typedef struct patch { /* of skin that is not to be bent: the end of a slit */
+    vec3 at;
+    double radius_mm;
+} patch;
+
+enum { PATCHES_MAX = 12 };
+
 typedef struct drafting {
     const mesh *m;
+    const topology *t;
+    rig_anatomy a;
     rig_head head;
+    ambition ambition;
+    patch patch[PATCHES_MAX];
+    uint32_t patch_count;
     double reach_mm; /* from the nose down to the chin: what a face is measured in */
     json_t *bones, *regions, *contacts;
     char *confirm; /* lines */
 } drafting;
+
+static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
+                                   [BY_NAME] = "by its name: sure",
+                                   [BY_SKELETON] = "by the skeleton: sure"};
 
 /* To 0.1 mm. */
 static json_t *point_of(vec3 p)
@@ -27,6 +55,9 @@ static json_t *point_of(vec3 p)
 /* ---- contacts ---- */
 
 typedef enum level { FROM_NOSE, FROM_MOUTH, FROM_CHIN } level;
+
+#define CORNER_ACROSS 0.362
+#define CORNER_UP     (-0.020)
 
 /* Where contacts are on the ICT face: across in half widths of the face, up in reaches (nose to
  * chin) from one of three levels. */
@@ -41,7 +72,7 @@ static const struct {
                 {"cheek.lower", 0.645, -0.311, FROM_NOSE},
                 {"nasolabial", 0.387, -0.227, FROM_NOSE},
                 {"nose.wing", 0.215, -0.070, FROM_NOSE},
-                {"mouth.corner", 0.362, -0.020, FROM_MOUTH},
+                {"mouth.corner", CORNER_ACROSS, CORNER_UP, FROM_MOUTH},
                 {"lip.upper.side", 0.179, 0.070, FROM_MOUTH},
                 {"lip.lower.side", 0.179, -0.090, FROM_MOUTH},
                 {"jaw.angle", 0.817, 0.446, FROM_CHIN},
@@ -56,10 +87,19 @@ static bool snap(uint32_t *out_vertex, const drafting *d, int index)
 {
     const rig_head *head = &d->head;
     const double level_y[] = {head->nose.y, head->mouth_y, head->chin.y};
-    double x = head->middle_x + standard[index].across * head->half_width;
+    double across = standard[index].across * head->half_width;
     double y = level_y[standard[index].from] + standard[index].up * d->reach_mm;
+    if (standard[index].from == FROM_MOUTH) {
+        if (head->corner_x > 0.0)
+            across *= head->corner_x / (CORNER_ACROSS * head->half_width);
+        if (standard[index].up > 0.0)
+            y = fmax(y, head->lip_upper_y);
+        else if (standard[index].up < CORNER_UP)
+            y = fmin(y, head->lip_lower_y);
+    }
     vec3 hit;
-    return rig_head_hit(&hit, out_vertex, d->m, x, y);
+    return rig_head_hit(&hit, out_vertex, d->m, d->a.is_face, head->middle_x + across, y) &&
+           hit.z > head->nose.z - 0.55 * (head->nose.z - head->back_z);
 }
 
 static void add_contact(drafting *d, const char *name, uint32_t vertex, const char *mirror)
@@ -76,7 +116,7 @@ static void add_pair(drafting *d, int index, uint32_t vertex)
     (void)snprintf(left, sizeof left, "%.32s.l", standard[index].name);
     (void)snprintf(right, sizeof right, "%.32s.r", standard[index].name);
     double off_mm;
-    uint32_t other = rig_mirror_of(d->m, vertex, d->head.middle_x, &off_mm);
+    uint32_t other = rig_mirror_of(d->m, d->a.is_face, vertex, d->head.middle_x, &off_mm);
     if (other == vertex) {
         rig_note(&d->confirm, "contacts %s and %s: the mesh is too coarse there; left out", left,
                  right);
@@ -114,11 +154,12 @@ static void draft_contacts(drafting *d)
         else
             add_contact(d, standard[i].name, vertex, NULL);
     }
-    rig_note(&d->confirm,
-             "contacts: %zu were laid on the front of the face by its proportions; look at them "
-             "with marotte rig show, above all at the lips (upper above, lower below the slit) and "
-             "the corners of the mouth",
-             json_array_size(d->contacts));
+    rig_note(
+        &d->confirm,
+        "contacts: %zu were laid on the front of the face by its proportions: likely; look at "
+        "them with marotte rig show, above all at the lips (upper above, lower below the slit) and "
+        "the corners of the mouth",
+        json_array_size(d->contacts));
 }
 
 /* The vertex of a contact that is there; RIG_NONE: it is not. */
@@ -133,111 +174,88 @@ static uint32_t contact_vertex(const drafting *d, const char *name)
     return RIG_NONE;
 }
 
-/* ---- by name ---- */
+/* ---- pieces ---- */
 
-static bool has_word(const char *name, const char *word)
+static json_t *piece_select(const anatomy_piece *p)
 {
-    size_t length = strlen(word);
-    for (; *name; ++name) {
-        size_t i = 0;
-        while (i < length && tolower((unsigned char)name[i]) == word[i])
-            ++i;
-        if (i == length)
-            return true;
-    }
-    return false;
+    return json_pack("{sI}", "piece", (json_int_t)p->vertex);
 }
 
-static void part_box(vec3 *out_low, vec3 *out_high, const mesh *m, const mesh_part *part)
+/* One, or any of them. */
+static json_t *any_of(json_t *list)
 {
-    const uint32_t *corner = m->triangle + (size_t)part->first_triangle * 3;
-    *out_low = *out_high = rig_mirror_position(m, corner[0]);
-    for (size_t i = 1; i < (size_t)part->triangle_count * 3; ++i) {
-        vec3 p = rig_mirror_position(m, corner[i]);
-        *out_low = (vec3){fmin(out_low->x, p.x), fmin(out_low->y, p.y), fmin(out_low->z, p.z)};
-        *out_high = (vec3){fmax(out_high->x, p.x), fmax(out_high->y, p.y), fmax(out_high->z, p.z)};
-    }
+    json_t *only = json_array_size(list) == 1 ? json_incref(json_array_get(list, 0)) : NULL;
+    if (!only)
+        return json_pack("{so}", "any", list);
+    json_decref(list);
+    return only;
 }
 
-static vec3 part_centre(const mesh *m, const mesh_part *part)
+/* `select`, of the piece that is the face. */
+static json_t *of_face(const drafting *d, json_t *select)
 {
-    vec3 low, high;
-    part_box(&low, &high, m, part);
-    return vec3_scale(vec3_add(low, high), 0.5);
+    return d->a.piece_count < 2
+               ? select
+               : json_pack("{s[oo]}", "all", piece_select(&d->a.piece[d->a.face]), select);
 }
 
-static void add_rigid_part(drafting *d, const char *bone, const char *group)
+static const char *part_name(const drafting *d, uint32_t part)
 {
-    json_array_append_new(d->regions, json_pack("{ss, sb, s{ss}}", "bone", bone, "rigid", 1,
-                                                "select", "group", group));
-    rig_note(&d->confirm, "part %s: rigid on %s, by its name", group, bone);
+    return part < d->m->part_count ? d->m->part[part].name : "";
 }
 
-static bool is_eye(const char *name)
+/* The pieces of a kind that are of one part of the mesh, as one region. */
+static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uint32_t first)
 {
-    return has_word(name, "eye") && !has_word(name, "brow") && !has_word(name, "lash") &&
-           !has_word(name, "lid") && !has_word(name, "socket") && !has_word(name, "extra");
-}
-
-static bool has_bone(const drafting *d, const char *name)
-{
-    for (size_t i = 0; i < json_array_size(d->bones); ++i) {
-        const char *found = json_string_value(json_object_get(json_array_get(d->bones, i), "name"));
-        if (found && strcmp(found, name) == 0)
-            return true;
-    }
-    return false;
-}
-
-/* The first part of an eye says where it turns. */
-static void add_eye(drafting *d, const mesh_part *part)
-{
-    vec3 low, high;
-    part_box(&low, &high, d->m, part);
-    vec3 centre = vec3_scale(vec3_add(low, high), 0.5);
-    const char *bone = centre.x > d->head.middle_x ? "eye.l" : "eye.r";
-    if (!has_bone(d, bone)) {
-        json_array_append_new(
-            d->bones,
-            json_pack("{ss, s{so, sf}, s[{ss, s[iii], s[ii]}, {ss, s[iii], s[ii]}]}", "name", bone,
-                      "ball", "centre", point_of(centre), "radius_mm",
-                      round(5.0 * (high.y - low.y)) / 10.0, "turns", "name", "yaw", "axis", 0, 1, 0,
-                      "deg", -35, 35, "name", "pitch", "axis", -1, 0, 0, "deg", -25, 25));
-        rig_note(&d->confirm, "bone %s: turns about the middle of part %s, (%.1f, %.1f, %.1f) mm",
-                 bone, part->name, centre.x, centre.y, centre.z);
-    }
-    add_rigid_part(d, bone, part->name);
-}
-
-static bool is_lower(const drafting *d, const mesh_part *part)
-{
-    if (has_word(part->name, "upper") || has_word(part->name, "lower"))
-        return has_word(part->name, "lower");
-    return part_centre(d->m, part).y < d->head.mouth_y;
-}
-
-static bool comes_again(const mesh *m, uint32_t index)
-{
-    for (uint32_t i = 0; i < index; ++i)
-        if (strcmp(m->part[i].name, m->part[index].name) == 0)
-            return true;
-    return false;
-}
-
-/* Teeth, tongue, eyes; eyes become bones. */
-static void draft_regions_by_name(drafting *d)
-{
-    for (uint32_t i = 0; i < d->m->part_count; ++i) {
-        const mesh_part *part = &d->m->part[i];
-        if (part->triangle_count == 0 || comes_again(d->m, i) || strlen(part->name) > RIG_NAME_MAX)
+    const anatomy_piece *like = &d->a.piece[first];
+    const char *name = part_name(d, like->part);
+    json_t *list = json_array();
+    anatomy_source source = like->source;
+    for (uint32_t i = first; i < d->a.piece_count; ++i) {
+        const anatomy_piece *p = &d->a.piece[i];
+        if (p->kind != kind || strcmp(part_name(d, p->part), name) != 0)
             continue;
-        if (is_eye(part->name))
-            add_eye(d, part);
-        else if (has_word(part->name, "teeth") || has_word(part->name, "tooth") ||
-                 has_word(part->name, "gum"))
-            add_rigid_part(d, is_lower(d, part) ? "jaw" : "skull", part->name);
-        else if (has_word(part->name, "tongue"))
-            add_rigid_part(d, "jaw", part->name);
+        json_array_append_new(list, piece_select(p));
+        source = p->source < source ? p->source : source;
+    }
+    size_t count = json_array_size(list);
+    json_array_append_new(
+        d->regions, json_pack("{ss, sb, so}", "bone", bone, "rigid", 1, "select", any_of(list)));
+    if (count == 1 && name[0])
+        rig_note(&d->confirm, "part %s: rigid on %s, %s", name, bone, sure[source]);
+    else if (count == 1)
+        rig_note(&d->confirm, "the piece of vertex %u: rigid on %s, %s", like->vertex, bone,
+                 sure[source]);
+    else
+        rig_note(&d->confirm, "%zu pieces%s%s: rigid on %s, %s", count, name[0] ? " of part " : "",
+                 name, bone, sure[source]);
+}
+
+static bool came_before(const drafting *d, uint32_t piece)
+{
+    for (uint32_t i = 0; i < piece; ++i)
+        if (d->a.piece[i].kind == d->a.piece[piece].kind &&
+            strcmp(part_name(d, d->a.piece[i].part), part_name(d, d->a.piece[piece].part)) == 0)
+            return true;
+    return false;
+}
+
+/* What is rigid, each kind on its bone. Bodies with a skin follow it. */
+static void draft_pieces(drafting *d)
+{
+    static const char *const bone_of[] = {
+        [PIECE_RIDES] = "skull",     [PIECE_BEARD] = "jaw",  [PIECE_TEETH_UPPER] = "skull",
+        [PIECE_TEETH_LOWER] = "jaw", [PIECE_TONGUE] = "jaw", [PIECE_EYE_LEFT] = "eye.l",
+        [PIECE_EYE_RIGHT] = "eye.r"};
+    for (uint32_t i = 0; i < d->a.piece_count && json_array_size(d->regions) < REGIONS_MAX; ++i) {
+        piece_kind kind = d->a.piece[i].kind;
+        const char *bone = bone_of[kind];
+        if (kind == PIECE_BODY && d->a.head_joint == MESH_NO_JOINT)
+            bone = d->a.has_body ? "body" : "skull";
+        if (!d->a.has_face && kind == PIECE_RIDES && d->a.head_joint != MESH_NO_JOINT)
+            bone = NULL;
+        if (bone && !came_before(d, i))
+            add_rigid_pieces(d, bone, kind, i);
     }
 }
 
@@ -264,22 +282,94 @@ static void add_region(drafting *d, const char *bone, const char *key, json_t *v
     json_array_append_new(d->regions, region);
 }
 
+/* A head alone: what cannot be pulled. */
 static void add_cranium(drafting *d)
 {
     const rig_head *head = &d->head;
     double x = head->middle_x, depth = head->nose.z - head->back_z;
     vec3 top = {x, head->nose.y + 1.3 * d->reach_mm, 0.0};
     vec3 back = {x, head->nose.y, head->back_z + 0.42 * depth};
-    vec3 neck = {x, head->chin.y - 0.3 * d->reach_mm, 0.0};
+    vec3 neck = {x, head->chin.y - NECK * d->reach_mm, 0.0};
     add_region(d, "skull", "rigid", json_true(),
-               json_pack("{s[ooo]}", "any", half_space(top, (vec3){0, 1, 0}),
-                         half_space(back, (vec3){0, 0, -1}), half_space(neck, (vec3){0, -1, 0})));
+               of_face(d, json_pack("{s[ooo]}", "any", half_space(top, (vec3){0, 1, 0}),
+                                    half_space(back, (vec3){0, 0, -1}),
+                                    half_space(neck, (vec3){0, -1, 0}))));
     rig_note(&d->confirm,
              "region skull: rigid above y = %.0f mm, behind z = %.0f mm and below y = %.0f mm "
              "(neck)",
              top.y, back.z, neck.y);
 }
 
+/* What the fill is to be smooth in: the front of the face, and pieces that follow it. */
+static json_t *free_part(const drafting *d)
+{
+    const rig_head *head = &d->head;
+    double depth = head->nose.z - head->back_z, reach = d->reach_mm, wide = 1.2 * head->half_width;
+    json_t *list = json_array();
+    if (d->a.has_face) {
+        vec3 low = {head->middle_x - wide, head->chin.y - NECK * reach,
+                    head->nose.z - 0.62 * depth};
+        vec3 high = {head->middle_x + wide, head->nose.y + 1.1 * reach, head->nose.z + depth};
+        json_array_append_new(list, of_face(d, json_pack("{s{so, so}}", "box", "low", point_of(low),
+                                                         "high", point_of(high))));
+    }
+    for (uint32_t i = 0; i < d->a.piece_count && json_array_size(list) < REGIONS_MAX; ++i)
+        if (d->a.piece[i].kind == PIECE_UNKNOWN)
+            json_array_append_new(list, piece_select(&d->a.piece[i]));
+    return any_of(list);
+}
+
+static json_t *beside(const drafting *d, json_t *select)
+{
+    return d->a.has_face ? json_pack("{s[o{so}]}", "all", select, "not", free_part(d)) : select;
+}
+
+static void add_held(drafting *d, const char *bone, json_t *select)
+{
+    json_array_append_new(d->regions, json_pack("{ss, si, si, so}", "bone", bone, "weight", 1,
+                                                "mobility", 0, "select", select));
+}
+
+/* A head on a body: the skin of the file says what turns, else the height. */
+static void add_body(drafting *d)
+{
+    if (d->a.head_joint != MESH_NO_JOINT) {
+        const char *joint = d->m->joint[d->a.head_joint].name;
+        add_held(d, "skull", beside(d, json_pack("{ss}", "joint", joint)));
+        add_held(d, "body", beside(d, json_pack("{s{ss}}", "not", "joint", joint)));
+        rig_note(&d->confirm,
+                 "bones body and skull: what follows the joint %s in the file's skin turns with "
+                 "the head, %s",
+                 joint, sure[BY_SKELETON]);
+        return;
+    }
+    double soft = d->a.has_face ? 0.2 * (d->head.top_y - d->a.neck.y) : 0.0;
+    vec3 below = {0.0, d->a.neck.y - soft, 0.0}, above = {0.0, d->a.neck.y + soft, 0.0};
+    add_held(d, "skull", beside(d, of_face(d, half_space(above, (vec3){0, 1, 0}))));
+    add_held(d, "body", of_face(d, half_space(below, (vec3){0, -1, 0})));
+    rig_note(&d->confirm, "bones body and skull: the head ends at y = %.0f mm, %s", d->a.neck.y,
+             sure[BY_SHAPE]);
+}
+
+/* Behind the lips, so deep (mm). */
+static json_t *hidden_vertices(const drafting *d, double deep_mm)
+{
+    const uint32_t count = d->m->vertex_count;
+    json_t *list = json_array();
+    for (uint32_t v = 0; v < count; ++v) {
+        uint32_t first = v;
+        while (v < count && (double)d->a.hidden_mm[v] > deep_mm &&
+               rig_mirror_position(d->m, v).y < d->head.lip_upper_y + 0.3 * d->reach_mm)
+            ++v;
+        if (v > first)
+            json_array_append_new(list, v == first + 1 ? json_integer((json_int_t)first)
+                                                       : json_sprintf("%u-%u", first, v - 1));
+    }
+    return json_pack("{so}", "vertices", list);
+}
+
+/* What can be pulled: the front of the face; not the deep of the mouth, the lids and the neck. What
+ * lies between is filled. */
 static void add_mobile_face(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -288,8 +378,20 @@ static void add_mobile_face(drafting *d)
                 head->nose.z - 0.3 * depth};
     vec3 high = {head->middle_x + 0.8 * head->half_width, head->nose.y + 0.75 * reach,
                  head->nose.z + 0.1 * depth};
-    add_region(d, NULL, "mobility", json_integer(1),
-               json_pack("{s{so, so}}", "box", "low", point_of(low), "high", point_of(high)));
+    vec3 neck = {head->middle_x, head->chin.y - 0.1 * reach, 0.0};
+    json_t *box = json_pack("{s{so, so}}", "box", "low", point_of(low), "high", point_of(high));
+    add_region(d, NULL, "mobility", json_integer(0),
+               of_face(d, half_space(neck, (vec3){0, -1, 0})));
+    add_region(
+        d, NULL, "mobility", json_integer(1),
+        of_face(d, json_pack("{s[o{so}]}", "all", box, "not", hidden_vertices(d, 0.05 * reach))));
+    add_region(d, NULL, "mobility", json_integer(0), hidden_vertices(d, 0.35 * reach));
+    for (int i = 0; i < 2; ++i) {
+        double r = EYE_REACH * d->a.eye[i].radius_mm;
+        if (d->a.eye[i].is_found)
+            add_region(d, NULL, "mobility", json_integer(0),
+                       of_face(d, ellipsoid(d->a.eye[i].centre, (vec3){r, r, r})));
+    }
 }
 
 /* What rides on a bone whole, around a contact and on one side of the mouth. */
@@ -298,11 +400,26 @@ static void add_lip(drafting *d, const char *bone, const char *contact, double u
     uint32_t vertex = contact_vertex(d, contact);
     if (vertex == RIG_NONE)
         return;
-    vec3 slit = {d->head.middle_x, d->head.mouth_y, 0.0};
-    json_t *within = json_pack("{s{sf, si}}", "within", "mm", round(1.5 * d->reach_mm) / 10.0, "of",
-                               (int)vertex);
+    /* Lips that are one surface at the back of an open mouth bend there. */
+    double mm = fmin(0.15 * d->reach_mm, 0.3 * d->a.lips_mm);
+    vec3 slit = {d->head.middle_x, 0.5 * (d->head.lip_upper_y + d->head.lip_lower_y), 0.0};
+    json_t *within =
+        json_pack("{s{sf, si}}", "within", "mm", round(10.0 * mm) / 10.0, "of", (int)vertex);
     add_region(d, bone, "weight", json_integer(1),
                json_pack("{s[oo]}", "all", within, half_space(slit, (vec3){0, up, 0})));
+}
+
+/* What no jaw moves: from the nose upwards, and the middle of the upper lip. */
+static void add_upper_face(drafting *d)
+{
+    const rig_head *head = &d->head;
+    vec3 nose = {head->middle_x, head->nose.y, 0.0};
+    vec3 lip = {head->middle_x, 0.5 * (head->nose.y + head->lip_upper_y), head->nose.z};
+    vec3 radii = {0.25 * head->half_width, 0.4 * (head->nose.y - head->lip_upper_y),
+                  0.5 * d->reach_mm};
+    add_region(d, "skull", "weight", json_integer(1),
+               of_face(d, json_pack("{s[oo]}", "any", half_space(nose, (vec3){0, 1, 0}),
+                                    ellipsoid(lip, radii))));
 }
 
 static void add_jaw(drafting *d)
@@ -311,20 +428,107 @@ static void add_jaw(drafting *d)
     double reach = d->reach_mm;
     vec3 chin = {head->middle_x, head->chin.y + 0.12 * reach, head->chin.z};
     vec3 radii = {0.4 * head->half_width, 0.25 * reach, 0.35 * reach};
-    add_region(d, "jaw", "weight", json_integer(1), ellipsoid(chin, radii));
+    vec3 lip = {head->middle_x, head->lip_lower_y - 0.05 * reach, 0.0};
+    add_region(d, "jaw", "weight", json_integer(1),
+               of_face(d, json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
+                                    half_space(lip, (vec3){0, -1, 0}))));
+    if (!d->a.has_slit) {
+        rig_note(&d->confirm,
+                 "mouth: there is no slit between the lips: likely; the jaw only stretches the "
+                 "skin, and the face is performed as clay; marotte rig new --cut-mouth opens one");
+        return;
+    }
     add_lip(d, "skull", "lip.upper.mid", 1.0);
     add_lip(d, "jaw", "lip.lower.mid", -1.0);
     rig_note(&d->confirm,
              "regions jaw: the chin (an ellipsoid) and the lower lip below y = %.1f mm ride on the "
-             "jaw, the upper lip above it on the skull; if the mouth has a slit, is it there?",
+             "jaw, the upper lip above it on the skull: likely",
              head->mouth_y);
 }
 
-static void draft_regions_by_place(drafting *d)
+/* ---- lids ---- */
+
+typedef struct lid_edges { /* of the eye's middle, seen from its centre: how far up, rad */
+    double upper, lower;
+} lid_edges;
+
+/* The edges of the skin in front of a ball. */
+static bool find_lids(lid_edges *out, const drafting *d, const anatomy_eye *eye)
 {
-    add_mobile_face(d);
-    add_jaw(d);
-    add_cranium(d);
+    bool has_upper = false, has_lower = false;
+    double from = -1.2, to = 1.2;
+    for (uint32_t v = 0; v < d->m->vertex_count; ++v) {
+        vec3 p = vec3_sub(rig_mirror_position(d->m, v), eye->centre);
+        if (!d->a.is_face[v] || fabs(p.x) > 0.35 * eye->radius_mm || p.z < 0.25 * eye->radius_mm ||
+            vec3_length(p) > LID_REACH * eye->radius_mm)
+            continue;
+        double up = atan2(p.y, p.z);
+        if (up > 0.0 && up < to) {
+            to = up;
+            has_upper = true;
+        }
+        if (up <= 0.0 && up > from) {
+            from = up;
+            has_lower = true;
+        }
+    }
+    *out = (lid_edges){to, from};
+    return has_upper && has_lower && to - from > 0.12 && to - from < 1.7;
+}
+
+static void add_lid(drafting *d, const char *side, const char *which, const anatomy_eye *eye,
+                    double sign, double edge, double close_rad)
+{
+    char name[RIG_NAME_MAX + 1];
+    double r = eye->radius_mm;
+    (void)snprintf(name, sizeof name, "lid_%s.%s", which, side);
+    json_array_append_new(d->bones,
+                          json_pack("{ss, s{so, sf}, s[{ss, s[fii], s[ii]}]}", "name", name, "ball",
+                                    "centre", point_of(eye->centre), "radius_mm",
+                                    round(10.0 * r) / 10.0, "turns", "name", "close", "axis", sign,
+                                    0, 0, "deg", -8, (int)floor(close_rad * 57.29577951308232)));
+    /* A plane through the ball's axis, a little beyond the corners of the eye. */
+    vec3 up = {0.0, sign * cos(0.5 * edge), -sign * sin(0.5 * edge)};
+    vec3 front = {eye->centre.x, eye->centre.y, eye->centre.z + 0.25 * r};
+    vec3 radii = {LID_REACH * r, LID_REACH * r, LID_REACH * r};
+    add_region(
+        d, name, "weight", json_integer(1),
+        of_face(d, json_pack("{s[ooo]}", "all", ellipsoid(eye->centre, radii),
+                             half_space(front, (vec3){0, 0, 1}), half_space(eye->centre, up))));
+}
+
+/* Lids that are part of the skin: a band around the ball, and the skull beyond it. */
+static void draft_lids(drafting *d)
+{
+    static const char *const sides[] = {"l", "r"};
+    for (int i = 0; i < 2; ++i) {
+        const anatomy_eye *eye = &d->a.eye[i];
+        lid_edges edges;
+        if (!eye->is_found || !find_lids(&edges, d, eye))
+            continue;
+        double r = eye->radius_mm, gap = edges.upper - edges.lower;
+        vec3 far = {1.8 * r, 1.7 * r, 1.8 * r}, wide = {2.6 * r, 2.2 * r, 2.5 * r};
+        vec3 low = vec3_sub(eye->centre, wide), high = vec3_add(eye->centre, wide);
+        add_region(
+            d, "skull", "weight", json_integer(1),
+            of_face(d, json_pack("{s[{s{so, so}}{so}]}", "all", "box", "low", point_of(low), "high",
+                                 point_of(high), "not", ellipsoid(eye->centre, far))));
+        add_lid(d, sides[i], "upper", eye, 1.0, edges.upper, 0.75 * gap);
+        add_lid(d, sides[i], "lower", eye, -1.0, -edges.lower, 0.25 * gap);
+        rig_note(&d->confirm,
+                 "bones lid_upper.%s and lid_lower.%s: the skin around the ball of the eye, %.0f "
+                 "degrees open: a guess",
+                 sides[i], sides[i], gap * 57.29577951308232);
+    }
+}
+
+static void add_patches(drafting *d)
+{
+    for (uint32_t i = 0; i < d->patch_count; ++i) {
+        double r = d->patch[i].radius_mm;
+        add_region(d, "jaw", "weight", json_real(0.5),
+                   of_face(d, ellipsoid(d->patch[i].at, (vec3){r, r, r})));
+    }
 }
 
 /* ---- all of it ---- */
@@ -334,27 +538,103 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to draft a rig");
 }
 
+static void add_ball(drafting *d, const char *name, const char *parent, vec3 centre,
+                     double radius_mm, json_t *turns)
+{
+    json_t *bone = json_pack("{ss, s{so}, so}", "name", name, "ball", "centre", point_of(centre),
+                             "turns", turns);
+    if (radius_mm > 0.0)
+        json_object_set_new(json_object_get(bone, "ball"), "radius_mm",
+                            rig_number_to_json(round(10.0 * radius_mm) / 10.0));
+    if (parent)
+        json_object_set_new(bone, "parent", json_string(parent));
+    json_array_append_new(d->bones, bone);
+}
+
+static json_t *turn_of(const char *name, vec3 axis, int most)
+{
+    return json_pack("{ss, s[iii], s[ii]}", "name", name, "axis", (int)axis.x, (int)axis.y,
+                     (int)axis.z, "deg", -most, most);
+}
+
+static void draft_skull(drafting *d)
+{
+    if (!d->a.has_body) {
+        json_array_append_new(d->bones, json_pack("{ss}", "name", "skull"));
+        return;
+    }
+    json_array_append_new(d->bones, json_pack("{ss, sn}", "name", "body", "parent"));
+    add_ball(d, "skull", "body", d->a.neck, 0.0,
+             json_pack("[ooo]", turn_of("turn", (vec3){0, 1, 0}, 60),
+                       turn_of("nod", (vec3){1, 0, 0}, 30), turn_of("tilt", (vec3){0, 0, 1}, 25)));
+    rig_note(&d->confirm, "bone skull: turns about (%.1f, %.1f, %.1f) mm on the body, %s",
+             d->a.neck.x, d->a.neck.y, d->a.neck.z, sure[d->a.source]);
+}
+
+static void draft_eyes(drafting *d)
+{
+    static const char *const names[] = {"eye.l", "eye.r"};
+    for (int i = 0; i < 2; ++i) {
+        const anatomy_eye *eye = &d->a.eye[i];
+        if (!eye->is_found)
+            continue;
+        add_ball(d, names[i], NULL, eye->centre, eye->radius_mm,
+                 json_pack("[oo]", turn_of("yaw", (vec3){0, 1, 0}, 35),
+                           turn_of("pitch", (vec3){-1, 0, 0}, 25)));
+        rig_note(&d->confirm,
+                 "bone %s: turns about (%.1f, %.1f, %.1f) mm, the middle of a ball of "
+                 "%.1f mm: likely",
+                 names[i], eye->centre.x, eye->centre.y, eye->centre.z, eye->radius_mm);
+    }
+}
+
 /* Where jaw joints are in heads (theory 4.2): 0.44 of the way from chin to top and 0.55 from back
- * to front, somewhat inside the sides of the face. */
-static void draft_skeleton(drafting *d)
+ * to front, somewhat inside the sides of the face. A skeleton knows it better. */
+static void draft_jaw(drafting *d)
 {
     const rig_head *head = &d->head;
-    double y = head->chin.y + 0.44 * (head->top_y - head->chin.y);
-    double z = head->back_z + 0.55 * (head->nose.z - head->back_z);
-    double half = 0.78 * head->half_width;
-    vec3 left = {head->middle_x + half, y, z}, right = {head->middle_x - half, y, z};
+    vec3 left = {head->middle_x + 0.78 * head->half_width,
+                 head->chin.y + 0.44 * (head->top_y - head->chin.y),
+                 head->back_z + 0.55 * (head->nose.z - head->back_z)};
+    anatomy_source source = BY_SHAPE;
+    if (d->a.has_ears) {
+        left.y = d->a.ear.y;
+        left.z = d->a.ear.z;
+    }
+    if (d->a.jaw_joint != MESH_NO_JOINT) {
+        const float *rest = d->m->joint[d->a.jaw_joint].rest;
+        left.y = (double)rest[7];
+        left.z = (double)rest[11];
+        source = BY_SKELETON;
+    }
+    vec3 right = {2.0 * head->middle_x - left.x, left.y, left.z};
     vec3 incisor = {head->middle_x, head->mouth_y, head->mouth_z - 0.08 * d->reach_mm};
-    json_array_append_new(d->bones, json_pack("{ss}", "name", "skull"));
-    json_array_append_new(d->bones, json_pack("{ss, s{so, so}, s[ii], so}", "name", "jaw", "hinge",
-                                              "left", point_of(left), "right", point_of(right),
-                                              "open_deg", 0, 32, "incisor", point_of(incisor)));
+    double turn_mm = hypot(incisor.y - left.y, incisor.z - left.z);
+    /* So wide that the incisors part by 50 mm on a head of 225 (theory 4.2); without a slit the
+     * skin only stretches. */
+    double gap_mm = 50.0 / 225.0 * (head->top_y - head->chin.y);
+    double open =
+        2.0 * asin(fmin(0.5 * gap_mm / fmax(turn_mm, 0.5 * gap_mm), 1.0)) * 57.29577951308232;
+    int open_deg = (int)fmin(fmax(round(open), 16.0), 32.0);
+    double size = (head->top_y - head->chin.y) / 225.0; /* an adult's numbers, to size */
+    json_array_append_new(
+        d->bones, json_pack("{ss, s{so, so}, s[ii], so, so, so, so}", "name", "jaw", "hinge",
+                            "left", point_of(left), "right", point_of(right), "open_deg", 0,
+                            d->a.has_slit ? open_deg : 10, "lateral_mm",
+                            rig_number_to_json(round(100.0 * size) / 10.0), "forward_mm",
+                            rig_number_to_json(round(80.0 * size) / 10.0), "slide_mm",
+                            rig_number_to_json(d->a.has_slit ? round(60.0 * size) / 10.0 : 0.0),
+                            "incisor", point_of(incisor)));
     rig_note(&d->confirm,
              "bone jaw: turns about the line through (%.1f, %.1f, %.1f) and its mirror image, mm, "
-             "by the proportions of heads; puppets often look better with it a little lower",
-             left.x, left.y, left.z);
+             "%s",
+             left.x, left.y, left.z,
+             source != BY_SHAPE ? sure[source]
+             : d->a.has_ears    ? "beside the holes of the ears: likely"
+                                : "by the proportions of heads: likely");
     rig_note(&d->confirm,
              "bone jaw: the edge of the lower front teeth is taken to be at (%.1f, "
-             "%.1f, %.1f) mm",
+             "%.1f, %.1f) mm: a guess",
              incisor.x, incisor.y, incisor.z);
 }
 
@@ -375,17 +655,34 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
     d->bones = json_array();
     d->regions = json_array();
     d->contacts = json_array();
-    draft_skeleton(d);
-    draft_contacts(d);
-    draft_regions_by_name(d);
-    draft_regions_by_place(d);
-    double radius_mm = round(0.27 * (d->head.top_y - d->head.chin.y));
+    draft_skull(d);
+    double size_mm = d->a.has_face ? d->head.top_y - d->head.chin.y : 200.0;
+    if (d->a.has_face) {
+        draft_jaw(d);
+        if (d->ambition < WITHOUT_PIECES)
+            draft_eyes(d);
+        draft_contacts(d);
+        add_mobile_face(d);
+        add_upper_face(d);
+        if (d->ambition < WITHOUT_LIDS)
+            draft_lids(d);
+        add_jaw(d);
+        add_patches(d);
+    }
+    if (d->a.has_body)
+        add_body(d);
+    else
+        add_cranium(d);
+    if (d->ambition < WITHOUT_PIECES)
+        draft_pieces(d);
+    double radius_mm = round(0.27 * size_mm);
     rig_note(&d->confirm, "solver: radius %.0f mm, a quarter of the head", radius_mm);
     return json_pack("{si, ss, ss, si, so, so, so, so, s{ss, so, ss}}", "marotte_rig", 1, "mesh",
                      mesh_name, "unit", "mm", "mesh_vertices", (int)d->m->vertex_count, "bones",
                      d->bones, "regions", d->regions, "contacts", d->contacts, "skull_proxy",
-                     draft_proxy(d), "solver", "kernel", "wendland_c2", "radius_mm",
-                     rig_number_to_json(radius_mm), "polynomial", "none");
+                     d->a.has_face ? draft_proxy(d) : json_array(), "solver", "kernel",
+                     "wendland_c2", "radius_mm", rig_number_to_json(radius_mm), "polynomial",
+                     "none");
 }
 
 /* By way of its text, so that a draft is what any rig file is. */
@@ -415,37 +712,231 @@ static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh
 static void say_what_it_is(drafting *d)
 {
     const rig_head *head = &d->head;
+    if (d->a.head_count > 1)
+        rig_note(&d->confirm,
+                 "heads: there are %u; the one in front is performed, the others stay as they are",
+                 d->a.head_count);
+    if (!d->a.has_face) {
+        rig_note(&d->confirm, "face: none is seen: the head turns, and is clay");
+        return;
+    }
     rig_note(&d->confirm, "unit: the head is %.0f mm from chin to top; is that the puppet's size?",
              head->top_y - head->chin.y);
     rig_note(&d->confirm, "symmetry: left and right are mirrored in x = %.2f mm", head->middle_x);
     rig_note(&d->confirm,
              "face: the nose's tip is at y = %.1f mm, the mouth at %.1f mm, the chin ends at %.1f "
-             "mm; all places below follow from these",
+             "mm, by its shape: likely; all places below follow from these",
              head->nose.y, head->mouth_y, head->chin.y);
 }
 
-mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const char *mesh_path,
-                          error *err)
+static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error *err)
 {
-    drafting d = {.m = m};
-    *out = (rig){0};
-    *out_confirm = NULL;
-    mrt_result result = rig_head_measure(&d.head, m, err);
+    const char *slash = strrchr(mesh_path, '/'), *mesh_name = slash ? slash + 1 : mesh_path;
+    free(d->confirm);
+    d->confirm = NULL;
+    say_what_it_is(d);
+    json_t *document = draft_document(d, mesh_name);
+    mrt_result result = parse_draft(out, document, mesh_path, mesh_name, err);
+    json_decref(document);
     if (result < 0)
         return result;
-    d.reach_mm = d.head.nose.y - d.head.chin.y;
-    say_what_it_is(&d);
-    const char *slash = strrchr(mesh_path, '/'), *mesh_name = slash ? slash + 1 : mesh_path;
-    json_t *document = draft_document(&d, mesh_name);
-    result = parse_draft(out, document, mesh_path, mesh_name, err);
-    json_decref(document);
-    if (result < 0) {
-        free(d.confirm);
+    out->mm_per_unit = d->m->mm_per_unit;
+    out->mesh_vertex_count = d->m->vertex_count;
+    out->mesh_hash = rig_mesh_hash(d->m->vertex_count, d->m->triangle, d->m->triangle_count);
+    result = rig_validate(out, d->m, d->t, err);
+    if (result < 0)
+        rig_destroy(out);
+    return result;
+}
+
+/* ---- tried ---- */
+
+/* Where the weights of two bones meet at the end of a slit they change within a triangle. A small
+ * patch of one weight there is bent as one. */
+static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *err)
+{
+    face *f = NULL;
+    float dof[MRT_MAX_DOFS] = {0};
+    vec3 at = {0, 0, 0};
+    mrt_result result = face_create(&f, r, d->m, d->t, 0, err);
+    *out_found = false;
+    if (result < 0)
         return result;
+    const bones *b = face_bones(f);
+    if (b->jaw != RIG_NONE && d->a.has_slit && d->patch_count + 2 <= PATCHES_MAX) {
+        dof[b->first_dof[b->jaw]] = (float)r->bone[b->jaw].open_max_rad;
+        result = face_pull(f, NULL, dof, err);
+        double determinant = result < 0 ? 1.0 : face_worst_place(f, &at);
+        double size = d->patch_count < 4 ? 0.05 : d->patch_count < 8 ? 0.08 : 0.12;
+        *out_found = determinant < 0.3 && fabs(at.y - d->head.mouth_y) < 0.25 * d->reach_mm &&
+                     fabs(at.x - d->head.middle_x) > 0.1 * d->head.half_width;
+        for (int side = 0; *out_found && side < 2; ++side) {
+            d->patch[d->patch_count++] = (patch){at, size * d->reach_mm};
+            at.x = 2.0 * d->head.middle_x - at.x;
+        }
     }
-    out->mm_per_unit = m->mm_per_unit;
-    out->mesh_vertex_count = m->vertex_count;
-    out->mesh_hash = rig_mesh_hash(m->vertex_count, m->triangle, m->triangle_count);
-    *out_confirm = d.confirm;
+    face_destroy(f);
+    return result;
+}
+
+/* A degree of freedom where the rig keeps it: from rest to one end. */
+typedef struct freedom {
+    double *end;
+    uint32_t dof;
+    bool is_lid, is_eye;
+} freedom;
+
+enum { FREEDOMS_MAX = 2 * MRT_MAX_DOFS, TRIES = 48, BISECTIONS = 6 };
+static const double determinant_least = 0.12;
+
+static uint32_t list_freedoms(freedom *out, rig *r, const bones *b)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < r->bone_count; ++i) {
+        rig_bone *bone = &r->bone[i];
+        uint32_t first = b->first_dof[i];
+        bool is_lid = strncmp(bone->name, "lid_", 4) == 0;
+        bool is_eye = strncmp(bone->name, "eye.", 4) == 0;
+        if (bone->kind == BONE_JAW) {
+            out[count++] = (freedom){&bone->open_max_rad, first, false, false};
+            out[count++] = (freedom){&bone->lateral_mm, first + 1, false, false};
+            out[count++] = (freedom){&bone->forward_mm, first + 2, false, false};
+        }
+        for (uint32_t k = 0; k < bone->turn_count; ++k) {
+            out[count++] = (freedom){&bone->turn[k].max_rad, first + k, is_lid, is_eye};
+            out[count++] = (freedom){&bone->turn[k].min_rad, first + k, is_lid, is_eye};
+        }
+    }
+    return count;
+}
+
+static double determinant_of(face *f, const float *dof)
+{
+    return face_pull(f, NULL, dof, NULL) < 0 ? -1.0 : face_min_determinant(f);
+}
+
+/* So much of the way to its end, alone. */
+static double part_without_fold(face *f, const freedom *one)
+{
+    float dof[MRT_MAX_DOFS] = {0};
+    double low = 0.0, high = 1.0;
+    dof[one->dof] = (float)*one->end;
+    if (determinant_of(f, dof) >= determinant_least)
+        return 1.0;
+    for (int i = 0; i < BISECTIONS; ++i) {
+        double part = 0.5 * (low + high);
+        dof[one->dof] = (float)(part * *one->end);
+        if (determinant_of(f, dof) >= determinant_least)
+            low = part;
+        else
+            high = part;
+    }
+    return low;
+}
+
+static double drawn(uint64_t *seed) /* 0..1, xorshift (Marsaglia 2003) */
+{
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    return (double)(*seed >> 11) * 0x1p-53;
+}
+
+/* All together, at random: everything gives way until nothing folds. */
+static double part_together(face *f, const freedom *all, uint32_t count)
+{
+    double part = 1.0;
+    uint64_t seed = 88172645463325252u;
+    for (int i = 0; i < TRIES; ++i) {
+        float dof[MRT_MAX_DOFS] = {0}, scaled[MRT_MAX_DOFS];
+        for (uint32_t k = 0; k < count; ++k) {
+            double way = drawn(&seed);
+            if (drawn(&seed) < 0.7)
+                dof[all[k].dof] = (float)(way * *all[k].end);
+        }
+        for (;; part *= 0.92) {
+            memcpy(scaled, dof, sizeof scaled);
+            for (uint32_t k = 0; k < count; ++k)
+                if (!all[k].is_eye)
+                    scaled[all[k].dof] = (float)part * dof[all[k].dof];
+            if (part < 0.2 || determinant_of(f, scaled) >= 0.5 * determinant_least)
+                break;
+        }
+    }
+    return part;
+}
+
+/* Moves every bone to its ends: where the skin would fold, less is allowed. Lids that can hardly
+ * close are worse than none: *out_lids false. */
+static mrt_result try_bones(rig *r, drafting *d, bool *out_lids, error *err)
+{
+    freedom all[FREEDOMS_MAX];
+    face *f = NULL;
+    mrt_result result = face_create(&f, r, d->m, d->t, 0, err);
+    if (result < 0)
+        return result;
+    uint32_t count = list_freedoms(all, r, face_bones(f));
+    *out_lids = true;
+    for (uint32_t i = 0; i < count; ++i) {
+        double wanted = *all[i].end, part = part_without_fold(f, &all[i]);
+        const char *name = face_bones(f)->dof[all[i].dof].name;
+        *all[i].end = part * wanted;
+        if (all[i].is_lid && wanted > 0.0 && part < 0.5)
+            *out_lids = false;
+        if (part < 1.0)
+            rig_note(&d->confirm,
+                     "%s: to %.0f %% of what is usual, where the skin would fold: sure", name,
+                     100.0 * part);
+    }
+    double part = part_together(f, all, count);
+    for (uint32_t i = 0; i < count; ++i)
+        *all[i].end *= all[i].is_eye ? 1.0 : part;
+    if (part < 1.0)
+        rig_note(
+            &d->confirm,
+            "all but the eyes: to %.0f %%, so that nothing folds when they come together: sure",
+            100.0 * part);
+    face_destroy(f);
     return MRT_OK;
+}
+
+mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
+                          const char *mesh_path, error *err)
+{
+    drafting d = {.m = m, .t = t};
+    *out = (rig){0};
+    *out_confirm = NULL;
+    mrt_result result = rig_anatomy_find(&d.a, m, t, err);
+    if (result < 0)
+        return result;
+    d.head = d.a.head;
+    d.reach_mm = d.head.nose.y - d.head.chin.y;
+    for (bool is_done = false; !is_done && d.ambition < AMBITIONS; ++d.ambition) {
+        bool has_lids = true;
+        result = draft_once(out, &d, mesh_path, err);
+        for (bool is_found = true; result >= 0 && is_found;) {
+            result = find_patch(&d, out, &is_found, err);
+            if (result < 0 || is_found)
+                rig_destroy(out);
+            if (result >= 0 && is_found)
+                result = draft_once(out, &d, mesh_path, err);
+        }
+        if (result >= 0) {
+            result = try_bones(out, &d, &has_lids, err);
+            is_done = result >= 0 && (has_lids || d.ambition > ALL);
+            if (!is_done)
+                rig_destroy(out);
+        }
+    }
+    if (result >= 0 && d.ambition > WITHOUT_LIDS)
+        rig_note(&d.confirm, "%s: left out, since the %s",
+                 d.ambition == WITHOUT_PIECES ? "lids" : "lids, eyes, teeth and what is worn",
+                 d.ambition == WITHOUT_PIECES ? "skin around the eyes would fold"
+                                              : "rig would not load with them");
+    rig_anatomy_finish(&d.a);
+    if (result < 0)
+        free(d.confirm);
+    else
+        *out_confirm = d.confirm;
+    return result;
 }

@@ -104,8 +104,9 @@ static void place_select(rig_select *select, const char *path)
     }
     for (uint32_t i = 0; i < select->child_count; ++i) {
         char child[PATH_TEXT];
-        if (select->kind == SELECT_NOT)
-            (void)snprintf(child, sizeof child, "%.400s.not", path);
+        if (select->kind == SELECT_NOT || select->kind == SELECT_PIECES_INSIDE)
+            (void)snprintf(child, sizeof child, "%.400s.%s", path,
+                           select->kind == SELECT_NOT ? "not" : "pieces_inside");
         else
             (void)snprintf(child, sizeof child, "%.400s.%s[%u]", path,
                            select->kind == SELECT_ALL ? "all" : "any", i);
@@ -1375,6 +1376,16 @@ static void describe(words *w, const rig_select *select)
         break;
     case SELECT_PAINTED:
         say(w, "painted, %u vertices", vertex_count_of(select));
+        break;
+    case SELECT_PIECE:
+        say(w, "the piece of vertex %u", select->vertex);
+        break;
+    case SELECT_PIECES_INSIDE:
+        say(w, "pieces ");
+        describe(w, &select->child[0]);
+        break;
+    case SELECT_JOINT:
+        say(w, "joint %s", select->name);
         break;
     case SELECT_NOTHING:
         say(w, "nothing");

@@ -61,18 +61,17 @@ static vec3 mirrored(vec3 p, double middle_x)
 }
 
 /* Three cells above each other are one run of the sorted ones. */
-static bool has_partner(const placed *sorted, const mesh *m, vec3 image, double reach_mm,
-                        double cell_mm)
+static bool has_partner(const placed *sorted, size_t count, const mesh *m, vec3 image,
+                        double reach_mm, double cell_mm)
 {
     double at[3];
     find_cell(at, image, cell_mm);
     for (int column = 0; column < 9; ++column) {
         const double from[3] = {at[0] + column / 3 - 1, at[1] + column % 3 - 1, at[2] - 1.0};
         const double to[3] = {from[0], from[1], at[2] + 1.0};
-        const size_t first = first_at_least(sorted, m->vertex_count, from);
-        for (size_t i = first; i < m->vertex_count && i - first < SCANNED_MAX &&
-                               compare_cells(sorted[i].cell, to) <= 0;
-             ++i) {
+        const size_t first = first_at_least(sorted, count, from);
+        for (size_t i = first;
+             i < count && i - first < SCANNED_MAX && compare_cells(sorted[i].cell, to) <= 0; ++i) {
             vec3 d = vec3_sub(rig_mirror_position(m, sorted[i].vertex), image);
             if (vec3_dot(d, d) <= reach_mm * reach_mm)
                 return true;
@@ -81,9 +80,10 @@ static bool has_partner(const placed *sorted, const mesh *m, vec3 image, double 
     return false;
 }
 
-bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
-                            double middle_x, double reach_mm)
+static bool count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
+                        const uint8_t *is_face, double middle_x, double reach_mm)
 {
+    size_t count = 0;
     *out_count = 0;
     *out_example = 0;
     placed *sorted = malloc(((size_t)m->vertex_count + 1) * sizeof *sorted);
@@ -91,12 +91,15 @@ bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const me
         return false;
     const double cell_mm = fmax(reach_mm, cell_min_mm);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        find_cell(sorted[v].cell, rig_mirror_position(m, v), cell_mm);
-        sorted[v].vertex = v;
+        if (is_face && !is_face[v])
+            continue;
+        find_cell(sorted[count].cell, rig_mirror_position(m, v), cell_mm);
+        sorted[count++].vertex = v;
     }
-    qsort(sorted, m->vertex_count, sizeof *sorted, compare_placed);
+    qsort(sorted, count, sizeof *sorted, compare_placed);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        if (has_partner(sorted, m, mirrored(rig_mirror_position(m, v), middle_x), reach_mm,
+        if ((is_face && !is_face[v]) ||
+            has_partner(sorted, count, m, mirrored(rig_mirror_position(m, v), middle_x), reach_mm,
                         cell_mm))
             continue;
         if (*out_count == 0)
@@ -107,7 +110,14 @@ bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const me
     return true;
 }
 
-uint32_t rig_mirror_of(const mesh *m, uint32_t vertex, double middle_x, double *out_distance_mm)
+bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
+                            double middle_x, double reach_mm)
+{
+    return count_alone(out_count, out_example, m, NULL, middle_x, reach_mm);
+}
+
+uint32_t rig_mirror_of(const mesh *m, const uint8_t *is_face, uint32_t vertex, double middle_x,
+                       double *out_distance_mm)
 {
     vec3 image = mirrored(rig_mirror_position(m, vertex), middle_x);
     uint32_t best = vertex;
@@ -115,7 +125,7 @@ uint32_t rig_mirror_of(const mesh *m, uint32_t vertex, double middle_x, double *
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
         vec3 d = vec3_sub(rig_mirror_position(m, v), image);
         double square = vec3_dot(d, d);
-        if (square < best_square) {
+        if (square < best_square && (!is_face || is_face[v])) {
             best_square = square;
             best = v;
         }
@@ -177,7 +187,14 @@ static void triangle_corners(vec3 out[3], const mesh *m, uint32_t triangle)
         out[i] = rig_mirror_position(m, m->triangle[(size_t)triangle * 3 + i]);
 }
 
-static void cut_profile(profile *p, const mesh *m, double middle_x, double low_y, double high_y)
+static bool is_of_face(const mesh *m, const uint8_t *is_face, uint32_t triangle)
+{
+    const uint32_t *corner = m->triangle + (size_t)triangle * 3;
+    return !is_face || (is_face[corner[0]] && is_face[corner[1]] && is_face[corner[2]]);
+}
+
+static void cut_profile(profile *p, const mesh *m, const uint8_t *is_face, double at_x,
+                        double low_y, double high_y)
 {
     *p = (profile){.low_y = low_y, .row_mm = (high_y - low_y) / ROWS};
     for (int row = 0; row < ROWS; ++row) {
@@ -186,19 +203,35 @@ static void cut_profile(profile *p, const mesh *m, double middle_x, double low_y
     }
     for (uint32_t i = 0; i < m->triangle_count; ++i) {
         vec3 corner[3];
+        if (!is_of_face(m, is_face, i))
+            continue;
         triangle_corners(corner, m, i);
-        add_triangle(p, corner, middle_x);
+        add_triangle(p, corner, at_x);
     }
 }
 
 /* ---- what is in it ---- */
 
-static int find_nose(const profile *p)
+/* How far the profile comes forward beyond those beside it; eyes beside it may be holes. */
+static double prominence(const profile *p, const profile *left, const profile *right, int row)
+{
+    double beside = fmax(left->front[row], right->front[row]), most = 0.08 * ROWS * p->row_mm;
+    return isfinite(beside) ? fmin(fmax(p->front[row] - beside, 0.0), most) : 0.0;
+}
+
+/* The row that comes forward most, of all and beside what is left and right of it: muzzles are
+ * broad, noses are not. */
+static int find_nose(const profile *p, const profile *left, const profile *right)
 {
     int best = -1;
-    for (int row = ROWS / 4; row < ROWS * 17 / 20; ++row)
-        if (isfinite(p->front[row]) && (best < 0 || p->front[row] > p->front[best]))
-            best = row;
+    double best_mm = 0.0;
+    for (int row = ROWS / 4; row < ROWS * 17 / 20; ++row) {
+        double mm = p->front[row] + prominence(p, left, right, row);
+        if (!isfinite(p->front[row]) || (best >= 0 && mm <= best_mm))
+            continue;
+        best = row;
+        best_mm = mm;
+    }
     return best;
 }
 
@@ -213,29 +246,68 @@ static int find_chin(const profile *p, int nose, double recession_mm)
     return chin;
 }
 
-/* The deepest place between the lips: least against the line from 8 % above to 8 % below. */
-static int find_mouth(const profile *p, int nose, int chin)
+/* The front from `row` on within so many rows, -1 or 1 the way: the row that comes out most. */
+static int find_crest(const profile *p, int row, int way, int reach)
 {
-    int span = nose - chin, reach = span * 8 / 100 + 1, best = nose - span * 47 / 100;
-    double deepest = 0.0;
-    for (int row = nose - span * 64 / 100; row <= nose - span * 34 / 100; ++row) {
-        if (row - reach < 0 || row + reach >= ROWS)
-            continue;
-        double depth = 0.5 * (p->front[row - reach] + p->front[row + reach]) - p->front[row];
-        if (isfinite(depth) && depth > deepest) {
-            deepest = depth;
-            best = row;
-        }
+    int best = row;
+    for (int i = 1; i <= reach; ++i) {
+        int at = row + way * i;
+        if (at < 0 || at >= ROWS)
+            break;
+        if (!isfinite(p->front[best]) || (isfinite(p->front[at]) && p->front[at] > p->front[best]))
+            best = at;
     }
     return best;
 }
 
-static mrt_result choose_plane(double *out_x, const mesh *m, double box_middle_x, double reach_mm,
-                               error *err)
+/* How deep the profile is at a row against the line between what comes out above and below. */
+static double depth_at(const profile *p, int row, int reach)
+{
+    if (row - reach < 0 || row + reach >= ROWS)
+        return 0.0;
+    double around = 0.5 * (p->front[row - reach] + p->front[row + reach]);
+    double depth = around - p->front[row];
+    return isfinite(depth) ? depth : 0.0;
+}
+
+/* The deepest place between the lips, of two sizes of lips; mouths are most often half way from the
+ * nose to the chin. */
+static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
+{
+    int span = nose - chin, best = nose - span * 47 / 100;
+    double best_score = 0.0;
+    *out_depth = 0.0;
+    for (int row = nose - span * 88 / 100; row <= nose - span * 28 / 100; ++row) {
+        double off = ((double)(nose - row) / span - 0.48) / 0.13;
+        double depth = depth_at(p, row, span * 8 / 100 + 1);
+        double score = depth * (exp(-off * off) + 0.03);
+        if (score <= best_score)
+            continue;
+        best_score = score;
+        best = row;
+        *out_depth = depth;
+    }
+    return best;
+}
+
+/* From the mouth, the first row where the front has come out three quarters of the way. */
+static int find_lip(const profile *p, int mouth, int way, int reach)
+{
+    int crest = find_crest(p, mouth, way, reach);
+    double deep = p->front[mouth], out = p->front[crest];
+    for (int row = mouth; row != crest; row += way)
+        if (isfinite(p->front[row]) &&
+            (!isfinite(deep) || p->front[row] >= deep + 0.75 * (out - deep)))
+            return row;
+    return crest;
+}
+
+static mrt_result choose_plane(double *out_x, const mesh *m, const uint8_t *is_face,
+                               double box_middle_x, double reach_mm, error *err)
 {
     uint32_t at_zero, at_middle, example;
-    if (!rig_mirror_count_alone(&at_zero, &example, m, 0.0, reach_mm) ||
-        !rig_mirror_count_alone(&at_middle, &example, m, box_middle_x, reach_mm))
+    if (!count_alone(&at_zero, &example, m, is_face, 0.0, reach_mm) ||
+        !count_alone(&at_middle, &example, m, is_face, box_middle_x, reach_mm))
         return error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
     *out_x = at_zero <= at_middle ? 0.0 : box_middle_x;
     return MRT_OK;
@@ -243,7 +315,8 @@ static mrt_result choose_plane(double *out_x, const mesh *m, double box_middle_x
 
 /* Outwards from the middle until the front is no longer face: at 0.58 of the depth from the back
  * (as on the 26 719 vertices of the ICT face, at the first points of the jaw line). */
-static double measure_half_width(const mesh *m, const rig_head *head, double reach_mm)
+static double measure_half_width(const mesh *m, const uint8_t *is_face, const rig_head *head,
+                                 double reach_mm)
 {
     const int steps = 48;
     double limit_z = head->back_z + 0.58 * (head->nose.z - head->back_z), width = 0.0;
@@ -251,50 +324,117 @@ static double measure_half_width(const mesh *m, const rig_head *head, double rea
         vec3 hit;
         uint32_t vertex;
         double x = reach_mm * i / steps;
-        if (!rig_head_hit(&hit, &vertex, m, head->middle_x + x, head->nose.y) || hit.z < limit_z)
+        if (!rig_head_hit(&hit, &vertex, m, is_face, head->middle_x + x, head->nose.y) ||
+            hit.z < limit_z)
             break;
         width = x;
     }
     return width;
 }
 
-mrt_result rig_head_measure(rig_head *out, const mesh *m, error *err)
+/* Outwards along the groove between the lips while it is there. */
+static double follow_mouth(profile *p, const mesh *m, const uint8_t *is_face, const rig_head *head,
+                           int mouth, int span)
 {
-    static const char refusal[] = "no profile of a face is found in the mesh: it must look along "
-                                  "+z, with +y up, and have a nose and a chin";
-    float low[3], high[3];
-    mesh_bounds(m, low, high);
-    double low_y = (double)low[1], high_y = (double)high[1],
-           depth = (double)high[2] - (double)low[2];
-    *out = (rig_head){0};
-    if (!(high_y - low_y > 0.0) || !(depth > 0.0) || m->triangle_count == 0)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
-    mrt_result result = choose_plane(&out->middle_x, m, 0.5 * ((double)low[0] + (double)high[0]),
-                                     0.002 * (high_y - low_y), err);
-    profile *p = result < 0 ? NULL : malloc(sizeof *p);
-    if (!p)
-        return result < 0 ? result
-                          : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
-    /* A little aside: edges that lie in the plane are not cut by it. */
-    cut_profile(p, m, out->middle_x + 1e-4 * (high_y - low_y), low_y, high_y);
-    int nose = find_nose(p), chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * depth);
-    if (nose - chin < ROWS / 20) {
-        free(p);
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
+    const int steps = 24;
+    const double low_y = p->low_y, high_y = p->low_y + ROWS * p->row_mm;
+    double found = 0.0;
+    for (int i = 1; i <= steps; ++i) {
+        double x = 0.9 * head->half_width * i / steps, deepest = 0.0;
+        int best = mouth;
+        cut_profile(p, m, is_face, head->middle_x + x, low_y, high_y);
+        for (int row = mouth - span * 6 / 100 - 1; row <= mouth + span * 6 / 100 + 1; ++row) {
+            double depth = depth_at(p, row, span * 8 / 100 + 1);
+            if (depth > deepest) {
+                deepest = depth;
+                best = row;
+            }
+        }
+        if (deepest < 0.25 * head->mouth_depth)
+            break;
+        mouth = best;
+        found = x;
     }
-    int mouth = find_mouth(p, nose, chin);
+    return found;
+}
+
+typedef struct bounds {
+    vec3 low, high;
+} bounds;
+
+static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
+{
+    bool found = false;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (is_face && !is_face[v])
+            continue;
+        if (!found)
+            *out = (bounds){p, p};
+        found = true;
+        out->low = (vec3){fmin(out->low.x, p.x), fmin(out->low.y, p.y), fmin(out->low.z, p.z)};
+        out->high = (vec3){fmax(out->high.x, p.x), fmax(out->high.y, p.y), fmax(out->high.z, p.z)};
+    }
+    return found;
+}
+
+static void measure_profile(rig_head *out, profile p[3], const mesh *m, const uint8_t *is_face,
+                            int nose, int chin)
+{
+    int span = nose - chin, mouth = find_mouth(p, nose, chin, &out->mouth_depth);
     out->nose = (vec3){out->middle_x, row_y(p, nose), p->front[nose]};
     out->chin = (vec3){out->middle_x, row_y(p, chin), p->front[chin]};
     out->mouth_y = row_y(p, mouth);
-    out->mouth_z = p->front[mouth];
+    int upper = find_lip(p, mouth, 1, span * 16 / 100 + 1);
+    int lower = find_lip(p, mouth, -1, span * 16 / 100 + 1);
+    out->lip_upper_y = row_y(p, upper);
+    out->lip_lower_y = row_y(p, lower);
+    out->mouth_z = fmin(p->front[upper], p->front[lower]);
+    if (!isfinite(out->mouth_z))
+        out->mouth_z = out->chin.z;
     out->back_z = out->nose.z;
     for (int row = chin; row < ROWS; ++row)
         out->back_z = fmin(out->back_z, p->back[row]);
     for (int row = chin; row < ROWS; ++row)
         out->top_y = isfinite(p->front[row]) ? row_y(p, row) : out->top_y;
+    bounds box = {{0, 0, 0}, {0, 0, 0}};
+    (void)bounds_of(&box, m, is_face);
+    out->half_width = measure_half_width(m, is_face, out, 0.5 * (box.high.x - box.low.x));
+    if (out->mouth_depth > 0.01 * (out->nose.y - out->chin.y))
+        out->corner_x = follow_mouth(&p[1], m, is_face, out, mouth, span);
+}
+
+mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
+{
+    static const char refusal[] = "no profile of a face is found in the mesh: it must look along "
+                                  "+z, with +y up, and have a nose and a chin";
+    bounds box = {{0, 0, 0}, {0, 0, 0}};
+    *out = (rig_head){0};
+    if (!bounds_of(&box, m, is_face) || !(box.high.y - box.low.y > 0.0) ||
+        !(box.high.z - box.low.z > 0.0) || m->triangle_count == 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
+    double height = box.high.y - box.low.y;
+    mrt_result result = choose_plane(&out->middle_x, m, is_face, 0.5 * (box.low.x + box.high.x),
+                                     0.002 * height, err);
+    profile *p = result < 0 ? NULL : malloc(3 * sizeof *p);
+    if (!p)
+        return result < 0 ? result
+                          : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
+    /* A little aside: edges that lie in the plane are not cut by it. */
+    const double x = out->middle_x + 1e-4 * height, beside = 0.1 * height;
+    cut_profile(&p[0], m, is_face, x, box.low.y, box.high.y);
+    cut_profile(&p[1], m, is_face, x - beside, box.low.y, box.high.y);
+    cut_profile(&p[2], m, is_face, x + beside, box.low.y, box.high.y);
+    int nose = find_nose(&p[0], &p[1], &p[2]);
+    int chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * (box.high.z - box.low.z));
+    bool is_found = nose - chin >= ROWS / 20;
+    out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
+    if (is_found)
+        measure_profile(out, p, m, is_face, nose, chin);
     free(p);
-    out->half_width = measure_half_width(m, out, 0.5 * ((double)high[0] - (double)low[0]));
-    return MRT_OK;
+    if (is_found && out->half_width > 0.0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
 }
 
 /* ---- rays ---- */
@@ -330,7 +470,8 @@ static uint32_t nearest_corner(const mesh *m, uint32_t triangle, vec3 to)
     return best;
 }
 
-bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, double x, double y)
+bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, const uint8_t *is_face,
+                  double x, double y)
 {
     bool found = false;
     uint32_t best = 0;
@@ -338,7 +479,7 @@ bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, double x
         vec3 corner[3];
         double share[3];
         triangle_corners(corner, m, i);
-        if (!covers(share, corner, x, y))
+        if (!is_of_face(m, is_face, i) || !covers(share, corner, x, y))
             continue;
         double z = share[0] * corner[0].z + share[1] * corner[1].z + share[2] * corner[2].z;
         if (found && z <= out_point->z)

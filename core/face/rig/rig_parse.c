@@ -44,10 +44,13 @@ static const struct {
              {"all", SELECT_ALL},
              {"any", SELECT_ANY},
              {"not", SELECT_NOT},
-             {"painted", SELECT_PAINTED}};
+             {"painted", SELECT_PAINTED},
+             {"piece", SELECT_PIECE},
+             {"pieces_inside", SELECT_PIECES_INSIDE},
+             {"joint", SELECT_JOINT}};
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 static const char kind_list[] = "one of vertices, group, attribute, box, ellipsoid, half_space, "
-                                "within, all, any, not, painted";
+                                "within, all, any, not, painted, piece, pieces_inside, joint";
 
 static mrt_result no_memory(error *err)
 {
@@ -180,7 +183,7 @@ static mrt_result parse_children(rig_select *out, const rig_node *at, selecting 
     return result;
 }
 
-static mrt_result parse_not(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_inner(rig_select *out, const rig_node *at, selecting *s, error *err)
 {
     out->child = calloc(1, sizeof *out->child);
     if (!out->child)
@@ -229,7 +232,12 @@ static mrt_result parse_select_kind(rig_select *out, const rig_node *at, selecti
     case SELECT_ANY:
         return parse_children(out, at, s, err);
     case SELECT_NOT:
-        return parse_not(out, at, s, err);
+    case SELECT_PIECES_INSIDE:
+        return parse_inner(out, at, s, err);
+    case SELECT_PIECE:
+        return rig_json_index(&out->vertex, at, err);
+    case SELECT_JOINT:
+        return rig_json_text(&out->name, at, "the name of a joint like \"Head\"", GROUP_MAX, err);
     case SELECT_PAINTED:
         return parse_painted(out, at, s, err);
     case SELECT_NOTHING:

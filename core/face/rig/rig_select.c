@@ -2,6 +2,7 @@
 
 #include "base/budget.h"
 #include "face/rig/rig_document.h"
+#include "face/weights/pieces.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -155,6 +156,7 @@ typedef struct selecting {
     walk walk; /* made when the first selector needs it */
     double *distance;
     int32_t *cover; /* vertex_count + 1: how many ranges begin less how many have ended */
+    uint32_t *piece, piece_count; /* vertex_count, likewise; the last is of no surface */
 } selecting;
 
 static selecting selecting_on(const mesh *m, const topology *t)
@@ -168,6 +170,7 @@ static void selecting_finish(selecting *s)
     walk_finish(&s->walk);
     free(s->distance);
     free(s->cover);
+    free(s->piece);
 }
 
 static const char *path_of(const rig_select *select)
@@ -357,6 +360,43 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
     return pay(s, select, steps, err);
 }
 
+/* ---- by the skin of the file ---- */
+
+static uint32_t find_joint(const mesh *m, const char *name)
+{
+    uint32_t joint = 0;
+    while (joint < m->joint_count && strcmp(m->joint[joint].name, name) != 0)
+        ++joint;
+    return joint;
+}
+
+static mrt_result select_joint(float *out, const rig_select *select, selecting *s, error *err)
+{
+    const mesh *m = s->m;
+    uint32_t root = find_joint(m, select->name);
+    if (root == m->joint_count || !m->skin_joint) {
+        char list[LIST_TEXT] = "";
+        for (uint32_t i = 0; i < m->joint_count; ++i)
+            list_name(list, m->joint[i].name);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s.joint: the mesh has no skin on a joint \"%s\"; it has: %s",
+                         path_of(select), select->name, list[0] ? list : "none");
+    }
+    uint8_t *is_below = calloc((size_t)m->joint_count + 1, 1);
+    if (!is_below)
+        return no_memory(err);
+    is_below[root] = 1;
+    for (uint32_t i = root + 1; i < m->joint_count; ++i)
+        is_below[i] = m->joint[i].parent < i && is_below[m->joint[i].parent];
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        for (size_t k = (size_t)v * MESH_SKIN_WIDTH, end = k + MESH_SKIN_WIDTH; k < end; ++k)
+            out[v] += is_below[m->skin_joint[k]] ? m->skin_weight[k] : 0.0f;
+        out[v] = fminf(out[v], 1.0f);
+    }
+    free(is_below);
+    return pay(s, select, m->vertex_count, err);
+}
+
 /* ---- joined ---- */
 
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err);
@@ -388,6 +428,46 @@ static mrt_result select_not(float *out, const rig_select *select, selecting *s,
     return result;
 }
 
+/* ---- by piece ---- */
+
+static mrt_result find_pieces(selecting *s, error *err)
+{
+    if (s->piece)
+        return MRT_OK;
+    s->piece = malloc(((size_t)s->m->vertex_count + 1) * sizeof *s->piece);
+    return s->piece ? pieces_find(s->piece, &s->piece_count, s->m, s->t, err) : no_memory(err);
+}
+
+static mrt_result select_piece(float *out, const rig_select *select, selecting *s, error *err)
+{
+    const uint32_t count = s->m->vertex_count;
+    if (select->vertex >= count)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s.piece: vertex %u of a mesh of %u vertices; choose again",
+                         path_of(select), select->vertex, count);
+    mrt_result result = find_pieces(s, err);
+    for (uint32_t v = 0; result >= 0 && v < count; ++v)
+        out[v] = s->piece[v] == s->piece[select->vertex] ? 1.0f : 0.0f;
+    return result;
+}
+
+static mrt_result select_pieces_inside(float *out, const rig_select *select, selecting *s,
+                                       error *err)
+{
+    mrt_result result = find_pieces(s, err);
+    uint8_t *is_out = result < 0 ? NULL : calloc((size_t)s->piece_count + 1, 1);
+    if (!is_out)
+        return result < 0 ? result : no_memory(err);
+    result = select_one(out, &select->child[0], s, err);
+    is_out[s->piece_count] = 1;
+    for (uint32_t v = 0; result >= 0 && v < s->m->vertex_count; ++v)
+        is_out[s->piece[v]] |= out[v] < 0.5f;
+    for (uint32_t v = 0; result >= 0 && v < s->m->vertex_count; ++v)
+        out[v] = is_out[s->piece[v]] ? 0.0f : 1.0f;
+    free(is_out);
+    return result;
+}
+
 /* One that speaks of vertices, not of places. */
 static mrt_result select_by_vertex(float *out, const rig_select *select, selecting *s, error *err)
 {
@@ -409,6 +489,12 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
         result = pay(s, select, select->range_count, err);
         if (result >= 0)
             result = select_painted(out, select, m, err);
+        break;
+    case SELECT_JOINT:
+        result = select_joint(out, select, s, err);
+        break;
+    case SELECT_PIECE:
+        result = select_piece(out, select, s, err);
         break;
     default:
         result = select_within(out, select, s, err);
@@ -434,6 +520,8 @@ static mrt_result select_one(float *out, const rig_select *select, selecting *s,
     case SELECT_ATTRIBUTE:
     case SELECT_PAINTED:
     case SELECT_WITHIN:
+    case SELECT_PIECE:
+    case SELECT_JOINT:
         return select_by_vertex(out, select, s, err);
     case SELECT_BOX:
     case SELECT_ELLIPSOID:
@@ -445,6 +533,8 @@ static mrt_result select_one(float *out, const rig_select *select, selecting *s,
         return select_joined(out, select, s, err);
     case SELECT_NOT:
         return select_not(out, select, s, err);
+    case SELECT_PIECES_INSIDE:
+        return select_pieces_inside(out, select, s, err);
     }
     return MRT_OK;
 }

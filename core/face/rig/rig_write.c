@@ -90,6 +90,15 @@ static json_t *select_to_json(const rig_select *select, double mm_per_unit)
     case SELECT_PAINTED:
         out = json_pack("{ss}", "painted", select->name);
         break;
+    case SELECT_PIECE:
+        out = json_pack("{sI}", "piece", (json_int_t)select->vertex);
+        break;
+    case SELECT_PIECES_INSIDE:
+        out = json_pack("{so}", "pieces_inside", select_to_json(&select->child[0], mm_per_unit));
+        break;
+    case SELECT_JOINT:
+        out = json_pack("{ss}", "joint", select->name);
+        break;
     case SELECT_NOTHING:
         break;
     }

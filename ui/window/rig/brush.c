@@ -83,7 +83,7 @@ static bool find_middle(brush *self)
     uint32_t alone, alone_in_head, example;
     if (!rig_mirror_count_alone(&alone, &example, self->m, self->middle_mm, reach_mm))
         return false;
-    if (alone == 0 || rig_head_measure(&head, self->m, NULL) < 0)
+    if (alone == 0 || rig_head_measure(&head, self->m, NULL, NULL) < 0)
         return true;
     if (!rig_mirror_count_alone(&alone_in_head, &example, self->m, head.middle_x, reach_mm))
         return false;

@@ -1,0 +1,899 @@
+#include "face/rig/rig_anatomy.h"
+
+#include "face/bind.h"
+#include "face/weights/pieces.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to look for the face");
+}
+
+static vec3 least(vec3 a, vec3 b)
+{
+    return (vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+
+static vec3 greatest(vec3 a, vec3 b)
+{
+    return (vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+/* ---- names ---- */
+
+static bool has_text(const char *name, const char *text)
+{
+    size_t length = strlen(text);
+    for (; *name; ++name) {
+        size_t i = 0;
+        while (i < length && tolower((unsigned char)name[i]) == text[i])
+            ++i;
+        if (i == length)
+            return true;
+    }
+    return false;
+}
+
+bool anatomy_has_word(const char *name, const char *const *words)
+{
+    for (; *words; ++words)
+        if (has_text(name, *words))
+            return true;
+    return false;
+}
+
+#define WORDS(...) ((const char *const[]){__VA_ARGS__, NULL})
+
+static bool sounds_like_eye(const char *name)
+{
+    return has_text(name, "eye") &&
+           !anatomy_has_word(name, WORDS("brow", "lash", "lid", "socket", "extra", "shadow",
+                                         "occlusion", "glass", "wear"));
+}
+
+static bool sounds_like_teeth(const char *name)
+{
+    return anatomy_has_word(name, WORDS("teeth", "tooth", "gum", "denture"));
+}
+
+static bool sounds_worn(const char *name)
+{
+    return anatomy_has_word(name, WORDS("hair", "headwear", "hat", "beanie", "helmet", "glasses",
+                                        "eyewear", "earring", "ear.", "ears", "horn", "crown",
+                                        "hood", "mask"));
+}
+
+static bool sounds_like_clothes(const char *name)
+{
+    return anatomy_has_word(name, WORDS("outfit", "cloth", "shirt", "shoe", "footwear", "pants",
+                                        "trouser", "dress", "jacket", "hand", "body"));
+}
+
+/* ---- the skeleton ---- */
+
+/* "mixamorig:Head", "J_Bip_C_Head", "Bip01 Head", "DEF-head.001", "CC_Base_Head"; not the end of
+ * one, nor what only controls it. */
+static bool is_joint_of(const mesh_joint *joint, const char *role, const char *word)
+{
+    if (joint->role && joint->role[0])
+        return strcmp(joint->role, role) == 0;
+    const char *colon = strrchr(joint->name, ':'), *name = colon ? colon + 1 : joint->name;
+    if (anatomy_has_word(name, WORDS("end", "top", "nub", "tip", "ctrl", "ik", "gear", "band",
+                                     "light", "phone", "forehead")))
+        return false;
+    for (const char *at = name; *at; ++at) {
+        size_t i = 0, length = strlen(word);
+        while (i < length && tolower((unsigned char)at[i]) == word[i])
+            ++i;
+        bool begins = at == name || !isalpha((unsigned char)at[-1]) ||
+                      (islower((unsigned char)at[-1]) && isupper((unsigned char)at[0]));
+        bool ends = i == length && !islower((unsigned char)at[i]);
+        if (begins && ends)
+            return true;
+    }
+    return false;
+}
+
+static void mark_below(uint8_t *is_below, const mesh *m, uint32_t root)
+{
+    memset(is_below, 0, m->joint_count);
+    is_below[root] = 1;
+    for (uint32_t i = root + 1; i < m->joint_count; ++i)
+        if (m->joint[i].parent != MESH_NO_JOINT)
+            is_below[i] = is_below[m->joint[i].parent];
+}
+
+/* How far a vertex follows marked joints, 0..1. */
+static float share_of(const mesh *m, const uint8_t *is_below, uint32_t vertex)
+{
+    float share = 0.0f;
+    for (size_t k = 0; k < MESH_SKIN_WIDTH; ++k) {
+        size_t at = (size_t)vertex * MESH_SKIN_WIDTH + k;
+        share += is_below[m->skin_joint[at]] ? m->skin_weight[at] : 0.0f;
+    }
+    return share;
+}
+
+/* Of several heads the one in front; of those side by side the first. */
+static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
+{
+    double front = -(double)INFINITY;
+    if (!m->skin_joint)
+        return MRT_OK;
+    uint8_t *is_below = malloc((size_t)m->joint_count + 1);
+    if (!is_below)
+        return no_memory(err);
+    for (uint32_t j = 0; j < m->joint_count; ++j) {
+        uint32_t count = 0;
+        double z = -(double)INFINITY;
+        if (!is_joint_of(&m->joint[j], "head", "head"))
+            continue;
+        if (a->head_joint != MESH_NO_JOINT && m->joint[j].parent == a->head_joint)
+            continue; /* "head" and the bone in it */
+        mark_below(is_below, m, j);
+        for (uint32_t v = 0; v < m->vertex_count; ++v)
+            if (share_of(m, is_below, v) >= 0.5f) {
+                count += 1;
+                z = fmax(z, rig_mirror_position(m, v).z);
+            }
+        if (count < 16)
+            continue;
+        a->head_count += 1;
+        if (z <= front + 1.0)
+            continue;
+        front = z;
+        a->head_joint = j;
+    }
+    if (a->head_joint != MESH_NO_JOINT) {
+        mark_below(is_below, m, a->head_joint);
+        for (uint32_t v = 0; v < m->vertex_count; ++v)
+            a->is_head[v] = share_of(m, is_below, v) >= 0.5f;
+        for (uint32_t j = a->head_joint; j < m->joint_count; ++j)
+            if (is_below[j] && is_joint_of(&m->joint[j], "jaw", "jaw"))
+                a->jaw_joint = a->jaw_joint == MESH_NO_JOINT ? j : a->jaw_joint;
+        const float *rest = m->joint[a->head_joint].rest;
+        a->neck = (vec3){(double)rest[3], (double)rest[7], (double)rest[11]};
+        a->source = BY_SKELETON;
+        a->has_body = true;
+    }
+    free(is_below);
+    return MRT_OK;
+}
+
+/* ---- heads by their place ---- */
+
+enum { ROWS = 256 };
+
+typedef struct rows { /* of a mesh, by height */
+    double low_y, row_mm;
+    double low_x[ROWS], high_x[ROWS], low_z[ROWS], high_z[ROWS];
+} rows;
+
+static int row_of(const rows *r, double y)
+{
+    int row = (int)floor((y - r->low_y) / r->row_mm);
+    return row < 0 ? 0 : row >= ROWS ? ROWS - 1 : row;
+}
+
+static void fill_rows(rows *r, const mesh *m, const uint8_t *is_head, vec3 low, vec3 high)
+{
+    *r = (rows){.low_y = low.y, .row_mm = (high.y - low.y) / ROWS};
+    for (int i = 0; i < ROWS; ++i) {
+        r->low_x[i] = r->low_z[i] = (double)INFINITY;
+        r->high_x[i] = r->high_z[i] = -(double)INFINITY;
+    }
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        const uint32_t *corner = m->triangle + (size_t)i * 3;
+        vec3 a = rig_mirror_position(m, corner[0]), b = rig_mirror_position(m, corner[1]),
+             c = rig_mirror_position(m, corner[2]);
+        vec3 from = least(a, least(b, c)), to = greatest(a, greatest(b, c));
+        if (!is_head[corner[0]])
+            continue;
+        for (int row = row_of(r, from.y), end = row_of(r, to.y); row <= end; ++row) {
+            r->low_x[row] = fmin(r->low_x[row], from.x);
+            r->high_x[row] = fmax(r->high_x[row], to.x);
+            r->low_z[row] = fmin(r->low_z[row], from.z);
+            r->high_z[row] = fmax(r->high_z[row], to.z);
+        }
+    }
+}
+
+static int by_value(const void *left, const void *right)
+{
+    double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static double width_at(const rows *r, int row)
+{
+    double width = r->high_x[row] - r->low_x[row];
+    return isfinite(width) ? width : 0.0;
+}
+
+/* Shoulders: below a head the body gets far wider than the head was, and stays so; below ears it
+ * does not. The row; -1: there are none. */
+static int find_shoulders(const rows *r)
+{
+    enum { CROWN = ROWS / 8 };
+    double sorted[ROWS];
+    for (int row = ROWS - 1 - CROWN; row > 0; --row) {
+        int count = ROWS - 1 - row, wide = 0;
+        for (int i = 0; i < count; ++i)
+            sorted[i] = width_at(r, row + 1 + i);
+        qsort(sorted, (size_t)count, sizeof *sorted, by_value);
+        double usual = sorted[count / 2];
+        if (width_at(r, row) < 1.35 * usual)
+            continue;
+        for (int i = 0; i < row; ++i)
+            wide += width_at(r, i) > 1.2 * usual;
+        if (10 * wide > 7 * row)
+            return row;
+    }
+    return -1;
+}
+
+/* The head ends where the body is narrowest above the shoulders. A bust has little below its
+ * shoulders: it is a head with a neck; and bodies are far higher than they are deep. */
+static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
+{
+    rows *r = high.y - low.y > 2.2 * (high.z - low.z) ? malloc(sizeof *r) : NULL;
+    if (!r)
+        return;
+    fill_rows(r, m, a->is_head, low, high);
+    int shoulder = find_shoulders(r);
+    if (shoulder > ROWS * 2 / 5) {
+        int neck = shoulder + 1, span = ROWS - shoulder;
+        for (int row = neck; row < shoulder + span * 2 / 5 && row < ROWS; ++row)
+            if (width_at(r, row) < 0.97 * width_at(r, neck))
+                neck = row;
+        double y = r->low_y + neck * r->row_mm;
+        for (uint32_t v = 0; v < m->vertex_count; ++v)
+            a->is_head[v] &= rig_mirror_position(m, v).y >= y;
+        a->neck = (vec3){0.5 * (r->low_x[neck] + r->high_x[neck]), y,
+                         0.6 * r->low_z[neck] + 0.4 * r->high_z[neck]};
+        a->has_body = true;
+    }
+    free(r);
+}
+
+static bool overlap(const anatomy_piece *p, const anatomy_piece *q)
+{
+    return p->low.x <= q->high.x && q->low.x <= p->high.x && p->low.y <= q->high.y &&
+           q->low.y <= p->high.y && p->low.z <= q->high.z && q->low.z <= p->high.z;
+}
+
+static double size_of(const anatomy_piece *p)
+{
+    vec3 d = vec3_sub(p->high, p->low);
+    return d.x * d.y * d.z;
+}
+
+/* Pieces whose boxes meet are one figure. Figures half as large as the largest are heads too; that
+ * in front is performed, of those side by side the first. */
+static mrt_result choose_figure(rig_anatomy *a, const mesh *m, error *err)
+{
+    enum { MANY = 2000 }; /* pieces beyond are taken as they come */
+    uint32_t count = a->piece_count < MANY ? a->piece_count : MANY;
+    uint32_t *figure = malloc(((size_t)count + 1) * sizeof *figure);
+    anatomy_piece *box = malloc(((size_t)count + 1) * sizeof *box);
+    if (!figure || !box) {
+        free(figure);
+        free(box);
+        return no_memory(err);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        figure[i] = i;
+        box[i] = a->piece[i];
+    }
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (uint32_t i = 0; i < count; ++i)
+            for (uint32_t j = i + 1; figure[i] == i && j < count; ++j)
+                if (figure[j] == j && overlap(&box[i], &box[j])) {
+                    box[i].low = least(box[i].low, box[j].low);
+                    box[i].high = greatest(box[i].high, box[j].high);
+                    figure[j] = i;
+                    grows = true;
+                }
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        while (figure[i] != figure[figure[i]])
+            figure[i] = figure[figure[i]];
+    double largest = 0.0;
+    for (uint32_t i = 0; i < count; ++i)
+        largest = figure[i] == i ? fmax(largest, size_of(&box[i])) : largest;
+    uint32_t best = 0;
+    bool found = false;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (figure[i] != i || size_of(&box[i]) < 0.5 * largest)
+            continue;
+        a->head_count += 1;
+        if (found &&
+            box[i].high.z <= box[best].high.z + 0.02 * (box[best].high.z - box[best].low.z))
+            continue;
+        best = i;
+        found = true;
+    }
+    for (uint32_t v = 0; a->head_count > 1 && v < m->vertex_count; ++v)
+        a->is_head[v] = a->of_vertex[v] < count && figure[a->of_vertex[v]] == best;
+    if (a->head_count > 1)
+        a->has_body = true;
+    a->neck = (vec3){0.5 * (box[best].low.x + box[best].high.x), box[best].low.y,
+                     0.6 * box[best].low.z + 0.4 * box[best].high.z};
+    free(figure);
+    free(box);
+    return MRT_OK;
+}
+
+static mrt_result find_head_by_shape(rig_anatomy *a, const mesh *m, error *err)
+{
+    memset(a->is_head, 1, m->vertex_count);
+    a->head_count = 0;
+    mrt_result result = choose_figure(a, m, err);
+    vec3 low = {0, 0, 0}, high = {0, 0, 0};
+    bool found = false;
+    for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (!a->is_head[v])
+            continue;
+        low = found ? least(low, p) : p;
+        high = found ? greatest(high, p) : p;
+        found = true;
+    }
+    if (result >= 0 && high.y > low.y)
+        cut_off_body(a, m, low, high);
+    return result;
+}
+
+/* ---- pieces ---- */
+
+static mrt_result measure_pieces(rig_anatomy *a, const mesh *m, const topology *t, error *err)
+{
+    a->of_vertex = malloc(((size_t)m->vertex_count + 1) * sizeof *a->of_vertex);
+    if (!a->of_vertex)
+        return no_memory(err);
+    mrt_result result = pieces_find(a->of_vertex, &a->piece_count, m, t, err);
+    if (result < 0)
+        return result;
+    a->piece = calloc((size_t)a->piece_count + 1, sizeof *a->piece);
+    if (!a->piece)
+        return no_memory(err);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        anatomy_piece *p = &a->piece[a->of_vertex[v]];
+        vec3 at = rig_mirror_position(m, v);
+        if (mesh_point(m, v) != v)
+            continue;
+        if (p->point_count == 0)
+            *p = (anatomy_piece){.vertex = v, .low = at, .high = at, .part = UINT32_MAX};
+        p->low = least(p->low, at);
+        p->high = greatest(p->high, at);
+        p->mean = vec3_add(p->mean, at);
+        p->point_count += 1;
+    }
+    a->member = malloc(((size_t)m->vertex_count + 1) * sizeof *a->member);
+    if (!a->member)
+        return no_memory(err);
+    uint32_t next = 0;
+    for (uint32_t i = 0; i <= a->piece_count; ++i) {
+        a->piece[i].first_member = next;
+        next += a->piece[i].point_count;
+        a->piece[i].point_count = 0;
+    }
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        anatomy_piece *p = &a->piece[a->of_vertex[v]];
+        if (mesh_point(m, v) == v)
+            a->member[p->first_member + p->point_count++] = v;
+    }
+    for (uint32_t i = 0; i < a->piece_count; ++i)
+        a->piece[i].mean = vec3_scale(a->piece[i].mean, 1.0 / a->piece[i].point_count);
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        for (uint32_t k = 0; k < m->part[i].triangle_count; ++k) {
+            uint32_t corner = m->triangle[3 * ((size_t)m->part[i].first_triangle + k)];
+            anatomy_piece *p = &a->piece[a->of_vertex[corner]];
+            p->part = p->part == UINT32_MAX ? i : p->part;
+        }
+    return MRT_OK;
+}
+
+static const char *name_of(const mesh *m, const anatomy_piece *p)
+{
+    return p->part < m->part_count ? m->part[p->part].name : "";
+}
+
+static const char *material_of(const mesh *m, const anatomy_piece *p)
+{
+    return p->part < m->part_count ? m->material[m->part[p->part].material].name : "";
+}
+
+/* A piece by one of its names. */
+static bool sounds(const mesh *m, const anatomy_piece *p, bool (*as)(const char *name))
+{
+    return as(name_of(m, p)) || as(material_of(m, p));
+}
+
+static void count_head(rig_anatomy *a, const mesh *m)
+{
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        if (mesh_point(m, v) == v && a->is_head[v])
+            a->piece[a->of_vertex[v]].head_count += 1;
+}
+
+/* ---- the face: the piece that is seen most from the front ---- */
+
+enum { PIXELS = 192 };
+
+typedef struct front_view {
+    vec3 low, high;
+    double z[PIXELS * PIXELS];
+    uint32_t piece[PIXELS * PIXELS];
+} front_view;
+
+static int pixel_of(double at, double low, double high)
+{
+    int pixel = (int)floor((at - low) / (high - low) * PIXELS);
+    return pixel < 0 ? 0 : pixel >= PIXELS ? PIXELS - 1 : pixel;
+}
+
+/* By the boxes of triangles: they are small, and only shares are wanted. */
+static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint32_t piece)
+{
+    const uint32_t *corner = m->triangle + (size_t)triangle * 3;
+    vec3 a = rig_mirror_position(m, corner[0]), b = rig_mirror_position(m, corner[1]),
+         c = rig_mirror_position(m, corner[2]);
+    vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3.0);
+    vec3 from = vec3_scale(vec3_add(least(a, least(b, c)), middle), 0.5);
+    vec3 to = vec3_scale(vec3_add(greatest(a, greatest(b, c)), middle), 0.5);
+    int last_x = pixel_of(to.x, f->low.x, f->high.x), last_y = pixel_of(to.y, f->low.y, f->high.y);
+    for (int y = pixel_of(from.y, f->low.y, f->high.y); y <= last_y; ++y)
+        for (int x = pixel_of(from.x, f->low.x, f->high.x); x <= last_x; ++x)
+            if (middle.z > f->z[y * PIXELS + x]) {
+                f->z[y * PIXELS + x] = middle.z;
+                f->piece[y * PIXELS + x] = piece;
+            }
+}
+
+static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
+{
+    const anatomy_piece *p = &a->piece[piece];
+    return p->head_count >= 8 && !sounds(m, p, sounds_worn) && !sounds(m, p, sounds_like_eye) &&
+           !sounds(m, p, sounds_like_teeth);
+}
+
+static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
+{
+    front_view *f = calloc(1, sizeof *f);
+    double *seen = calloc((size_t)a->piece_count + 1, sizeof *seen);
+    bool found = false;
+    a->face = a->piece_count;
+    for (uint32_t v = 0; f && v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (!a->is_head[v])
+            continue;
+        f->low = found ? least(f->low, p) : p;
+        f->high = found ? greatest(f->high, p) : p;
+        found = true;
+    }
+    bool has_memory = f && seen;
+    bool is_flat = !found || !(f->high.x > f->low.x) || !(f->high.y > f->low.y);
+    for (size_t i = 0; has_memory && i < PIXELS * PIXELS; ++i) {
+        f->z[i] = -(double)INFINITY;
+        f->piece[i] = a->piece_count;
+    }
+    for (uint32_t i = 0; has_memory && !is_flat && i < m->triangle_count; ++i) {
+        uint32_t corner = m->triangle[(size_t)i * 3];
+        if (a->is_head[corner] && may_be_face(a, m, a->of_vertex[corner]))
+            draw_triangle(f, m, i, a->of_vertex[corner]);
+    }
+    for (size_t i = 0; has_memory && i < PIXELS * PIXELS; ++i)
+        seen[f->piece[i]] += 1.0;
+    for (uint32_t i = 0; has_memory && i < a->piece_count; ++i) {
+        if (anatomy_has_word(name_of(m, &a->piece[i]), WORDS("head", "face")))
+            seen[i] *= 4.0;
+        if (seen[i] > 0.0 && (a->face == a->piece_count || seen[i] > seen[a->face]))
+            a->face = i;
+    }
+    free(f);
+    free(seen);
+    if (!has_memory)
+        return no_memory(err);
+    if (a->face == a->piece_count)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "no profile of a face is found in the mesh: there is no surface that "
+                         "faces +z");
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        a->is_face[v] = a->is_head[v] && a->of_vertex[v] == a->face;
+    a->piece[a->face].kind = PIECE_FACE;
+    a->piece[a->face].source = a->source;
+    return MRT_OK;
+}
+
+/* ---- balls ---- */
+
+/* The sphere through a piece in the sense of least squares: |p|^2 = 2 c p + k. Returns the mean
+ * miss over the radius; infinite: none. */
+static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
+                         const mesh *m)
+{
+    const anatomy_piece *p = &a->piece[piece];
+    const uint32_t *member = a->member + p->first_member;
+    double n[4][5] = {{0}}, miss = 0.0;
+    for (uint32_t k = 0; k < p->point_count; ++k) {
+        vec3 d = vec3_sub(rig_mirror_position(m, member[k]), p->mean);
+        double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 5; ++j)
+                n[i][j] += row[i] * row[j];
+    }
+    for (int i = 0; i < 4; ++i) { /* it is symmetric and positive, or the piece is flat */
+        if (!(n[i][i] > 1e-9))
+            return (double)INFINITY;
+        for (int k = 0; k < 4; ++k) {
+            double part = k == i ? 0.0 : n[k][i] / n[i][i];
+            for (int j = 0; j < 5; ++j)
+                n[k][j] -= part * n[i][j];
+        }
+    }
+    vec3 c = {n[0][4] / n[0][0], n[1][4] / n[1][1], n[2][4] / n[2][2]};
+    double square = n[3][4] / n[3][3] + vec3_dot(c, c);
+    if (!(square > 0.0))
+        return (double)INFINITY;
+    *out_centre = vec3_add(p->mean, c);
+    *out_radius = sqrt(square);
+    for (uint32_t k = 0; k < p->point_count; ++k)
+        miss += fabs(vec3_length(vec3_sub(rig_mirror_position(m, member[k]), *out_centre)) -
+                     *out_radius);
+    return miss / p->point_count / *out_radius;
+}
+
+/* ---- what the other pieces are ---- */
+
+static bool is_mostly_head(const anatomy_piece *p)
+{
+    return 2 * p->head_count > p->point_count;
+}
+
+static void say(anatomy_piece *p, piece_kind kind, anatomy_source source)
+{
+    p->kind = kind;
+    p->source = source;
+}
+
+/* An eyeball: a ball of an eye's size in front, above the nose. */
+static bool is_ball(anatomy_eye *out, const rig_anatomy *a, uint32_t piece, const mesh *m)
+{
+    const anatomy_piece *p = &a->piece[piece];
+    const rig_head *head = &a->head;
+    double height = head->top_y - head->chin.y, depth = head->nose.z - head->back_z;
+    vec3 d = vec3_sub(p->high, p->low);
+    if (p->point_count < 20 || !is_mostly_head(p) || d.x > 1.4 * d.y || d.y > 1.4 * d.x ||
+        d.x > 0.35 * height || d.x < 0.03 * height)
+        return false;
+    if (!(fit_sphere(&out->centre, &out->radius_mm, a, piece, m) < 0.12) ||
+        out->radius_mm > 0.25 * height)
+        return false;
+    double aside = fabs(out->centre.x - head->middle_x);
+    return out->centre.y > head->mouth_y && out->centre.z > head->back_z + 0.4 * depth &&
+           aside > 0.6 * out->radius_mm && aside < 1.1 * head->half_width;
+}
+
+static anatomy_eye *eye_at(rig_anatomy *a, double x)
+{
+    return &a->eye[x > a->head.middle_x ? 0 : 1];
+}
+
+static void take_eye(rig_anatomy *a, uint32_t piece, const anatomy_eye *ball, anatomy_source source)
+{
+    anatomy_eye *eye = eye_at(a, ball->centre.x);
+    if (!eye->is_found || ball->radius_mm > eye->radius_mm)
+        *eye = (anatomy_eye){true, ball->centre, ball->radius_mm};
+    say(&a->piece[piece], eye == &a->eye[0] ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT, source);
+}
+
+/* Pupils, irises and corneas: in the middle of a ball, and not beyond it. */
+static bool is_in_eye(const anatomy_eye *eye, const anatomy_piece *p)
+{
+    vec3 middle = vec3_scale(vec3_add(p->low, p->high), 0.5);
+    vec3 off = vec3_sub(middle, eye->centre), d = vec3_sub(p->high, p->low);
+    return eye->is_found && d.x < 1.4 * d.y && d.y < 1.4 * d.x &&
+           hypot(off.x, off.y) < 0.25 * eye->radius_mm && fmax(d.x, d.y) < 2.3 * eye->radius_mm &&
+           off.z > -0.5 * eye->radius_mm && off.z < 1.3 * eye->radius_mm;
+}
+
+typedef struct ball {
+    uint32_t piece;
+    anatomy_eye as;
+} ball;
+
+/* Both of a pair, where one is the other's mirror image. */
+static void take_pair(rig_anatomy *a, const ball *one, const ball *other)
+{
+    vec3 c = other->as.centre, image = {2.0 * a->head.middle_x - c.x, c.y, c.z};
+    if (a->piece[one->piece].kind != PIECE_UNKNOWN ||
+        a->piece[other->piece].kind != PIECE_UNKNOWN ||
+        vec3_length(vec3_sub(image, one->as.centre)) > 0.3 * one->as.radius_mm ||
+        fabs(one->as.radius_mm - other->as.radius_mm) > 0.2 * one->as.radius_mm)
+        return;
+    take_eye(a, one->piece, &one->as, BY_SHAPE);
+    take_eye(a, other->piece, &other->as, BY_SHAPE);
+}
+
+static void find_eyes(rig_anatomy *a, const mesh *m)
+{
+    enum { BALLS_MAX = 64 };
+    ball found[BALLS_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < a->piece_count && count < BALLS_MAX; ++i) {
+        found[count] = (ball){i, {.is_found = true}};
+        if (a->piece[i].kind == PIECE_UNKNOWN && is_ball(&found[count].as, a, i, m))
+            count += 1;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        if (sounds_like_eye(name_of(m, &a->piece[found[i].piece])))
+            take_eye(a, found[i].piece, &found[i].as, BY_NAME);
+    if (!a->eye[0].is_found && !a->eye[1].is_found)
+        for (uint32_t i = 0; i < count; ++i)
+            for (uint32_t j = i + 1; j < count; ++j)
+                take_pair(a, &found[i], &found[j]);
+    for (uint32_t i = 0; i < a->piece_count; ++i) {
+        anatomy_piece *p = &a->piece[i];
+        if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
+            continue;
+        for (int side = 0; side < 2; ++side)
+            if (is_in_eye(&a->eye[side], p))
+                say(p, side == 0 ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT,
+                    sounds_like_eye(name_of(m, p)) ? BY_NAME : BY_SHAPE);
+    }
+}
+
+/* Behind the lips, no wider than the mouth. */
+static bool is_in_mouth(const rig_anatomy *a, const anatomy_piece *p)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
+    double wide = 0.62 * head->half_width;
+    return p->low.x > head->middle_x - wide && p->high.x < head->middle_x + wide &&
+           p->mean.y < head->mouth_y + 0.3 * reach && p->mean.y > head->mouth_y - 0.35 * reach &&
+           p->high.y - p->low.y < 0.36 * reach && p->mean.z > head->back_z + 0.4 * depth &&
+           p->high.z < head->nose.z;
+}
+
+static void find_teeth(rig_anatomy *a, const mesh *m)
+{
+    const rig_head *head = &a->head;
+    double widest = 0.0, front = -(double)INFINITY;
+    for (uint32_t i = 0; i < a->piece_count; ++i) {
+        const anatomy_piece *p = &a->piece[i];
+        if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p) || !is_in_mouth(a, p))
+            continue;
+        widest = fmax(widest, p->high.x - p->low.x);
+        front = fmax(front, p->high.z);
+    }
+    for (uint32_t i = 0; i < a->piece_count; ++i) {
+        anatomy_piece *p = &a->piece[i];
+        bool is_named = sounds(m, p, sounds_like_teeth),
+             is_tongue = has_text(name_of(m, p), "tongue");
+        if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
+            continue;
+        if (!is_named && !is_tongue && !is_in_mouth(a, p))
+            continue;
+        bool is_behind = front - p->high.z > 0.15 * (front - p->low.z) &&
+                         fabs(p->mean.x - head->middle_x) < 0.05 * widest &&
+                         p->high.x - p->low.x > 0.3 * widest &&
+                         p->high.x - p->low.x < 0.95 * widest;
+        bool is_lower = p->mean.y < head->mouth_y;
+        if (anatomy_has_word(name_of(m, p), WORDS("upper", "lower")))
+            is_lower = has_text(name_of(m, p), "lower");
+        say(p,
+            is_tongue || (is_behind && !has_text(name_of(m, p), "upper")) ? PIECE_TONGUE
+            : is_lower                                                    ? PIECE_TEETH_LOWER
+                                                                          : PIECE_TEETH_UPPER,
+            is_named || is_tongue ? BY_NAME : BY_SHAPE);
+    }
+}
+
+/* Hair, hats, glasses and ears: behind the face, above it, or across it. */
+static bool lies_around(const rig_anatomy *a, const anatomy_piece *p)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
+    bool is_across = p->low.x < head->middle_x - 0.6 * head->half_width &&
+                     p->high.x > head->middle_x + 0.6 * head->half_width;
+    return p->mean.z < head->back_z + 0.5 * depth || p->low.y > head->nose.y + 0.9 * reach ||
+           (is_across && p->high.y - p->low.y < 0.6 * reach && p->low.y > head->mouth_y);
+}
+
+static void find_others(rig_anatomy *a, const mesh *m)
+{
+    for (uint32_t i = 0; i < a->piece_count; ++i) {
+        anatomy_piece *p = &a->piece[i];
+        const char *name = name_of(m, p);
+        if (p->kind != PIECE_UNKNOWN)
+            continue;
+        if (p->head_count == 0 || (!is_mostly_head(p) && !sounds(m, p, sounds_worn)))
+            say(p, PIECE_BODY, a->source);
+        else if (anatomy_has_word(name, WORDS("beard", "moustache", "mustache")))
+            say(p, p->mean.y < a->head.mouth_y ? PIECE_BEARD : PIECE_UNKNOWN, BY_NAME);
+        else if (sounds(m, p, sounds_worn) && !anatomy_has_word(name, WORDS("lash", "brow")))
+            say(p, PIECE_RIDES, BY_NAME);
+        else if (a->has_face && !anatomy_has_word(name, WORDS("lash", "brow", "lid", "tear")) &&
+                 lies_around(a, p))
+            say(p, PIECE_RIDES, BY_SHAPE);
+        else if (!a->has_face)
+            say(p, PIECE_RIDES, BY_SHAPE);
+        else if (sounds_like_clothes(name))
+            say(p, PIECE_BODY, BY_NAME);
+    }
+}
+
+/* ---- is there a slit between the lips? ---- */
+
+static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, error *err)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y, reach_mm = 3.0 * reach;
+    vec3 upper, lower;
+    uint32_t above, below;
+    if (!rig_head_hit(&upper, &above, m, a->is_face, head->middle_x,
+                      head->lip_upper_y + 0.03 * reach) ||
+        !rig_head_hit(&lower, &below, m, a->is_face, head->middle_x,
+                      head->lip_lower_y - 0.03 * reach))
+        return MRT_OK;
+    double *distance = malloc(((size_t)m->vertex_count + 1) * sizeof *distance);
+    bind_start start = {above, 0.0};
+    if (!distance || !bind_distances(distance, &start, 1, reach_mm, m, t)) {
+        free(distance);
+        return no_memory(err);
+    }
+    double straight =
+        vec3_length(vec3_sub(rig_mirror_position(m, above), rig_mirror_position(m, below)));
+    double around = fmin(distance[below], reach_mm) - straight;
+    a->lips_mm = fmin(distance[below], reach_mm);
+    bool is_open =
+        head->mouth_depth > 0.05 * reach && head->lip_upper_y - head->lip_lower_y > 0.06 * reach;
+    a->has_slit = above != below && (is_open || (around > 1.2 * straight && around > 0.1 * reach));
+    free(distance);
+    return MRT_OK;
+}
+
+/* ---- what is behind the lips and the lids ---- */
+
+static mrt_result find_hidden(rig_anatomy *a, const mesh *m, error *err)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y;
+    front_view *f = calloc(1, sizeof *f);
+    if (!f)
+        return no_memory(err);
+    f->low = (vec3){head->middle_x - 1.2 * head->half_width, head->chin.y, 0.0};
+    f->high = (vec3){head->middle_x + 1.2 * head->half_width, head->nose.y + 1.2 * reach, 0.0};
+    for (size_t i = 0; i < PIXELS * PIXELS; ++i)
+        f->z[i] = -(double)INFINITY;
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        const uint32_t *corner = m->triangle + (size_t)i * 3;
+        vec3 p = rig_mirror_position(m, corner[0]);
+        if (a->is_face[corner[0]] && p.x > f->low.x && p.x < f->high.x && p.y > f->low.y &&
+            p.y < f->high.y)
+            draw_triangle(f, m, i, a->face);
+    }
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (!a->is_face[v] ||
+            !(p.x > f->low.x && p.x < f->high.x && p.y > f->low.y && p.y < f->high.y))
+            continue;
+        int x = pixel_of(p.x, f->low.x, f->high.x), y = pixel_of(p.y, f->low.y, f->high.y);
+        a->hidden_mm[v] = (float)fmax(f->z[y * PIXELS + x] - p.z, 0.0);
+    }
+    free(f);
+    return MRT_OK;
+}
+
+/* ---- ears ---- */
+
+typedef struct band { /* of the face's sides: heights, and depths */
+    double low_y, high_y, low_z, high_z;
+} band;
+
+static bool is_in_band(const band *b, vec3 p)
+{
+    return p.y > b->low_y && p.y < b->high_y && p.z > b->low_z && p.z < b->high_z;
+}
+
+static double widest_in(const rig_anatomy *a, const mesh *m, const band *b)
+{
+    double widest = 0.0;
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        if (a->is_face[v] && is_in_band(b, rig_mirror_position(m, v)))
+            widest = fmax(widest, fabs(rig_mirror_position(m, v).x - a->head.middle_x));
+    return widest;
+}
+
+/* What stands out from the sides of the head is the rim of an ear; the hole lies before and a
+ * little below its middle (as on the ICT face). */
+static void find_ears(rig_anatomy *a, const mesh *m)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
+    double y = head->nose.y, z = head->back_z, rim_y = 0.0, rim_z = 0.0;
+    band beside = {head->mouth_y - 0.3 * reach, y + 0.9 * reach, z + 0.15 * depth,
+                   z + 0.75 * depth};
+    band above = {y + reach, y + 1.4 * reach, z, z + depth};
+    double ear = widest_in(a, m, &beside), side = widest_in(a, m, &above);
+    double edge = ear - 0.35 * (ear - 0.9 * fmin(side, ear));
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (!a->is_face[v] || !is_in_band(&beside, p) || fabs(p.x - head->middle_x) < edge)
+            continue;
+        rim_y += p.y;
+        rim_z += p.z;
+        count += 1;
+    }
+    a->has_ears = count >= 6 && ear > 1.08 * side;
+    if (a->has_ears)
+        a->ear = (vec3){head->middle_x + side, rim_y / count - 0.07 * (head->top_y - head->chin.y),
+                        rim_z / count + 0.1 * depth};
+}
+
+/* A head that has a nose, a mouth or eyes; the profile of a ball has rows that come out too. */
+static bool is_a_face(const rig_anatomy *a)
+{
+    const rig_head *head = &a->head;
+    double reach = head->nose.y - head->chin.y;
+    return a->eye[0].is_found || a->eye[1].is_found || head->mouth_depth > 0.01 * reach ||
+           head->nose_mm > 0.02 * (head->top_y - head->chin.y);
+}
+
+/* ---- all of it ---- */
+
+mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err)
+{
+    *out = (rig_anatomy){.head_joint = MESH_NO_JOINT, .jaw_joint = MESH_NO_JOINT};
+    out->is_head = calloc((size_t)m->vertex_count + 1, 1);
+    out->is_face = calloc((size_t)m->vertex_count + 1, 1);
+    out->hidden_mm = calloc((size_t)m->vertex_count + 1, sizeof *out->hidden_mm);
+    mrt_result result = out->is_head && out->is_face && out->hidden_mm
+                            ? measure_pieces(out, m, t, err)
+                            : no_memory(err);
+    if (result >= 0)
+        result = find_head_joint(out, m, err);
+    if (result >= 0 && out->head_joint == MESH_NO_JOINT)
+        result = find_head_by_shape(out, m, err);
+    if (result >= 0) {
+        count_head(out, m);
+        result = find_face(out, m, err);
+    }
+    if (result >= 0) {
+        mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
+        out->has_face = measured >= 0;
+        result = measured < 0 && out->head_joint == MESH_NO_JOINT ? measured : MRT_OK;
+    }
+    if (result >= 0 && out->has_face) {
+        find_eyes(out, m);
+        find_teeth(out, m);
+        find_ears(out, m);
+        out->has_face = out->head_joint == MESH_NO_JOINT || is_a_face(out);
+        result = find_slit(out, m, t, err);
+        if (result >= 0)
+            result = find_hidden(out, m, err);
+    }
+    if (result >= 0)
+        find_others(out, m);
+    if (result < 0)
+        rig_anatomy_finish(out);
+    return result;
+}
+
+void rig_anatomy_finish(rig_anatomy *a)
+{
+    free(a->of_vertex);
+    free(a->piece);
+    free(a->member);
+    free(a->is_head);
+    free(a->is_face);
+    free(a->hidden_mm);
+    *a = (rig_anatomy){0};
+}

@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# Heads that nobody here made, from the file to the performance: a rig is drafted, checked and
+# performed through three mappings by the demo hand and three recordings, as a table. A row that
+# folds, tears, bends what is rigid, or takes longer than 15 s to the first performance fails it.
+#   heads.sh [--quick] [NAME]...   of heads, mappings and hands: only rows that have all names
+# --quick: the demo hand's first seconds alone. Contact sheets are kept in $SHEETS, where it is set.
+source "$(dirname "$0")/../e2e/lib.sh"
+heads=$shared/data/heads apart=${BUILD_DIR:-$SOURCE_DIR/build/release}/tests/bench/heads_apart
+quick=${QUICK:-}
+[ "${1:-}" = --quick ] && quick=1 && shift
+if [ ! -d "$heads" ]; then
+    echo "SKIPPED: no $heads (set MAROTTE_SHARED)"
+    exit 77
+fi
+hands=("demo=$demo${quick:+,end=5}")
+if [ -z "$quick" ]; then
+    hands+=("subject1_calibration=$shared/data/hands/00_calib-rad-su01.txt")
+    hands+=("subject1=$shared/data/hands/02_i_r_ex02-rad-021-grasp-su01.txt")
+    hands+=("subject4=$shared/data/hands/10_ex01-rad-003-grasp-su04.txt")
+fi
+
+is_wanted() {
+    local row=$1 name
+    shift
+    for name in "$@"; do
+        case " $row " in *" $name "*) ;; *) return 1 ;; esac
+    done
+}
+
+number() { fact "$1" "$scratch/facts.txt"; }
+
+row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %6s\n'
+printf "$row" head mapping hand motion folds least inside held parted bent s
+for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
+    [ -f "$file" ] || continue
+    name=$(basename "$file")
+    head=${name%.*} rig=$scratch/${name%.*}.rig.json
+    case " one_hand anchored unanchored demo subject1 subject4 subject1_calibration " in
+        *" ${1:-demo} "*) ;;
+        *) [ "$1" = "$head" ] || continue ;;
+    esac
+    cp "$file" "$scratch" && chmod u+w "$scratch/$name"
+    begun=$(date +%s.%N)
+    if ! "$MAROTTE" rig new "$scratch/$name" --force >"$scratch/said" 2>&1; then
+        [ "$(wc -l <"$scratch/said")" -eq 1 ] || fail "$head: $(cat "$scratch/said")"
+        printf '%-13s %s\n' "$head" "$(cat "$scratch/said")"
+        continue
+    fi
+    "$MAROTTE" rig check "$rig" >"$scratch/said" || fail "$head: $(grep ^error "$scratch/said")"
+    first=1
+    for map in one_hand anchored unanchored; do
+        for hand in "${hands[@]}"; do
+            is_wanted "$head $map ${hand%%=*}" "$@" || continue
+            "$MAROTTE" perform --face "$rig" --input "log:${hand#*=}" --map $map \
+                --export "$scratch/frames.pc2" >"$scratch/facts.txt" 2>"$scratch/said" ||
+                { fail "$head $map: $(cat "$scratch/said")"; continue; }
+            took=
+            [ -n "$first" ] && took=$(awk -v a="$begun" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }')
+            first=
+            read -r parted bent < <("$apart" "$rig" "$scratch/frames.pc2")
+            printf "$row" "$head" "$map" "${hand%%=*}" "$(number 'range of motion')" \
+                "$(number folds)" "$(number 'least determinant')" "$(number 'inside out')" \
+                "$(number 'held back')" "$parted" "$bent" "$took"
+            [ "$(number folds)" -eq 0 ] || fail "$head $map ${hand%%=*}: folds"
+            awk -v mm="${parted:-1}" 'BEGIN { exit !(mm <= 0.05) }' ||
+                fail "$head $map ${hand%%=*}: parts by $parted mm"
+            awk -v mm="${bent:-1}" 'BEGIN { exit !(mm <= 0.05) }' ||
+                fail "$head $map ${hand%%=*}: what is rigid bends by $bent mm"
+            [ -z "$took" ] || awk -v s="$took" 'BEGIN { exit !(s < 15) }' ||
+                fail "$head: $took s from the file to the first performance"
+            if [ -n "${SHEETS:-}" ] && [ "${hand%%=*}" = demo ]; then
+                mkdir -p "$SHEETS"
+                "$MAROTTE" perform --face "$rig" --input "log:${hand#*=}" --map $map \
+                    --export "$SHEETS/$head.$map.png" >/dev/null 2>&1 || fail "$head $map: no sheet"
+            fi
+        done
+    done
+done
+finish
