@@ -155,14 +155,22 @@ static void promise(const scene *self, const char *mapping, uint32_t count)
         bench_at_most_ms(self->of, "whole frame, unanchored, 99 %", p99_ms, 1.0);
 }
 
-static mrt_result measure(scene *self, const char *mapping, error *err)
+typedef enum limit_state { LIMITED = 0, NOT_LIMITED } limit_state;
+
+/* Performed until it is hot. */
+static mrt_result begin(scene *self, const char *mapping, limit_state limit, error *err)
 {
-    const performer_settings settings = {.hand_length_mm = 0.0};
+    performer_settings settings = {.solver.radius = 0.0};
     const mrt_plugin_type *type = NULL;
-    uint32_t hot = self->of->is_quick ? 300 : 2000, cold = self->of->is_quick ? 40 : 300;
     mrt_result result = plugin_list_find(&self->plugins, mapping, MRT_MAPPING, &type, err);
     if (result >= 0)
         result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, self->log, err);
+    if (limit == NOT_LIMITED) { /* of mappings that say nothing of it, and of those that do */
+        settings.solver = self->face.rig->solver;
+        settings.solver.stretch_most = -1.0;
+    }
+    if (result >= 0 && limit == NOT_LIMITED && strcmp(mapping, "one_hand") != 0)
+        result = instance_set_text(&self->mapping, "stretch", "0", err);
     if (result >= 0)
         result = performer_create(&self->performer, &self->face, &self->mapping, &settings, err);
     if (result >= 0)
@@ -171,23 +179,65 @@ static mrt_result measure(scene *self, const char *mapping, error *err)
     for (uint32_t i = 0; i < 50 && result >= 0; ++i)
         run_frame(self, 0, false);
     self->written_count = self->shaded_count = 0;
+    return result;
+}
+
+static void end(scene *self)
+{
+    live_board_destroy(&self->board);
+    performer_destroy(self->performer);
+    self->performer = NULL;
+    instance_destroy(&self->mapping);
+    self->mapping = (instance){0};
+}
+
+/* What the limit of folds and tears costs: the same frames once more without it. */
+static mrt_result measure_limit(scene *self, const char *mapping, uint32_t count, double with_ms,
+                                double with_99_ms, error *err)
+{
+    char line[128];
+    mrt_result result = begin(self, mapping, NOT_LIMITED, err);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        run_frame(self, i, false);
+    end(self);
+    if (result < 0)
+        return result;
+    double plain_ms = bench_quantile(self->took_ms[STEP_FRAME], count, 0.5);
+    double plain_99_ms = bench_quantile(self->took_ms[STEP_FRAME], count, 0.99);
+    snprintf(line, sizeof line, "%-26s p50 %7.3f ms   p99 %7.3f ms, with it %.2f and %.2f x",
+             "3-7 without the limit", plain_ms, plain_99_ms, with_ms / plain_ms,
+             with_99_ms / plain_99_ms);
+    const facts_cell cells[] = {
+        {"mapping", mapping, 0.0, 0},
+        {"p50_ms", NULL, plain_ms, 4},
+        {"p99_ms", NULL, plain_99_ms, 4},
+        {"p50_over", NULL, with_ms / plain_ms, 3},
+        {"p99_over", NULL, with_99_ms / plain_99_ms, 3},
+    };
+    facts_row(self->of->told, "limit", mapping, line, cells, sizeof cells / sizeof cells[0]);
+    return MRT_OK;
+}
+
+static mrt_result measure(scene *self, const char *mapping, error *err)
+{
+    uint32_t hot = self->of->is_quick ? 300 : 2000, cold = self->of->is_quick ? 40 : 300;
+    double p50_ms = 0.0, p99_ms = 0.0;
+    mrt_result result = begin(self, mapping, LIMITED, err);
     for (uint32_t i = 0; i < hot && result >= 0; ++i)
         run_frame(self, i, false);
     if (result >= 0) {
         tell(self, mapping, "hot", hot);
         tell_blocks(self, mapping, hot);
         promise(self, mapping, hot);
+        p50_ms = bench_quantile(self->took_ms[STEP_FRAME], hot, 0.5);
+        p99_ms = bench_quantile(self->took_ms[STEP_FRAME], hot, 0.99);
     }
     for (uint32_t i = 0; i < cold && result >= 0; ++i)
         run_frame(self, i, true);
     if (result >= 0)
         tell(self, mapping, "cold", cold);
-    live_board_destroy(&self->board);
-    performer_destroy(self->performer);
-    self->performer = NULL;
-    instance_destroy(&self->mapping);
-    self->mapping = (instance){0};
-    return result;
+    end(self);
+    return result < 0 ? result : measure_limit(self, mapping, hot, p50_ms, p99_ms, err);
 }
 
 static mrt_result prepare(scene *self, error *err)

@@ -42,9 +42,10 @@ static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.
 
 /* GROUP triangles near each other. */
 typedef struct limit_patch {
-    strain_shapes origin; /* of the engagement */
+    strain_frames origin; /* of the engagement */
     strain_frames posed;  /* as the bones alone pose it */
-    float of_turn[GROUP]; /* 1 over the tangent of how far it may turn whatever others do */
+    /* 1 over the tangent of how far it may turn whatever others do: at rest, and as posed */
+    float of_turn[GROUP], of_turn_posed[GROUP];
 } limit_patch;
 
 /* What is known of them beside. */
@@ -52,7 +53,7 @@ typedef struct limit_group {
     float steepness;    /* strained and turned at most by so much of a gradient */
     float rounding;     /* of the origin: what it may turn and stretch a triangle by */
     float room;         /* bound_pose less of rounding; INFINITY: not known in this frame */
-    float strain;       /* at most, or the turn or the size; INFINITY: not known with this pose */
+    float strain, turn; /* at most, strain also the size; INFINITY: not known with this pose */
     uint32_t main_bone; /* or STILL */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
     bool is_framed;                      /* patch.posed is that of this pose */
@@ -65,6 +66,10 @@ typedef struct limit_carried {
     uint32_t bone;
     float weight, gradient[3], apart;
 } limit_carried;
+
+/* What is looked at: triangles strained too much; and those turned so far that their edges may be
+ * bent too far. */
+typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
 
 /* How a bone moves relative to another; turn: the length of R - I; < 0: not known in this frame. */
 typedef struct limit_apart {
@@ -295,13 +300,13 @@ static void bound_group(face *f, size_t group)
     float most = of_strain, rounding = 0.0f;
     for (size_t i = 0; i < count; ++i) {
         most = fmaxf(most, sqrtf(1.0f + patch->of_turn[i] * patch->of_turn[i]));
-        if (!(patch->origin.of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
+        if (!(patch->origin.shape.of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
             most = INFINITY;
     }
     for (int axis = 0; axis < 3; ++axis) {
         const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
-        float with = steepest_in(row, corner, &patch->origin, count, rounding_of(f));
-        float without = steepest_in(row, corner, &patch->origin, count, 0.0f);
+        float with = steepest_in(row, corner, &patch->origin.shape, count, rounding_of(f));
+        float without = steepest_in(row, corner, &patch->origin.shape, count, 0.0f);
         rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
     }
     g->steepness = most * sure;
@@ -416,13 +421,11 @@ void face_limit_engage(face *f)
     for (size_t group = 0; group < groups; ++group) {
         const uint32_t *corner = f->skin + 3 * GROUP * group;
         size_t count = group_size(f, group);
-        strain_frames frames;
         const strain_corners at = corners_of(f, group, l->posed);
-        l->loops->frames(&frames, &at);
-        l->patch[group].origin = frames.shape;
+        l->loops->frames(&l->patch[group].origin, &at);
         bound_group(f, group);
         enclose_group(f, group);
-        l->group[group + 1].first_carried = carry_group(f, group, &frames);
+        l->group[group + 1].first_carried = carry_group(f, group, &l->patch[group].origin);
         for (uint32_t word = 0; word < c->mark_words; ++word) {
             uint64_t marks = 0;
             for (size_t i = 0; i < 3 * count; ++i)
@@ -432,7 +435,7 @@ void face_limit_engage(face *f)
                 if (column < f->control_column_count)
                     l->steepest[column * groups + group] =
                         steepest_in(columns_row(c, (uint32_t)column), corner,
-                                    &l->patch[group].origin, count, rounding_of(f));
+                                    &l->patch[group].origin.shape, count, rounding_of(f));
             }
         }
     }
@@ -466,7 +469,7 @@ static void begin_pose(face *f)
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
         g->room = l->is_at_rest ? 1.0f - g->rounding : INFINITY;
-        g->strain = INFINITY;
+        g->strain = g->turn = INFINITY;
         g->is_framed = false;
     }
 }
@@ -556,19 +559,22 @@ static bool is_too_steep(face *f, size_t group)
 }
 
 /* Likewise, by what has been found there before. */
-static bool may_be_strained(face *f, size_t group)
+static bool may_be_strained(face *f, size_t group, limit_looks looks)
 {
     limit_group *g = &f->limit.group[group];
+    float change = f->limit.change[group];
     if (!is_too_steep(f, group)) {
-        if (f->limit.change[group] > 0.0f)
-            g->strain = INFINITY;
+        if (change > 0.0f)
+            g->strain = g->turn = INFINITY;
         return false;
     }
-    if (isfinite(g->strain) && f->limit.change[group] > 0.0f)
-        g->strain += g->room > 0.0f && isfinite(g->room)
-                         ? f->limit.change[group] * g->steepness / g->room
-                         : INFINITY;
-    return !(g->strain < 1.0f);
+    if (change > 0.0f) {
+        float more =
+            g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
+        g->strain += more;
+        g->turn += more;
+    }
+    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->turn < 1.0f));
 }
 
 /* What the columns as weighed do to a block. */
@@ -635,20 +641,34 @@ static void strain_controls(face *f, size_t t, double strain)
     }
 }
 
-static double measure_group(face *f, size_t group, float stretch)
+static void frame_group(face *f, size_t group)
 {
     face_limit *l = &f->limit;
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = corners_of(f, group, l->posed);
+    const rigid motion = motion_of(f, g->main_bone);
+    float turn[9];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            turn[3 * i + j] = (float)motion.r[i][j];
+    l->loops->frames(&patch->posed, &posed);
+    l->loops->turns(patch->of_turn_posed, patch->of_turn, &patch->origin, &patch->posed, turn);
+    g->is_framed = true;
+}
+
+static double measure_group(face *f, size_t group, float stretch)
+{
+    face_limit *l = &f->limit;
+    limit_group *g = &l->group[group];
+    limit_patch *patch = &l->patch[group];
     const strain_corners added = corners_of(f, group, l->added);
     strain_found found;
     float greatest = 0.0f;
-    g->strain = 0.0f;
     if (!g->is_framed)
-        l->loops->frames(&patch->posed, &posed);
-    g->is_framed = true;
-    l->loops->strains(&found, &patch->posed, patch->of_turn, &added);
+        frame_group(f, group);
+    l->loops->strains(&found, &patch->posed, patch->of_turn_posed, &added);
+    g->strain = g->turn = 0.0f;
     for (size_t i = 0; i < added.count; ++i) {
         float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
         size_t t = GROUP * group + i;
@@ -659,16 +679,16 @@ static double measure_group(face *f, size_t group, float stretch)
         if (turn > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
-        g->strain = strain > g->strain ? strain : g->strain;
-        g->strain = turn > g->strain ? turn : g->strain;
+        g->turn = turn > g->turn ? turn : g->turn;
         g->strain = size > g->strain ? size : g->strain;
     }
+    g->strain = greatest > g->strain ? greatest : g->strain;
     return (double)greatest;
 }
 
 /* Of f->given the greatest that is above 1; limit.strain: how far each control's surroundings are
  * above it; limit.candidate: triangles that may be bent against others. */
-static double measure_strain(face *f)
+static double measure_strain(face *f, limit_looks looks)
 {
     face_limit *l = &f->limit;
     const float stretch = (float)stretch_of(&f->settings);
@@ -682,11 +702,11 @@ static double measure_strain(face *f)
     for (size_t group = 0; group < groups; ++group) {
         const strain_corners added = corners_of(f, group, l->added);
         const limit_group *g = &l->group[group];
-        if (!may_be_strained(f, group))
+        if (!may_be_strained(f, group, looks))
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);
-        l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin, &added);
+        l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin.shape, &added);
         if (is_too_steep(f, group))
             l->wanted[wanted++] = (uint32_t)group;
     }
@@ -813,8 +833,9 @@ static double yield_pulls(face *f, double strain)
         csrbf_soften(l->g, &f->settings, l->centre, l->likeness, l->ridge, f->control_count,
                      l->scratch);
         give(f);
-        strain = measure_strain(f);
+        strain = measure_strain(f, AT_STRAINS);
     }
+    strain = measure_strain(f, AT_TURNS);
     return strain > 1.0 ? (isfinite(strain) ? 1.0 / strain : 0.0) : 1.0;
 }
 
@@ -929,7 +950,7 @@ void face_limit_pull(face *f)
     if (f->control_count == 0 || f->settings.stretch_most < 0.0)
         return;
     begin_pose(f);
-    double strain = measure_strain(f), part = 1.0;
+    double strain = measure_strain(f, AT_TURNS), part = 1.0;
     f->is_held = strain > 1.0;
     find_asked(f);
     memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);

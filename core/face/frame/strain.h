@@ -43,6 +43,10 @@ typedef struct strain_loops {
     /* out[i] += by * row[i] */
     void (*add)(float *out, const float *row, float by, size_t count);
     void (*frames)(strain_frames *out, const strain_corners *at);
+    /* of_turn, 1 over the tangent of how far each triangle may turn, less of what the bones have
+     * turned it already: from `rest`, turned by the rows of `turn`, to `posed`. */
+    void (*turns)(float *out, const float *of_turn, const strain_frames *rest,
+                  const strain_frames *posed, const float turn[9]);
     /* The greatest size of the gradient of a displacement of these corners. */
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
     void (*strains)(strain_found *out, const strain_frames *f, const float *of_turn,
@@ -58,6 +62,8 @@ const strain_loops *strain_loops_now(void);
 #define STRAIN_DECLARE(variant)                                                                    \
     void STRAIN_OF(add, variant)(float *out, const float *row, float by, size_t count);            \
     void STRAIN_OF(frames, variant)(strain_frames * out, const strain_corners *at);                \
+    void STRAIN_OF(turns, variant)(float *out, const float *of_turn, const strain_frames *rest,    \
+                                   const strain_frames *posed, const float turn[9]);               \
     float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
                                        const strain_corners *displacement);                        \
     void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \

@@ -55,6 +55,23 @@ void STRAIN(frames)(strain_frames *restrict out, const strain_corners *at)
     }
 }
 
+void STRAIN(turns)(float *restrict out, const float *restrict of_turn, const strain_frames *rest,
+                   const strain_frames *posed, const float turn[9])
+{
+    const float none_left = 1e6f;
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        float x = rest->normal[0][i], y = rest->normal[1][i], z = rest->normal[2][i];
+        float cosine = posed->normal[0][i] * (turn[0] * x + turn[1] * y + turn[2] * z) +
+                       posed->normal[1][i] * (turn[3] * x + turn[4] * y + turn[5] * z) +
+                       posed->normal[2][i] * (turn[6] * x + turn[7] * y + turn[8] * z);
+        float square = 1.0f - cosine * cosine;
+        float sine = sqrtf(square > 1e-6f ? square : 0.0f); /* less is rounding */
+        float left = cosine - of_turn[i] * sine;            /* cot (a - b) */
+        float of_left = (of_turn[i] * cosine + sine) / (left > 1e-6f ? left : 1e-6f);
+        out[i] = left > 1e-6f && of_left < none_left ? of_left : none_left;
+    }
+}
+
 float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacement)
 {
     edges e;
