@@ -59,10 +59,10 @@ static void portaudio_opens_or_says_why_and_prints_nothing(void **state)
         error err = {""};
         sound_backend backend;
         sound_stream stream = {0};
-        sound_wish wish = {.rate_hz = direction == SOUND_OUT ? 48000 : 0, .channel_count = 2};
+        sound_request request = {.rate_hz = direction == SOUND_OUT ? 48000 : 0, .channel_count = 2};
         scene_must(sound_portaudio_create(&backend, &err), &err);
         hushed caught = catch_stderr();
-        mrt_result result = backend.open(backend.self, (sound_direction)direction, &wish,
+        mrt_result result = backend.open(backend.self, (sound_direction)direction, &request,
                                          ignore_block, NULL, &stream, &err);
         if (result >= 0)
             backend.close(backend.self, stream.handle);
@@ -85,10 +85,10 @@ static void a_device_of_no_such_name_is_said_so(void **state)
     error err = {""};
     sound_backend backend;
     sound_stream stream;
-    sound_wish wish = {.channel_count = 2, .name = "no such thing"};
+    sound_request request = {.channel_count = 2, .name = "no such thing"};
     (void)state;
     scene_must(sound_portaudio_create(&backend, &err), &err);
-    assert_true(backend.open(backend.self, SOUND_OUT, &wish, ignore_block, NULL, &stream, &err) <
+    assert_true(backend.open(backend.self, SOUND_OUT, &request, ignore_block, NULL, &stream, &err) <
                 0);
     assert_string_equal(err.text,
                         "sound: no loudspeaker is called 'no such thing': choose another one");
@@ -163,11 +163,11 @@ static void *play(void *data)
     return NULL;
 }
 
-static mrt_result locked_open(void *self, sound_direction direction, const sound_wish *wish,
+static mrt_result locked_open(void *self, sound_direction direction, const sound_request *request,
                               sound_callback *callback, void *data, sound_stream *out, error *err)
 {
     pthread_mutex_lock(&playing.lock);
-    mrt_result result = fake_open(self, direction, wish, callback, data, out, err);
+    mrt_result result = fake_open(self, direction, request, callback, data, out, err);
     pthread_mutex_unlock(&playing.lock);
     return result;
 }
@@ -260,10 +260,10 @@ static pthread_mutex_t never_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t never = PTHREAD_COND_INITIALIZER;
 static _Atomic bool has_asked;
 
-static mrt_result open_never(void *self, sound_direction direction, const sound_wish *wish,
+static mrt_result open_never(void *self, sound_direction direction, const sound_request *request,
                              sound_callback *callback, void *data, sound_stream *out, error *err)
 {
-    (void)self, (void)direction, (void)wish, (void)callback, (void)data, (void)out, (void)err;
+    (void)self, (void)direction, (void)request, (void)callback, (void)data, (void)out, (void)err;
     pthread_mutex_lock(&never_lock);
     atomic_store(&has_asked, true);
     for (;;)
@@ -283,12 +283,12 @@ static void a_device_that_never_answers_is_left_behind(void **state)
     const sound_user user = {.opened = opened_never, .block = ignore_block};
     error err = {""};
     sound_device *device;
-    sound_wish wish = {.rate_hz = 48000, .channel_count = 2};
+    sound_request request = {.rate_hz = 48000, .channel_count = 2};
     (void)state;
     scene_must(
         sound_device_create(&device, SOUND_OUT, &backend, &user, NULL, SOUND_OWN_THREADS, &err),
         &err);
-    sound_device_want(device, &wish);
+    sound_device_want(device, &request);
     WAIT_UNTIL(atomic_load(&has_asked));
     assert_int_equal(sound_device_look(device)->state, SOUND_DEVICE_OFF);
     int64_t from_ns = clock_now_ns();

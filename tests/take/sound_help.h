@@ -57,9 +57,9 @@ typedef struct fake_host {
     fake_device device[2]; /* by direction */
 } fake_host;
 
-static inline mrt_result fake_open(void *self, sound_direction direction, const sound_wish *wish,
-                                   sound_callback *callback, void *data, sound_stream *out,
-                                   error *err)
+static inline mrt_result fake_open(void *self, sound_direction direction,
+                                   const sound_request *request, sound_callback *callback,
+                                   void *data, sound_stream *out, error *err)
 {
     fake_device *device = &((fake_host *)self)->device[direction];
     if (!device->is_there || device->refusal)
@@ -71,9 +71,9 @@ static inline mrt_result fake_open(void *self, sound_direction direction, const 
     device->callback = callback;
     device->data = data;
     *out = (sound_stream){.handle = device,
-                          .rate_hz = device->rate_hz ? device->rate_hz : wish->rate_hz,
-                          .channel_count = wish->channel_count < device->channel_count
-                                               ? wish->channel_count
+                          .rate_hz = device->rate_hz ? device->rate_hz : request->rate_hz,
+                          .channel_count = request->channel_count < device->channel_count
+                                               ? request->channel_count
                                                : device->channel_count,
                           .latency_ns = 20000000};
     device->clock.rate_hz = out->rate_hz;

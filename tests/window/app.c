@@ -142,9 +142,9 @@ static void space_shows_the_chosen_take_and_plays_it(void **state)
     app_do(r.app, ACTION_PLAY);
     assert_false(live_transport(app_live(r.app))->is_playing);
     app_do(r.app, ACTION_STOP);
-    assert_int_equal(live_place(app_live(r.app)).at_ns, 0);
+    assert_int_equal(live_position(app_live(r.app)).at_ns, 0);
     app_do(r.app, ACTION_FRAME_FORWARD);
-    assert_true(live_place(app_live(r.app)).at_ns > 0);
+    assert_true(live_position(app_live(r.app)).at_ns > 0);
     app_do(r.app, ACTION_FASTER);
     assert_float_equal(live_transport(app_live(r.app))->speed, 1.5, 1e-9);
     app_do(r.app, ACTION_LOOP);

@@ -182,21 +182,21 @@ static void take_plays_to_its_end_and_loops(void **state)
     double most_mm = 0.0;
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     live_play(d.live);
-    while (!live_place(d.live).has_stopped && clock_now_ns() < until_ns) {
+    while (!live_position(d.live).has_stopped && clock_now_ns() < until_ns) {
         desk_frame(&d);
         most_mm = fmax(most_mm, desk_moved_mm(&d, corner));
     }
-    assert_true(live_place(d.live).has_stopped);
+    assert_true(live_position(d.live).has_stopped);
     assert_true(most_mm > 5.0);
     int64_t in_ns = t.duration_ns / 4, out_ns = t.duration_ns / 2;
     live_set_loop(d.live, in_ns, out_ns);
     live_seek(d.live, in_ns);
     live_play(d.live);
-    while (live_place(d.live).pass < 2 && clock_now_ns() < until_ns) {
+    while (live_position(d.live).pass < 2 && clock_now_ns() < until_ns) {
         desk_frame(&d);
-        assert_true(live_place(d.live).at_ns < out_ns);
+        assert_true(live_position(d.live).at_ns < out_ns);
     }
-    assert_true(live_place(d.live).pass >= 2);
+    assert_true(live_position(d.live).pass >= 2);
     live_set_loop(d.live, 0, 0);
     live_pause(d.live);
     live_seek(d.live, 0);
@@ -229,9 +229,9 @@ static void at_its_end_a_take_shows_what_it_ends_with(void **state)
     live_seek(d.live, 0);
     live_play(d.live);
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
-    while (!live_place(d.live).has_stopped && clock_now_ns() < until_ns)
+    while (!live_position(d.live).has_stopped && clock_now_ns() < until_ns)
         desk_frame(&d);
-    assert_true(live_place(d.live).has_stopped);
+    assert_true(live_position(d.live).has_stopped);
     assert_true(desk_until(&d, stands_at, &t.duration_ns));
     assert_true(desk_until(&d, is_pulled, &corner));
     take_finish(&t);

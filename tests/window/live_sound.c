@@ -31,12 +31,12 @@ static void *hum(void *data)
     return NULL;
 }
 
-static mrt_result microphone_open(void *self, sound_direction direction, const sound_wish *wish,
-                                  sound_callback *callback, void *data, sound_stream *out,
-                                  error *err)
+static mrt_result microphone_open(void *self, sound_direction direction,
+                                  const sound_request *request, sound_callback *callback,
+                                  void *data, sound_stream *out, error *err)
 {
     microphone *m = self;
-    (void)wish;
+    (void)request;
     if (direction != SOUND_IN || !atomic_load(&m->is_there))
         return error_set(err, MRT_ERR_IO, "sound: nothing is plugged in: plug in a microphone");
     m->callback = callback;

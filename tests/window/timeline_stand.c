@@ -223,7 +223,7 @@ const transport *live_transport(const live *self)
     return &here->transport;
 }
 
-transport_place live_place(const live *self)
+transport_position live_position(const live *self)
 {
     (void)self;
     return transport_at(&here->transport, here->clock_ns);

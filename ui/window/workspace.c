@@ -486,7 +486,7 @@ static state_words state_of(app *of)
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
         (void)snprintf(out.small, sizeof out.small, "L: back to the live hands");
     } else if (view->mode == LIVE_SHOWS) {
-        write_time(out.large, sizeof out.large, live_place(app_live(of)).at_ns);
+        write_time(out.large, sizeof out.large, live_position(app_live(of)).at_ns);
         (void)snprintf(out.small, sizeof out.small, "Take %.150s", shown);
     } else if (!status->can_record) {
         (void)snprintf(out.small, sizeof out.small, "Nothing is recorded");
@@ -528,8 +528,8 @@ static void put_middle(pen *p, float x)
     live *stage = app_live(of);
     const bool is_recording = app_status(of)->is_recording;
     const transport *move = live_transport(stage);
-    const bool is_playing =
-        app_view(of)->mode != LIVE_PERFORMS && move->is_playing && !live_place(stage).has_stopped;
+    const bool is_playing = app_view(of)->mode != LIVE_PERFORMS && move->is_playing &&
+                            !live_position(stage).has_stopped;
     const float y = p->where.y + 0.5f * (p->where.height - ICON);
     put_sign(p, (ui_rectangle){x, y, ICON, ICON}, ACTION_RECORD,
              is_recording ? sign_recording : sign_record, is_recording);

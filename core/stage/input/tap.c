@@ -7,15 +7,15 @@
 
 typedef struct tap_record {
     mrt_sample sample;
-    uint64_t wish;
+    uint64_t request;
 } tap_record;
 
 struct tap {
     ring *records;
-    _Atomic uint64_t wish; /* input in the lower 32 bits, the number of the wish above */
+    _Atomic uint64_t request; /* input in the lower 32 bits, the number of the request above */
 };
 
-static uint64_t wish_of(uint64_t number, uint32_t input)
+static uint64_t request_of(uint64_t number, uint32_t input)
 {
     return number << 32 | input;
 }
@@ -26,7 +26,7 @@ tap *tap_create(void)
     if (!self)
         return NULL;
     self->records = ring_create(sizeof(tap_record), TAP_SAMPLES);
-    atomic_init(&self->wish, wish_of(0, UINT32_MAX));
+    atomic_init(&self->request, request_of(0, UINT32_MAX));
     if (self->records)
         return self;
     free(self);
@@ -43,16 +43,16 @@ void tap_destroy(tap *self)
 
 void tap_listen(tap *self, uint32_t input)
 {
-    uint64_t number = atomic_load(&self->wish) >> 32;
-    atomic_store(&self->wish, wish_of(number + 1, input));
+    uint64_t number = atomic_load(&self->request) >> 32;
+    atomic_store(&self->request, request_of(number + 1, input));
 }
 
 bool tap_take(tap *self, mrt_sample *out)
 {
     tap_record record;
-    uint64_t wish = atomic_load(&self->wish);
+    uint64_t request = atomic_load(&self->request);
     while (ring_pop(self->records, &record)) {
-        if (record.wish != wish)
+        if (record.request != request)
             continue;
         *out = record.sample;
         return true;
@@ -62,9 +62,9 @@ bool tap_take(tap *self, mrt_sample *out)
 
 void tap_offer(tap *self, uint32_t input, const mrt_sample *sample)
 {
-    uint64_t wish = atomic_load_explicit(&self->wish, memory_order_relaxed);
-    if ((uint32_t)wish != input || input == UINT32_MAX)
+    uint64_t request = atomic_load_explicit(&self->request, memory_order_relaxed);
+    if ((uint32_t)request != input || input == UINT32_MAX)
         return;
-    const tap_record record = {*sample, wish};
+    const tap_record record = {*sample, request};
     (void)ring_push(self->records, &record);
 }

@@ -168,7 +168,7 @@ int64_t live_shown_take(const live *self);    /* 0: none */
 const char *live_take_note(const live *self); /* what is not as it was recorded; "" */
 
 /* [main]'s idea of the transport, at once. */
-transport_place live_place(const live *self);
+transport_position live_position(const live *self);
 const transport *live_transport(const live *self);
 void live_play(live *self);
 void live_pause(live *self);

@@ -431,7 +431,7 @@ static mrt_result set_scene(live *self, const face_file *file, const char *path,
         live_mapping_create(&role, last->text, self->settings.plugins, self->settings.log, err);
     if (result < 0)
         return result;
-    live_mapping_copy_params(&role->instance, live_mapping_now(last));
+    instance_copy_values(&role->instance, live_mapping_now(last));
     if (last == self->role)
         teach(self, role);
     drop_coming(self);

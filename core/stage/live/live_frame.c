@@ -40,7 +40,7 @@ int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
 
 /* ---- the take's own thread ---- */
 
-static void *bring(void *data)
+static void *run_timeline(void *data)
 {
     live_timeline *self = data;
     while (!atomic_load(&self->stop)) {
@@ -68,7 +68,7 @@ mrt_result live_timeline_start(live_timeline *self, wake *done, error *err)
     self->done = done;
     atomic_init(&self->stop, false);
     atomic_init(&self->is_away, false);
-    if (pthread_create(&self->thread, NULL, bring, self) != 0)
+    if (pthread_create(&self->thread, NULL, run_timeline, self) != 0)
         return error_set(err, MRT_ERR_MEMORY, "no thread to play a take on");
     self->has_thread = true;
     return MRT_OK;

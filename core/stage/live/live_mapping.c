@@ -85,19 +85,6 @@ isolate_counts live_mapping_isolated(live_mapping_role *self)
     return self->isolate && now->self ? isolate_counted(now->self) : (isolate_counts){0};
 }
 
-void live_mapping_copy_params(instance *to, const instance *from)
-{
-    for (uint32_t i = 0; i < to->type->param_count; ++i) {
-        const mrt_param *p = &to->type->params[i];
-        for (uint32_t j = 0; j < from->type->param_count; ++j) {
-            if (from->type->params[j].id != p->id || (p->flags & MRT_PARAM_TRIGGER))
-                continue;
-            double value = fmin(fmax(atomic_load(&from->wanted[j]), p->min), p->max);
-            atomic_store(&to->wanted[i], value);
-        }
-    }
-}
-
 void live_mapping_deactivate(instance *pulled)
 {
     const mrt_mapping *functions = plugin_interface(pulled->type, MRT_MAPPING);

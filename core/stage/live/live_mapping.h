@@ -25,8 +25,6 @@ CHECKED mrt_result live_mapping_watch(live_mapping_role *self, const mrt_face *a
 instance *live_mapping_now(live_mapping_role *self);
 bool live_mapping_is_nothing(const live_mapping_role *self);
 isolate_counts live_mapping_isolated(live_mapping_role *self);
-/* The same values of parameters, by their ids. */
-void live_mapping_copy_params(instance *to, const instance *from);
 void live_mapping_deactivate(instance *pulled);
 void live_mapping_destroy(live_mapping_role *self); /* deactivated before; NULL is fine */
 

@@ -73,7 +73,7 @@ mrt_result live_record_stop(live *self, error *err)
 mrt_result live_set_show(live *self, show *s, error *err)
 {
     live_take_drop(self);
-    self->place_count = 0;
+    self->position_count = 0;
     self->is_over_done = false;
     mrt_result result = live_record_stop(self, err);
     if (result < 0)

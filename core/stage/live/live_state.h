@@ -21,7 +21,7 @@
 enum {
     LIVE_INPUTS_MAX = TAKE_TRACKS_MAX - 1, /* beside the pointer, which is the player's input 0 */
     LIVE_LAGS = 512,
-    LIVE_PLACES = 64 /* takes whose last instant is remembered */
+    LIVE_POSITIONS = 64 /* takes whose last instant is remembered */
 };
 
 /* A face and who moves it: made on [main], used by the frame thread. */
@@ -177,8 +177,8 @@ struct live {
     char note[1024];
     struct {
         int64_t take, at_ns;
-    } place[LIVE_PLACES];
-    uint32_t place_count;
+    } place[LIVE_POSITIONS];
+    uint32_t position_count;
 
     sound *sound;
     bool wants_sound; /* armed as long as it is wanted */

@@ -17,27 +17,27 @@ static const size_t scrub_bytes = (size_t)64 << 20;
 
 /* ---- where each take stood ---- */
 
-static void remember_place(live *self)
+static void remember_position(live *self)
 {
     if (!self->timeline)
         return;
-    int64_t at_ns = live_place(self).at_ns;
+    int64_t at_ns = live_position(self).at_ns;
     uint32_t i = 0;
-    while (i < self->place_count && self->place[i].take != self->timeline->take)
+    while (i < self->position_count && self->place[i].take != self->timeline->take)
         i += 1;
-    if (i == LIVE_PLACES) {
-        memmove(&self->place[0], &self->place[1], (LIVE_PLACES - 1) * sizeof self->place[0]);
+    if (i == LIVE_POSITIONS) {
+        memmove(&self->place[0], &self->place[1], (LIVE_POSITIONS - 1) * sizeof self->place[0]);
         i -= 1;
     }
-    if (i >= self->place_count)
-        self->place_count = i + 1;
+    if (i >= self->position_count)
+        self->position_count = i + 1;
     self->place[i].take = self->timeline->take;
     self->place[i].at_ns = at_ns;
 }
 
 static int64_t place_of(const live *self, int64_t take_id)
 {
-    for (uint32_t i = 0; i < self->place_count; ++i)
+    for (uint32_t i = 0; i < self->position_count; ++i)
         if (self->place[i].take == take_id)
             return self->place[i].at_ns;
     return 0;
@@ -285,7 +285,7 @@ static mrt_result show_again(live *self, const take *t, error *err)
 {
     showing s = {.live = self, .take = t};
     int64_t now_ns = clock_now_ns();
-    transport_place place = transport_at(&self->transport, now_ns);
+    transport_position place = transport_at(&self->transport, now_ns);
     self->transport.end_ns = t->duration_ns;
     if (place.at_ns > t->duration_ns)
         transport_seek(&self->transport, now_ns, t->duration_ns);
@@ -312,7 +312,7 @@ mrt_result live_show_take(live *self, const take *t, error *err)
         return result;
     bool is_same = self->timeline && self->timeline->take == t->id;
     if (!is_same)
-        remember_place(self);
+        remember_position(self);
     result = is_same ? show_again(self, t, err) : show_another(self, t, err);
     if (result < 0)
         return result;
@@ -332,7 +332,7 @@ void live_show_hands(live *self)
     if (!self->is_shown)
         return;
     live_pause(self);
-    remember_place(self);
+    remember_position(self);
     self->is_shown = false;
     (void)!live_ask(self, show_hands, NULL, &ignored);
 }
@@ -366,12 +366,12 @@ const transport *live_transport(const live *self)
     return &self->transport;
 }
 
-transport_place live_place(const live *self)
+transport_position live_position(const live *self)
 {
     if (!self->is_over)
         return transport_at(&self->transport, clock_now_ns());
     const live_view *seen = &self->scene->board.view[slot_front(&self->scene->board.slot)];
-    return (transport_place){.at_ns = seen->at_ns, .pass = seen->pass};
+    return (transport_position){.at_ns = seen->at_ns, .pass = seen->pass};
 }
 
 static bool may_move(const live *self)
@@ -477,22 +477,6 @@ static mrt_result fetch_over(live_stage *stage, void *data, error *err)
     return MRT_OK;
 }
 
-static mrt_result moves_something(live *self, const take_layer *own, error *err)
-{
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
-    bool any = own->own_count == 0;
-    for (uint32_t i = 0; i < about->contact_count && !any; ++i)
-        any = own_layer_owns(own, about->contacts[i].name);
-    for (uint32_t i = 0; i < about->dof_count && !any; ++i)
-        any = own_layer_owns(own, about->dofs[i].name);
-    if (any)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "the layer would move nothing: no contact or degree of freedom of this face "
-                     "is named \"%s\"",
-                     own->own[0]);
-}
-
 /* what was performed and not taken */
 static void live_over_forget(live *self)
 {
@@ -542,7 +526,7 @@ static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *
     if (!b->run || !b->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
     overdub_run_init(b->run, plan, &self->shown);
-    mrt_result result = moves_something(self, b->own, err);
+    mrt_result result = overdub_check_owned(about, b->own, err);
     const recorder_settings as = live_cast_settings(self, false);
     return result < 0 ? result : recorder_prepare(self->recorder, &as, &b->cast, err);
 }

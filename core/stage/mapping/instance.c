@@ -301,6 +301,19 @@ void instance_set_value(instance *self, uint32_t index, double value)
     atomic_store(&self->wanted[index], within);
 }
 
+void instance_copy_values(instance *to, const instance *from)
+{
+    for (uint32_t i = 0; i < to->type->param_count; ++i) {
+        const mrt_param *p = &to->type->params[i];
+        for (uint32_t j = 0; j < from->type->param_count; ++j) {
+            if (from->type->params[j].id != p->id || (p->flags & MRT_PARAM_TRIGGER))
+                continue;
+            double value = fmin(fmax(atomic_load(&from->wanted[j]), p->min), p->max);
+            atomic_store(&to->wanted[i], p->flags & MRT_PARAM_STEPPED ? floor(value) : value);
+        }
+    }
+}
+
 double instance_value(const instance *self, uint32_t index)
 {
     return atomic_load(&self->wanted[index]);

@@ -55,6 +55,8 @@ CHECKED mrt_result instance_set_list(instance *self, const char *list, error *er
 void instance_set_value(instance *self, uint32_t index, double value);
 /* [any] As set last; the plugin sees it from its next call on. */
 double instance_value(const instance *self, uint32_t index);
+/* [any] The values of another version of it, by the ids of the parameters; buttons stay. */
+void instance_copy_values(instance *to, const instance *from);
 /* [any] Writes the key of a parameter as instance_set_text takes it: with its group where it must
  * be. Any capacity; cut where it does not fit. */
 void instance_key(const mrt_plugin_type *type, uint32_t index, char *out, size_t capacity);

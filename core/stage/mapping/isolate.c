@@ -59,7 +59,7 @@ struct mrt_plugin {
     int32_t late_score;
     bool is_late_told;
     uint32_t held_frames; /* in a row, for one late answer */
-    bool has_turn;        /* the layer knows that it comes back */
+    bool is_announced;    /* the layer knows that it comes back */
     int64_t asked_ns, asked_cpu_ns;
     double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
     isolate_memory memory;
@@ -107,7 +107,7 @@ static const isolate *isolate_of(const mrt_plugin_type *type)
 /* ---- the supervisor: the thread that starts a process, sees it end, and starts another ---- */
 
 static const int64_t start_patience_ns = 5 * NS_PER_S;
-static const int64_t goodbye_patience_ns = NS_PER_S / 5;
+static const int64_t end_patience_ns = NS_PER_S / 5;
 static const int64_t slice_ns = 20 * NS_PER_MS;
 static const int64_t again_ns = 60 * NS_PER_S;
 enum { DEATH_MS = 20 };
@@ -330,7 +330,7 @@ static void ask_to_end(mrt_plugin *self)
     uint32_t phase = atomic_load(&self->phase);
     bool answers = phase == ISOLATE_RUNNING || phase == ISOLATE_READY;
     if (answers && self->link.block && !self->owed && !has_ended(&self->link, 0))
-        (void)ask(&self->link, ISOLATE_DESTROY, goodbye_patience_ns);
+        (void)ask(&self->link, ISOLATE_DESTROY, end_patience_ns);
     end_child(self, NULL);
 }
 
@@ -540,14 +540,14 @@ static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_l
     bool is_wanted = self->owed == ISOLATE_PROCESS && !self->is_to_reset;
     mrt_result waited = isolate_process_wait_until_ns(&self->link, 0);
     if (waited == MRT_OK && is_wanted && self->held_frames > 1 && self->held_frames < HELD_MAX &&
-        !self->has_turn) {
+        !self->is_announced) {
         self->held_frames += 1; /* the layer is between two pulls: it would jump now */
         return false;
     }
     if (waited == MRT_OK) {
         self->owed = 0;
         self->held_frames = 0;
-        self->has_turn = false;
+        self->is_announced = false;
         if (is_wanted)
             *out_late = take_answer(self, pull);
         return runs(self);
@@ -620,9 +620,9 @@ static bool comes_back(const mrt_plugin *self)
 static bool take_over(mrt_plugin *self, mrt_pull *pull)
 {
     if (atomic_load(&self->phase) != ISOLATE_READY)
-        return self->has_turn = comes_back(self);
+        return self->is_announced = comes_back(self);
     bool is_forgotten = self->is_forgotten;
-    self->has_turn = self->has_saved = self->is_late_told = false;
+    self->is_announced = self->has_saved = self->is_late_told = false;
     self->is_forgotten = self->has_asked_resume = false;
     self->is_to_reset = is_forgotten;
     self->owed = 0;

@@ -11,8 +11,8 @@ typedef struct voice {
     bool is_present;  /* in this step */
     bool was_present; /* in the step before */
     composer_part part;
-    bool has_said; /* `said` is its last anchored pull */
-    mrt_pull said;
+    bool has_heard; /* `heard` is its last anchored pull */
+    mrt_pull heard;
     uint32_t commit; /* of the step before */
     /* in the engagement: the pull that it holds the face with */
     bool is_joined;
@@ -206,8 +206,8 @@ static void composer_blend_dofs(const composer *self, float *out)
         bool is_driven = false;
         for (uint32_t i = 0; i < self->order_count; ++i) {
             const voice *v = &self->voice[self->order[i]];
-            const mrt_pull *pull = v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->said;
-            bool speaks = v->has_said || v->part.pull->mode == MRT_UNANCHORED;
+            const mrt_pull *pull = v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->heard;
+            bool speaks = v->has_heard || v->part.pull->mode == MRT_UNANCHORED;
             if (!speaks || isnan(pull->dof[d]) || d >= self->about.dof_count ||
                 (v->part.owns && !v->part.owns[self->about.contact_count + d]))
                 continue;
@@ -248,7 +248,7 @@ static uint32_t find_free_point(const composer *self, const joined_control *cont
     for (uint32_t k = 0; k < count; ++k) {
         const voice *other = &self->voice[control[k].slot];
         if (control[k].contact == 0 && other->part.layer == v->part.layer &&
-            memcmp(&other->said.vector[control[k].vector].start, &vector->start,
+            memcmp(&other->heard.vector[control[k].vector].start, &vector->start,
                    sizeof vector->start) == 0)
             return k;
     }
@@ -270,8 +270,8 @@ static void list_holds(composer *self, holds *out)
         uint32_t slot = self->order[i];
         const voice *v = &self->voice[slot];
         uint32_t others = out->count; /* a voice may hold one contact twice */
-        for (uint32_t j = 0; v->has_said && j < v->said.count; ++j) {
-            uint32_t contact = v->said.vector[j].contact;
+        for (uint32_t j = 0; v->has_heard && j < v->heard.count; ++j) {
+            uint32_t contact = v->heard.vector[j].contact;
             uint32_t at = COMPOSER_NO_CONTROL;
             out->of[slot][j] = COMPOSER_NO_CONTROL;
             if (!owns(self, v, contact))
@@ -279,7 +279,7 @@ static void list_holds(composer *self, holds *out)
             if (contact > 0)
                 at = find_contact(out->control, others, contact);
             else
-                at = find_free_point(self, out->control, others, v, &v->said.vector[j]);
+                at = find_free_point(self, out->control, others, v, &v->heard.vector[j]);
             if (at == COMPOSER_NO_CONTROL && out->count == MRT_MAX_VECTORS) {
                 self->counts.left_out += 1;
                 continue;
@@ -289,7 +289,7 @@ static void list_holds(composer *self, holds *out)
                 out->control[at] = (joined_control){.contact = contact,
                                                     .slot = slot,
                                                     .vector = j,
-                                                    .rest = composer_vec3(v->said.vector[j].start),
+                                                    .rest = composer_vec3(v->heard.vector[j].start),
                                                     .is_finger = v->part.is_finger};
             }
             out->control[at].is_finger &= v->part.is_finger;
@@ -320,12 +320,12 @@ static float joined_radius_mm(const composer *self)
     bool is_alone = true;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
-        if (!v->has_said)
+        if (!v->has_heard)
             continue;
-        is_alone &= v->part.is_finger || v->said.count == 0;
-        if (v->said.radius_mm > 0.0f && !v->part.is_finger)
-            return v->said.radius_mm;
-        of_finger = v->said.radius_mm > 0.0f ? v->said.radius_mm : of_finger;
+        is_alone &= v->part.is_finger || v->heard.count == 0;
+        if (v->heard.radius_mm > 0.0f && !v->part.is_finger)
+            return v->heard.radius_mm;
+        of_finger = v->heard.radius_mm > 0.0f ? v->heard.radius_mm : of_finger;
     }
     return is_alone ? of_finger : 0.0f;
 }
@@ -335,8 +335,8 @@ static const mrt_pull *joined_manner(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
-        if (v->has_said && !v->part.is_finger)
-            return &v->said;
+        if (v->has_heard && !v->part.is_finger)
+            return &v->heard;
     }
     return NULL;
 }
@@ -345,10 +345,10 @@ static const mrt_pull *joined_manner(const composer *self)
 static bool is_anew(const voice *v)
 {
     return v->is_joined && v->is_present && !v->part.is_finger &&
-           (v->joined.anchor != v->said.anchor || v->joined.count != v->said.count ||
-            v->joined.solve != v->said.solve ||
-            fabsf(v->joined.stretch_most - v->said.stretch_most) > 0.0f ||
-            fabsf(v->joined.radius_mm - v->said.radius_mm) > 0.0f);
+           (v->joined.anchor != v->heard.anchor || v->joined.count != v->heard.count ||
+            v->joined.solve != v->heard.solve ||
+            fabsf(v->joined.stretch_most - v->heard.stretch_most) > 0.0f ||
+            fabsf(v->joined.radius_mm - v->heard.radius_mm) > 0.0f);
 }
 
 /* ---- the engagement ---- */
@@ -415,7 +415,7 @@ static vec3 start_of(const composer *self, const joined_control *c)
         return face_contact_now(self->face, c->contact);
     if (self->voice[c->slot].part.is_finger)
         return place_now(self, c->rest);
-    return composer_vec3(self->voice[c->slot].said.vector[c->vector].start);
+    return composer_vec3(self->voice[c->slot].heard.vector[c->vector].start);
 }
 
 /* ---- fingers take hold of the face as it is ---- */
@@ -547,10 +547,10 @@ static void join(composer *self, const holds *h)
     for (uint32_t i = 0; i < self->order_count && self->engaged; ++i) {
         uint32_t slot = self->order[i];
         voice *v = &self->voice[slot];
-        if (!v->has_said)
+        if (!v->has_heard)
             continue;
         v->is_joined = true;
-        v->joined = v->said;
+        v->joined = v->heard;
         v->share = composer_share(v);
         v->weight = v->part.weight;
         memcpy(v->control, h->of[slot], sizeof v->control);
@@ -561,7 +561,7 @@ static void join(composer *self, const holds *h)
 static bool is_anybody_speaking(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i)
-        if (self->voice[self->order[i]].has_said)
+        if (self->voice[self->order[i]].has_heard)
             return true;
     return false;
 }
@@ -585,10 +585,10 @@ static bool has_committed(const voice *v)
 }
 
 /* What it pulled is in the base now; it begins anew with its next anchored pull. */
-static void forget_said(voice *v)
+static void forget_heard(voice *v)
 {
     if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
-        v->has_said = false;
+        v->has_heard = false;
 }
 
 static bool composer_commit(composer *self)
@@ -606,7 +606,7 @@ static bool composer_commit(composer *self)
     face_show(self->face); /* of what is kept alone, as after composer_load */
     self->engaged = false;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        forget_said(&self->voice[self->order[i]]);
+        forget_heard(&self->voice[self->order[i]]);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
     return true;
@@ -970,14 +970,14 @@ static bool listen(composer *self)
         is_new |= v->is_present != v->was_present;
         if (!v->is_present) {
             if (!v->is_joined)
-                v->has_said = false;
+                v->has_heard = false;
             continue;
         }
         const mrt_pull *pull = v->part.pull;
         is_new |= pull->mode == MRT_ANCHORED || fabs(v->weight - v->part.weight) > 0.0;
         if (pull->mode == MRT_ANCHORED)
-            v->said = *pull;
-        v->has_said = pull->mode == MRT_ANCHORED || (pull->mode == MRT_IDLE && v->has_said);
+            v->heard = *pull;
+        v->has_heard = pull->mode == MRT_ANCHORED || (pull->mode == MRT_IDLE && v->has_heard);
         if (pull->mode != MRT_UNANCHORED)
             v->was_near = false;
         if (pull->mode == MRT_ANCHORED)
@@ -1024,7 +1024,7 @@ static void leave(composer *self)
             v->commit = v->part.pull->commit;
             v->weight = v->part.weight;
         } else {
-            v->has_said = v->was_near = v->is_dragging = false;
+            v->has_heard = v->was_near = v->is_dragging = false;
         }
         v->part.pull = NULL;
         v->part.owns = NULL;
@@ -1045,7 +1045,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
         is_kneaded |= is_kneading(v);
-        is_held |= v->has_said;
+        is_held |= v->has_heard;
     }
     self->is_mixed = is_kneaded && is_held;
     for (uint32_t i = 0; i < self->order_count; ++i)
@@ -1170,9 +1170,9 @@ static void put_voice(bytes_out *out, const voice *v)
     bytes_put_u32(out,
                   (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_finger ? IS_FINGER : 0));
     bytes_put_u32(out, v->commit);
-    bytes_put_u32(out, v->has_said);
-    if (v->has_said)
-        put_pull(out, &v->said);
+    bytes_put_u32(out, v->has_heard);
+    if (v->has_heard)
+        put_pull(out, &v->heard);
     bytes_put_u32(out, v->is_joined);
     bytes_put_f64(out, v->weight);
     if (v->is_joined) {
@@ -1195,9 +1195,9 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
     out->part.is_additive = (manner & IS_ADDITIVE) != 0;
     out->part.is_finger = (manner & IS_FINGER) != 0;
     out->commit = bytes_take_u32(in);
-    out->has_said = bytes_take_u32(in) != 0;
-    if (out->has_said)
-        take_pull(in, self, &out->said);
+    out->has_heard = bytes_take_u32(in) != 0;
+    if (out->has_heard)
+        take_pull(in, self, &out->heard);
     out->is_joined = bytes_take_u32(in) != 0;
     out->weight = bytes_take_f64(in);
     if (out->is_joined) {

@@ -49,14 +49,14 @@ void pointer_reset(pointer *self)
 
 /* ---- what a sample says ---- */
 
-typedef struct said_now {
+typedef struct pointer_sample {
     pointer_grip grip;
     bool stays;
     vec3 rest, at;
     float radius_mm;
-} said_now;
+} pointer_sample;
 
-static bool listen(const channel_route *route, const mrt_sample *sample, said_now *out)
+static bool listen(const channel_route *route, const mrt_sample *sample, pointer_sample *out)
 {
     float value[POINTER_CHANNELS] = {0};
     bool speaks = false;
@@ -164,7 +164,7 @@ static bool has_places(const pointer *self)
     return false;
 }
 
-static void take_hold(pointer *self, const mrt_face *about, const said_now *now)
+static void take_hold(pointer *self, const mrt_face *about, const pointer_sample *now)
 {
     self->held_rest = now->rest;
     self->held_at = self->at = now->at;
@@ -215,7 +215,7 @@ static bool is_held(pointer_grip grip)
     return grip == POINTER_PULLS || grip == POINTER_KNEADS;
 }
 
-static void obey(pointer *self, const mrt_face *about, const said_now *now)
+static void obey(pointer *self, const mrt_face *about, const pointer_sample *now)
 {
     bool is_anew = now->grip != self->grip || !is_same_place(now->rest, self->held_rest);
     if (is_held(self->grip) && is_anew)
@@ -296,7 +296,7 @@ static void pull(pointer *self, const mrt_face *about, vec3 kneads_from)
 
 bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, int64_t time_ns)
 {
-    said_now now = {0};
+    pointer_sample now = {0};
     bool speaks = false;
     for (uint32_t i = 0; i < s->count && !speaks; ++i)
         speaks = listen(s->of[i].route, &s->of[i].sample, &now);

@@ -177,19 +177,6 @@ static void version_destroy(version *v)
     free(v);
 }
 
-static void copy_params(instance *to, const instance *from)
-{
-    for (uint32_t i = 0; i < to->type->param_count; ++i) {
-        const mrt_param *p = &to->type->params[i];
-        for (uint32_t j = 0; j < from->type->param_count; ++j) {
-            if (from->type->params[j].id != p->id || (p->flags & MRT_PARAM_TRIGGER))
-                continue;
-            double value = fmin(fmax(atomic_load(&from->wanted[j]), p->min), p->max);
-            atomic_store(&to->wanted[i], p->flags & MRT_PARAM_STEPPED ? floor(value) : value);
-        }
-    }
-}
-
 /* Its library loaded, the plugin created. */
 static mrt_result version_make(reload *self, version *v, error *err)
 {
@@ -277,7 +264,7 @@ static mrt_result prepare(reload *self, version *v, error *err)
     mrt_result result = version_make(self, v, err);
     if (result < 0)
         return result;
-    copy_params(&v->instance, self->current);
+    instance_copy_values(&v->instance, self->current);
     result = take_state(self, v);
     if (result != MRT_OK)
         return result;
@@ -415,7 +402,7 @@ bool reload_step(reload *self, layer *of)
         return false;
     version *v = self->next;
     self->is_state_lost = !hand_over(self, v);
-    copy_params(&v->instance, self->current);
+    instance_copy_values(&v->instance, self->current);
     (void)layer_switch(of, &v->instance, self->room);
     self->current = &v->instance;
     atomic_store(&self->pulling, (uintptr_t)self->current);

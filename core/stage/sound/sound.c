@@ -33,7 +33,7 @@ struct sound {
     voice *coming, *retired;
     voice *playing; /* [opener], and [device] while it is open */
     take_audio audio;
-    uint32_t edition, wish_turn;
+    uint32_t edition, request_number;
     /* recording */
     sound_device *in;
     sound_record *record;
@@ -142,12 +142,12 @@ static void bring_voice(sound *self, voice *of)
     destroy_voice(never_played);
     self->voice = of;
     /* Two at least: many loudspeakers have no single one. */
-    sound_wish wish = {.rate_hz = of->rate_hz,
-                       .channel_count = of->channel_count > 2 ? of->channel_count : 2,
-                       .turn = ++self->wish_turn};
+    sound_request request = {.rate_hz = of->rate_hz,
+                             .channel_count = of->channel_count > 2 ? of->channel_count : 2,
+                             .number = ++self->request_number};
     if (self->settings.out_name)
-        snprintf(wish.name, sizeof wish.name, "%s", self->settings.out_name);
-    sound_device_want(self->out, &wish);
+        snprintf(request.name, sizeof request.name, "%s", self->settings.out_name);
+    sound_device_want(self->out, &request);
 }
 
 mrt_result sound_load(sound *self, const take_audio *audio, error *err)
@@ -209,7 +209,7 @@ void sound_move(sound *self, const sound_motion *motion)
 
 sound_motion sound_motion_of(const transport *t, int64_t clock_ns)
 {
-    transport_place at = transport_at(t, clock_ns);
+    transport_position at = transport_at(t, clock_ns);
     sound_motion out = {.host_ns = clock_ns > t->clock_ns ? clock_ns : t->clock_ns,
                         .at_ns = at.at_ns,
                         .speed = t->is_playing && !at.has_stopped ? t->speed : 0.0};
@@ -288,9 +288,9 @@ mrt_result sound_arm(sound *self, writer *w, uint32_t channel_count, error *err)
         return error_set(err, MRT_ERR_ARGUMENT, "sound: %u channels, 1 or 2 can be recorded",
                          channel_count);
     const sound_user user = {.data = self, .opened = in_opened, .block = in_block};
-    sound_wish wish = {.channel_count = channel_count ? channel_count : 1};
+    sound_request request = {.channel_count = channel_count ? channel_count : 1};
     if (self->settings.in_name)
-        snprintf(wish.name, sizeof wish.name, "%s", self->settings.in_name);
+        snprintf(request.name, sizeof request.name, "%s", self->settings.in_name);
     mrt_result result =
         sound_record_create(&self->record, self->settings.show, w, self->settings.threads, err);
     if (result >= 0)
@@ -304,7 +304,7 @@ mrt_result sound_arm(sound *self, writer *w, uint32_t channel_count, error *err)
     self->is_armed = true;
     self->is_disarming = false;
     self->recorded = (sound_record_status){0};
-    sound_device_want(self->in, &wish);
+    sound_device_want(self->in, &request);
     return MRT_OK;
 }
 

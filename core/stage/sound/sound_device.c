@@ -19,7 +19,7 @@ enum { GOODBYE_S = 3 };
 
 typedef struct want {
     bool is_wanted;
-    sound_wish wish;
+    sound_request request;
 } want;
 
 struct sound_device {
@@ -121,7 +121,7 @@ static void open_stream(sound_device *self, int64_t now_ns)
 {
     error why = {""};
     sound_stream stream = {0};
-    mrt_result result = self->backend.open(self->backend.self, self->direction, &self->want.wish,
+    mrt_result result = self->backend.open(self->backend.self, self->direction, &self->want.request,
                                            pass_block, self, &stream, &why);
     if (result < 0) {
         go_away(self, &why, now_ns);
@@ -170,9 +170,9 @@ static void watch(sound_device *self, int64_t now_ns)
 
 static bool is_same(const want *a, const want *b)
 {
-    return a->is_wanted == b->is_wanted && a->wish.rate_hz == b->wish.rate_hz &&
-           a->wish.channel_count == b->wish.channel_count && a->wish.turn == b->wish.turn &&
-           strcmp(a->wish.name, b->wish.name) == 0;
+    return a->is_wanted == b->is_wanted && a->request.rate_hz == b->request.rate_hz &&
+           a->request.channel_count == b->request.channel_count &&
+           a->request.number == b->request.number && strcmp(a->request.name, b->request.name) == 0;
 }
 
 static void take_want(sound_device *self)
@@ -224,10 +224,10 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-void sound_device_want(sound_device *self, const sound_wish *wish)
+void sound_device_want(sound_device *self, const sound_request *request)
 {
     want *out = &self->wants[slot_back(&self->want_slot)];
-    *out = (want){.is_wanted = true, .wish = *wish};
+    *out = (want){.is_wanted = true, .request = *request};
     slot_publish(&self->want_slot);
     wake_signal(&self->wake);
 }

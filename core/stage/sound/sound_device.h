@@ -21,12 +21,12 @@ typedef struct sound_block { /* of one direction: interleaved, as many channels 
 /* [device] Never waits, allocates or calls the system. */
 typedef void sound_callback(void *data, const sound_block *block);
 
-typedef struct sound_wish {
+typedef struct sound_request {
     uint32_t rate_hz;       /* 0: the device's own */
     uint32_t channel_count; /* at most so many; 0: the device's own, at most 2 */
     char name[96];          /* a part of the device's name; "": the default one */
-    uint32_t turn;          /* another one: it is opened anew */
-} sound_wish;
+    uint32_t number;        /* another one: it is opened anew */
+} sound_request;
 
 typedef struct sound_stream { /* that is open */
     void *handle;             /* the backend's */
@@ -38,7 +38,7 @@ typedef struct sound_stream { /* that is open */
 typedef struct sound_backend {
     void *self;
     /* Opens and does not start. Errors say what to do. */
-    mrt_result (*open)(void *self, sound_direction direction, const sound_wish *wish,
+    mrt_result (*open)(void *self, sound_direction direction, const sound_request *request,
                        sound_callback *callback, void *data, sound_stream *out, error *err);
     mrt_result (*start)(void *self, void *handle, error *err);
     /* False: it has stopped by itself. */
@@ -82,7 +82,7 @@ CHECKED mrt_result sound_device_create(sound_device **out, sound_direction direc
 bool sound_device_destroy(sound_device *self); /* NULL is fine */
 
 /* What is wanted from now on. Never waits. */
-void sound_device_want(sound_device *self, const sound_wish *wish);
+void sound_device_want(sound_device *self, const sound_request *request);
 /* Closes it for good, sooner or later; then no block comes any more, and destroy does not wait. */
 void sound_device_leave(sound_device *self);
 bool sound_device_has_left(sound_device *self);

@@ -95,9 +95,9 @@ static bool is_loop(const sound_motion *motion)
 }
 
 /* Where a frame of the stream lies on the timeline, and how far it is from the seams around it. */
-typedef struct place {
+typedef struct cursor {
     int64_t frame, from_seam, to_seam;
-} place;
+} cursor;
 
 static int64_t seam_of(const sound_motion *motion, uint32_t rate_hz, int64_t lap)
 {
@@ -106,10 +106,10 @@ static int64_t seam_of(const sound_motion *motion, uint32_t rate_hz, int64_t lap
     return (int64_t)floor(ns * (double)rate_hz / 1e9 + 0.5);
 }
 
-static place place_of(const sound_motion *motion, uint32_t rate_hz, int64_t s)
+static cursor cursor_of(const sound_motion *motion, uint32_t rate_hz, int64_t s)
 {
     int64_t at = sound_render_frame(rate_hz, motion->at_ns);
-    place out = {.frame = at + s, .from_seam = INT64_MAX, .to_seam = INT64_MAX};
+    cursor out = {.frame = at + s, .from_seam = INT64_MAX, .to_seam = INT64_MAX};
     if (!is_loop(motion))
         return out;
     int64_t first = seam_of(motion, rate_hz, 0);
@@ -128,7 +128,7 @@ static place place_of(const sound_motion *motion, uint32_t rate_hz, int64_t s)
     return out;
 }
 
-static void fade_seams(float *samples, uint32_t count, uint32_t channels, const place *at,
+static void fade_seams(float *samples, uint32_t count, uint32_t channels, const cursor *at,
                        uint32_t rate_hz)
 {
     int64_t length = (int64_t)(seam_s * (double)rate_hz) + 1;
@@ -147,7 +147,7 @@ static void make_packet(sound_feed *self)
 {
     uint32_t rate_hz = self->follow->rate_hz, channels = self->follow->channel_count;
     float *samples = (float *)(void *)(self->record + sizeof(sound_packet));
-    place at = place_of(&self->motion, rate_hz, self->next);
+    cursor at = cursor_of(&self->motion, rate_hz, self->next);
     sound_packet packet = {.turn = self->motion.turn,
                            .edition = self->motion.edition,
                            .first = self->next,

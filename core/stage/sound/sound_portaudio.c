@@ -192,15 +192,15 @@ static mrt_result explain(PaError code, sound_direction direction, const char *n
     }
 }
 
-static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_wish *wish,
+static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_request *request,
                               sound_stream *out, error *err)
 {
     const PaDeviceInfo *info = Pa_GetDeviceInfo(device);
     bool is_out = self->direction == SOUND_OUT;
-    int channels = wish->channel_count ? (int)wish->channel_count : 2;
+    int channels = request->channel_count ? (int)request->channel_count : 2;
     int most = channels_of(info, self->direction);
     double latency_s = is_out ? info->defaultLowOutputLatency : info->defaultHighInputLatency;
-    double rate_hz = wish->rate_hz ? (double)wish->rate_hz : info->defaultSampleRate;
+    double rate_hz = request->rate_hz ? (double)request->rate_hz : info->defaultSampleRate;
     PaStreamParameters parameters = {.device = device,
                                      .channelCount = channels < most ? channels : most,
                                      .sampleFormat = paFloat32,
@@ -247,16 +247,16 @@ static void fall_asleep(const host *self)
         (void)Pa_Terminate();
 }
 
-static mrt_result open_locked(host *self, stream *of, const sound_wish *wish, sound_stream *out,
-                              error *err)
+static mrt_result open_locked(host *self, stream *of, const sound_request *request,
+                              sound_stream *out, error *err)
 {
     PaDeviceIndex device;
     mrt_result result = wake_up(self, err);
     if (result < 0)
         return result;
-    result = find_device(&device, of->direction, wish->name, err);
+    result = find_device(&device, of->direction, request->name, err);
     if (result >= 0)
-        result = open_device(of, device, wish, out, err);
+        result = open_device(of, device, request, out, err);
     if (result < 0)
         fall_asleep(self);
     else
@@ -266,7 +266,7 @@ static mrt_result open_locked(host *self, stream *of, const sound_wish *wish, so
 
 /* ---- the backend ---- */
 
-static mrt_result open_stream(void *data, sound_direction direction, const sound_wish *wish,
+static mrt_result open_stream(void *data, sound_direction direction, const sound_request *request,
                               sound_callback *callback, void *user, sound_stream *out, error *err)
 {
     host *self = data;
@@ -275,7 +275,7 @@ static mrt_result open_stream(void *data, sound_direction direction, const sound
         return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
     *of = (stream){.direction = direction, .callback = callback, .data = user};
     pthread_mutex_lock(&self->lock);
-    mrt_result result = open_locked(self, of, wish, out, err);
+    mrt_result result = open_locked(self, of, request, out, err);
     pthread_mutex_unlock(&self->lock);
     if (result < 0)
         free(of);

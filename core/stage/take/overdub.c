@@ -1,6 +1,7 @@
 #include "stage/take/overdub.h"
 #include "base/clock.h"
 #include "take/edit.h"
+#include "take/own.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,6 +45,21 @@ const take_layer *overdub_punched(const overdub_plan *plan, const take *t)
         if (plan->into_layer && t->layer[i].id == plan->into_layer)
             return &t->layer[i];
     return NULL;
+}
+
+mrt_result overdub_check_owned(const mrt_face *about, const take_layer *own, error *err)
+{
+    bool any = own->own_count == 0;
+    for (uint32_t i = 0; i < about->contact_count && !any; ++i)
+        any = own_layer_owns(own, about->contacts[i].name);
+    for (uint32_t i = 0; i < about->dof_count && !any; ++i)
+        any = own_layer_owns(own, about->dofs[i].name);
+    if (any)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "the layer would move nothing: no contact or degree of freedom of this face "
+                     "is named \"%s\"",
+                     own->own[0]);
 }
 
 void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
@@ -109,7 +125,7 @@ static mrt_result go_to(overdub_run *self, recorder *into, int64_t clock_ns, err
         begin(self, clock_ns);
     if (clock_ns < self->rolling_ns || self->is_over)
         return MRT_OK;
-    transport_place place = transport_at(&self->transport, clock_ns);
+    transport_position place = transport_at(&self->transport, clock_ns);
     mrt_result result = MRT_OK;
     bool is_past_out =
         self->plan.passes == 1 && self->plan.out_ns > 0 && place.at_ns >= self->plan.out_ns;
@@ -451,14 +467,6 @@ static overdub_plan plan_of(const overdub_settings *s)
     return out;
 }
 
-static bool moves_something(const overdub *self, const mrt_face *about)
-{
-    for (uint32_t i = 0; i <= about->contact_count + about->dof_count; ++i)
-        if (self->owned[i])
-            return true;
-    return false;
-}
-
 /* The layer that performs, over the take's own. */
 static mrt_result create_live(overdub *self, error *err)
 {
@@ -478,11 +486,9 @@ static mrt_result create_live(overdub *self, error *err)
     const take_layer *over = overdub_punched(&self->run.plan, &self->take);
     take_layer own = {.own_count = s->own_count, .own = s->own};
     sequencer_mark_owned(performer_composer(shown), over ? over : &own, self->owned);
-    if (!moves_something(self, about))
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "the layer would move nothing: no contact or degree of freedom of this "
-                         "face is named \"%s\"",
-                         (over ? over->own : s->own)[0]);
+    result = overdub_check_owned(about, over ? over : &own, err);
+    if (result < 0)
+        return result;
     sequencer_set_live(self->sequencer, self->layer, self->owned, over && over->is_additive);
     return MRT_OK;
 }

@@ -259,12 +259,12 @@ static play *free_play(sequencer *self)
 }
 
 /* The very first clip of the lowest layer brings the shape along that its performance had. */
-static bool brings_shape(const sequencer *self, const play *p)
+static bool begins_with_its_shape(const sequencer *self, const play *p)
 {
     return self->now_ns == BEFORE_ALL && p == &self->play[0];
 }
 
-static mrt_result bring_shape(sequencer *self, error *err)
+static mrt_result begin_with_its_shape(sequencer *self, error *err)
 {
     composer *then = performer_composer(self->scratch);
     size_t size = composer_save(then, NULL, 0);
@@ -299,8 +299,8 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     }
     if (result >= 0)
         result = replay_seek(p->replay, show_ns, err);
-    if (result >= 0 && brings_shape(self, p))
-        result = bring_shape(self, err);
+    if (result >= 0 && begins_with_its_shape(self, p))
+        result = begin_with_its_shape(self, err);
     if (result < 0)
         return result;
     cast_play(self, p);

@@ -27,9 +27,9 @@ static bool loops_from(const transport *self, int64_t at_ns)
     return self->is_looping && at_ns < self->loop_out_ns;
 }
 
-transport_place transport_at(const transport *self, int64_t clock_ns)
+transport_position transport_at(const transport *self, int64_t clock_ns)
 {
-    transport_place out = {self->at_ns, self->passes, false};
+    transport_position out = {self->at_ns, self->passes, false};
     int64_t passed_ns = clock_ns > self->clock_ns ? clock_ns - self->clock_ns : 0;
     if (!self->is_playing)
         return out;
@@ -57,7 +57,7 @@ int64_t transport_when(const transport *self, int64_t at_ns)
 /* From here on counted anew. */
 static void hold(transport *self, int64_t clock_ns)
 {
-    transport_place now = transport_at(self, clock_ns);
+    transport_position now = transport_at(self, clock_ns);
     if (clock_ns > self->clock_ns)
         self->clock_ns = clock_ns;
     self->at_ns = now.at_ns;

@@ -20,13 +20,13 @@ typedef struct transport {
 
 void transport_init(transport *out, int64_t end_ns); /* stands at 0, speed 1 */
 
-typedef struct transport_place {
+typedef struct transport_position {
     int64_t at_ns;
     uint32_t pass;    /* of the loop: how often it has gone back to its start */
     bool has_stopped; /* it plays, but the end was reached */
-} transport_place;
+} transport_position;
 /* clock_ns: not before the last change; earlier counts as then. */
-transport_place transport_at(const transport *self, int64_t clock_ns);
+transport_position transport_at(const transport *self, int64_t clock_ns);
 /* When the clock will be at a later position of this pass; INT64_MAX: never. */
 int64_t transport_when(const transport *self, int64_t at_ns);
 

@@ -641,7 +641,8 @@ static void begin_over(app *self)
     error err = {0};
     const transport *t = live_transport(self->live);
     const take *chosen = app_take(self);
-    live_over over = {.in_ns = live_place(self->live).at_ns, .passes = 1, .fade_ns = OVER_FADE_NS};
+    live_over over = {
+        .in_ns = live_position(self->live).at_ns, .passes = 1, .fade_ns = OVER_FADE_NS};
     if (t->is_looping) {
         over.in_ns = t->loop_in_ns;
         over.out_ns = t->loop_out_ns;
@@ -696,7 +697,7 @@ void app_mark(app *self)
     }
     edit e;
     edit_init(&e, EDIT_MARKER_ADD);
-    e.at_ns = live_place(self->live).at_ns;
+    e.at_ns = live_position(self->live).at_ns;
     app_reported(app_edit(self, &e));
     edit_finish(&e);
 }
@@ -816,7 +817,7 @@ static void play_or_pause(app *self)
 {
     if (!show_it(self))
         return;
-    const transport_place place = live_place(self->live);
+    const transport_position place = live_position(self->live);
     if (live_transport(self->live)->is_playing && !place.has_stopped) {
         live_pause(self->live);
         return;
@@ -839,7 +840,7 @@ static int64_t end_of(const app *self)
 
 static void seek_by(app *self, int64_t by_ns)
 {
-    int64_t to_ns = live_place(self->live).at_ns + by_ns;
+    int64_t to_ns = live_position(self->live).at_ns + by_ns;
     const int64_t end_ns = end_of(self);
     if (to_ns < 0)
         to_ns = 0;
@@ -860,7 +861,7 @@ static void toggle_loop(app *self)
 static void set_range(app *self, bool is_end)
 {
     const transport *t = live_transport(self->live);
-    const int64_t at_ns = live_place(self->live).at_ns, end_ns = end_of(self);
+    const int64_t at_ns = live_position(self->live).at_ns, end_ns = end_of(self);
     int64_t in_ns = t->loop_in_ns < t->loop_out_ns ? t->loop_in_ns : 0;
     int64_t out_ns = t->loop_in_ns < t->loop_out_ns ? t->loop_out_ns : end_ns;
     if (is_end) {
@@ -1015,7 +1016,7 @@ static bool is_within(const take_clip *clip, const take_layer *lane, int64_t at_
 static const char *why_no_split(const app *self)
 {
     const take_layer *lane = NULL;
-    const int64_t at_ns = live_place(self->live).at_ns;
+    const int64_t at_ns = live_position(self->live).at_ns;
     const take_clip *clip = clip_at(self, at_ns, &lane);
     if (!clip)
         return "choose a clip of the timeline";
@@ -1026,7 +1027,7 @@ static const char *why_no_trim(const app *self)
 {
     const take_layer *lane = NULL;
     const take *t = app_take(self);
-    const int64_t at_ns = live_place(self->live).at_ns;
+    const int64_t at_ns = live_position(self->live).at_ns;
     if (self->choice.clip) {
         const take_clip *clip = clip_of(t, self->choice.clip, &lane);
         return clip && is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
@@ -1067,7 +1068,7 @@ const char *app_edit_why_not(app *self, action of)
 static bool make_split(const app *self, edit *out)
 {
     const take_layer *lane = NULL;
-    const int64_t at_ns = live_place(self->live).at_ns;
+    const int64_t at_ns = live_position(self->live).at_ns;
     const take_clip *clip = clip_at(self, at_ns, &lane);
     if (!clip)
         return false;
@@ -1079,7 +1080,7 @@ static bool make_split(const app *self, edit *out)
 
 static bool make_trim(const app *self, edit *out, bool is_end)
 {
-    const int64_t at_ns = live_place(self->live).at_ns;
+    const int64_t at_ns = live_position(self->live).at_ns;
     const take *t = app_take(self);
     if (self->choice.clip) {
         edit_init(out, EDIT_CLIP_TRIM);

@@ -229,7 +229,7 @@ static void put_transport(pen *p)
 {
     const live *stage = app_live(p->self->app);
     const transport *move = live_transport(stage);
-    bool is_playing = move && move->is_playing && !live_place(stage).has_stopped;
+    bool is_playing = move && move->is_playing && !live_position(stage).has_stopped;
     bool is_recording = app_status(p->self->app)->is_recording;
     put_action(p, ACTION_RECORD, sign_record, is_recording);
     put_action(p, ACTION_PLAY, is_playing ? sign_pause : sign_play, is_playing);

@@ -181,7 +181,7 @@ timeline_code timeline_code_now(const panel *self)
 
 int64_t timeline_head_ns(const panel *self)
 {
-    return live_place(app_live(self->app)).at_ns;
+    return live_position(app_live(self->app)).at_ns;
 }
 
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
