@@ -4,6 +4,7 @@
 #include "deform_case.h"
 
 #include <errno.h>
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,25 +80,28 @@ static mrt_result read_case(deform_case *out, const char *path, error *err)
     return result;
 }
 
-static void print_point(const double *at)
+/* position: frame_count by point_count by 3. NULL: no memory. */
+static json_t *frames_to_json(const deform_case *c, const double *position)
 {
-    printf("[%.17g, %.17g, %.17g]", at[0], at[1], at[2]);
+    json_t *frames = json_array();
+    for (uint32_t frame = 0; frame < c->frame_count; ++frame) {
+        json_t *rows = json_array();
+        for (uint32_t i = 0; i < c->point_count; ++i, position += 3)
+            json_array_append_new(rows, json_pack("[fff]", position[0], position[1], position[2]));
+        json_array_append_new(frames, rows);
+    }
+    return json_pack("{s:o}", "frames", frames);
 }
 
 static mrt_result print_frames(const deform_case *c, const double *position, error *err)
 {
-    printf("{\"frames\": [");
-    for (uint32_t frame = 0; frame < c->frame_count; ++frame) {
-        printf("%s[", frame ? ",\n" : "\n");
-        for (uint32_t i = 0; i < c->point_count; ++i, position += 3) {
-            if (i > 0)
-                printf(", ");
-            print_point(position);
-        }
-        printf("]");
-    }
-    printf("\n]}\n");
-    if (fflush(stdout) != 0 || ferror(stdout))
+    json_t *all = frames_to_json(c, position);
+    if (!all)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the result");
+    int failed = json_dumpf(all, stdout, JSON_REAL_PRECISION(17));
+    json_decref(all);
+    putchar('\n');
+    if (failed || fflush(stdout) != 0 || ferror(stdout))
         return error_set(err, MRT_ERR_IO, "cannot write the result: %s", strerror(errno));
     return MRT_OK;
 }
