@@ -185,7 +185,7 @@ static mrt_result prepare(performance *self, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
     result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
-        result = face_file_read(&self->face, options->face, options->unit, FACE_FILE_USABLE, err);
+        result = face_file_read(&self->face, options->face, &options->frame, FACE_FILE_USABLE, err);
     if (result < 0)
         return result;
     print_note(self->face.note);
@@ -532,7 +532,11 @@ const command command_perform = {
         "  --face FACE        NAME.rig.json; .glb .gltf .obj .ply .off, others through OpenMesh; "
         "or\n"
         "                     the name of a rig that comes with marotte: puppet, moai\n"
-        "  --unit mm|cm|m     of the mesh's coordinates (glTF: m; else guessed from its size)\n"
+        "  --unit mm|cm|m|MM  of the mesh's coordinates, MM: so many mm (else found out, and "
+        "said)\n"
+        "  --up AXIS          which of the mesh's axes is up: x, y, z, -x, -y, -z (else found "
+        "out)\n"
+        "  --forward AXIS     which way the face looks\n"
         "  --input SPEC       an input plugin, what it opens, its parameters; up to 8 times\n"
         "                     log:plugins/log/demo_hand.csv,speed=2\n"
         "  --map SPEC         a mapping plugin and its parameters\n"

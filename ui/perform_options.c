@@ -10,6 +10,8 @@
 enum {
     OPTION_FACE = 256,
     OPTION_UNIT,
+    OPTION_UP,
+    OPTION_FORWARD,
     OPTION_INPUT,
     OPTION_MAP,
     OPTION_EXPORT,
@@ -37,6 +39,8 @@ enum {
 static const struct option option_table[] = {
     {"face", required_argument, NULL, OPTION_FACE},
     {"unit", required_argument, NULL, OPTION_UNIT},
+    {"up", required_argument, NULL, OPTION_UP},
+    {"forward", required_argument, NULL, OPTION_FORWARD},
     {"input", required_argument, NULL, OPTION_INPUT},
     {"map", required_argument, NULL, OPTION_MAP},
     {"export", required_argument, NULL, OPTION_EXPORT},
@@ -61,11 +65,6 @@ static const struct option option_table[] = {
     {"json", no_argument, NULL, OPTION_JSON},
     {NULL, 0, NULL, 0},
 };
-
-static const struct {
-    const char *name;
-    mesh_unit unit;
-} units[] = {{"mm", MESH_UNIT_MM}, {"cm", MESH_UNIT_CM}, {"m", MESH_UNIT_M}};
 
 void perform_options_finish(perform_options *options)
 {
@@ -104,13 +103,16 @@ static int add_export(perform_options *out, const command *self, const char *pat
 
 static int read_unit(perform_options *out, const command *self, const char *text)
 {
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i) {
-        if (strcmp(units[i].name, text) != 0)
-            continue;
-        out->unit = units[i].unit;
-        return COMMAND_DONE;
-    }
-    return command_usage(self, "--unit \"%s\" is not mm, cm or m", text);
+    return mesh_unit_parse(&out->frame.mm_per_unit, text)
+               ? COMMAND_DONE
+               : command_usage(self, "--unit \"%s\" is not mm, cm, m or a number of mm", text);
+}
+
+static int read_axis(const command *self, const char *option, const char *text, mesh_axis *out)
+{
+    return mesh_axis_parse(out, text)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s \"%s\" is not x, y, z, -x, -y or -z", option, text);
 }
 
 static int add_input(perform_options *out, const command *self, const char *text)
@@ -210,6 +212,10 @@ static int read_option(void *data, const command *self, int option, const char *
         return set_face(out, self, text);
     case OPTION_UNIT:
         return read_unit(out, self, text);
+    case OPTION_UP:
+        return read_axis(self, "up", text, &out->frame.up);
+    case OPTION_FORWARD:
+        return read_axis(self, "forward", text, &out->frame.forward);
     case OPTION_INPUT:
         return add_input(out, self, text);
     case OPTION_MAP:
@@ -275,6 +281,10 @@ int perform_options_read(perform_options *out, const command *self, int argc, ch
         code = command_usage(self, "--input is missing");
     if (code == COMMAND_DONE && !out->map.plugin)
         code = command_usage(self, "--map is missing");
+    if (code == COMMAND_DONE && out->record && (out->frame.up || out->frame.forward))
+        code =
+            command_usage(self, "--up and --forward are kept in a rig, not in a show: marotte rig "
+                                "new MESH --up AXIS --forward AXIS, then perform with that rig");
     if (code == COMMAND_DONE && out->has_sound && !out->record)
         code = command_usage(self, "--sound needs --record SHOW, where it is kept");
     if (code == COMMAND_DONE)

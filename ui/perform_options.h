@@ -16,8 +16,8 @@ typedef enum perform_isolation {
 } perform_isolation;
 
 typedef struct perform_options {
-    char *face; /* a path; owned */
-    mesh_unit unit;
+    char *face;       /* a path; owned */
+    mesh_frame frame; /* of a mesh alone: --unit, --up, --forward */
     plugin_spec input[PERFORM_INPUTS_MAX];
     uint32_t input_count;
     plugin_spec map;

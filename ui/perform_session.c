@@ -456,11 +456,6 @@ static mrt_result describe(perform_record *out, const perform_options *options,
     return MRT_OK;
 }
 
-static double unit_mm(mesh_unit unit)
-{
-    return unit == MESH_UNIT_M ? 1000.0 : unit == MESH_UNIT_CM ? 10.0 : unit == MESH_UNIT_MM;
-}
-
 csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
                                      log_queue *log)
 {
@@ -504,7 +499,7 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
         .performer = of->performer,
         .face_path = options->face,
         .face = of->face,
-        .unit_mm = unit_mm(options->unit),
+        .unit_mm = options->frame.mm_per_unit,
         .hand_length_mm = options->hand_length_mm,
         .rezero_pedal = options->rezero_pedal,
     };

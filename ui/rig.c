@@ -91,7 +91,7 @@ static int rigcheck_run(int argc, char **argv)
     error err = {""};
     if (!read_options(&c, argc, argv))
         return command_usage(&command_rig, "check takes one rig file, and --json");
-    mrt_result result = face_file_read(&f, c.path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err);
+    mrt_result result = face_file_read(&f, c.path, NULL, FACE_FILE_ANY, &err);
     if (result >= 0 && !f.rig)
         result = error_set(&err, MRT_ERR_ARGUMENT,
                            "%s: is a mesh; marotte rig new drafts a rig for it", c.path);
@@ -116,20 +116,26 @@ enum { PATH_TEXT = 4096 };
 typedef struct drafting {
     const char *mesh_path;
     char out_path[PATH_TEXT];
-    mesh_unit unit;
+    mesh_frame frame;
     bool may_replace;
 } drafting;
 
-static bool read_unit(mesh_unit *out, const char *word)
+/* What the rig must say of its mesh, so that it is read again as it was read now. */
+static void keep_frame(rig *r, const mesh *m, const char *mesh_path)
 {
-    static const char *const names[] = {
-        [MESH_UNIT_MM] = "mm", [MESH_UNIT_CM] = "cm", [MESH_UNIT_M] = "m"};
-    for (int unit = MESH_UNIT_MM; unit <= MESH_UNIT_M; ++unit)
-        if (strcmp(names[unit], word) == 0) {
-            *out = (mesh_unit)unit;
-            return true;
-        }
-    return false;
+    file_extension extension = file_extension_of(mesh_path);
+    bool is_gltf = strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0 ||
+                   strcmp(extension.text, "vrm") == 0;
+    double mm = m->mm_per_unit;
+    bool is_named = mm == 1.0 || mm == 10.0 || mm == 1000.0;
+    if (!is_named)
+        r->mm_per_unit = 1.0; /* a rig's own numbers are in a unit that has a name */
+    if (!is_named || (is_gltf && mm != 1000.0))
+        r->frame.mm_per_unit = mm;
+    if (m->up != MESH_AXIS_Y || m->forward != MESH_AXIS_Z) {
+        r->frame.up = m->up;
+        r->frame.forward = m->forward;
+    }
 }
 
 static bool read_new_options(drafting *d, int argc, char **argv)
@@ -140,7 +146,14 @@ static bool read_new_options(drafting *d, int argc, char **argv)
             d->may_replace = true;
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
             out_path = argv[++i];
-        else if (strcmp(argv[i], "--unit") == 0 && i + 1 < argc && read_unit(&d->unit, argv[i + 1]))
+        else if (strcmp(argv[i], "--unit") == 0 && i + 1 < argc &&
+                 mesh_unit_parse(&d->frame.mm_per_unit, argv[i + 1]))
+            ++i;
+        else if (strcmp(argv[i], "--up") == 0 && i + 1 < argc &&
+                 mesh_axis_parse(&d->frame.up, argv[i + 1]))
+            ++i;
+        else if (strcmp(argv[i], "--forward") == 0 && i + 1 < argc &&
+                 mesh_axis_parse(&d->frame.forward, argv[i + 1]))
             ++i;
         else if (!d->mesh_path && argv[i][0] != '-')
             d->mesh_path = argv[i];
@@ -181,7 +194,7 @@ static mrt_result draft(const drafting *d, error *err)
     face_file f;
     rig r;
     char *confirm = NULL;
-    mrt_result result = face_file_read(&f, d->mesh_path, d->unit, FACE_FILE_ANY, err);
+    mrt_result result = face_file_read(&f, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
     if (result < 0)
         return result;
     if (f.rig)
@@ -189,6 +202,7 @@ static mrt_result draft(const drafting *d, error *err)
     else
         result = rig_draft_make(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, err);
     if (result >= 0) {
+        keep_frame(&r, &f.mesh, d->mesh_path);
         result = rig_write(&r, d->out_path, err);
         rig_destroy(&r);
     }
@@ -213,7 +227,8 @@ static int rignew_run(int argc, char **argv)
     drafting d = {0};
     error err = {""};
     if (!read_new_options(&d, argc, argv))
-        return command_usage(&command_rig, "new takes a mesh, --out, --unit mm|cm|m and --force");
+        return command_usage(&command_rig, "new takes a mesh, --out, --unit mm|cm|m|MM, --up AXIS, "
+                                           "--forward AXIS (x, y, z, -x, -y, -z) and --force");
     if (!d.may_replace && access(d.out_path, F_OK) == 0) {
         (void)error_set(&err, MRT_ERR_ARGUMENT,
                         "%s: is there already; --force writes over it, --out elsewhere",
@@ -364,7 +379,7 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
 static mrt_result show(showing *s, error *err)
 {
     face_file f;
-    mrt_result result = face_file_read(&f, s->path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+    mrt_result result = face_file_read(&f, s->path, NULL, FACE_FILE_USABLE, err);
     if (result < 0)
         return result;
     if (!f.rig)
@@ -426,7 +441,9 @@ const command command_rig = {
         "  The rig's poses, a line each: the least determinant (above 0: no fold), how deep skin\n"
         "  is in the skull, the vertex furthest from rest. --out: a portrait of each.\n"
         "\n"
-        "marotte rig new MESH [--out NAME.rig.json] [--unit mm|cm|m] [--force]\n"
+        "marotte rig new MESH [--out NAME.rig.json] [--unit mm|cm|m|MM] [--up AXIS] [--forward "
+        "AXIS]\n"
+        "        [--force]\n"
         "  Drafts a rig for a mesh from its shape and the names of its parts, and says what a\n"
         "  person must confirm. --out: MESH's name with .rig.json. --force: over a file that is\n"
         "  there.\n"

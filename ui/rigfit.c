@@ -88,13 +88,12 @@ static mrt_result choose_contacts(fitting *f, error *err)
 
 static mrt_result read_files(fitting *f, error *err)
 {
-    mrt_result result =
-        face_file_read(&f->face, f->rig_path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+    mrt_result result = face_file_read(&f->face, f->rig_path, NULL, FACE_FILE_USABLE, err);
     if (result >= 0 && !f->face.rig)
         result = error_set(err, MRT_ERR_ARGUMENT,
                            "%s: is a mesh; marotte rig new drafts a rig for it", f->rig_path);
     if (result >= 0)
-        result = mesh_file_read(&f->targets, f->targets_path, MESH_UNIT_AUTO, err);
+        result = mesh_file_read(&f->targets, f->targets_path, NULL, err);
     if (result < 0)
         return result;
     if (f->targets.target_count == 0)

@@ -464,8 +464,7 @@ static mrt_result read_wishes(remap *self, error *err)
     if (result >= 0)
         result = read_calibrations(self, err);
     if (result >= 0 && call->text[TAKE_FACE])
-        result = face_file_read(&self->face, call->text[TAKE_FACE], MESH_UNIT_AUTO,
-                                FACE_FILE_USABLE, err);
+        result = face_file_read(&self->face, call->text[TAKE_FACE], NULL, FACE_FILE_USABLE, err);
     return result;
 }
 

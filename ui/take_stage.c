@@ -66,22 +66,14 @@ static int64_t first_performance(const take *t)
     return 0;
 }
 
-static mesh_unit unit_of(double unit_mm)
-{
-    return unit_mm > 999.0 ? MESH_UNIT_M
-           : unit_mm > 9.0 ? MESH_UNIT_CM
-           : unit_mm > 0.0 ? MESH_UNIT_MM
-                           : MESH_UNIT_AUTO;
-}
-
 /* The unit that was said then is that mesh's, not another one's. */
-static mesh_unit unit_for(const char *path, const take_performance *p, const char *other)
+static mesh_frame frame_for(const char *path, const take_performance *p, const char *other)
 {
     char now[TAKE_HASH];
     error ignored = {""};
     bool is_same =
         !other || (hash_file(now, path, &ignored) >= 0 && strcmp(now, p->mesh_hash) == 0);
-    return is_same ? unit_of(p->unit_mm) : MESH_UNIT_AUTO;
+    return (mesh_frame){.mm_per_unit = is_same ? p->unit_mm : 0.0};
 }
 
 mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
@@ -102,9 +94,9 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
                            "the face that take %lld was performed on is not there any more: %s; "
                            "--face FILE says where it is now, or which one to take",
                            (long long)t->id, path);
+    const mesh_frame frame = frame_for(path, &of.performance, other);
     if (result >= 0)
-        result = face_file_read(out, path, unit_for(path, &of.performance, other), FACE_FILE_USABLE,
-                                err);
+        result = face_file_read(out, path, &frame, FACE_FILE_USABLE, err);
     if (result >= 0)
         result = compare(path, &of.performance, out->rig, &change, err);
     *out_path = result >= 0 ? strdup(path) : NULL;

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/rigid.h"
 #include "csrbf/csrbf.h"
+#include "mesh/frame.h"
 
 /* "select": which vertices. Evaluated to a weight of 0..1 per vertex (0 or 1 but for attributes and
  * what is painted). */
@@ -123,8 +124,9 @@ typedef struct rig_contact_set { /* "contact_sets": { "fit10": [names] } */
 typedef struct rig {
     char *path; /* of the file */
     char *name;
-    char *mesh_path; /* as it can be opened: relative to the working directory, or absolute */
-    double mm_per_unit;
+    char *mesh_path;    /* as it can be opened: relative to the working directory, or absolute */
+    double mm_per_unit; /* of this file's numbers */
+    mesh_frame frame;   /* "mesh_unit", "mesh_up", "mesh_forward": of the mesh; zeros: not said */
     uint32_t mesh_vertex_count; /* "mesh_vertices": what the rig was made for; 0: not said */
     uint64_t mesh_hash;         /* "mesh_hash": see rig_mesh_hash; 0: not said */
     rig_bone *bone;

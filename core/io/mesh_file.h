@@ -7,11 +7,11 @@
 #define MAROTTE_IO_MESH_FILE_H
 #include "mesh/mesh.h"
 
-/* The unit of the coordinates in the file. AUTO: glTF is metres; other files are guessed from the
- * size of the box (said in the note): a head is between 100 and 1000 mm high. */
-typedef enum mesh_unit { MESH_UNIT_AUTO = 0, MESH_UNIT_MM, MESH_UNIT_CM, MESH_UNIT_M } mesh_unit;
-
-CHECKED mrt_result mesh_file_read(mesh *out, const char *path, mesh_unit unit, error *err);
+/* In mm, up +y, forward +z. `frame`: what a person says of the file's coordinates; NULL, or what it
+ * leaves out, is found out and said in the note. glTF is metres, up +y, forward +z (VRM 0: -z),
+ * unless no head or body is so tall, or its skeleton or shape clearly says otherwise. Pictures are
+ * decoded (in the child process). */
+CHECKED mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err);
 
 /* The parsers, coordinates as written in the file (mm_per_unit = 1). Messages without file name. */
 CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, error *err);

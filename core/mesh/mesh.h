@@ -6,6 +6,7 @@
 #ifndef MAROTTE_MESH_MESH_H
 #define MAROTTE_MESH_MESH_H
 #include "base/error.h"
+#include "mesh/frame.h"
 
 /* A picture of the file. */
 typedef struct mesh_image {
@@ -79,17 +80,6 @@ typedef struct mesh_joint {
 } mesh_joint;
 #define MESH_NO_JOINT UINT32_MAX
 enum { MESH_SKIN_WIDTH = 4 }; /* joints that a vertex follows at most */
-
-/* A direction of the file's coordinates. */
-typedef enum mesh_axis {
-    MESH_AXIS_AUTO = 0, /* not said */
-    MESH_AXIS_X,
-    MESH_AXIS_Y,
-    MESH_AXIS_Z,
-    MESH_AXIS_MINUS_X,
-    MESH_AXIS_MINUS_Y,
-    MESH_AXIS_MINUS_Z
-} mesh_axis;
 
 typedef struct mesh {
     uint32_t vertex_count, triangle_count;

@@ -127,7 +127,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: face_cost NAME.rig.json\n");
         return 2;
     }
-    mrt_result result = face_file_read(&file, argv[1], MESH_UNIT_AUTO, FACE_FILE_USABLE, &err);
+    mrt_result result = face_file_read(&file, argv[1], NULL, FACE_FILE_USABLE, &err);
     if (result >= 0 && !file.rig)
         result = error_set(&err, MRT_ERR_ARGUMENT, "%s: expected a rig", argv[1]);
     if (result >= 0)

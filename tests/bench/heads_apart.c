@@ -49,7 +49,7 @@ int main(int argc, char **argv)
     bind_marks marks;
     frames f;
     error err = {""};
-    if (argc != 3 || face_file_read(&face, argv[1], MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0 ||
+    if (argc != 3 || face_file_read(&face, argv[1], NULL, FACE_FILE_USABLE, &err) < 0 ||
         !face.rig || bind_marks_create(&marks, face.rig, &face.mesh, &face.topology, &err) < 0 ||
         !open_frames(&f, argv[2], face.mesh.vertex_count)) {
         fprintf(stderr, "heads_apart FACE FRAMES.pc2: %s\n", err.text);

@@ -98,7 +98,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: textures HEAD.glb [FRAMES]\n");
         return 2;
     }
-    mrt_result result = mesh_file_read(&m, argv[1], MESH_UNIT_AUTO, &err);
+    mrt_result result = mesh_file_read(&m, argv[1], NULL, &err);
     if (result >= 0)
         result = run(&m, (size_t)frame_count, &ratio, &err);
     mesh_destroy(&m);

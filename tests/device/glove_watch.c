@@ -96,7 +96,7 @@ mrt_result glove_stage_create(glove_stage *out, const char *build, const char *r
     if (result >= 0)
         result = find(out, build, "one_hand", MRT_MAPPING, &map, err);
     if (result >= 0)
-        result = face_file_read(&out->face, rig_path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+        result = face_file_read(&out->face, rig_path, NULL, FACE_FILE_USABLE, err);
     if (result < 0)
         goto fail;
     stand_before_input(glove);

@@ -134,7 +134,7 @@ static void sample_shared_face(void)
         (void)printf("without the ICT face: %s is not there\n", path);
         return;
     }
-    if (mesh_file_read(&m, path, MESH_UNIT_AUTO, &err) != MRT_OK) {
+    if (mesh_file_read(&m, path, NULL, &err) != MRT_OK) {
         say(path, MRT_ERR_FORMAT, &err);
         return;
     }

@@ -340,7 +340,7 @@ static int read_face(void **state)
     error err = {""};
     (void)find_face(path, sizeof path);
     if (rig_read_trusted(&ict, SOURCE_DIR "/tests/face/ict.rig.json", &err) < 0 ||
-        mesh_file_read(&head, path, MESH_UNIT_AUTO, &err) < 0 ||
+        mesh_file_read(&head, path, NULL, &err) < 0 ||
         openmesh_topology(&surface, &head, &err) < 0) {
         print_error("%s\n", err.text);
         return -1;

@@ -73,7 +73,7 @@ static void begin(performed *p, uint64_t *seed, double torn)
     error err = {""};
     *p = (performed){.face = NULL};
     must(rig_read(&p->rig, SOURCE_DIR "/rigs/puppet/puppet.rig.json", &err), &err);
-    must(mesh_file_read(&p->mesh, p->rig.mesh_path, MESH_UNIT_AUTO, &err), &err);
+    must(mesh_file_read(&p->mesh, p->rig.mesh_path, NULL, &err), &err);
     p->rig.mesh_vertex_count = 0;
     tear(&p->mesh, seed, torn);
     must(mesh_weld(&p->mesh, &err), &err);

@@ -478,7 +478,7 @@ static int set_up(void **state)
         snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, names[i]);
         must(plugin_list_add(&the.plugins, path, &err), &err);
     }
-    must(face_file_read(&the.face, puppet, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    must(face_file_read(&the.face, puppet, NULL, FACE_FILE_USABLE, &err), &err);
     return 0;
 }
 

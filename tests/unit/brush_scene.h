@@ -22,8 +22,8 @@ static inline int open_puppet(void **state)
 {
     (void)state;
     error err = {""};
-    must(face_file_read(&puppet, SOURCE_DIR "/rigs/puppet/puppet.rig.json", MESH_UNIT_AUTO,
-                        FACE_FILE_USABLE, &err),
+    must(face_file_read(&puppet, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
+                        &err),
          &err);
     must(brush_create(&tool, &puppet.mesh, &puppet.topology, &err), &err);
     return 0;

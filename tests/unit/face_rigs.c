@@ -30,7 +30,7 @@ static void open_actor(actor *out, const char *path)
 {
     error err = {""};
     *out = (actor){0};
-    must(face_file_read(&out->file, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    must(face_file_read(&out->file, path, NULL, FACE_FILE_USABLE, &err), &err);
     must(face_create(&out->face, out->file.rig, &out->file.mesh, &out->file.topology,
                      MRT_MAX_VECTORS, &err),
          &err);

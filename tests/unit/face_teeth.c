@@ -176,8 +176,8 @@ static void lower_teeth_never_enter_the_upper_ones(void **state)
     lattice l;
     bones b;
     double most = 0.0;
-    if (face_file_read(&file, SOURCE_DIR "/rigs/puppet/puppet.rig.json", MESH_UNIT_AUTO,
-                       FACE_FILE_USABLE, &err) < 0 ||
+    if (face_file_read(&file, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
+                       &err) < 0 ||
         bones_init(&b, file.rig, (vec3){0, 0, 0}, &err) < 0)
         fail_msg("%s", err.text);
     make_lattice(&l, &file.mesh);

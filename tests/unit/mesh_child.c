@@ -59,7 +59,7 @@ static void assert_refused(const char *reason)
 {
     mesh m;
     error err = {""};
-    assert_true(mesh_file_read(&m, mesh_path, MESH_UNIT_AUTO, &err) < 0);
+    assert_true(mesh_file_read(&m, mesh_path, NULL, &err) < 0);
     assert_null(m.position);
     if (strncmp(err.text, mesh_path, strlen(mesh_path)) != 0 || !strstr(err.text, reason))
         fail_msg("\"%s\" does not say \"%s\"", err.text, reason);
@@ -73,7 +73,7 @@ static void an_stl_comes_back_without_doubled_vertices(void **state)
     mesh m;
     error err = {""};
     write_file(mesh_path, data, size);
-    if (mesh_file_read(&m, mesh_path, MESH_UNIT_AUTO, &err) < 0)
+    if (mesh_file_read(&m, mesh_path, NULL, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(m.vertex_count, 5);
     assert_int_equal(m.triangle_count, 3);
@@ -131,7 +131,7 @@ static void the_child_is_found_without_being_named(void **state)
     error err = {""};
     write_file(mesh_path, data, size);
     assert_int_equal(unsetenv("MAROTTE_MESHLOAD"), 0);
-    if (mesh_file_read(&m, mesh_path, MESH_UNIT_AUTO, &err) < 0)
+    if (mesh_file_read(&m, mesh_path, NULL, &err) < 0)
         fail_msg("%s", err.text);
     mesh_destroy(&m);
     assert_int_equal(setenv("MAROTTE_MESHLOAD", BUILD_DIR "/marotte-meshload", 1), 0);

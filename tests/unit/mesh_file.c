@@ -33,7 +33,7 @@ typedef struct attempt {
 } attempt;
 
 /* Writes a file, reads it, removes it. */
-static attempt read_bytes(const char *name, const void *data, size_t size, mesh_unit unit)
+static attempt read_bytes(const char *name, const void *data, size_t size, double unit_mm)
 {
     attempt a = {.result = MRT_OK};
     (void)snprintf(a.path, sizeof a.path, "%s/%s", directory, name);
@@ -41,14 +41,14 @@ static attempt read_bytes(const char *name, const void *data, size_t size, mesh_
     assert_non_null(file);
     assert_int_equal(fwrite(data, 1, size, file), size);
     assert_int_equal(fclose(file), 0);
-    a.result = mesh_file_read(&a.m, a.path, unit, &a.err);
+    a.result = mesh_file_read(&a.m, a.path, &(mesh_frame){.mm_per_unit = unit_mm}, &a.err);
     (void)unlink(a.path);
     return a;
 }
 
-static attempt read_text(const char *name, const char *text, mesh_unit unit)
+static attempt read_text(const char *name, const char *text, double unit_mm)
 {
-    return read_bytes(name, text, strlen(text), unit);
+    return read_bytes(name, text, strlen(text), unit_mm);
 }
 
 static void assert_read(attempt *a, uint32_t vertex_count)
@@ -79,17 +79,17 @@ static void assert_refused(const attempt *a, const char *reason)
 static void the_content_decides_before_the_name(void **state)
 {
     (void)state;
-    attempt a = read_text("a.off", PLY, MESH_UNIT_MM);
+    attempt a = read_text("a.off", PLY, 1);
     assert_read(&a, 3);
-    a = read_text("b", "# comment\n" OFF, MESH_UNIT_MM);
+    a = read_text("b", "# comment\n" OFF, 1);
     assert_read(&a, 3);
-    a = read_text("c.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", MESH_UNIT_MM);
+    a = read_text("c.OBJ", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 1);
     assert_read(&a, 3);
     document d = document_glb(DOCUMENT_DATA DOCUMENT_HEAD);
-    a = read_bytes("d.obj", d.bytes, d.size, MESH_UNIT_AUTO);
+    a = read_bytes("d.obj", d.bytes, d.size, 0);
     assert_read(&a, 4);
     d = document_gltf(DOCUMENT_HEAD);
-    a = read_bytes("e", d.bytes, d.size, MESH_UNIT_AUTO);
+    a = read_bytes("e", d.bytes, d.size, 0);
     assert_read(&a, 4);
 }
 
@@ -97,14 +97,14 @@ static void gltf_is_metres_with_its_targets(void **state)
 {
     (void)state;
     document d = document_glb(DOCUMENT_DATA DOCUMENT_HEAD);
-    attempt a = read_bytes("a.glb", d.bytes, d.size, MESH_UNIT_AUTO);
+    attempt a = read_bytes("a.glb", d.bytes, d.size, 0);
     assert_int_equal(a.result, MRT_OK);
     assert_true(a.m.mm_per_unit == 1000.0);
     assert_true(a.m.position[3] == 1000.0f);
     assert_true(a.m.target[0].offset[5] == 500.0f);
     assert_true(a.m.attribute[0].value[3] == 1.0f);
     mesh_destroy(&a.m);
-    a = read_bytes("a.glb", d.bytes, d.size, MESH_UNIT_CM);
+    a = read_bytes("a.glb", d.bytes, d.size, 10);
     assert_true(a.m.mm_per_unit == 10.0 && a.m.position[3] == 10.0f);
     mesh_destroy(&a.m);
 }
@@ -118,24 +118,25 @@ static void the_unit_is_guessed_from_the_height(void **state)
     } cases[] = {{"0.25", "taken for m: so the height is 250 mm", 1000.0},
                  {"25", "taken for cm: so the height is 250 mm", 10.0},
                  {"250", "taken for mm: so the height is 250 mm", 1.0},
-                 {"1000", "taken for mm", 1.0},
-                 {"0.001", "no head's", 1.0},
-                 {"5", "no head's", 1.0},
-                 {"0", "no head's", 1.0},
-                 {"5000", "no head's", 1.0}};
+                 {"700", "taken for mm", 1.0},
+                 {"1", "a unit is taken for 300 mm", 300.0},
+                 {"2", "which is no head's height", 150.0},
+                 {"0.001", "no head's height in mm, cm or m", 300000.0},
+                 {"5", "so the height is 300 mm", 60.0},
+                 {"5000", "no head's", 0.06}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char text[128];
         (void)snprintf(text, sizeof text, OBJ, cases[i].height);
-        attempt a = read_text("a.obj", text, MESH_UNIT_AUTO);
+        attempt a = read_text("a.obj", text, 0);
         assert_int_equal(a.result, MRT_OK);
-        assert_true(a.m.mm_per_unit == cases[i].mm_per_unit);
-        assert_true(fabs((double)a.m.position[3] - cases[i].mm_per_unit) < 1e-9);
+        assert_true(fabs(a.m.mm_per_unit / cases[i].mm_per_unit - 1.0) < 1e-9);
+        assert_true(fabs((double)a.m.position[3] / cases[i].mm_per_unit - 1.0) < 1e-6);
         assert_non_null(strstr(a.m.note, cases[i].note));
         mesh_destroy(&a.m);
     }
     char text[128];
     (void)snprintf(text, sizeof text, OBJ, "5");
-    attempt a = read_text("a.obj", text, MESH_UNIT_M);
+    attempt a = read_text("a.obj", text, 1000);
     assert_true(a.m.mm_per_unit == 1000.0 && a.m.position[7] == 5000.0f);
     assert_null(a.m.note);
     mesh_destroy(&a.m);
@@ -144,15 +145,15 @@ static void the_unit_is_guessed_from_the_height(void **state)
 static void errors_start_with_the_path(void **state)
 {
     (void)state;
-    attempt a = read_text("a.obj", "v 0 0 zero\n", MESH_UNIT_AUTO);
+    attempt a = read_text("a.obj", "v 0 0 zero\n", 0);
     assert_refused(&a, "line 1: a finite number");
-    a = read_text("a.obj", "", MESH_UNIT_AUTO);
+    a = read_text("a.obj", "", 0);
     assert_refused(&a, "the file is empty");
-    a = read_text("a.fbx", "Kaydara", MESH_UNIT_AUTO);
+    a = read_text("a.fbx", "Kaydara", 0);
     assert_refused(&a, "no mesh format that is known");
-    a = read_text("a.glb", "glTF", MESH_UNIT_AUTO);
+    a = read_text("a.glb", "glTF", 0);
     assert_refused(&a, "the .glb ends within its header");
-    a = read_text("a.obj", "v 0 0 0\nv 3e38 0 0\nv 0 1 0\nf 1 2 3\n", MESH_UNIT_M);
+    a = read_text("a.obj", "v 0 0 0\nv 3e38 0 0\nv 0 1 0\nf 1 2 3\n", 1000);
     assert_refused(&a, "vertex 1 is not finite");
 }
 

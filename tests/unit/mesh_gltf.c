@@ -345,7 +345,7 @@ static void the_real_face_is_read(void **state)
     }
     mesh m;
     error err = {""};
-    if (mesh_file_read(&m, path, MESH_UNIT_AUTO, &err) < 0)
+    if (mesh_file_read(&m, path, NULL, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(m.vertex_count, 26719);
     assert_int_equal(m.triangle_count, 52220);

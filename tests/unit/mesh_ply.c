@@ -145,12 +145,61 @@ static void other_elements_are_skipped_with_a_note(void **state)
     (void)state;
     static const char text[] =
         TEXT "element edge 2\nproperty int a\nproperty int b\n" VERTEX FACE
-             "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+             "element range_grid 1\nproperty list int int vertex_indices\nend_header\n"
              "0 1\n1 2\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n4 0 1 2 -1\n";
     mesh m = read_good(text, strlen(text));
     assert_int_equal(m.triangle_count, 1);
     assert_non_null(strstr(m.note, "\"edge\" was skipped"));
-    assert_non_null(strstr(m.note, "\"tristrips\" was skipped"));
+    assert_non_null(strstr(m.note, "\"range_grid\" was skipped"));
+    mesh_destroy(&m);
+}
+
+/* Two strips, and a vertex said twice to join two more. */
+static void binary_triangle_strips_are_read(void **state)
+{
+    (void)state;
+    static const char *const formats[] = {"binary_little_endian", "binary_big_endian"};
+    static const float position[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}};
+    static const int32_t strip[] = {0, 1, 2, 3, -1, 2, 3, 4, 4, 0, 1, 2};
+    static const uint32_t expected[] = {0, 1, 2, 2, 1, 3, 2, 3, 4, 0, 4, 1, 0, 1, 2};
+    for (int big = 0; big < 2; ++big) {
+        unsigned char data[1024];
+        size_t used = (size_t)snprintf((char *)data, sizeof data,
+                                       "ply\nformat %s 1.0\nelement vertex 5\nproperty float x\n"
+                                       "property float y\nproperty float z\nelement tristrips 1\n"
+                                       "property list int int vertex_indices\nend_header\n",
+                                       formats[big]);
+        for (size_t i = 0; i < 15; ++i)
+            used += put(data + used, &position[i / 3][i % 3], 4, big);
+        int32_t count = 12;
+        used += put(data + used, &count, 4, big);
+        for (size_t i = 0; i < 12; ++i)
+            used += put(data + used, &strip[i], 4, big);
+        mesh m = read_good(data, used);
+        assert_int_equal(m.triangle_count, 5);
+        assert_memory_equal(m.triangle, expected, sizeof expected);
+        assert_null(m.note);
+        mesh_destroy(&m);
+        for (size_t cut = 1; cut < used; cut += 7)
+            assert_refused(data, used - cut, "");
+        int32_t lie = 99;
+        (void)put(data + used - 4, &lie, 4, big);
+        assert_refused(data, used, "uses vertex 99");
+    }
+}
+
+static void vertex_colours_are_read(void **state)
+{
+    (void)state;
+    static const char text[] =
+        TEXT "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACE "end_header\n"
+             "0 0 0 255 0 0\n1 0 0 0 128 0\n0 1 0 0 0 0\n3 0 1 2\n";
+    mesh m = read_good(text, strlen(text));
+    assert_non_null(m.colour);
+    assert_true(m.colour[0] == 1.0f && m.colour[1] == 0.0f && m.colour[3] == 1.0f);
+    assert_true(m.colour[5] > 0.2158f && m.colour[5] < 0.2160f); /* sRGB 128, in linear light */
+    assert_null(m.note);
     mesh_destroy(&m);
 }
 
@@ -234,6 +283,8 @@ int main(void)
         cmocka_unit_test(binary_cut_anywhere_is_refused),
         cmocka_unit_test(normals_and_float_properties_are_kept),
         cmocka_unit_test(other_elements_are_skipped_with_a_note),
+        cmocka_unit_test(binary_triangle_strips_are_read),
+        cmocka_unit_test(vertex_colours_are_read),
         cmocka_unit_test(malformed_files_are_refused),
         cmocka_unit_test(binary_lists_of_a_lying_length_are_refused),
     };

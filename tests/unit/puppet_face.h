@@ -17,8 +17,7 @@ static inline int read_puppet(void **state)
 {
     (void)state;
     error err = {0};
-    if (mesh_file_read(&face, PUPPET, MESH_UNIT_AUTO, &err) < 0 ||
-        openmesh_topology(&net, &face, &err) < 0) {
+    if (mesh_file_read(&face, PUPPET, NULL, &err) < 0 || openmesh_topology(&net, &face, &err) < 0) {
         print_error("%s\n", err.text);
         return -1;
     }

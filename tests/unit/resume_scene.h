@@ -51,7 +51,7 @@ static inline void scene_rig(face_file *file, const char *name)
     char path[512];
     *file = (face_file){0};
     snprintf(path, sizeof path, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, name, name);
-    scene_must(face_file_read(file, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    scene_must(face_file_read(file, path, NULL, FACE_FILE_USABLE, &err), &err);
 }
 
 /* "plane", "moai" or "puppet" */

@@ -20,8 +20,8 @@ static int read_moai(void **state)
 {
     (void)state;
     error err = {""};
-    if (face_file_read(&moai, SOURCE_DIR "/rigs/moai/moai.rig.json", MESH_UNIT_AUTO,
-                       FACE_FILE_USABLE, &err) < 0 ||
+    if (face_file_read(&moai, SOURCE_DIR "/rigs/moai/moai.rig.json", NULL, FACE_FILE_USABLE, &err) <
+            0 ||
         binding_create(&moai_binding, moai.rig, &moai.mesh, &moai.topology, &err) < 0) {
         print_error("%s\n", err.text);
         return -1;
@@ -84,7 +84,7 @@ static void rigs_of_the_project_have_no_errors_and_no_warnings(void **state)
         binding b;
         rig_findings all;
         error err = {""};
-        if (face_file_read(&f, paths[i], MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0 ||
+        if (face_file_read(&f, paths[i], NULL, FACE_FILE_USABLE, &err) < 0 ||
             binding_create(&b, f.rig, &f.mesh, &f.topology, &err) < 0 ||
             rig_check(&all, f.rig, &f.mesh, &f.topology, &b, &err) < 0)
             fail_msg("%s", err.text);
@@ -297,7 +297,7 @@ static void a_missing_mesh_names_the_rig_and_the_place(void **state)
     assert_non_null(file);
     fputs("{\"marotte_rig\": 1, \"mesh\": \"not_there.glb\"}", file);
     fclose(file);
-    assert_true(face_file_read(&f, path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err) < 0);
+    assert_true(face_file_read(&f, path, NULL, FACE_FILE_ANY, &err) < 0);
     (void)remove(path);
     assert_non_null(strstr(err.text, "missing_mesh.rig.json: $.mesh: "));
     assert_non_null(strstr(err.text, "not_there.glb: No such file"));

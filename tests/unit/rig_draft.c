@@ -26,7 +26,7 @@ static drafted draft(const char *path)
 {
     drafted d;
     error err = {""};
-    if (face_file_read(&d.file, path, MESH_UNIT_AUTO, FACE_FILE_ANY, &err) < 0 ||
+    if (face_file_read(&d.file, path, NULL, FACE_FILE_ANY, &err) < 0 ||
         rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, &d.file.topology, path, &err) < 0 ||
         rig_validate(&d.rig, &d.file.mesh, &d.file.topology, &err) < 0)
         fail_msg("%s: %s", path, err.text);

@@ -64,7 +64,7 @@ static rig_model *open_model(const char *name)
     rig_model *model;
     char keep[160];
     (void)snprintf(keep, sizeof keep, "%s/keep/", folder);
-    must(face_file_read(&file, in_folder(name), MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    must(face_file_read(&file, in_folder(name), NULL, FACE_FILE_USABLE, &err), &err);
     must(rig_model_create(&model, &file, in_folder(name), keep, &err), &err);
     face_file_destroy(&file);
     return model;
@@ -285,8 +285,7 @@ static void a_mesh_alone_is_drafted_and_saved_beside_it(void **state)
     assert_null(rig_model_rig(model));
     rig_model_destroy(model);
     face_file file;
-    must(face_file_read(&file, in_folder("stone.rig.json"), MESH_UNIT_AUTO, FACE_FILE_USABLE, &err),
-         &err);
+    must(face_file_read(&file, in_folder("stone.rig.json"), NULL, FACE_FILE_USABLE, &err), &err);
     face_file_destroy(&file);
 }
 

@@ -8,6 +8,8 @@
 #include "rig_help.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
 
@@ -260,6 +262,37 @@ static void deep_selectors_are_refused(void **state)
     assert_non_null(strstr(err.text, "12 deep"));
 }
 
+static void the_frame_of_the_mesh_is_read_and_written(void **state)
+{
+    (void)state;
+    rig r, back;
+    error err = {""};
+    assert_int_equal(
+        rig_with(&r, "\"mesh_unit\": 160, \"mesh_up\": \"z\", \"mesh_forward\": \"-y\"", &err),
+        MRT_OK);
+    assert_true(r.frame.mm_per_unit == 160.0 && r.frame.up == MESH_AXIS_Z &&
+                r.frame.forward == MESH_AXIS_MINUS_Y);
+    char path[] = "/tmp/marotte-test-XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(close(fd), 0);
+    r.frame.mm_per_unit = 38.0;
+    assert_int_equal(rig_write(&r, path, &err), MRT_OK);
+    assert_int_equal(rig_read_trusted(&back, path, &err), MRT_OK);
+    assert_true(back.frame.mm_per_unit == 38.0 && back.frame.up == MESH_AXIS_Z &&
+                back.frame.forward == MESH_AXIS_MINUS_Y);
+    (void)unlink(path);
+    rig_destroy(&back);
+    rig_destroy(&r);
+    assert_int_equal(rig_with(&r, "\"mesh_unit\": \"cm\"", &err), MRT_OK);
+    assert_true(r.frame.mm_per_unit == 10.0 && r.frame.up == MESH_AXIS_AUTO);
+    rig_destroy(&r);
+    assert_refused("\"mesh_unit\": 0", "$.mesh_unit", "a number of mm");
+    assert_refused("\"mesh_unit\": \"inch\"", "$.mesh_unit", "a number of mm");
+    assert_refused("\"mesh_up\": \"w\"", "$.mesh_up", "\"-z\"");
+    assert_refused("\"mesh_forward\": 3", "$.mesh_forward", "\"-z\"");
+}
+
 static void hash_tells_meshes_apart(void **state)
 {
     (void)state;
@@ -288,6 +321,7 @@ int main(void)
         cmocka_unit_test(wrong_settings_are_refused),
         cmocka_unit_test(what_is_no_rig_is_refused),
         cmocka_unit_test(deep_selectors_are_refused),
+        cmocka_unit_test(the_frame_of_the_mesh_is_read_and_written),
         cmocka_unit_test(hash_tells_meshes_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

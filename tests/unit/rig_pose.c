@@ -176,8 +176,8 @@ static void expressions_of_the_puppet_are_sound(void **state)
     face_file f;
     rig_poses_stage stage;
     error err = {""};
-    if (face_file_read(&f, SOURCE_DIR "/rigs/puppet/puppet.rig.json", MESH_UNIT_AUTO,
-                       FACE_FILE_USABLE, &err) < 0 ||
+    if (face_file_read(&f, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
+                       &err) < 0 ||
         rig_poses_stage_init(&stage, f.rig, &f.mesh, &f.topology, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(f.rig->pose_count, 4);

@@ -16,7 +16,7 @@ static mesh read_mesh(const char *path)
 {
     mesh m;
     error err = {0};
-    if (mesh_file_read(&m, path, MESH_UNIT_AUTO, &err) < 0)
+    if (mesh_file_read(&m, path, NULL, &err) < 0)
         fail_msg("%s", err.text);
     return m;
 }
@@ -377,7 +377,7 @@ static void check_plane(const char *name, uint32_t vertex_count, uint32_t triang
     (void)snprintf(path, sizeof path, BUILD_DIR "/rigs/plane/%s.ply", name);
     mesh m;
     error err = {0};
-    if (mesh_file_read(&m, path, MESH_UNIT_MM, &err) < 0)
+    if (mesh_file_read(&m, path, &(mesh_frame){.mm_per_unit = 1.0}, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(m.vertex_count, vertex_count);
     assert_int_equal(m.triangle_count, triangle_count);

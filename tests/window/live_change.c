@@ -274,7 +274,7 @@ static void face_and_engine_change_while_it_performs(void **state)
     assert_true(fabs(d.view->solver.radius - solver.radius) < 1e-9);
     uint32_t of_puppet = d.view->vertex_count;
     snprintf(path, sizeof path, "%s/rigs/moai/moai.rig.json", SOURCE_DIR);
-    desk_must(face_file_read(&moai, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    desk_must(face_file_read(&moai, path, NULL, FACE_FILE_USABLE, &err), &err);
     const live_view *before = d.view; /* two changes within a frame */
     desk_must(live_set_solver(d.live, &solver, &err), &err);
     desk_must(live_set_face(d.live, &moai, path, 0.0, &err), &err);

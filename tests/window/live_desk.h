@@ -62,7 +62,7 @@ static inline void desk_start_heard(live_desk *d, const char *name, const char *
     assert_non_null(mkdtemp(d->folder));
     snprintf(d->show_path, sizeof d->show_path, "%s/desk.marotte", d->folder);
     snprintf(d->face_path, sizeof d->face_path, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, name, name);
-    desk_must(face_file_read(&d->face, d->face_path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err), &err);
+    desk_must(face_file_read(&d->face, d->face_path, NULL, FACE_FILE_USABLE, &err), &err);
     if (records == DESK_SHOW)
         desk_must(show_create(&d->show, d->show_path, &err), &err);
     const live_settings settings = {.plugins = &d->plugins,

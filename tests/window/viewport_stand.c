@@ -192,7 +192,7 @@ static void open_face(viewport_stand *s, const char *face_path)
     char path[1024];
     error err = {{0}};
     snprintf(path, sizeof path, "%s/%s", SOURCE_DIR, face_path);
-    if (face_file_read(&s->file, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0)
+    if (face_file_read(&s->file, path, NULL, FACE_FILE_USABLE, &err) < 0)
         fail_msg("%s", err.text);
     const csrbf_settings solver = {.kernel = CSRBF_WENDLAND_C2};
     if (composer_create(&s->composer, &s->file, &solver, &err) < 0)

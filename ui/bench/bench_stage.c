@@ -136,7 +136,7 @@ static mrt_result start(scene *self, error *err)
     char *path = installed_face("puppet");
     mrt_result result = path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
-        result = face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+        result = face_file_read(&self->face, path, NULL, FACE_FILE_USABLE, err);
     if (result >= 0)
         result = plugin_list_load(&self->plugins, err);
     self->log = log_queue_create();

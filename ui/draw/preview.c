@@ -93,7 +93,7 @@ int main(int argc, char **argv)
     }
     error err = {{0}};
     mesh m;
-    if (mesh_file_read(&m, argv[1], MESH_UNIT_AUTO, &err) != MRT_OK) {
+    if (mesh_file_read(&m, argv[1], NULL, &err) != MRT_OK) {
         fprintf(stderr, "draw_preview: %s\n", err.text);
         return 1;
     }

@@ -592,7 +592,7 @@ static mrt_result add_reference(paper *of, error *err)
     scene *self = calloc(1, sizeof *self);
     mrt_result result = path && self ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
-        result = face_file_read(&moai, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err);
+        result = face_file_read(&moai, path, NULL, FACE_FILE_USABLE, err);
     if (result >= 0) {
         self->mesh = &moai.mesh;
         result = points_order_create(&self->order, moai.mesh.position, moai.mesh.vertex_count, err);

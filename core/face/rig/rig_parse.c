@@ -773,10 +773,11 @@ enum { MESH_NAME_MAX = 1024, HASH_DIGITS = 16 };
 
 /* ---- what it is ---- */
 
-static const char *const root_keys[] = {"marotte_rig",   "name",      "mesh",        "unit",
-                                        "mesh_vertices", "mesh_hash", "include",     "bones",
-                                        "regions",       "contacts",  "skull_proxy", "poses",
-                                        "contact_sets",  "solver",    "paints",      NULL};
+static const char *const root_keys[] = {"marotte_rig",   "name",         "mesh",        "unit",
+                                        "mesh_vertices", "mesh_hash",    "include",     "bones",
+                                        "regions",       "contacts",     "skull_proxy", "poses",
+                                        "contact_sets",  "solver",       "paints",      "mesh_unit",
+                                        "mesh_up",       "mesh_forward", NULL};
 
 /* "rigs/moai/moai.rig.json" is called "moai". */
 static char *name_from_path(const char *path)
@@ -1081,6 +1082,30 @@ static mrt_result fill_proxies(rig *r, rig_document *d, error *err)
 
 /* ---- all of it ---- */
 
+static mrt_result fill_axis(mesh_axis *out, rig_document *d, const char *key, error *err)
+{
+    uint32_t file;
+    rig_node node = rig_document_scalar(d, key, &file);
+    const char *word = json_string_value(node.value);
+    if (!node.value || (word && mesh_axis_parse(out, word)))
+        return MRT_OK;
+    return rig_json_unexpected(err, &node, "\"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"");
+}
+
+static mrt_result fill_frame(rig *r, rig_document *d, error *err)
+{
+    uint32_t file;
+    rig_node unit = rig_document_scalar(d, "mesh_unit", &file);
+    const char *word = json_string_value(unit.value);
+    if (json_is_number(unit.value))
+        r->frame.mm_per_unit = json_number_value(unit.value);
+    if (unit.value && !(word ? mesh_unit_parse(&r->frame.mm_per_unit, word)
+                             : r->frame.mm_per_unit >= 1e-9 && r->frame.mm_per_unit <= 1e9))
+        return rig_json_unexpected(err, &unit, "\"mm\", \"cm\", \"m\" or a number of mm");
+    mrt_result result = fill_axis(&r->frame.up, d, "mesh_up", err);
+    return result < 0 ? result : fill_axis(&r->frame.forward, d, "mesh_forward", err);
+}
+
 static mrt_result allocate(rig *r, rig_document *d, error *err)
 {
     r->bone = calloc(RIG_BONES_MAX, sizeof *r->bone);
@@ -1105,8 +1130,8 @@ static void note_unknown_roots(rig *r, const rig_document *d)
 mrt_result rig_fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
-        allocate,     fill_name,     fill_mesh,    fill_solver, fill_bones,
-        fill_regions, fill_contacts, fill_proxies, fill_poses,  fill_contact_sets};
+        allocate,     fill_name,     fill_mesh,    fill_frame, fill_solver,      fill_bones,
+        fill_regions, fill_contacts, fill_proxies, fill_poses, fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     note_unknown_roots(r, d);
     mrt_result result = MRT_OK;

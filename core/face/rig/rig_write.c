@@ -824,6 +824,12 @@ static void put_mesh_facts(json_t *root, const rig *r)
         json_object_set_new(root, "mesh_vertices", json_integer((json_int_t)r->mesh_vertex_count));
     if (r->mesh_hash != 0)
         json_object_set_new(root, "mesh_hash", json_string(hash));
+    if (r->frame.mm_per_unit > 0.0)
+        json_object_set_new(root, "mesh_unit", rig_number_to_json(r->frame.mm_per_unit));
+    if (r->frame.up != MESH_AXIS_AUTO)
+        json_object_set_new(root, "mesh_up", json_string(mesh_axis_name(r->frame.up)));
+    if (r->frame.forward != MESH_AXIS_AUTO)
+        json_object_set_new(root, "mesh_forward", json_string(mesh_axis_name(r->frame.forward)));
 }
 
 /* This file's keys, and those of the files that it includes. */

@@ -1,5 +1,5 @@
-/* Stanford PLY, text and binary of either byte order: x y z, normals and the faces; other
- * floating-point properties of the vertices become attributes of the same name. */
+/* Stanford PLY, text and binary of either byte order: x y z, normals, colours, faces and triangle
+ * strips; other floating-point properties of the vertices become attributes of the same name. */
 #include "io/read/mesh_build.h"
 
 #include "io/mesh_file.h"
@@ -227,11 +227,12 @@ static mrt_result parse_header(ply_header *out, text_view *rest, error *err)
 
 /* ---- the body ---- */
 
-/* Where the value of a vertex property goes: the first six are in this order in `value`. */
+/* Where the value of a vertex property goes: the first nine are in this order in `value`. */
 typedef enum ply_role {
     ROLE_X = 0,
     ROLE_NX = 3,
-    ROLE_ATTRIBUTE = 6,
+    ROLE_RED = 6,
+    ROLE_ATTRIBUTE = 9,
     ROLES_MAX = ROLE_ATTRIBUTE + 64,
     ROLE_PASSED_OVER
 } ply_role;
@@ -247,6 +248,9 @@ typedef struct ply_reader {
     uint32_t attribute_count, passed_over_count;
     float *attribute; /* vertex by attribute_count */
     size_t attribute_capacity;
+    float colour_full; /* what whole-numbered colours count up to; 1: they are numbers */
+    float *colour;     /* vertex by 4, linear */
+    size_t colour_capacity;
     error *err;
 } ply_reader;
 
@@ -369,11 +373,17 @@ static mrt_result skip_property(ply_reader *r, const ply_property *property)
 
 static ply_role known_role(const char *name)
 {
-    static const char *const known[ROLE_ATTRIBUTE] = {"x", "y", "z", "nx", "ny", "nz"};
+    static const char *const known[ROLE_ATTRIBUTE] = {"x",  "y",   "z",     "nx",  "ny",
+                                                      "nz", "red", "green", "blue"};
     for (int role = 0; role < ROLE_ATTRIBUTE; ++role)
         if (strcmp(name, known[role]) == 0)
             return (ply_role)role;
     return ROLE_PASSED_OVER;
+}
+
+static bool has_colours(const ply_reader *r)
+{
+    return r->has_role[ROLE_RED] && r->has_role[ROLE_RED + 1] && r->has_role[ROLE_RED + 2];
 }
 
 static mrt_result assign_roles(ply_reader *r, const ply_element *e)
@@ -386,6 +396,10 @@ static mrt_result assign_roles(ply_reader *r, const ply_element *e)
                              property->name);
         if (role < ROLE_ATTRIBUTE) {
             r->has_role[role] = true;
+            if (role >= ROLE_RED)
+                r->colour_full = property->type == PLY_UINT8    ? 255.0f
+                                 : property->type == PLY_UINT16 ? 65535.0f
+                                                                : 1.0f;
         } else if (property->list_type == PLY_NONE && property->type >= PLY_FLOAT32 &&
                    ROLE_ATTRIBUTE + r->attribute_count < ROLES_MAX) {
             role = (ply_role)(ROLE_ATTRIBUTE + r->attribute_count);
@@ -396,6 +410,8 @@ static mrt_result assign_roles(ply_reader *r, const ply_element *e)
         }
         r->role[i] = role;
     }
+    for (int role = ROLE_RED; role < ROLE_ATTRIBUTE && !has_colours(r); ++role)
+        r->passed_over_count += r->has_role[role];
     if (!r->has_role[ROLE_X] || !r->has_role[ROLE_X + 1] || !r->has_role[ROLE_X + 2])
         return error_set(r->err, MRT_ERR_FORMAT, "the vertices have no x, y and z");
     return MRT_OK;
@@ -423,6 +439,23 @@ static mrt_result read_vertex_values(ply_reader *r, const ply_element *e, float 
     return MRT_OK;
 }
 
+/* sRGB-coded, as scanners and editors write them, to linear (IEC 61966-2-1). */
+static float linear_of_srgb(float coded)
+{
+    double c = coded > 0.0f ? (coded < 1.0f ? (double)coded : 1.0) : 0.0;
+    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+}
+
+static mrt_result add_colour(ply_reader *r, const float rgb[3])
+{
+    size_t used = (r->build.vertex_count - 1) * 4;
+    mrt_result result = mesh_build_grow((void **)&r->colour, &r->colour_capacity, used + 4,
+                                        sizeof *r->colour, r->err);
+    for (size_t i = 0; result == MRT_OK && i < 4; ++i)
+        r->colour[used + i] = i < 3 ? linear_of_srgb(rgb[i] / r->colour_full) : 1.0f;
+    return result;
+}
+
 static mrt_result read_vertex(ply_reader *r, const ply_element *e)
 {
     float value[ROLES_MAX];
@@ -432,6 +465,8 @@ static mrt_result read_vertex(ply_reader *r, const ply_element *e)
     if (result == MRT_OK && r->has_role[ROLE_NX] && r->has_role[ROLE_NX + 1] &&
         r->has_role[ROLE_NX + 2])
         result = mesh_build_normal(&r->build, value + ROLE_NX, r->err);
+    if (result == MRT_OK && has_colours(r))
+        result = add_colour(r, value + ROLE_RED);
     if (result < 0 || r->attribute_count == 0)
         return result;
     size_t used = (r->build.vertex_count - 1) * r->attribute_count;
@@ -474,6 +509,57 @@ static mrt_result read_face(ply_reader *r, const ply_element *e)
         result = is_corner_list(property) ? read_corners(r, property) : skip_property(r, property);
     }
     return result;
+}
+
+static mrt_result add_triangle(ply_reader *r, const int64_t corner[3])
+{
+    mrt_result result = MRT_OK;
+    for (int i = 0; result == MRT_OK && i < 3; ++i)
+        result = mesh_build_corner(&r->build, corner[i], r->err);
+    return result < 0 ? result : mesh_build_face(&r->build, r->err);
+}
+
+/* One list of strips: each vertex makes a triangle with the two before it, every other one the
+ * other way round; -1 begins anew; one that uses a vertex twice only joins two strips. */
+static mrt_result read_strips(ply_reader *r, const ply_property *property)
+{
+    int64_t count = 0, before[2] = {0, 0};
+    double number;
+    if (property->type >= PLY_FLOAT32)
+        return error_set(r->err, MRT_ERR_FORMAT, "the vertex indices must be whole numbers");
+    mrt_result result = read_list_length(r, property->list_type, &count);
+    for (int64_t i = 0, length = 0; result == MRT_OK && i < count; ++i) {
+        result = read_number(r, property->type, &number);
+        if (result < 0)
+            break;
+        int64_t vertex = (int64_t)number;
+        if (vertex == -1) {
+            length = 0;
+            continue;
+        }
+        const int64_t corner[3] = {before[length % 2 ? 1 : 0], before[length % 2 ? 0 : 1], vertex};
+        if (length >= 2 && corner[0] != corner[1] && corner[1] != vertex && corner[0] != vertex)
+            result = add_triangle(r, corner);
+        before[0] = before[1];
+        before[1] = vertex;
+        length += 1;
+    }
+    return result;
+}
+
+static mrt_result read_strip_element(ply_reader *r, const ply_element *e)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i) {
+        const ply_property *property = &r->header.property[e->first_property + i];
+        result = is_corner_list(property) ? read_strips(r, property) : skip_property(r, property);
+    }
+    return result;
+}
+
+static bool is_strips(const ply_element *e)
+{
+    return strcmp(e->name, "tristrips") == 0;
 }
 
 static mrt_result skip_element(ply_reader *r, const ply_element *e)
@@ -526,6 +612,8 @@ static mrt_result read_body(ply_reader *r)
                 result = read_elements(r, e, read_vertex);
         } else if (strcmp(e->name, "face") == 0) {
             result = read_elements(r, e, read_face);
+        } else if (is_strips(e)) {
+            result = read_elements(r, e, read_strip_element);
         } else {
             result = read_elements(r, e, skip_element);
         }
@@ -560,7 +648,8 @@ static void note_what_was_not_read(const ply_reader *r, mesh *out)
 {
     for (uint32_t i = 0; i < r->header.element_count; ++i) {
         const char *name = r->header.element[i].name;
-        if (strcmp(name, "vertex") != 0 && strcmp(name, "face") != 0)
+        if (strcmp(name, "vertex") != 0 && strcmp(name, "face") != 0 &&
+            !is_strips(&r->header.element[i]))
             mesh_note(out, "element \"%s\" was skipped", name);
     }
     if (r->passed_over_count)
@@ -587,12 +676,17 @@ mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err)
         result = mesh_build_take(&r->build, out, err);
     if (result == MRT_OK)
         result = take_attributes(r, out);
+    if (result == MRT_OK && has_colours(r)) {
+        out->colour = r->colour;
+        r->colour = NULL;
+    }
     if (result == MRT_OK)
         note_what_was_not_read(r, out);
     else
         mesh_destroy(out);
     mesh_build_finish(&r->build);
     free(r->attribute);
+    free(r->colour);
     free(r);
     return result;
 }

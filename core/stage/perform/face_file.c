@@ -20,15 +20,16 @@ static bool is_rig_path(const char *path)
     return strcmp(file_extension_of(path).text, "json") == 0;
 }
 
-/* glTF is in metres, whatever a rig measures in. */
-static mesh_unit unit_of_mesh(const rig *r)
+/* What the rig says; else glTF is in metres, whatever a rig measures in. */
+static mesh_frame frame_of_mesh(const rig *r)
 {
+    mesh_frame frame = r->frame;
     file_extension extension = file_extension_of(r->mesh_path);
-    if (strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0)
-        return MESH_UNIT_AUTO;
-    return r->mm_per_unit > 100.0 ? MESH_UNIT_M
-           : r->mm_per_unit > 5.0 ? MESH_UNIT_CM
-                                  : MESH_UNIT_MM;
+    bool is_gltf = strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0 ||
+                   strcmp(extension.text, "vrm") == 0;
+    if (frame.mm_per_unit <= 0.0 && !is_gltf)
+        frame.mm_per_unit = r->mm_per_unit;
+    return frame;
 }
 
 static mrt_result read_rig(face_file *f, const char *path, error *err)
@@ -37,10 +38,11 @@ static mrt_result read_rig(face_file *f, const char *path, error *err)
     return f->rig ? rig_read(f->rig, path, err) : no_memory(err);
 }
 
-static mrt_result read_mesh(face_file *f, const char *path, mesh_unit unit, error *err)
+static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *frame, error *err)
 {
-    mrt_result result = mesh_file_read(&f->mesh, f->rig ? f->rig->mesh_path : path,
-                                       f->rig ? unit_of_mesh(f->rig) : unit, err);
+    mesh_frame of_rig = f->rig ? frame_of_mesh(f->rig) : (mesh_frame){0};
+    mrt_result result =
+        mesh_file_read(&f->mesh, f->rig ? f->rig->mesh_path : path, f->rig ? &of_rig : frame, err);
     if (result < 0 && f->rig) {
         error_prefix(err, "$.mesh");
         error_prefix(err, path);
@@ -83,13 +85,13 @@ static mrt_result join_notes(face_file *f, error *err)
     return MRT_OK;
 }
 
-mrt_result face_file_read(face_file *out, const char *path, mesh_unit unit,
+mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *frame,
                           face_file_strictness strictness, error *err)
 {
     *out = (face_file){0};
     mrt_result result = is_rig_path(path) ? read_rig(out, path, err) : MRT_OK;
     if (result >= 0)
-        result = read_mesh(out, path, unit, err);
+        result = read_mesh(out, path, frame, err);
     if (result >= 0)
         result = check_reach(&out->mesh, out->rig ? out->rig->mesh_path : path, err);
     if (result >= 0)

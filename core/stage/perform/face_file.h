@@ -20,9 +20,9 @@ typedef enum face_file_strictness {
     FACE_FILE_ANY         /* for whoever reports the errors: only files that cannot be read are */
 } face_file_strictness;
 
-/* NAME.rig.json, or a mesh in any format of io/mesh_file.h. `unit` is of a mesh alone; a rig says
- * its own. Errors name the file, and what in it. */
-CHECKED mrt_result face_file_read(face_file *out, const char *path, mesh_unit unit,
+/* NAME.rig.json, or a mesh in any format of io/mesh_file.h. `frame` is of a mesh alone (NULL: found
+ * out); a rig says its own. Errors name the file, and what in it. */
+CHECKED mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *frame,
                                   face_file_strictness strictness, error *err);
 void face_file_destroy(face_file *f); /* accepts NULL and zeroed */
 

@@ -310,7 +310,7 @@ static void free_face(face_file *made)
 static mrt_result read_face(face_file **out, const char *path, error *err)
 {
     *out = calloc(1, sizeof **out);
-    mrt_result result = *out ? face_file_read(*out, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, err)
+    mrt_result result = *out ? face_file_read(*out, path, NULL, FACE_FILE_USABLE, err)
                              : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
     if (result >= 0)
         return MRT_OK;

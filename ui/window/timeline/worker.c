@@ -75,7 +75,7 @@ static void note(worker_reader *self, const error *err)
 static void open_face(worker_reader *self, const char *path)
 {
     error err = {""};
-    if (!path || face_file_read(&self->face, path, MESH_UNIT_AUTO, FACE_FILE_USABLE, &err) < 0) {
+    if (!path || face_file_read(&self->face, path, NULL, FACE_FILE_USABLE, &err) < 0) {
         note(self, &err);
         return;
     }

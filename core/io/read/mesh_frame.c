@@ -1,0 +1,330 @@
+#include "io/read/mesh_frame.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+/* ---- turning ---- */
+
+static int line_of(mesh_axis axis) /* x 0, y 1, z 2 */
+{
+    return ((int)axis - MESH_AXIS_X) % 3;
+}
+
+static void axis_vector(int out[3], mesh_axis axis)
+{
+    out[0] = out[1] = out[2] = 0;
+    if (axis != MESH_AXIS_AUTO)
+        out[line_of(axis)] = axis < MESH_AXIS_MINUS_X ? 1 : -1;
+}
+
+/* Rows: where each axis of the mesh lies in the file. */
+static void turn_vectors(int turn[3][3], float *vector, size_t count)
+{
+    for (float *v = vector, *end = vector + count * 3; v < end; v += 3) {
+        const float from[3] = {v[0], v[1], v[2]};
+        for (int row = 0; row < 3; ++row)
+            for (int axis = 0; axis < 3; ++axis)
+                if (turn[row][axis])
+                    v[row] = turn[row][axis] > 0 ? from[axis] : -from[axis];
+    }
+}
+
+/* Up becomes +y, forward +z, and the left of whoever looks out of the face +x: no bit of a number
+ * changes but its sign. */
+static void turn_axes(mesh *m)
+{
+    int turn[3][3];
+    axis_vector(turn[1], m->up);
+    axis_vector(turn[2], m->forward);
+    for (int i = 0; i < 3; ++i)
+        turn[0][i] = turn[1][(i + 1) % 3] * turn[2][(i + 2) % 3] -
+                     turn[1][(i + 2) % 3] * turn[2][(i + 1) % 3];
+    turn_vectors(turn, m->position, m->vertex_count);
+    if (m->normal)
+        turn_vectors(turn, m->normal, m->vertex_count);
+    for (uint32_t t = 0; t < m->target_count; ++t)
+        turn_vectors(turn, m->target[t].offset, m->vertex_count);
+    for (uint32_t j = 0; j < m->joint_count; ++j)
+        for (size_t column = 0; column < 4; ++column) {
+            float *rest = m->joint[j].rest + column, vector[3] = {rest[0], rest[4], rest[8]};
+            turn_vectors(turn, vector, 1);
+            for (size_t row = 0; row < 3; ++row)
+                rest[row * 4] = vector[row];
+        }
+}
+
+/* ---- by the skeleton ---- */
+
+/* The axis that the vector lies along; AUTO: none clearly. */
+static mesh_axis nearest_axis(const double vector[3])
+{
+    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    for (int i = 0; i < 3 && length > 0.0; ++i)
+        if (fabs(vector[i]) > 0.85 * length)
+            return (mesh_axis)((vector[i] > 0.0 ? MESH_AXIS_X : MESH_AXIS_MINUS_X) + i);
+    return MESH_AXIS_AUTO;
+}
+
+static void joint_place(double out[3], const mesh_joint *joint)
+{
+    for (int i = 0; i < 3; ++i)
+        out[i] = (double)joint->rest[i * 4 + 3];
+}
+
+static bool contains(const char *name, const char *word)
+{
+    size_t length = strlen(word);
+    for (; *name; ++name)
+        if (strncasecmp(name, word, length) == 0)
+            return true;
+    return false;
+}
+
+/* By VRM's role, else the first joint with one of the words in its name. */
+static const mesh_joint *find_joint(const mesh *m, const char *role, const char *const words[2])
+{
+    for (uint32_t i = 0; i < m->joint_count; ++i)
+        if (strcmp(m->joint[i].role, role) == 0)
+            return &m->joint[i];
+    for (uint32_t i = 0; i < m->joint_count; ++i)
+        if (contains(m->joint[i].name, words[0]) || contains(m->joint[i].name, words[1]))
+            return &m->joint[i];
+    return NULL;
+}
+
+/* Whether `right` is the name of `left` with the other side's word. */
+static bool is_other_side(const char *left, const char *right)
+{
+    const char *l = left, *r = right;
+    while (*l && *l == *r && !(strncasecmp(l, "left", 4) == 0 && strncasecmp(r, "right", 5) == 0))
+        ++l, ++r;
+    if (strncasecmp(l, "left", 4) == 0 && strncasecmp(r, "right", 5) == 0)
+        return strcmp(l + 4, r + 5) == 0;
+    bool is_letter = (*l == 'L' && *r == 'R') || (*l == 'l' && *r == 'r'); /* "arm_L", "L_arm" */
+    bool starts = l == left || !isalnum((unsigned char)l[-1]);
+    bool ends = *l && !isalnum((unsigned char)l[1]);
+    return is_letter && starts && ends && strcmp(l + 1, r + 1) == 0;
+}
+
+/* The sum of all ways from a joint of the right side to its like on the left. */
+static void find_left(double out[3], const mesh *m)
+{
+    enum { JOINTS_MAX = 512 }; /* of so many, each is compared with each */
+    out[0] = out[1] = out[2] = 0.0;
+    for (uint32_t a = 0; a < m->joint_count && m->joint_count <= JOINTS_MAX; ++a)
+        for (uint32_t b = 0; b < m->joint_count; ++b) {
+            if (!is_other_side(m->joint[a].name, m->joint[b].name))
+                continue;
+            double left[3], right[3];
+            joint_place(left, &m->joint[a]);
+            joint_place(right, &m->joint[b]);
+            for (int i = 0; i < 3; ++i)
+                out[i] += left[i] - right[i];
+        }
+}
+
+static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
+{
+    static const char *const heads[2] = {"head", "head"}, *const hips[2] = {"hips", "pelvis"};
+    const mesh_joint *head = find_joint(m, "head", heads), *hip = find_joint(m, "hips", hips);
+    double top[3], bottom[3], left[3], forward[3];
+    if (!head || !hip)
+        return false;
+    joint_place(top, head);
+    joint_place(bottom, hip);
+    for (int i = 0; i < 3; ++i)
+        top[i] -= bottom[i];
+    find_left(left, m);
+    for (int i = 0; i < 3; ++i)
+        forward[i] = left[(i + 1) % 3] * top[(i + 2) % 3] - left[(i + 2) % 3] * top[(i + 1) % 3];
+    *out_up = nearest_axis(top);
+    *out_forward = nearest_axis(forward);
+    return *out_up != MESH_AXIS_AUTO && *out_forward != MESH_AXIS_AUTO &&
+           line_of(*out_up) != line_of(*out_forward);
+}
+
+/* ---- by the shape ---- */
+
+/* Where the small triangles are, of a face its features: the mean place of the triangles less that
+ * of the area, in parts of the box. */
+static void find_detail(double out[3], const mesh *m, const float low[3], const float high[3])
+{
+    double mean[3] = {0}, by_area[3] = {0}, area_sum = 0.0;
+    for (const uint32_t *t = m->triangle, *end = t + (size_t)m->triangle_count * 3; t < end;
+         t += 3) {
+        const float *a = m->position + (size_t)t[0] * 3, *b = m->position + (size_t)t[1] * 3,
+                    *c = m->position + (size_t)t[2] * 3;
+        double normal[3], area = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            int j = (i + 1) % 3, k = (i + 2) % 3;
+            normal[i] = (double)(b[j] - a[j]) * (double)(c[k] - a[k]) -
+                        (double)(b[k] - a[k]) * (double)(c[j] - a[j]);
+            area += normal[i] * normal[i];
+        }
+        area = sqrt(area);
+        area_sum += area;
+        for (int i = 0; i < 3; ++i) {
+            double place = ((double)a[i] + (double)b[i] + (double)c[i]) / 3.0;
+            mean[i] += place;
+            by_area[i] += area * place;
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        double extent = (double)high[i] - (double)low[i];
+        bool is_there = area_sum > 0.0 && extent > 0.0;
+        out[i] = is_there ? (mean[i] / m->triangle_count - by_area[i] / area_sum) / extent : 0.0;
+    }
+}
+
+/* Only what is clear: a head that has its features where glTF and most others have the back of the
+ * head, or where a modeller with z upwards has the face; a body that is tall along z. */
+static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
+{
+    enum { TRIANGLES_MIN = 300 };
+    float low[3], high[3];
+    double size[3], detail[3];
+    mesh_bounds(m, low, high);
+    for (int i = 0; i < 3; ++i)
+        size[i] = (double)high[i] - (double)low[i];
+    *out_up = MESH_AXIS_Y;
+    *out_forward = MESH_AXIS_Z;
+    if (m->triangle_count < TRIANGLES_MIN || !(size[0] > 0.0 && size[1] > 0.0 && size[2] > 0.0))
+        return false;
+    find_detail(detail, m, low, high);
+    bool is_even = fabs(detail[0]) < 0.02; /* left and right are alike */
+    bool is_tall_in_z = size[2] > 2.2 * size[1] && size[2] > 0.8 * size[0];
+    bool has_face_in_y =
+        -detail[1] > 0.1 && -detail[1] > 2.0 * fabs(detail[2]) && size[1] < 2.2 * size[2];
+    if (is_even && (is_tall_in_z || has_face_in_y)) {
+        *out_up = MESH_AXIS_Z;
+        *out_forward = MESH_AXIS_MINUS_Y;
+        return true;
+    }
+    if (is_even && -detail[2] > 0.08 && -detail[2] > fabs(detail[1])) {
+        *out_forward = MESH_AXIS_MINUS_Z;
+        return true;
+    }
+    return false;
+}
+
+/* ---- axes ---- */
+
+/* Completes a pair of which one is given: the other is what it usually is beside it. */
+static void complete(mesh_axis *up, mesh_axis *forward)
+{
+    if (*up == MESH_AXIS_AUTO)
+        *up = *forward != MESH_AXIS_AUTO && line_of(*forward) == 1 ? MESH_AXIS_Z : MESH_AXIS_Y;
+    if (*forward == MESH_AXIS_AUTO)
+        *forward = line_of(*up) == 2 ? MESH_AXIS_MINUS_Y : MESH_AXIS_Z;
+}
+
+static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
+{
+    mesh_axis up = given->up, forward = given->forward;
+    const char *why = NULL;
+    bool is_given = up != MESH_AXIS_AUTO || forward != MESH_AXIS_AUTO;
+    if (!is_given && (m->up != MESH_AXIS_AUTO || m->forward != MESH_AXIS_AUTO)) {
+        up = m->up;
+        forward = m->forward;
+        why = "as VRM 0 has it";
+    } else if (!is_given && find_by_skeleton(m, &up, &forward)) {
+        why = "by its skeleton";
+    } else if (!is_given && m->joint_count == 0 && find_by_shape(m, &up, &forward)) {
+        why = "by its shape";
+    } else if (!is_given) {
+        up = forward = MESH_AXIS_AUTO;
+    }
+    complete(&up, &forward);
+    if (line_of(up) == line_of(forward))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "--up %s and --forward %s are one line: they must be at right angles",
+                         mesh_axis_name(up), mesh_axis_name(forward));
+    m->up = up;
+    m->forward = forward;
+    if (up == MESH_AXIS_Y && forward == MESH_AXIS_Z)
+        return MRT_OK;
+    turn_axes(m);
+    if (why)
+        mesh_note(m, "its axes are taken for up %s, forward %s (%s): --up and --forward say others",
+                  mesh_axis_name(up), mesh_axis_name(forward), why);
+    return MRT_OK;
+}
+
+/* ---- the unit ---- */
+
+static void scale(mesh *m, double mm_per_unit)
+{
+    m->mm_per_unit = mm_per_unit;
+    for (size_t i = 0; i < (size_t)m->vertex_count * 3; ++i)
+        m->position[i] = (float)((double)m->position[i] * mm_per_unit);
+    for (uint32_t t = 0; t < m->target_count; ++t)
+        for (size_t i = 0; i < (size_t)m->vertex_count * 3; ++i)
+            m->target[t].offset[i] = (float)((double)m->target[t].offset[i] * mm_per_unit);
+    for (uint32_t j = 0; j < m->joint_count; ++j)
+        for (size_t i = 3; i < 12; i += 4)
+            m->joint[j].rest[i] = (float)((double)m->joint[j].rest[i] * mm_per_unit);
+}
+
+static double rounded(double value) /* to two digits */
+{
+    double step = pow(10.0, floor(log10(value)) - 1.0);
+    return round(value / step) * step;
+}
+
+/* What it can be by its proportions: between the two it is both, a long head or a stout body. */
+typedef struct stature {
+    bool is_head, is_body;
+    double height; /* units */
+} stature;
+
+static bool is_likely(const stature *s, double mm_per_unit)
+{
+    double mm = s->height * mm_per_unit;
+    return (s->is_head && mm >= 80.0 && mm <= 700.0) || (s->is_body && mm >= 500.0 && mm <= 2600.0);
+}
+
+/* What makes a head, or a body, as tall as one is. */
+static double guess_mm_per_unit(mesh *m, double format_mm)
+{
+    static const struct {
+        const char *name;
+        double mm;
+    } unit[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    double width = (double)high[0] - (double)low[0], depth = (double)high[2] - (double)low[2];
+    double thinner = width < depth ? width : depth;
+    stature s = {.height = (double)high[1] - (double)low[1]};
+    bool is_flat = !(thinner > 0.05 * s.height);
+    s.is_body = !is_flat && s.height > 2.2 * thinner;
+    s.is_head = is_flat || s.height < 2.8 * thinner;
+    if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
+        return format_mm > 0.0 ? format_mm : 1.0;
+    if (is_likely(&s, format_mm))
+        return format_mm; /* nothing to say */
+    for (size_t i = 0; i < sizeof unit / sizeof *unit; ++i)
+        if (is_likely(&s, unit[i].mm)) {
+            mesh_note(m, "the unit is taken for %s: so the height is %.0f mm (--unit says another)",
+                      unit[i].name, s.height * unit[i].mm);
+            return unit[i].mm;
+        }
+    double mm = rounded((s.is_head ? 300.0 : 1700.0) / s.height);
+    if (!(mm >= 1e-9 && mm <= 1e9))
+        return format_mm > 0.0 ? format_mm : 1.0;
+    mesh_note(
+        m,
+        "%g units high, which is no %s's height in mm, cm or m: a unit is taken for %g mm, so "
+        "the height is %.0f mm (--unit says another)",
+        s.height, s.is_head ? "head" : "body", mm, s.height * mm);
+    return mm;
+}
+
+mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, double format_mm, error *err)
+{
+    mrt_result result = set_axes(m, given, err);
+    if (result >= 0)
+        scale(m, given->mm_per_unit > 0.0 ? given->mm_per_unit : guess_mm_per_unit(m, format_mm));
+    return result;
+}
