@@ -401,7 +401,8 @@ static mrt_result add_edit(show_edits *out, sqlite_statement *row, int64_t take_
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: edit %d of take %lld is damaged: its CRC-32 differs", path, edit->n,
                          (long long)take_id);
-    if (out->count > 1 && edit->n != out->edit[out->count - 2].n + 1)
+    bool is_next = out->count > 1 ? edit->n == out->edit[out->count - 2].n + 1 : edit->n <= 1;
+    if (!is_next)
         return error_set(err, MRT_ERR_FORMAT, "%s: the edits of take %lld before %d are missing",
                          path, (long long)take_id, edit->n);
     return MRT_OK;

@@ -9,6 +9,8 @@
 #include "take/hash.h"
 #include "take/show_scene.h"
 
+#include "take/edit_store.h"
+
 #include <sqlite3.h>
 
 typedef struct opened {
@@ -172,6 +174,22 @@ static void an_edit_that_changed_on_the_disk_is_noticed(void **state)
     assert_non_null(strstr(err.text, "missing"));
 }
 
+/* A file that is damaged may give the second edit without the first. */
+static void edits_without_the_first_are_damage(void **state)
+{
+    opened *o = *state;
+    error err = {""};
+    show_edits edits;
+    take t;
+    append(o, "abc");
+    append(o, "def");
+    (void)count_rows(o, "DELETE FROM edit WHERE n < 2 RETURNING 1");
+    assert_int_equal(show_edits_read(o->show, o->take, &edits, &err), MRT_ERR_FORMAT);
+    assert_non_null(strstr(err.text, "missing"));
+    assert_int_equal(edit_store_take(&t, o->show, o->take, &err), MRT_ERR_FORMAT);
+    assert_non_null(strstr(err.text, "missing"));
+}
+
 /* ---- audio ---- */
 
 static int64_t create_audio(opened *o, const char *format, uint32_t channels)
@@ -291,6 +309,7 @@ int main(void)
         TEST(undo_and_redo_survive_closing),
         TEST(abandoned_edits_stay_as_rows),
         TEST(an_edit_that_changed_on_the_disk_is_noticed),
+        TEST(edits_without_the_first_are_damage),
         TEST(audio_comes_back_in_any_pieces),
         TEST(audio_that_makes_no_sense_is_refused),
         TEST(audio_that_changed_on_the_disk_is_noticed),
