@@ -258,7 +258,7 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
     const uint32_t rectangle[4] = {index * p->view_width, RIGPICTURE_HEADER, p->view_width,
                                    p->view_height};
     float low[3], high[3];
-    mesh_bounds(p->m, low, high);
+    mesh_focus(p->m, low, high);
     const float aspect = (float)p->view_width / (float)p->view_height;
     draw_camera camera = draw_camera_framing(low, high, 0.74f * aspect); /* room for labels */
     camera.yaw_rad = view->yaw_rad;

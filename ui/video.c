@@ -840,7 +840,7 @@ static mrt_result open_drawing(video *self, error *err)
 {
     const video_look *look = &self->settings.look;
     float low[3], high[3];
-    mesh_bounds(self->settings.mesh, low, high);
+    mesh_focus(self->settings.mesh, low, high);
     self->camera = video_look_camera(look, low, high);
     mrt_result result =
         offscreen_init(&self->offscreen, self->settings.mesh, look->width, look->height, err);

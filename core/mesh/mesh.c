@@ -125,6 +125,16 @@ void mesh_bounds(const mesh *m, float out_low[3], float out_high[3])
     }
 }
 
+void mesh_focus(const mesh *m, float out_low[3], float out_high[3])
+{
+    if (!m->has_focus) {
+        mesh_bounds(m, out_low, out_high);
+        return;
+    }
+    memcpy(out_low, m->focus_low, sizeof m->focus_low);
+    memcpy(out_high, m->focus_high, sizeof m->focus_high);
+}
+
 static bool all_finite(const float *value, size_t count)
 {
     for (size_t i = 0; i < count; ++i)

@@ -102,8 +102,10 @@ typedef struct mesh {
     /* The skeleton at rest, which is how the positions stand. */
     mesh_joint *joint;
     uint32_t joint_count;
-    uint32_t *skin_joint;  /* vertex_count by MESH_SKIN_WIDTH; NULL: no vertex follows a joint */
-    float *skin_weight;    /* likewise: largest first, sum 1, or all 0: it follows none */
+    uint32_t *skin_joint; /* vertex_count by MESH_SKIN_WIDTH; NULL: no vertex follows a joint */
+    float *skin_weight;   /* likewise: largest first, sum 1, or all 0: it follows none */
+    bool has_focus; /* a box in which all is that performs, of a mesh with a body: face_file.h */
+    float focus_low[3], focus_high[3];
     double mm_per_unit;    /* what the file's coordinates were multiplied by */
     mesh_axis up, forward; /* of the file's coordinates; the mesh itself has up +y, forward +z */
     char *note;            /* what a person should know of it, lines ended by \n; NULL: nothing */
@@ -125,6 +127,8 @@ static inline uint32_t mesh_point(const mesh *m, uint32_t vertex)
 
 /* Bounds of the positions. */
 void mesh_bounds(const mesh *m, float out_low[3], float out_high[3]);
+/* Of what is looked at, and where hands are put: its focus, or all. */
+void mesh_focus(const mesh *m, float out_low[3], float out_high[3]);
 
 /* A grey surface: what is not said of one. The name is NULL. */
 mesh_material mesh_material_grey(void);

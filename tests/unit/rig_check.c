@@ -271,6 +271,32 @@ static void a_contact_on_a_seam_is_an_error_unless_its_bone_is_named(void **stat
     memcpy(moai.mesh.position + (size_t)b * 3, kept, sizeof kept);
 }
 
+static void poses_in_another_unit_are_warnings(void **state)
+{
+    (void)state;
+    uint32_t contact = 0;
+    vec3 pull = {0, 0, 400};
+    char jaw[] = "jaw.open", *dof[] = {jaw};
+    double value = 0.4 * 0.017453292519943295; /* who wrote 0.4 meant radians */
+    rig_pose pose = {.name = (char[]){"far"},
+                     .dof_name = dof,
+                     .dof_value = &value,
+                     .dof_count = 1,
+                     .pull_contact = &contact,
+                     .pull_mm = &pull,
+                     .pull_count = 1};
+    rig_pose *had = moai.rig->pose;
+    uint32_t had_count = moai.rig->pose_count;
+    moai.rig->pose = &pose;
+    moai.rig->pose_count = 1;
+    assert_found(RIG_WARNING, "$.poses[0]", "is pulled by 400 mm, further than the head is high");
+    assert_found(RIG_WARNING, "$.poses[0]", "are these radians? Degrees are meant");
+    pull.z = 0.004;
+    assert_found(RIG_WARNING, "$.poses[0]", "nothing is pulled by more than 0.004 mm");
+    moai.rig->pose = had;
+    moai.rig->pose_count = had_count;
+}
+
 static void errors_come_first(void **state)
 {
     (void)state;
@@ -320,6 +346,7 @@ int main(void)
         cmocka_unit_test(a_wrong_unit_and_lost_symmetry_are_found),
         cmocka_unit_test(a_surface_turned_in_is_a_warning),
         cmocka_unit_test(a_contact_on_a_seam_is_an_error_unless_its_bone_is_named),
+        cmocka_unit_test(poses_in_another_unit_are_warnings),
         cmocka_unit_test(errors_come_first),
         cmocka_unit_test(a_missing_mesh_names_the_rig_and_the_place),
     };

@@ -125,13 +125,13 @@ static void include_shape(float low[3], float high[3], const float least[3], con
 static mrt_result frame_all(sheet *s, float aspect, draw_camera *out, error *err)
 {
     float low[3], high[3], least[3], most[3];
-    mesh_bounds(s->mesh, low, high);
+    mesh_focus(s->mesh, low, high);
     float side = fmaxf(fmaxf(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
     for (int axis = 0; axis < 3; ++axis) {
         least[axis] = low[axis] - 0.3f * side;
         most[axis] = high[axis] + 0.3f * side;
     }
-    for (uint32_t i = 0; i < s->moment_count; ++i) {
+    for (uint32_t i = 0; i < s->moment_count && !s->mesh->has_focus; ++i) {
         mrt_result result = clip_read(s->clip, s->moment[i].frame, s->position, err);
         if (result != MRT_OK)
             return result;

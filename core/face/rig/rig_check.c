@@ -101,7 +101,7 @@ enum { HOLES_SHOWN = 6, PARTS_SHOWN = 12 };
 static void check_size(checking *c)
 {
     float low[3], high[3];
-    mesh_bounds(c->m, low, high);
+    mesh_focus(c->m, low, high);
     double height_mm = (double)high[1] - (double)low[1];
     if (height_mm >= 100.0 && height_mm <= 1000.0)
         report(c, RIG_NOTE, "$.unit", "the mesh is %.0f mm high", height_mm);
@@ -645,6 +645,69 @@ static void check_jaw(checking *c)
     check_opening(c, jaw, &place);
 }
 
+/* ---- poses ---- */
+
+static void check_pulls(checking *c, const rig_pose *pose, const char *place, double head_mm)
+{
+    double longest = 0.0;
+    uint32_t which = 0;
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        double mm = vec3_length(pose->pull_mm[i]);
+        if (mm <= longest)
+            continue;
+        longest = mm;
+        which = pose->pull_contact[i];
+    }
+    if (longest > head_mm)
+        report(c, RIG_WARNING, place,
+               "\"%s\" is pulled by %.0f mm, further than the head is high (%.0f mm): pulls are in "
+               "mm, whatever the unit of the rig",
+               c->r->contact[which].name, longest, head_mm);
+    else if (pose->pull_count > 0 && longest < 1e-3 * head_mm)
+        report(
+            c, RIG_WARNING, place,
+            "nothing is pulled by more than %.2g mm: are these metres? Pulls are in mm, whatever "
+            "the unit of the rig",
+            longest);
+}
+
+/* Of a bone's turn; lateral and forward of a jaw are mm. */
+static bool is_turn(const rig *r, const char *dof)
+{
+    const char *dot = strrchr(dof, '.');
+    for (uint32_t b = 0; dot && b < r->bone_count; ++b)
+        if (strlen(r->bone[b].name) == (size_t)(dot - dof) &&
+            strncmp(r->bone[b].name, dof, (size_t)(dot - dof)) == 0)
+            return r->bone[b].kind == BONE_BALL || strcmp(dot, ".open") == 0;
+    return false;
+}
+
+static void check_turns(checking *c, const rig_pose *pose, const char *place)
+{
+    double most_deg = 0.0;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < pose->dof_count; ++i) {
+        if (!is_turn(c->r, pose->dof_name[i]))
+            continue;
+        count += 1;
+        most_deg = fmax(most_deg, fabs(pose->dof_value[i]) * degree_per_radian);
+    }
+    if (count > 0 && most_deg > 0.0 && most_deg < 1.6)
+        report(c, RIG_WARNING, place,
+               "no bone turns by more than %.2g degrees: are these radians? Degrees are meant",
+               most_deg);
+}
+
+static void check_poses(checking *c)
+{
+    double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
+    for (uint32_t i = 0; i < c->r->pose_count; ++i) {
+        rig_place place = rig_where(c->r, RIG_POSES, i);
+        check_pulls(c, &c->r->pose[i], place.text, head_mm);
+        check_turns(c, &c->r->pose[i], place.text);
+    }
+}
+
 /* ---- what makes it unusable ---- */
 
 mrt_result rig_validate(const rig *r, const mesh *m, const topology *t, error *err)
@@ -717,6 +780,7 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
     if (c.marks)
         check_contacts(&c);
     check_jaw(&c);
+    check_poses(&c);
     if (!c.marks)
         report(&c, RIG_NOTE, "$.regions", "contacts and parts are checked once this has no errors");
     note_lines(&c, r->note);

@@ -694,7 +694,7 @@ double composer_radius_of(const face_file *file)
     float low[3], high[3];
     if (file->rig && file->rig->solver.radius > 0)
         return file->rig->solver.radius;
-    mesh_bounds(&file->mesh, low, high);
+    mesh_focus(&file->mesh, low, high);
     double size = 0;
     for (int axis = 0; axis < 3; ++axis)
         size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
@@ -706,7 +706,7 @@ double composer_radius_of(const face_file *file)
 static void measure_face(composer *self, const face_file *file, const csrbf_settings *solver)
 {
     float low[3], high[3];
-    mesh_bounds(&file->mesh, low, high);
+    mesh_focus(&file->mesh, low, high);
     self->about.low = (mrt_vec3){low[0], low[1], low[2]};
     self->about.high = (mrt_vec3){high[0], high[1], high[2]};
     double size = 0;

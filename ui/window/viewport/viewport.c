@@ -622,7 +622,7 @@ static bool take_face(viewport *self, const viewport_face *now, error *err)
     memcpy(self->shape, m->position, size);
     if (m->normal)
         memcpy(self->normal, m->normal, size);
-    mesh_bounds(m, self->low, self->high);
+    mesh_focus(m, self->low, self->high);
     return true;
 }
 
