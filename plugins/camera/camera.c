@@ -1,0 +1,415 @@
+/* camera.c - the plugin "org.marotte.camera": a bare hand before a webcam. A page in the user's own
+ * browser finds the hand (camera_port.h), marotte reads its landmarks back to angles
+ * (MRT_LANDMARKS), and this gives them as samples. README.md says how it is used. */
+#include "camera_port.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <glob.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { PARAM_HAND, PARAM_COUNT };
+enum { EITHER = 2 }; /* of the parameter: beside MRT_LEFT and MRT_RIGHT */
+
+static const float sure = 0.5f; /* below that nothing may move a face: plugin.h */
+static const int64_t ns_per_ms = 1000000, read_max_ns = 1000000000;
+/* One hand for the other: it is held so long that the face eases over to it. */
+static const int64_t change_ns = 300000000;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
+    camera_port *port;                 /* NULL: closed */
+    uint16_t number;
+    camera_listener listener; /* joined while port is there */
+    uint32_t wanted;          /* MRT_LEFT, MRT_RIGHT, EITHER */
+    mrt_channel channel[MRT_ANGLES];
+    char name[MRT_ANGLES][24];
+    bool has_asked_to_restart;
+
+    mrt_hand_reading reading;
+    uint32_t shown_side; /* of EITHER: whose hand it was last */
+    bool has_shown;
+    int64_t shown_ns;
+    int64_t host_offset_ns; /* the host's clock less camera_clock_ns */
+    int64_t opened_ns, last_ns;
+    uint32_t sequence, lost;
+};
+
+__attribute__((format(printf, 3, 4))) static void say(const mrt_plugin *self, int32_t level,
+                                                      const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    self->host->log(self->host, level, text);
+}
+
+/* ---- where things are ---- */
+
+static const char token_file[] = "token";
+
+static bool is_token(const char *text)
+{
+    return strspn(text, "0123456789abcdef") == CAMERA_TOKEN && strlen(text) == CAMERA_TOKEN;
+}
+
+static bool read_token(const char *path, char out[CAMERA_TOKEN + 1])
+{
+    struct stat about;
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0)
+        return false;
+    bool is_ours = fstat(file, &about) == 0 && S_ISREG(about.st_mode) &&
+                   about.st_uid == geteuid() && (about.st_mode & 077) == 0;
+    ssize_t size = is_ours ? read(file, out, CAMERA_TOKEN) : 0;
+    close(file);
+    out[CAMERA_TOKEN] = '\0';
+    return size == CAMERA_TOKEN && is_token(out);
+}
+
+static bool draw_token(char out[CAMERA_TOKEN + 1])
+{
+    unsigned char bytes[CAMERA_TOKEN / 2];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return false;
+    for (size_t i = 0; i < sizeof bytes; ++i)
+        (void)snprintf(out + 2 * i, 3, "%02x", bytes[i]);
+    return true;
+}
+
+/* The same for as long as the person's settings last, so that a page that is open finds marotte
+ * again; nobody else can read it. */
+static bool find_token(const mrt_plugin *self, char out[CAMERA_TOKEN + 1])
+{
+    const mrt_folders *folders = self->host->service(self->host, MRT_FOLDERS);
+    char folder[CAMERA_PATH], path[CAMERA_PATH + 16];
+    if (!folders || folders->settings(self->host, folder, sizeof folder) < 0)
+        return draw_token(out); /* for this once */
+    (void)snprintf(path, sizeof path, "%s/%s", folder, token_file);
+    if (read_token(path, out))
+        return true;
+    if (!draw_token(out))
+        return false;
+    (void)unlink(path);
+    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file < 0)
+        return true;
+    bool is_kept = write(file, out, CAMERA_TOKEN) == CAMERA_TOKEN;
+    close(file);
+    if (!is_kept)
+        (void)unlink(path);
+    return true;
+}
+
+/* Where `marotte camera --setup` puts it. */
+static void find_package(char *out, size_t capacity)
+{
+    static const char rest[] = "marotte/camera/node_modules/@mediapipe/hands";
+    const char *own = getenv("MAROTTE_CAMERA_PACKAGE");
+    const char *data = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
+    if (own && own[0] == '/')
+        (void)snprintf(out, capacity, "%s", own);
+    else if (data && data[0] == '/')
+        (void)snprintf(out, capacity, "%s/%s", data, rest);
+    else
+        (void)snprintf(out, capacity, "%s/.local/share/%s", home ? home : "", rest);
+}
+
+static bool read_address(const char *address, uint16_t *out_port)
+{
+    char *end;
+    *out_port = CAMERA_PORT_USUAL;
+    if (address[0] == '\0')
+        return true;
+    if (strspn(address, "0123456789") != strlen(address) || strlen(address) > 5)
+        return false;
+    unsigned long port = strtoul(address, &end, 10);
+    *out_port = (uint16_t)port;
+    return port >= 1 && port <= 65535;
+}
+
+/* ---- opening ---- */
+
+static uint32_t wanted_of(const double *params)
+{
+    double hand = params[PARAM_HAND];
+    return hand < 0.5 ? MRT_LEFT : hand < 1.5 ? MRT_RIGHT : EITHER;
+}
+
+static void describe(mrt_plugin *self)
+{
+    static const char *const sensor[MRT_ANGLES] = {
+        "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
+        "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
+        "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
+        "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
+    const uint32_t side = self->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
+        (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
+                       side == MRT_LEFT ? "left" : "right", sensor[i]);
+        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
+    }
+}
+
+static void input_close(mrt_plugin *self)
+{
+    if (!self->port)
+        return;
+    camera_port_leave(self->port, &self->listener);
+    camera_port_close(self->port);
+    self->port = NULL;
+}
+
+static void begin(mrt_plugin *self, const double *params)
+{
+    self->wanted = wanted_of(params);
+    self->listener.hands_wanted = 1;
+    self->has_asked_to_restart = self->has_shown = false;
+    self->reading = (mrt_hand_reading){.confidence = 0.0f};
+    self->reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
+    self->sequence = self->lost = 0;
+    int64_t own_ns = camera_clock_ns();
+    self->opened_ns = self->host->now_ns(self->host);
+    self->host_offset_ns = self->opened_ns - own_ns;
+    self->last_ns = self->opened_ns;
+    describe(self);
+    camera_port_join(self->port, &self->listener);
+}
+
+static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
+{
+    char token[CAMERA_TOKEN + 1], package[CAMERA_PATH], reason[CAMERA_REASON] = "";
+    char url[CAMERA_ADDRESS];
+    input_close(self);
+    if (!read_address(address, &self->number)) {
+        say(self, MRT_LOG_ERROR, "\"%.40s\" is no port: expected a number from 1 to 65535",
+            address);
+        return MRT_ERR_ARGUMENT;
+    }
+    if (!self->reader) {
+        say(self, MRT_LOG_ERROR, "this program reads no landmarks of hands: a newer marotte does");
+        return MRT_ERR_UNSUPPORTED;
+    }
+    if (!find_token(self, token)) {
+        say(self, MRT_LOG_ERROR, "this system gives no random numbers");
+        return MRT_ERR_IO;
+    }
+    find_package(package, sizeof package);
+    self->port = camera_port_open(self->number, token, package, self->host, reason);
+    if (!self->port) {
+        say(self, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    begin(self, params);
+    camera_port_address(self->number, token, url);
+    say(self, MRT_LOG_INFO, "open %s in a browser on this computer", url);
+    char file[CAMERA_PATH + 16];
+    (void)snprintf(file, sizeof file, "%s/hands.js", package);
+    if (access(file, R_OK) != 0)
+        say(self, MRT_LOG_WARNING,
+            "what finds hands in pictures is not here yet: run `marotte camera --setup` once");
+    return MRT_OK;
+}
+
+static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
+{
+    *out_count = self->port ? MRT_ANGLES : 0;
+    return self->channel;
+}
+
+/* ---- reading ---- */
+
+/* Which of those that were seen is the one that performs; NULL: none. */
+static const camera_hand *choose(const mrt_plugin *self, const camera_seen *seen)
+{
+    const camera_hand *best = NULL;
+    for (uint32_t i = 0; i < seen->hand_count; ++i) {
+        const camera_hand *hand = &seen->hand[i];
+        if (self->wanted != EITHER && hand->seen.side != self->wanted)
+            continue;
+        bool is_followed = self->has_shown && hand->seen.side == self->shown_side;
+        bool best_is_followed = best && self->has_shown && best->seen.side == self->shown_side;
+        if (!best || is_followed > best_is_followed ||
+            (is_followed == best_is_followed && hand->score > best->score))
+            best = hand;
+    }
+    return best;
+}
+
+/* Whether it can be believed; then `reading` is that hand. Of EITHER the page's word for the side
+ * counts less than how the hand bends. */
+static bool read_hand(mrt_plugin *self, const camera_hand *hand, uint32_t *out_side)
+{
+    mrt_hand_reading now = self->reading;
+    mrt_landmarks seen = hand->seen;
+    self->reader->read(self->host, &seen, &now);
+    if (now.confidence < sure && self->wanted == EITHER) {
+        now = self->reading;
+        seen.side = seen.side == MRT_LEFT ? MRT_RIGHT : MRT_LEFT;
+        self->reader->read(self->host, &seen, &now);
+    }
+    *out_side = seen.side;
+    if (now.confidence < sure)
+        return false;
+    self->reading = now;
+    return true;
+}
+
+/* False: nothing of this moves the face: it is held, and eased when the hand is back. */
+static bool take_seen(mrt_plugin *self, const camera_seen *seen, mrt_sample *out)
+{
+    uint32_t side;
+    const camera_hand *hand = choose(self, seen);
+    self->lost += seen->lost;
+    if (!hand || !read_hand(self, hand, &side))
+        return false;
+    if (self->has_shown && side != self->shown_side && seen->time_ns - self->shown_ns < change_ns)
+        return false;
+    int64_t now_ns = self->host->now_ns(self->host);
+    int64_t time_ns = seen->time_ns + self->host_offset_ns;
+    time_ns = time_ns < now_ns ? time_ns : now_ns;
+    if (time_ns < self->last_ns)
+        time_ns = self->last_ns;
+    self->last_ns = time_ns;
+    self->sequence += self->lost + self->has_shown;
+    self->has_shown = true;
+    self->shown_side = side;
+    self->shown_ns = seen->time_ns;
+    self->lost = 0;
+    memset(out, 0, sizeof *out);
+    out->time_ns = time_ns;
+    out->sequence = self->sequence;
+    out->count = MRT_ANGLES;
+    memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
+    return true;
+}
+
+/* Channels are fixed while it is open, so another hand needs it opened again. */
+static void follow_params(mrt_plugin *self, const double *params)
+{
+    if (self->has_asked_to_restart || wanted_of(params) == self->wanted)
+        return;
+    self->has_asked_to_restart = true;
+    self->host->request_restart(self->host);
+}
+
+static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
+                             mrt_sample *out_sample)
+{
+    if (!self->port)
+        return MRT_ERR_IO;
+    follow_params(self, params);
+    int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
+    left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
+    int64_t until_ns = camera_clock_ns() + left_ns;
+    for (bool has_waited = false;; has_waited = true) {
+        camera_seen seen;
+        while (camera_port_pop(self->port, &self->listener, &seen))
+            if (take_seen(self, &seen, out_sample))
+                return MRT_OK;
+        if (has_waited && camera_clock_ns() + ns_per_ms / 10 >= until_ns)
+            return MRT_TIMEOUT;
+        if (!camera_port_wait(self->port, &self->listener, until_ns, self->host)) {
+            say(self, MRT_LOG_ERROR, "port %u: %s", (unsigned)self->number, strerror(errno));
+            return MRT_ERR_IO;
+        }
+    }
+}
+
+/* ---- devices ---- */
+
+static void fill_device(const mrt_plugin *self, mrt_device *out)
+{
+    char package[CAMERA_PATH], file[CAMERA_PATH + 16];
+    memset(out, 0, sizeof *out);
+    (void)snprintf(out->address, sizeof out->address, "%u", (unsigned)self->number);
+    (void)snprintf(out->name, sizeof out->name, "Webcam, for bare hands");
+    find_package(package, sizeof package);
+    (void)snprintf(file, sizeof file, "%s/hands.js", package);
+    /* Whoever opens all that is ready does not mean the camera. */
+    out->state = MRT_DEVICE_UNSURE;
+    (void)snprintf(
+        out->advice, sizeof out->advice, "%s",
+        access(file, R_OK) == 0
+            ? "a page in your browser sees the hand: its address is said when it is opened"
+            : "run `marotte camera --setup` once: it fetches what finds hands in pictures");
+}
+
+static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
+{
+    glob_t found;
+    bool is_there = glob("/dev/video[0-9]*", 0, NULL, &found) == 0;
+    globfree(&found);
+    if (!is_there)
+        return 0;
+    if (capacity > 0) {
+        if (!self->port)
+            self->number = CAMERA_PORT_USUAL;
+        fill_device(self, out);
+    }
+    return 1;
+}
+
+static bool current_device(mrt_plugin *self, mrt_device *out)
+{
+    if (self->port)
+        fill_device(self, out);
+    return self->port != NULL;
+}
+
+/* ---- the type ---- */
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->reader = host->service(host, MRT_LANDMARKS);
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    input_close(self);
+    free(self);
+}
+
+static const char *const hand_label[] = {"left", "right", "either", NULL};
+static const mrt_param params[PARAM_COUNT] = {
+    [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Camera", "",
+                    "Whose hand performs; either: whichever is shown, as a right one", MRT_LEFT,
+                    EITHER, EITHER, hand_label},
+};
+
+static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
+static const mrt_devices devices = {list_devices, current_device};
+static const mrt_interface interfaces[] = {
+    {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
+
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.camera",
+    "Camera",
+    MAROTTE_VERSION,
+    "A bare hand before a webcam, seen by a page in your own browser",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

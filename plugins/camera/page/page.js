@@ -1,0 +1,254 @@
+/* The page: the camera's pictures go to the worker, what it finds goes to marotte. The messages
+ * stand in camera_wire.h. */
+'use strict';
+
+const at = (id) => document.getElementById(id);
+const video = at('video'), canvas = at('skeleton'), startButton = at('start');
+const BONES = [[0, 1, 2, 3, 4], [0, 5, 6, 7, 8], [5, 9, 10, 11, 12], [9, 13, 14, 15, 16],
+               [13, 17, 18, 19, 20], [0, 17]];
+
+/* ---- what is said ---- */
+
+const troubles = new Map();
+function trouble(kind, text) {
+  if (text) troubles.set(kind, text);
+  else troubles.delete(kind);
+  at('trouble').textContent = [...troubles.values()].join('\n');
+  at('trouble').hidden = troubles.size === 0;
+}
+
+function light(id, state, text) {
+  at(id).dataset.state = state;
+  if (text) at(id).textContent = text;
+}
+
+/* ---- marotte ---- */
+
+let socket = null, patience = 250, wanted = 1, hasPackage = false, isOver = false;
+let trip = NaN;
+
+function connect() {
+  socket = new WebSocket(new URL('socket', location.href).href.replace(/^http/, 'ws'),
+                         'marotte.camera.1');
+  socket.binaryType = 'arraybuffer';
+  socket.onopen = () => {
+    patience = 250;
+    hello();
+    for (let i = 0; i < 4; ++i) setTimeout(ping, 50 * i);
+  };
+  socket.onmessage = ({data}) => (typeof data === 'string' ? hear(JSON.parse(data)) : answered(data));
+  socket.onclose = () => {
+    startButton.disabled = !running;
+    if (isOver) return;
+    light('link', 'bad', 'marotte is not there: start it, and open its camera');
+    setTimeout(connect, patience);
+    patience = Math.min(2 * patience, 2000);
+  };
+}
+
+function hello() {
+  if (socket.readyState === WebSocket.OPEN)
+    socket.send(JSON.stringify({type: 'hello', agent: navigator.userAgent.slice(0, 200)}));
+}
+
+function ping() {
+  if (!socket || socket.readyState !== WebSocket.OPEN) return;
+  const message = new DataView(new ArrayBuffer(9));
+  message.setUint8(0, 2);
+  message.setFloat64(1, performance.now(), true);
+  socket.send(message);
+}
+
+function answered(bytes) {
+  const message = new DataView(bytes);
+  if (message.byteLength === 17 && message.getUint8(0) === 3)
+    trip = performance.now() - message.getFloat64(1, true);
+}
+
+function hear(message) {
+  if (message.type === 'bye') {
+    isOver = true;
+    light('link', 'waits', 'another page of the camera has taken over: close this one, or load it again');
+    stop();
+    startButton.disabled = true;
+    return;
+  }
+  if (message.type !== 'state') return;
+  hasPackage = message.package;
+  light('link', 'good', 'marotte is listening');
+  trouble('package', hasPackage ? '' :
+    'What finds hands in pictures is not here yet. In a terminal, once:\n  marotte camera --setup\n' +
+    'This page goes on by itself when it is done.');
+  startButton.disabled = !hasPackage;
+  const hands = Math.min(Math.max(message.hands, 1), 2);
+  if (hands !== wanted) {
+    wanted = hands;
+    if (worker) worker.postMessage(options());
+  }
+}
+
+setInterval(() => {
+  ping();
+  if (!hasPackage && socket && !isOver) hello();
+}, 1000);
+
+/* ---- the hands ---- */
+
+let worker = null, isReady = false, isBusy = false, running = null, sequence = 0;
+const recent = [];
+
+const options = () => ({model: Number(at('model').value), hands: wanted});
+
+function send(captured, hands) {
+  if (!socket || socket.readyState !== WebSocket.OPEN || socket.bufferedAmount > 65536) return;
+  const message = new DataView(new ArrayBuffer(14 + 425 * hands.length));
+  message.setUint8(0, 1);
+  message.setUint32(1, sequence++, true);
+  message.setFloat64(5, captured, true);
+  message.setUint8(13, hands.length);
+  hands.forEach((hand, i) => {
+    let offset = 14 + 425 * i;
+    message.setUint8(offset, hand.side);
+    message.setFloat32(offset + 1, Math.min(Math.max(hand.score, 0), 1), true);
+    offset += 5;
+    for (const value of hand.world) { message.setFloat32(offset, value, true); offset += 4; }
+    for (const value of hand.image) { message.setFloat32(offset, value, true); offset += 4; }
+  });
+  socket.send(message);
+}
+
+function draw(hands) {
+  const pen = canvas.getContext('2d');
+  canvas.width = video.videoWidth;
+  canvas.height = video.videoHeight;
+  pen.lineWidth = Math.max(2, canvas.width / 200);
+  for (const hand of hands) {
+    pen.strokeStyle = pen.fillStyle = hand.side ? '#ffb454' : '#6cc7ff';
+    const place = (n) => [hand.image[2 * n] * canvas.width, hand.image[2 * n + 1] * canvas.height];
+    for (const bone of BONES) {
+      pen.beginPath();
+      bone.forEach((n, i) => (i ? pen.lineTo(...place(n)) : pen.moveTo(...place(n))));
+      pen.stroke();
+    }
+    for (let n = 0; n < 21; ++n) {
+      pen.beginPath();
+      pen.arc(...place(n), pen.lineWidth * 1.4, 0, 7);
+      pen.fill();
+    }
+  }
+}
+
+function show(hands, captured) {
+  const now = performance.now();
+  recent.push({now, late: now - captured});
+  while (recent[0].now < now - 2000) recent.shift();
+  const lates = recent.map((one) => one.late).sort((a, b) => a - b);
+  at('figures').textContent = `${(recent.length / 2).toFixed(0)} pictures a second, ` +
+    `${lates[lates.length >> 1].toFixed(0)} ms from picture to hand` +
+    (trip >= 0 ? `, ${trip.toFixed(0)} ms to marotte and back` : '');
+  for (const [side, id] of [[0, 'hand-left'], [1, 'hand-right']])
+    light(id, hands.some((hand) => hand.side === side) ? 'good' : 'off');
+  draw(hands);
+}
+
+function found({data}) {
+  if (data.ready) {
+    isReady = true;
+    trouble('start', '');
+  } else if (data.failed) {
+    isBusy = false;
+    trouble('start', data.failed === 'webgl' ?
+      'This browser offers no WebGL, without which hands cannot be found: switch on hardware ' +
+      'acceleration in its settings, or try another browser.' :
+      `Hands cannot be found: ${data.failed}`);
+    if (!isReady) stop();
+  } else {
+    isBusy = false;
+    send(data.captured, data.hands);
+    show(data.hands, data.captured);
+  }
+}
+
+async function picture(captured) {
+  if (!isReady || isBusy) return;
+  isBusy = true;
+  try {
+    const bitmap = await createImageBitmap(video);
+    worker.postMessage({bitmap, captured}, [bitmap]);
+  } catch (error) {
+    isBusy = false;
+  }
+}
+
+function follow(stream) {
+  const next = (now, about) => {
+    if (running !== stream) return;
+    picture(about && about.captureTime ? about.captureTime : now);
+    video.requestVideoFrameCallback ? video.requestVideoFrameCallback(next) : requestAnimationFrame(next);
+  };
+  video.requestVideoFrameCallback ? video.requestVideoFrameCallback(next) : requestAnimationFrame(next);
+}
+
+/* ---- the camera ---- */
+
+function stop() {
+  if (running) running.getTracks().forEach((track) => track.stop());
+  running = null;
+  startButton.hidden = false;
+}
+
+async function list() {
+  const chosen = at('camera').value;
+  const found = (await navigator.mediaDevices.enumerateDevices()).filter((d) => d.kind === 'videoinput');
+  at('camera').replaceChildren(new Option('the usual one', ''),
+    ...found.map((d, i) => new Option(d.label || `camera ${i + 1}`, d.deviceId)));
+  at('camera').value = found.some((d) => d.deviceId === chosen) ? chosen : '';
+}
+
+async function start() {
+  stop();
+  trouble('camera', '');
+  const device = at('camera').value;
+  try {
+    const stream = await navigator.mediaDevices.getUserMedia({
+      video: {width: 640, height: 480, frameRate: {ideal: 60}, ...(device && {deviceId: {exact: device}})},
+    });
+    stream.getVideoTracks()[0].onended = () => {
+      trouble('camera', 'The camera was unplugged, or taken by another program.');
+      stop();
+    };
+    running = stream;
+    video.srcObject = stream;
+    await video.play();
+    startButton.hidden = true;
+    list();
+    if (!worker) {
+      worker = new Worker('worker.js');
+      worker.onmessage = found;
+      worker.onerror = (event) => found({data: {failed: event.message || 'the worker could not be loaded'}});
+      trouble('start', 'Loading what finds hands…');
+      worker.postMessage({start: options()});
+    }
+    follow(stream);
+  } catch (error) {
+    stop();
+    trouble('camera', error.name === 'NotAllowedError' ?
+      'The browser may not use the camera: allow it beside the address, and start again.' :
+      error.name === 'NotFoundError' ? 'There is no camera: plug one in, and start again.' :
+      `The camera cannot be opened (${error.name}): does another program use it?`);
+  }
+}
+
+startButton.onclick = start;
+at('camera').onchange = () => running && start();
+at('model').onchange = () => {
+  localStorage.setItem('model', at('model').value);
+  if (worker) worker.postMessage(options());
+};
+at('model').value = localStorage.getItem('model') || '1';
+document.onvisibilitychange = () => trouble('hidden', document.hidden ?
+  'This tab is hidden: the browser slows it down. Keep it in sight, in a window of its own.' : '');
+
+if (!window.Worker || !window.OffscreenCanvas || !navigator.mediaDevices)
+  trouble('browser', 'This browser is too old for this page: a Chromium, Firefox or Safari of the last three years will do.');
+connect();
