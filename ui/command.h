@@ -16,8 +16,8 @@ typedef struct command {
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
 
-extern const command command_bench, command_calibrate, command_deform, command_devices,
-    command_paper, command_perform, command_plugin, command_rig, command_take;
+extern const command command_bench, command_camera, command_calibrate, command_deform,
+    command_devices, command_paper, command_perform, command_plugin, command_rig, command_take;
 
 /* What the person typed, "marotte perform --face moai ...": words quoted where a shell needs it, of
  * long paths the last folders. */

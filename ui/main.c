@@ -10,9 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const command *const commands[] = {
-    &command_stage,  &command_perform, &command_calibrate, &command_devices, &command_deform,
-    &command_plugin, &command_rig,     &command_take,      &command_bench,   &command_paper};
+static const command *const commands[] = {&command_stage,     &command_perform, &command_camera,
+                                          &command_calibrate, &command_devices, &command_deform,
+                                          &command_plugin,    &command_rig,     &command_take,
+                                          &command_bench,     &command_paper};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *stream)

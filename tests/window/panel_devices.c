@@ -30,6 +30,47 @@ static void with_nothing_it_says_what_to_do(void **state)
     stand_close(&s);
 }
 
+/* One click: the input is there, and the browser has been told where its page is. */
+static void use_the_camera_is_one_click(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/marotte_panel_XXXXXX", browser[64], told[64], line[128] = "";
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(browser, sizeof browser, "%s/browser", folder);
+    (void)snprintf(told, sizeof told, "%s/told", folder);
+    FILE *file = fopen(browser, "w");
+    assert_non_null(file);
+    assert_true(fprintf(file, "#!/bin/sh\necho \"$1\" >'%s'\n", told) > 0);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(browser, 0700), 0);
+    setenv("MAROTTE_BROWSER", browser, 1);
+    setenv("XDG_CONFIG_HOME", folder, 1);
+    setenv("MAROTTE_CAMERA_PACKAGE", "/nowhere", 1);
+    stand s = {.input_count = 0};
+    stand_open(&s, &panel_devices, 1.0f);
+    stand_plugin(&s, "plugins/camera");
+    stand_wait_for(&s, "Use the camera");
+    stand_click(&s, "Use the camera");
+    stand_wait_for(&s, "Show its page");
+    assert_int_equal(s.input_count, 1);
+    assert_string_equal(s.input_text[0], "camera");
+    for (int i = 0; i < 500 && access(told, F_OK) != 0; ++i)
+        stand_frame(&s);
+    file = fopen(told, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file));
+    assert_int_equal(fclose(file), 0);
+    assert_true(strncmp(line, "http://127.0.0.1:9130/", 22) == 0);
+    assert_int_equal(strlen(line), 22 + 32 + 2);
+    assert_true(stand_shows(&s, "marotte camera --setup"));
+    assert_false(stand_shows(&s, "Use the camera"));
+    stand_check_words(&s, NULL);
+    stand_picture(&s, "panel_devices_camera");
+    stand_close(&s);
+    unsetenv("MAROTTE_BROWSER");
+    unsetenv("MAROTTE_CAMERA_PACKAGE");
+}
+
 static void a_recording_runs_and_shows_its_figures(void **state)
 {
     (void)state;
@@ -247,6 +288,7 @@ static void what_is_plugged_in_is_opened_or_says_what_to_do(void **state)
     for (uint32_t i = 0; i < count; ++i) /* it is not offered twice */
         assert_string_not_equal(words[i].text, address);
     assert_int_equal(unlink(path), 0);
+    stand_click_at(&s, 10.0f, 10.0f); /* beside the panel, so that no hint lies over it */
     stand_wait_for(&s, "Nothing was found");
     unsetenv("MAROTTE_FLAKY");
     stand_close(&s);
@@ -275,6 +317,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(with_nothing_it_says_what_to_do),
+        cmocka_unit_test(use_the_camera_is_one_click),
         cmocka_unit_test(a_recording_runs_and_shows_its_figures),
         cmocka_unit_test(its_settings_are_set_while_it_runs),
         cmocka_unit_test(a_lost_device_is_said_calmly_and_comes_back),

@@ -4,6 +4,7 @@
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
 #include "window/app/app.h"
+#include "window/app/camera_page.h"
 
 #include "base/clock.h"
 #include "hand/calibration_folder.h"
@@ -40,6 +41,7 @@ typedef struct devices_panel {
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
     bool repeats;          /* a recording begins again at its end */
+    bool shows_page;       /* the camera's, as soon as it is open */
     char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
     rezero_counts rezeros; /* as of the frame before */
     bool was_refused;
@@ -597,6 +599,55 @@ static bool is_made(const devices_panel *self, const input *of)
     return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
 }
 
+/* ---- the camera ---- */
+
+static bool is_camera(const input *of)
+{
+    return strcmp(input_plugin(of)->id, CAMERA_PAGE_PLUGIN) == 0;
+}
+
+static void draw_camera_card(devices_panel *self, ui *on, const char *input_text)
+{
+    error err = {""};
+    if (ui_button(on, "Show its page", UI_PLAIN) &&
+        camera_page_show(camera_page_port(input_text), &err) < 0)
+        devices_panel_say(self, err.text);
+    ui_hint(on, "In your browser. Start the camera there, and show a hand.");
+    if (!camera_page_has_package())
+        ui_text_wrapped(on, UI_STYLE_WARNING,
+                        "What finds hands in pictures is fetched once, in a terminal: marotte "
+                        "camera --setup");
+}
+
+/* A click opens the input; its page is shown when that has an address. */
+static void draw_use_camera(devices_panel *self, ui *on)
+{
+    if (ui_button(on, "Use the camera", UI_PLAIN)) {
+        self->shows_page = true;
+        devices_panel_add(self, "camera");
+    }
+    ui_hint(on, "A bare hand before a webcam: a page in your browser sees it.");
+    ui_space(on, 4.0f);
+}
+
+static void follow_camera(devices_panel *self)
+{
+    live *stage = app_live(self->app);
+    if (!self->shows_page)
+        return;
+    for (uint32_t i = 0; i < live_input_count(stage); ++i) {
+        error err = {""};
+        if (!is_camera(live_input(stage, i)))
+            continue;
+        self->shows_page = false;
+        if (camera_page_show(camera_page_port(live_input_text(stage, i)), &err) < 0)
+            devices_panel_say(self, err.text);
+        return;
+    }
+    if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
+        self->shows_page = false; /* it could not be opened: said there */
+}
+
 /* An input that is open; returns false when it is to be removed. */
 static bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
 {
@@ -618,6 +669,8 @@ static bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
     draw_state(on, &health, light, state, why);
     bool has_sample = live_input_sample(stage, index, &sample);
     draw_strip(on, channels, count, has_sample ? &sample : NULL);
+    if (is_camera(of))
+        draw_camera_card(self, on, live_input_text(stage, index));
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
         if (glove_channels_has(channels, count, side))
             draw_calibration(self, on, index, side);
@@ -908,6 +961,7 @@ static void draw_inputs(devices_panel *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_DIM,
                         "No hand yet. Drag the face with the mouse, or open something below.");
         ui_space(on, 4.0f);
+        draw_use_camera(self, on);
     }
     if (removed != UINT32_MAX)
         remove_input(self, removed);
@@ -953,6 +1007,7 @@ static void update(panel *self_, double dt_s)
     (void)dt_s;
     follow_rezeros(self);
     follow_inputs(self);
+    follow_camera(self);
     calibrate_panel_update(self->calibrate);
     const char *kept = calibrate_panel_take_kept(self->calibrate, &side);
     if (!kept)

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# marotte camera, and a performance by landmarks that a client sends as the page would: what was
+# recorded performs again, bit for bit.
+source "$(dirname "$0")/lib.sh"
+port=$((20000 + $$ % 20000))
+said() { grep -qF -- "$1" "$2" || fail "\"$1\" is not said: $(cat "$2")"; }
+
+# ---- what is there, and fetching it ----
+"$MAROTTE" camera --port $port >"$scratch/state.txt" || fail "marotte camera"
+said "is missing: marotte camera --setup" "$scratch/state.txt"
+said "not open" "$scratch/state.txt"
+refused 2 "is not a number" "$MAROTTE" camera --port 70000
+refused 1 "was never opened" "$MAROTTE" camera --show
+mkdir -p "$scratch/bin" "$scratch/none"
+cat >"$scratch/bin/npm" <<'NPM'
+#!/bin/sh
+while [ "$1" != --prefix ]; do shift; done
+mkdir -p "$2/node_modules/@mediapipe/hands"
+for file in full lite; do echo other >"$2/node_modules/@mediapipe/hands/hand_landmark_$file.tflite"; done
+NPM
+chmod +x "$scratch/bin/npm"
+PATH=$scratch/bin:$PATH "$MAROTTE" camera --setup >"$scratch/setup.txt" 2>&1 && fail "a package of somebody else is taken"
+said "is not the one of @mediapipe/hands" "$scratch/setup.txt"
+[ ! -e "$XDG_DATA_HOME/marotte/camera" ] || fail "a package that is not whole lies where the page looks"
+
+# ---- a performance ----
+frames=$shared/data/camera/asl_hand_3d.full.json
+if [ ! -e "$frames" ] || ! command -v node >/dev/null; then
+    [ "$failures" -eq 0 ] || finish
+    echo "SKIPPED: no $frames, or no node"
+    exit 77
+fi
+"$MAROTTE" perform --face puppet --input "camera:$port" --map one_hand --seconds 9 \
+    --record "$scratch/hand.marotte" --export "$scratch/hand.png" >"$scratch/facts.txt" 2>&1 &
+performing=$!
+token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token
+for _ in $(seq 100); do
+    [ -e "$token" ] && "$MAROTTE" camera --port $port | grep -q '^state *open' && break
+    sleep 0.1
+done
+node "$(dirname "$0")/camera_client.mjs" $port 0123456789abcdef0123456789abcdef "$frames" 50 3 2>"$scratch/refused.txt" &&
+    fail "a client without the token is heard"
+said "404" "$scratch/refused.txt"
+node "$(dirname "$0")/camera_client.mjs" $port "$(cat "$token")" "$frames" 50 || fail "the client"
+wait $performing || fail "perform: $(cat "$scratch/facts.txt")"
+samples=$(fact "samples recorded" "$scratch/facts.txt")
+moved=$(fact "range of motion" "$scratch/facts.txt")
+echo "$samples of 325 frames performed, $moved mm of motion"
+[ "${samples:-0}" -ge 309 ] || fail "only $samples samples: $(cat "$scratch/facts.txt")"
+[ "${moved%.*}" -ge 10 ] || fail "the face moved by $moved mm only"
+for i in 1 2; do
+    "$MAROTTE" take export "$scratch/hand.marotte" last --export "$scratch/$i.pc2" >/dev/null 2>&1 || fail "export"
+done
+cmp "$scratch/1.pc2" "$scratch/2.pc2" || fail "a take of the camera does not perform again bit for bit"
+finish

@@ -1,0 +1,96 @@
+#include "window/app/camera_page.h"
+
+#include "base/file.h"
+#include "base/program.h"
+#include "stage/mapping/services.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { TOKEN = 32, LONGEST_TOKEN = 256 };
+static const int64_t patience_ns = 2000000000;
+
+uint16_t camera_page_port(const char *input_text)
+{
+    const char *colon = strchr(input_text, ':'), *comma = strchr(input_text, ',');
+    if (!colon || (comma && comma < colon))
+        return CAMERA_PAGE_PORT;
+    unsigned long port = strtoul(colon + 1, NULL, 10);
+    return port >= 1 && port <= 65535 ? (uint16_t)port : CAMERA_PAGE_PORT;
+}
+
+/* As plugins/camera/camera.c wrote it. */
+mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, error *err)
+{
+    char folder[PATH_MAX], path[PATH_MAX + 16];
+    file_bytes token;
+    mrt_result result = services_settings_folder(CAMERA_PAGE_PLUGIN, folder, sizeof folder, err);
+    if (result < 0)
+        return result;
+    (void)snprintf(path, sizeof path, "%s/token", folder);
+    error why;
+    if (file_read(&token, path, LONGEST_TOKEN, &why) < 0)
+        return error_set(err, MRT_ERR_IO,
+                         "the camera was never opened: perform with --input "
+                         "camera, or press \"Use the camera\" on the stage");
+    const char *text = (const char *)token.data;
+    bool is_good = token.size == TOKEN && strspn(text, "0123456789abcdef") == TOKEN;
+    if (is_good)
+        (void)snprintf(out, CAMERA_PAGE_ADDRESS, "http://127.0.0.1:%u/%s/", (unsigned)port, text);
+    file_bytes_finish(&token);
+    return is_good ? MRT_OK
+                   : error_set(err, MRT_ERR_FORMAT, "%s: is none of marotte's: remove it", path);
+}
+
+/* A browser that starts with it stays beside: what was started says at once that it has done so. */
+mrt_result camera_page_show(uint16_t port, error *err)
+{
+    char address[CAMERA_PAGE_ADDRESS];
+    const char *own = getenv("MAROTTE_BROWSER");
+    const char *program = own && own[0] ? own : "xdg-open";
+    mrt_result result = camera_page_address(address, port, err);
+    if (result < 0)
+        return result;
+    posix_spawn_file_actions_t actions;
+    pid_t pid = 0;
+    int status = 0, failed = posix_spawn_file_actions_init(&actions);
+    if (!failed) {
+        char *const arguments[] = {program_argument(program), address, NULL};
+        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        for (int fd = STDOUT_FILENO; fd <= STDERR_FILENO && !failed; ++fd)
+            failed = posix_spawn_file_actions_addopen(&actions, fd, "/dev/null", O_WRONLY, 0);
+        if (!failed)
+            failed = posix_spawnp(&pid, program, &actions, NULL, arguments, environ);
+        (void)posix_spawn_file_actions_destroy(&actions);
+    }
+    if (failed)
+        return error_set(err, MRT_ERR_IO, "%s cannot be run (%s): open %s in a browser yourself",
+                         program, strerror(failed), address);
+    (void)program_wait(pid, &status, patience_ns);
+    return MRT_OK;
+}
+
+mrt_result camera_page_package(char out[PATH_MAX], error *err)
+{
+    return file_home_path(out, PATH_MAX, FILE_HOME_DATA, "camera", err);
+}
+
+bool camera_page_has_package(void)
+{
+    char folder[PATH_MAX], path[PATH_MAX + 64];
+    const char *own = getenv("MAROTTE_CAMERA_PACKAGE");
+    error err;
+    if (own && own[0])
+        (void)snprintf(path, sizeof path, "%s/hands.js", own);
+    else if (camera_page_package(folder, &err) < 0)
+        return false;
+    else
+        (void)snprintf(path, sizeof path, "%s/node_modules/@mediapipe/hands/hands.js", folder);
+    return access(path, R_OK) == 0;
+}
