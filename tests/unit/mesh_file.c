@@ -93,6 +93,23 @@ static void the_content_decides_before_the_name(void **state)
     assert_read(&a, 4);
 }
 
+/* Two squares that meet along x = 100, each with vertices of its own there. */
+static void seams_are_one_point_when_a_file_was_read(void **state)
+{
+    (void)state;
+    attempt a = read_text("seam.obj",
+                          "v 0 0 0\nv 100 0 0\nv 100 100 0\nv 0 100 0\n"
+                          "v 100 0 0\nv 200 0 0\nv 200 100 0\nv 100 100 0\n"
+                          "f 1 2 3 4\nf 5 6 7 8\n",
+                          1.0);
+    if (a.result < 0)
+        fail_msg("%s", a.err.text);
+    assert_int_equal(mesh_point(&a.m, 4), 1);
+    assert_int_equal(mesh_point(&a.m, 7), 2);
+    assert_int_equal(mesh_point(&a.m, 5), 5);
+    mesh_destroy(&a.m);
+}
+
 static void gltf_is_metres_with_its_targets(void **state)
 {
     (void)state;
@@ -161,6 +178,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_content_decides_before_the_name),
+        cmocka_unit_test(seams_are_one_point_when_a_file_was_read),
         cmocka_unit_test(gltf_is_metres_with_its_targets),
         cmocka_unit_test(the_unit_is_guessed_from_the_height),
         cmocka_unit_test(errors_start_with_the_path),

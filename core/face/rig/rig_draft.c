@@ -433,9 +433,10 @@ static void add_jaw(drafting *d)
                of_face(d, json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
                                     half_space(lip, (vec3){0, -1, 0}))));
     if (!d->a.has_slit) {
-        rig_note(&d->confirm,
-                 "mouth: there is no slit between the lips: likely; the jaw only stretches the "
-                 "skin, and the face is performed as clay; marotte rig new --cut-mouth opens one");
+        rig_note(
+            &d->confirm,
+            "mouth: there is no slit between the lips: likely; the jaw only stretches the "
+            "skin, and the face is performed as clay; cut the edges between the lips to open it");
         return;
     }
     add_lip(d, "skull", "lip.upper.mid", 1.0);

@@ -118,6 +118,8 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
     }
     if (result == MRT_OK)
         result = mesh_validate(out, err);
+    if (result == MRT_OK)
+        result = mesh_weld(out, err);
     if (result < 0) {
         error_prefix(err, path);
         mesh_destroy(out);
