@@ -1,6 +1,7 @@
 /* The exact meter of a face with a rig: is any skin turned over? See face_min_determinant. */
 #include "face/frame/face_state.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static vec3 vertex_at(const points *p, uint32_t slot)
@@ -15,6 +16,21 @@ static vec3 area_of(const points *p, const uint32_t *corner)
     return vec3_cross(vec3_sub(vertex_at(p, corner[1]), a), vec3_sub(vertex_at(p, corner[2]), a));
 }
 
+/* Of the square of its longest edge, twice a triangle's area: flatter ones are needles, as scans
+ * and quantised files have them. They turn over with the least motion, and say nothing of the skin.
+ */
+static const double flattest = 1e-4;
+
+static bool is_needle(const points *p, const uint32_t *corner)
+{
+    double longest = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        vec3 edge = vec3_sub(vertex_at(p, corner[i]), vertex_at(p, corner[(i + 1) % 3]));
+        longest = fmax(longest, vec3_dot(edge, edge));
+    }
+    return !(vec3_length(area_of(p, corner)) > flattest * longest);
+}
+
 /* Triangles with an area at rest and a vertex that is free to move. */
 static void list_skin(face *f, const mesh *m)
 {
@@ -25,7 +41,7 @@ static void list_skin(face *f, const mesh *m)
             corner[c] = f->order.slot_of_file[mesh_point(m, m->triangle[(size_t)3 * t + c])];
             is_mobile = is_mobile || f->mobility[corner[c]] > 0.0f;
         }
-        if (is_mobile && vec3_length(area_of(&f->rest, corner)) > 0.0)
+        if (is_mobile && !is_needle(&f->rest, corner))
             f->skin_count += 1;
     }
 }
