@@ -20,6 +20,9 @@ enum { EITHER = 2 }; /* of the parameter: beside MRT_LEFT and MRT_RIGHT */
 
 static const float sure = 0.5f; /* below that nothing may move a face: plugin.h */
 static const int64_t ns_per_ms = 1000000, read_max_ns = 1000000000;
+/* A hand that was seen in two pictures has moved evenly between them: who takes few pictures a
+ * second would else be a hand that goes and comes, which is eased and never arrives. */
+static const int64_t between_ns = 100000000, slowest_ns = 1000000000;
 /* One hand for the other: it is held so long that the face eases over to it. */
 static const int64_t change_ns = 300000000;
 
@@ -38,9 +41,14 @@ struct mrt_plugin {
     uint32_t shown_side; /* of EITHER: whose hand it was last */
     bool has_shown;
     int64_t shown_ns;
-    int64_t host_offset_ns; /* the host's clock less camera_clock_ns */
-    int64_t opened_ns, last_ns;
+    int64_t host_offset_ns;     /* the host's clock less camera_clock_ns */
+    int64_t opened_ns, last_ns; /* last_ns: of the sample that was given last */
     uint32_t sequence, lost;
+    bool has_given, is_steady; /* steady: the picture before this one had the hand too */
+    /* From the sample given last to the newest reading: steps that are still to be given. */
+    uint32_t step_count, step;
+    int64_t from_ns, to_ns;
+    float from[MRT_ANGLES];
 };
 
 __attribute__((format(printf, 3, 4))) static void say(const mrt_plugin *self, int32_t level,
@@ -174,7 +182,8 @@ static void begin(mrt_plugin *self, const double *params)
 {
     self->wanted = wanted_of(params);
     self->listener.hands_wanted = 1;
-    self->has_asked_to_restart = self->has_shown = false;
+    self->has_asked_to_restart = self->has_shown = self->has_given = self->is_steady = false;
+    self->step_count = self->step = 0;
     self->reading = (mrt_hand_reading){.confidence = 0.0f};
     self->reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
     self->sequence = self->lost = 0;
@@ -266,32 +275,52 @@ static bool read_hand(mrt_plugin *self, const camera_hand *hand, uint32_t *out_s
 }
 
 /* False: nothing of this moves the face: it is held, and eased when the hand is back. */
-static bool take_seen(mrt_plugin *self, const camera_seen *seen, mrt_sample *out)
+static bool take_seen(mrt_plugin *self, const camera_seen *seen)
 {
+    float from[MRT_ANGLES];
     uint32_t side;
     const camera_hand *hand = choose(self, seen);
+    bool was_steady = self->is_steady;
     self->lost += seen->lost;
+    self->is_steady = false;
+    memcpy(from, self->reading.angle, sizeof from);
     if (!hand || !read_hand(self, hand, &side))
         return false;
     if (self->has_shown && side != self->shown_side && seen->time_ns - self->shown_ns < change_ns)
         return false;
+    was_steady &= self->has_shown && side == self->shown_side;
     int64_t now_ns = self->host->now_ns(self->host);
     int64_t time_ns = seen->time_ns + self->host_offset_ns;
     time_ns = time_ns < now_ns ? time_ns : now_ns;
-    if (time_ns < self->last_ns)
-        time_ns = self->last_ns;
-    self->last_ns = time_ns;
-    self->sequence += self->lost + self->has_shown;
-    self->has_shown = true;
+    self->from_ns = self->last_ns;
+    self->to_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
+    memcpy(self->from, from, sizeof from);
+    int64_t gap_ns = self->to_ns - self->from_ns;
+    self->step = 0;
+    self->step_count = was_steady && gap_ns <= slowest_ns ? 1 + (uint32_t)(gap_ns / between_ns) : 1;
+    self->is_steady = self->has_shown = true;
     self->shown_side = side;
     self->shown_ns = seen->time_ns;
-    self->lost = 0;
+    return true;
+}
+
+/* The next step on the way to what was read last; the last one is that to the bit. */
+static void give_step(mrt_plugin *self, mrt_sample *out)
+{
+    const bool is_there = ++self->step == self->step_count;
+    const float share = (float)self->step / (float)self->step_count;
+    const int64_t gap_ns = self->to_ns - self->from_ns;
     memset(out, 0, sizeof *out);
-    out->time_ns = time_ns;
+    out->time_ns = is_there ? self->to_ns : self->from_ns + gap_ns / self->step_count * self->step;
+    self->sequence += self->lost + self->has_given;
+    self->lost = 0;
+    self->has_given = true;
+    self->last_ns = out->time_ns;
     out->sequence = self->sequence;
     out->count = MRT_ANGLES;
-    memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
-    return true;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out->value[i] = is_there ? self->reading.angle[i]
+                                 : self->from[i] + share * (self->reading.angle[i] - self->from[i]);
 }
 
 /* Channels are fixed while it is open, so another hand needs it opened again. */
@@ -314,9 +343,13 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
     int64_t until_ns = camera_clock_ns() + left_ns;
     for (bool has_waited = false;; has_waited = true) {
         camera_seen seen;
-        while (camera_port_pop(self->port, &self->listener, &seen))
-            if (take_seen(self, &seen, out_sample))
-                return MRT_OK;
+        while (self->step == self->step_count &&
+               camera_port_pop(self->port, &self->listener, &seen) && !take_seen(self, &seen))
+            ;
+        if (self->step < self->step_count) {
+            give_step(self, out_sample);
+            return MRT_OK;
+        }
         if (has_waited && camera_clock_ns() + ns_per_ms / 10 >= until_ns)
             return MRT_TIMEOUT;
         if (!camera_port_wait(self->port, &self->listener, until_ns, self->host)) {

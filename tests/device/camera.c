@@ -541,6 +541,48 @@ static void what_is_no_hand_is_held(void **state)
     node_close(&n);
 }
 
+/* Three pictures a second are a slow camera, not a hand that goes and comes: no gap between samples
+ * is as long as a lost device's (250 ms), and what was seen is given to the bit. */
+static void few_pictures_are_no_gaps(void **state)
+{
+    (void)state;
+    node n;
+    mrt_sample sample, before = {.time_ns = 0};
+    attendant a;
+    unsigned char message[CAMERA_MESSAGE_MAX];
+    node_open(&n, RIGHT);
+    attendant_begin(&a, &n);
+    int fd = page();
+    ping(fd);
+    while (recv(fd, &sample, 1, MSG_PEEK) <= 0)
+        ;
+    attendant_end(&a);
+    (void)poll(NULL, 0, 1500); /* no sample is older than the opening */
+    const double start_ms = page_ms() - 1400.0;
+    uint32_t count = 0, gaps = 0;
+    for (int i = 0; i < 4; ++i)
+        show(fd, start_ms + 330.0 * i, MRT_RIGHT, 0.2f + 0.2f * (float)i);
+    while (node_read(&n, 100 * NS_IN_MS, &sample) == MRT_OK) {
+        gaps += count > 0 && sample.time_ns - before.time_ns > 150 * NS_IN_MS;
+        assert_true(count == 0 || sample.value[4] >= before.value[4]);
+        assert_int_equal(sample.sequence, count);
+        before = sample;
+        ++count;
+    }
+    assert_float_equal(before.value[4], 0.8, 0.02);
+    assert_int_equal(gaps, 0);
+    assert_int_equal(count, 1 + 3 * 4);
+    /* A picture without the hand between two with it: a gap, as it should be. */
+    size_t size = begin_message(message, start_ms + 1100.0, 0);
+    say_frame(fd, CAMERA_BINARY, message, size);
+    show(fd, start_ms + 1400.0, MRT_RIGHT, 0.3f);
+    assert_int_equal(node_read(&n, 2 * NS_IN_S, &sample), MRT_OK);
+    assert_true(sample.time_ns - before.time_ns > 300 * NS_IN_MS);
+    assert_int_equal(node_read(&n, 50 * NS_IN_MS, &before), MRT_TIMEOUT);
+    close(fd);
+    node_close(&n);
+}
+
 static void either_hand_performs_as_a_right_one(void **state)
 {
     (void)state;
@@ -749,6 +791,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(frames_that_nobody_sends_end_the_connection),
     cmocka_unit_test(landmarks_become_samples),
     cmocka_unit_test(what_is_no_hand_is_held),
+    cmocka_unit_test(few_pictures_are_no_gaps),
     cmocka_unit_test(either_hand_performs_as_a_right_one),
     cmocka_unit_test(two_hands_share_the_port),
     cmocka_unit_test(the_newest_page_counts),

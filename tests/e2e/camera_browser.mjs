@@ -13,6 +13,7 @@ const browser = spawn(program, [
   '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1', 'about:blank',
 ], {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
 
+const began = performance.now();
 let next = 0, rest = '', session;
 const waiting = new Map();
 browser.stdio[4].on('data', (bytes) => {
@@ -47,6 +48,14 @@ for (let i = 0; i < Number(seconds); ++i) {
   await wait(1000);
   console.log('page:', await text('link'), '|', await text('figures'), '|', await text('trouble'));
 }
+const used = async () => {
+  const kept = session;
+  session = undefined;
+  const {processInfo = []} = await call('SystemInfo.getProcessInfo');
+  session = kept;
+  return processInfo.reduce((sum, one) => sum + one.cpuTime, 0);
+};
+console.log(`processor ${(await used()).toFixed(1)} s of the browser in ${((performance.now() - began) / 1000).toFixed(1)} s`);
 const shot = await call('Page.captureScreenshot', {format: 'png'});
 writeFileSync(picture, Buffer.from(shot.data, 'base64'));
 session = undefined;

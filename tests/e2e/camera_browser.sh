@@ -27,8 +27,7 @@ for _ in $(seq 100); do
     sleep 0.1
 done
 url=$("$MAROTTE" camera --port $port | sed -n 's/^address *//p')
-bash -c 'node "$@"; s=$?; read -r a b c d < <(tail -n 1 <(times) | tr "ms" "  "); echo "processor $a min $b s user, $c min $d s system"; exit $s' _ \
-    "$(dirname "$0")/camera_browser.mjs" "$chromium" "$url" "$scratch/hand.mjpeg" 30 "$out/camera_page.png" \
+node "$(dirname "$0")/camera_browser.mjs" "$chromium" "$url" "$scratch/hand.mjpeg" 30 "$out/camera_page.png" \
     "$scratch/profile" >"$scratch/page.txt" || fail "the browser: $(cat "$scratch/page.txt")"
 wait $performing || fail "perform: $(cat "$scratch/facts.txt")"
 grep -E '^(exception|foreign):' "$scratch/page.txt" && fail "the page is not by itself"
@@ -42,5 +41,7 @@ echo "$samples samples, $(fact "range of motion" "$scratch/facts.txt") mm of mot
 [ "$(value hands)" -ge 20 ] || fail "hardly any picture was looked at"
 awk "BEGIN { exit !($(value share) >= 95) }" || fail "the hand is found in $(value share) % of the pictures"
 awk "BEGIN { exit !($(value median_mm) <= 5) }" || fail "landmarks are $(value median_mm) mm off"
+moved=$(fact "range of motion" "$scratch/facts.txt")
+[ "${moved%.*}" -ge 5 ] || fail "the face moved by $moved mm only"
 [ "${samples:-0}" -ge $(($(value hands) * 9 / 10)) ] || fail "of $(value hands) hands only $samples became samples"
 finish
