@@ -127,11 +127,14 @@ static mrt_result write_glb(const char *path, const clip *frames, const exports_
                             const export_progress *steps, facts *told, error *err)
 {
     gltf_options options = {.tolerance_mm = settings->tolerance_mm,
-                            .max_targets = settings->max_targets};
+                            .max_targets = settings->max_targets,
+                            .is_bare = settings->is_bare};
     gltf_report report;
     mrt_result result = gltf_write(path, frames, &options, steps, &report, err);
     if (result < 0)
         return result;
+    if (report.why_bare.text[0])
+        facts_text(told, "gltf_bare", "mesh alone", report.why_bare.text);
     facts_number(told, "gltf_targets", "morph targets", report.target_count, 0, "");
     facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0, "");
     facts_number(told, "gltf_max_error_mm", "greatest error", report.max_error_mm, 4, "mm");

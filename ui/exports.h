@@ -40,6 +40,7 @@ CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error
 typedef struct exports_settings {
     double tolerance_mm; /* of glTF; 0: its default */
     uint32_t max_targets;
+    bool is_bare; /* glTF: the mesh alone */
     /* of contact sheets (draw/sheet.h) */
     const char *title, *made_from;
     uint32_t width, height; /* 0: as usual */

@@ -457,6 +457,7 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
     const video_look *look = &self->options->look;
     exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
                                  .max_targets = self->options->max_targets,
+                                 .is_bare = self->options->is_bare,
                                  .title = title,
                                  .made_from = making,
                                  .width = look->is_sized ? look->width : 0,
@@ -568,6 +569,9 @@ const command command_perform = {
         "  --tolerance MM     greatest vertex error of unanchored frames in glTF\n"
         "                     (0.1 % of the face's height)\n"
         "  --max-targets N    at most so many morph targets for unanchored frames\n"
+        "  --bare             in glTF the mesh alone; else a face from a .glb, .gltf or .vrm is "
+        "that\n"
+        "                     file, with the performance added\n"
         "  --json             the facts for machines\n"
         "\n"
         "Plugins and their parameters: marotte plugin list --params\n",

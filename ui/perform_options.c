@@ -23,6 +23,7 @@ enum {
     OPTION_BACKGROUND,
     OPTION_TOLERANCE,
     OPTION_MAX_TARGETS,
+    OPTION_BARE,
     OPTION_HAND_LENGTH,
     OPTION_CALIBRATION,
     OPTION_REZERO_PEDAL,
@@ -52,6 +53,7 @@ static const struct option option_table[] = {
     {"background", required_argument, NULL, OPTION_BACKGROUND},
     {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
     {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
+    {"bare", no_argument, NULL, OPTION_BARE},
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
     {"calibration", required_argument, NULL, OPTION_CALIBRATION},
     {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
@@ -239,6 +241,9 @@ static int read_option(void *data, const command *self, int option, const char *
         code = read_number(self, "max-targets", text, 1, 10000, &number);
         out->max_targets = (uint32_t)number;
         return code;
+    case OPTION_BARE:
+        out->is_bare = true;
+        return COMMAND_DONE;
     case OPTION_CALIBRATION:
         return add_calibration(out, self, text);
     case OPTION_REZERO_PEDAL:

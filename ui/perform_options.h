@@ -28,6 +28,7 @@ typedef struct perform_options {
     const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
     uint32_t calibration_count, rezero_pedal;
     uint32_t max_targets;
+    bool is_bare;             /* glTF exports have the mesh alone */
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */

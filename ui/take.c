@@ -58,6 +58,7 @@ static const struct {
     [TAKE_WAV] = {"wav", false},
     [TAKE_TOLERANCE] = {"tolerance", true},
     [TAKE_MAX_TARGETS] = {"max-targets", true},
+    [TAKE_BARE] = {"bare", false},
     [TAKE_CSV] = {"csv", true},
     [TAKE_TRACK] = {"track", true},
     [TAKE_HASH_OPTION] = {"hash", false},
@@ -529,14 +530,14 @@ static const take_verb play_verbs[] = {
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
      "  --in T, --out T   a range of it\n"
      "  --face FILE    on this face (that which it was performed on)\n"
-     "  --tolerance MM, --max-targets N   of glTF, as in marotte perform\n"
+     "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"
      "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
      "                 of .mp4, pictures and sheets, as in marotte perform\n",
      "frames, pictures and sound for other programs",
      TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
-         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
-         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
+         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_SIZE) |
+         TAKE_BIT(TAKE_VIEW) | TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"

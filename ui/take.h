@@ -48,6 +48,7 @@ typedef enum take_option {
     TAKE_WAV,
     TAKE_TOLERANCE,
     TAKE_MAX_TARGETS,
+    TAKE_BARE,
     TAKE_CSV,
     TAKE_TRACK,
     TAKE_HASH_OPTION,

@@ -89,6 +89,7 @@ static mrt_result read_settings(take_call *call, exports_settings *out, error *e
     if (result >= 0)
         result = take_number(call, TAKE_MAX_TARGETS, 1, 10000, &targets, err);
     out->max_targets = (uint32_t)targets;
+    out->is_bare = call->text[TAKE_BARE] != NULL;
     return result;
 }
 

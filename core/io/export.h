@@ -16,6 +16,7 @@ typedef struct gltf_options {
     uint32_t max_targets; /* for free frames, in all; 0: as many as the tolerance needs, within the
                              limits of components.h */
     const char *name;     /* of the animation; NULL: "performance" */
+    bool is_bare;         /* the mesh alone, also where it was read from a glTF or VRM file */
 } gltf_options;
 
 typedef struct gltf_report {
@@ -26,9 +27,14 @@ typedef struct gltf_report {
     double tolerance_mm; /* that was aimed at; max_error_mm is above it only where a limit on the
                             number of components came first */
     uint64_t byte_count;
+    error
+        why_bare; /* the source file could not be used, so the mesh is there alone; "" it is not */
 } gltf_report;
 
-/* .glb: base mesh, morph targets, a weights animation with a key per frame, every weight within
+/* .glb. Of a mesh that was read from a glTF or VRM file (mesh.path): that file, with the morph
+ * targets and the animation added to what they move, all else as it is; its own animations come
+ * behind. Else, or where the file is no longer what was performed: the mesh alone, with parts and
+ * materials. Morph targets and a weights animation with a key per frame, every weight within
  * 0..1, as programs that play it limit them to that. Anchored frames exactly (to float32): a target
  * for each direction of a column's axis that is used in a segment, "s1.control2.y+", in metres
  * times a power of two, and one target per committed base, "s2.base". Free frames: principal

@@ -100,6 +100,7 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
     copy_attributes(&c, out, m);
     copy_targets(&c, out, m);
     copy_skin(&c, out, m);
+    out->path = copy_text(&c, m->path);
     out->note = copy_text(&c, m->note);
     if (!c.failed)
         return MRT_OK;

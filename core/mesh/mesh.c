@@ -90,6 +90,7 @@ void mesh_destroy(mesh *m)
     free(m->part);
     free(m->attribute);
     free(m->target);
+    free(m->path);
     free(m->note);
     *m = (mesh){0};
 }

@@ -108,6 +108,7 @@ typedef struct mesh {
     float focus_low[3], focus_high[3];
     double mm_per_unit;    /* what the file's coordinates were multiplied by */
     mesh_axis up, forward; /* of the file's coordinates; the mesh itself has up +y, forward +z */
+    char *path;            /* the file that it was read from, as it was named; NULL: none */
     char *note;            /* what a person should know of it, lines ended by \n; NULL: nothing */
 } mesh;
 

@@ -152,8 +152,8 @@ is_clean() { # what file
 }
 folder=$scratch/$'steer\e[31m\xff it'
 mkdir "$folder"
-printf 'v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n' >"$folder/head.obj"
-"$MAROTTE" rig new "$folder/head.obj" --unit mm >"$scratch/said" 2>&1 || fail "rig new: $(cat "$scratch/said")"
+cp "$moai" "$folder/head.glb"
+"$MAROTTE" rig new "$folder/head.glb" >"$scratch/said" 2>&1 || fail "rig new: $(cat "$scratch/said")"
 is_clean "rig new" "$scratch/said"
 next=$(sed -n 's/^next     marotte rig check //p' "$scratch/said")
 eval "\"\$MAROTTE\" rig check $next --json" >"$scratch/said" 2>"$scratch/errors"

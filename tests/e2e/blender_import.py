@@ -1,6 +1,6 @@
-# blender -b -P blender_import.py -- FILE.glb FILE.pc2 FPS: imports the file as a person would, and says how far
-# the mesh is off the vertices of the point cache at ten times, mm. PC2 has every frame, in the order of the
-# file's vertices.
+# blender -b -P blender_import.py -- FILE.glb BARE.glb FILE.pc2 FPS: imports FILE as a person would, and says how far
+# what it shows is off the vertices of the point cache at ten times, mm. BARE is the mesh alone: it says where the
+# vertices of the cache are at rest, and so which are which.
 import json
 import struct
 import sys
@@ -11,9 +11,9 @@ import numpy
 if not hasattr(numpy, "bool"):  # Debian 12's Blender asks its NumPy for names that it no longer has
     numpy.bool = bool
 
-glb, pc2, fps = sys.argv[sys.argv.index("--") + 1:]
+glb, bare, pc2, fps = sys.argv[sys.argv.index("--") + 1:]
 
-with open(glb, "rb") as file:
+with open(bare, "rb") as file:
     data = file.read()
 length = struct.unpack_from("<I", data, 12)[0]
 gltf = json.loads(data[20:20 + length])
@@ -38,16 +38,47 @@ meshes = [o for o in bpy.context.scene.objects if o.type == "MESH" and o.data.sh
 if not meshes:
     sys.exit("nothing with shape keys was imported")
 
-places = {}
-for i, (x, y, z) in enumerate(rest):
-    places.setdefault((round(x, 6), round(-z, 6), round(y, 6)), []).append(i)
-pairs = []  # an imported vertex and those of the file that are at its place
+
+def shown():
+    """Of each mesh where its vertices are, mm, in the file's axes; skins and all."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    for thing in meshes:
+        matrix = thing.matrix_world
+        mesh = thing.evaluated_get(graph).to_mesh()
+        places = [matrix @ v.co for v in mesh.vertices]
+        yield thing, [(1000 * x, 1000 * z, -1000 * y) for x, y, z in places]
+
+
+# At rest: no action plays, no key is on.
+playing = {}
 for thing in meshes:
-    for v in thing.data.vertices:
-        at = thing.matrix_world @ v.co
-        found = places.get(tuple(round(c, 6) for c in at))
-        if found:
-            pairs.append((thing, v.index, found))
+    keys = thing.data.shape_keys
+    playing[thing] = keys.animation_data.action if keys.animation_data else None
+    if playing[thing]:
+        keys.animation_data.action = None
+    for key in keys.key_blocks:
+        key.value = 0
+size = max(abs(c) for r in rest for c in r)
+cell = 1e-5 * size
+places = {}
+for i, r in enumerate(rest):
+    places.setdefault(tuple(round(c / cell) for c in r), []).append(i)
+near = [(a, b, c) for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)]
+pairs = []  # an imported vertex and those of the cache that are at its place
+at_rest = list(shown())
+for turn in (1, -1):  # a file that faces -z, as VRM 0, has half a turn about y
+    for thing, at in at_rest:
+        for index, (x, y, z) in enumerate(at):
+            middle = [round(0.001 * c / cell) for c in (turn * x, y, turn * z)]
+            found = [i for n in near for i in places.get(tuple(m + d for m, d in zip(middle, n)), [])]
+            if found:
+                pairs.append((thing, index, found))
+    if pairs:
+        break
+for thing, action in playing.items():
+    if action:
+        thing.data.shape_keys.animation_data.action = action
+
 print(f"imported: {len(meshes)} meshes, {sum(len(o.data.vertices) for o in meshes)} vertices, "
       f"{len(pairs)} of them found, {sum(len(o.data.shape_keys.key_blocks) for o in meshes) - 1} targets, "
       f"{sum(1 for i in bpy.data.images if i.size[0] > 0)} images")
@@ -56,12 +87,10 @@ worst = furthest = 0.0
 for n in range(10):
     frame = (frames - 1) * n // 9
     bpy.context.scene.frame_set(frame)
-    graph = bpy.context.evaluated_depsgraph_get()
-    shown = {o: (o.evaluated_get(graph).to_mesh(), o.matrix_world.copy()) for o in meshes}
+    now = dict(shown())
     for thing, index, found in pairs:
-        mesh, matrix = shown[thing]
-        x, y, z = matrix @ mesh.vertices[index].co
-        here = (1000 * x, 1000 * z, -1000 * y)
+        x, y, z = now[thing][index]
+        here = (turn * x, y, turn * z)
         off = 1e9
         for i in found:
             there = struct.unpack_from("<3f", cache, (frame * vertices + i) * 12)

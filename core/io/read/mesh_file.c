@@ -116,6 +116,8 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
         result = mesh_frame_apply(out, frame ? frame : &nothing,
                                   format == FORMAT_GLTF ? 1000.0 : 0.0, err);
     }
+    if (result == MRT_OK && !(out->path = strdup(path)))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for a name");
     if (result == MRT_OK)
         result = mesh_validate(out, err);
     if (result == MRT_OK)

@@ -72,24 +72,6 @@ void add_sparse_views(gltf_output &out, tinygltf::Accessor &accessor, const floa
     accessor.sparse.values.bufferView = gltf_output_view(out, std::move(values), 0);
 }
 
-std::string json_chunk(gltf_output &out)
-{
-    std::ostringstream stream;
-    tinygltf::TinyGLTF writer;
-    if (!writer.WriteGltfSceneToStream(&out.model, stream, false, false))
-        gltf_fail(MRT_ERR_MEMORY, "cannot make the glTF description");
-    nlohmann::json json = nlohmann::json::parse(stream.str());
-    json["buffers"] = nlohmann::json::array({{{"byteLength", out.binary_size}}});
-    for (auto &member : json.items())
-        if (member.key() == "materials")
-            for (auto &material : member.value())
-                if (material.is_null()) /* tinygltf's way to write one that is all defaults */
-                    material = nlohmann::json::object();
-    std::string text = json.dump();
-    text.resize((text.size() + 3) & ~size_t{3}, ' ');
-    return text;
-}
-
 void put_u32(std::string &header, size_t value)
 {
     for (int shift = 0; shift < 32; shift += 8)
@@ -203,9 +185,25 @@ int gltf_output_offsets(gltf_output &out, const float *value, size_t count)
     return gltf_output_accessor(out, std::move(accessor));
 }
 
-uint64_t gltf_output_write(gltf_output &out, const char *path)
+std::string gltf_output_json(gltf_output &out)
 {
-    std::string json = json_chunk(out);
+    std::ostringstream stream;
+    tinygltf::TinyGLTF writer;
+    if (!writer.WriteGltfSceneToStream(&out.model, stream, false, false))
+        gltf_fail(MRT_ERR_MEMORY, "cannot make the glTF description");
+    nlohmann::json json = nlohmann::json::parse(stream.str());
+    json["buffers"] = nlohmann::json::array({{{"byteLength", out.binary_size}}});
+    for (auto &member : json.items())
+        if (member.key() == "materials")
+            for (auto &material : member.value())
+                if (material.is_null()) /* tinygltf's way to write one that is all defaults */
+                    material = nlohmann::json::object();
+    return json.dump();
+}
+
+uint64_t gltf_output_write(const gltf_output &out, std::string json, const char *path)
+{
+    json.resize((json.size() + 3) & ~size_t{3}, ' ');
     size_t total = 12 + 8 + json.size() + 8 + out.binary_size;
     if (total > 0xFFFFFFFFu)
         gltf_fail(MRT_ERR_UNSUPPORTED, "more than 4 GB: a .glb cannot hold it");

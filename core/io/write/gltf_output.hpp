@@ -42,7 +42,9 @@ int gltf_output_floats(gltf_output &out, const float *value, size_t count, size_
 /* count by 3, of all vertices: only those that are not zero where that takes less room. */
 int gltf_output_offsets(gltf_output &out, const float *value, size_t count);
 
-/* Returns the size of the file. */
-uint64_t gltf_output_write(gltf_output &out, const char *path);
+/* The model's JSON; gltf_output_write takes it, or another that describes the binary part. Returns
+ * the size of the file. */
+std::string gltf_output_json(gltf_output &out);
+uint64_t gltf_output_write(const gltf_output &out, std::string json, const char *path);
 
 #endif

@@ -152,16 +152,19 @@ gltf_surface make_surface(const mesh *m)
 
 } // namespace
 
-gltf_surface gltf_surface_of(gltf_output &out, const mesh *m)
+gltf_surface gltf_surface_of(const mesh *m)
 {
     error err;
     mrt_result result = mesh_validate(m, &err);
     if (result < 0)
         gltf_fail(result, "%s", err.text);
-    gltf_surface s = make_surface(m);
-    add_materials(out, m);
+    return make_surface(m);
+}
+
+void gltf_surface_begin(gltf_output &out, gltf_surface &s)
+{
+    add_materials(out, s.source);
     add_attributes(out, s);
-    return s;
 }
 
 std::vector<float> gltf_in_metres(const float *value_mm, size_t count)
@@ -172,20 +175,23 @@ std::vector<float> gltf_in_metres(const float *value_mm, size_t count)
     return out;
 }
 
+void gltf_surface_turn(gltf_surface &s, const std::string &name, const float *offset)
+{
+    const mesh *m = s.source;
+    gltf_output_check(offset, s.position.size(), name);
+    morph_surface rest = {s.position.data(), s.normal.data(), s.area.data(),
+                          m->triangle,       m->vertex_count, m->triangle_count};
+    morph_normal_offset(s.turn.data(), s.work.data(), &rest, offset);
+}
+
 void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
                          const float *offset)
 {
-    const mesh *m = s.source;
     gltf_target target;
     target.name = name;
-    gltf_output_check(offset, s.position.size(), name);
-    target.position = gltf_output_offsets(out, offset, m->vertex_count);
-    if (m->triangle_count > 0) {
-        morph_surface rest = {s.position.data(), s.normal.data(), s.area.data(),
-                              m->triangle,       m->vertex_count, m->triangle_count};
-        morph_normal_offset(s.turn.data(), s.work.data(), &rest, offset);
-        target.normal = gltf_output_offsets(out, s.turn.data(), m->vertex_count);
-    }
+    target.position = gltf_output_offsets(out, offset, s.source->vertex_count);
+    if (s.source->triangle_count > 0)
+        target.normal = gltf_output_offsets(out, s.turn.data(), s.source->vertex_count);
     s.target.push_back(target);
 }
 

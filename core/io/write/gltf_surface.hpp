@@ -28,9 +28,13 @@ struct gltf_surface {
     std::vector<float> turn;  /* V by 3: scratch */
 };
 
-/* Checks the mesh; adds its materials and attributes. */
-gltf_surface gltf_surface_of(gltf_output &out, const mesh *m);
-/* offset: V by 3, metres per unit of weight. Its normals follow to first order. */
+/* Checks the mesh. */
+gltf_surface gltf_surface_of(const mesh *m);
+/* Leaves in s.turn how the normals follow an offset, to first order. offset: V by 3, metres per
+ * unit of weight, finite; `name` is for the error. */
+void gltf_surface_turn(gltf_surface &s, const std::string &name, const float *offset);
+/* Adds the materials and attributes of the mesh; then its targets, with the normals of s.turn. */
+void gltf_surface_begin(gltf_output &out, gltf_surface &s);
 void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
                          const float *offset);
 /* Once all targets are added: mesh 0 on node 0. */

@@ -3,11 +3,14 @@ extern "C" {
 #include "io/export.h"
 }
 
+#include "io/write/gltf_source.hpp"
 #include "io/write/gltf_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <strings.h>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -28,6 +31,28 @@ struct segment_targets {
     size_t base = 0; /* valid if has_base */
     bool has_base = false;
     std::vector<axis_targets> axis; /* 3 per column */
+};
+
+/* Where targets go: to the mesh alone, or to the file that it is from. */
+struct target_list {
+    gltf_surface surface; /* of the mesh */
+    gltf_output bare;
+    std::unique_ptr<gltf_source> source; /* or none */
+    size_t count = 0;
+
+    explicit target_list(const mesh *m) : surface(gltf_surface_of(m))
+    {
+    }
+
+    void add(const std::string &name, const float *offset)
+    {
+        gltf_surface_turn(surface, name, offset);
+        if (source)
+            source->add_target(name, offset, surface.turn.data());
+        else
+            gltf_surface_target(bare, surface, name, offset);
+        ++count;
+    }
 };
 
 struct performance {
@@ -74,15 +99,15 @@ void measure_axes(performance &p)
             (void)std::frexp(std::max(axis.most, -axis.least), &axis.exponent);
 }
 
-void add_axis_targets(gltf_output &out, gltf_surface &s, axis_targets &at, const float *column,
-                      size_t axis, const std::string &name)
+void add_axis_targets(target_list &to, axis_targets &at, const float *column, size_t axis,
+                      const std::string &name)
 {
-    std::vector<float> offset(s.position.size());
+    std::vector<float> offset(to.surface.position.size());
     auto add = [&](float unit, const char *direction) {
-        for (size_t v = 0; v < s.source->vertex_count; ++v)
+        for (size_t v = 0; v < to.surface.source->vertex_count; ++v)
             offset[v * 3 + axis] = unit * column[v];
-        gltf_surface_target(out, s, name + direction, offset.data());
-        return s.target.size() - 1;
+        to.add(name + direction, offset.data());
+        return to.count - 1;
     };
     const float unit = std::ldexp(1.0f, at.exponent);
     if (at.most > 0.0f)
@@ -91,11 +116,12 @@ void add_axis_targets(gltf_output &out, gltf_surface &s, axis_targets &at, const
         at.minus = add(-unit, "-");
 }
 
-void add_segment_targets(gltf_output &out, gltf_surface &s, performance &p, uint32_t index)
+void add_segment_targets(target_list &to, performance &p, uint32_t index)
 {
     static const char axis_name[] = "xyz";
     const clip_segment *segment = clip_segment_at(p.source, index);
     segment_targets &at = p.segment[index];
+    const gltf_surface &s = to.surface;
     size_t vertex_count = s.source->vertex_count;
     std::string prefix = "s" + std::to_string(index + 1) + ".";
     std::vector<float> offset(vertex_count * 3);
@@ -104,42 +130,43 @@ void add_segment_targets(gltf_output &out, gltf_surface &s, performance &p, uint
                                        static_cast<double>(s.position[i]));
         at.has_base = at.has_base || segment->base[i] != s.source->position[i];
     }
-    at.base = s.target.size();
+    at.base = to.count;
     if (at.has_base)
-        gltf_surface_target(out, s, prefix + "base", offset.data());
+        to.add(prefix + "base", offset.data());
     for (size_t i = 0; i < at.axis.size(); ++i)
-        add_axis_targets(out, s, at.axis[i], segment->column + i / 3 * vertex_count, i % 3,
+        add_axis_targets(to, at.axis[i], segment->column + i / 3 * vertex_count, i % 3,
                          prefix + segment->name[i / 3] + "." + axis_name[i % 3]);
 }
 
-void add_exact_targets(gltf_output &out, gltf_surface &s, performance &p)
+void add_exact_targets(target_list &to, performance &p)
 {
     p.segment.resize(clip_segment_count(p.source));
     measure_axes(p);
     for (uint32_t i = 0; i < p.segment.size(); ++i)
         if (clip_segment_at(p.source, i)->frame_count > 0)
-            add_segment_targets(out, s, p, i);
-    p.report.exact_target_count = static_cast<uint32_t>(s.target.size());
+            add_segment_targets(to, p, i);
+    p.report.exact_target_count = static_cast<uint32_t>(to.count);
 }
 
-void add_window_targets(gltf_output &out, gltf_surface &s, performance &p, uint32_t index)
+void add_window_targets(target_list &to, performance &p, uint32_t index)
 {
     const component_window &window = p.found.window[index];
     std::string prefix = p.found.window_count > 1 ? "w" + std::to_string(index + 1) + "." : "";
-    std::vector<float> offset(s.position.size());
-    p.first_target.push_back(s.target.size());
+    std::vector<float> offset(to.surface.position.size());
+    p.first_target.push_back(to.count);
     if (window.base)
-        gltf_surface_target(out, s, prefix + "base", window.base);
+        to.add(prefix + "base", window.base);
     for (uint32_t j = 0; j < window.count; ++j) {
         components_offset(offset.data(), &p.found, &window, j);
-        gltf_surface_target(out, s, prefix + "component" + std::to_string(j + 1), offset.data());
+        to.add(prefix + "component" + std::to_string(j + 1), offset.data());
     }
 }
 
-void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
-                           const gltf_options &options, const export_progress *progress)
+void add_component_targets(target_list &to, performance &p, const gltf_options &options,
+                           const export_progress *progress)
 {
-    components_request wanted = {s.position.data(), p.report.tolerance_mm, options.max_targets};
+    components_request wanted = {to.surface.position.data(), p.report.tolerance_mm,
+                                 options.max_targets};
     error err;
     mrt_result result = components_find(&p.found, p.source, &wanted, progress, &err);
     if (result < 0)
@@ -148,7 +175,7 @@ void add_component_targets(gltf_output &out, gltf_surface &s, performance &p,
     p.report.window_count = p.found.window_count;
     p.report.max_error_mm = p.found.max_error_mm;
     for (uint32_t w = 0; w < p.found.window_count; ++w)
-        add_window_targets(out, s, p, w);
+        add_window_targets(to, p, w);
 }
 
 /* Weights of an anchored frame: its vectors, and its committed base. */
@@ -205,41 +232,51 @@ std::vector<float> key_times(const clip *c)
     return time_s;
 }
 
-tinygltf::Value animation_extras(const performance &p)
+nlohmann::ordered_json start_extras(const clip_start &start)
 {
-    tinygltf::Value::Object extras;
-    extras["unit"] = tinygltf::Value(std::string("m"));
-    extras["fps"] = tinygltf::Value(clip_fps(p.source));
-    extras["frames"] = tinygltf::Value(static_cast<int>(clip_frame_count(p.source)));
-    extras["exactFrames"] =
-        tinygltf::Value(static_cast<int>(clip_frame_count(p.source) - p.found.frame_count));
-    extras["maxErrorMm"] = tinygltf::Value(p.report.max_error_mm);
-    if (p.found.frame_count > 0)
-        extras["toleranceMm"] = tinygltf::Value(p.report.tolerance_mm);
-    return tinygltf::Value(std::move(extras));
+    return {{"timecode", start.timecode},
+            {"firstFrame", start.frame},
+            {"rate", {start.rate_num, start.rate_den}}};
 }
 
-/* When the first frame is. */
-void add_start(gltf_output &out, const clip_start &start)
+nlohmann::ordered_json animation_extras(const performance &p)
 {
-    if (start.rate_num == 0)
-        return;
-    tinygltf::Value::Object extras;
-    extras["timecode"] = tinygltf::Value(std::string(start.timecode));
-    extras["firstFrame"] = tinygltf::Value(static_cast<double>(start.frame));
-    extras["rate"] = tinygltf::Value(
-        tinygltf::Value::Array{tinygltf::Value(static_cast<double>(start.rate_num)),
-                               tinygltf::Value(static_cast<double>(start.rate_den))});
-    out.model.asset.extras = tinygltf::Value(std::move(extras));
+    nlohmann::ordered_json extras = {
+        {"unit", "m"},
+        {"fps", clip_fps(p.source)},
+        {"frames", clip_frame_count(p.source)},
+        {"exactFrames", clip_frame_count(p.source) - p.found.frame_count},
+        {"maxErrorMm", p.report.max_error_mm}};
+    if (p.found.frame_count > 0)
+        extras["toleranceMm"] = p.report.tolerance_mm;
+    return extras;
+}
+
+tinygltf::Value value_of(const nlohmann::ordered_json &json)
+{
+    if (json.is_object()) {
+        tinygltf::Value::Object object;
+        for (const auto &member : json.items())
+            object[member.key()] = value_of(member.value());
+        return tinygltf::Value(std::move(object));
+    }
+    if (json.is_array()) {
+        tinygltf::Value::Array array;
+        for (const auto &item : json)
+            array.push_back(value_of(item));
+        return tinygltf::Value(std::move(array));
+    }
+    if (json.is_string())
+        return tinygltf::Value(json.get<std::string>());
+    return json.is_number_integer() ? tinygltf::Value(json.get<int>())
+                                    : tinygltf::Value(json.get<double>());
 }
 
 /* A key per frame: each shows exactly its own shape, also where segments change. */
-void add_animation(gltf_output &out, const performance &p, size_t target_count, const char *name)
+void add_animation(gltf_output &out, const std::vector<float> &time_s,
+                   const std::vector<float> &weight, const std::string &name,
+                   const nlohmann::ordered_json &extras)
 {
-    std::vector<float> time_s = key_times(p.source);
-    gltf_output_reserve(out, time_s.size() * (target_count + 1) * sizeof(float));
-    std::vector<float> weight = all_weights(p, target_count);
-    gltf_output_check(weight.data(), weight.size(), "weights of the columns");
     tinygltf::AnimationSampler sampler;
     sampler.input = gltf_output_floats(out, time_s.data(), time_s.size(), 1, 0);
     sampler.output = gltf_output_floats(out, weight.data(), weight.size(), 1, 0);
@@ -249,11 +286,30 @@ void add_animation(gltf_output &out, const performance &p, size_t target_count, 
     channel.target_node = 0;
     channel.target_path = "weights";
     tinygltf::Animation animation;
-    animation.name = gltf_utf8(name ? name : "performance");
+    animation.name = name;
     animation.samplers.push_back(std::move(sampler));
     animation.channels.push_back(std::move(channel));
-    animation.extras = animation_extras(p);
+    animation.extras = value_of(extras);
     out.model.animations.push_back(std::move(animation));
+}
+
+void animate(target_list &to, const performance &p, const gltf_options &options)
+{
+    const clip_start &start = *clip_start_of(p.source);
+    if (to.count == 0)
+        return;
+    std::vector<float> time_s = key_times(p.source);
+    gltf_output_reserve(to.bare, time_s.size() * (to.count + 1) * sizeof(float));
+    std::vector<float> weight = all_weights(p, to.count);
+    gltf_output_check(weight.data(), weight.size(), "weights of the columns");
+    std::string name = gltf_utf8(options.name ? options.name : "performance");
+    nlohmann::ordered_json extras = animation_extras(p);
+    if (to.source && start.rate_num > 0)
+        extras.update(start_extras(start));
+    if (to.source)
+        to.source->animate(name, time_s, weight, extras);
+    else
+        add_animation(to.bare, time_s, weight, name, extras);
 }
 
 /* What was asked for, else 0.1 % of the height; never finer than float32 can show. */
@@ -277,33 +333,62 @@ void step(const export_progress *progress, double done)
         progress->step(progress->data, done);
 }
 
-void write_clip(gltf_output &out, const char *path, performance &p, const gltf_options &options,
+bool is_gltf_name(const char *path)
+{
+    for (const char *end : {".glb", ".gltf", ".vrm"}) {
+        size_t length = std::strlen(path), wanted = std::strlen(end);
+        if (length >= wanted && strcasecmp(path + length - wanted, end) == 0)
+            return true;
+    }
+    return false;
+}
+
+void open_source(target_list &to, gltf_report &report)
+{
+    const mesh *m = to.surface.source;
+    if (!m->path || !is_gltf_name(m->path))
+        return;
+    try {
+        to.source = std::make_unique<gltf_source>(m->path, m);
+    } catch (const gltf_failure &failed) {
+        (void)error_set(&report.why_bare, failed.code, "%s", failed.what());
+    }
+}
+
+void write_clip(const char *path, performance &p, const gltf_options &options,
                 const export_progress *progress)
 {
     const mesh *m = clip_mesh(p.source);
+    const clip_start &start = *clip_start_of(p.source);
+    target_list to(m);
     p.report.tolerance_mm = tolerance_of(m, options.tolerance_mm);
-    gltf_surface s = gltf_surface_of(out, m);
-    add_exact_targets(out, s, p);
-    add_component_targets(out, s, p, options, progress);
-    p.report.target_count = static_cast<uint32_t>(s.target.size());
-    gltf_surface_scene(out, s);
-    add_start(out, *clip_start_of(p.source));
-    if (!s.target.empty())
-        add_animation(out, p, s.target.size(), options.name);
+    if (!options.is_bare)
+        open_source(to, p.report);
+    if (!to.source)
+        gltf_surface_begin(to.bare, to.surface);
+    add_exact_targets(to, p);
+    add_component_targets(to, p, options, progress);
+    p.report.target_count = static_cast<uint32_t>(to.count);
+    if (!to.source)
+        gltf_surface_scene(to.bare, to.surface);
+    if (!to.source && start.rate_num > 0)
+        to.bare.model.asset.extras = value_of(start_extras(start));
+    animate(to, p, options);
     step(progress, 0.9);
-    p.report.byte_count = gltf_output_write(out, path);
+    p.report.byte_count = to.source ? to.source->write(path)
+                                    : gltf_output_write(to.bare, gltf_output_json(to.bare), path);
     step(progress, 1.0);
 }
 
-void write_mesh(gltf_output &out, const char *path, const mesh *m)
+void write_mesh(const char *path, const mesh *m)
 {
-    gltf_surface s = gltf_surface_of(out, m);
-    for (uint32_t i = 0; i < m->target_count; ++i) {
-        std::vector<float> offset = gltf_in_metres(m->target[i].offset, s.position.size());
-        gltf_surface_target(out, s, gltf_utf8(m->target[i].name), offset.data());
-    }
-    gltf_surface_scene(out, s);
-    (void)gltf_output_write(out, path);
+    target_list to(m);
+    gltf_surface_begin(to.bare, to.surface);
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        to.add(gltf_utf8(m->target[i].name),
+               gltf_in_metres(m->target[i].offset, to.surface.position.size()).data());
+    gltf_surface_scene(to.bare, to.surface);
+    (void)gltf_output_write(to.bare, gltf_output_json(to.bare), path);
 }
 
 /* Nothing but a result leaves. */
@@ -335,9 +420,8 @@ extern "C" mrt_result gltf_write(const char *path, const clip *c, const gltf_opt
         return error_set(err, MRT_ERR_ARGUMENT, "%s: a tolerance of %g mm: expected 0 or more",
                          path, chosen.tolerance_mm);
     return guarded(path, err, [&] {
-        gltf_output out;
         performance p(c);
-        write_clip(out, path, p, chosen, progress);
+        write_clip(path, p, chosen, progress);
         if (out_report)
             *out_report = p.report;
     });
@@ -345,8 +429,5 @@ extern "C" mrt_result gltf_write(const char *path, const clip *c, const gltf_opt
 
 extern "C" mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err)
 {
-    return guarded(path, err, [&] {
-        gltf_output out;
-        write_mesh(out, path, m);
-    });
+    return guarded(path, err, [&] { write_mesh(path, m); });
 }

@@ -1,0 +1,457 @@
+#include "io/write/gltf_source.hpp"
+
+extern "C" {
+#include "base/file.h"
+}
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+using nlohmann::ordered_json;
+
+namespace
+{
+
+constexpr size_t SOURCE_BYTES_MAX = size_t{1} << 30, IMAGE_BYTES_MAX = size_t{64} << 20;
+
+/* Of a file, all of it. */
+struct open_file {
+    file_bytes bytes{};
+    ~open_file()
+    {
+        file_bytes_finish(&bytes);
+    }
+};
+
+std::string directory_of(const std::string &path)
+{
+    size_t slash = path.rfind('/');
+    return slash == std::string::npos ? "" : path.substr(0, slash + 1);
+}
+
+std::string member(const ordered_json &of, const char *key)
+{
+    return of.is_object() && of.contains(key) && of[key].is_string() ? of[key].get<std::string>()
+                                                                     : "";
+}
+
+/* A direction of the file's coordinates. */
+void axis_of(double out[3], mesh_axis axis, mesh_axis otherwise)
+{
+    int which = (axis == MESH_AXIS_AUTO ? otherwise : axis) - MESH_AXIS_X;
+    out[0] = out[1] = out[2] = 0.0;
+    out[which % 3] = which < 3 ? 1.0 : -1.0;
+}
+
+/* From the mesh's frame, mm, to the file's coordinates. */
+gltf_transform file_of_mesh(const mesh *m)
+{
+    double up[3], forward[3];
+    axis_of(up, m->up, MESH_AXIS_Y);
+    axis_of(forward, m->forward, MESH_AXIS_Z);
+    gltf_transform out = GLTF_TRANSFORM_IDENTITY;
+    for (int row = 0; row < 3; ++row) {
+        int a = (row + 1) % 3, b = (row + 2) % 3;
+        out.linear[row][0] = (up[a] * forward[b] - up[b] * forward[a]) / m->mm_per_unit;
+        out.linear[row][1] = up[row] / m->mm_per_unit;
+        out.linear[row][2] = forward[row] / m->mm_per_unit;
+    }
+    return out;
+}
+
+/* The inverse of three columns; false: they are flat. */
+bool invert(gltf_transform &out, const double column[3][3])
+{
+    const double *a = column[0], *b = column[1], *c = column[2];
+    double cross[3][3];
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        cross[0][i] = b[j] * c[k] - b[k] * c[j];
+        cross[1][i] = c[j] * a[k] - c[k] * a[j];
+        cross[2][i] = a[j] * b[k] - a[k] * b[j];
+    }
+    double volume = a[0] * cross[0][0] + a[1] * cross[0][1] + a[2] * cross[0][2];
+    out = GLTF_TRANSFORM_IDENTITY;
+    if (!(std::fabs(volume) > 1e-30) || !std::isfinite(volume))
+        return false;
+    for (int row = 0; row < 3; ++row)
+        for (int i = 0; i < 3; ++i)
+            out.linear[row][i] = cross[row][i] / volume;
+    return true;
+}
+
+void apply(float out[3], const gltf_transform &t, const float v[3])
+{
+    for (int row = 0; row < 3; ++row)
+        out[row] = static_cast<float>(t.linear[row][0] * static_cast<double>(v[0]) +
+                                      t.linear[row][1] * static_cast<double>(v[1]) +
+                                      t.linear[row][2] * static_cast<double>(v[2]));
+}
+
+bool is_zero(const std::vector<float> &value, size_t first, size_t count)
+{
+    for (size_t i = first * 3; i < (first + count) * 3; ++i)
+        if (value[i] != 0.0f)
+            return false;
+    return true;
+}
+
+const char *media_type(const file_bytes &image)
+{
+    const auto *byte = static_cast<const unsigned char *>(image.data);
+    if (image.size > 8 && std::memcmp(byte, "\x89PNG", 4) == 0)
+        return "image/png";
+    return image.size > 3 && byte[0] == 0xFF && byte[1] == 0xD8 ? "image/jpeg" : nullptr;
+}
+
+/* A path below the document's folder, as its URIs are allowed to be; "" else. */
+std::string path_below(const std::string &directory, const std::string &uri)
+{
+    std::string path;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        bool is_escape = uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(uri[i + 1]) &&
+                         std::isxdigit(uri[i + 2]);
+        path +=
+            is_escape ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
+        i += is_escape ? 2 : 0;
+    }
+    bool is_outside = path.empty() || path[0] == '/' || path.find(':') != std::string::npos ||
+                      path.find('\0') != std::string::npos ||
+                      ("/" + path + "/").find("/../") != std::string::npos;
+    return is_outside ? "" : directory + path;
+}
+
+ordered_json json_of(const tinygltf::BufferView &view)
+{
+    ordered_json out = {
+        {"buffer", 0}, {"byteOffset", view.byteOffset}, {"byteLength", view.byteLength}};
+    if (view.target)
+        out["target"] = view.target;
+    return out;
+}
+
+ordered_json json_of(const tinygltf::Accessor &accessor)
+{
+    ordered_json out;
+    if (accessor.bufferView >= 0)
+        out["bufferView"] = accessor.bufferView;
+    out["componentType"] = accessor.componentType;
+    out["count"] = accessor.count;
+    out["type"] = accessor.type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "SCALAR";
+    out["min"] = accessor.minValues;
+    out["max"] = accessor.maxValues;
+    if (accessor.sparse.isSparse)
+        out["sparse"] = {{"count", accessor.sparse.count},
+                         {"indices",
+                          {{"bufferView", accessor.sparse.indices.bufferView},
+                           {"componentType", accessor.sparse.indices.componentType}}},
+                         {"values", {{"bufferView", accessor.sparse.values.bufferView}}}};
+    return out;
+}
+
+} // namespace
+
+gltf_source::gltf_source(const char *path, const mesh *m)
+{
+    open_file file;
+    error failed = {""};
+    mrt_result result = file_read(&file.bytes, path, SOURCE_BYTES_MAX, &failed);
+    gltf_container container;
+    if (result >= 0)
+        result = gltf_container_parse(&container, file.bytes.data, file.bytes.size, &failed);
+    if (result < 0)
+        gltf_fail(result, "%s", failed.text);
+    std::string directory = directory_of(path);
+    tinygltf::Model model = gltf_load(container, directory.c_str()).model;
+    document_ = ordered_json::parse(container.json.at, container.json.end);
+    take_buffers(model, container);
+    take_images(directory);
+    gltf_decode(model, file.bytes.size);
+    take_instances(model, gltf_plan_of(model, file.bytes.size), m);
+}
+
+/* All that has data becomes the one buffer of a .glb; new data follows. */
+void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_container &container)
+{
+    ordered_json buffers = ordered_json::array({ordered_json::object()});
+    std::vector<std::pair<size_t, size_t>> place; /* of each buffer: which now, and from where */
+    const ordered_json none = ordered_json::array();
+    const ordered_json &before = document_.contains("buffers") ? document_["buffers"] : none;
+    for (size_t i = 0; i < before.size(); ++i) {
+        bool is_chunk =
+            i == 0 && container.is_binary && container.binary.at != container.binary.end;
+        if (!is_chunk && !before[i].contains("uri")) { /* what its views are decompressed to */
+            place.push_back({buffers.size(), 0});
+            buffers.push_back(before[i]);
+            continue;
+        }
+        place.push_back({0, out_.binary_size});
+        gltf_bytes data = model.buffers[i].data;
+        data.resize((data.size() + 7) & ~size_t{7});
+        gltf_output_reserve(out_, data.size());
+        out_.binary_size += data.size();
+        out_.chunk.push_back(std::move(data));
+    }
+    auto move = [&](ordered_json &view) {
+        const auto &to = place[view["buffer"].get<size_t>()];
+        view["buffer"] = to.first;
+        if (to.second > 0)
+            view["byteOffset"] = view.value("byteOffset", size_t{0}) + to.second;
+    };
+    if (!document_.contains("bufferViews"))
+        document_["bufferViews"] = ordered_json::array();
+    for (ordered_json &view : document_["bufferViews"]) {
+        move(view);
+        for (const char *extension : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+            if (view.contains("extensions") && view["extensions"].contains(extension))
+                move(view["extensions"][extension]);
+    }
+    document_["buffers"] = std::move(buffers);
+    first_view_ = document_["bufferViews"].size();
+    first_accessor_ = document_.contains("accessors") ? document_["accessors"].size() : 0;
+    out_.model.bufferViews.resize(first_view_);
+    out_.model.accessors.resize(first_accessor_);
+    for (const tinygltf::Accessor &accessor : model.accessors)
+        vertex_counts_.push_back(accessor.count);
+}
+
+/* Pictures that lie beside a .gltf travel with it; what is missing stays named. */
+void gltf_source::take_images(const std::string &directory)
+{
+    if (!document_.contains("images"))
+        return;
+    for (ordered_json &image : document_["images"]) {
+        std::string path = path_below(directory, member(image, "uri"));
+        open_file file;
+        error ignored;
+        if (path.empty() || file_read(&file.bytes, path.c_str(), IMAGE_BYTES_MAX, &ignored) < 0 ||
+            !media_type(file.bytes))
+            continue;
+        const auto *byte = static_cast<const unsigned char *>(file.bytes.data);
+        image.erase("uri");
+        image["bufferView"] = gltf_output_view(out_, gltf_bytes(byte, byte + file.bytes.size), 0);
+        image["mimeType"] = media_type(file.bytes);
+    }
+}
+
+void gltf_source::place_group(group &out, const tinygltf::Model &model, const gltf_group_plan &plan,
+                              gltf_skin &skin, const mesh *m)
+{
+    const gltf_transform file = file_of_mesh(m);
+    std::vector<uint32_t> joint(plan.vertex_count * MESH_SKIN_WIDTH);
+    std::vector<float> share(joint.size()), point(plan.vertex_count * 3), column[3];
+    skin.read(*plan.source, plan.vertex_count, joint.data(), share.data());
+    gltf_accessor(model, plan.source->attributes.at("POSITION")).read_floats(point.data());
+    skin.place_points(point.data(), plan.vertex_count);
+    double size = 0.0, off = 0.0;
+    for (size_t v = 0; v < plan.vertex_count; ++v) {
+        float wanted[3];
+        apply(wanted, file, m->position + (out.first + v) * 3);
+        for (size_t i = 0; i < 3; ++i) {
+            size = std::max(size, std::fabs(static_cast<double>(wanted[i])));
+            off = std::max(off, std::fabs(static_cast<double>(point[v * 3 + i]) -
+                                          static_cast<double>(wanted[i])));
+        }
+    }
+    if (!(off <= 1e-4 * size))
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its surface is not the one that was performed");
+    for (size_t i = 0; i < 3; ++i) {
+        column[i].assign(plan.vertex_count * 3, 0.0f);
+        for (size_t v = 0; v < plan.vertex_count; ++v)
+            column[i][v * 3 + i] = 1.0f;
+        skin.place_vectors(column[i].data(), plan.vertex_count);
+    }
+    for (size_t v = 0; v < plan.vertex_count; ++v) {
+        double of[3][3];
+        for (size_t i = 0; i < 3; ++i)
+            for (size_t k = 0; k < 3; ++k)
+                of[i][k] = static_cast<double>(column[i][v * 3 + k]);
+        gltf_transform back;
+        (void)invert(back, of); /* flat: nothing moves it there */
+        out.back.push_back(gltf_transform_compose(back, file));
+    }
+    out.has_normals = plan.source->attributes.count("NORMAL") > 0;
+}
+
+void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m)
+{
+    if (plan.vertex_count != m->vertex_count || plan.triangle_count != m->triangle_count)
+        gltf_fail(MRT_ERR_UNSUPPORTED,
+                  "it has %zu vertices and %zu triangles, what was performed %u and %u",
+                  plan.vertex_count, plan.triangle_count, m->vertex_count, m->triangle_count);
+    size_t vertex = 0;
+    std::vector<bool> is_taken(model.meshes.size(), false);
+    for (const gltf_instance &shown : plan.scene.instances) {
+        const gltf_mesh_plan &of = plan.meshes.at(shown.mesh);
+        gltf_skin skin(model, plan.skeleton, shown);
+        instance to = {shown.mesh, shown.node, shown.has_node, {}, {}, {}, 0, {}};
+        for (const gltf_group_plan &from : of.groups) {
+            group next = {vertex + from.first_vertex, from.vertex_count, {}, false};
+            place_group(next, model, from, skin, m);
+            to.groups.push_back(std::move(next));
+        }
+        vertex += of.vertex_count;
+        const std::vector<tinygltf::Primitive> &primitives = model.meshes[shown.mesh].primitives;
+        to.group_of.assign(primitives.size(), -1);
+        for (const gltf_primitive_plan &surface : of.surfaces)
+            to.group_of[static_cast<size_t>(surface.source - primitives.data())] =
+                static_cast<int>(surface.group);
+        if (is_taken[to.mesh]) { /* each moves in its own way */
+            ordered_json copy = document_["meshes"][to.mesh];
+            to.mesh = document_["meshes"].size();
+            document_["meshes"].push_back(std::move(copy));
+            if (to.has_node)
+                document_["nodes"][to.node]["mesh"] = to.mesh;
+        }
+        is_taken[shown.mesh] = true;
+        const ordered_json &in_file = document_["meshes"][to.mesh];
+        to.own_count = in_file["primitives"][0].contains("targets")
+                           ? in_file["primitives"][0]["targets"].size()
+                           : 0;
+        to.own_weights = in_file.value("weights", ordered_json::array());
+        if (to.has_node && document_["nodes"][to.node].contains("weights"))
+            to.own_weights = document_["nodes"][to.node]["weights"];
+        while (to.own_weights.size() < to.own_count)
+            to.own_weights.push_back(0.0);
+        instances_.push_back(std::move(to));
+    }
+}
+
+/* An accessor of a target that leaves its primitive where it is. */
+int gltf_source::zeros(size_t count)
+{
+    auto found = zeros_.find(count);
+    if (found != zeros_.end())
+        return found->second;
+    tinygltf::Accessor accessor;
+    accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
+    accessor.type = TINYGLTF_TYPE_VEC3;
+    accessor.count = count;
+    accessor.minValues = accessor.maxValues = {0.0, 0.0, 0.0};
+    return zeros_[count] = gltf_output_accessor(out_, std::move(accessor));
+}
+
+void gltf_source::add_to(instance &to, const std::string &name, const std::vector<float> &offset,
+                         const std::vector<float> &turn)
+{
+    ordered_json &in_file = document_["meshes"][to.mesh];
+    std::vector<ordered_json> target_of;
+    for (const group &g : to.groups) {
+        bool is_still = is_zero(offset, g.first, g.count);
+        ordered_json target;
+        target["POSITION"] =
+            is_still ? zeros(g.count) : gltf_output_offsets(out_, &offset[g.first * 3], g.count);
+        if (g.has_normals)
+            target["NORMAL"] = is_zero(turn, g.first, g.count)
+                                   ? zeros(g.count)
+                                   : gltf_output_offsets(out_, &turn[g.first * 3], g.count);
+        target_of.push_back(std::move(target));
+    }
+    for (size_t i = 0; i < to.group_of.size(); ++i) {
+        ordered_json &primitive = in_file["primitives"][i];
+        size_t count = vertex_counts_[primitive["attributes"]["POSITION"].get<size_t>()];
+        primitive["targets"].push_back(to.group_of[i] >= 0
+                                           ? target_of[static_cast<size_t>(to.group_of[i])]
+                                           : ordered_json{{"POSITION", zeros(count)}});
+    }
+    ordered_json &names = in_file["extras"]["targetNames"];
+    while (names.size() < to.own_count + to.targets.size())
+        names.push_back("target" + std::to_string(names.size()));
+    names.push_back(name);
+    to.targets.push_back(target_count_);
+}
+
+void gltf_source::add_target(const std::string &name, const float *offset, const float *turn)
+{
+    for (instance &to : instances_) {
+        size_t first = to.groups.empty() ? 0 : to.groups.front().first, end = first;
+        for (const group &g : to.groups)
+            end = g.first + g.count;
+        if (std::all_of(offset + first * 3, offset + end * 3, [](float x) { return x == 0.0f; }))
+            continue;
+        std::vector<float> own(end * 3), own_turn(end * 3);
+        for (const group &g : to.groups)
+            for (size_t v = 0; v < g.count; ++v) {
+                size_t at = (g.first + v) * 3;
+                const gltf_transform &back = g.back[v];
+                float mm[3];
+                for (size_t i = 0; i < 3; ++i)
+                    mm[i] = offset[at + i] * 1000.0f;
+                apply(&own[at], back, mm);
+                apply(&own_turn[at], back, turn + at);
+                double stretch = 0.0; /* of the frame: what turns a normal has no unit */
+                for (int row = 0; row < 3; ++row)
+                    stretch += back.linear[row][0] * back.linear[row][0];
+                for (size_t i = 0; i < 3 && stretch > 0.0; ++i)
+                    own_turn[at + i] = static_cast<float>(static_cast<double>(own_turn[at + i]) /
+                                                          std::sqrt(stretch));
+            }
+        add_to(to, name, own, own_turn);
+    }
+    ++target_count_;
+}
+
+void gltf_source::animate(const std::string &name, const std::vector<float> &time_s,
+                          const std::vector<float> &weight, const ordered_json &extras)
+{
+    ordered_json animation = {
+        {"name", name}, {"channels", ordered_json::array()}, {"samplers", ordered_json::array()}};
+    int time = gltf_output_floats(out_, time_s.data(), time_s.size(), 1, 0);
+    for (instance &of : instances_) {
+        if (of.targets.empty() || !of.has_node)
+            continue;
+        std::vector<float> own;
+        for (size_t frame = 0; frame < time_s.size(); ++frame) {
+            for (size_t i = 0; i < of.own_count; ++i)
+                own.push_back(of.own_weights[i].get<float>());
+            for (size_t target : of.targets)
+                own.push_back(weight[frame * target_count_ + target]);
+        }
+        int output = gltf_output_floats(out_, own.data(), own.size(), 1, 0);
+        animation["channels"].push_back({{"sampler", animation["samplers"].size()},
+                                         {"target", {{"node", of.node}, {"path", "weights"}}}});
+        animation["samplers"].push_back(
+            {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
+    }
+    animation["extras"] = extras;
+    ordered_json all = ordered_json::array({std::move(animation)});
+    if (document_.contains("animations"))
+        for (ordered_json &other : document_["animations"])
+            all.push_back(std::move(other));
+    if (!all[0]["channels"].empty())
+        document_["animations"] = std::move(all);
+}
+
+/* Weights at rest for all targets of a mesh, and of a node that has its own. */
+void gltf_source::finish_meshes()
+{
+    for (const instance &of : instances_) {
+        if (of.targets.empty())
+            continue;
+        size_t count = of.own_count + of.targets.size();
+        auto extend = [count](ordered_json &weights) {
+            while (weights.size() < count)
+                weights.push_back(0.0);
+        };
+        extend(document_["meshes"][of.mesh]["weights"]);
+        if (of.has_node && document_["nodes"][of.node].contains("weights"))
+            extend(document_["nodes"][of.node]["weights"]);
+    }
+}
+
+void gltf_source::put_new_accessors()
+{
+    for (size_t i = first_view_; i < out_.model.bufferViews.size(); ++i)
+        document_["bufferViews"].push_back(json_of(out_.model.bufferViews[i]));
+    for (size_t i = first_accessor_; i < out_.model.accessors.size(); ++i)
+        document_["accessors"].push_back(json_of(out_.model.accessors[i]));
+    document_["buffers"][0] = {{"byteLength", out_.binary_size}};
+}
+
+uint64_t gltf_source::write(const char *path)
+{
+    finish_meshes();
+    put_new_accessors();
+    return gltf_output_write(out_, document_.dump(), path);
+}

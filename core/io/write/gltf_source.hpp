@@ -1,0 +1,67 @@
+/* io/gltf_source.hpp - the glTF or VRM file that a face was read from, with morph targets and an
+ * animation added: nodes, names, skins, materials, images, extensions and its own targets stay as
+ * they are. Always written as one .glb. Private to the glTF writer; failures are gltf_failure. */
+#ifndef MAROTTE_IO_GLTF_SOURCE_HPP
+#define MAROTTE_IO_GLTF_SOURCE_HPP
+#include "io/read/gltf_plan.hpp"
+#include "io/write/gltf_output.hpp"
+
+extern "C" {
+#include "mesh/mesh.h"
+}
+
+#include <nlohmann/json.hpp>
+
+class gltf_source
+{
+  public:
+    /* Fails when the file cannot be read, or when `m` is not what it shows: it has changed since,
+     * or the face has been cut out of it. */
+    gltf_source(const char *path, const mesh *m);
+
+    /* offset, turn: V by 3, of the mesh: metres and change of normal per unit of weight. What they
+     * move gets the target; other meshes of the file do not. */
+    void add_target(const std::string &name, const float *offset, const float *turn);
+    /* weight: time_s.size() by the number of targets added. The file's own animations stay, behind
+     * this one. */
+    void animate(const std::string &name, const std::vector<float> &time_s,
+                 const std::vector<float> &weight, const nlohmann::ordered_json &extras);
+    uint64_t write(const char *path);
+
+  private:
+    struct group {                        /* vertices that primitives of an instance share */
+        size_t first, count;              /* in the mesh */
+        std::vector<gltf_transform> back; /* vectors of the mesh's frame to the file's: one, or one
+                                             for each vertex */
+        bool has_normals;
+    };
+    struct instance {      /* a node that shows a mesh */
+        size_t mesh, node; /* of the document */
+        bool has_node;
+        std::vector<group> groups;
+        std::vector<int> group_of;   /* by primitive; -1: points or lines */
+        std::vector<size_t> targets; /* which of those that were added move it */
+        size_t own_count;            /* of targets in the file */
+        nlohmann::ordered_json own_weights;
+    };
+
+    void take_buffers(const tinygltf::Model &model, const gltf_container &container);
+    void take_images(const std::string &directory);
+    void take_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m);
+    void place_group(group &out, const tinygltf::Model &model, const gltf_group_plan &plan,
+                     gltf_skin &skin, const mesh *m);
+    int zeros(size_t count);
+    void add_to(instance &to, const std::string &name, const std::vector<float> &offset,
+                const std::vector<float> &turn);
+    void finish_meshes();
+    void put_new_accessors();
+
+    nlohmann::ordered_json document_;
+    gltf_output out_;
+    std::vector<instance> instances_;
+    std::vector<size_t> vertex_counts_; /* of accessors in the file */
+    std::map<size_t, int> zeros_;
+    size_t target_count_ = 0, first_view_ = 0, first_accessor_ = 0;
+};
+
+#endif

@@ -1,0 +1,304 @@
+/* A face from a glTF file is exported as that file with the performance added: read back, each
+ * target moves what it moves in the bare mesh, through nodes that turn, scale and mirror, through a
+ * skin and two nodes of one mesh; all else in the file is as it was. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "io/export.h"
+#include "io/mesh_file.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SIDE = 5, VERTICES = SIDE * SIDE, TRIANGLES = 2 * (SIDE - 1) * (SIDE - 1) };
+
+static char folder[] = "/tmp/marotte_export_source_XXXXXX";
+static char source[128], whole[128], bare[128], picture[128];
+
+/* One sheet for two nodes, another one on a skin whose joints do not stand as it was bound; own
+ * targets, a picture beside the file, extensions and extras that nobody here knows. */
+static const char document[] =
+    "{\"asset\":{\"version\":\"2.0\",\"generator\":\"somebody\",\"extras\":{\"mood\":\"fine\"}},"
+    "\"extensionsUsed\":[\"ACME_strings\"],\"extensions\":{\"ACME_strings\":{\"count\":3}},"
+    "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3],\"name\":\"show\"}],"
+    "\"nodes\":["
+    "{\"name\":\"left\",\"mesh\":0,\"translation\":[0.4,0,0],\"rotation\":[0,0,0.6,0.8],"
+    "\"scale\":[2,1,1]},"
+    "{\"name\":\"right\",\"mesh\":0,\"translation\":[-0.4,0,0],\"scale\":[-1,1,1]},"
+    "{\"name\":\"skinned\",\"mesh\":1,\"skin\":0},"
+    "{\"name\":\"Head\",\"rotation\":[0.6,0,0,0.8],\"children\":[4]},"
+    "{\"name\":\"Jaw\",\"translation\":[0,0.1,0],\"extras\":{\"keep\":[1,2.5,\"three\"]}}],"
+    "\"meshes\":["
+    "{\"name\":\"sheet\",\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},"
+    "\"indices\":2,\"material\":0}]},"
+    "{\"name\":\"face\",\"weights\":[0.25],\"extras\":{\"targetNames\":[\"own smile\"]},"
+    "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"JOINTS_0\":3,\"WEIGHTS_0\":4},"
+    "\"indices\":2,\"material\":0,\"targets\":[{\"POSITION\":5}]}]}],"
+    "\"skins\":[{\"joints\":[3,4]}],"
+    "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":"
+    "0}}}],"
+    "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"paint.png\"}],"
+    "\"animations\":[{\"name\":\"own\",\"channels\":[{\"sampler\":0,\"target\":{\"node\":4,"
+    "\"path\":\"translation\"}}],\"samplers\":[{\"input\":6,\"output\":7}]}],";
+
+typedef struct block { /* an accessor and its view */
+    const char *type;
+    uint32_t component, count, parts;
+    const void *data;
+    size_t size;
+} block;
+
+static void write_source(void)
+{
+    static float position[VERTICES * 3], normal[VERTICES * 3], weight[VERTICES * 4],
+        smile[VERTICES * 3];
+    static uint16_t index[TRIANGLES * 3], joint[VERTICES * 4];
+    static const float time_s[2] = {0, 1}, way[6] = {0, 0.1f, 0, 0, 0.2f, 0};
+    uint16_t *corner = index;
+    for (uint16_t v = 0; v < VERTICES; ++v) {
+        int x = v % SIDE, y = v / SIDE;
+        position[3 * v] = 0.05f * (float)x;
+        position[3 * v + 1] = 0.05f * (float)y;
+        position[3 * v + 2] = 0.01f * (float)(x * y);
+        normal[3 * v + 2] = 1.0f;
+        joint[4 * v + 1] = 1;
+        weight[4 * v + 1] = (float)x / (SIDE - 1);
+        weight[4 * v] = 1.0f - weight[4 * v + 1];
+        smile[3 * v + 1] = 0.002f * (float)x;
+        if (x == SIDE - 1 || y == SIDE - 1)
+            continue;
+        const uint16_t quad[6] = {v,
+                                  (uint16_t)(v + 1),
+                                  (uint16_t)(v + SIDE),
+                                  (uint16_t)(v + 1),
+                                  (uint16_t)(v + SIDE + 1),
+                                  (uint16_t)(v + SIDE)};
+        memcpy(corner, quad, sizeof quad);
+        corner += 6;
+    }
+    const block blocks[] = {{"VEC3", 5126, VERTICES, 3, position, sizeof position},
+                            {"VEC3", 5126, VERTICES, 3, normal, sizeof normal},
+                            {"SCALAR", 5123, TRIANGLES * 3, 1, index, sizeof index},
+                            {"VEC4", 5123, VERTICES, 4, joint, sizeof joint},
+                            {"VEC4", 5126, VERTICES, 4, weight, sizeof weight},
+                            {"VEC3", 5126, VERTICES, 3, smile, sizeof smile},
+                            {"SCALAR", 5126, 2, 1, time_s, sizeof time_s},
+                            {"VEC3", 5126, 2, 3, way, sizeof way}};
+    enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
+    char binary[160];
+    snprintf(binary, sizeof binary, "%s/data.bin", folder);
+    FILE *bin = fopen(binary, "wb"), *gltf = fopen(source, "wb"), *png = fopen(picture, "wb");
+    assert_true(bin && gltf && png);
+    fputs("\x89PNG\r\n\x1a\n: not a whole picture, and none that is looked at", png);
+    fprintf(gltf, "%s\"accessors\":[", document);
+    for (int i = 0; i < BLOCKS; ++i)
+        fprintf(
+            gltf,
+            "%s{\"bufferView\":%d,\"componentType\":%u,\"count\":%u,\"type\":\"%s\",\"min\":[%s],"
+            "\"max\":[%s]}",
+            i ? "," : "", i, blocks[i].component, blocks[i].count, blocks[i].type,
+            i == 0   ? "0,0,0"
+            : i == 6 ? "0"
+                     : "",
+            i == 0   ? "0.2,0.2,0.16"
+            : i == 6 ? "1"
+                     : "");
+    fprintf(gltf, "],\"bufferViews\":[");
+    size_t at = 0;
+    for (int i = 0; i < BLOCKS; ++i) {
+        fprintf(gltf, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", i ? "," : "", at,
+                blocks[i].size);
+        assert_int_equal(fwrite(blocks[i].data, 1, blocks[i].size, bin), blocks[i].size);
+        at += blocks[i].size;
+    }
+    fprintf(gltf, "],\"buffers\":[{\"uri\":\"data.bin\",\"byteLength\":%zu}]}", at);
+    assert_int_equal(fclose(bin) | fclose(gltf) | fclose(png), 0);
+}
+
+/* min and max of accessors that need none are empty: taken out, as nobody writes them so. */
+static void tidy_source(void)
+{
+    json_t *root = json_load_file(source, 0, NULL);
+    size_t i;
+    json_t *accessor;
+    json_array_foreach(json_object_get(root, "accessors"), i,
+                       accessor) if (json_array_size(json_object_get(accessor, "min")) == 0)
+    {
+        json_object_del(accessor, "min");
+        json_object_del(accessor, "max");
+    }
+    assert_int_equal(json_dump_file(root, source, 0), 0);
+    json_decref(root);
+}
+
+static int make_files(void **state)
+{
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(source, sizeof source, "%s/head.gltf", folder);
+    snprintf(whole, sizeof whole, "%s/whole.glb", folder);
+    snprintf(bare, sizeof bare, "%s/bare.glb", folder);
+    snprintf(picture, sizeof picture, "%s/paint.png", folder);
+    write_source();
+    tidy_source();
+    return 0;
+}
+
+static int remove_files(void **state)
+{
+    (void)state;
+    char command[160];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+/* Each part moves in its own way; the last one stays for a while. */
+static void perform(const mesh *m, gltf_report *out_whole, gltf_report *out_bare)
+{
+    error err = {""};
+    float *shape = malloc((size_t)m->vertex_count * 3 * sizeof *shape);
+    clip *c = clip_create(m, 30.0, NULL, &err);
+    assert_non_null(c);
+    for (int frame = 0; frame < 20; ++frame) {
+        for (uint32_t i = 0; i < m->vertex_count * 3; ++i)
+            shape[i] = m->position[i] + 3.0f * (float)(sin(0.3 * frame + i / 75) * cos(0.2 * i));
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
+    }
+    const gltf_options with = {.tolerance_mm = 0.01},
+                       without = {.tolerance_mm = 0.01, .is_bare = true};
+    if (gltf_write(whole, c, &with, NULL, out_whole, &err) < 0 ||
+        gltf_write(bare, c, &without, NULL, out_bare, &err) < 0)
+        fail_msg("%s", err.text);
+    clip_destroy(c);
+    free(shape);
+}
+
+static const mesh_target *target_named(const mesh *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (strcmp(m->target[i].name, name) == 0)
+            return &m->target[i];
+    return NULL;
+}
+
+static void each_target_moves_what_it_moves_in_the_bare_mesh(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m, a, b;
+    gltf_report first, second;
+    assert_int_equal(mesh_file_read(&m, source, NULL, &err), MRT_OK);
+    perform(&m, &first, &second);
+    assert_string_equal(first.why_bare.text, "");
+    assert_int_equal(first.target_count, second.target_count);
+    assert_int_equal(mesh_file_read(&a, whole, NULL, &err), MRT_OK);
+    assert_int_equal(mesh_file_read(&b, bare, NULL, &err), MRT_OK);
+    assert_int_equal(a.vertex_count, b.vertex_count);
+    assert_int_equal(a.target_count, b.target_count + 1);
+    assert_non_null(target_named(&a, "own smile"));
+    for (uint32_t t = 0; t < b.target_count; ++t) {
+        const mesh_target *same = target_named(&a, b.target[t].name);
+        assert_non_null(same);
+        for (uint32_t i = 0; i < m.vertex_count * 3; ++i)
+            assert_float_equal(same->offset[i], b.target[t].offset[i], 1e-3);
+    }
+    mesh_destroy(&m);
+    mesh_destroy(&a);
+    mesh_destroy(&b);
+}
+
+static json_t *json_of_glb(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    uint32_t head[5];
+    assert_true(file && fread(head, 4, 5, file) == 5);
+    char *text = malloc(head[3]);
+    assert_true(text && fread(text, 1, head[3], file) == head[3]);
+    fclose(file);
+    json_t *root = json_loadb(text, head[3], 0, NULL);
+    assert_non_null(root);
+    free(text);
+    return root;
+}
+
+static void all_else_is_as_it_was(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m;
+    gltf_report first, second;
+    assert_int_equal(mesh_file_read(&m, source, NULL, &err), MRT_OK);
+    perform(&m, &first, &second);
+    json_t *before = json_load_file(source, 0, NULL), *after = json_of_glb(whole);
+    static const char *const kept[] = {"asset",  "extensionsUsed", "extensions", "scene",
+                                       "scenes", "skins",          "materials",  "textures"};
+    for (size_t i = 0; i < sizeof kept / sizeof kept[0]; ++i)
+        assert_true(json_equal(json_object_get(before, kept[i]), json_object_get(after, kept[i])));
+    json_t *nodes = json_object_get(after, "nodes");
+    for (size_t i = 0; i < json_array_size(nodes);
+         ++i) /* but for the mesh that the second shares */
+        if (i != 1)
+            assert_true(json_equal(json_array_get(json_object_get(before, "nodes"), i),
+                                   json_array_get(nodes, i)));
+    assert_int_equal(json_array_size(json_object_get(after, "meshes")), 3);
+    /* The picture is inside; the file's own animation plays behind the performance. */
+    json_t *image = json_array_get(json_object_get(after, "images"), 0);
+    assert_null(json_object_get(image, "uri"));
+    assert_string_equal(json_string_value(json_object_get(image, "mimeType")), "image/png");
+    json_t *animations = json_object_get(after, "animations");
+    assert_int_equal(json_array_size(animations), 2);
+    assert_true(json_equal(json_array_get(json_object_get(before, "animations"), 0),
+                           json_array_get(animations, 1)));
+    assert_int_equal(json_array_size(json_object_get(json_array_get(animations, 0), "channels")),
+                     3);
+    /* Its own target keeps its place, its weight and its name. */
+    json_t *face = json_array_get(json_object_get(after, "meshes"), 1);
+    assert_true(json_real_value(json_array_get(json_object_get(face, "weights"), 0)) == 0.25);
+    json_t *names = json_object_get(json_object_get(face, "extras"), "targetNames");
+    assert_string_equal(json_string_value(json_array_get(names, 0)), "own smile");
+    assert_int_equal(json_array_size(names), json_array_size(json_object_get(face, "weights")));
+    json_decref(before);
+    json_decref(after);
+    mesh_destroy(&m);
+}
+
+/* The file is another one by now: the mesh alone is written, and why is told. */
+static void a_file_that_has_changed_is_not_used(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m;
+    gltf_report first, second;
+    assert_int_equal(mesh_file_read(&m, source, NULL, &err), MRT_OK);
+    m.position[0] += 50.0f;
+    perform(&m, &first, &second);
+    assert_non_null(strstr(first.why_bare.text, "not the one that was performed"));
+    assert_int_equal(first.byte_count, second.byte_count);
+    m.position[0] -= 50.0f;
+    FILE *file = fopen(source, "wb");
+    assert_true(file && fputs("{\"asset\":{}}", file) >= 0 && fclose(file) == 0);
+    perform(&m, &first, &second);
+    assert_true(first.why_bare.text[0] != '\0');
+    assert_int_equal(unlink(source), 0);
+    perform(&m, &first, &second);
+    assert_non_null(strstr(first.why_bare.text, "No such file"));
+    mesh_destroy(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_target_moves_what_it_moves_in_the_bare_mesh),
+        cmocka_unit_test(all_else_is_as_it_was),
+        cmocka_unit_test(a_file_that_has_changed_is_not_used),
+    };
+    return cmocka_run_group_tests(tests, make_files, remove_files);
+}
