@@ -279,10 +279,13 @@ typedef struct stature {
     double height; /* units */
 } stature;
 
+static const double head_least_mm = 80.0, head_most_mm = 700.0;
+
 static bool is_likely(const stature *s, double mm_per_unit)
 {
     double mm = s->height * mm_per_unit;
-    return (s->is_head && mm >= 80.0 && mm <= 700.0) || (s->is_body && mm >= 500.0 && mm <= 2600.0);
+    return (s->is_head && mm >= head_least_mm && mm <= head_most_mm) ||
+           (s->is_body && mm >= 500.0 && mm <= 2600.0);
 }
 
 /* What makes a head, or a body, as tall as one is. */
@@ -302,8 +305,11 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     s.is_head = is_flat || s.height < 2.8 * thinner;
     if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
         return format_mm > 0.0 ? format_mm : 1.0;
-    if (is_likely(&s, format_mm))
-        return format_mm; /* nothing to say */
+    /* Nothing to say: also of a face that is as thin as a mask, where the format has a unit. */
+    bool is_of_heads_size =
+        s.height * format_mm >= head_least_mm && s.height * format_mm <= head_most_mm;
+    if (is_of_heads_size || is_likely(&s, format_mm))
+        return format_mm;
     for (size_t i = 0; i < sizeof unit / sizeof *unit; ++i)
         if (is_likely(&s, unit[i].mm)) {
             mesh_note(m, "the unit is taken for %s: so the height is %.0f mm (--unit says another)",
