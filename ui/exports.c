@@ -98,13 +98,15 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
     const char *between = ": ";
     for (uint32_t i = 0; i < type->param_count && used > 0 && (size_t)used < capacity; ++i) {
         const mrt_param *p = &type->params[i];
-        const char *label = p->labels ? p->labels[(size_t)(value[i] - p->min + 0.5)] : NULL;
+        /* A show may say anything. */
+        double at = value[i] >= p->min && value[i] <= p->max ? value[i] : p->initial;
+        const char *label = p->labels ? p->labels[(size_t)(at - p->min + 0.5)] : NULL;
         bool is_off =
-            label ? strcmp(label, "Off") == 0 || strcmp(label, "None") == 0 : fabs(value[i]) <= 0.0;
-        if ((p->flags & MRT_PARAM_TRIGGER) || (is_off && value[i] <= p->initial))
+            label ? strcmp(label, "Off") == 0 || strcmp(label, "None") == 0 : fabs(at) <= 0.0;
+        if ((p->flags & MRT_PARAM_TRIGGER) || (is_off && at <= p->initial))
             continue;
         size_t left = capacity - (size_t)used;
-        bool is_usual = fabs(value[i] - p->initial) < 0.5;
+        bool is_usual = fabs(at - p->initial) < 0.5;
         const char *explained = label && !is_usual ? explanation_of(p->help, label) : NULL;
         if (explained)
             used += snprintf(out + used, left, "%s%s %s (%.*s)", between, p->name, label,
@@ -112,7 +114,7 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
         else if (label)
             used += snprintf(out + used, left, "%s%s %s", between, p->name, label);
         else
-            used += snprintf(out + used, left, "%s%s %g%s%s", between, p->name, value[i],
+            used += snprintf(out + used, left, "%s%s %g%s%s", between, p->name, at,
                              p->unit[0] ? " " : "", p->unit);
         between = ", ";
     }

@@ -262,6 +262,12 @@ if command -v sqlite3 >/dev/null; then
         cp "$scratch/recovered.marotte" "$scratch/c.marotte"
         sqlite3 "$scratch/c.marotte" "$1" >/dev/null
     }
+    for value in 1e300 -1e300 9e999; do # of what a choice is set to: there is no such choice
+        changed "UPDATE performance_param SET value = $value"
+        "$MAROTTE" take export "$scratch/c.marotte" 1 --export "$scratch/out/a.pc2" --out 0.2 >"$scratch/said" 2>&1
+        [ $? -le 1 ] || fail "a parameter of $value ends take export: $(tail -n 1 "$scratch/said")"
+        rm -f "$scratch/out/a.pc2"
+    done
     changed "UPDATE chunk SET bytes = zeroblob(length(bytes)) WHERE id = 2"
     take show "$scratch/c.marotte" 1 --hash >"$scratch/said"
     grep -q '^SHA-256' "$scratch/said" || fail "what is whole of a damaged take is not played"

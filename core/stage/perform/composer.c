@@ -68,7 +68,7 @@ static void composer_show(composer *self); /* if stale */
 /* how: the pull that says how it is solved; NULL: nobody does. */
 static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how);
 
-/* ---- composer_join.c: the anchored voices ---- */
+/* ---- the anchored voices ---- */
 
 static void composer_join(composer *self);
 /* The face as if the voices pulled nothing but what `keep` has added; bones as they are. */
@@ -77,7 +77,7 @@ static void composer_let_go_but(composer *self, bool (*keep)(const voice *v));
 static bool composer_commit(composer *self);
 static bool composer_is_anybody_joined(const composer *self);
 
-/* ---- composer_blend.c: what they add up to ---- */
+/* ---- what they add up to ---- */
 
 static vec3 composer_vec3(mrt_vec3 p);
 /* Its weight and its gain. */
