@@ -31,8 +31,8 @@ class gltf_source
   private:
     struct group {                        /* vertices that primitives of an instance share */
         size_t first, count;              /* in the mesh */
-        std::vector<gltf_transform> back; /* vectors of the mesh's frame to the file's: one, or one
-                                             for each vertex */
+        /* Of each vertex: vectors of the mesh's frame to the file's. */
+        std::vector<gltf_transform> back;
         bool has_normals;
     };
     struct instance {      /* a node that shows a mesh */
