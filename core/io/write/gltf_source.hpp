@@ -29,8 +29,8 @@ class gltf_source
     uint64_t write(const char *path);
 
   private:
-    struct group {                        /* vertices that primitives of an instance share */
-        size_t first, count;              /* in the mesh */
+    struct group {           /* vertices that primitives of an instance share */
+        size_t first, count; /* in the mesh */
         /* Of each vertex: vectors of the mesh's frame to the file's. */
         std::vector<gltf_transform> back;
         bool has_normals;
