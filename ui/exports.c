@@ -10,30 +10,35 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char exports_names[] = ".glb, .pc2, .mdd, .csv, .png, .mp4 or / (a folder)";
+const char exports_names[] = "one of"
+#define X(format, ending, name, holds, lacks) " " ending
+    EXPORTS_FORMATS(X);
+#undef X
 
-static const struct {
-    const char *extension;
-    exports_format format;
-} formats[] = {
-    {"glb", EXPORTS_GLB}, {"pc2", EXPORTS_PC2}, {"mdd", EXPORTS_MDD},
-    {"csv", EXPORTS_CSV}, {"png", EXPORTS_PNG}, {"mp4", EXPORTS_MP4},
+static const char *const endings[EXPORTS_END] = {
+#define X(format, ending, name, holds, lacks) [EXPORTS_##format] = ending,
+    EXPORTS_FORMATS(X)
+#undef X
 };
 
+/* Of two endings that fit the longer one. */
 exports_format exports_format_of(const char *path)
 {
-    file_extension extension = file_extension_of(path);
-    size_t length = strlen(path);
-    if (length > 0 && path[length - 1] == '/')
-        return EXPORTS_FOLDER;
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i)
-        if (strcmp(extension.text, formats[i].extension) == 0)
-            return formats[i].format;
-    return EXPORTS_NONE;
+    exports_format best = EXPORTS_NONE;
+    size_t length = strlen(path), most = 0;
+    for (exports_format i = EXPORTS_NONE + 1; i < EXPORTS_END; ++i) {
+        size_t size = strlen(endings[i]);
+        if (size > most && size <= length && strcasecmp(path + length - size, endings[i]) == 0) {
+            best = i;
+            most = size;
+        }
+    }
+    return best;
 }
 
 /* Written frame by frame while it is performed; all others from a clip. */
@@ -144,31 +149,46 @@ static mrt_result write_glb(const char *path, const clip *frames, const exports_
     return MRT_OK;
 }
 
-static mrt_result write_one(const exports_file *file, const clip *frames,
-                            const exports_settings *settings, const export_progress *steps,
-                            facts *told, error *err)
+static mrt_result write_sheet(const char *path, const clip *frames,
+                              const exports_settings *settings, const export_progress *steps,
+                              facts *told, error *err)
 {
-    switch (file->format) {
-    case EXPORTS_GLB:
-        return write_glb(file->path, frames, settings, steps, told, err);
-    case EXPORTS_PC2:
-        return pc2_write(file->path, frames, steps, err);
-    case EXPORTS_MDD:
-        return mdd_write(file->path, frames, steps, err);
-    case EXPORTS_CSV:
-        return csv_write(file->path, frames, steps, err);
-    case EXPORTS_PNG:
-        return sheet_write(
-            file->path, frames,
-            &(sheet_about){settings->title, settings->made_from, settings->width, settings->height},
-            err);
-    case EXPORTS_NONE:
-    case EXPORTS_MP4:
-    case EXPORTS_FOLDER:
-        break;
-    }
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: unknown format", file->path);
+    (void)steps, (void)told;
+    return sheet_write(
+        path, frames,
+        &(sheet_about){settings->title, settings->made_from, settings->width, settings->height},
+        err);
 }
+
+static mrt_result write_pc2(const char *path, const clip *frames, const exports_settings *settings,
+                            const export_progress *steps, facts *told, error *err)
+{
+    (void)settings, (void)told;
+    return pc2_write(path, frames, steps, err);
+}
+
+static mrt_result write_mdd(const char *path, const clip *frames, const exports_settings *settings,
+                            const export_progress *steps, facts *told, error *err)
+{
+    (void)settings, (void)told;
+    return mdd_write(path, frames, steps, err);
+}
+
+static mrt_result write_csv(const char *path, const clip *frames, const exports_settings *settings,
+                            const export_progress *steps, facts *told, error *err)
+{
+    (void)settings, (void)told;
+    return csv_write(path, frames, steps, err);
+}
+
+/* From a clip; NULL: a video, written while it is performed. */
+static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *frames,
+                                                const exports_settings *settings,
+                                                const export_progress *steps, facts *told,
+                                                error *err) = {
+    [EXPORTS_GLB] = write_glb, [EXPORTS_PC2] = write_pc2,   [EXPORTS_MDD] = write_mdd,
+    [EXPORTS_CSV] = write_csv, [EXPORTS_PNG] = write_sheet,
+};
 
 mrt_result exports_write(const exports_file *file, uint32_t count, const clip *frames,
                          const exports_settings *settings, progress *shown, facts *told, error *err)
@@ -179,7 +199,7 @@ mrt_result exports_write(const exports_file *file, uint32_t count, const clip *f
         if (exports_is_video(file[i].format))
             continue;
         progress_start(shown, "writing");
-        result = write_one(&file[i], frames, settings, &steps, told, err);
+        result = writers[file[i].format](file[i].path, frames, settings, &steps, told, err);
         progress_end(shown);
         if (result >= 0)
             facts_list(told, "files", "wrote", file[i].path);

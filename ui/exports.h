@@ -3,6 +3,7 @@
  * that belongs to them. [main] */
 #ifndef MAROTTE_UI_EXPORTS_H
 #define MAROTTE_UI_EXPORTS_H
+#include "io/export_formats.h"
 #include "facts.h"
 #include "io/export.h"
 #include "terminal.h"
@@ -14,13 +15,10 @@ enum { EXPORTS_MAX = 16 };
 
 typedef enum exports_format {
     EXPORTS_NONE = 0,
-    EXPORTS_GLB,
-    EXPORTS_PC2,
-    EXPORTS_MDD,
-    EXPORTS_CSV,
-    EXPORTS_PNG,
-    EXPORTS_MP4,
-    EXPORTS_FOLDER /* of pictures: a name that ends in '/' */
+#define X(format, ending, name, holds, lacks) EXPORTS_##format,
+    EXPORTS_FORMATS(X)
+#undef X
+        EXPORTS_END
 } exports_format;
 
 typedef struct exports_file {
@@ -28,7 +26,7 @@ typedef struct exports_file {
     exports_format format;
 } exports_file;
 
-/* What exports_format_of knows: ".glb, .pc2 ...". */
+/* What exports_format_of knows, for a sentence: "one of .glb .mp4 ...". */
 extern const char exports_names[];
 /* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);

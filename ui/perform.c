@@ -545,12 +545,7 @@ const command command_perform = {
         "  --record SHOW      keeps the hands as a take of this show, which is made if it is not\n"
         "                     there (marotte take); --scene and --shot: of its slate\n"
         "  --sound            records the microphone with it\n"
-        "  --export FILE      .glb   glTF: base mesh, morph targets, animation\n"
-        "                     .pc2 .mdd   vertex caches, mm\n"
-        "                     .csv   the control vectors as text, mm\n"
-        "                     .png   a contact sheet of eight moments\n"
-        "                     .mp4   H.264 (by the program ffmpeg); with --sound, as recorded\n"
-        "                     frames/   a folder: pictures 00001.png and on\n"
+        "  --export FILE      may be given many times; by the end of its name:\n" EXPORTS_HELP
         "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
         "  --view front|side|three-quarter   from where the face is seen\n"
         "  --mirror           left and right change places\n"

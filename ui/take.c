@@ -97,10 +97,11 @@ static int add_export(take_call *out, const char *path)
     }
     if (out->export_count == EXPORTS_MAX)
         return misused(out->verb, "is one export too many", path);
-    if (file.format == EXPORTS_NONE)
-        return misused(out->verb,
-                       "does not end in .glb, .pc2, .mdd, .csv, .png, .mp4, .wav or / (a folder)",
-                       path);
+    if (file.format == EXPORTS_NONE) {
+        char what[256];
+        (void)snprintf(what, sizeof what, "does not end in %s .wav", exports_names);
+        return misused(out->verb, what, path);
+    }
     out->exports[out->export_count++] = file;
     return COMMAND_DONE;
 }
@@ -524,8 +525,8 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
      TAKE_RECORDS, take_record_run},
     {"export", "SHOW TAKE",
-     "  --export FILE  .glb .pc2 .mdd .csv .png; .mp4: with its sound and time code; frames/: a\n"
-     "                 folder of pictures; .wav: its sound; may be given many times\n"
+     "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
+     "                     .wav   its sound\n"
      "  --wav          the sound too, beside the first file\n"
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
      "  --in T, --out T   a range of it\n"

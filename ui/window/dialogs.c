@@ -1,5 +1,6 @@
 #include "window/dialogs.h"
 #include "base/installed.h"
+#include "io/export_formats.h"
 
 #include "take/timecode.h"
 
@@ -19,12 +20,9 @@ typedef struct format {
     const char *name, *ending;
 } format;
 static const format formats[] = {
-    {"glTF, for Blender, Unity, Unreal (.glb)", ".glb"},
-    {"Video (.mp4)", ".mp4"},
-    {"Pictures, a folder of PNG", "/"},
-    {"Point cache 2 (.pc2)", ".pc2"},
-    {"Motion Designer (.mdd)", ".mdd"},
-    {"Table (.csv)", ".csv"},
+#define X(format, ending, name, holds, lacks) {name, ending},
+    EXPORTS_FORMATS(X)
+#undef X
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 

@@ -1,6 +1,6 @@
 extern "C" {
+#include "io/write/clip_targets.h"
 #include "io/write/components.h"
-#include "io/export.h"
 }
 
 #include "io/write/gltf_source.hpp"
@@ -8,6 +8,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <strings.h>
 #include <memory>
@@ -33,11 +34,51 @@ struct segment_targets {
     std::vector<axis_targets> axis; /* 3 per column */
 };
 
-/* Where targets go: to the mesh alone, or to the file that it is from. */
+template <typename number> number *room_for(size_t count)
+{
+    auto *room = static_cast<number *>(std::calloc(count + 1, sizeof(number)));
+    if (!room)
+        throw std::bad_alloc();
+    return room;
+}
+
+void list_target(clip_targets &to, const std::string &name, const float *offset,
+                 const std::vector<float> &turn)
+{
+    auto moves = [&](size_t v) {
+        auto is_there = [](float x) { return x != 0.0f; };
+        return std::any_of(offset + v * 3, offset + v * 3 + 3, is_there) ||
+               std::any_of(&turn[v * 3], &turn[v * 3] + 3, is_there);
+    };
+    std::vector<uint32_t> moved;
+    for (size_t v = 0; v * 3 < turn.size(); ++v)
+        if (moves(v))
+            moved.push_back(static_cast<uint32_t>(v));
+    auto *grown = static_cast<clip_target *>(
+        std::realloc(to.target, (size_t{to.count} + 1) * sizeof *to.target));
+    if (!grown)
+        throw std::bad_alloc();
+    to.target = grown;
+    clip_target &added = to.target[to.count++] = clip_target{};
+    added.name = room_for<char>(name.size());
+    std::copy(name.begin(), name.end(), added.name);
+    added.count = static_cast<uint32_t>(moved.size());
+    added.vertex = room_for<uint32_t>(moved.size());
+    added.offset = room_for<float>(moved.size() * 3);
+    added.normal = room_for<float>(moved.size() * 3);
+    std::copy(moved.begin(), moved.end(), added.vertex);
+    for (size_t i = 0; i < moved.size(); ++i) {
+        std::copy_n(offset + moved[i] * size_t{3}, 3, added.offset + i * 3);
+        std::copy_n(&turn[moved[i] * size_t{3}], 3, added.normal + i * 3);
+    }
+}
+
+/* Where targets go: to the mesh alone, to the file that it is from, or into a list. */
 struct target_list {
     gltf_surface surface; /* of the mesh */
     gltf_output bare;
     std::unique_ptr<gltf_source> source; /* or none */
+    clip_targets *listed = nullptr;      /* its room is for all of them */
     size_t count = 0;
 
     explicit target_list(const mesh *m) : surface(gltf_surface_of(m))
@@ -47,7 +88,9 @@ struct target_list {
     void add(const std::string &name, const float *offset)
     {
         gltf_surface_turn(surface, name, offset);
-        if (source)
+        if (listed)
+            list_target(*listed, name, offset, surface.turn);
+        else if (source)
             source->add_target(name, offset, surface.turn.data());
         else
             gltf_surface_target(bare, surface, name, offset);
@@ -380,6 +423,23 @@ void write_clip(const char *path, performance &p, const gltf_options &options,
     step(progress, 1.0);
 }
 
+void list_targets(clip_targets &out, performance &p, const gltf_options &options,
+                  const export_progress *progress)
+{
+    target_list to(clip_mesh(p.source));
+    to.listed = &out;
+    p.report.tolerance_mm = tolerance_of(clip_mesh(p.source), options.tolerance_mm);
+    add_exact_targets(to, p);
+    add_component_targets(to, p, options, progress);
+    p.report.target_count = out.count;
+    if (to.count == 0)
+        return;
+    std::vector<float> weight = all_weights(p, to.count);
+    gltf_output_check(weight.data(), weight.size(), "weights of the columns");
+    out.weight = room_for<float>(weight.size());
+    std::copy(weight.begin(), weight.end(), out.weight);
+}
+
 void write_mesh(const char *path, const mesh *m)
 {
     target_list to(m);
@@ -425,6 +485,37 @@ extern "C" mrt_result gltf_write(const char *path, const clip *c, const gltf_opt
         if (out_report)
             *out_report = p.report;
     });
+}
+
+extern "C" mrt_result clip_targets_find(clip_targets *out, const clip *c,
+                                        const gltf_options *options,
+                                        const export_progress *progress, gltf_report *out_report,
+                                        error *err)
+{
+    gltf_options chosen = options ? *options : gltf_options{};
+    *out = clip_targets{};
+    mrt_result result = guarded("targets", err, [&] {
+        performance p(c);
+        list_targets(*out, p, chosen, progress);
+        if (out_report)
+            *out_report = p.report;
+    });
+    if (result < 0)
+        clip_targets_finish(out);
+    return result;
+}
+
+extern "C" void clip_targets_finish(clip_targets *targets)
+{
+    for (uint32_t i = 0; i < targets->count; ++i) {
+        std::free(targets->target[i].name);
+        std::free(targets->target[i].vertex);
+        std::free(targets->target[i].offset);
+        std::free(targets->target[i].normal);
+    }
+    std::free(targets->target);
+    std::free(targets->weight);
+    *targets = clip_targets{};
 }
 
 extern "C" mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err)

@@ -9,7 +9,7 @@ enum { EXPORT_FILE = 1024 };
 typedef struct exporter exporter;
 
 typedef struct export_request {
-    char file[EXPORT_FILE]; /* NAME.glb, .pc2, .mdd, .csv, .mp4, or a folder/ of pictures */
+    char file[EXPORT_FILE]; /* its end says the format: exports.h */
     double fps;             /* 0: the take's own */
     int64_t in_ns, out_ns;  /* in >= out: all of it */
 } export_request;

@@ -1,0 +1,25 @@
+/* io/export_formats.h - the formats that takes and performances are exported in, as the command
+ * lines, their --help and the window offer them. Their writers: ui/exports.c. */
+#ifndef MAROTTE_IO_EXPORT_FORMATS_H
+#define MAROTTE_IO_EXPORT_FORMATS_H
+
+/* X(format, how a name ends, the format's name, what it holds, what it cannot hold) */
+#define EXPORTS_FORMATS(X)                                                                         \
+    X(GLB, ".glb", "glTF, for Blender, Unity, Unreal (.glb)",                                      \
+      "the face with all that its file has, and its motion", "hands, sound")                       \
+    X(MP4, ".mp4", "Video (.mp4)", "H.264, by the program ffmpeg; sound and time code",            \
+      "the mesh")                                                                                  \
+    X(FOLDER, "/", "Pictures, a folder of PNG", "a folder: pictures 00001.png and on", "sound")    \
+    X(PC2, ".pc2", "Point cache 2 (.pc2)", "every vertex at every frame",                          \
+      "the mesh, frames a second")                                                                 \
+    X(MDD, ".mdd", "Motion Designer (.mdd)", "every vertex at every frame, and its time",          \
+      "the mesh")                                                                                  \
+    X(CSV, ".csv", "Table (.csv)", "the control vectors as text, mm", "the mesh")                  \
+    X(PNG, ".png", "Contact sheet (.png)", "eight moments in one picture", "motion")
+
+/* For --help: a line each. */
+#define EXPORTS_HELP_LINE(format, ending, name, holds, lacks)                                      \
+    "                     " ending "   " holds "; not: " lacks "\n"
+#define EXPORTS_HELP EXPORTS_FORMATS(EXPORTS_HELP_LINE)
+
+#endif
