@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "take/show_file.h"
 #include "take/sound_pcm.h"
-#include "take/sound_rate.h"
 #include "take/sound_render.h"
 #include "take/timecode.h"
 
@@ -386,12 +385,10 @@ static const int64_t start_max_ns = INT64_MAX / 2, timecode_max = 1000000000000;
 
 typedef struct sink {
     sound_render *render;
-    sound_rate *rate; /* NULL: frames are not resampled */
-    int64_t first;    /* frame of the timeline that is frame 0 */
+    int64_t first; /* frame of the timeline that is frame 0 */
     sound_pcm format;
     uint32_t channel_count;
-    float *samples, *needed;
-    size_t needed_frames; /* room */
+    float *samples;
     unsigned char *bytes;
     int *integers;
     file_writer writer;
@@ -404,9 +401,7 @@ static void sink_finish(sink *self)
         sf_close(self->file);
     file_writer_abandon(&self->writer);
     sound_render_destroy(self->render);
-    sound_rate_destroy(self->rate);
     free(self->samples);
-    free(self->needed);
     free(self->bytes);
     free(self->integers);
 }
@@ -434,27 +429,22 @@ static mrt_result check_export(const sound_file_export *what, error *err)
 }
 
 /* Frames that are as they were keep their format; sums of them need more than 16 bits. */
-static sound_pcm format_of(const sink *self, const sound_file_export *what)
+static sound_pcm format_of(const sink *self, const sound_file_export *what, uint32_t rate_hz)
 {
-    sound_pcm format = sound_pcm_of(sound_render_audio(self->render)->format);
-    bool is_as_it_was = what->take->audio.gain == 1.0 && !self->rate &&
+    const show_audio *audio = sound_render_audio(self->render);
+    sound_pcm format = sound_pcm_of(audio->format);
+    bool is_as_it_was = what->take->audio.gain == 1.0 && rate_hz == audio->rate_hz &&
                         sound_map_is_plain(sound_render_map(self->render));
     return format == SOUND_PCM_S16 && !is_as_it_was ? SOUND_PCM_S24 : format;
 }
 
 static mrt_result make_buffers(sink *self, error *err)
 {
-    int64_t first;
     size_t samples = (size_t)OUT_FRAMES * self->channel_count;
     self->samples = malloc(samples * sizeof *self->samples);
     self->bytes = malloc(samples * 4);
     self->integers = malloc(samples * sizeof *self->integers);
-    if (self->rate) {
-        sound_rate_needs(self->rate, 0, OUT_FRAMES, &first, &self->needed_frames);
-        self->needed_frames += 1; /* as frames fall */
-        self->needed = malloc(self->needed_frames * self->channel_count * sizeof *self->needed);
-    }
-    if (self->samples && self->bytes && self->integers && (self->needed || !self->rate))
+    if (self->samples && self->bytes && self->integers)
         return MRT_OK;
     return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
 }
@@ -464,19 +454,14 @@ static mrt_result prepare(sink *self, sound_file_report *out, show *s,
 {
     mrt_result result = check_export(what, err);
     if (result >= 0)
-        result = sound_render_create(&self->render, s, &what->take->audio, err);
+        result = sound_render_create(&self->render, s, &what->take->audio, what->rate_hz, err);
     if (result < 0)
         return result;
     const show_audio *audio = sound_render_audio(self->render);
     self->channel_count = out->channel_count = audio->channel_count;
     out->rate_hz = what->rate_hz ? what->rate_hz : audio->rate_hz;
-    if (out->rate_hz != audio->rate_hz)
-        result =
-            sound_rate_create(&self->rate, audio->rate_hz, out->rate_hz, audio->channel_count, err);
-    if (result < 0)
-        return result;
-    self->first = sound_render_frame(audio->rate_hz, what->from_ns);
-    self->format = format_of(self, what);
+    self->first = sound_render_frame(out->rate_hz, what->from_ns);
+    self->format = format_of(self, what, out->rate_hz);
     snprintf(out->format, sizeof out->format, "%s", sound_pcm_name(self->format));
     out->frame_count = sound_render_frame(out->rate_hz, what->to_ns - what->from_ns);
     if (out->frame_count < 1)
@@ -558,15 +543,8 @@ static mrt_result open_sink(sink *self, const sound_file_report *report,
 static void render(sink *self, int64_t at, size_t count, sound_file_report *report)
 {
     error why = {""};
-    int64_t first = at;
-    if (self->rate)
-        sound_rate_needs(self->rate, at, count, &first, &self->needed_frames);
-    float *into = self->rate ? self->needed : self->samples;
-    size_t frames = self->rate ? self->needed_frames : count;
-    if (sound_render_frames(self->render, self->first + first, into, frames, &why) < 0)
+    if (sound_render_frames(self->render, self->first + at, self->samples, count, &why) < 0)
         report->damaged_count += 1;
-    if (self->rate)
-        sound_rate_convert(self->rate, self->samples, at, count, self->needed);
 }
 
 /* libsndfile's integers have their sign in bit 31 whatever the format. */

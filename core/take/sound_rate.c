@@ -1,118 +1,126 @@
 #include "take/sound_rate.h"
-#include "base/angle.h"
 
-#include <math.h>
+#include <samplerate.h>
 #include <stdlib.h>
 
-/* The kernel reaches over so many zero crossings to each side and is tabled so finely between two;
- * values between are linear, an error of 1e-7. */
-enum { CROSSINGS = 48, STEPS = 1024, CHANNELS_MAX = 64 };
-static const double kaiser_beta = 9.0;
-/* Of the lower Nyquist frequency: half of what is passed there. */
-static const double cutoff = 0.95;
+/* Frames that are asked of the source, or thrown away, at once; more than the filter reaches to
+ * each side at the lower of the two rates. */
+enum { PIECE_FRAMES = 512, REACH_FRAMES = 128 };
 
 struct sound_rate {
-    uint64_t from_hz, to_hz;
-    uint32_t channel_count;
-    double scale;  /* crossings per frame at from_hz */
-    int64_t reach; /* frames at from_hz */
-    float table[CROSSINGS * STEPS + 2];
+    uint32_t from_hz, to_hz, channel_count;
+    int64_t period_in, period_out; /* frames after which both rates meet again */
+    sound_rate_source *source;
+    void *data;
+    SRC_STATE *filter;
+    int64_t next_in, next_out;
+    float *piece, *thrown_away; /* PIECE_FRAMES */
 };
 
-/* Modified Bessel function of order 0, by its series. */
-static double bessel(double x)
+static long give_piece(void *data, float **out)
 {
-    double sum = 1.0, term = 1.0;
-    for (int k = 1; k < 60; ++k) {
-        term *= (x / (2.0 * k)) * (x / (2.0 * k));
-        sum += term;
-    }
-    return sum;
+    sound_rate *self = data;
+    self->source(self->data, self->next_in, self->piece, PIECE_FRAMES);
+    self->next_in += PIECE_FRAMES;
+    *out = self->piece;
+    return PIECE_FRAMES;
 }
 
-static double kernel(double crossings)
+static int64_t common_divisor(int64_t a, int64_t b)
 {
-    double x = crossings / CROSSINGS;
-    if (x >= 1.0)
-        return 0.0;
-    double turn = ANGLE_PI * crossings;
-    double sinc = crossings == 0.0 ? 1.0 : angle_turn_of(turn).sin / turn;
-    return sinc * bessel(kaiser_beta * sqrt(1.0 - x * x)) / bessel(kaiser_beta);
+    while (b != 0) {
+        int64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
 }
 
 mrt_result sound_rate_create(sound_rate **out, uint32_t from_hz, uint32_t to_hz,
-                             uint32_t channel_count, error *err)
+                             uint32_t channel_count, sound_rate_source *source, void *data,
+                             error *err)
 {
     *out = NULL;
-    if (from_hz == 0 || to_hz == 0 || channel_count == 0 || channel_count > CHANNELS_MAX ||
-        to_hz / from_hz >= 1000 || from_hz / to_hz >= 1000)
+    if (from_hz == 0 || to_hz == 0 || !src_is_valid_ratio((double)to_hz / (double)from_hz))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "from %u Hz to %u Hz, %u channels: cannot be resampled", from_hz, to_hz,
-                         channel_count);
+                         "sound from %u Hz to %u Hz: at most 256 to 1 can be resampled", from_hz,
+                         to_hz);
     sound_rate *self = calloc(1, sizeof *self);
     if (!self)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to resample");
-    self->from_hz = from_hz;
-    self->to_hz = to_hz;
-    self->channel_count = channel_count;
-    self->scale = cutoff * (to_hz < from_hz ? (double)to_hz / (double)from_hz : 1.0);
-    self->reach = (int64_t)ceil(CROSSINGS / self->scale);
-    for (int i = 0; i <= CROSSINGS * STEPS; ++i)
-        self->table[i] = (float)kernel((double)i / STEPS);
-    *out = self;
-    return MRT_OK;
+        return error_set(err, MRT_ERR_MEMORY, "no memory to resample sound");
+    int64_t divisor = common_divisor(from_hz, to_hz);
+    int failed = 0;
+    *self = (sound_rate){.from_hz = from_hz,
+                         .to_hz = to_hz,
+                         .channel_count = channel_count,
+                         .period_in = from_hz / divisor,
+                         .period_out = to_hz / divisor,
+                         .source = source,
+                         .data = data,
+                         .next_out = INT64_MIN};
+    self->piece = calloc((size_t)PIECE_FRAMES * channel_count, sizeof *self->piece);
+    self->thrown_away = calloc((size_t)PIECE_FRAMES * channel_count, sizeof *self->piece);
+    self->filter =
+        src_callback_new(give_piece, SRC_SINC_MEDIUM_QUALITY, (int)channel_count, &failed, self);
+    if (self->piece && self->thrown_away && self->filter) {
+        *out = self;
+        return MRT_OK;
+    }
+    sound_rate_destroy(self);
+    return error_set(err, MRT_ERR_MEMORY, "sound of %u channels cannot be resampled: %s",
+                     channel_count, failed ? src_strerror(failed) : "no memory");
 }
 
 void sound_rate_destroy(sound_rate *self)
 {
+    if (!self)
+        return;
+    if (self->filter)
+        src_delete(self->filter);
+    free(self->piece);
+    free(self->thrown_away);
     free(self);
 }
 
-/* Frame `n` at to_hz lies this far behind this frame at from_hz. */
-static int64_t place(const sound_rate *self, int64_t n, double *out_part)
+/* Silent where the library refuses, which it does only out of memory. */
+static void convert(sound_rate *self, float *out, size_t count)
 {
-    int64_t from = (int64_t)self->from_hz, to = (int64_t)self->to_hz;
-    int64_t whole = n / to * from, rest = n % to * from;
-    *out_part = (double)(rest % to) / (double)to;
-    return whole + rest / to;
-}
-
-void sound_rate_needs(const sound_rate *self, int64_t first, size_t count, int64_t *out_first,
-                      size_t *out_count)
-{
-    double part;
-    int64_t low = place(self, first, &part) - self->reach;
-    int64_t high = place(self, first + (int64_t)(count ? count - 1 : 0), &part) + self->reach + 1;
-    *out_first = low;
-    *out_count = (size_t)(high - low + 1);
-}
-
-static double weight_of(const sound_rate *self, double away)
-{
-    double at = fabs(away) * self->scale * STEPS;
-    if (at >= (double)CROSSINGS * STEPS)
-        return 0.0;
-    int32_t i = (int32_t)at;
-    double low = (double)self->table[i], high = (double)self->table[i + 1];
-    return self->scale * (low + (high - low) * (at - (double)i));
-}
-
-void sound_rate_convert(const sound_rate *self, float *out, int64_t first, size_t count,
-                        const float *in)
-{
-    int64_t in_first;
-    size_t in_count;
-    sound_rate_needs(self, first, count, &in_first, &in_count);
-    for (size_t i = 0; i < count; ++i) {
-        double part, sum[CHANNELS_MAX] = {0};
-        int64_t centre = place(self, first + (int64_t)i, &part);
-        for (int64_t k = -self->reach; k <= self->reach + 1; ++k) {
-            double weight = weight_of(self, (double)k - part);
-            const float *frame = in + (size_t)(centre + k - in_first) * self->channel_count;
-            for (uint32_t c = 0; c < self->channel_count; ++c)
-                sum[c] += weight * (double)frame[c];
-        }
-        for (uint32_t c = 0; c < self->channel_count; ++c)
-            out[i * self->channel_count + c] = (float)sum[c];
+    double ratio = (double)self->to_hz / (double)self->from_hz;
+    size_t done = 0;
+    while (done < count) {
+        long got = src_callback_read(self->filter, ratio, (long)(count - done),
+                                     out + done * self->channel_count);
+        if (got <= 0)
+            break;
+        done += (size_t)got;
     }
+    for (size_t i = done * self->channel_count; i < count * self->channel_count; ++i)
+        out[i] = 0.0f;
+    self->next_out += (int64_t)count;
+}
+
+/* The filter begins where a frame of the one rate is also one of the other, so far before that what
+ * lies before cannot be heard any more. */
+static void begin_before(sound_rate *self, int64_t frame)
+{
+    int64_t reach = REACH_FRAMES;
+    if (self->to_hz > self->from_hz)
+        reach = reach * self->to_hz / self->from_hz + 1;
+    int64_t from = frame - reach, period = from / self->period_out;
+    if (period * self->period_out > from)
+        period -= 1;
+    (void)src_reset(self->filter);
+    self->next_in = period * self->period_in;
+    self->next_out = period * self->period_out;
+    while (self->next_out < frame) {
+        int64_t left = frame - self->next_out;
+        convert(self, self->thrown_away, left < PIECE_FRAMES ? (size_t)left : PIECE_FRAMES);
+    }
+}
+
+void sound_rate_frames(sound_rate *self, int64_t first, float *out, size_t count)
+{
+    if (first != self->next_out)
+        begin_before(self, first);
+    convert(self, out, count);
 }

@@ -1,6 +1,6 @@
 #include "take/sound_render.h"
-
 #include "take/sound_pcm.h"
+#include "take/sound_rate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -325,6 +325,8 @@ struct sound_render {
     int64_t shift, shift_before; /* frame of the sound = frame of the timeline + shift */
     int64_t fade_left;
     uint64_t splice_count;
+    sound_rate *rate; /* NULL: it is given at its own rate */
+    uint32_t rate_hz; /* that it is given at */
 };
 
 int64_t sound_render_frame(uint32_t rate_hz, int64_t at_ns)
@@ -454,14 +456,11 @@ static void come_to(sound_render *self, int64_t n)
     self->splice_count = count;
 }
 
-mrt_result sound_render_frames(sound_render *self, int64_t first, float *out, size_t count,
-                               error *err)
+/* At the sound's own rate. */
+static void render_frames(void *data, int64_t first, float *out, size_t count)
 {
+    sound_render *self = data;
     memset(out, 0, count * self->audio.channel_count * sizeof *out);
-    self->trouble = MRT_OK;
-    self->err = err;
-    if (fabs((double)first) / (double)self->audio.rate_hz * 1e9 > time_max_ns)
-        return MRT_OK;
     if (first != self->next && !sound_map_is_plain(&self->map))
         come_to(self, first);
     else if (first != self->next)
@@ -469,6 +468,19 @@ mrt_result sound_render_frames(sound_render *self, int64_t first, float *out, si
     for (size_t i = 0; i < count; ++i)
         render_frame(self, first + (int64_t)i, out + i * self->audio.channel_count);
     self->next = first + (int64_t)count;
+}
+
+mrt_result sound_render_frames(sound_render *self, int64_t first, float *out, size_t count,
+                               error *err)
+{
+    self->trouble = MRT_OK;
+    self->err = err;
+    if (fabs((double)first) / (double)self->rate_hz * 1e9 > time_max_ns)
+        memset(out, 0, count * self->audio.channel_count * sizeof *out);
+    else if (self->rate)
+        sound_rate_frames(self->rate, first, out, count);
+    else
+        render_frames(self, first, out, count);
     self->err = NULL;
     return self->trouble;
 }
@@ -486,7 +498,8 @@ static mrt_result check(const sound_render *self, const take_audio *audio, error
     return MRT_OK;
 }
 
-mrt_result sound_render_create(sound_render **out, show *s, const take_audio *audio, error *err)
+mrt_result sound_render_create(sound_render **out, show *s, const take_audio *audio,
+                               uint32_t rate_hz, error *err)
 {
     *out = NULL;
     sound_render *self = calloc(1, sizeof *self);
@@ -512,6 +525,12 @@ mrt_result sound_render_create(sound_render **out, show *s, const take_audio *au
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a sound");
         goto fail;
     }
+    self->rate_hz = rate_hz ? rate_hz : self->audio.rate_hz;
+    if (self->rate_hz != self->audio.rate_hz)
+        result = sound_rate_create(&self->rate, self->audio.rate_hz, self->rate_hz,
+                                   self->audio.channel_count, render_frames, self, err);
+    if (result < 0)
+        goto fail;
     *out = self;
     return MRT_OK;
 fail:
@@ -523,6 +542,7 @@ void sound_render_destroy(sound_render *self)
 {
     if (!self)
         return;
+    sound_rate_destroy(self->rate);
     sound_map_finish(&self->map);
     free(self->held);
     free(self->bytes);

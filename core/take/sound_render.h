@@ -1,9 +1,9 @@
 /* take/sound_render.h - the sound of a take as its timeline has it: frames at the sound's own rate,
- * frame n at n / rate seconds of the timeline, silence where there is none. A recorded sound ran on
- * its device's clock (the map): single frames are left out or repeated, cross-faded over 5 ms,
- * so that it keeps within half a frame of its times; it is never resampled. What a frame is does
- * not depend on where one began to ask. Leaves out the device that plays it. One thread at a time.
- */
+ * or at another that is asked for (sound_rate.h), frame n at n / rate seconds of the timeline,
+ * silence where there is none. A recorded sound ran on its device's clock (the map): single frames
+ * are left out or repeated, cross-faded over 5 ms, so that it keeps within half a frame of its
+ * times. What a frame is does not depend on where one began to ask (but for rounding, where it is
+ * resampled). Leaves out the device that plays it. One thread at a time. */
 #ifndef MAROTTE_TAKE_SOUND_RENDER_H
 #define MAROTTE_TAKE_SOUND_RENDER_H
 #include "take/show.h"
@@ -47,9 +47,9 @@ double sound_map_drift_ppm(const sound_map *map);
 
 typedef struct sound_render sound_render;
 
-/* The show must outlive it. */
+/* The show must outlive it. rate_hz 0: the sound's own. */
 CHECKED mrt_result sound_render_create(sound_render **out, show *s, const take_audio *audio,
-                                       error *err);
+                                       uint32_t rate_hz, error *err);
 void sound_render_destroy(sound_render *self); /* NULL is fine */
 const show_audio *sound_render_audio(const sound_render *self);
 const sound_map *sound_render_map(const sound_render *self);

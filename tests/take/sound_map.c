@@ -188,7 +188,7 @@ static sound_render *render_of(const desk *d, int64_t offset_ns, double gain)
     error err = {""};
     sound_render *render;
     take_audio audio = {.audio = d->audio, .offset_ns = offset_ns, .gain = gain};
-    scene_must(sound_render_create(&render, d->show, &audio, &err), &err);
+    scene_must(sound_render_create(&render, d->show, &audio, 0, &err), &err);
     return render;
 }
 

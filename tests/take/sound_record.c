@@ -122,7 +122,7 @@ static double listen(stage *s, int64_t audio, int64_t *out_silent)
     const fake_clock *clock = &s->host.device[SOUND_IN].clock;
     take_audio what = {.audio = audio, .gain = 1.0};
     scene_must(show_audio_info(s->show, audio, &info, &err), &err);
-    scene_must(sound_render_create(&render, s->show, &what, &err), &err);
+    scene_must(sound_render_create(&render, s->show, &what, 0, &err), &err);
     const sound_map *map = sound_render_map(render);
     int64_t count = (int64_t)(sound_map_time_ns(map, info.frame_count) / 1e9 * RATE) - 2 * EDGE;
     assert_true(count > 0 && count <= ALL);

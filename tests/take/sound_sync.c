@@ -61,7 +61,7 @@ static void feed(bench *b)
 {
     for (;;) {
         sound_packet packet = {
-            .turn = b->motion.turn, .first = b->fed, .count = SOUND_PACKET_FRAMES};
+            .turn = b->motion.turn, .first = b->fed, .count = SOUND_PACKET_FRAMES, .rate_hz = RATE};
         float *samples = (float *)(void *)(b->record + sizeof packet);
         for (int i = 0; i < SOUND_PACKET_FRAMES; ++i) {
             samples[2 * i] = (float)((b->fed + i) % PERIOD) / (float)(2 * PERIOD);

@@ -14,7 +14,7 @@ static const double motion_ns = 0.5e6;
 
 typedef struct voice { /* how sounds of one rate and channel count are played */
     uint32_t rate_hz, channel_count;
-    uint32_t out_channels; /* of the device, as it was opened */
+    uint32_t out_channels; /* of the device, as it was opened; its rate: follow.rate_hz */
     ring *packets;
     sound_follow follow;
     sound_feed *feed;
@@ -57,13 +57,12 @@ static mrt_result out_opened(void *data, const sound_stream *stream, error *err)
     }
     pthread_mutex_unlock(&self->lock);
     voice *now = self->playing;
-    if (!now || stream->rate_hz != now->rate_hz || stream->channel_count == 0)
+    if (!now || stream->rate_hz == 0 || stream->channel_count == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "sound: '%.80s' runs at %u Hz instead of %u, and sound is not resampled: "
-                         "choose another loudspeaker",
-                         stream->name, stream->rate_hz, now ? now->rate_hz : 0);
+                         "sound: '%.80s' says that it has no channels: choose another loudspeaker",
+                         stream->name);
     now->out_channels = stream->channel_count;
-    sound_follow_reset(&now->follow);
+    sound_follow_reset(&now->follow, stream->rate_hz);
     return MRT_OK;
 }
 

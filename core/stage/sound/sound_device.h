@@ -1,5 +1,5 @@
 /* stage/sound/sound_device.h - one direction of sound: a loudspeaker or a microphone that may be
- * absent, busy, of another rate, or unplugged at any moment, none of which stops anything: there is
+ * absent, busy, or unplugged at any moment, none of which stops anything: there is
  * a state, and a sentence for the person in front of it. It is opened, watched and tried again by a
  * thread of its own. What devices there are is a backend's: PortAudio (sound_portaudio.h), or a
  * test's. Leaves out what is played or recorded. [main] unless marked. */
@@ -22,7 +22,7 @@ typedef struct sound_block { /* of one direction: interleaved, as many channels 
 typedef void sound_callback(void *data, const sound_block *block);
 
 typedef struct sound_request {
-    uint32_t rate_hz;       /* 0: the device's own */
+    uint32_t rate_hz;       /* a loudspeaker that cannot gets its own; 0: the device's own */
     uint32_t channel_count; /* at most so many; 0: the device's own, at most 2 */
     char name[96];          /* a part of the device's name; "": the default one */
     uint32_t number;        /* another one: it is opened anew */

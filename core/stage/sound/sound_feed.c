@@ -34,7 +34,7 @@ struct sound_feed {
     /* the feeder's */
     show *show;
     sound_render *render;
-    uint32_t edition; /* of the render */
+    uint32_t edition, rate_hz; /* of the render */
     bool has_damage;
     sound_motion motion;
     int64_t next; /* frame of the stream */
@@ -51,23 +51,21 @@ static void note(sound_feed *self, const error *why)
     pthread_mutex_unlock(&self->lock);
 }
 
-static mrt_result load(sound_feed *self, const order *wanted, error *err)
+static mrt_result load(sound_feed *self, const take_audio *wanted, error *err)
 {
     mrt_result result = MRT_OK;
     if (!self->show)
         result = show_open(&self->show, self->show_path, SHOW_READ, err);
     if (result >= 0)
-        result = sound_render_create(&self->render, self->show, &wanted->audio, err);
+        result = sound_render_create(&self->render, self->show, wanted, self->rate_hz, err);
     if (result < 0)
         return result;
-    const show_audio *audio = sound_render_audio(self->render);
-    if (audio->rate_hz == self->follow->rate_hz &&
-        audio->channel_count == self->follow->channel_count)
+    if (sound_render_audio(self->render)->channel_count == self->follow->channel_count)
         return MRT_OK;
     sound_render_destroy(self->render);
     self->render = NULL;
     return error_set(err, MRT_ERR_FORMAT, "sound %lld: is not what it was said to be",
-                     (long long)wanted->audio.audio);
+                     (long long)wanted->audio);
 }
 
 static void take_order(sound_feed *self)
@@ -76,14 +74,18 @@ static void take_order(sound_feed *self)
     pthread_mutex_lock(&self->lock);
     order wanted = self->order;
     pthread_mutex_unlock(&self->lock);
-    if (wanted.edition == self->edition)
+    uint32_t rate_hz = atomic_load(&self->follow->rate_hz);
+    if (wanted.edition == self->edition && rate_hz == self->rate_hz)
         return;
     self->edition = wanted.edition;
+    self->rate_hz = rate_hz;
+    self->next = 0;
+    self->is_owed = false;
     self->has_damage = false;
     sound_render_destroy(self->render);
     self->render = NULL;
     if (wanted.audio.audio != 0)
-        (void)load(self, &wanted, &why); /* the trouble says it */
+        (void)load(self, &wanted.audio, &why); /* the trouble says it */
     note(self, &why);
 }
 
@@ -145,13 +147,14 @@ static void fade_seams(float *samples, uint32_t count, uint32_t channels, const 
 
 static void make_packet(sound_feed *self)
 {
-    uint32_t rate_hz = self->follow->rate_hz, channels = self->follow->channel_count;
+    uint32_t rate_hz = self->rate_hz, channels = self->follow->channel_count;
     float *samples = (float *)(void *)(self->record + sizeof(sound_packet));
     cursor at = cursor_of(&self->motion, rate_hz, self->next);
     sound_packet packet = {.turn = self->motion.turn,
                            .edition = self->motion.edition,
                            .first = self->next,
-                           .count = SOUND_PACKET_FRAMES};
+                           .count = SOUND_PACKET_FRAMES,
+                           .rate_hz = rate_hz};
     error why = {""};
     if (at.to_seam < SOUND_PACKET_FRAMES)
         packet.count = (uint32_t)at.to_seam;

@@ -14,7 +14,7 @@ CHECKED mrt_result sound_feed_create(sound_feed **out, const char *show_path, ri
                                      const sound_board *board, const sound_follow *follow,
                                      sound_threads threads, error *err);
 void sound_feed_destroy(sound_feed *self); /* NULL is fine */
-/* From now on this, of the same rate and channels: to be said as `edition` of the board. */
+/* From now on this, of the same channels: to be said as `edition` of the board. */
 void sound_feed_load(sound_feed *self, const take_audio *audio, uint32_t edition);
 /* What went wrong with the newest load, or ""; until the next call. */
 void sound_feed_trouble(sound_feed *self, error *out);

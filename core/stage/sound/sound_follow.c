@@ -122,6 +122,8 @@ static bool take_packet(sound_follow *self, const sound_packet *packet, int64_t 
     int64_t end = packet->first + packet->count;
     int32_t newer = (int32_t)(packet->turn - self->motion.turn);
     int32_t newer_edition = (int32_t)(packet->edition - self->motion.edition);
+    if (packet->rate_hz != self->rate_hz)
+        return true;
     if (newer != 0 || newer_edition != 0)
         return newer < 0 || newer_edition < 0;
     if (packet->count > SOUND_PACKET_FRAMES || end <= keep_from)
@@ -329,15 +331,11 @@ size_t sound_follow_record_size(uint32_t channel_count)
 mrt_result sound_follow_init(sound_follow *self, uint32_t rate_hz, uint32_t channel_count,
                              ring *packets, const sound_board *board, error *err)
 {
-    *self = (sound_follow){
-        .rate_hz = rate_hz, .channel_count = channel_count, .packets = packets, .board = board};
-    self->fade_frames = (int32_t)(fade_s * (double)rate_hz) + 1;
-    self->band_frames = fmax(1.5, band_s * (double)rate_hz);
-    self->jump_frames = jump_s * (double)rate_hz;
+    *self = (sound_follow){.channel_count = channel_count, .packets = packets, .board = board};
     self->record = malloc(sound_follow_record_size(channel_count));
     self->window = calloc((size_t)SOUND_WINDOW * channel_count, sizeof *self->window);
     if (self->record && self->window) {
-        sound_follow_reset(self);
+        sound_follow_reset(self, rate_hz);
         return MRT_OK;
     }
     sound_follow_finish(self);
@@ -354,9 +352,17 @@ void sound_follow_finish(sound_follow *self)
     self->window = NULL;
 }
 
-void sound_follow_reset(sound_follow *self)
+void sound_follow_reset(sound_follow *self, uint32_t rate_hz)
 {
-    sound_clock_init(&self->clock, (double)self->rate_hz);
+    if (rate_hz != self->rate_hz) {
+        self->window_first = self->window_end = 0;
+        self->fade_frames = (int32_t)(fade_s * (double)rate_hz) + 1;
+        self->band_frames = fmax(1.5, band_s * (double)rate_hz);
+        self->jump_frames = jump_s * (double)rate_hz;
+        atomic_store(&self->wanted_key, 0); /* before the rate: nobody takes one for the other */
+        atomic_store(&self->rate_hz, rate_hz);
+    }
+    sound_clock_init(&self->clock, (double)rate_hz);
     self->device_frame = 0;
     self->is_sounding = self->is_leaving = self->is_ending = false;
     self->fade_left = 0;

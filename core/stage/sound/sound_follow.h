@@ -42,7 +42,7 @@ bool sound_board_read(const sound_board *self, sound_motion *out);
 typedef struct sound_packet {
     uint32_t turn, edition;
     int64_t first;
-    uint32_t count;
+    uint32_t count, rate_hz;
 } sound_packet;
 
 typedef struct sound_count {   /* [any] since it was made */
@@ -56,11 +56,11 @@ typedef struct sound_count {   /* [any] since it was made */
 } sound_count;
 
 typedef struct sound_follow {
-    uint32_t rate_hz;       /* of sound and device */
-    uint32_t channel_count; /* of the sound */
-    ring *packets;          /* not owned */
-    unsigned char *record;  /* of the ring's */
-    float *window;          /* SOUND_WINDOW frames, frame k at k modulo that */
+    _Atomic uint32_t rate_hz; /* [any] the device's, and of the frames that it wants */
+    uint32_t channel_count;   /* of the sound */
+    ring *packets;            /* not owned */
+    unsigned char *record;    /* of the ring's */
+    float *window;            /* SOUND_WINDOW frames, frame k at k modulo that */
     int64_t window_first, window_end;
     const sound_board *board; /* not owned */
     sound_motion motion, newest;
@@ -83,8 +83,8 @@ size_t sound_follow_record_size(uint32_t channel_count);
 CHECKED mrt_result sound_follow_init(sound_follow *self, uint32_t rate_hz, uint32_t channel_count,
                                      ring *packets, const sound_board *board, error *err);
 void sound_follow_finish(sound_follow *self); /* accepts zeroed */
-/* [main] or the device's opener: it runs anew from here. */
-void sound_follow_reset(sound_follow *self);
+/* [main] or the device's opener: it runs anew from here, at this rate. */
+void sound_follow_reset(sound_follow *self, uint32_t rate_hz);
 uint64_t sound_follow_key(const sound_motion *motion);
 
 /* Fills count frames of out_channels each, the first of which is heard at time_ns. `is_broken`: the

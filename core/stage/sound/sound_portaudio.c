@@ -178,10 +178,11 @@ static mrt_result explain(PaError code, sound_direction direction, const char *n
         info && info->errorText && info->errorText[0] ? info->errorText : Pa_GetErrorText(code);
     switch (code) {
     case paInvalidSampleRate:
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "sound: %s '%.80s' does not run at %.0f Hz, and sound is not resampled: "
-                         "choose another one",
-                         kind_of(direction), name, rate_hz);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "sound: %s '%.80s' does not run at %.0f Hz, which it says is its own rate: "
+            "choose another one",
+            kind_of(direction), name, rate_hz);
     case paDeviceUnavailable:
         return error_set(err, MRT_ERR_IO,
                          "sound: %s '%.80s' is busy or gone: close what else uses it",
@@ -206,19 +207,22 @@ static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_re
                                      .sampleFormat = paFloat32,
                                      .suggestedLatency =
                                          latency_s > latency_least_s ? latency_s : latency_least_s};
-    PaError code =
-        Pa_OpenStream(&self->pa, is_out ? NULL : &parameters, is_out ? &parameters : NULL, rate_hz,
-                      paFramesPerBufferUnspecified, paClipOff, pass_block, self);
+    const PaStreamParameters *in = is_out ? NULL : &parameters, *to = is_out ? &parameters : NULL;
+    PaError code = Pa_OpenStream(&self->pa, in, to, rate_hz, paFramesPerBufferUnspecified,
+                                 paClipOff, pass_block, self);
+    if (code == paInvalidSampleRate && rate_hz != info->defaultSampleRate) {
+        rate_hz = info->defaultSampleRate;
+        code = Pa_OpenStream(&self->pa, in, to, rate_hz, paFramesPerBufferUnspecified, paClipOff,
+                             pass_block, self);
+    }
     if (code != paNoError)
         return explain(code, self->direction, info->name, rate_hz, err);
     const PaStreamInfo *opened = Pa_GetStreamInfo(self->pa);
     if (opened) {
         self->latency_ns = (int64_t)((is_out ? opened->outputLatency : opened->inputLatency) * 1e9);
         /* A rate that is a little off is a matter of the device's clock, another one is not. */
-        if (opened->sampleRate < rate_hz * 0.99 || opened->sampleRate > rate_hz * 1.01) {
-            (void)Pa_CloseStream(self->pa);
-            return explain(paInvalidSampleRate, self->direction, info->name, rate_hz, err);
-        }
+        if (opened->sampleRate < rate_hz * 0.99 || opened->sampleRate > rate_hz * 1.01)
+            rate_hz = opened->sampleRate;
     }
     *out = (sound_stream){.handle = self,
                           .rate_hz = (uint32_t)(rate_hz + 0.5),
