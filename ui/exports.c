@@ -143,7 +143,17 @@ static mrt_result write_glb(const char *path, const clip *frames, const exports_
     if (report.why_bare.text[0])
         facts_text(told, "gltf_bare", "mesh alone", report.why_bare.text);
     facts_number(told, "gltf_targets", "morph targets", report.target_count, 0, "");
-    facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0, "");
+    if (clip_curve_count(frames) > 0) {
+        facts_number(told, "gltf_named_targets", "  of them named", report.exact_target_count, 0,
+                     "");
+        facts_number(told, "gltf_remainder_mm", "remainder", report.remainder_mm, 2,
+                     "mm at most, that the others show: bones turn, skin slides, clay");
+        facts_number(told, "gltf_mean_remainder_mm", "  on average", report.mean_remainder_mm, 2,
+                     "mm");
+    } else {
+        facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0,
+                     "");
+    }
     facts_number(told, "gltf_max_error_mm", "greatest error", report.max_error_mm, 4, "mm");
     facts_number(told, "gltf_tolerance_mm", "tolerance", report.tolerance_mm, 4, "mm");
     return MRT_OK;

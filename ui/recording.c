@@ -1,7 +1,9 @@
 #include "recording.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
                             error *err)
@@ -19,6 +21,13 @@ mrt_result recording_create(recording *out, const mesh *m, double fps, recording
     return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
 }
 
+static void pull_finish(clip_pull *pull)
+{
+    free(pull->name);
+    free(pull->response);
+    *pull = (clip_pull){0};
+}
+
 void recording_destroy(recording *self)
 {
     if (!self)
@@ -30,6 +39,11 @@ void recording_destroy(recording *self)
     free(self->vector);
     free(self->name);
     free(self->names);
+    for (uint32_t k = 0; k < self->column_capacity; ++k)
+        pull_finish(&self->pull[k]);
+    free(self->pull);
+    free(self->main);
+    free(self->value);
     free(self->work_ms);
     *self = (recording){0};
 }
@@ -57,13 +71,20 @@ static mrt_result make_room(recording *self, uint32_t count, error *err)
     free(self->vector);
     free(self->name);
     free(self->names);
+    for (uint32_t k = 0; k < self->column_capacity; ++k)
+        pull_finish(&self->pull[k]);
+    free(self->pull);
+    free(self->main);
     self->column_capacity = 0;
     self->column = malloc((size_t)count * self->mesh->vertex_count * sizeof *self->column);
     self->scale = calloc(count, sizeof *self->scale);
     self->vector = calloc((size_t)count * 3, sizeof *self->vector);
     self->name = calloc((size_t)count + 1, sizeof *self->name);
     self->names = calloc((size_t)count + 1, sizeof *self->names);
-    if (!self->column || !self->scale || !self->vector || !self->name || !self->names)
+    self->pull = calloc((size_t)count + 1, sizeof *self->pull);
+    self->main = calloc((size_t)count + 1, sizeof *self->main);
+    if (!self->column || !self->scale || !self->vector || !self->name || !self->names ||
+        !self->pull || !self->main)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
     self->column_capacity = count;
     return MRT_OK;
@@ -85,6 +106,156 @@ static double normalise_column(float *column, uint32_t count)
     return scale;
 }
 
+/* ---- what a person would edit ---- */
+
+/* How a face moves when one degree of freedom alone goes to `to`, mm from rest; NULL: no memory. */
+static float *shape_of_dof(const recording *self, const face *f, uint32_t dof, float to)
+{
+    const binding *held = face_binding(f);
+    const bones *b = face_bones(f);
+    float only[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    uint32_t vertex_count = self->mesh->vertex_count;
+    float *out = calloc((size_t)vertex_count * 3 + 1, sizeof *out);
+    only[dof] = to;
+    bones_pose(pose, b, only);
+    for (uint32_t bone = 0; out && bone < b->bone_count; ++bone) {
+        const float *weight = held->weight + (size_t)bone * vertex_count;
+        for (uint32_t v = 0; b->moves[bone] && v < vertex_count; ++v) {
+            const float *at = self->mesh->position + (size_t)v * 3;
+            if (weight[v] == 0.0f)
+                continue;
+            vec3 rest = {(double)at[0], (double)at[1], (double)at[2]};
+            vec3 way = vec3_sub(rigid_apply(&pose[bone], rest), rest);
+            out[(size_t)v * 3] += weight[v] * (float)way.x;
+            out[(size_t)v * 3 + 1] += weight[v] * (float)way.y;
+            out[(size_t)v * 3 + 2] += weight[v] * (float)way.z;
+        }
+    }
+    return out;
+}
+
+static mrt_result add_dof_curve(recording *self, const face *f, uint32_t dof, error *err)
+{
+    const bones_dof *of = &face_bones(f)->dof[dof];
+    char name[sizeof of->name], unit[8];
+    (void)snprintf(name, sizeof name, "%s", of->name);
+    (void)snprintf(unit, sizeof unit, "%s", of->unit);
+    clip_curve curve = {.name = name,
+                        .unit = unit,
+                        .min = fmin((double)of->min, 0.0),
+                        .max = fmax((double)of->max, 0.0)};
+    mrt_result result = MRT_OK;
+    if (curve.min < 0.0)
+        curve.at_min = shape_of_dof(self, f, dof, of->min);
+    if (curve.max > 0.0)
+        curve.at_max = shape_of_dof(self, f, dof, of->max);
+    if ((curve.min < 0.0 && !curve.at_min) || (curve.max > 0.0 && !curve.at_max))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the shape of %s", of->name);
+    else
+        result = clip_add_curve(self->clip, &curve, err);
+    free(curve.at_min);
+    free(curve.at_max);
+    return result;
+}
+
+/* How far a contact is pulled along each axis. */
+static mrt_result add_contact_curves(recording *self, const mrt_contact *contact, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (int axis = 0; axis < 3 && result >= 0; ++axis) {
+        char name[128], unit[] = "mm";
+        (void)snprintf(name, sizeof name, "%s.%c", contact->name, "xyz"[axis]);
+        result = clip_add_curve(self->clip, &(clip_curve){.name = name, .unit = unit}, err);
+    }
+    return result;
+}
+
+/* The degrees of freedom, then the contacts: what a rig has. */
+static mrt_result add_curves(recording *self, const face *f, error *err)
+{
+    uint32_t contact_count;
+    const mrt_contact *contact = face_contacts(f, &contact_count);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < face_bones(f)->dof_count && result >= 0; ++i)
+        result = add_dof_curve(self, f, i, err);
+    for (uint32_t i = 0; i < contact_count && result >= 0; ++i)
+        result = add_contact_curves(self, &contact[i], err);
+    self->value = calloc((size_t)clip_curve_count(self->clip) + 1, sizeof *self->value);
+    if (result >= 0 && !self->value)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the curves of the performance");
+    self->has_curves = true;
+    return result;
+}
+
+/* The controls of the segment: what each moves is the sum of its columns, and how far it is pulled
+ * is the weight of the column of its main bone, so that what turns with a head is told as it is
+ * seen. columns: as in self->column, before they are scaled. */
+static mrt_result set_pulls(recording *self, const face *f, uint32_t column_count, error *err)
+{
+    uint32_t vertex_count = self->mesh->vertex_count;
+    uint32_t contact_count;
+    const mrt_contact *contact = face_contacts(f, &contact_count);
+    double share[MRT_MAX_VECTORS] = {0};
+    self->pull_count = face_control_count(f);
+    for (uint32_t k = 0; k < self->pull_count; ++k) {
+        clip_pull *to = &self->pull[k];
+        face_control control = face_control_at(f, k);
+        char name[128];
+        pull_finish(to);
+        if (control.contact > 0)
+            (void)snprintf(name, sizeof name, "%s", contact[control.contact - 1].name);
+        else
+            (void)snprintf(name, sizeof name, "control%u", k + 1);
+        *to = (clip_pull){.name = strdup(name),
+                          .place_mm = {control.start.x, control.start.y, control.start.z},
+                          .response = calloc(vertex_count, sizeof *to->response)};
+        if (!to->name || !to->response)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for what %s moves", name);
+    }
+    for (uint32_t j = 0; j < column_count; ++j) {
+        face_column of = face_column_at(f, j);
+        const float *column = self->column + (size_t)j * vertex_count;
+        if (of.control == FACE_NO_CONTROL)
+            continue;
+        if (of.share > share[of.control]) {
+            share[of.control] = of.share;
+            self->main[of.control] = j;
+        }
+        for (uint32_t v = 0; v < vertex_count; ++v)
+            self->pull[of.control].response[v] += column[v];
+    }
+    return MRT_OK;
+}
+
+/* The named part of the frame that was added last. */
+static mrt_result add_named(recording *self, composer *from, const face_columns *now, error *err)
+{
+    const face *f = composer_face(from);
+    composer_asked asked[MRT_MAX_VECTORS];
+    uint32_t asked_count = composer_asks(from, asked), dof_count = face_bones(f)->dof_count;
+    uint32_t count = clip_curve_count(self->clip);
+    if (count == 0)
+        return MRT_OK;
+    for (uint32_t i = 0; i < count; ++i)
+        self->value[i] = i < dof_count ? (double)face_metered(f)->dof[i] : (double)NAN;
+    for (uint32_t k = 0; k < asked_count; ++k) {
+        double *way = self->value + dof_count + 3 * (asked[k].control.contact - 1);
+        if (asked[k].control.contact == 0)
+            continue;
+        way[0] = asked[k].way.x;
+        way[1] = asked[k].way.y;
+        way[2] = asked[k].way.z;
+    }
+    for (uint32_t k = 0; k < self->pull_count; ++k)
+        for (uint32_t axis = 0; axis < 3; ++axis)
+            self->vector[3 * k + axis] = now->weight[3 * self->main[k] + axis];
+    bool is_pulled = composer_is_anchored(from) && self->pull_count > 0;
+    return clip_add_named(self->clip, self->value, is_pulled ? self->vector : NULL, err);
+}
+
+/* ---- frames ---- */
+
 /* The columns of the face as a segment, in the file's order. */
 static mrt_result begin_segment(recording *self, const face *f, const face_columns *now, error *err)
 {
@@ -97,11 +268,17 @@ static mrt_result begin_segment(recording *self, const face *f, const face_colum
         float *column = self->column + (size_t)k * order->count;
         for (uint32_t v = 0; v < order->count; ++v)
             column[order->file_of_slot[v]] = now->column[k * now->stride + v];
-        self->scale[k] = normalise_column(column, order->count);
         face_column_name(f, k, self->name[k]);
         self->names[k] = self->name[k];
     }
-    return clip_begin_segment(self->clip, self->rows, self->column, self->names, now->count, err);
+    if (clip_curve_count(self->clip) > 0)
+        result = set_pulls(self, f, now->count, err);
+    for (uint32_t k = 0; k < now->count; ++k)
+        self->scale[k] = normalise_column(self->column + (size_t)k * order->count, order->count);
+    if (result >= 0)
+        result =
+            clip_begin_segment(self->clip, self->rows, self->column, self->names, now->count, err);
+    return result < 0 ? result : clip_set_pulls(self->clip, self->pull, self->pull_count, err);
 }
 
 static void meter_folds(recording *self, const face *f)
@@ -130,15 +307,8 @@ static void meter_surface(recording *self, const face *f)
     self->held_frames += now.held_back_mm > 0.0;
 }
 
-static mrt_result add_anchored(recording *self, const face *f, const face_columns *now, error *err)
+static mrt_result add_anchored(recording *self, const face_columns *now, error *err)
 {
-    mrt_result result = MRT_OK;
-    if (!self->has_segment || now->engagement != self->engagement)
-        result = begin_segment(self, f, now, err);
-    if (result < 0)
-        return result;
-    self->has_segment = true;
-    self->engagement = now->engagement;
     for (size_t i = 0; i < (size_t)now->count * 3; ++i)
         self->vector[i] = now->weight[i] * self->scale[i / 3];
     return clip_add_anchored(self->clip, self->vector, err);
@@ -177,8 +347,17 @@ static void measure_motion(recording *self, const face *f)
 static mrt_result keep_frame(recording *self, composer *from, const face_columns *now, error *err)
 {
     const face *f = composer_face(from);
-    bool is_exact = composer_is_anchored(from) && now->is_exact;
-    mrt_result result = is_exact ? add_anchored(self, f, now, err) : add_free(self, f, err);
+    bool is_anchored = composer_is_anchored(from), is_exact = is_anchored && now->is_exact;
+    mrt_result result = self->has_curves ? MRT_OK : add_curves(self, f, err);
+    if (result >= 0 && is_anchored && (!self->has_segment || now->engagement != self->engagement)) {
+        result = begin_segment(self, f, now, err);
+        self->has_segment = true;
+        self->engagement = now->engagement;
+    }
+    if (result >= 0)
+        result = is_exact ? add_anchored(self, now, err) : add_free(self, f, err);
+    if (result >= 0)
+        result = add_named(self, from, now, err);
     return result < 0 ? result : add_controls(self, composer_pull(from), err);
 }
 

@@ -24,7 +24,12 @@ typedef struct recording {
     char (*name)[FACE_COLUMN_NAME]; /* column_capacity */
     const char **names;
     uint32_t column_capacity;
-    float *work_ms; /* per frame */
+    clip_pull *pull;     /* column_capacity: of each control */
+    uint32_t *main;      /* column_capacity: its column of the greatest share */
+    uint32_t pull_count; /* of the segment */
+    bool has_curves;     /* the face has been asked for them */
+    double *value;       /* scratch: one for each curve of the clip */
+    float *work_ms;      /* per frame */
     uint32_t frame_count, frame_capacity;
     double furthest_mm;     /* of any vertex from rest, in any frame */
     uint32_t folded_frames; /* anchored frames that fold: face_min_determinant <= 0 */

@@ -48,6 +48,9 @@ void bones_pose(rigid *out, const bones *b, const float *dof);
 /* The values that bones_pose poses for `dof` (dof_count each): limited, NaN as 0. */
 void bones_limit(float *out_dof, const bones *b, const float *dof);
 
+/* The way back: the least values that are limited to `limited`. */
+void bones_unlimit(float *out_dof, const bones *b, const float *limited);
+
 /* The jaw's motion alone (without its parent's), not limited: opening about the hinge, the condyles
  * sliding along their path, 33 degrees to Camper's plane; lateral: a turn about the upright axis
  * through the condyle of the side it goes to, such that the incisor goes so far; forward: further

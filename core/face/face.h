@@ -130,6 +130,15 @@ face_columns face_columns_now(const face *f);
  * "jaw.turn_z", "jaw.shift". */
 enum { FACE_COLUMN_NAME = 160 };
 void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME]);
+typedef struct face_column { /* one of a control */
+    uint32_t control;        /* FACE_NO_CONTROL: the column is one of a bone's motion */
+    double share;            /* of its bone there: the field of a control with several bones is that
+                                of all its columns */
+} face_column;
+#define FACE_NO_CONTROL UINT32_MAX
+face_column face_column_at(const face *f, uint32_t column);
+/* A control of the engagement; its start is where it holds the face with its bones at rest. */
+face_control face_control_at(const face *f, uint32_t control);
 
 typedef struct face_meter {
     double slope_bound;    /* of the field: < 1 nothing folds */

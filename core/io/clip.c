@@ -14,6 +14,9 @@ typedef struct clip_frame {
     size_t first_vector;  /* of an anchored frame, index into clip.number */
     size_t first_control; /* of its control vectors, index into clip.number */
     uint32_t control_count;
+    int32_t pull_segment;             /* -1: nothing is pulled */
+    size_t first_value, first_pulled; /* index into clip.number */
+    bool has_values;
     uint64_t free_index; /* of a free frame, in the temporary file */
 } clip_frame;
 
@@ -24,6 +27,8 @@ struct clip {
     char *directory; /* "": the system's */
     clip_segment *segment;
     uint32_t segment_count, segment_capacity;
+    clip_curve *curve;
+    uint32_t curve_count, curve_capacity;
     clip_frame *frame;
     uint32_t frame_count, frame_capacity;
     double *number; /* vectors and control vectors of all frames */
@@ -190,10 +195,27 @@ static void read_anchored(const clip *c, uint32_t frame, float *out_position)
     }
 }
 
+static void pull_finish(clip_pull *pull)
+{
+    free(pull->name);
+    free(pull->response);
+}
+
+static void curve_finish(clip_curve *curve)
+{
+    free(curve->name);
+    free(curve->unit);
+    free(curve->at_min);
+    free(curve->at_max);
+}
+
 static void segment_finish(clip_segment *segment)
 {
     for (uint32_t k = 0; segment->name && k < segment->column_count; ++k)
         free(segment->name[k]);
+    for (uint32_t k = 0; k < segment->pull_count; ++k)
+        pull_finish(&segment->pull[k]);
+    free(segment->pull);
     free(segment->base);
     free(segment->column);
     free(segment->name);
@@ -241,6 +263,9 @@ void clip_destroy(clip *c)
         return;
     for (uint32_t s = 0; s < c->segment_count; ++s)
         segment_finish(&c->segment[s]);
+    for (uint32_t i = 0; i < c->curve_count; ++i)
+        curve_finish(&c->curve[i]);
+    free(c->curve);
     if (c->fd >= 0)
         (void)close(c->fd);
     free(c->segment);
@@ -288,6 +313,62 @@ mrt_result clip_begin_segment(clip *c, const float *base, const float *column,
     return MRT_OK;
 }
 
+mrt_result clip_set_pulls(clip *c, const clip_pull *pull, uint32_t count, error *err)
+{
+    size_t vertex_count = c->mesh->vertex_count;
+    if (c->segment_count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "pulls need a segment");
+    clip_segment *segment = &c->segment[c->segment_count - 1];
+    assert(segment->pull_count == 0);
+    segment->pull = calloc((size_t)count + 1, sizeof *segment->pull);
+    for (uint32_t k = 0; segment->pull && k < count; ++k) {
+        clip_pull *to = &segment->pull[k];
+        mrt_result result = check_floats(pull[k].response, vertex_count, pull[k].name, err);
+        if (result < 0)
+            return result;
+        *to = (clip_pull){.name = strdup(pull[k].name),
+                          .response = copy_of(pull[k].response, vertex_count * sizeof(float))};
+        memcpy(to->place_mm, pull[k].place_mm, sizeof to->place_mm);
+        segment->pull_count = k + 1;
+        if (!to->name || !to->response)
+            return no_memory(c, err);
+    }
+    return segment->pull ? MRT_OK : no_memory(c, err);
+}
+
+mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err)
+{
+    assert(c->frame_count == 0);
+    size_t count = (size_t)c->mesh->vertex_count * 3;
+    mrt_result result = MRT_OK;
+    if (!isfinite(what->min) || !isfinite(what->max) || what->min > 0.0 || what->max < 0.0 ||
+        (what->at_min && !(what->min < 0.0)) || (what->at_max && !(what->max > 0.0)))
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: %g to %g: expected limits around 0",
+                         what->name, what->min, what->max);
+    if (what->at_min)
+        result = check_floats(what->at_min, count, what->name, err);
+    if (what->at_max && result == MRT_OK)
+        result = check_floats(what->at_max, count, what->name, err);
+    if (result < 0)
+        return result;
+    clip_curve *grown = grow(c->curve, c->curve_count, &c->curve_capacity, sizeof *c->curve);
+    if (!grown)
+        return no_memory(c, err);
+    c->curve = grown;
+    size_t size = count * sizeof(float);
+    clip_curve *to = &c->curve[c->curve_count];
+    *to = (clip_curve){.name = strdup(what->name),
+                       .unit = strdup(what->unit),
+                       .min = what->min,
+                       .max = what->max,
+                       .at_min = what->at_min ? copy_of(what->at_min, size) : NULL,
+                       .at_max = what->at_max ? copy_of(what->at_max, size) : NULL};
+    c->curve_count += 1;
+    bool is_whole =
+        to->name && to->unit && !to->at_min == !what->at_min && !to->at_max == !what->at_max;
+    return is_whole ? MRT_OK : no_memory(c, err);
+}
+
 mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
 {
     if (c->segment_count == 0)
@@ -304,6 +385,7 @@ mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
     if (result < 0)
         return result;
     clip_frame frame = {.segment = (int32_t)(c->segment_count - 1),
+                        .pull_segment = -1,
                         .first_vector = push_numbers(c, vector, count)};
     c->frame[c->frame_count++] = frame;
     segment->frame_count++;
@@ -324,7 +406,8 @@ mrt_result clip_add_free(clip *c, const float *position, error *err)
         result = write_free(c, position, err);
     if (result < 0)
         return result;
-    c->frame[c->frame_count++] = (clip_frame){.segment = -1, .free_index = c->free_count++};
+    c->frame[c->frame_count++] =
+        (clip_frame){.segment = -1, .pull_segment = -1, .free_index = c->free_count++};
     return MRT_OK;
 }
 
@@ -340,6 +423,30 @@ mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, e
     clip_frame *frame = &c->frame[c->frame_count - 1];
     frame->first_control = push_numbers(c, start_end, (size_t)count * 6);
     frame->control_count = count;
+    return MRT_OK;
+}
+
+mrt_result clip_add_named(clip *c, const double *value, const double *pulled, error *err)
+{
+    if (c->frame_count == 0 || (pulled && c->segment_count == 0))
+        return error_set(err, MRT_ERR_ARGUMENT, "values need a frame, pulls a segment");
+    clip_frame *frame = &c->frame[c->frame_count - 1];
+    uint32_t pull_count = pulled ? c->segment[c->segment_count - 1].pull_count : 0;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < c->curve_count && result == MRT_OK; ++i)
+        if (isinf(value[i]))
+            result = error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s is not finite", c->frame_count,
+                               c->curve[i].name);
+    if (result == MRT_OK)
+        result = check_numbers(c, pulled, pull_count, 3, "the pull of control", err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, c->curve_count + (size_t)pull_count * 3, err);
+    if (result < 0)
+        return result;
+    frame->first_value = push_numbers(c, value, c->curve_count);
+    frame->has_values = true;
+    frame->first_pulled = push_numbers(c, pulled, (size_t)pull_count * 3);
+    frame->pull_segment = pull_count > 0 ? (int32_t)(c->segment_count - 1) : -1;
     return MRT_OK;
 }
 
@@ -406,4 +513,120 @@ mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *
         return read_free(c, frame, out_position, err);
     read_anchored(c, frame, out_position);
     return MRT_OK;
+}
+
+uint32_t clip_curve_count(const clip *c)
+{
+    return c->curve_count;
+}
+
+const clip_curve *clip_curve_at(const clip *c, uint32_t curve)
+{
+    assert(curve < c->curve_count);
+    return &c->curve[curve];
+}
+
+const double *clip_values(const clip *c, uint32_t frame)
+{
+    assert(frame < c->frame_count);
+    return c->frame[frame].has_values ? c->number + c->frame[frame].first_value : NULL;
+}
+
+double clip_curve_part(const clip_curve *curve, double value)
+{
+    if (value > 0.0)
+        return curve->max > 0.0 ? fmin(value / curve->max, 1.0) : 0.0;
+    return value < 0.0 && curve->min < 0.0 ? -fmin(value / curve->min, 1.0) : 0.0;
+}
+
+const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment)
+{
+    assert(frame < c->frame_count);
+    const clip_frame *f = &c->frame[frame];
+    if (f->pull_segment < 0)
+        return NULL;
+    *out_segment = (uint32_t)f->pull_segment;
+    return c->number + f->first_pulled;
+}
+
+void clip_read_named(const clip *c, uint32_t frame, float *out_position)
+{
+    size_t vertex_count = c->mesh->vertex_count;
+    const double *value = clip_values(c, frame);
+    uint32_t segment_index;
+    const double *pulled = clip_pulled(c, frame, &segment_index);
+    memcpy(out_position, c->mesh->position, position_bytes(c));
+    for (uint32_t i = 0; value && i < c->curve_count; ++i) {
+        float part = (float)clip_curve_part(&c->curve[i], value[i]);
+        const float *moves = part < 0.0f ? c->curve[i].at_min : c->curve[i].at_max;
+        for (size_t d = 0; part != 0.0f && moves && d < vertex_count * 3; ++d)
+            out_position[d] += fabsf(part) * moves[d];
+    }
+    for (uint32_t k = 0; pulled && k < c->segment[segment_index].pull_count; ++k) {
+        const float *response = c->segment[segment_index].pull[k].response;
+        float x = (float)pulled[k * 3], y = (float)pulled[k * 3 + 1], z = (float)pulled[k * 3 + 2];
+        for (size_t v = 0; v < vertex_count; ++v) {
+            if (response[v] == 0.0f)
+                continue;
+            out_position[v * 3] += response[v] * x;
+            out_position[v * 3 + 1] += response[v] * y;
+            out_position[v * 3 + 2] += response[v] * z;
+        }
+    }
+}
+
+/* position := rest + position - named; how far that is at most. */
+static double leave_remainder(const clip *c, float *position, const float *named)
+{
+    const float *rest = c->mesh->position;
+    float furthest = 0.0f;
+    for (size_t d = 0; d < (size_t)c->mesh->vertex_count * 3; d += 3) {
+        float square = 0.0f;
+        for (size_t i = d; i < d + 3; ++i) {
+            float left = position[i] - named[i];
+            position[i] = rest[i] + left;
+            square += left * left;
+        }
+        furthest = fmaxf(furthest, square);
+    }
+    return sqrt((double)furthest);
+}
+
+clip *clip_split(const clip *c, clip_remainder *out, error *err)
+{
+    size_t size = position_bytes(c);
+    float *position = malloc(size), *named = malloc(size);
+    clip *left = clip_create(c->mesh, c->fps, c->directory, err);
+    mrt_result result = left ? MRT_OK : MRT_ERR_MEMORY;
+    uint32_t named_count = 0;
+    *out = (clip_remainder){0};
+    if (result >= 0 && (!position || !named))
+        result = no_memory(c, err);
+    if (result >= 0)
+        result = clip_begin_segment(left, c->mesh->position, NULL, NULL, 0, err);
+    for (uint32_t i = 0; i < c->frame_count && result >= 0; ++i) {
+        if (!c->frame[i].has_values && c->frame[i].segment >= 0) {
+            result = clip_add_anchored(left, NULL, err);
+            continue;
+        }
+        result = clip_read(c, i, position, err);
+        if (result >= 0 && c->frame[i].has_values) {
+            clip_read_named(c, i, named);
+            double furthest_mm = leave_remainder(c, position, named);
+            out->furthest_mm = fmax(out->furthest_mm, furthest_mm);
+            if (c->frame[i].pull_segment < 0)
+                out->loose_mm = fmax(out->loose_mm, furthest_mm);
+            out->mean_mm += furthest_mm;
+            named_count += 1;
+        }
+        if (result >= 0)
+            result = clip_add_free(left, position, err);
+    }
+    out->mean_mm /= named_count ? (double)named_count : 1.0;
+    free(position);
+    free(named);
+    if (result >= 0)
+        return left;
+    clip_destroy(left);
+    return NULL;
 }

@@ -1,8 +1,10 @@
 /* io/clip.h - a performance as the exporters need it: a mesh and its motion at a fixed frame rate.
  * Frames are either anchored (a segment's base and columns, and one vector per column: exact and
  * small) or free (vertex positions). Free frames are kept in an unlinked
- * temporary file, not in memory. Vertices are in the mesh's (file) order, mm. What is not finite is
- * refused. One thread at a time. */
+ * temporary file, not in memory. Beside its shape a frame may have what a person would edit: the
+ * values of curves that the whole clip has, and the pulls of its segment's controls. What these
+ * show together is close to its shape (clip_read_named); the difference is its remainder. Vertices
+ * are in the mesh's (file) order, mm. What is not finite is refused. One thread at a time. */
 #ifndef MAROTTE_IO_CLIP_H
 #define MAROTTE_IO_CLIP_H
 #include "mesh/mesh.h"
@@ -13,7 +15,23 @@ typedef struct clip_segment { /* an anchored engagement */
     char **name;              /* column_count: "control1", "jaw.x" */
     uint32_t column_count;
     uint32_t frame_count; /* frames that use it */
+    struct clip_pull *pull;
+    uint32_t pull_count;
 } clip_segment;
+
+typedef struct clip_pull { /* what a control of the segment moves */
+    char *name;            /* "mouth.corner.l" */
+    double place_mm[3];    /* where it takes hold */
+    float *response;       /* vertex_count: of how far it is pulled */
+} clip_pull;
+
+typedef struct clip_curve { /* a number in each frame */
+    char *name;             /* "jaw.open" */
+    char *unit;             /* "rad", "mm"; "": none */
+    double min, max;        /* min <= 0 <= max */
+    float *at_min, *at_max; /* vertex_count by 3: what it moves, mm from rest, at min and at max; in
+                               between so much of it; NULL: nothing */
+} clip_curve;
 
 typedef struct clip clip;
 
@@ -32,6 +50,10 @@ void clip_destroy(clip *c);
  * NULL: "control1" and so on. */
 CHECKED mrt_result clip_begin_segment(clip *c, const float *base, const float *column,
                                       const char *const *name, uint32_t column_count, error *err);
+/* Of the newest segment; copies. count may be 0. */
+CHECKED mrt_result clip_set_pulls(clip *c, const clip_pull *pull, uint32_t count, error *err);
+/* Before the first frame; copies. */
+CHECKED mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err);
 /* vector: column_count by 3 of the newest segment, mm. The shape is
  * base + sum_k column_k * (float)vector_k, summed in k order in float32. */
 CHECKED mrt_result clip_add_anchored(clip *c, const double *vector, error *err);
@@ -39,6 +61,10 @@ CHECKED mrt_result clip_add_free(clip *c, const float *position, error *err);
 /* The control vectors of the frame that was added last, for the text export: count by 6, mm: start
  * and end. */
 CHECKED mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err);
+
+/* Of the frame that was added last. value: one for each curve, NaN: it says nothing, as 0. pulled:
+ * pull_count by 3 of the newest segment, mm; NULL: nothing is pulled. */
+CHECKED mrt_result clip_add_named(clip *c, const double *value, const double *pulled, error *err);
 
 const mesh *clip_mesh(const clip *c);
 double clip_fps(const clip *c);
@@ -55,5 +81,26 @@ const double *clip_vector(const clip *c, uint32_t frame);
 const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count);
 /* Positions of any frame, vertex_count by 3. */
 CHECKED mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err);
+
+uint32_t clip_curve_count(const clip *c);
+const clip_curve *clip_curve_at(const clip *c, uint32_t curve);
+/* clip_curve_count values, NULL: the frame has no named part; until the clip changes. */
+const double *clip_values(const clip *c, uint32_t frame);
+/* How much of at_max (> 0) or at_min (< 0) a value shows: -1..1. */
+double clip_curve_part(const clip_curve *curve, double value);
+/* The pulls of a frame (pull_count of the segment, by 3), NULL without any; until the clip changes.
+ */
+const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
+/* The rest shape, moved by the named part of a frame. */
+void clip_read_named(const clip *c, uint32_t frame, float *out_position);
+
+typedef struct clip_remainder {  /* of frames that have a named part */
+    double furthest_mm, mean_mm; /* of the vertex furthest from its place, in the worst frame; over
+                                    the frames */
+    double loose_mm;             /* likewise, in frames in which nothing is pulled: clay */
+} clip_remainder;
+/* A clip of the rest shape moved by what the named part of each frame leaves; anchored frames
+ * without one stand still. Destroy it before c. */
+clip *clip_split(const clip *c, clip_remainder *out, error *err);
 
 #endif

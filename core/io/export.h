@@ -11,8 +11,10 @@ typedef struct export_progress { /* optional: called now and then; NULL callback
 } export_progress;
 
 typedef struct gltf_options {
-    double tolerance_mm;  /* greatest vertex error of free frames; 0: 0.1 % of the face's height;
-                             at least 1e-6 of its size, which is what float32 can show */
+    double tolerance_mm; /* greatest vertex error of free frames, and of those with a named part; 0:
+                            0.1 % of the face's height, and a tenth of that where all frames have
+                            one and what is left is not clay; at least 1e-6 of its size, which is
+                            what float32 can show */
     uint32_t max_targets; /* for free frames, in all; 0: as many as the tolerance needs, within the
                              limits of components.h */
     const char *name;     /* of the animation; NULL: "performance" */
@@ -20,10 +22,11 @@ typedef struct gltf_options {
 } gltf_options;
 
 typedef struct gltf_report {
-    uint32_t target_count, exact_target_count;
+    uint32_t target_count, exact_target_count; /* exact: also those of a named part */
     uint32_t component_count; /* all others: components for free frames and bases of windows */
     uint32_t window_count;    /* of free frames; 0 without any */
-    double max_error_mm;      /* over all free frames, measured on what is written; 0 without any */
+    double remainder_mm, mean_remainder_mm; /* of clip_split; 0 where no frame has a named part */
+    double max_error_mm; /* over all free frames, measured on what is written; 0 without any */
     double tolerance_mm; /* that was aimed at; max_error_mm is above it only where a limit on the
                             number of components came first */
     uint64_t byte_count;
@@ -37,15 +40,20 @@ typedef struct gltf_report {
  * materials. Morph targets and a weights animation with a key per frame, every weight within
  * 0..1, as programs that play it limit them to that. Anchored frames exactly (to float32): a target
  * for each direction of a column's axis that is used in a segment, "s1.control2.y+", in metres
- * times a power of two, and one target per committed base, "s2.base". Free frames: principal
- * components up to the tolerance, "component1", counted from a "base" (weight 1 in these frames).
- * Where that makes less work and few more bytes, a long motion is split into windows of time, each
- * with a base and components of its own, "w2.base" and "w2.component1"; the weights of others are
- * 0. Each key shows its own shape, and between two keys the shape goes straight from one to the
- * other. Normals follow to first order. A clip without motion is a plain mesh; the mesh's own
- * targets are left out. Parts are primitives on the same vertices, in the file's order, with their
- * name in extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of says.
- * Errors name the frame or file. */
+ * times a power of two, and one target per committed base, "s2.base". Frames with a named part: a
+ * target for each way that a curve goes, "jaw.open" or "eye.l.yaw +" and "eye.l.yaw -", of weight 1
+ * at the curve's limit; and for each direction that a control is pulled in, "mouth.corner.l out",
+ * of weight 1 at 31.25 mm (or that times a power of two, when it is pulled further); "s2." before
+ * it where another engagement moves the face otherwise. What these leave are components, "remainder
+ * 1", and so much of max_error_mm. Free frames: principal components up to the tolerance,
+ * "component1", counted from a "base" (weight 1 in these frames). Where that makes less work and
+ * few more bytes, a long motion is split into windows of time, each with a base and components of
+ * its own, "w2.base" and "w2.component1"; the weights of others are 0. Each key shows its own
+ * shape, and between two keys the shape goes straight from one to the other. Normals follow to
+ * first order. A clip without motion is a plain mesh; the mesh's own targets are left out. Parts
+ * are primitives on the same vertices, in the file's order, with their name in extras.name.
+ * asset.extras has timecode, firstFrame and rate where clip_start_of says. Errors name the frame or
+ * file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */

@@ -183,6 +183,25 @@ void bones_limit(float *out_dof, const bones *b, const float *dof)
     }
 }
 
+void bones_unlimit(float *out_dof, const bones *b, const float *limited)
+{
+    for (uint32_t bone = 0; b->rig && bone < b->bone_count; ++bone) {
+        const rig_bone *one = &b->rig->bone[bone];
+        const float *from = limited + b->first_dof[bone];
+        float *to = out_dof + b->first_dof[bone];
+        if (one->kind == BONE_JAW) {
+            double open = value_of(from, 0), aside = bones_lateral_limit(b, open);
+            to[0] = (float)bones_soft_limit_inverse(open, one->open_min_rad, one->open_max_rad);
+            to[1] = (float)bones_soft_limit_inverse(value_of(from, 1), -aside, aside);
+            to[2] = (float)bones_soft_limit_inverse(value_of(from, 2), 0.0,
+                                                    bones_forward_limit(b, open));
+        }
+        for (uint32_t i = 0; one->kind == BONE_BALL && i < one->turn_count; ++i)
+            to[i] = (float)bones_soft_limit_inverse(value_of(from, i), one->turn[i].min_rad,
+                                                    one->turn[i].max_rad);
+    }
+}
+
 static rigid pose_jaw(const bones *b, const float *dof)
 {
     double jaw[3];

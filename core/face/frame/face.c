@@ -225,6 +225,23 @@ void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME]
     }
 }
 
+face_column face_column_at(const face *f, uint32_t column)
+{
+    for (uint32_t b = 0; b < f->bone_count && column < f->control_column_count; ++b) {
+        const face_field *field = &f->field[b];
+        if (column < field->first_column || column - field->first_column >= field->control_count)
+            continue;
+        uint32_t control = field->control[column - field->first_column];
+        return (face_column){control, f->grip[control].share[b]};
+    }
+    return (face_column){FACE_NO_CONTROL, 0.0};
+}
+
+face_control face_control_at(const face *f, uint32_t control)
+{
+    return (face_control){f->grip[control].start, f->grip[control].contact};
+}
+
 vec3 face_contact_now(const face *f, uint32_t contact)
 {
     double at[3];

@@ -31,7 +31,14 @@ struct axis_targets {
 struct segment_targets {
     size_t base = 0; /* valid if has_base */
     bool has_base = false;
-    std::vector<axis_targets> axis; /* 3 per column */
+    std::vector<size_t> axis; /* of performance.axis: 3 per column, or per pull where frames have a
+                                 named part; what moves the same has the same */
+};
+
+/* Of a curve: which way it goes in the clip, and where the targets for that are. */
+struct curve_targets {
+    bool goes_up = false, goes_down = false;
+    size_t up = 0, down = 0;
 };
 
 template <typename number> number *room_for(size_t count)
@@ -100,8 +107,12 @@ struct target_list {
 
 struct performance {
     const clip *source;
+    clip *left = nullptr; /* what the named targets leave; NULL: there are none */
+    std::vector<curve_targets> curve;
+    std::vector<axis_targets> axis;
+    size_t named_axes = 0; /* that have their targets */
     std::vector<segment_targets> segment;
-    components found{};               /* of the free frames */
+    components found{};               /* of the free frames, or of what is left */
     std::vector<size_t> first_target; /* of each of its windows */
     gltf_report report{};
 
@@ -113,6 +124,11 @@ struct performance {
     ~performance()
     {
         components_finish(&found);
+        clip_destroy(left);
+    }
+    bool is_named() const
+    {
+        return clip_curve_count(source) > 0;
     }
 };
 
@@ -121,42 +137,100 @@ float in_metres(double mm)
     return static_cast<float>(mm * GLTF_METRES_PER_MM);
 }
 
-/* How far each axis of each segment goes, and so what it is counted in. */
-void measure_axes(performance &p)
+/* A pull that is named has the same target in every performance, unless it is pulled further. */
+constexpr int NAMED_PULL_EXPONENT = -5; /* 31.25 mm */
+
+/* The vectors that the targets of a frame's segment show; NULL: none. */
+const double *vectors_of(const performance &p, uint32_t frame, uint32_t &segment)
 {
-    for (uint32_t i = 0; i < p.segment.size(); ++i)
-        p.segment[i].axis.resize(size_t{clip_segment_at(p.source, i)->column_count} * 3);
-    for (uint32_t frame = 0; frame < clip_frame_count(p.source); ++frame) {
-        if (clip_frame_segment(p.source, frame) < 0)
-            continue;
-        const double *vector = clip_vector(p.source, frame);
-        for (axis_targets &axis :
-             p.segment[static_cast<size_t>(clip_frame_segment(p.source, frame))].axis) {
-            float weight = in_metres(*vector++);
-            axis.most = std::max(axis.most, weight);
-            axis.least = std::min(axis.least, weight);
-        }
-    }
-    for (segment_targets &at : p.segment)
-        for (axis_targets &axis : at.axis)
-            (void)std::frexp(std::max(axis.most, -axis.least), &axis.exponent);
+    if (p.is_named())
+        return clip_pulled(p.source, frame, &segment);
+    int32_t index = clip_frame_segment(p.source, frame);
+    segment = static_cast<uint32_t>(index);
+    return index >= 0 ? clip_vector(p.source, frame) : nullptr;
 }
 
+bool is_same_pull(const clip_pull &a, const clip_pull &b, size_t vertex_count)
+{
+    return std::strcmp(a.name, b.name) == 0 &&
+           std::memcmp(a.response, b.response, vertex_count * sizeof(float)) == 0;
+}
+
+/* The axes of a pull that moves the same in a segment before: the last one's, as hands that take
+ * hold anew take the same contacts. SIZE_MAX: none. */
+size_t axis_before(const performance &p, uint32_t index, uint32_t pull)
+{
+    const clip_pull &wanted = clip_segment_at(p.source, index)->pull[pull];
+    for (uint32_t i = index; i-- > 0;) {
+        const clip_segment *segment = clip_segment_at(p.source, i);
+        for (uint32_t k = 0; k < segment->pull_count; ++k)
+            if (is_same_pull(segment->pull[k], wanted, clip_mesh(p.source)->vertex_count))
+                return p.segment[i].axis[size_t{k} * 3];
+    }
+    return SIZE_MAX;
+}
+
+void list_axes(performance &p)
+{
+    p.segment.resize(clip_segment_count(p.source));
+    for (uint32_t i = 0; i < p.segment.size(); ++i) {
+        const clip_segment *segment = clip_segment_at(p.source, i);
+        for (uint32_t k = 0; k < (p.is_named() ? segment->pull_count : segment->column_count);
+             ++k) {
+            size_t first = p.is_named() ? axis_before(p, i, k) : SIZE_MAX;
+            if (first == SIZE_MAX) {
+                first = p.axis.size();
+                p.axis.resize(first + 3);
+            }
+            for (size_t axis = 0; axis < 3; ++axis)
+                p.segment[i].axis.push_back(first + axis);
+        }
+    }
+}
+
+/* How far each axis goes, and so what it is counted in; which way each curve goes. */
+void measure(performance &p)
+{
+    for (uint32_t frame = 0; frame < clip_frame_count(p.source); ++frame) {
+        const double *value = clip_values(p.source, frame);
+        for (size_t i = 0; value && i < p.curve.size(); ++i) {
+            p.curve[i].goes_up = p.curve[i].goes_up || value[i] > 0.0;
+            p.curve[i].goes_down = p.curve[i].goes_down || value[i] < 0.0;
+        }
+        uint32_t segment;
+        const double *vector = vectors_of(p, frame, segment);
+        for (size_t i = 0; vector && i < p.segment[segment].axis.size(); ++i) {
+            axis_targets &axis = p.axis[p.segment[segment].axis[i]];
+            axis.most = std::max(axis.most, in_metres(vector[i]));
+            axis.least = std::min(axis.least, in_metres(vector[i]));
+        }
+    }
+    for (axis_targets &axis : p.axis) {
+        (void)std::frexp(std::max(axis.most, -axis.least), &axis.exponent);
+        if (p.is_named())
+            axis.exponent = std::max(axis.exponent, NAMED_PULL_EXPONENT);
+    }
+}
+
+struct axis_names {
+    std::string plus, minus;
+};
+
 void add_axis_targets(target_list &to, axis_targets &at, const float *column, size_t axis,
-                      const std::string &name)
+                      const axis_names &name)
 {
     std::vector<float> offset(to.surface.position.size());
-    auto add = [&](float unit, const char *direction) {
+    auto add = [&](float unit, const std::string &direction) {
         for (size_t v = 0; v < to.surface.source->vertex_count; ++v)
             offset[v * 3 + axis] = unit * column[v];
-        to.add(name + direction, offset.data());
+        to.add(direction, offset.data());
         return to.count - 1;
     };
     const float unit = std::ldexp(1.0f, at.exponent);
     if (at.most > 0.0f)
-        at.plus = add(unit, "+");
+        at.plus = add(unit, name.plus);
     if (at.least < 0.0f)
-        at.minus = add(-unit, "-");
+        at.minus = add(-unit, name.minus);
 }
 
 void add_segment_targets(target_list &to, performance &p, uint32_t index)
@@ -176,18 +250,81 @@ void add_segment_targets(target_list &to, performance &p, uint32_t index)
     at.base = to.count;
     if (at.has_base)
         to.add(prefix + "base", offset.data());
-    for (size_t i = 0; i < at.axis.size(); ++i)
-        add_axis_targets(to, at.axis[i], segment->column + i / 3 * vertex_count, i % 3,
-                         prefix + segment->name[i / 3] + "." + axis_name[i % 3]);
+    for (size_t i = 0; i < at.axis.size(); ++i) {
+        std::string name = prefix + segment->name[i / 3] + "." + axis_name[i % 3];
+        add_axis_targets(to, p.axis[at.axis[i]], segment->column + i / 3 * vertex_count, i % 3,
+                         {name + "+", name + "-"});
+    }
+}
+
+/* As seen by the face itself: out is away from its middle, left its own left. */
+axis_names direction_names(const clip_pull &pull, size_t axis, double half_width_mm)
+{
+    std::string name = std::string(pull.name) + " ";
+    if (axis == 1)
+        return {name + "up", name + "down"};
+    if (axis == 2)
+        return {name + "forward", name + "back"};
+    if (std::fabs(pull.place_mm[0]) < 0.02 * half_width_mm)
+        return {name + "left", name + "right"};
+    return pull.place_mm[0] > 0.0 ? axis_names{name + "out", name + "in"}
+                                  : axis_names{name + "in", name + "out"};
+}
+
+void add_pull_targets(target_list &to, performance &p, uint32_t index)
+{
+    const clip_segment *segment = clip_segment_at(p.source, index);
+    const mesh *m = to.surface.source;
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    double half_width_mm = 0.5 * (static_cast<double>(high[0]) - static_cast<double>(low[0]));
+    for (size_t i = 0; i < p.segment[index].axis.size(); ++i) {
+        const clip_pull &pull = segment->pull[i / 3];
+        if (p.segment[index].axis[i] < p.named_axes)
+            continue; /* of a segment before */
+        axis_names name = direction_names(pull, i % 3, half_width_mm);
+        if (index > 0) {
+            std::string prefix = "s" + std::to_string(index + 1) + ".";
+            name = {prefix + name.plus, prefix + name.minus};
+        }
+        add_axis_targets(to, p.axis[p.named_axes++], pull.response, i % 3, name);
+    }
+}
+
+/* A curve that goes both ways has a target for each. */
+void add_curve_targets(target_list &to, performance &p)
+{
+    for (uint32_t i = 0; i < p.curve.size(); ++i) {
+        const clip_curve *curve = clip_curve_at(p.source, i);
+        curve_targets &at = p.curve[i];
+        bool is_signed = curve->min < 0.0 && curve->max > 0.0;
+        std::string name = gltf_utf8(curve->name);
+        auto add = [&](const float *moves, const char *way) {
+            to.add(name + (is_signed ? way : ""),
+                   gltf_in_metres(moves, to.surface.position.size()).data());
+            return to.count - 1;
+        };
+        at.goes_up = at.goes_up && curve->at_max;
+        at.goes_down = at.goes_down && curve->at_min;
+        if (at.goes_up)
+            at.up = add(curve->at_max, " +");
+        if (at.goes_down)
+            at.down = add(curve->at_min, " -");
+    }
 }
 
 void add_exact_targets(target_list &to, performance &p)
 {
-    p.segment.resize(clip_segment_count(p.source));
-    measure_axes(p);
-    for (uint32_t i = 0; i < p.segment.size(); ++i)
-        if (clip_segment_at(p.source, i)->frame_count > 0)
+    p.curve.resize(clip_curve_count(p.source));
+    list_axes(p);
+    measure(p);
+    add_curve_targets(to, p);
+    for (uint32_t i = 0; i < p.segment.size(); ++i) {
+        if (p.is_named())
+            add_pull_targets(to, p, i);
+        else if (clip_segment_at(p.source, i)->frame_count > 0)
             add_segment_targets(to, p, i);
+    }
     p.report.exact_target_count = static_cast<uint32_t>(to.count);
 }
 
@@ -195,23 +332,38 @@ void add_window_targets(target_list &to, performance &p, uint32_t index)
 {
     const component_window &window = p.found.window[index];
     std::string prefix = p.found.window_count > 1 ? "w" + std::to_string(index + 1) + "." : "";
+    prefix += p.is_named() ? "remainder" : "";
     std::vector<float> offset(to.surface.position.size());
     p.first_target.push_back(to.count);
     if (window.base)
-        to.add(prefix + "base", window.base);
+        to.add(prefix + (p.is_named() ? " base" : "base"), window.base);
     for (uint32_t j = 0; j < window.count; ++j) {
         components_offset(offset.data(), &p.found, &window, j);
-        to.add(prefix + "component" + std::to_string(j + 1), offset.data());
+        to.add(prefix + (p.is_named() ? " " : "component") + std::to_string(j + 1), offset.data());
     }
 }
+
+/* Where the named targets leave little, that little is cheap to have. */
+constexpr double REMAINDER_FINENESS = 0.1;
 
 void add_component_targets(target_list &to, performance &p, const gltf_options &options,
                            const export_progress *progress)
 {
+    error err;
+    clip_remainder remainder;
+    mrt_result result = MRT_OK;
+    if (p.is_named()) {
+        p.left = clip_split(p.source, &remainder, &err);
+        if (!p.left)
+            gltf_fail(MRT_ERR_IO, "%s", err.text);
+        p.report.remainder_mm = remainder.furthest_mm;
+        p.report.mean_remainder_mm = remainder.mean_mm;
+        if (!(options.tolerance_mm > 0.0) && remainder.loose_mm <= p.report.tolerance_mm)
+            p.report.tolerance_mm *= REMAINDER_FINENESS;
+    }
     components_request wanted = {to.surface.position.data(), p.report.tolerance_mm,
                                  options.max_targets};
-    error err;
-    mrt_result result = components_find(&p.found, p.source, &wanted, progress, &err);
+    result = components_find(&p.found, p.left ? p.left : p.source, &wanted, progress, &err);
     if (result < 0)
         gltf_fail(result, "%s", err.text);
     p.report.component_count = p.found.target_count;
@@ -221,15 +373,25 @@ void add_component_targets(target_list &to, performance &p, const gltf_options &
         add_window_targets(to, p, w);
 }
 
-/* Weights of an anchored frame: its vectors, and its committed base. */
-void put_anchored_weights(const performance &p, uint32_t frame, float *weight)
+/* Weights of what is named: the curves, the pulls; or an anchored frame's base and vectors. */
+void put_exact_weights(const performance &p, uint32_t frame, float *weight)
 {
-    auto segment = static_cast<uint32_t>(clip_frame_segment(p.source, frame));
+    const double *value = clip_values(p.source, frame);
+    for (uint32_t i = 0; value && i < p.curve.size(); ++i) {
+        double part = clip_curve_part(clip_curve_at(p.source, i), value[i]);
+        if (part > 0.0 ? p.curve[i].goes_up : part < 0.0 && p.curve[i].goes_down)
+            weight[part > 0.0 ? p.curve[i].up : p.curve[i].down] =
+                static_cast<float>(std::fabs(part));
+    }
+    uint32_t segment;
+    const double *vector = vectors_of(p, frame, segment);
+    if (!vector)
+        return;
     const segment_targets &at = p.segment[segment];
-    const double *vector = clip_vector(p.source, frame);
     if (at.has_base)
         weight[at.base] = 1.0f;
-    for (const axis_targets &axis : at.axis) {
+    for (size_t index : at.axis) {
+        const axis_targets &axis = p.axis[index];
         float along = std::ldexp(in_metres(*vector++), -axis.exponent);
         if (along != 0.0f)
             weight[along > 0.0f ? axis.plus : axis.minus] = std::fabs(along);
@@ -254,8 +416,7 @@ std::vector<float> all_weights(const performance &p, size_t target_count)
     uint32_t frame_count = clip_frame_count(p.source);
     std::vector<float> weight(frame_count * target_count);
     for (uint32_t frame = 0; frame < frame_count; ++frame)
-        if (clip_frame_segment(p.source, frame) >= 0)
-            put_anchored_weights(p, frame, &weight[frame * target_count]);
+        put_exact_weights(p, frame, &weight[frame * target_count]);
     for (uint32_t w = 0; w < p.found.window_count; ++w)
         put_window_weights(p, w, weight.data(), target_count);
     return weight;
@@ -292,6 +453,8 @@ nlohmann::ordered_json animation_extras(const performance &p)
         {"maxErrorMm", p.report.max_error_mm}};
     if (p.found.frame_count > 0)
         extras["toleranceMm"] = p.report.tolerance_mm;
+    if (p.is_named())
+        extras["remainderMm"] = p.report.remainder_mm;
     return extras;
 }
 

@@ -59,7 +59,8 @@ struct composer {
     joined_control control[MRT_MAX_VECTORS];
     uint32_t control_count;
     float engaged_radius_mm;
-    mrt_pull pulled; /* of the last step */
+    double aimed[MRT_MAX_VECTORS * 3]; /* where the controls were to land last */
+    mrt_pull pulled;                   /* of the last step */
     composer_counts counts;
 };
 
@@ -360,6 +361,7 @@ static void aim(composer *self, bool (*counts)(const voice *v), const float *dof
     uint8_t rides[MRT_MAX_VECTORS];
     composer_blend_ends(self, counts, end, rides);
     face_ride(self->face, end, rides, dof);
+    memcpy(self->aimed, end, (size_t)self->control_count * 3 * sizeof *end);
     self->counts.solves += 1;
     if (face_aim(self->face, end, dof, &err) < 0) {
         self->counts.held_pulls += 1;
@@ -1103,6 +1105,20 @@ const mrt_pull *composer_pull(const composer *self)
     return &self->pulled;
 }
 
+uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS])
+{
+    double way[MRT_MAX_VECTORS * 3];
+    float dof[MRT_MAX_DOFS] = {0};
+    uint32_t count = self->engaged ? self->control_count : 0;
+    memcpy(way, self->aimed, (size_t)count * 3 * sizeof *way);
+    bones_unlimit(dof, face_bones(self->face), face_metered(self->face)->dof);
+    face_unride(self->face, way, dof);
+    for (uint32_t k = 0; k < count; ++k)
+        out[k] = (composer_asked){.control = face_control_at(self->face, k),
+                                  .way = {way[3 * k], way[3 * k + 1], way[3 * k + 2]}};
+    return count;
+}
+
 csrbf_settings composer_solver(const composer *self)
 {
     return self->solver;
@@ -1275,6 +1291,7 @@ static void take_controls(bytes_in *in, composer *self)
     }
     for (uint32_t k = 0; k < self->control_count; ++k) {
         joined_control *c = &self->control[k];
+        memset(self->aimed + 3 * k, 0, 3 * sizeof *self->aimed); /* told again by the next step */
         c->contact = bytes_take_u32(in);
         c->slot = bytes_take_u32(in);
         c->vector = bytes_take_u32(in);

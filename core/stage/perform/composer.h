@@ -63,6 +63,14 @@ face *composer_face(composer *self);
 const shading *composer_shading(const composer *self); /* its normals, in the engine's order */
 /* What all pulled in the last step, weighed, not blended; as for exports. */
 const mrt_pull *composer_pull(const composer *self);
+/* What the last anchored step asked of the face, all layers blended: each control that holds it,
+ * and how far it is pulled with all bones at rest, derived ones too. Returns how many; 0: not
+ * anchored. */
+typedef struct composer_asked {
+    face_control control;
+    vec3 way; /* mm */
+} composer_asked;
+uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS]);
 csrbf_settings composer_solver(const composer *self); /* radius > 0 */
 /* The same, and what the pull itself says of it. */
 csrbf_settings composer_solver_of(const composer *self, const mrt_pull *pull);
