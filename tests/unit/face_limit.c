@@ -158,6 +158,44 @@ static void what_is_given_depends_on_the_frame_alone(void **state)
     face_destroy(fresh.face);
 }
 
+/* A jaw that hangs open tilts the skin beside the lips already: pulls may tilt it so much less. */
+static void what_bones_have_tilted_is_not_turned_over(void **state)
+{
+    (void)state;
+    static face_scene s;
+    double start[3][3], end[3][3], least_alone = 1.0, least = 1.0;
+    uint32_t seed = 11, bent = 0;
+    error err = {""};
+    make(&s);
+    const uint32_t vertex[3] = {scene_at(6, -2), scene_at(9, 1), scene_at(-7, -3)};
+    for (int i = 0; i < 300; ++i) {
+        float dof[MRT_MAX_DOFS] = {0.0f};
+        dof[0] = 0.05f * (float)(i % 9);
+        dof[1] = (float)(i % 5) - 2.0f;
+        face_reset(s.face);
+        must(face_pull(s.face, NULL, dof, &err), &err);
+        least_alone = fmin(least_alone, face_judge(s.face).min_determinant);
+        bent += face_judge(s.face).skin.bent_count;
+        hold_at(&s, &settings, vertex, start);
+        memcpy(end, start, sizeof end);
+        for (size_t k = 0; k < 9; ++k) {
+            seed = seed * 1664525u + 1013904223u;
+            end[k / 3][k % 3] += (double)(seed >> 8) / 16777216.0 * 60.0 - 30.0;
+        }
+        face_reset(s.face);
+        hold_at(&s, &settings, vertex, start);
+        must(face_pull(s.face, end[0], dof, &err), &err);
+        least = fmin(least, face_judge(s.face).min_determinant);
+        bent += face_judge(s.face).skin.bent_count;
+    }
+    print_message("least determinant %.3f, by the bones alone %.3f, %u edges bent\n", least,
+                  least_alone, bent);
+    assert_true(least_alone > 0.3 && least_alone < 0.7);
+    assert_true(least > 0.0);
+    assert_int_equal(bent, 0);
+    face_destroy(s.face);
+}
+
 /* The mesh alone, of which the field is one of space. */
 static void make_bare(face_scene *s)
 {
@@ -298,6 +336,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_that_pull_through_each_other_fold_nothing),
         cmocka_unit_test(what_does_not_fold_keeps_its_bits),
+        cmocka_unit_test(what_bones_have_tilted_is_not_turned_over),
         cmocka_unit_test(it_gives_less_without_a_jump),
         cmocka_unit_test(what_is_given_depends_on_the_frame_alone),
         cmocka_unit_test(space_folds_nowhere_beside_the_skin),

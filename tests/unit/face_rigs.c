@@ -232,12 +232,61 @@ static void every_contact_lands_in_any_pose_and_nothing_jumps(void **state)
     close_actor(&a);
 }
 
+/* The jaw is aside, and the edges at that corner of the mouth are nearly bent as far as they may
+ * be: what pulls there gives way, what pulls the brows does not. */
+static void no_pull_bends_what_bones_have_bent(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"mouth.corner.l", "mouth.corner.r", "lip.lower.side.r",
+                                        "nasolabial.r", "brow.mid.l"};
+    enum { HELD = sizeof names / sizeof *names, BROW = HELD - 1 };
+    actor a;
+    face_control control[HELD];
+    double end[HELD][3], least_brow = 6.0;
+    float dof[MRT_MAX_DOFS] = {0.0f};
+    uint32_t contacts, seed = 3, held = 0;
+    error err = {""};
+    open_puppet(&a);
+    const mrt_contact *contact = face_contacts(a.face, &contacts);
+    const bones *b = face_bones(a.face);
+    dof[b->first_dof[b->jaw] + 1] = 10.0f;
+    for (uint32_t k = 0; k < HELD; ++k)
+        for (uint32_t i = 0; i < contacts; ++i)
+            if (strcmp(contact[i].name, names[k]) == 0)
+                control[k] = (face_control){{(double)contact[i].rest.x, (double)contact[i].rest.y,
+                                             (double)contact[i].rest.z},
+                                            i + 1};
+    must(face_engage(a.face, &a.settings, control, HELD, &err), &err);
+    for (int i = 0; i < 100; ++i) {
+        const uint8_t rides[HELD] = {1, 1, 1, 1, 1};
+        for (uint32_t k = 0; k < HELD; ++k)
+            for (int axis = 0; axis < 3; ++axis) {
+                seed = seed * 1664525u + 1013904223u;
+                end[k][axis] = (double)(seed >> 8) / 16777216.0 * 30.0 - 15.0;
+            }
+        memcpy(end[BROW], (const double[3]){0.0, 6.0, 0.0}, sizeof end[BROW]);
+        face_ride(a.face, end[0], rides, dof);
+        must(face_pull(a.face, end[0], dof, &err), &err);
+        face_surface now = face_judge(a.face);
+        assert_true(now.min_determinant > 0.0);
+        assert_int_equal(now.skin.bent_count, 0);
+        held += now.held_back_mm > 1.0;
+        vec3 at = face_contact_now(a.face, control[BROW].contact);
+        least_brow = fmin(least_brow, at.y - control[BROW].start.y);
+    }
+    print_message("held back in %u of 100, the brow by %.2f of 6 mm at most\n", held,
+                  6.0 - least_brow);
+    assert_true(held > 10 && least_brow > 3.0);
+    close_actor(&a);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_lips_do_not_drag_each_other),
         cmocka_unit_test(lips_of_the_ict_face_do_not_drag_each_other),
         cmocka_unit_test(every_contact_lands_in_any_pose_and_nothing_jumps),
+        cmocka_unit_test(no_pull_bends_what_bones_have_bent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

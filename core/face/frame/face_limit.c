@@ -5,7 +5,8 @@
  * in its plane, negated) and t how steeply G tilts it, the triangle under I + s G keeps its side
  * and its normal turns by less than atan T as long as s (m / M + t / T) <= 1 with M < 1: in its
  * plane I + s G is positive definite then. That strain grows in proportion to the pulls, so one
- * number says how much of them can be given. Where it is above 1 the pulls around give way to each
+ * number says how much of them can be given. What the bones have tilted a triangle by already is
+ * taken from its T. Where it is above 1 the pulls around give way to each
  * other (csrbf/soften.h), the more the further it is above; and what is left of it is taken from
  * all alike. The same pulls, the same face, whatever frames were before. Only triangles that can be
  * strained too much are looked at: how steep each column is at most in a group of them is known
@@ -18,6 +19,7 @@
  * Unanchored: what a sample has moved is looked at on the surface itself, against the rest shape,
  * which no field knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips
  * near which too much of the room before a limit is used go less far. */
+#include "base/angle.h"
 #include "csrbf/soften.h"
 #include "face/frame/face_state.h"
 #include "face/frame/strain.h"
@@ -33,7 +35,12 @@ enum { SOFTENINGS = 5, GROUP = STRAIN_GROUP };
 static const double softening = 0.02, softening_more = 3.0;
 static const double strain_most = 8.0;
 
-enum { UNBENDINGS = 8, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
+/* Tangents of how far skin may turn from where the bones turn it: no triangle is seen from behind,
+ * and up to 17 degrees that the bones tilt it take nothing from what the pulls may. */
+static const float of_seen = 0.0524078f; /* 1 over that of 87 degrees */
+static const angle_turn tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
+
+enum { UNBENDINGS = 8, BEND_YIELDS = 3, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
 /* Of the field of a face without a rig, at its vertices: how much of the room around them is left
  * at least, and how exactly that is met. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
@@ -44,17 +51,21 @@ static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.
 typedef struct limit_patch {
     strain_frames origin; /* of the engagement */
     strain_frames posed;  /* as the bones alone pose it */
-    /* 1 over the tangent of how far it may turn whatever others do: at rest, and as posed */
-    float of_turn[GROUP], of_turn_posed[GROUP];
+    /* 1 over the tangent of how far it may turn whatever others do: at rest, and as posed; and of
+     * how far it may tilt, as posed, before it is seen from behind */
+    float of_turn[GROUP], of_turn_posed[GROUP], of_tilt_posed[GROUP];
 } limit_patch;
 
 /* What is known of them beside. */
 typedef struct limit_group {
-    float steepness;    /* strained and turned at most by so much of a gradient */
-    float rounding;     /* of the origin: what it may turn and stretch a triangle by */
-    float room;         /* bound_pose less of rounding; INFINITY: not known in this frame */
-    float strain, turn; /* at most, strain also the size; INFINITY: not known with this pose */
-    uint32_t main_bone; /* or STILL */
+    float steepness;       /* strained and turned at most by so much of a gradient */
+    float of_turn;         /* the greatest of its triangles' */
+    float tilt_cosine;     /* of how far the origin has turned a triangle from rest at most */
+    float rounding;        /* of the origin: what it may turn and stretch a triangle by */
+    float room;            /* room_of_pose; INFINITY: not known in this frame */
+    float strain, turn;    /* at most, strain also the size; INFINITY: not known with this pose */
+    uint32_t main_bone;    /* or STILL */
+    uint32_t bones_around; /* a bit for each that is the main one of a group beside it */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
     bool is_framed;                      /* patch.posed is that of this pose */
     float centre[3], radius;
@@ -79,6 +90,7 @@ typedef struct limit_apart {
 
 enum { STILL = RIG_BONES_MAX, CARRIERS }; /* what no bone moves is carried by that */
 
+_Static_assert(CARRIERS <= 32, "a bit for each in limit_group.bones_around");
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
 
 /* ---- made and unmade ---- */
@@ -158,6 +170,7 @@ mrt_result face_limit_create(face *f, error *err)
     l->block = calloc((size_t)3 * f->skin_count + 1, sizeof *l->block);
     l->apart = calloc((size_t)CARRIERS * CARRIERS, sizeof *l->apart);
     l->still = calloc(vertices, sizeof *l->still);
+    l->bones_around = calloc(vertices, sizeof *l->bones_around);
     l->wanted = calloc(groups, sizeof *l->wanted);
     l->candidate = calloc((size_t)f->skin_count + 1, sizeof *l->candidate);
     l->bounded = calloc((size_t)3 * f->columns.capacity + 1, sizeof *l->bounded);
@@ -175,9 +188,9 @@ mrt_result face_limit_create(face *f, error *err)
     l->scratch = calloc(CSRBF_SOFTEN_SCRATCH(controls), sizeof *l->scratch);
     if (!l->posed || !l->added || !l->g || !l->share || !l->is_posed || !l->is_added || !l->group ||
         !l->pull_bound || !l->change || !l->carried || !l->apart || !l->block || !l->still ||
-        !l->wanted || !l->candidate || !l->bounded || !l->steepest || !l->is_changed ||
-        !l->longest || !l->pose_weight || !l->asked || !l->centre || !l->step || !l->ridge ||
-        !l->strain || !l->tip_share || !l->likeness || !l->scratch)
+        !l->bones_around || !l->wanted || !l->candidate || !l->bounded || !l->steepest ||
+        !l->is_changed || !l->longest || !l->pose_weight || !l->asked || !l->centre || !l->step ||
+        !l->ridge || !l->strain || !l->tip_share || !l->likeness || !l->scratch)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the limits of %u triangles",
                          f->skin_count);
     measure_rest(f);
@@ -202,6 +215,7 @@ void face_limit_destroy(face *f)
     free(l->apart);
     free(l->block);
     free(l->still);
+    free(l->bones_around);
     free(l->wanted);
     free(l->candidate);
     free(l->bounded);
@@ -287,21 +301,64 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
     return steepest;
 }
 
+/* 1 over the tangent of what is left of an angle, given as that, less others up to so much. */
+static double left_of(double of_angle, angle_turn less)
+{
+    double left = less.cos - of_angle * less.sin;
+    return left > 0.0 ? (of_angle * less.cos + less.sin) / left : (double)INFINITY;
+}
+
+static angle_turn turn_of_cosine(double cosine)
+{
+    return (angle_turn){.cos = cosine, .sin = sqrt(fmax(1.0 - cosine * cosine, 0.0))};
+}
+
+static angle_turn turn_of_sine(double sine)
+{
+    sine = fmin(sine, 1.0);
+    return (angle_turn){.cos = sqrt(1.0 - sine * sine), .sin = sine};
+}
+
+/* Both; 90 degrees at most. */
+static angle_turn turn_add(angle_turn a, angle_turn b)
+{
+    double cosine = a.cos * b.cos - a.sin * b.sin;
+    return cosine > 0.0 ? (angle_turn){.cos = cosine, .sin = a.sin * b.cos + a.cos * b.sin}
+                        : (angle_turn){.cos = 0.0, .sin = 1.0};
+}
+
+/* How much a gradient strains and turns triangles of the group at most, when they have turned from
+ * rest by up to `tilt`, and their neighbours another way by up to `apart`. */
+static float steepness_of(const limit_group *g, angle_turn tilt, angle_turn apart)
+{
+    const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
+    const angle_turn all = turn_add(tilt, apart);
+    double of_tilt = fmax(1.0 / (double)STRAIN_TILT_MOST, left_of((double)of_seen, tilt));
+    double of_turn = left_of((double)g->of_turn, all);
+    double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
+    return (float)(sure * fmax(sqrt(squeezed + of_tilt * of_tilt), sqrt(1.0 + of_turn * of_turn)));
+}
+
 /* How much a gradient strains the group, and what rounding may do to it. */
 static void bound_group(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
     const limit_patch *patch = &f->limit.patch[group];
     const uint32_t *corner = f->skin + 3 * GROUP * group;
-    const float of_strain = sqrtf(1.0f / (STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST) +
-                                  1.0f / (STRAIN_TILT_MOST * STRAIN_TILT_MOST));
-    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
     size_t count = group_size(f, group);
-    float most = of_strain, rounding = 0.0f;
+    float rounding = 0.0f;
+    bool is_squashed = false; /* how steep something is there, nobody can say */
+    g->of_turn = 0.0f;
+    g->tilt_cosine = 1.0f;
     for (size_t i = 0; i < count; ++i) {
-        most = fmaxf(most, sqrtf(1.0f + patch->of_turn[i] * patch->of_turn[i]));
-        if (!(patch->origin.shape.of_height[i] > 0.0f)) /* squashed: how steep, nobody can say */
-            most = INFINITY;
+        vec3 normal = {(double)patch->origin.normal[0][i], (double)patch->origin.normal[1][i],
+                       (double)patch->origin.normal[2][i]};
+        vec3 rest = vec3_normalised(face_skin_area(&f->rest, corner + 3 * i), normal);
+        double cosine = fmin(vec3_dot(rest, normal), 1.0);
+        if (cosine < 1.0 - 1e-6) /* less is rounding */
+            g->tilt_cosine = fminf(g->tilt_cosine, fmaxf((float)cosine, 0.0f));
+        g->of_turn = fmaxf(g->of_turn, patch->of_turn[i]);
+        is_squashed = is_squashed || !(patch->origin.shape.of_height[i] > 0.0f);
     }
     for (int axis = 0; axis < 3; ++axis) {
         const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
@@ -309,7 +366,8 @@ static void bound_group(face *f, size_t group)
         float without = steepest_in(row, corner, &patch->origin.shape, count, 0.0f);
         rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
     }
-    g->steepness = most * sure;
+    const angle_turn tilt = turn_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
+    g->steepness = is_squashed ? INFINITY : steepness_of(g, tilt, none);
     g->rounding = rounding;
 }
 
@@ -405,6 +463,21 @@ static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
     return next;
 }
 
+/* Which groups touch, as far as it matters: by the bones that carry them most. */
+static void find_bones_around(face *f)
+{
+    face_limit *l = &f->limit;
+    memset(l->bones_around, 0, f->rest.padded_count * sizeof *l->bones_around);
+    for (size_t t = 0; t < f->skin_count; ++t)
+        for (size_t i = 0; i < 3; ++i)
+            l->bones_around[f->skin[3 * t + i]] |= 1u << l->group[t / GROUP].main_bone;
+    for (size_t group = 0; group < group_count(f); ++group)
+        l->group[group].bones_around = 0;
+    for (size_t t = 0; t < f->skin_count; ++t)
+        for (size_t i = 0; i < 3; ++i)
+            l->group[t / GROUP].bones_around |= l->bones_around[f->skin[3 * t + i]];
+}
+
 void face_limit_engage(face *f)
 {
     face_limit *l = &f->limit;
@@ -439,6 +512,7 @@ void face_limit_engage(face *f)
             }
         }
     }
+    find_bones_around(f);
 }
 
 static bool is_still(const face *f)
@@ -504,11 +578,32 @@ static double least_scale(double p, double n)
     return 1.0 + p > 0.0 ? fmin(1.0, 0.5 * (sqrt(4.0 * (1.0 + p) + n * n) - n)) : 0.0;
 }
 
-/* At least the shortest that the bones make a unit vector of the group; < 0: nothing is known. */
-static float bound_pose(face *f, const limit_group *g)
+/* Half of the angle between what the bones do to the group and to one beside it, at most. */
+static angle_turn half_apart(face *f, const limit_group *g)
+{
+    double most = 0.0;
+    for (uint32_t bone = 0; bone < CARRIERS; ++bone)
+        if ((g->bones_around >> bone & 1u) && bone != g->main_bone)
+            most = fmax(most, 0.5 * apart_of(f, g->main_bone, bone)->turn);
+    return turn_of_sine(most);
+}
+
+/* Likewise the angle between what the bones do to a triangle of the group and to the main one. */
+static angle_turn blend_apart(face *f, const limit_group *g)
+{
+    double most = 0.0;
+    for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
+        most += (double)f->limit.carried[i].weight *
+                apart_of(f, g->main_bone, f->limit.carried[i].bone)->turn;
+    return turn_of_sine(most);
+}
+
+/* At least the shortest that the bones make a unit vector of the group; < 0: nothing is known. And
+ * how far they tilt a triangle at most. */
+static float bound_pose(face *f, const limit_group *g, angle_turn *out_tilt)
 {
     const vec3 centre = {(double)g->centre[0], (double)g->centre[1], (double)g->centre[2]};
-    double lost = (double)g->rounding, scale = 1.0, most = 0.0;
+    double lost = (double)g->rounding, scale = 1.0, most = 0.0, steepest = 0.0;
     for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i) {
         const limit_carried *c = &f->limit.carried[i];
         const limit_apart *apart = apart_of(f, g->main_bone, c->bone);
@@ -523,9 +618,24 @@ static float bound_pose(face *f, const limit_group *g)
         if (n > most) { /* the others are counted as if they all went against it */
             most = n;
             scale = least_scale(p, n);
+            steepest = 1.0 + p > 0.0 ? sqrt(fmax(n * n - p * p, 0.0)) / (1.0 + p) : 1e9;
         }
     }
+    const double cosine = 1.0 / sqrt(1.0 + steepest * steepest);
+    const angle_turn by_one = {.cos = cosine, .sin = steepest * cosine};
+    const angle_turn by_others = turn_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
+    *out_tilt = turn_add(by_one, by_others);
     return (float)(scale - 1.01 * lost);
+}
+
+/* So steep in the origin, times the group's steepness, may be what pulls add to the pose. */
+static float room_of_pose(face *f, const limit_group *g)
+{
+    angle_turn tilt, apart = half_apart(f, g);
+    float scale = bound_pose(f, g, &tilt) - g->rounding;
+    tilt = turn_add(tilt, turn_of_cosine((double)g->tilt_cosine));
+    float steepness = steepness_of(g, tilt, apart);
+    return isfinite(steepness) ? scale * g->steepness / steepness : 0.0f;
 }
 
 /* pull_bound, and what it has grown by since each group was measured last: of f->given. */
@@ -554,7 +664,7 @@ static bool is_too_steep(face *f, size_t group)
     if (!(most > 0.0f))
         return false;
     if (isinf(g->room) && most < 1.0f)
-        g->room = bound_pose(f, g) - g->rounding;
+        g->room = room_of_pose(f, g);
     return !(most < 1.0f && most < g->room);
 }
 
@@ -628,17 +738,57 @@ static float stretch_strain(const face *f, size_t t, float stretch)
     return worst;
 }
 
-/* What is too much strains the controls around it, by how near they are. */
-static void strain_controls(face *f, size_t t, double strain)
+/* How near a control is to a triangle: 1 there, 0 from the radius on. */
+static double near_grip(const face *f, size_t t, uint32_t control)
 {
     double at[3], radius = f->settings.radius;
     points_at(at, f->origin, f->skin[3 * t]);
-    for (uint32_t k = 0; k < f->control_count; ++k) {
-        vec3 way = vec3_sub((vec3){at[0], at[1], at[2]}, f->grip[k].start);
-        double q = vec3_dot(way, way) / (radius * radius);
-        double near = q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
-        f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * near);
+    vec3 way = vec3_sub((vec3){at[0], at[1], at[2]}, f->grip[control].start);
+    double q = vec3_dot(way, way) / (radius * radius);
+    return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
+}
+
+/* What is too much strains the controls around it, by how near they are. */
+static void strain_controls(face *f, size_t t, double strain)
+{
+    for (uint32_t k = 0; k < f->control_count; ++k)
+        f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * near_grip(f, t, k));
+}
+
+/* patch.of_tilt_posed, of triangles that the main bone and the origin have turned so far. */
+static void leave_tilts(face *f, size_t group, const float *turned_cosine)
+{
+    const limit_group *g = &f->limit.group[group];
+    limit_patch *patch = &f->limit.patch[group];
+    const angle_turn less = turn_add(blend_apart(f, g), turn_of_cosine((double)g->tilt_cosine));
+    const bool is_known = less.sin < tilt_free.sin;
+    const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
+    float of_angle[GROUP], cosine[GROUP];
+    for (size_t i = 0; i < GROUP; ++i) {
+        of_angle[i] = of_seen;
+        cosine[i] = 1.0f;
+        if (i >= group_size(f, group) || (is_known && (double)turned_cosine[i] > enough))
+            continue;
+        const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
+        vec3 along = vec3_normalised(face_skin_along(f, corner), (vec3){0, 0, 0});
+        cosine[i] = (float)((double)patch->posed.normal[0][i] * along.x +
+                            (double)patch->posed.normal[1][i] * along.y +
+                            (double)patch->posed.normal[2][i] * along.z);
     }
+    f->limit.loops->turns(patch->of_tilt_posed, of_angle, cosine);
+    for (size_t i = 0; i < GROUP; ++i)
+        patch->of_tilt_posed[i] = fmaxf(patch->of_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
+}
+
+/* patch.of_turn_posed: neighbours that other bones carry have turned another way. */
+static void leave_turns(face *f, size_t group, const float *turned_cosine)
+{
+    limit_patch *patch = &f->limit.patch[group];
+    float of_turn[GROUP], apart[GROUP];
+    for (size_t i = 0; i < GROUP; ++i)
+        apart[i] = (float)half_apart(f, &f->limit.group[group]).cos;
+    f->limit.loops->turns(of_turn, patch->of_turn, apart);
+    f->limit.loops->turns(patch->of_turn_posed, of_turn, turned_cosine);
 }
 
 static void frame_group(face *f, size_t group)
@@ -648,12 +798,14 @@ static void frame_group(face *f, size_t group)
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = corners_of(f, group, l->posed);
     const rigid motion = motion_of(f, g->main_bone);
-    float turn[9];
+    float turn[9], turned_cosine[GROUP];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             turn[3 * i + j] = (float)motion.r[i][j];
     l->loops->frames(&patch->posed, &posed);
-    l->loops->turns(patch->of_turn_posed, patch->of_turn, &patch->origin, &patch->posed, turn);
+    l->loops->turned(turned_cosine, &patch->origin, &patch->posed, turn);
+    leave_tilts(f, group, turned_cosine);
+    leave_turns(f, group, turned_cosine);
     g->is_framed = true;
 }
 
@@ -667,7 +819,7 @@ static double measure_group(face *f, size_t group, float stretch)
     float greatest = 0.0f;
     if (!g->is_framed)
         frame_group(f, group);
-    l->loops->strains(&found, &patch->posed, patch->of_turn_posed, &added);
+    l->loops->strains(&found, &patch->posed, patch->of_tilt_posed, patch->of_turn_posed, &added);
     g->strain = g->turn = 0.0f;
     for (size_t i = 0; i < added.count; ++i) {
         float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
@@ -861,13 +1013,10 @@ static void place_candidates(face *f, float part)
     }
 }
 
-/* Triangles that have turned far may be bent too far against their neighbours: that is looked at
- * edge by edge, and all pulls give way to it. Takes and returns how much of f->given there may be.
- */
-static double unbend(face *f, double part)
+/* `added` and `posed` around the candidates. */
+static void find_candidates(face *f)
 {
     face_limit *l = &f->limit;
-    const float *before[3], *after[3];
     for (int weighed = 0; weighed < 2; ++weighed) {
         if (weighed == 0)
             columns_weigh(&f->columns, f->given, f->control_column_count);
@@ -884,16 +1033,81 @@ static double unbend(face *f, double part)
                     pose_block(f, around[k] / POINTS_BLOCK);
         }
     }
+}
+
+/* Of the candidates, with so much of what the controls add there. */
+static double bend_of_part(face *f, double part)
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    place_candidates(f, (float)part);
+    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+                              streams(&l->shown_before, before), streams(&l->shown_after, after));
+}
+
+/* So much of what the controls add bends none of the candidates too far. */
+static double part_unbent(face *f)
+{
+    double low = 0.0, high = 1.0;
+    if (!(bend_of_part(f, 1.0) > 1.0))
+        return 1.0;
     for (int i = 0; i < UNBENDINGS; ++i) {
-        place_candidates(f, (float)part);
+        double middle = 0.5 * (low + high);
+        if (bend_of_part(f, middle) > 1.0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return low;
+}
+
+/* Down to `part` of their pulls controls give way to edges near them, as far as those are bent too
+ * far. */
+static void yield_to_bends(face *f, double part)
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    const double most = bend_of_part(f, 1.0);
+    for (uint32_t k = 0; k < f->control_count; ++k)
+        l->tip_share[k] = 1.0;
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        double nearest = 1e-6;
         double bend =
-            surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+            surface_meter_bend(f->surface_meter, &bends, l->candidate + i, 1,
                                streams(&l->shown_before, before), streams(&l->shown_after, after));
         if (!(bend > 1.0))
-            break;
-        part /= bend;
+            continue;
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            nearest = fmax(nearest, near_grip(f, l->candidate[i], k));
+        for (uint32_t k = 0; k < f->control_count; ++k) {
+            double near = near_grip(f, l->candidate[i], k) / nearest * (bend - 1.0) / (most - 1.0);
+            l->tip_share[k] = fmin(l->tip_share[k], 1.0 - (1.0 - part) * near);
+        }
     }
-    return part;
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        l->g[i] *= l->tip_share[i / 3];
+}
+
+/* Triangles that have turned far may be bent too far against their neighbours: that is looked at
+ * edge by edge. The pulls near such edges give way, and what is left of it is taken from all alike.
+ * Takes and returns how much of f->given there may be. */
+static double unbend(face *f, double part)
+{
+    find_candidates(f);
+    if (!(bend_of_part(f, part) > 1.0))
+        return part;
+    if (part < 1.0) {
+        give_part(f, part);
+        (void)measure_strain(f, AT_TURNS);
+        find_candidates(f);
+    }
+    for (int i = 0; i < BEND_YIELDS && (part = part_unbent(f)) < 1.0; ++i) {
+        yield_to_bends(f, part);
+        give(f);
+        (void)measure_strain(f, AT_TURNS);
+        find_candidates(f);
+    }
+    return part_unbent(f);
 }
 
 /* As face_min_determinant, beyond the least that there may be, of so much of limit.centre, which is
@@ -960,7 +1174,8 @@ void face_limit_pull(face *f)
         part = unbend(f, part);
     if (part < 1.0)
         give_part(f, part);
-    f->is_held = strain > 1.0 || part < 1.0;
+    f->is_held =
+        memcmp(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g) != 0;
     if (f->is_held)
         give_fields(f);
     unfold(f);

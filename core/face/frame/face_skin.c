@@ -9,8 +9,7 @@ static vec3 vertex_at(const points *p, uint32_t slot)
     return (vec3){(double)p->x[slot], (double)p->y[slot], (double)p->z[slot]};
 }
 
-/* Along the normal, twice as long as the triangle is large. */
-static vec3 area_of(const points *p, const uint32_t *corner)
+vec3 face_skin_area(const points *p, const uint32_t *corner)
 {
     vec3 a = vertex_at(p, corner[0]);
     return vec3_cross(vec3_sub(vertex_at(p, corner[1]), a), vec3_sub(vertex_at(p, corner[2]), a));
@@ -28,7 +27,7 @@ static bool is_needle(const points *p, const uint32_t *corner)
         vec3 edge = vec3_sub(vertex_at(p, corner[i]), vertex_at(p, corner[(i + 1) % 3]));
         longest = fmax(longest, vec3_dot(edge, edge));
     }
-    return !(vec3_length(area_of(p, corner)) > flattest * longest);
+    return !(vec3_length(face_skin_area(p, corner)) > flattest * longest);
 }
 
 /* Triangles with an area at rest and a vertex that is free to move. */
@@ -67,9 +66,9 @@ mrt_result face_skin_create(face *f, const mesh *m, error *err)
                                 err);
 }
 
-/* Where the bones alone turn a normal, at the mean of the triangle's weights. */
-static vec3 turned(const face *f, const uint32_t *corner, vec3 normal)
+vec3 face_skin_along(const face *f, const uint32_t *corner)
 {
+    vec3 normal = face_skin_area(&f->rest, corner);
     double share[RIG_BONES_MAX];
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const float *weight = f->field[b].weight;
@@ -87,8 +86,8 @@ static double skin_determinant(const face *f, uint32_t *out_triangle)
     *out_triangle = 0;
     for (uint32_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + (size_t)3 * t;
-        vec3 rest = area_of(&f->rest, corner), shown = area_of(&f->shown, corner);
-        vec3 along = vec3_normalised(turned(f, corner, rest), rest);
+        vec3 rest = face_skin_area(&f->rest, corner), shown = face_skin_area(&f->shown, corner);
+        vec3 along = vec3_normalised(face_skin_along(f, corner), rest);
         double determinant = vec3_dot(shown, along) / vec3_length(rest);
         if (t > 0 && determinant >= smallest)
             continue;

@@ -54,6 +54,7 @@ typedef struct face_limit {
     uint32_t *block;               /* likewise: of its vertices */
     struct limit_apart *apart;     /* of each two bones */
     float *still;                  /* of each vertex: what no moving bone carries of it */
+    uint32_t *bones_around;        /* of each vertex: as of the groups that have it */
     float *steepest;   /* by column of a control, of each group: its gradient's greatest length */
     float *pull_bound; /* of each group: at least the length of the gradient of `bounded` */
     float *change;     /* what the last of its changes can have added to that */
@@ -188,6 +189,10 @@ void face_show_rest(face *f);
 
 /* ---- face_skin.c ---- */
 
+/* Along a triangle's normal, twice as long as it is large. */
+vec3 face_skin_area(const points *p, const uint32_t *corner);
+/* That of rest, where the bones alone turn it, at the mean of the triangle's weights. */
+vec3 face_skin_along(const face *f, const uint32_t *corner);
 CHECKED mrt_result face_skin_create(face *f, const mesh *m, error *err);
 
 #endif

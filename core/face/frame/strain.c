@@ -6,6 +6,7 @@
     STRAIN_DECLARE(variant);                                                                       \
     static const strain_loops loops_##variant = {.add = STRAIN_OF(add, variant),                   \
                                                  .frames = STRAIN_OF(frames, variant),             \
+                                                 .turned = STRAIN_OF(turned, variant),             \
                                                  .turns = STRAIN_OF(turns, variant),               \
                                                  .steepest = STRAIN_OF(steepest, variant),         \
                                                  .strains = STRAIN_OF(strains, variant)}

@@ -10,7 +10,7 @@
 enum { STRAIN_GROUP = 16 };
 
 /* M and T: a gradient G squeezes a triangle by the least eigenvalue of the symmetric part of G in
- * its plane, negated, over M; and tilts it by how steep it is along the normal, over T. */
+ * its plane, negated, over M; and tilts it by how steep it is along the normal, over T at most. */
 #define STRAIN_SQUEEZE_MOST 0.85f
 #define STRAIN_TILT_MOST    2.7f /* the tangent of 70 degrees */
 
@@ -34,7 +34,7 @@ typedef struct strain_frames {
 } strain_frames;
 
 typedef struct strain_found {
-    float strain[STRAIN_GROUP]; /* squeezed over M and tilted over T */
+    float strain[STRAIN_GROUP]; /* squeezed over M, and tilted times of_tilt */
     float turn[STRAIN_GROUP];   /* squeezed, and tilted times of_turn */
     float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
 } strain_found;
@@ -43,14 +43,16 @@ typedef struct strain_loops {
     /* out[i] += by * row[i] */
     void (*add)(float *out, const float *row, float by, size_t count);
     void (*frames)(strain_frames *out, const strain_corners *at);
-    /* of_turn, 1 over the tangent of how far each triangle may turn, less of what the bones have
-     * turned it already: from `rest`, turned by the rows of `turn`, to `posed`. */
-    void (*turns)(float *out, const float *of_turn, const strain_frames *rest,
-                  const strain_frames *posed, const float turn[9]);
+    /* The cosine of how far the bones have turned each triangle: from `rest`, turned by the rows
+     * of `turn`, to `posed`. */
+    void (*turned)(float *out, const strain_frames *rest, const strain_frames *posed,
+                   const float turn[9]);
+    /* of_turn, 1 over the tangent of how far each may turn, less of what it has turned already. */
+    void (*turns)(float *out, const float *of_turn, const float *turned_cosine);
     /* The greatest size of the gradient of a displacement of these corners. */
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
-    void (*strains)(strain_found *out, const strain_frames *f, const float *of_turn,
-                    const strain_corners *displacement);
+    void (*strains)(strain_found *out, const strain_frames *f, const float *of_tilt,
+                    const float *of_turn, const strain_corners *displacement);
 } strain_loops;
 
 /* Of the instruction set that is used. */
@@ -62,11 +64,13 @@ const strain_loops *strain_loops_now(void);
 #define STRAIN_DECLARE(variant)                                                                    \
     void STRAIN_OF(add, variant)(float *out, const float *row, float by, size_t count);            \
     void STRAIN_OF(frames, variant)(strain_frames * out, const strain_corners *at);                \
-    void STRAIN_OF(turns, variant)(float *out, const float *of_turn, const strain_frames *rest,    \
-                                   const strain_frames *posed, const float turn[9]);               \
+    void STRAIN_OF(turned, variant)(float *out, const strain_frames *rest,                         \
+                                    const strain_frames *posed, const float turn[9]);              \
+    void STRAIN_OF(turns, variant)(float *out, const float *of_turn, const float *turned_cosine);  \
     float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
                                        const strain_corners *displacement);                        \
     void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \
-                                     const float *of_turn, const strain_corners *displacement)
+                                     const float *of_tilt, const float *of_turn,                   \
+                                     const strain_corners *displacement)
 
 #endif

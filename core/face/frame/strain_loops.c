@@ -55,16 +55,23 @@ void STRAIN(frames)(strain_frames *restrict out, const strain_corners *at)
     }
 }
 
-void STRAIN(turns)(float *restrict out, const float *restrict of_turn, const strain_frames *rest,
-                   const strain_frames *posed, const float turn[9])
+void STRAIN(turned)(float *restrict out, const strain_frames *rest, const strain_frames *posed,
+                    const float turn[9])
+{
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        float x = rest->normal[0][i], y = rest->normal[1][i], z = rest->normal[2][i];
+        out[i] = posed->normal[0][i] * (turn[0] * x + turn[1] * y + turn[2] * z) +
+                 posed->normal[1][i] * (turn[3] * x + turn[4] * y + turn[5] * z) +
+                 posed->normal[2][i] * (turn[6] * x + turn[7] * y + turn[8] * z);
+    }
+}
+
+void STRAIN(turns)(float *restrict out, const float *restrict of_turn,
+                   const float *restrict turned_cosine)
 {
     const float none_left = 1e6f;
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        float x = rest->normal[0][i], y = rest->normal[1][i], z = rest->normal[2][i];
-        float cosine = posed->normal[0][i] * (turn[0] * x + turn[1] * y + turn[2] * z) +
-                       posed->normal[1][i] * (turn[3] * x + turn[4] * y + turn[5] * z) +
-                       posed->normal[2][i] * (turn[6] * x + turn[7] * y + turn[8] * z);
-        float square = 1.0f - cosine * cosine;
+        float cosine = turned_cosine[i], square = 1.0f - cosine * cosine;
         float sine = sqrtf(square > 1e-6f ? square : 0.0f); /* less is rounding */
         float left = cosine - of_turn[i] * sine;            /* cot (a - b) */
         float of_left = (of_turn[i] * cosine + sine) / (left > 1e-6f ? left : 1e-6f);
@@ -90,9 +97,10 @@ float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacemen
 }
 
 void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
-                     const float *restrict of_turn, const strain_corners *displacement)
+                     const float *restrict of_tilt, const float *restrict of_turn,
+                     const strain_corners *displacement)
 {
-    const float of_squeeze = 1.0f / STRAIN_SQUEEZE_MOST, of_tilt = 1.0f / STRAIN_TILT_MOST;
+    const float of_squeeze = 1.0f / STRAIN_SQUEEZE_MOST;
     const strain_shapes *s = &f->shape;
     edges e;
     gather(&e, displacement);
@@ -111,7 +119,7 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         float squeeze = sqrtf(apart * apart + shear * shear) - mean;
         float tilt = sqrtf(np * np + nq * nq);
         squeeze = squeeze > 0.0f ? squeeze : 0.0f;
-        out->strain[i] = squeeze * of_squeeze + tilt * of_tilt;
+        out->strain[i] = squeeze * of_squeeze + tilt * of_tilt[i];
         out->turn[i] = squeeze + tilt * of_turn[i];
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
     }
