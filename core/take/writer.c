@@ -253,7 +253,7 @@ static void take_job(writer *self, writer_job *job)
         return;
     }
     writer_track *track = job->kind == WRITER_JOB_TRACK ? free_track(self) : NULL;
-    if (track && writer_track_init(track, job->id, job->of.track.channel_count, NULL) < 0)
+    if (track && writer_track_init(track, job->id, job->of.track->channel_count, NULL) < 0)
         *track = (writer_track){0};
     hold(self, job);
 }

@@ -27,8 +27,10 @@ void writer_job_destroy(writer_job *job)
 {
     if (!job)
         return;
-    if (job->kind == WRITER_JOB_TRACK)
-        take_track_finish(&job->of.track);
+    if (job->kind == WRITER_JOB_TRACK && job->of.track) {
+        take_track_finish(job->of.track);
+        free(job->of.track);
+    }
     if (job->kind == WRITER_JOB_PERFORMANCE)
         take_performance_finish(&job->of.performance);
     if (job->kind == WRITER_JOB_CHECKPOINT)
@@ -48,8 +50,12 @@ static bool own_text(char **text)
 
 mrt_result writer_job_copy_track(writer_job *job, const take_track *track, error *err)
 {
-    take_track *copy = &job->of.track;
+    take_track *copy = malloc(sizeof *copy);
+    if (!copy)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record a track");
     *copy = *track;
+    job->of.track = copy;
+    job->held_bytes += sizeof *copy;
     bool good = own_text(&copy->input);
     good &= own_text(&copy->device);
     good &= own_text(&copy->plugin);
@@ -269,7 +275,7 @@ mrt_result writer_job_run(const writer_job *job, writer_store *store, error *err
 {
     switch (job->kind) {
     case WRITER_JOB_TRACK:
-        return show_track_insert(store->db, store->session, &job->of.track, err);
+        return show_track_insert(store->db, store->session, job->of.track, err);
     case WRITER_JOB_TRACK_END:
         return run_track_end(job, store, err);
     case WRITER_JOB_PERFORMANCE:

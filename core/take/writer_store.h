@@ -53,7 +53,7 @@ typedef struct writer_job {
     int64_t id;             /* of the track, performance, take, chunk or audio */
     int64_t from_ns, to_ns; /* show time; to_ns of take, keep and chunk */
     union {
-        take_track track;
+        take_track *track; /* owned: most jobs are far smaller */
         take_performance performance;
         take_event event;
         show_packed checkpoint;

@@ -351,6 +351,8 @@ static meaning meaning_of(const char *name)
     for (uint32_t i = 0; i < MRT_MAX_PEDALS; ++i)
         if (strcmp(name, pedal_name[i]) == 0)
             return (meaning){MRT_CH_PEDAL + i, MRT_NO_HAND, "1"};
+    if (strncmp(name, "button.", 7) == 0)
+        return (meaning){MRT_CH_BUTTON, MRT_NO_HAND, "1"};
     uint32_t hand;
     if (strncmp(name, "right.", 6) == 0)
         hand = MRT_RIGHT;
@@ -435,11 +437,32 @@ static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, l
     return MRT_OK;
 }
 
+/* "0..1" says where a channel's values lie. */
+static bool set_range(mrt_channel *channel, log_text unit)
+{
+    log_text low = unit, high = unit;
+    for (low.end = low.at; low.end + 2 < unit.end; ++low.end) {
+        double min, max;
+        if (low.end[0] != '.' || low.end[1] != '.')
+            continue;
+        high.at = low.end + 2;
+        if (!log_text_number(low, &min) || !log_text_number(high, &max) || !(min < max) ||
+            min < -OTHER_MAX || max > OTHER_MAX)
+            return false;
+        channel->min = (float)min;
+        channel->max = (float)max;
+        return true;
+    }
+    return false;
+}
+
 static mrt_result set_unit(log_table *table, log_data *data, uint32_t i, log_text unit,
                            char *out_reason)
 {
     if (is_angle(data->channel[i].semantic))
         return set_angle_unit(table, data, i, unit, out_reason);
+    if (data->channel[i].semantic == MRT_CH_OTHER && set_range(&data->channel[i], unit))
+        return MRT_OK;
     if (data->channel[i].semantic == MRT_CH_OTHER) {
         log_text_copy(data->unit[i], LOG_NAME, unit);
         return MRT_OK;

@@ -452,7 +452,7 @@ static void an_output_that_nobody_hears_says_so_once(void **state)
     mrt_sample sample = {.count = 3, .value = {NAN}};
     assert_int_equal(w->out->output->write(w->out->plugin, "glove", glove, &sample),
                      MRT_ERR_ARGUMENT);
-    sample = (mrt_sample){.count = 33};
+    sample = (mrt_sample){.count = MRT_MAX_CHANNELS + 1};
     assert_int_equal(w->out->output->write(w->out->plugin, "glove", glove, &sample),
                      MRT_ERR_ARGUMENT);
     mrt_channel unnamed[1] = {{NULL, "rad", 1, MRT_LEFT, 0, 1}};

@@ -103,6 +103,23 @@ static void all_sensors_have_their_place(void **state)
     }
 }
 
+static void faders_and_buttons_say_where_they_end(void **state)
+{
+    (void)state;
+    log_data *d = parsed("time_s,fader 1,pitch,button.play,odd,worse\n"
+                         "unit,0..1,-1..1,1,1..0,0..x\n"
+                         "0,0.5,-0.5,1,3,4\n");
+    assert_int_equal(d->channel[0].semantic, MRT_CH_OTHER);
+    assert_float_equal(d->channel[0].min, 0.0f, 0);
+    assert_float_equal(d->channel[0].max, 1.0f, 0);
+    assert_float_equal(d->channel[1].min, -1.0f, 0);
+    assert_int_equal(d->channel[2].semantic, MRT_CH_BUTTON);
+    assert_float_equal(d->channel[2].max, 1.0f, 0);
+    assert_string_equal(d->unit[3], "1..0"); /* no range: a unit like any other */
+    assert_string_equal(d->unit[4], "0..x");
+    log_data_finish(d);
+}
+
 static void units_are_turned_into_ours(void **state)
 {
     (void)state;
@@ -225,7 +242,7 @@ static void too_many_columns_are_refused(void **state)
     assert_int_equal(d->channel_count, MRT_MAX_CHANNELS);
     log_data_finish(d);
     snprintf(whole, sizeof whole, "%s,one_more%s,0\n", text, record);
-    assert_refused(whole, "more than 32 columns");
+    assert_refused(whole, "more than 64 columns");
     assert_refused(whole, "one_more");
 }
 
@@ -399,6 +416,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(table_gives_channels_and_records),
         cmocka_unit_test(all_sensors_have_their_place),
+        cmocka_unit_test(faders_and_buttons_say_where_they_end),
         cmocka_unit_test(units_are_turned_into_ours),
         cmocka_unit_test(line_ends_and_a_byte_order_mark_make_no_difference),
         cmocka_unit_test(damaged_lines_are_left_out_and_counted),

@@ -385,10 +385,23 @@ static bool is_intact(const unsigned char *canary)
     return true;
 }
 
+static float channel_values[MRT_MAX_INPUTS][MRT_MAX_CHANNELS]; /* before a frame */
+
+static void copy_values(const mrt_frame *frame, float out[MRT_MAX_INPUTS][MRT_MAX_CHANNELS])
+{
+    for (uint32_t i = 0; i < frame->input_count; ++i)
+        memcpy(out[i], frame->inputs[i].value, frame->inputs[i].count * sizeof **out);
+}
+
 static void judge_writes(actor *self, const mrt_frame *frame, const double *params,
                          const char *where)
 {
     size_t params_size = self->type->param_count * sizeof *params;
+    for (uint32_t i = 0; i < frame->input_count; ++i)
+        if (memcmp(channel_values[i], frame->inputs[i].value,
+                   frame->inputs[i].count * sizeof **channel_values) != 0)
+            tell_failed(RULE_MAPPING_CONST, "%s: process() wrote to the channels of %s", where,
+                        frame->inputs[i].name);
     if (memcmp(frame, &self->frame, sizeof *frame) != 0)
         tell_failed(RULE_MAPPING_CONST, "%s: process() wrote to the frame", where);
     if (params_size > 0 && memcmp(params, frame->params, params_size) != 0)
@@ -441,6 +454,7 @@ void actor_step(actor *self)
     memcpy(&frame, &self->frame, sizeof frame); /* with what lies between its fields */
     if (params_size > 0)
         memcpy(params, frame.params, params_size);
+    copy_values(&frame, channel_values);
     int64_t began_ns = self->is_measured ? thread_cpu_ns() : 0;
     actor_frame_enter();
     self->result = self->functions->process(self->self, &self->frame, &self->room.pull);

@@ -110,10 +110,16 @@ void cases_absent(const examination *e)
 
 static bool is_meaning(uint32_t semantic)
 {
-    return semantic == MRT_CH_OTHER ||
+    return semantic == MRT_CH_OTHER || semantic == MRT_CH_BUTTON ||
            (semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES) ||
            (semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + 7) ||
            (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS);
+}
+
+/* Others are told apart by their names. */
+static bool means_one_thing(uint32_t semantic)
+{
+    return semantic != MRT_CH_OTHER && semantic != MRT_CH_BUTTON;
 }
 
 static bool judge_channel(const mrt_channel *all, uint32_t i)
@@ -134,7 +140,7 @@ static bool judge_channel(const mrt_channel *all, uint32_t i)
         return false;
     }
     for (uint32_t k = 0; k < i; ++k)
-        if (c->semantic != MRT_CH_OTHER && all[k].semantic == c->semantic &&
+        if (means_one_thing(c->semantic) && all[k].semantic == c->semantic &&
             all[k].hand == c->hand) {
             tell_failed(RULE_INPUT_CHANNELS, "channels %u and %u \"%.60s\" mean the same", k, i,
                         c->name);

@@ -483,6 +483,48 @@ static void press(stream *self)
         move_one_pedal(self);
 }
 
+/* ---- all channels ---- */
+
+static const mrt_channel fader_channels[] = {{"fader 1", "", MRT_CH_OTHER, MRT_NO_HAND, 0, 1},
+                                             {"fader 2", "", MRT_CH_OTHER, MRT_NO_HAND, 0, 1},
+                                             {"pitch", "", MRT_CH_OTHER, MRT_NO_HAND, -1, 1},
+                                             {"play", "", MRT_CH_BUTTON, MRT_NO_HAND, 0, 1},
+                                             {"note 60", "", MRT_CH_OTHER, MRT_NO_HAND, 0, 127}};
+enum { FADERS = sizeof fader_channels / sizeof *fader_channels };
+
+static const mrt_channel *phone_channels(void)
+{
+    static mrt_channel out[MRT_MAX_CHANNELS];
+    for (uint32_t i = 0; i < MRT_MAX_CHANNELS; ++i)
+        out[i] = (mrt_channel){i == 0 ? "jawOpen" : "shape", "", MRT_CH_OTHER, MRT_NO_HAND, 0, 1};
+    return out;
+}
+
+/* Faders are there from the first frame on; a phone comes later, and may exceed its ranges. */
+static void move_channels(stream *self, mrt_frame *out)
+{
+    static const uint32_t phone_comes = 50;
+    if (self->kind == STREAM_ABSENT)
+        return; /* no input but pedals */
+    if (self->index == 0)
+        self->channel_random = 0x9e3779b97f4a7c15u;
+    for (uint32_t i = 0; i < STREAM_INPUTS; ++i) {
+        mrt_channels *in = &self->input[i];
+        *in = (mrt_channels){.name = i == 0 ? "midi faders" : "phone 1",
+                             .channel = i == 0 ? fader_channels : phone_channels(),
+                             .value = self->channel[i],
+                             .time_ns = self->time_ns,
+                             .count = i == 0 ? (uint32_t)FADERS : MRT_MAX_CHANNELS};
+        uint32_t c = random_below(&self->channel_random, in->count);
+        double span = (double)(in->channel[c].max - in->channel[c].min);
+        self->channel[i][c] =
+            in->channel[c].min +
+            (float)random_between(&self->channel_random, -0.1 * span * (double)i, 1.1 * span);
+    }
+    out->inputs = self->input;
+    out->input_count = self->index < phone_comes ? 1 : STREAM_INPUTS;
+}
+
 void stream_next(stream *self, mrt_frame *out)
 {
     int64_t passed_ns = self->index == 0 ? 0 : step_ns(self);
@@ -498,6 +540,9 @@ void stream_next(stream *self, mrt_frame *out)
     memcpy(out->pedal, self->pedal, sizeof out->pedal);
     out->near = self->index > 3 && !random_one_in(&self->random, 8);
     out->params = self->param;
+    out->inputs = NULL;
+    out->input_count = 0;
+    move_channels(self, out);
     self->index += 1;
 }
 

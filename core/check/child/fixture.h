@@ -74,7 +74,7 @@ typedef enum stream_kind {
     STREAM_ONE_HAND  /* the right hand alone comes and goes */
 } stream_kind;
 
-enum { STREAM_PARAMS_MAX = 1024 };
+enum { STREAM_PARAMS_MAX = 1024, STREAM_INPUTS = 2 };
 typedef struct stream_hand {
     double angle[MRT_ANGLES], goal[MRT_ANGLES]; /* rad */
     double wrist_mm[3], wrist_goal_mm[3];
@@ -92,6 +92,9 @@ typedef struct stream {
     stream_hand hand[2];
     float pedal[MRT_MAX_PEDALS];
     double param[STREAM_PARAMS_MAX];
+    uint64_t channel_random;
+    float channel[STREAM_INPUTS][MRT_MAX_CHANNELS]; /* a fader box, a phone */
+    mrt_channels input[STREAM_INPUTS];
 } stream;
 
 /* False: no memory. Allocates at the first call; with stepped_random the stepped parameters are

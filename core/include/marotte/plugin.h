@@ -115,12 +115,15 @@ extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
 
 /* ---- input: named channels, sampled in time ---- */
 #define MRT_INPUT "marotte.input/1"
-enum { MRT_MAX_CHANNELS = 32, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
+enum { MRT_MAX_CHANNELS = 64, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
 enum {
+    /* Told apart by name, any number of them: a fader from 0 to 1, a stick from -1 to 1, a shape of
+     * a tracked face. Where min < 0 < max it rests at 0, else at min. */
     MRT_CH_OTHER = 0,
     MRT_CH_ANGLE = 1,  /* + 0..21, in sensor order: thumb roll ... wrist yaw */
     MRT_CH_WRIST = 32, /* + 0..6: position x y z in mm, orientation quaternion x y z w */
-    MRT_CH_PEDAL = 64  /* + 0..3; 96 and above are the host's own */
+    MRT_CH_PEDAL = 64, /* + 0..3 */
+    MRT_CH_BUTTON = 72 /* 0 up, 1 down; told apart by name; 96 and above are the host's own */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
 typedef struct mrt_channel {
@@ -220,6 +223,14 @@ typedef struct mrt_hand {
     mrt_vec3 joint[MRT_JOINTS]; /* mm, hand frame; wrist, then thumb to little, 4 each, tip last */
     mrt_vec3 palm[MRT_PALM];    /* mm, hand frame; contact points of the palm */
 } mrt_hand;
+enum { MRT_MAX_INPUTS = 8 };
+typedef struct mrt_channels {   /* one input, as its newest sample says */
+    const char *name;           /* as the host calls it: "gamepad 2"; another input is another */
+    const mrt_channel *channel; /* count of them */
+    const float *value;         /* count of them, raw: neither calibrated nor filtered */
+    int64_t time_ns;            /* of that sample */
+    uint32_t count;
+} mrt_channels;
 typedef struct mrt_frame {
     int64_t time_ns;             /* of this frame: the time of the sample that caused it */
     double dt_s;                 /* since the last one; 0 on the first after reset, at most 0.1 */
@@ -228,6 +239,8 @@ typedef struct mrt_frame {
     bool near;                   /* an end point of the last pull lies within its radius of the
                                     shape; false if that pull did not ask (mrt_pull.gate) */
     const double *params;        /* values, in table order */
+    const mrt_channels *inputs;  /* all that have given a sample, in the order of their first */
+    uint32_t input_count;        /* at most MRT_MAX_INPUTS */
 } mrt_frame;
 typedef struct mrt_contact { /* a named place on the face that a mapping may pull */
     const char *name, *bone; /* "mouth.corner.l"; the bone that it rides on: "skull", "jaw" */
@@ -321,13 +334,14 @@ MRT_LAYOUT(mrt_param, 72, labels, 64);
 MRT_LAYOUT(mrt_interface, 16, functions, 8);
 MRT_LAYOUT(mrt_plugin_type, 72, destroy, 64);
 MRT_LAYOUT(mrt_channel, 32, max, 28);
-MRT_LAYOUT(mrt_sample, 144, value, 16);
+MRT_LAYOUT(mrt_sample, 272, value, 16);
 MRT_LAYOUT(mrt_input, 40, flags, 32);
 MRT_LAYOUT(mrt_device, 644, state, 640);
 MRT_LAYOUT(mrt_devices, 16, current, 8);
 MRT_LAYOUT(mrt_output, 24, close, 16);
 MRT_LAYOUT(mrt_hand, 456, palm, 356);
-MRT_LAYOUT(mrt_frame, 960, params, 952);
+MRT_LAYOUT(mrt_channels, 40, count, 32);
+MRT_LAYOUT(mrt_frame, 976, input_count, 968);
 MRT_LAYOUT(mrt_contact, 40, normal, 28);
 MRT_LAYOUT(mrt_dof, 24, max, 20);
 MRT_LAYOUT(mrt_face, 48, high, 36);

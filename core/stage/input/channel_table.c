@@ -15,6 +15,13 @@ static void copy_channel(channel_table *out, uint32_t i, const mrt_channel *from
     out->channel[i].unit = out->unit[i];
 }
 
+void channel_table_copy(channel_table *out, const mrt_channel *channels, uint32_t count)
+{
+    *out = (channel_table){.count = count};
+    for (uint32_t i = 0; i < count; ++i)
+        copy_channel(out, i, &channels[i]);
+}
+
 mrt_result channel_table_init(channel_table *out, const mrt_channel *channels, uint32_t count,
                               const char *who, error *err)
 {
@@ -26,9 +33,8 @@ mrt_result channel_table_init(channel_table *out, const mrt_channel *channels, u
         const mrt_channel *channel = &channels[i];
         if (!channel->name || !channel->unit || channel->hand > MRT_NO_HAND)
             return error_set(err, MRT_ERR_FORMAT, "%s: channel %u is not described", who, i);
-        copy_channel(out, i, channel);
     }
-    out->count = count;
+    channel_table_copy(out, channels, count);
     return MRT_OK;
 }
 

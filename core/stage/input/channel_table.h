@@ -14,6 +14,8 @@ typedef struct channel_table {
 /* Refuses what a plugin may not say; `who` begins the error's text. The table must not move. */
 CHECKED mrt_result channel_table_init(channel_table *out, const mrt_channel *channels,
                                       uint32_t count, const char *who, error *err);
+/* Of channels that were checked already. */
+void channel_table_copy(channel_table *out, const mrt_channel *channels, uint32_t count);
 /* Same number and meaning: semantic, hand and unit of each. If not, out_why (may be NULL) says what
  * `b` has: "18 channels instead of 22". */
 bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why);

@@ -737,8 +737,11 @@ static const mrt_channel *source_channels(void *self, uint32_t version, uint32_t
 
 sample_source input_source(input *self)
 {
-    return (sample_source){
-        .self = self, .peek = peek_source, .take = take_source, .channels = source_channels};
+    return (sample_source){.self = self,
+                           .name = self->name,
+                           .peek = peek_source,
+                           .take = take_source,
+                           .channels = source_channels};
 }
 
 bool input_take_incident(input *self, input_incident *out)

@@ -6,6 +6,7 @@
 
 typedef struct sample_source {
     void *self;
+    const char *name; /* of sources with channels: input_name; lives as long as it */
     /* The oldest that was not taken, and the version of its channels. MRT_TIMEOUT: none now;
      * MRT_END: none any more. */
     mrt_result (*peek)(void *self, mrt_sample *out, uint32_t *out_version, error *err);

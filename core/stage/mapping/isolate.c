@@ -565,6 +565,7 @@ static void put_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *
     block->frame = *frame;
     block->pull = *pull;
     memcpy(block->params, self->params, self->param_count * sizeof *block->params);
+    isolate_inputs_put(block, frame);
     bool is_due = !self->has_asked_resume || frame->time_ns < self->resume_asked_ns ||
                   frame->time_ns - self->resume_asked_ns >= resume_span_ns;
     block->with_resume = self->can_resume && is_due;

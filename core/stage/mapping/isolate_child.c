@@ -171,7 +171,9 @@ static mrt_result process(guest *self)
     isolate_block *block = self->block;
     if (!self->is_active)
         return MRT_ERR_ARGUMENT;
+    mrt_channels inputs[MRT_MAX_INPUTS];
     block->frame.params = block->params;
+    isolate_inputs_take(block, inputs);
     mrt_result result = self->mapping->process(self->self, &block->frame, &block->pull);
     if (block->with_resume && self->resume)
         block->size = save(self, self->resume->save);

@@ -33,6 +33,49 @@ uint32_t isolate_param_sum(const mrt_plugin_type *type)
     return sum;
 }
 
+/* ---- the inputs of a frame ---- */
+
+static void put_text(char *out, size_t capacity, const char *text)
+{
+    size_t length = strlen(text);
+    if (length >= capacity)
+        length = capacity - 1;
+    memcpy(out, text, length);
+    out[length] = '\0';
+}
+
+void isolate_inputs_put(isolate_block *block, const mrt_frame *frame)
+{
+    for (uint32_t i = 0; i < frame->input_count && i < MRT_MAX_INPUTS; ++i) {
+        const mrt_channels *from = &frame->inputs[i];
+        isolate_input *to = &block->input[i];
+        to->as = *from;
+        put_text(to->name, sizeof to->name, from->name);
+        for (uint32_t c = 0; c < from->count && c < MRT_MAX_CHANNELS; ++c) {
+            to->channel[c] = from->channel[c];
+            put_text(to->channel_name[c], ISOLATE_NAME, from->channel[c].name);
+            put_text(to->unit[c], ISOLATE_NAME, from->channel[c].unit);
+            to->value[c] = from->value[c];
+        }
+    }
+}
+
+void isolate_inputs_take(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS])
+{
+    for (uint32_t i = 0; i < block->frame.input_count && i < MRT_MAX_INPUTS; ++i) {
+        isolate_input *from = &block->input[i];
+        for (uint32_t c = 0; c < from->as.count && c < MRT_MAX_CHANNELS; ++c) {
+            from->channel[c].name = from->channel_name[c];
+            from->channel[c].unit = from->unit[c];
+        }
+        out[i] = from->as;
+        out[i].name = from->name;
+        out[i].channel = from->channel;
+        out[i].value = from->value;
+    }
+    block->frame.inputs = out;
+}
+
 /* ---- a face as bytes ---- */
 
 static void put_name(bytes_out *out, const char *text)

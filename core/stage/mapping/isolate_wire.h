@@ -8,9 +8,9 @@
 
 #include <stdatomic.h>
 
-enum { ISOLATE_FD = 3, ISOLATE_VERSION = 1 };
+enum { ISOLATE_FD = 3, ISOLATE_VERSION = 2 };
 enum { ISOLATE_PARAMS_MAX = 1024, ISOLATE_LOGS = 32, ISOLATE_LOG_TEXT = 240 };
-enum { ISOLATE_NAME = 64, ISOLATE_BYTES = 1 << 20 };
+enum { ISOLATE_NAME = 64, ISOLATE_INPUT_NAME = 96, ISOLATE_BYTES = 1 << 20 };
 
 enum {
     ISOLATE_CREATE = 1,
@@ -30,6 +30,14 @@ typedef struct isolate_log {
     char text[ISOLATE_LOG_TEXT];
 } isolate_log;
 
+typedef struct isolate_input { /* of a frame; its pointers are the child's own */
+    mrt_channels as;
+    char name[ISOLATE_INPUT_NAME];
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    char channel_name[MRT_MAX_CHANNELS][ISOLATE_NAME], unit[MRT_MAX_CHANNELS][ISOLATE_NAME];
+    float value[MRT_MAX_CHANNELS];
+} isolate_input;
+
 typedef struct isolate_block {
     uint32_t version;
     int32_t program_pid;       /* the child ends when this is no longer its parent */
@@ -45,8 +53,9 @@ typedef struct isolate_block {
     uint32_t param_sum;   /* of their ids */
     uint32_t with_resume; /* process: save afterwards; answer: 1, `size` bytes are the state */
 
-    mrt_frame frame; /* params: the child's own pointer */
+    mrt_frame frame; /* params and inputs: the child's own pointers */
     double params[ISOLATE_PARAMS_MAX];
+    isolate_input input[MRT_MAX_INPUTS];
     mrt_pull pull;
 
     _Atomic uint32_t log_count; /* ever said; the newest ISOLATE_LOGS are there */
@@ -60,6 +69,13 @@ void isolate_sleep_until_ns(const _Atomic uint32_t *word, uint32_t seen, int64_t
 void isolate_wake(const _Atomic uint32_t *word);
 /* Of the ids in their order. */
 uint32_t isolate_param_sum(const mrt_plugin_type *type);
+
+/* ---- the inputs of a frame ---- */
+
+/* Of the program: into the block, whose frame is `frame` already. */
+void isolate_inputs_put(isolate_block *block, const mrt_frame *frame);
+/* Of the child: block->frame.inputs are those of the block; `out` must outlive the frame. */
+void isolate_inputs_take(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS]);
 
 /* ---- a face as bytes ---- */
 

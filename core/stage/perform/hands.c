@@ -6,6 +6,7 @@
 #include "hand/still.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -137,13 +138,11 @@ static void note_sensor(channel_route *route, uint32_t side, uint32_t semantic, 
 
 void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count)
 {
-    *out = (channel_route){.count = count};
-    for (uint32_t i = 0; i < count; ++i) {
-        out->semantic[i] = channel[i].semantic;
-        out->hand[i] = channel[i].hand;
+    *out = (channel_route){.name = ""};
+    channel_table_copy(&out->table, channel, count);
+    for (uint32_t i = 0; i < count; ++i)
         if (channel[i].hand <= MRT_RIGHT && is_angle(channel[i].semantic))
             note_sensor(out, channel[i].hand, channel[i].semantic, channel[i].unit);
-    }
     for (int side = 0; side < 2; ++side) {
         hand_calibration *calibration = &out->calibration[side];
         if (out->in_counts[side])
@@ -152,6 +151,11 @@ void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t
             hand_calibration_identity(calibration);
         memcpy(calibration->has_distal, out->has_distal[side], sizeof out->has_distal[side]);
     }
+}
+
+void channel_route_call(channel_route *route, const char *name)
+{
+    snprintf(route->name, sizeof route->name, "%s", name ? name : "");
 }
 
 void channel_route_calibrate(channel_route *route, uint32_t side,
@@ -314,8 +318,8 @@ static void read_sample(hands *self, const channel_route *route, const mrt_sampl
                         mrt_frame *frame)
 {
     bool has_angles[2] = {false, false}, has_wrist[2] = {false, false};
-    for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
-        uint32_t semantic = route->semantic[i], side = route->hand[i];
+    for (uint32_t i = 0; i < route->table.count && i < sample->count; ++i) {
+        uint32_t semantic = route->table.channel[i].semantic, side = route->table.channel[i].hand;
         float value = sample->value[i];
         if (is_pedal(semantic)) {
             read_pedal(self, semantic - MRT_CH_PEDAL, value, frame);

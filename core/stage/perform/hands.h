@@ -6,6 +6,7 @@
 #define MAROTTE_STAGE_HANDS_H
 #include "hand/filter.h"
 #include "hand/hand.h"
+#include "stage/input/channel_table.h"
 
 typedef struct hands hands;
 
@@ -24,15 +25,17 @@ void hands_destroy(hands *self); /* NULL is fine */
 void hands_reset(hands *self);   /* as after create */
 
 /* Which channel feeds what. Made once per input. */
+enum { ROUTE_NAME = 96 };
 typedef struct channel_route {
-    uint32_t count;
-    uint32_t semantic[MRT_MAX_CHANNELS], hand[MRT_MAX_CHANNELS];
+    char name[ROUTE_NAME]; /* of the input; "": none was given */
+    channel_table table;
     bool in_counts[2];               /* left, right: these need a calibration */
     bool has_distal[2][4];           /* of the fingers index .. little */
     hand_calibration calibration[2]; /* left, right */
 } channel_route;
-/* For counts the shipped defaults, for rad none: by the unit. */
+/* For counts the shipped defaults, for rad none: by the unit. The route must not move. */
 void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count);
+void channel_route_call(channel_route *route, const char *name);
 /* Takes a user's calibration instead of the defaults; NULL: leaves it. Rad stays as it is. */
 void channel_route_calibrate(channel_route *route, uint32_t side,
                              const hand_calibration *calibration);

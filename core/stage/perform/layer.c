@@ -5,6 +5,7 @@
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/taught.h"
 #include "stage/mapping/guard.h"
+#include "stage/perform/frame_inputs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,6 +45,7 @@ struct layer {
     guard guard;
     layer_settings settings;
     hands *hands;
+    frame_inputs inputs;
     pointer pointer;
     bool resets;          /* the mapping is to begin anew, once nothing is between */
     uint32_t reset_waits; /* steps, for what it was taught */
@@ -95,6 +97,7 @@ void layer_reset(layer *self)
     self->has_time = false;
     self->resets = false;
     hands_reset(self->hands);
+    frame_inputs_reset(&self->inputs);
     pointer_reset(&self->pointer);
     self->functions->reset(self->mapping->self);
 }
@@ -476,6 +479,9 @@ void layer_step(layer *self, const sample_step *s, bool near)
     self->counts.samples += s->count;
     self->counts.steps += 1;
     hands_read(self->hands, s, &self->frame);
+    frame_inputs_read(&self->inputs, s, time_ns);
+    self->frame.inputs = self->inputs.shown;
+    self->frame.input_count = self->inputs.count;
     go_on_fading(self);
     read_pointer(self, s);
     begin_anew(self);
@@ -527,13 +533,14 @@ static void shift(int64_t *time_ns, int64_t by_ns)
 void layer_shift_time(layer *self, int64_t by_ns)
 {
     hands_shift_time(self->hands, by_ns);
+    frame_inputs_shift_time(&self->inputs, by_ns);
     pointer_shift_time(&self->pointer, by_ns);
     shift(&self->frame.time_ns, by_ns);
     for (int side = 0; side < 2; ++side)
         shift(&self->frame.hand[side].time_ns, by_ns);
 }
 
-enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3 };
+enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
 enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* more than 1, that it is waiting, is fading */
 
 /* What the hands and the mapping take goes behind its own size. */
@@ -601,13 +608,6 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
     return at;
 }
 
-/* Most layers never had one: they are kept as ever. */
-static bool has_cut(const layer *self)
-{
-    const cut *c = &self->cut;
-    return c->is_waiting || c->is_fading || c->side != 0 || c->anchor_shift != 0;
-}
-
 static void put_cut(bytes_out *out, const cut *c)
 {
     bytes_put_u32(out, c->is_other ? STORE_OTHER : c->is_waiting);
@@ -649,11 +649,9 @@ static size_t save_pointer(void *of, void *bytes, size_t capacity)
     return pointer_save(of, bytes, capacity);
 }
 
-static uint32_t version_of(const layer *self)
+static size_t save_inputs(void *of, void *bytes, size_t capacity)
 {
-    if (self->pointer.is_known)
-        return STORE_WITH_POINTER;
-    return has_cut(self) ? STORE_WITH_CUT : STORE_VERSION;
+    return frame_inputs_save(of, bytes, capacity);
 }
 
 size_t layer_save(layer *self, void *bytes, size_t capacity)
@@ -662,8 +660,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     const mrt_plugin_type *type = self->mapping->type;
     if (!self->resume || save_mapping(self, NULL, 0) == 0)
         return 0;
-    uint32_t version = version_of(self);
-    bytes_put_u32(&out, version);
+    bytes_put_u32(&out, STORE_WITH_INPUTS);
     bytes_put_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
         bytes_put_u32(&out, type->params[i].id);
@@ -682,12 +679,10 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     }
     put_pull(&out, &self->good);
     put_pull(&out, &self->pull);
-    if (version >= STORE_WITH_CUT)
-        put_cut(&out, &self->cut);
-    if (version >= STORE_WITH_POINTER) {
-        bytes_put_u32(&out, self->resets);
-        put_sized(&out, save_pointer, &self->pointer);
-    }
+    put_cut(&out, &self->cut);
+    bytes_put_u32(&out, self->resets);
+    put_sized(&out, save_pointer, &self->pointer);
+    put_sized(&out, save_inputs, &self->inputs);
     put_sized(&out, save_hands, self->hands);
     put_sized(&out, save_mapping, self);
     return out.size;
@@ -760,13 +755,20 @@ static void take_pointer(bytes_in *in, layer *self)
                   guard_fault(&self->guard, &self->pointer.places);
 }
 
+static void take_inputs(bytes_in *in, layer *self)
+{
+    size_t size = 0;
+    const unsigned char *bytes = take_sized(in, &size);
+    in->failed |= !bytes || !frame_inputs_load(&self->inputs, bytes, size);
+}
+
 static mrt_result load(layer *self, bytes_in *in, error *err)
 {
     if (!self->resume)
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_take_u32(in);
-    in->failed |= version < STORE_VERSION || version > STORE_WITH_POINTER;
+    in->failed |= version < STORE_VERSION || version > STORE_WITH_INPUTS;
     take_params(in, self);
     self->has_time = bytes_take_u32(in) != 0;
     bytes_take(in, &self->frame.time_ns, sizeof self->frame.time_ns);
@@ -777,6 +779,8 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
         take_cut(in, self);
     if (version >= STORE_WITH_POINTER && !in->failed)
         take_pointer(in, self);
+    if (version >= STORE_WITH_INPUTS && !in->failed)
+        take_inputs(in, self);
     size_t size = 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);

@@ -60,9 +60,9 @@ static bool listen(const channel_route *route, const mrt_sample *sample, pointer
 {
     float value[POINTER_CHANNELS] = {0};
     bool speaks = false;
-    for (uint32_t i = 0; i < route->count && i < sample->count; ++i) {
-        uint32_t channel = route->semantic[i] - POINTER_SEMANTIC;
-        if (channel >= POINTER_CHANNELS || route->semantic[i] < POINTER_SEMANTIC)
+    for (uint32_t i = 0; i < route->table.count && i < sample->count; ++i) {
+        uint32_t semantic = route->table.channel[i].semantic, channel = semantic - POINTER_SEMANTIC;
+        if (channel >= POINTER_CHANNELS || semantic < POINTER_SEMANTIC)
             continue;
         value[channel] = sample->value[i];
         speaks = true;

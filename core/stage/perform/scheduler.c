@@ -18,8 +18,8 @@ void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
 static uint32_t measured_by(const channel_route *route)
 {
     uint32_t out = 0;
-    for (uint32_t i = 0; i < route->count; ++i) {
-        uint32_t semantic = route->semantic[i], side = route->hand[i];
+    for (uint32_t i = 0; i < route->table.count; ++i) {
+        uint32_t semantic = route->table.channel[i].semantic, side = route->table.channel[i].hand;
         bool is_angle = semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES;
         bool is_wrist = semantic >= MRT_CH_WRIST && semantic < MRT_CH_PEDAL;
         if (side <= MRT_RIGHT && (is_angle || is_wrist))
@@ -37,6 +37,7 @@ static void route_version(scheduler *self, uint32_t index, uint32_t version)
     channel_route *route = &self->route[index];
     const mrt_channel *channels = e->source.channels(e->source.self, version, &count);
     channel_route_init(route, channels, count);
+    channel_route_call(route, e->source.name);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
         channel_route_calibrate(route, side, self->calibration[side]);
     e->route = route;

@@ -159,6 +159,7 @@ static mrt_result open_track(replay *self, track *t, error *err)
         channel[i] = (mrt_channel){c->name, c->unit, c->semantic, c->hand, c->min, c->max};
     }
     channel_route_init(&t->route, channel, info.track.channel_count);
+    channel_route_call(&t->route, info.track.device);
     result = calibrate(self, t, &info.track, err);
     show_track_finish(&info);
     if (result < 0)

@@ -2,6 +2,7 @@
 #include <marotte/plugin.h>
 
 #include <math.h>
+#include <string.h>
 
 struct mrt_plugin {
     const mrt_face *face;
