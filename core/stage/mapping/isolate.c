@@ -613,9 +613,10 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 /* It was held for some frames, and now comes back: the face is not to catch up in one. */
 static bool comes_back(const mrt_plugin *self)
 {
+    if (!runs(self) || self->owed != ISOLATE_PROCESS || self->held_frames <= 1)
+        return false; /* while it does not run the block is the supervisor's */
     const isolate_block *block = self->link.block;
-    return runs(self) && self->owed == ISOLATE_PROCESS && self->held_frames > 1 &&
-           atomic_load(&block->answered) == atomic_load(&block->asked);
+    return atomic_load(&block->answered) == atomic_load(&block->asked);
 }
 
 static bool take_over(mrt_plugin *self, mrt_pull *pull)
