@@ -1,9 +1,55 @@
-#include "mesh/shading_state.h"
+#include "mesh/shading.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+/* So many triangles of a vertex are added up by table; nearly all vertices have no more. */
+enum { SHADING_FEW = 6, SHADING_TABLED = 8, SHADING_CROSSES = SHADING_BLOCK * SHADING_TABLED };
+
+typedef struct shading_row { /* x, y, z, and a fourth so that it fits a vector */
+    _Alignas(16) float at[4];
+} shading_row;
+
+/* The triangles of a vertex as indices into those of its block, ascending as in the mesh; the
+ * block's triangle_count where there are no more: a triangle without area. */
+typedef struct shading_table {
+    uint16_t triangle[SHADING_BLOCK][SHADING_TABLED];
+} shading_table;
+
+typedef struct shading_more { /* a triangle beyond a vertex's table, in their order */
+    uint32_t lane, corner[3];
+} shading_more;
+
+typedef struct shading_neighbour {
+    uint32_t block;
+    uint64_t lanes; /* bits: the vertices of this block that share a triangle with that one */
+} shading_neighbour;
+
+typedef struct shading_block {
+    uint32_t first_triangle, triangle_count;
+    uint32_t first_more, more_count;
+    uint32_t first_neighbour, neighbour_count;
+    uint64_t flat; /* bits: vertices that have no normal at rest */
+} shading_block;
+
+struct shading {
+    uint32_t vertex_count, block_count;
+    shading_block *block;
+    shading_table *table;         /* block_count */
+    uint32_t *corner;             /* by 3: slots of the triangles of all blocks */
+    shading_more *more;           /* of all blocks */
+    shading_neighbour *neighbour; /* of all blocks */
+    shading_row *position;        /* of each slot */
+    float *normal[3], *rest[3];   /* block_count whole blocks each */
+    uint8_t *is_new;              /* block_count: scratch of an update */
+    uint8_t *is_placed;           /* block_count: `position` has it as it is now */
+    stamps_reader seen;
+    stamps written;
+};
+
+enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: no power of two */
 /* A vertex by itself takes so many times as long as one of a whole block, which shares triangles.
  */
 enum { LANES_WORTH = 7 };
@@ -11,10 +57,11 @@ enum { LANES_WORTH = 7 };
 /* ---- from triangles ---- */
 
 /* Twice the area of a triangle, along its normal. The fourth lane has no meaning. */
-static inline void cross(shading_row *restrict out, const shading_row *restrict place,
+static inline void cross(shading_row *restrict out, const shading_row *restrict position,
                          const uint32_t *restrict corner)
 {
-    const float *a = place[corner[0]].at, *b = place[corner[1]].at, *c = place[corner[2]].at;
+    const float *a = position[corner[0]].at, *b = position[corner[1]].at,
+                *c = position[corner[2]].at;
     float u0 = b[0] - a[0], u1 = b[1] - a[1], u2 = b[2] - a[2], u3 = b[3] - a[3];
     float v0 = c[0] - a[0], v1 = c[1] - a[1], v2 = c[2] - a[2], v3 = c[3] - a[3];
     out->at[0] = u1 * v2 - u2 * v1;
@@ -38,7 +85,7 @@ static void add_block(shading_row *restrict sum, const shading *self, uint32_t b
     const uint32_t *corner = self->corner + (size_t)3 * b->first_triangle;
     shading_row area[SHADING_CROSSES + 1];
     for (uint32_t i = 0; i < b->triangle_count; ++i)
-        cross(&area[i], self->place, corner + (size_t)3 * i);
+        cross(&area[i], self->position, corner + (size_t)3 * i);
     area[b->triangle_count] = (shading_row){{0}};
     for (int lane = 0; lane < SHADING_BLOCK; ++lane) {
         const uint16_t *triangle = table->triangle[lane];
@@ -58,7 +105,7 @@ static void add_more(shading_row *sum, const shading *self, uint32_t block)
     for (uint32_t i = 0; i < b->more_count; ++i) {
         const shading_more *more = &self->more[b->first_more + i];
         shading_row one;
-        cross(&one, self->place, more->corner);
+        cross(&one, self->position, more->corner);
         add(&sum[more->lane], &one);
     }
 }
@@ -103,14 +150,14 @@ static void gather_lane(shading *self, uint32_t block, uint32_t lane)
     shading_row area[SHADING_TABLED], all = {{0}};
     int count = 0;
     for (; count < SHADING_TABLED && triangle[count] != b->triangle_count; ++count)
-        cross(&area[count], self->place, corner + (size_t)3 * triangle[count]);
+        cross(&area[count], self->position, corner + (size_t)3 * triangle[count]);
     for (int i = 0; i < count; ++i)
         add(&all, &area[i]);
     for (uint32_t i = 0; i < b->more_count; ++i) {
         const shading_more *more = &self->more[b->first_more + i];
         if (more->lane != lane)
             continue;
-        cross(&area[0], self->place, more->corner);
+        cross(&area[0], self->position, more->corner);
         add(&all, &area[0]);
     }
     normalise(self->normal[0] + slot, self->normal[1] + slot, self->normal[2] + slot, &all, 1);
@@ -122,7 +169,7 @@ static bool are_many(uint64_t lanes)
     return __builtin_popcountll(lanes) * LANES_WORTH > SHADING_BLOCK;
 }
 
-void shading_gather(shading *self, uint32_t block, uint64_t lanes)
+static void gather_lanes(shading *self, uint32_t block, uint64_t lanes)
 {
     if (are_many(lanes)) {
         gather_block(self, block);
@@ -132,7 +179,7 @@ void shading_gather(shading *self, uint32_t block, uint64_t lanes)
         gather_lane(self, block, (uint32_t)__builtin_ctzll(lanes));
 }
 
-uint64_t shading_flat(const shading *self, uint32_t block)
+static uint64_t flat_lanes(const shading *self, uint32_t block)
 {
     shading_row sum[SHADING_BLOCK];
     uint64_t flat = 0;
@@ -146,7 +193,7 @@ uint64_t shading_flat(const shading *self, uint32_t block)
     return flat;
 }
 
-/* ---- from the rest shape ---- */
+/* ---- from the normals at rest ---- */
 
 static bool is_still(const rigid *pose)
 {
@@ -154,7 +201,7 @@ static bool is_still(const rigid *pose)
     return memcmp(pose->r, still.r, sizeof still.r) == 0;
 }
 
-static void turn(shading *self, const rigid *pose, uint32_t block)
+static void rotate(shading *self, const rigid *pose, uint32_t block)
 {
     size_t first = (size_t)block * SHADING_BLOCK;
     const float *restrict x = self->rest[0] + first, *restrict y = self->rest[1] + first,
@@ -172,7 +219,7 @@ static void turn_block(shading *self, const rigid *pose, uint32_t block)
 {
     size_t first = (size_t)block * SHADING_BLOCK, size = SHADING_BLOCK * sizeof(float);
     if (!is_still(pose)) {
-        turn(self, pose, block);
+        rotate(self, pose, block);
         return;
     }
     for (size_t axis = 0; axis < 3; ++axis)
@@ -182,31 +229,31 @@ static void turn_block(shading *self, const rigid *pose, uint32_t block)
 /* ---- an update ---- */
 
 /* The fourth lane is of no use: it repeats the third so that this runs on whole vectors. */
-static void place_block(shading *self, const float *const at[3], uint32_t block)
+static void take_positions(shading *self, const float *const at[3], uint32_t block)
 {
     size_t first = (size_t)block * SHADING_BLOCK;
-    float *restrict place = self->place[first].at;
+    float *restrict position = self->position[first].at;
     const float *restrict x = at[0] + first, *restrict y = at[1] + first,
                           *restrict z = at[2] + first;
     for (size_t i = 0; i < SHADING_BLOCK; ++i) {
-        place[4 * i] = x[i];
-        place[4 * i + 1] = y[i];
-        place[4 * i + 2] = z[i];
-        place[4 * i + 3] = z[i];
+        position[4 * i] = x[i];
+        position[4 * i + 1] = y[i];
+        position[4 * i + 2] = z[i];
+        position[4 * i + 3] = z[i];
     }
     self->is_placed[block] = 1;
 }
 
 /* Where all corners of its triangles are now. */
-static void place_around(shading *self, const float *const at[3], uint32_t block)
+static void take_positions_around(shading *self, const float *const at[3], uint32_t block)
 {
     const shading_block *b = &self->block[block];
     if (!self->is_placed[block])
-        place_block(self, at, block);
+        take_positions(self, at, block);
     for (uint32_t i = 0; i < b->neighbour_count; ++i) {
         uint32_t other = self->neighbour[b->first_neighbour + i].block;
         if (!self->is_placed[other])
-            place_block(self, at, other);
+            take_positions(self, at, other);
     }
 }
 
@@ -246,8 +293,8 @@ static void update_block(shading *self, const shading_shape *now, uint32_t block
             turn_block(self, &now->pose[carrier], block);
     }
     if (lanes != 0) {
-        place_around(self, now->at, block);
-        shading_gather(self, block, lanes);
+        take_positions_around(self, now->at, block);
+        gather_lanes(self, block, lanes);
     }
     stamps_mark(&self->written, block);
 }
@@ -265,6 +312,274 @@ void shading_update(shading *self, const shading_shape *now)
     stamps_begin(&self->written);
     for (uint32_t block = 0; block < self->block_count; ++block)
         update_block(self, now, block);
+}
+
+/* ---- made: which triangles touch each block, and which blocks touch each other ---- */
+
+/* The mesh while it is taken in. */
+typedef struct source {
+    const uint32_t *triangle, *smooth;
+    uint32_t triangle_count, vertex_count, block_count;
+    uint32_t *start, *of; /* the triangles of each vertex that stands for others, ascending */
+    uint32_t *local;      /* triangle_count: its index in the block that has it last */
+    uint32_t *owner;      /* triangle_count: 1 + that block */
+    uint32_t *entry;      /* block_count: where the block is among the neighbours of `whose` */
+    uint32_t *whose;      /* block_count: 1 + the block */
+} source;
+
+static void free_source(source *s)
+{
+    free(s->start);
+    free(s->of);
+    free(s->local);
+    free(s->owner);
+    free(s->entry);
+    free(s->whose);
+}
+
+static bool allocate_source(source *s)
+{
+    size_t triangles = (size_t)s->triangle_count + 1, blocks = (size_t)s->block_count + 1;
+    s->start = calloc((size_t)s->vertex_count + 2, sizeof *s->start);
+    s->of = malloc(3 * triangles * sizeof *s->of);
+    s->local = calloc(triangles, sizeof *s->local);
+    s->owner = calloc(triangles, sizeof *s->owner);
+    s->entry = calloc(blocks, sizeof *s->entry);
+    s->whose = calloc(blocks, sizeof *s->whose);
+    return s->start && s->of && s->local && s->owner && s->entry && s->whose;
+}
+
+static uint32_t smooth_of(const source *s, uint32_t vertex)
+{
+    return s->smooth ? s->smooth[vertex] : vertex;
+}
+
+/* start is shifted by one while it is filled. */
+static void list_triangles(source *s)
+{
+    size_t corners = (size_t)3 * s->triangle_count;
+    for (size_t i = 0; i < corners; ++i)
+        s->start[smooth_of(s, s->triangle[i]) + 2] += 1;
+    for (uint32_t v = 0; v < s->vertex_count; ++v)
+        s->start[v + 2] += s->start[v + 1];
+    for (size_t i = 0; i < corners; ++i)
+        s->of[s->start[smooth_of(s, s->triangle[i]) + 1]++] = (uint32_t)(i / 3);
+}
+
+/* ---- made: one block ---- */
+
+static uint32_t lanes_of_block(const source *s, uint32_t block)
+{
+    uint32_t left = s->vertex_count - block * SHADING_BLOCK;
+    return left < SHADING_BLOCK ? left : SHADING_BLOCK;
+}
+
+static uint32_t local_of(source *s, uint32_t *corner, shading_block *b, uint32_t block, uint32_t t)
+{
+    if (s->owner[t] != 1 + block) {
+        s->owner[t] = 1 + block;
+        s->local[t] = b->triangle_count++;
+        if (corner)
+            memcpy(corner + (size_t)3 * (b->first_triangle + s->local[t]),
+                   s->triangle + (size_t)3 * t, 3 * sizeof *corner);
+    }
+    return s->local[t];
+}
+
+/* The table of a block and what is beyond it; self->corner and more NULL: only counts. */
+static void take_triangles(shading *self, source *s, uint32_t block)
+{
+    shading_block *b = &self->block[block];
+    b->triangle_count = b->more_count = 0;
+    for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
+        uint32_t v = smooth_of(s, block * SHADING_BLOCK + lane), first = s->start[v];
+        for (uint32_t i = first; i < s->start[v + 1]; ++i) {
+            uint32_t t = s->of[i];
+            if (i - first < SHADING_TABLED) {
+                uint32_t local = local_of(s, self->corner, b, block, t);
+                self->table[block].triangle[lane][i - first] = (uint16_t)local;
+                continue;
+            }
+            shading_more *more = self->more ? &self->more[b->first_more + b->more_count] : NULL;
+            if (more)
+                more->lane = lane;
+            if (more)
+                memcpy(more->corner, s->triangle + (size_t)3 * t, sizeof more->corner);
+            b->more_count += 1;
+        }
+    }
+}
+
+static void end_table(shading *self, const source *s, uint32_t block)
+{
+    for (uint32_t lane = 0; lane < SHADING_BLOCK; ++lane) {
+        uint32_t v = block * SHADING_BLOCK + lane;
+        uint32_t leader = v < s->vertex_count ? smooth_of(s, v) : 0;
+        uint32_t count = v < s->vertex_count ? s->start[leader + 1] - s->start[leader] : 0;
+        for (uint32_t i = count; i < SHADING_TABLED; ++i)
+            self->table[block].triangle[lane][i] = (uint16_t)self->block[block].triangle_count;
+    }
+}
+
+static void note_neighbour(shading *self, source *s, uint32_t block, uint32_t other, uint32_t lane)
+{
+    shading_block *b = &self->block[block];
+    if (s->whose[other] != 1 + block) {
+        s->whose[other] = 1 + block;
+        s->entry[other] = b->neighbour_count++;
+        if (self->neighbour)
+            self->neighbour[b->first_neighbour + s->entry[other]] =
+                (shading_neighbour){.block = other};
+    }
+    if (self->neighbour)
+        self->neighbour[b->first_neighbour + s->entry[other]].lanes |= (uint64_t)1 << lane;
+}
+
+/* self->neighbour NULL: only counts. */
+static void take_neighbours(shading *self, source *s, uint32_t block)
+{
+    self->block[block].neighbour_count = 0;
+    for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
+        uint32_t v = smooth_of(s, block * SHADING_BLOCK + lane);
+        for (uint32_t i = s->start[v]; i < s->start[v + 1]; ++i)
+            for (size_t k = 0; k < 3; ++k) {
+                uint32_t other = s->triangle[(size_t)3 * s->of[i] + k] / SHADING_BLOCK;
+                if (other != block)
+                    note_neighbour(self, s, block, other, lane);
+            }
+    }
+}
+
+/* ---- made: all blocks ---- */
+
+static void take_blocks(shading *self, source *s)
+{
+    memset(s->owner, 0, s->triangle_count * sizeof *s->owner);
+    memset(s->whose, 0, s->block_count * sizeof *s->whose);
+    for (uint32_t block = 0; block < self->block_count; ++block) {
+        take_triangles(self, s, block);
+        take_neighbours(self, s, block);
+    }
+}
+
+/* Counted first, then filled. */
+static bool list_blocks(shading *self, source *s)
+{
+    uint32_t triangles = 0, more = 0, neighbours = 0;
+    take_blocks(self, s);
+    for (uint32_t block = 0; block < self->block_count; ++block) {
+        shading_block *b = &self->block[block];
+        b->first_triangle = triangles;
+        b->first_more = more;
+        b->first_neighbour = neighbours;
+        triangles += b->triangle_count;
+        more += b->more_count;
+        neighbours += b->neighbour_count;
+    }
+    self->corner = malloc(((size_t)triangles + 1) * 3 * sizeof *self->corner);
+    self->more = malloc(((size_t)more + 1) * sizeof *self->more);
+    self->neighbour = malloc(((size_t)neighbours + 1) * sizeof *self->neighbour);
+    if (!self->corner || !self->more || !self->neighbour)
+        return false;
+    take_blocks(self, s);
+    for (uint32_t block = 0; block < self->block_count; ++block)
+        end_table(self, s, block);
+    return true;
+}
+
+static bool take_in(shading *self, const uint32_t *triangle, uint32_t triangle_count,
+                    const uint32_t *smooth)
+{
+    source s = {.triangle = triangle,
+                .smooth = smooth,
+                .triangle_count = triangle_count,
+                .vertex_count = self->vertex_count,
+                .block_count = self->block_count};
+    bool done = allocate_source(&s);
+    if (done) {
+        list_triangles(&s);
+        done = list_blocks(self, &s);
+    }
+    free_source(&s);
+    return done;
+}
+
+static bool allocate(shading *self)
+{
+    size_t blocks = (size_t)self->block_count + 1, slots = blocks * SHADING_BLOCK;
+    size_t stream = slots + STAGGER;
+    self->block = calloc(blocks, sizeof *self->block);
+    self->table = calloc(blocks, sizeof *self->table);
+    self->is_new = calloc(blocks, sizeof *self->is_new);
+    self->is_placed = calloc(blocks, sizeof *self->is_placed);
+    self->position = aligned_alloc(ALIGNMENT, slots * sizeof *self->position);
+    self->normal[0] = aligned_alloc(ALIGNMENT, 6 * stream * sizeof(float));
+    if (!self->block || !self->table || !self->is_new || !self->is_placed || !self->position ||
+        !self->normal[0])
+        return false;
+    memset(self->position, 0, slots * sizeof *self->position);
+    memset(self->normal[0], 0, 6 * stream * sizeof(float));
+    for (size_t axis = 0; axis < 3; ++axis) {
+        self->normal[axis] = self->normal[0] + axis * stream;
+        self->rest[axis] = self->normal[0] + (3 + axis) * stream;
+    }
+    return true;
+}
+
+/* The normals of the shape at rest, and which vertices have none. */
+static void take_rest(shading *self, const float *const rest[3])
+{
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        self->position[v] = (shading_row){{rest[0][v], rest[1][v], rest[2][v], 0.0f}};
+    for (uint32_t block = 0; block < self->block_count; ++block) {
+        gather_lanes(self, block, UINT64_MAX);
+        self->block[block].flat = flat_lanes(self, block);
+    }
+    for (uint32_t axis = 0; axis < 3; ++axis)
+        memcpy(self->rest[axis], self->normal[axis],
+               (size_t)self->block_count * SHADING_BLOCK * sizeof(float));
+}
+
+mrt_result shading_create(shading **out, const float *const rest[3], uint32_t vertex_count,
+                          const uint32_t *triangle, uint32_t triangle_count, const uint32_t *smooth,
+                          error *err)
+{
+    *out = NULL;
+    shading *self = calloc(1, sizeof *self);
+    if (self) {
+        self->vertex_count = vertex_count;
+        self->block_count = vertex_count / SHADING_BLOCK + (vertex_count % SHADING_BLOCK != 0);
+    }
+    if (!self || !allocate(self) || !take_in(self, triangle, triangle_count, smooth)) {
+        shading_destroy(self);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the normals of %u triangles",
+                         triangle_count);
+    }
+    mrt_result result = stamps_create(&self->written, self->block_count, err);
+    if (result < 0) {
+        shading_destroy(self);
+        return result;
+    }
+    take_rest(self, rest);
+    *out = self;
+    return MRT_OK;
+}
+
+void shading_destroy(shading *self)
+{
+    if (!self)
+        return;
+    free(self->block);
+    free(self->table);
+    free(self->corner);
+    free(self->more);
+    free(self->neighbour);
+    free(self->position);
+    free(self->normal[0]);
+    free(self->is_new);
+    free(self->is_placed);
+    stamps_destroy(&self->written);
+    free(self);
 }
 
 /* ---- what others see ---- */

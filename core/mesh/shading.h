@@ -16,8 +16,8 @@ typedef struct shading shading;
 
 /* x, y, z: vertex_count each, at rest, in blocks of SHADING_BLOCK; triangle: triangle_count by 3,
  * in the order in which their areas are added up. smooth: vertex_count: of the vertices that have
- * one normal, being at one place, the one that stands for all; NULL: each has its own. Nothing of
- * it is needed any more. */
+ * one normal, being at one position, the one that stands for all; NULL: each has its own. Nothing
+ * of it is needed any more. */
 CHECKED mrt_result shading_create(shading **out, const float *const rest[3], uint32_t vertex_count,
                                   const uint32_t *triangle, uint32_t triangle_count,
                                   const uint32_t *smooth, error *err);

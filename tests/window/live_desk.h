@@ -12,7 +12,7 @@
 #include "base/clock.h"
 #include "stage/input/feed.h"
 #include "stage/live/live.h"
-#include "stage/live/live_state.h"
+#include "stage/live/live_stage.h"
 #include "stage/mapping/plugins.h"
 #include "stage/input/spec.h"
 #include "take/edit_store.h"

@@ -1,4 +1,4 @@
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Where a control holds the face: which bones move it there, and how freely it is moved. */
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 
 #include <math.h>
 

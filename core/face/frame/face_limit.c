@@ -21,7 +21,7 @@
  * near which too much of the room before a limit is used go less far. */
 #include "base/angle.h"
 #include "csrbf/soften.h"
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 #include "face/frame/strain.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The shape shown, by blocks: which hold from the frame before, which have to be written anew. A
  * block depends on the origin there, on the columns that reach it and their weights, and on the
  * poses of the proxies near it: where none of these has changed it is left as it is. */
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 
 #include <stdlib.h>
 #include <string.h>

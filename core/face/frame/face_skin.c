@@ -1,5 +1,5 @@
 /* The exact meter of a face with a rig: is any skin turned over? See face_min_determinant. */
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The state of a face as bytes: what frames to come depend on. Columns are found again. */
 #include "base/bytes.h"
-#include "face/frame/face_state.h"
+#include "face/frame/frame.h"
 
 #include <float.h>
 #include <math.h>

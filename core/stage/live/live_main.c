@@ -1,6 +1,6 @@
 #include "stage/live/live.h"
 #include "base/clock.h"
-#include "stage/live/live_state.h"
+#include "stage/live/live_stage.h"
 
 #include <math.h>
 #include <stdio.h>

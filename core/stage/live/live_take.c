@@ -1,4 +1,4 @@
-#include "stage/live/live_state.h"
+#include "stage/live/live_stage.h"
 #include "base/clock.h"
 #include "base/memory.h"
 #include "take/own.h"

@@ -1,6 +1,7 @@
-/* face/face_state.h - what a face is made of. Inside the room. */
-#ifndef MAROTTE_FACE_FACE_STATE_H
-#define MAROTTE_FACE_FACE_STATE_H
+/* face/frame/frame.h - what a face (face/face.h) is made of, and what the files of this folder do
+ * for each other. */
+#ifndef MAROTTE_FACE_FRAME_FRAME_H
+#define MAROTTE_FACE_FRAME_FRAME_H
 #include "face/frame/blend.h"
 #include "face/face.h"
 #include "face/frame/projection.h"

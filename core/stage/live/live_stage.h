@@ -1,8 +1,8 @@
-/* live/live_state.h - what a live stage is made of: what the frame thread has (live_stage), what
+/* live/live_stage.h - what a live stage is made of: what the frame thread has (live_stage), what
  * [main] has (struct live), and how [main] gives orders. For the files of this folder.
  */
-#ifndef MAROTTE_STAGE_LIVE_STATE_H
-#define MAROTTE_STAGE_LIVE_STATE_H
+#ifndef MAROTTE_STAGE_LIVE_STAGE_H
+#define MAROTTE_STAGE_LIVE_STAGE_H
 #include "stage/input/feed.h"
 #include "stage/input/tap.h"
 #include "stage/live/live.h"
