@@ -3,6 +3,7 @@
 #include "video.h"
 
 #include "base/file.h"
+#include "base/text.h"
 #include "take/sound_file.h"
 
 #include <errno.h>
@@ -125,9 +126,43 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
     }
 }
 
+static double unit_of(const exports_settings *settings, double usual_mm)
+{
+    return settings->mm_per_unit > 0.0 ? settings->mm_per_unit : usual_mm;
+}
+
 static void on_export(void *data, double done)
 {
     progress_show(data, done, "");
+}
+
+/* prefix: of the facts' names: "gltf". */
+static void tell_targets(const gltf_report *report, const clip *frames, const char *prefix,
+                         facts *told)
+{
+    const bool is_named = clip_curve_count(frames) > 0;
+    const struct {
+        const char *name, *label;
+        double value;
+        int decimals;
+        const char *unit;
+        bool is_left_out;
+    } line[] = {
+        {"targets", "morph targets", report->target_count, 0, "", false},
+        {"named_targets", "  of them named", report->exact_target_count, 0, "", !is_named},
+        {"remainder_mm", "remainder", report->remainder_mm, 2,
+         "mm at most, that the others show: bones turn, skin slides, clay", !is_named},
+        {"mean_remainder_mm", "  on average", report->mean_remainder_mm, 2, "mm", !is_named},
+        {"exact_targets", "  of them exact", report->exact_target_count, 0, "", is_named},
+        {"max_error_mm", "greatest error", report->max_error_mm, 4, "mm", false},
+        {"tolerance_mm", "tolerance", report->tolerance_mm, 4, "mm", false},
+    };
+    for (size_t i = 0; i < sizeof line / sizeof line[0]; ++i) {
+        char name[64];
+        (void)snprintf(name, sizeof name, "%s_%s", prefix, line[i].name);
+        if (!line[i].is_left_out)
+            facts_number(told, name, line[i].label, line[i].value, line[i].decimals, line[i].unit);
+    }
 }
 
 static mrt_result write_glb(const char *path, const clip *frames, const exports_settings *settings,
@@ -142,20 +177,7 @@ static mrt_result write_glb(const char *path, const clip *frames, const exports_
         return result;
     if (report.why_bare.text[0])
         facts_text(told, "gltf_bare", "mesh alone", report.why_bare.text);
-    facts_number(told, "gltf_targets", "morph targets", report.target_count, 0, "");
-    if (clip_curve_count(frames) > 0) {
-        facts_number(told, "gltf_named_targets", "  of them named", report.exact_target_count, 0,
-                     "");
-        facts_number(told, "gltf_remainder_mm", "remainder", report.remainder_mm, 2,
-                     "mm at most, that the others show: bones turn, skin slides, clay");
-        facts_number(told, "gltf_mean_remainder_mm", "  on average", report.mean_remainder_mm, 2,
-                     "mm");
-    } else {
-        facts_number(told, "gltf_exact_targets", "  of them exact", report.exact_target_count, 0,
-                     "");
-    }
-    facts_number(told, "gltf_max_error_mm", "greatest error", report.max_error_mm, 4, "mm");
-    facts_number(told, "gltf_tolerance_mm", "tolerance", report.tolerance_mm, 4, "mm");
+    tell_targets(&report, frames, "gltf", told);
     return MRT_OK;
 }
 
@@ -170,18 +192,93 @@ static mrt_result write_sheet(const char *path, const clip *frames,
         err);
 }
 
+static mrt_result write_usd(const char *path, const clip *frames, const exports_settings *settings,
+                            const export_progress *steps, facts *told, error *err)
+{
+    gltf_options options = {.tolerance_mm = settings->tolerance_mm,
+                            .max_targets = settings->max_targets};
+    gltf_report report;
+    mrt_result result =
+        usd_write(path, frames, &options, unit_of(settings, 1.0), steps, &report, err);
+    if (result >= 0)
+        tell_targets(&report, frames, "usd", told);
+    return result;
+}
+
+static mrt_result write_usd_points(const char *path, const clip *frames,
+                                   const exports_settings *settings, const export_progress *steps,
+                                   facts *told, error *err)
+{
+    (void)told;
+    return usd_write_points(path, frames, unit_of(settings, 1.0), steps, err);
+}
+
+static mrt_result write_bvh(const char *path, const clip *frames, const exports_settings *settings,
+                            const export_progress *steps, facts *told, error *err)
+{
+    (void)told;
+    return bvh_write(path, frames, unit_of(settings, 10.0), steps, err);
+}
+
+typedef mrt_result write_cache(const char *path, const clip *c, const cache_options *options,
+                               const export_progress *progress, error *err);
+
+/* "face.3.teeth.pc2" of "face.pc2": a name that every file system takes. */
+static char *path_of_part(const char *path, uint32_t number, const char *part)
+{
+    char name[96];
+    const char *dot = strrchr(path, '.');
+    text_copy(name, sizeof name, text_view_of(part, strlen(part)));
+    for (char *at = name; *at; ++at)
+        if (strchr("/\\:*?\"<>|", *at))
+            *at = '_';
+    size_t size = strlen(path) + sizeof name + 16;
+    char *out = malloc(size);
+    if (out)
+        (void)snprintf(out, size, "%.*s.%u%s%s%s", (int)(dot - path), path, number,
+                       name[0] ? "." : "", name, dot);
+    return out;
+}
+
+/* Neighbours of one name are one: a glTF mesh of several primitives, an OBJ group of several
+ * materials. */
+static mrt_result write_by_part(write_cache *write, const char *path, const clip *frames,
+                                cache_options options, const export_progress *steps, facts *told,
+                                error *err)
+{
+    const mesh *m = clip_mesh(frames);
+    mrt_result result = MRT_OK;
+    uint32_t number = 1;
+    for (uint32_t i = 0; i < m->part_count && result >= 0; i += options.part_count) {
+        options.first_part = i;
+        options.part_count = 1;
+        while (i + options.part_count < m->part_count &&
+               strcmp(m->part[i + options.part_count].name, m->part[i].name) == 0)
+            options.part_count += 1;
+        char *name = path_of_part(path, number++, m->part[i].name);
+        result = name ? write(name, frames, &options, steps, err)
+                      : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+        if (result >= 0)
+            facts_list(told, "files", "wrote", name);
+        free(name);
+    }
+    return result;
+}
+
 static mrt_result write_pc2(const char *path, const clip *frames, const exports_settings *settings,
                             const export_progress *steps, facts *told, error *err)
 {
-    (void)settings, (void)told;
-    return pc2_write(path, frames, steps, err);
+    const cache_options options = {.mm_per_unit = unit_of(settings, 1.0)};
+    return settings->is_by_part ? write_by_part(pc2_write, path, frames, options, steps, told, err)
+                                : pc2_write(path, frames, &options, steps, err);
 }
 
 static mrt_result write_mdd(const char *path, const clip *frames, const exports_settings *settings,
                             const export_progress *steps, facts *told, error *err)
 {
-    (void)settings, (void)told;
-    return mdd_write(path, frames, steps, err);
+    const cache_options options = {.mm_per_unit = unit_of(settings, 1.0)};
+    return settings->is_by_part ? write_by_part(mdd_write, path, frames, options, steps, told, err)
+                                : mdd_write(path, frames, &options, steps, err);
 }
 
 static mrt_result write_csv(const char *path, const clip *frames, const exports_settings *settings,
@@ -196,9 +293,21 @@ static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *fr
                                                 const exports_settings *settings,
                                                 const export_progress *steps, facts *told,
                                                 error *err) = {
-    [EXPORTS_GLB] = write_glb, [EXPORTS_PC2] = write_pc2,   [EXPORTS_MDD] = write_mdd,
-    [EXPORTS_CSV] = write_csv, [EXPORTS_PNG] = write_sheet,
+    [EXPORTS_GLB] = write_glb,
+    [EXPORTS_PC2] = write_pc2,
+    [EXPORTS_MDD] = write_mdd,
+    [EXPORTS_CSV] = write_csv,
+    [EXPORTS_PNG] = write_sheet,
+    [EXPORTS_USD] = write_usd,
+    [EXPORTS_USD_POINTS] = write_usd_points,
+    [EXPORTS_BVH] = write_bvh,
 };
+
+/* Says itself what it wrote, where that is a file for each part. */
+static bool is_cache(exports_format format)
+{
+    return format == EXPORTS_PC2 || format == EXPORTS_MDD;
+}
 
 mrt_result exports_write(const exports_file *file, uint32_t count, const clip *frames,
                          const exports_settings *settings, progress *shown, facts *told, error *err)
@@ -211,7 +320,7 @@ mrt_result exports_write(const exports_file *file, uint32_t count, const clip *f
         progress_start(shown, "writing");
         result = writers[file[i].format](file[i].path, frames, settings, &steps, told, err);
         progress_end(shown);
-        if (result >= 0)
+        if (result >= 0 && !(settings->is_by_part && is_cache(file[i].format)))
             facts_list(told, "files", "wrote", file[i].path);
     }
     struct rusage usage;

@@ -38,7 +38,9 @@ CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error
 typedef struct exports_settings {
     double tolerance_mm; /* of glTF; 0: its default */
     uint32_t max_targets;
-    bool is_bare; /* glTF: the mesh alone */
+    bool is_bare;       /* glTF: the mesh alone */
+    double mm_per_unit; /* of caches, USD and hands; 0: mm, of hands cm */
+    bool is_by_part;    /* caches: a file for each part, NAME.1.PART.pc2 */
     /* of contact sheets (draw/sheet.h) */
     const char *title, *made_from;
     uint32_t width, height; /* 0: as usual */

@@ -270,7 +270,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
         result = exports_video_add(&self->videos, performer_composer(self->performer), err);
     if (result < 0)
         return result;
-    return recording_add(&self->recording, performer_composer(self->performer), work_ns, err);
+    return recording_add(&self->recording, self->performer, work_ns, err);
 }
 
 static mrt_result on_step(void *data, const sample_step *s, error *err)
@@ -458,6 +458,8 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
     exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
                                  .max_targets = self->options->max_targets,
                                  .is_bare = self->options->is_bare,
+                                 .mm_per_unit = self->options->export_mm_per_unit,
+                                 .is_by_part = self->options->is_by_part,
                                  .title = title,
                                  .made_from = making,
                                  .width = look->is_sized ? look->width : 0,
@@ -567,6 +569,8 @@ const command command_perform = {
         "  --bare             in glTF the mesh alone; else a face from a .glb, .gltf or .vrm is "
         "that\n"
         "                     file, with the performance added\n"
+        "  --export-unit mm|cm|m|MM   of .pc2 .mdd .usda (mm) and .bvh (cm)\n"
+        "  --by-part          .pc2 and .mdd for each part of the mesh: NAME.1.PART.pc2\n"
         "  --json             the facts for machines\n"
         "\n"
         "Plugins and their parameters: marotte plugin list --params\n",

@@ -24,6 +24,8 @@ enum {
     OPTION_TOLERANCE,
     OPTION_MAX_TARGETS,
     OPTION_BARE,
+    OPTION_EXPORT_UNIT,
+    OPTION_BY_PART,
     OPTION_HAND_LENGTH,
     OPTION_CALIBRATION,
     OPTION_REZERO_PEDAL,
@@ -54,6 +56,8 @@ static const struct option option_table[] = {
     {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
     {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
     {"bare", no_argument, NULL, OPTION_BARE},
+    {"export-unit", required_argument, NULL, OPTION_EXPORT_UNIT},
+    {"by-part", no_argument, NULL, OPTION_BY_PART},
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
     {"calibration", required_argument, NULL, OPTION_CALIBRATION},
     {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
@@ -103,11 +107,12 @@ static int add_export(perform_options *out, const command *self, const char *pat
     return COMMAND_DONE;
 }
 
-static int read_unit(perform_options *out, const command *self, const char *text)
+static int read_unit(double *out_mm, const command *self, const char *option, const char *text)
 {
-    return mesh_unit_parse(&out->frame.mm_per_unit, text)
+    return mesh_unit_parse(out_mm, text)
                ? COMMAND_DONE
-               : command_usage(self, "--unit \"%s\" is not mm, cm, m or a number of mm", text);
+               : command_usage(self, "--%s \"%s\" is not mm, cm, m or a number of mm", option,
+                               text);
 }
 
 static int read_axis(const command *self, const char *option, const char *text, mesh_axis *out)
@@ -213,7 +218,7 @@ static int read_option(void *data, const command *self, int option, const char *
     case OPTION_FACE:
         return set_face(out, self, text);
     case OPTION_UNIT:
-        return read_unit(out, self, text);
+        return read_unit(&out->frame.mm_per_unit, self, "unit", text);
     case OPTION_UP:
         return read_axis(self, "up", text, &out->frame.up);
     case OPTION_FORWARD:
@@ -243,6 +248,11 @@ static int read_option(void *data, const command *self, int option, const char *
         return code;
     case OPTION_BARE:
         out->is_bare = true;
+        return COMMAND_DONE;
+    case OPTION_EXPORT_UNIT:
+        return read_unit(&out->export_mm_per_unit, self, "export-unit", text);
+    case OPTION_BY_PART:
+        out->is_by_part = true;
         return COMMAND_DONE;
     case OPTION_CALIBRATION:
         return add_calibration(out, self, text);

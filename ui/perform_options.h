@@ -28,7 +28,9 @@ typedef struct perform_options {
     const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
     uint32_t calibration_count, rezero_pedal;
     uint32_t max_targets;
-    bool is_bare;             /* glTF exports have the mesh alone */
+    bool is_bare;    /* glTF exports have the mesh alone */
+    bool is_by_part; /* exports_settings */
+    double export_mm_per_unit;
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */

@@ -344,8 +344,46 @@ static void measure_motion(recording *self, const face *f)
     self->furthest_mm = fmax(self->furthest_mm, sqrt((double)furthest));
 }
 
-static mrt_result keep_frame(recording *self, composer *from, const face_columns *now, error *err)
+/* The hand of that side that is seen above all others; NULL: none. */
+static const mrt_hand *hand_seen(performer *from, uint32_t side)
 {
+    const mrt_hand *best = NULL;
+    const performer_voice *above = NULL;
+    for (uint32_t i = 0; i < PERFORMER_VOICES_MAX; ++i) {
+        const performer_voice *voice = performer_voice_of(from, i);
+        const mrt_hand *hand = voice->layer ? &layer_frame(voice->layer)->hand[side] : NULL;
+        if (!hand || !voice->is_seen || !(voice->weight > 0.0) || !hand->present)
+            continue;
+        if (above && (voice->lane < above->lane ||
+                      (voice->lane == above->lane && voice->rank < above->rank)))
+            continue;
+        above = voice;
+        best = hand;
+    }
+    return best;
+}
+
+static mrt_result add_hands(recording *self, performer *from, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
+        const mrt_hand *hand = hand_seen(from, side);
+        double joint[MRT_JOINTS * 3];
+        for (size_t i = 0; hand && i < MRT_JOINTS; ++i) {
+            joint[i * 3] = (double)hand->joint[i].x;
+            joint[i * 3 + 1] = (double)hand->joint[i].y;
+            joint[i * 3 + 2] = (double)hand->joint[i].z;
+        }
+        if (hand)
+            result = clip_add_hand(self->clip, side, joint, err);
+    }
+    return result;
+}
+
+static mrt_result keep_frame(recording *self, performer *performed, const face_columns *now,
+                             error *err)
+{
+    composer *from = performer_composer(performed);
     const face *f = composer_face(from);
     bool is_anchored = composer_is_anchored(from), is_exact = is_anchored && now->is_exact;
     mrt_result result = self->has_curves ? MRT_OK : add_curves(self, f, err);
@@ -358,7 +396,9 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
         result = is_exact ? add_anchored(self, now, err) : add_free(self, f, err);
     if (result >= 0)
         result = add_named(self, from, now, err);
-    return result < 0 ? result : add_controls(self, composer_pull(from), err);
+    if (result >= 0)
+        result = add_controls(self, composer_pull(from), err);
+    return result < 0 ? result : add_hands(self, performed, err);
 }
 
 /* The composer counts since its face was there: what is told last is the whole. */
@@ -368,8 +408,9 @@ static void meter_steps(recording *self, const composer_counts *counts)
     self->min_step_determinant = counts->min_determinant;
 }
 
-mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err)
+mrt_result recording_add(recording *self, performer *performed, int64_t work_ns, error *err)
 {
+    composer *from = performer_composer(performed);
     const face *f = composer_face(from);
     bool is_anchored = composer_is_anchored(from);
     mrt_result result = keep_work(self, work_ns, err);
@@ -383,7 +424,7 @@ mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error
         meter_folds(self, f);
     if (is_anchored && !now.is_exact)
         self->inexact_frames += 1;
-    return self->clip ? keep_frame(self, from, &now, err) : MRT_OK;
+    return self->clip ? keep_frame(self, performed, &now, err) : MRT_OK;
 }
 
 static int by_size(const void *a, const void *b)

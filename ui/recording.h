@@ -5,7 +5,7 @@
 #define MAROTTE_UI_RECORDING_H
 #include "facts.h"
 #include "io/clip.h"
-#include "stage/perform/composer.h"
+#include "stage/perform/performer.h"
 
 typedef enum recording_use {
     RECORDING_KEEPS = 0,
@@ -47,8 +47,10 @@ CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps, r
                                     error *err);
 void recording_destroy(recording *self);
 
-/* Takes the face shown as the next frame. */
-CHECKED mrt_result recording_add(recording *self, composer *from, int64_t work_ns, error *err);
+/* Takes the face shown as the next frame, and the hands that perform it: of each side the uppermost
+ * that is seen. */
+CHECKED mrt_result recording_add(recording *self, performer *performed, int64_t work_ns,
+                                 error *err);
 
 /* How far the face moved, whether it folded or tore, and what was held back so that it did not. */
 void recording_tell_surface(const recording *self, facts *told);

@@ -59,6 +59,8 @@ static const struct {
     [TAKE_TOLERANCE] = {"tolerance", true},
     [TAKE_MAX_TARGETS] = {"max-targets", true},
     [TAKE_BARE] = {"bare", false},
+    [TAKE_UNIT] = {"unit", true},
+    [TAKE_BY_PART] = {"by-part", false},
     [TAKE_CSV] = {"csv", true},
     [TAKE_TRACK] = {"track", true},
     [TAKE_HASH_OPTION] = {"hash", false},
@@ -532,13 +534,15 @@ static const take_verb play_verbs[] = {
      "  --in T, --out T   a range of it\n"
      "  --face FILE    on this face (that which it was performed on)\n"
      "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"
+     "  --unit mm|cm|m|MM   of .pc2 .mdd .usda .bvh; --by-part: .pc2 .mdd as NAME.1.PART.pc2\n"
      "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
      "                 of .mp4, pictures and sheets, as in marotte perform\n",
      "frames, pictures and sound for other programs",
      TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
-         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_SIZE) |
-         TAKE_BIT(TAKE_VIEW) | TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
+         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_UNIT) |
+         TAKE_BIT(TAKE_BY_PART) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
+         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"

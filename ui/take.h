@@ -49,6 +49,8 @@ typedef enum take_option {
     TAKE_TOLERANCE,
     TAKE_MAX_TARGETS,
     TAKE_BARE,
+    TAKE_UNIT,
+    TAKE_BY_PART,
     TAKE_CSV,
     TAKE_TRACK,
     TAKE_HASH_OPTION,

@@ -48,9 +48,9 @@ typedef struct kept { /* of each frame */
 static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
     kept *self = data;
-    composer *shown = performer_composer(sequencer_performer(from->sequencer));
+    performer *shown = sequencer_performer(from->sequencer);
     self->frame_count += 1;
-    mrt_result result = exports_video_add(self->videos, shown, err);
+    mrt_result result = exports_video_add(self->videos, performer_composer(shown), err);
     return result < 0 ? result : recording_add(&self->measured, shown, 0, err);
 }
 
@@ -90,6 +90,10 @@ static mrt_result read_settings(take_call *call, exports_settings *out, error *e
         result = take_number(call, TAKE_MAX_TARGETS, 1, 10000, &targets, err);
     out->max_targets = (uint32_t)targets;
     out->is_bare = call->text[TAKE_BARE] != NULL;
+    out->is_by_part = call->text[TAKE_BY_PART] != NULL;
+    const char *unit = call->text[TAKE_UNIT];
+    if (result >= 0 && unit && !mesh_unit_parse(&out->mm_per_unit, unit))
+        return take_misused(call, err, "--unit \"%s\" is not mm, cm, m or a number of mm", unit);
     return result;
 }
 

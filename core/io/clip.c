@@ -17,6 +17,8 @@ typedef struct clip_frame {
     int32_t pull_segment;             /* -1: nothing is pulled */
     size_t first_value, first_pulled; /* index into clip.number */
     bool has_values;
+    size_t first_joint[2]; /* of its hands, left and right, index into clip.number */
+    bool has_hand[2];
     uint64_t free_index; /* of a free frame, in the temporary file */
 } clip_frame;
 
@@ -450,6 +452,21 @@ mrt_result clip_add_named(clip *c, const double *value, const double *pulled, er
     return MRT_OK;
 }
 
+mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, error *err)
+{
+    if (c->frame_count == 0 || side > MRT_RIGHT)
+        return error_set(err, MRT_ERR_ARGUMENT, "a hand needs a frame and a side");
+    mrt_result result = check_numbers(c, joint, MRT_JOINTS, 3, "joint of a hand,", err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, (size_t)MRT_JOINTS * 3, err);
+    if (result < 0)
+        return result;
+    clip_frame *frame = &c->frame[c->frame_count - 1];
+    frame->first_joint[side] = push_numbers(c, joint, (size_t)MRT_JOINTS * 3);
+    frame->has_hand[side] = true;
+    return MRT_OK;
+}
+
 const mesh *clip_mesh(const clip *c)
 {
     return c->mesh;
@@ -504,6 +521,13 @@ const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count)
     const clip_frame *f = &c->frame[frame];
     *out_count = f->control_count;
     return f->control_count ? c->number + f->first_control : NULL;
+}
+
+const double *clip_hand(const clip *c, uint32_t frame, uint32_t side)
+{
+    assert(frame < c->frame_count && side <= MRT_RIGHT);
+    const clip_frame *f = &c->frame[frame];
+    return f->has_hand[side] ? c->number + f->first_joint[side] : NULL;
 }
 
 mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err)

@@ -61,6 +61,8 @@ CHECKED mrt_result clip_add_free(clip *c, const float *position, error *err);
 /* The control vectors of the frame that was added last, for the text export: count by 6, mm: start
  * and end. */
 CHECKED mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err);
+/* A hand of the frame that was added last. joint: MRT_JOINTS by 3, mm, as mrt_hand's. */
+CHECKED mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, error *err);
 
 /* Of the frame that was added last. value: one for each curve, NaN: it says nothing, as 0. pulled:
  * pull_count by 3 of the newest segment, mm; NULL: nothing is pulled. */
@@ -79,6 +81,8 @@ int32_t clip_frame_segment(const clip *c, uint32_t frame);
 const double *clip_vector(const clip *c, uint32_t frame);
 /* The control vectors of a frame (count by 6), NULL and 0 without any; until the clip changes. */
 const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count);
+/* The joints of a hand in a frame (MRT_JOINTS by 3), NULL where it was not there; likewise. */
+const double *clip_hand(const clip *c, uint32_t frame, uint32_t side);
 /* Positions of any frame, vertex_count by 3. */
 CHECKED mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err);
 

@@ -59,12 +59,36 @@ CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_option
 /* A mesh alone, with its parts, materials, attributes and targets. */
 CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
 
-/* Vertex caches, mm, +y up, every frame; a clip without frames is refused. PC2 begins at the frame
- * that clip_start_of says; MDD's times count from its first frame. */
-CHECKED mrt_result pc2_write(const char *path, const clip *c, const export_progress *progress,
-                             error *err);
-CHECKED mrt_result mdd_write(const char *path, const clip *c, const export_progress *progress,
-                             error *err);
+typedef struct cache_options {
+    double mm_per_unit;              /* of what is written; 0: 1 */
+    uint32_t first_part, part_count; /* the vertices that triangles of these parts of the mesh use,
+                                        in the file's order; 0 parts: all vertices */
+} cache_options;
+/* Vertex caches, +y up, every frame; a clip without frames is refused. PC2 begins at the frame
+ * that clip_start_of says; MDD's times count from its first frame. options: NULL: all, mm. */
+CHECKED mrt_result pc2_write(const char *path, const clip *c, const cache_options *options,
+                             const export_progress *progress, error *err);
+CHECKED mrt_result mdd_write(const char *path, const clip *c, const cache_options *options,
+                             const export_progress *progress, error *err);
+
+/* .usda, the text form of OpenUSD; +y up, metersPerUnit as mm_per_unit says, a time code per frame
+ * from 0. /Face/Mesh with a GeomSubset for each part and a plain material for each (no pictures).
+ * Names are made identifiers, what they were is displayName.
+ * usd_write: UsdSkel: gltf_write's targets as blend shapes that list the points they move, their
+ * weights in a SkelAnimation, and a skeleton of one joint that stays. options: tolerance_mm and
+ * max_targets. usd_write_points: the points of each frame; no normals. */
+CHECKED mrt_result usd_write(const char *path, const clip *c, const gltf_options *options,
+                             double mm_per_unit, const export_progress *progress,
+                             gltf_report *out_report, error *err);
+CHECKED mrt_result usd_write_points(const char *path, const clip *c, double mm_per_unit,
+                                    const export_progress *progress, error *err);
+
+/* .bvh: the hands that were there, MRT_JOINTS each, in the hand frame of plugin.h: +y out of the
+ * back of the hand, +z along the fingers. One root, "Hands", at the origin; then "LeftHand" and
+ * "RightHand" with the bones' names of VRM. A wrist that nothing tracks stands 120 mm from the
+ * root, the left one at +x. A hand that is gone is held. Refused where no hand ever was there. */
+CHECKED mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
+                             const export_progress *progress, error *err);
 /* The controls as text, one row per frame and control, mm:
  * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
  * (mode: anchored or free; frame from 0; segment and control from 1, as in the glTF names; a free

@@ -10,6 +10,11 @@
     X(MP4, ".mp4", "Video (.mp4)", "H.264, by the program ffmpeg; sound and time code",            \
       "the mesh")                                                                                  \
     X(FOLDER, "/", "Pictures, a folder of PNG", "a folder: pictures 00001.png and on", "sound")    \
+    X(USD_POINTS, ".points.usda", "USD, points (.points.usda)",                                    \
+      "the mesh, and every vertex at every frame", "shapes to edit; it is large")                  \
+    X(USD, ".usda", "USD, blend shapes (.usda)",                                                   \
+      "the mesh, blend shapes, their animation (UsdSkel)", "pictures, the file's bones")           \
+    X(BVH, ".bvh", "Hands (.bvh)", "the hands, 21 joints each, cm", "the face")                    \
     X(PC2, ".pc2", "Point cache 2 (.pc2)", "every vertex at every frame",                          \
       "the mesh, frames a second")                                                                 \
     X(MDD, ".mdd", "Motion Designer (.mdd)", "every vertex at every frame, and its time",          \

@@ -100,6 +100,11 @@ perform "$moai" "log:$demo" anchored
 refused 1 "$scratch/none" "${command_line[@]}" --export "$scratch/none/b.glb"
 mkdir -p "$scratch/folder.glb"
 refused 1 "is a directory" "${command_line[@]}" --export "$scratch/folder.glb"
+mkdir -p "$scratch/folder.usda" "$scratch/folder.bvh" "$scratch/folder.points.usda"
+for ending in usda points.usda bvh; do
+    refused 1 "is a directory" "${command_line[@]}" --export "$scratch/folder.$ending"
+    refused 1 "$scratch/none" "${command_line[@]}" --export "$scratch/none/b.$ending"
+done
 perform "$moai" "log:$demo,end=1" anchored
 if [ -w /dev/full ]; then
     "$MAROTTE" plugin list >/dev/full 2>"$scratch/stderr"
@@ -124,6 +129,9 @@ full_disk 2 a.glb unanchored
 full_disk 2 a.png anchored
 full_disk 400 a.glb anchored
 full_disk 400 a.pc2 anchored
+full_disk 400 a.usda anchored
+full_disk 400 a.points.usda unanchored
+full_disk 2 a.bvh anchored
 full_disk 400 a.mdd anchored
 grep -qF "$scratch/out/a.mdd" "$scratch/stderr" || fail "not the export failed: $(cat "$scratch/stderr")"
 

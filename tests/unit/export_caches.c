@@ -88,7 +88,7 @@ static void pc2_holds_every_frame(void **state)
     size_t size;
     mesh m = scene_sheet(6);
     clip *c = mixed_clip(&m);
-    assert_int_equal(pc2_write(path, c, NULL, &err), MRT_OK);
+    assert_int_equal(pc2_write(path, c, NULL, NULL, &err), MRT_OK);
     unsigned char *bytes = read_back(&size);
     assert_int_equal(size, 32 + 7 * m.vertex_count * 12);
     assert_memory_equal(bytes, "POINTCACHE2\0", 12);
@@ -110,7 +110,7 @@ static void mdd_holds_every_frame(void **state)
     size_t size;
     mesh m = scene_sheet(6);
     clip *c = mixed_clip(&m);
-    assert_int_equal(mdd_write(path, c, NULL, &err), MRT_OK);
+    assert_int_equal(mdd_write(path, c, NULL, NULL, &err), MRT_OK);
     unsigned char *bytes = read_back(&size);
     assert_int_equal(size, 8 + 7 * 4 + 7 * m.vertex_count * 12);
     assert_int_equal(big(bytes), 7);
@@ -181,8 +181,8 @@ static void caches_without_frames_are_refused(void **state)
     mesh m = scene_sheet(4);
     (void)unlink(path);
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    assert_int_equal(pc2_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
-    assert_int_equal(mdd_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
+    assert_int_equal(pc2_write(path, c, NULL, NULL, &err), MRT_ERR_ARGUMENT);
+    assert_int_equal(mdd_write(path, c, NULL, NULL, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "no frames"));
     assert_int_equal(access(path, F_OK), -1);
     clip_destroy(c);
@@ -199,8 +199,8 @@ static void caches_refuse_shapes_that_are_not_finite(void **state)
     scene_begin_segment(c, m.position, &err);
     double displacement[SCENE_CONTROLS * 3] = {1e300, 1e300, 1e300, 1e300};
     assert_int_equal(clip_add_anchored(c, displacement, &err), MRT_OK);
-    assert_int_equal(pc2_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
-    assert_int_equal(mdd_write(path, c, NULL, &err), MRT_ERR_ARGUMENT);
+    assert_int_equal(pc2_write(path, c, NULL, NULL, &err), MRT_ERR_ARGUMENT);
+    assert_int_equal(mdd_write(path, c, NULL, NULL, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "frame 0"));
     assert_memory_equal(err.text, path, strlen(path));
     assert_int_equal(access(path, F_OK), -1);

@@ -26,12 +26,12 @@ static mrt_result write_gltf_mesh(const char *path, const clip *c, error *err)
 
 static mrt_result write_pc2(const char *path, const clip *c, error *err)
 {
-    return pc2_write(path, c, NULL, err);
+    return pc2_write(path, c, NULL, NULL, err);
 }
 
 static mrt_result write_mdd(const char *path, const clip *c, error *err)
 {
-    return mdd_write(path, c, NULL, err);
+    return mdd_write(path, c, NULL, NULL, err);
 }
 
 static mrt_result write_csv(const char *path, const clip *c, error *err)

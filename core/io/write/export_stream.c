@@ -43,12 +43,45 @@ static mrt_result check_finite(const float *position, size_t count, uint32_t fra
     return MRT_OK;
 }
 
-mrt_result export_put_frames(file_writer *writer, const clip *c, export_order order,
-                             const export_progress *progress, error *err)
+mrt_result export_points_choose(export_points *out, const clip *c, const cache_options *options,
+                                error *err)
+{
+    const mesh *m = clip_mesh(c);
+    const cache_options chosen = options ? *options : (cache_options){0};
+    *out = (export_points){.per_mm = 1.0};
+    if (chosen.mm_per_unit > 0.0)
+        out->per_mm = 1.0 / chosen.mm_per_unit;
+    uint8_t *is_used = calloc((size_t)m->vertex_count + 1, 1);
+    out->vertex = calloc((size_t)m->vertex_count + 1, sizeof *out->vertex);
+    if (!is_used || !out->vertex) {
+        free(is_used);
+        export_points_finish(out);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a list of the vertices");
+    }
+    for (uint32_t i = 0; i < chosen.part_count; ++i) {
+        const mesh_part *part = &m->part[chosen.first_part + i];
+        for (size_t k = 0; k < (size_t)part->triangle_count * 3; ++k)
+            is_used[m->triangle[(size_t)part->first_triangle * 3 + k]] = 1;
+    }
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        if (chosen.part_count == 0 || is_used[v])
+            out->vertex[out->count++] = v;
+    free(is_used);
+    return MRT_OK;
+}
+
+void export_points_finish(export_points *points)
+{
+    free(points->vertex);
+    *points = (export_points){0};
+}
+
+mrt_result export_put_frames(file_writer *writer, const clip *c, const export_points *points,
+                             export_order order, const export_progress *progress, error *err)
 {
     size_t count = (size_t)clip_mesh(c)->vertex_count * 3;
     float *position = malloc(count * sizeof *position);
-    uint8_t *packed = malloc(count * 4);
+    uint8_t *packed = malloc((size_t)points->count * 12 + 1);
     mrt_result result = MRT_OK;
     if (!position || !packed)
         result = error_set(err, MRT_ERR_MEMORY, "%s: no memory for a frame", writer->path);
@@ -61,9 +94,12 @@ mrt_result export_put_frames(file_writer *writer, const clip *c, export_order or
             break;
         }
         uint8_t *out = packed;
-        for (size_t i = 0; i < count; ++i)
-            out = export_pack_float(out, position[i], order);
-        result = export_put(writer, packed, count * 4, err);
+        for (size_t i = 0; i < points->count; ++i)
+            for (size_t axis = 0; axis < 3; ++axis) {
+                double at = (double)position[(size_t)points->vertex[i] * 3 + axis];
+                out = export_pack_float(out, (float)(at * points->per_mm), order);
+            }
+        result = export_put(writer, packed, (size_t)points->count * 12, err);
         export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));
     }
     free(position);

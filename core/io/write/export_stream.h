@@ -16,8 +16,17 @@ uint8_t *export_pack_u32(uint8_t *out, uint32_t value, export_order order);
 uint8_t *export_pack_float(uint8_t *out, float value, export_order order);
 
 CHECKED mrt_result export_put(file_writer *writer, const void *data, size_t size, error *err);
-/* The positions of all frames, x y z per vertex; non-finite ones are an error. */
-CHECKED mrt_result export_put_frames(file_writer *writer, const clip *c, export_order order,
+typedef struct export_points { /* which vertices, and in what unit */
+    uint32_t *vertex;          /* count, ascending */
+    uint32_t count;
+    double per_mm;
+} export_points;
+CHECKED mrt_result export_points_choose(export_points *out, const clip *c,
+                                        const cache_options *options, error *err);
+void export_points_finish(export_points *points); /* accepts zeroed */
+/* Their positions in all frames, x y z per vertex; non-finite ones are an error. */
+CHECKED mrt_result export_put_frames(file_writer *writer, const clip *c,
+                                     const export_points *points, export_order order,
                                      const export_progress *progress, error *err);
 
 /* Refuses a clip without frames, or with more frames or vertices than an int32 can count. */

@@ -13,14 +13,18 @@ static mrt_result put_times(file_writer *writer, const clip *c, error *err)
 
 /* MDD, big-endian: int32 frames, int32 vertices, float32 time in s per frame, then float32 x y z.
  */
-mrt_result mdd_write(const char *path, const clip *c, const export_progress *progress, error *err)
+mrt_result mdd_write(const char *path, const clip *c, const cache_options *options,
+                     const export_progress *progress, error *err)
 {
+    export_points points = {0};
     mrt_result result = export_check_cache(c, path, err);
+    if (result == MRT_OK)
+        result = export_points_choose(&points, c, options, err);
     if (result < 0)
         return result;
     uint8_t numbers[8], *out = numbers;
     out = export_pack_u32(out, clip_frame_count(c), EXPORT_BIG_ENDIAN);
-    (void)export_pack_u32(out, clip_mesh(c)->vertex_count, EXPORT_BIG_ENDIAN);
+    (void)export_pack_u32(out, points.count, EXPORT_BIG_ENDIAN);
     file_writer writer;
     result = file_writer_open(&writer, path, err);
     if (result == MRT_OK)
@@ -28,8 +32,9 @@ mrt_result mdd_write(const char *path, const clip *c, const export_progress *pro
     if (result == MRT_OK)
         result = put_times(&writer, c, err);
     if (result == MRT_OK)
-        result = export_put_frames(&writer, c, EXPORT_BIG_ENDIAN, progress, err);
+        result = export_put_frames(&writer, c, &points, EXPORT_BIG_ENDIAN, progress, err);
     if (result == MRT_OK)
         result = file_writer_commit(&writer, err);
+    export_points_finish(&points);
     return result;
 }
