@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "io/curves.h"
 #include "take/sound_file.h"
 
 #include <errno.h>
@@ -140,7 +141,7 @@ static void on_export(void *data, double done)
 static void tell_targets(const gltf_report *report, const clip *frames, const char *prefix,
                          facts *told)
 {
-    const bool is_named = clip_curve_count(frames) > 0;
+    const bool is_named = clip_is_named(frames);
     const struct {
         const char *name, *label;
         double value;

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "exports.h"
 #include "facts.h"
+#include "perform_curves.h"
 #include "perform_options.h"
 #include "perform_session.h"
 #include "recording.h"
@@ -483,6 +484,19 @@ static mrt_result add_sound(performance *self, error *err)
     return result;
 }
 
+/* --curves: no hands. */
+static int run_curves(perform_options *options, facts *told)
+{
+    error err = {""};
+    mrt_result result = perform_curves(options, told, &err);
+    if (result >= 0)
+        facts_finish(told);
+    else
+        facts_abandon(told);
+    perform_options_finish(options);
+    return result < 0 ? command_failed(&command_perform, &err) : COMMAND_DONE;
+}
+
 static int run(int argc, char **argv)
 {
     perform_options options;
@@ -493,7 +507,11 @@ static int run(int argc, char **argv)
     error err = {""};
     cancel_on_signals(CANCEL_WAITS, NULL);
     facts *told = facts_create(options.is_json);
-    mrt_result result = told ? prepare(&self, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
+    mrt_result result = told ? MRT_OK : error_set(&err, MRT_ERR_MEMORY, "no memory");
+    if (result >= 0 && options.curves)
+        return run_curves(&options, told);
+    if (result >= 0)
+        result = prepare(&self, &err);
     if (result >= 0)
         result = perform(&self, &err);
     if (result >= 0)
@@ -547,6 +565,9 @@ const command command_perform = {
         "  --record SHOW      keeps the hands as a take of this show, which is made if it is not\n"
         "                     there (marotte take); --scene and --shot: of its slate\n"
         "  --sound            records the microphone with it\n"
+        "  --curves FILE.csv  in place of --input and --map: a table as --export FILE.csv writes "
+        "it,\n"
+        "                     changed or not; a row for each frame, columns by name (jaw.open)\n"
         "  --export FILE      may be given many times; by the end of its name:\n" EXPORTS_HELP
         "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
         "  --view front|side|three-quarter   from where the face is seen\n"

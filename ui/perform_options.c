@@ -14,6 +14,7 @@ enum {
     OPTION_FORWARD,
     OPTION_INPUT,
     OPTION_MAP,
+    OPTION_CURVES,
     OPTION_EXPORT,
     OPTION_FPS,
     OPTION_SECONDS,
@@ -46,6 +47,7 @@ static const struct option option_table[] = {
     {"forward", required_argument, NULL, OPTION_FORWARD},
     {"input", required_argument, NULL, OPTION_INPUT},
     {"map", required_argument, NULL, OPTION_MAP},
+    {"curves", required_argument, NULL, OPTION_CURVES},
     {"export", required_argument, NULL, OPTION_EXPORT},
     {"fps", required_argument, NULL, OPTION_FPS},
     {"seconds", required_argument, NULL, OPTION_SECONDS},
@@ -227,6 +229,9 @@ static int read_option(void *data, const command *self, int option, const char *
         return add_input(out, self, text);
     case OPTION_MAP:
         return set_map(out, self, text);
+    case OPTION_CURVES:
+        out->curves = text;
+        return COMMAND_DONE;
     case OPTION_EXPORT:
         return add_export(out, self, text);
     case OPTION_FPS:
@@ -288,14 +293,20 @@ static int read_option(void *data, const command *self, int option, const char *
 
 int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
 {
-    *out = (perform_options){.fps = 30.0, .scene = "", .shot = "", .look = video_look_usual()};
+    *out = (perform_options){.scene = "", .shot = "", .look = video_look_usual()};
     int code = command_options(self, argc, argv, option_table, read_option, out);
     if (code == COMMAND_DONE && !out->face)
         code = command_usage(self, "--face is missing");
-    if (code == COMMAND_DONE && out->input_count == 0)
+    if (code == COMMAND_DONE && out->curves &&
+        (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime))
+        code = command_usage(self, "--curves stands in place of --input and --map; it is neither "
+                                   "recorded nor performed in real time");
+    if (code == COMMAND_DONE && out->input_count == 0 && !out->curves)
         code = command_usage(self, "--input is missing");
-    if (code == COMMAND_DONE && !out->map.plugin)
+    if (code == COMMAND_DONE && !out->map.plugin && !out->curves)
         code = command_usage(self, "--map is missing");
+    if (code == COMMAND_DONE && !out->curves && !(out->fps > 0.0))
+        out->fps = 30.0;
     if (code == COMMAND_DONE && out->record && (out->frame.up || out->frame.forward))
         code =
             command_usage(self, "--up and --forward are kept in a rig, not in a show: marotte rig "

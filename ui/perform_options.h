@@ -21,6 +21,7 @@ typedef struct perform_options {
     plugin_spec input[PERFORM_INPUTS_MAX];
     uint32_t input_count;
     plugin_spec map;
+    const char *curves; /* a table to perform in place of hands; NULL: none */
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;
     video_look look; /* of the videos among them */

@@ -171,7 +171,13 @@ static mrt_result add_contact_curves(recording *self, const mrt_contact *contact
     return result;
 }
 
-/* The degrees of freedom, then the contacts: what a rig has. */
+/* How the face is held: of the engagement and the field, as numbers. */
+static const char *const solver_curve[] = {"solver.anchor",     "solver.commit",
+                                           "solver.radius",     "solver.kernel",
+                                           "solver.polynomial", "solver.stretch_most"};
+enum { SOLVER_CURVES = sizeof solver_curve / sizeof *solver_curve };
+
+/* The degrees of freedom, the contacts, then the solver. */
 static mrt_result add_curves(recording *self, const face *f, error *err)
 {
     uint32_t contact_count;
@@ -181,11 +187,23 @@ static mrt_result add_curves(recording *self, const face *f, error *err)
         result = add_dof_curve(self, f, i, err);
     for (uint32_t i = 0; i < contact_count && result >= 0; ++i)
         result = add_contact_curves(self, &contact[i], err);
+    for (size_t i = 0; i < SOLVER_CURVES && result >= 0; ++i) {
+        char name[32], unit[] = "";
+        (void)snprintf(name, sizeof name, "%s", solver_curve[i]);
+        result = clip_add_curve(self->clip, &(clip_curve){.name = name, .unit = unit}, err);
+    }
     self->value = calloc((size_t)clip_curve_count(self->clip) + 1, sizeof *self->value);
     if (result >= 0 && !self->value)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the curves of the performance");
     self->has_curves = true;
     return result;
+}
+
+static bool has_rig(const face *f)
+{
+    uint32_t contact_count;
+    (void)face_contacts(f, &contact_count);
+    return face_bones(f)->dof_count + contact_count > 0;
 }
 
 /* The controls of the segment: what each moves is the sum of its columns, and how far it is pulled
@@ -228,30 +246,49 @@ static mrt_result set_pulls(recording *self, const face *f, uint32_t column_coun
     return MRT_OK;
 }
 
-/* The named part of the frame that was added last. */
+static void put_solver(double *out, composer *from)
+{
+    const csrbf_settings settings = face_settings(composer_face(from));
+    out[0] = composer_pull(from)->anchor;
+    out[1] = composer_pull(from)->commit;
+    out[2] = settings.radius;
+    out[3] = settings.kernel;
+    out[4] = settings.polynomial;
+    out[5] = settings.stretch_most;
+}
+
+static void put_vec3(double *out, vec3 at)
+{
+    out[0] = at.x;
+    out[1] = at.y;
+    out[2] = at.z;
+}
+
+/* What the curves say in the frame that was added last, and its free points. */
 static mrt_result add_named(recording *self, composer *from, const face_columns *now, error *err)
 {
     const face *f = composer_face(from);
     composer_asked asked[MRT_MAX_VECTORS];
+    double free_point[MRT_MAX_VECTORS * 6], *value = self->value;
     uint32_t asked_count = composer_asks(from, asked), dof_count = face_bones(f)->dof_count;
-    uint32_t count = clip_curve_count(self->clip);
-    if (count == 0)
-        return MRT_OK;
+    uint32_t count = clip_curve_count(self->clip), free_count = 0;
     for (uint32_t i = 0; i < count; ++i)
-        self->value[i] = i < dof_count ? (double)face_metered(f)->dof[i] : (double)NAN;
+        value[i] = i < dof_count ? (double)face_metered(f)->dof[i] : (double)NAN;
     for (uint32_t k = 0; k < asked_count; ++k) {
-        double *way = self->value + dof_count + 3 * (asked[k].control.contact - 1);
-        if (asked[k].control.contact == 0)
+        if (asked[k].contact > 0) {
+            put_vec3(value + dof_count + 3 * (asked[k].contact - 1), asked[k].way);
             continue;
-        way[0] = asked[k].way.x;
-        way[1] = asked[k].way.y;
-        way[2] = asked[k].way.z;
+        }
+        put_vec3(free_point + 6 * free_count, asked[k].start);
+        put_vec3(free_point + 6 * free_count++ + 3, asked[k].end);
     }
+    if (asked_count > 0)
+        put_solver(value + count - SOLVER_CURVES, from);
     for (uint32_t k = 0; k < self->pull_count; ++k)
-        for (uint32_t axis = 0; axis < 3; ++axis)
-            self->vector[3 * k + axis] = now->weight[3 * self->main[k] + axis];
+        memcpy(self->vector + 3 * k, now->weight + 3 * self->main[k], 3 * sizeof *self->vector);
     bool is_pulled = composer_is_anchored(from) && self->pull_count > 0;
-    return clip_add_named(self->clip, self->value, is_pulled ? self->vector : NULL, err);
+    mrt_result result = clip_add_named(self->clip, value, is_pulled ? self->vector : NULL, err);
+    return result < 0 ? result : clip_add_controls(self->clip, free_point, free_count, err);
 }
 
 /* ---- frames ---- */
@@ -271,7 +308,7 @@ static mrt_result begin_segment(recording *self, const face *f, const face_colum
         face_column_name(f, k, self->name[k]);
         self->names[k] = self->name[k];
     }
-    if (clip_curve_count(self->clip) > 0)
+    if (has_rig(f))
         result = set_pulls(self, f, now->count, err);
     for (uint32_t k = 0; k < now->count; ++k)
         self->scale[k] = normalise_column(self->column + (size_t)k * order->count, order->count);
@@ -318,19 +355,6 @@ static mrt_result add_free(recording *self, const face *f, error *err)
 {
     points_to_rows(self->rows, face_shown(f), face_order(f));
     return clip_add_free(self->clip, self->rows, err);
-}
-
-/* The control vectors of the frame, for the text export. */
-static mrt_result add_controls(recording *self, const mrt_pull *pull, error *err)
-{
-    double ends[MRT_MAX_VECTORS * 6];
-    for (uint32_t i = 0; i < pull->count; ++i) {
-        const mrt_vector *v = &pull->vector[i];
-        const float row[6] = {v->start.x, v->start.y, v->start.z, v->end.x, v->end.y, v->end.z};
-        for (int k = 0; k < 6; ++k)
-            ends[6 * i + (uint32_t)k] = (double)row[k];
-    }
-    return clip_add_controls(self->clip, ends, pull->count, err);
 }
 
 static void measure_motion(recording *self, const face *f)
@@ -380,10 +404,8 @@ static mrt_result add_hands(recording *self, performer *from, error *err)
     return result;
 }
 
-static mrt_result keep_frame(recording *self, performer *performed, const face_columns *now,
-                             error *err)
+static mrt_result keep_frame(recording *self, composer *from, const face_columns *now, error *err)
 {
-    composer *from = performer_composer(performed);
     const face *f = composer_face(from);
     bool is_anchored = composer_is_anchored(from), is_exact = is_anchored && now->is_exact;
     mrt_result result = self->has_curves ? MRT_OK : add_curves(self, f, err);
@@ -394,11 +416,7 @@ static mrt_result keep_frame(recording *self, performer *performed, const face_c
     }
     if (result >= 0)
         result = is_exact ? add_anchored(self, now, err) : add_free(self, f, err);
-    if (result >= 0)
-        result = add_named(self, from, now, err);
-    if (result >= 0)
-        result = add_controls(self, composer_pull(from), err);
-    return result < 0 ? result : add_hands(self, performed, err);
+    return result < 0 ? result : add_named(self, from, now, err);
 }
 
 /* The composer counts since its face was there: what is told last is the whole. */
@@ -408,9 +426,8 @@ static void meter_steps(recording *self, const composer_counts *counts)
     self->min_step_determinant = counts->min_determinant;
 }
 
-mrt_result recording_add(recording *self, performer *performed, int64_t work_ns, error *err)
+mrt_result recording_add_face(recording *self, composer *from, int64_t work_ns, error *err)
 {
-    composer *from = performer_composer(performed);
     const face *f = composer_face(from);
     bool is_anchored = composer_is_anchored(from);
     mrt_result result = keep_work(self, work_ns, err);
@@ -424,7 +441,13 @@ mrt_result recording_add(recording *self, performer *performed, int64_t work_ns,
         meter_folds(self, f);
     if (is_anchored && !now.is_exact)
         self->inexact_frames += 1;
-    return self->clip ? keep_frame(self, performed, &now, err) : MRT_OK;
+    return self->clip ? keep_frame(self, from, &now, err) : MRT_OK;
+}
+
+mrt_result recording_add(recording *self, performer *performed, int64_t work_ns, error *err)
+{
+    mrt_result result = recording_add_face(self, performer_composer(performed), work_ns, err);
+    return result < 0 || !self->clip ? result : add_hands(self, performed, err);
 }
 
 static int by_size(const void *a, const void *b)

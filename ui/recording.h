@@ -51,6 +51,8 @@ void recording_destroy(recording *self);
  * that is seen. */
 CHECKED mrt_result recording_add(recording *self, performer *performed, int64_t work_ns,
                                  error *err);
+/* The same of a face that no hands perform. */
+CHECKED mrt_result recording_add_face(recording *self, composer *from, int64_t work_ns, error *err);
 
 /* How far the face moved, whether it folded or tore, and what was held back so that it did not. */
 void recording_tell_surface(const recording *self, facts *told);

@@ -7,7 +7,7 @@
 #include "exports.h"
 #include "take/history.h"
 #include "take/show.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 /* Every option of every subcommand; take.c has their names. */
 typedef enum take_option {

@@ -12,7 +12,7 @@
 
 #include "csrbf/points.h"
 #include "mesh/mesh.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 typedef enum video_view { VIDEO_FRONT = 0, VIDEO_SIDE, VIDEO_THREE_QUARTER } video_view;
 typedef enum video_ground {

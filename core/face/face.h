@@ -137,6 +137,8 @@ typedef struct face_column { /* one of a control */
 } face_column;
 #define FACE_NO_CONTROL UINT32_MAX
 face_column face_column_at(const face *f, uint32_t column);
+/* Of the engagement. */
+csrbf_settings face_settings(const face *f);
 /* A control of the engagement; its start is where it holds the face with its bones at rest. */
 face_control face_control_at(const face *f, uint32_t control);
 

@@ -539,6 +539,16 @@ mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *
     return MRT_OK;
 }
 
+bool clip_is_named(const clip *c)
+{
+    bool is_named = false;
+    for (uint32_t i = 0; i < c->curve_count; ++i)
+        is_named = is_named || c->curve[i].at_min || c->curve[i].at_max;
+    for (uint32_t i = 0; i < c->segment_count; ++i)
+        is_named = is_named || c->segment[i].pull_count > 0;
+    return is_named;
+}
+
 uint32_t clip_curve_count(const clip *c)
 {
     return c->curve_count;

@@ -58,8 +58,8 @@ CHECKED mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err);
  * base + sum_k column_k * (float)vector_k, summed in k order in float32. */
 CHECKED mrt_result clip_add_anchored(clip *c, const double *vector, error *err);
 CHECKED mrt_result clip_add_free(clip *c, const float *position, error *err);
-/* The control vectors of the frame that was added last, for the text export: count by 6, mm: start
- * and end. */
+/* The free points that pull the frame that was added last, for the table: count by 6, mm: start and
+ * end. */
 CHECKED mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err);
 /* A hand of the frame that was added last. joint: MRT_JOINTS by 3, mm, as mrt_hand's. */
 CHECKED mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, error *err);
@@ -86,6 +86,8 @@ const double *clip_hand(const clip *c, uint32_t frame, uint32_t side);
 /* Positions of any frame, vertex_count by 3. */
 CHECKED mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err);
 
+/* Frames are close to what their named part shows: a curve moves something, or controls pull. */
+bool clip_is_named(const clip *c);
 uint32_t clip_curve_count(const clip *c);
 const clip_curve *clip_curve_at(const clip *c, uint32_t curve);
 /* clip_curve_count values, NULL: the frame has no named part; until the clip changes. */

@@ -89,12 +89,6 @@ CHECKED mrt_result usd_write_points(const char *path, const clip *c, double mm_p
  * root, the left one at +x. A hand that is gone is held. Refused where no hand ever was there. */
 CHECKED mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
                              const export_progress *progress, error *err);
-/* The controls as text, one row per frame and control, mm:
- * frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,end_z
- * (mode: anchored or free; frame from 0; segment and control from 1, as in the glTF names; a free
- * frame has no segment). A line "# first frame ..." is above where clip_start_of says. */
-CHECKED mrt_result csv_write(const char *path, const clip *c, const export_progress *progress,
-                             error *err);
 
 /* A picture, 8-bit RGBA rows from the top. */
 CHECKED mrt_result png_write(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height,

@@ -19,7 +19,8 @@
       "the mesh, frames a second")                                                                 \
     X(MDD, ".mdd", "Motion Designer (.mdd)", "every vertex at every frame, and its time",          \
       "the mesh")                                                                                  \
-    X(CSV, ".csv", "Table (.csv)", "the control vectors as text, mm", "the mesh")                  \
+    X(CSV, ".csv", "Table (.csv)",                                                                 \
+      "degrees of freedom, contacts, time code: what --curves performs again", "the mesh")         \
     X(PNG, ".png", "Contact sheet (.png)", "eight moments in one picture", "motion")
 
 /* For --help: a line each. */

@@ -4,7 +4,7 @@
 #include "base/json.h"
 #include "base/text.h"
 #include "take/own.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <jansson.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* What each edit makes of a take, and what holds for every take. */
 #include "take/edit_layers.h"
 #include "take/own.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <math.h>
 #include <stdio.h>

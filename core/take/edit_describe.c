@@ -1,7 +1,7 @@
 /* What an edit does, in words for a person. */
 #include "take/edit_layers.h"
 #include "take/own.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <stdio.h>
 #include <string.h>

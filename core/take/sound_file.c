@@ -4,7 +4,7 @@
 #include "take/show_file.h"
 #include "take/sound_pcm.h"
 #include "take/sound_render.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <errno.h>
 #include <fcntl.h>

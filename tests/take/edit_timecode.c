@@ -1,4 +1,4 @@
-/* core/take/timecode.h: frames, times and labels convert exactly. */
+/* core/base/timecode.h: frames, times and labels convert exactly. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "export_scene.h"
+#include "io/curves.h"
 
 #include <locale.h>
 
@@ -123,7 +124,7 @@ static void mdd_holds_every_frame(void **state)
     mesh_destroy(&m);
 }
 
-static void csv_has_a_row_per_frame_and_control(void **state)
+static void csv_has_a_row_per_frame(void **state)
 {
     (void)state;
     error err = {""};
@@ -131,32 +132,90 @@ static void csv_has_a_row_per_frame_and_control(void **state)
     mesh m;
     assert_int_equal(mesh_create(&m, 1, 0, &err), MRT_OK);
     clip *c = clip_create(&m, 4.0, NULL, &err);
-    const float base[3] = {0}, response[2] = {1.0f, 0.5f};
-    const double vector[6] = {0.5, 0.0, -0.25, 0.0, 1e-3, 0.0};
-    const double controls[2][12] = {{1.0, 2.0, 3.0, 1.5, 2.0, 2.75, 4.0, 5.0, 6.0, 4.0, 5.001, 6.0},
-                                    {1.5, 2.0, 2.75, 7.0, 8.0, 9.0}};
-    assert_int_equal(clip_begin_segment(c, base, response, NULL, 2, &err), MRT_OK);
-    assert_int_equal(clip_begin_segment(c, base, response, NULL, 2, &err), MRT_OK);
-    assert_int_equal(clip_add_anchored(c, vector, &err), MRT_OK);
-    assert_int_equal(clip_add_controls(c, controls[0], 2, &err), MRT_OK);
-    assert_int_equal(clip_add_free(c, base, &err), MRT_OK);
-    assert_int_equal(clip_add_controls(c, controls[1], 1, &err), MRT_OK);
-    assert_int_equal(clip_add_free(c, base, &err), MRT_OK); /* without controls: no row */
-    assert_int_equal(clip_add_free(c, base, &err), MRT_OK);
-    assert_int_equal(clip_add_controls(c, controls[0], 2, &err), MRT_OK);
+    const float base[3] = {0}, moved[3] = {0, 0, 1.5f};
+    char open[] = "jaw.open", odd[] = "a,b\"c", rad[] = "rad";
+    const double control[6] = {1.0, 2.0, 3.0, 1.5, 2.0, 2.75};
+    const double value[3][2] = {{0.25, (double)NAN}, {-1e-3, 2.0}, {0.0, 0.0}};
+    assert_int_equal(clip_add_curve(c, &(clip_curve){.name = open, .unit = rad}, &err), MRT_OK);
+    assert_int_equal(clip_add_curve(c, &(clip_curve){.name = odd, .unit = rad}, &err), MRT_OK);
+    assert_int_equal(clip_begin_segment(c, base, NULL, NULL, 0, &err), MRT_OK);
+    assert_int_equal(clip_add_anchored(c, NULL, &err), MRT_OK);
+    assert_int_equal(clip_add_named(c, value[0], NULL, &err), MRT_OK);
+    assert_int_equal(clip_add_controls(c, control, 1, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, moved, &err), MRT_OK);
+    assert_int_equal(clip_add_named(c, value[1], NULL, &err), MRT_OK);
+    assert_int_equal(clip_begin_segment(c, moved, NULL, NULL, 0, &err), MRT_OK);
+    assert_int_equal(clip_add_anchored(c, NULL, &err), MRT_OK);
+    assert_int_equal(clip_add_named(c, value[2], NULL, &err), MRT_OK);
+    assert_int_equal(clip_add_free(c, base, &err), MRT_OK); /* at rest, and says nothing */
     assert_int_equal(csv_write(path, c, NULL, &err), MRT_OK);
     unsigned char *bytes = read_back(&size);
     assert_string_equal((const char *)bytes,
-                        "frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,"
-                        "end_z\n"
-                        "0,0,anchored,2,1,1,2,3,1.5,2,2.75\n"
-                        "0,0,anchored,2,2,4,5,6,4,5.001,6\n"
-                        "1,0.25,free,,1,1.5,2,2.75,7,8,9\n"
-                        "3,0.75,free,,1,1,2,3,1.5,2,2.75\n"
-                        "3,0.75,free,,2,4,5,6,4,5.001,6\n");
+                        "frame,timecode,time_s,shape,jaw.open,a_b_c,control1.start.x,"
+                        "control1.start.y,control1.start.z,control1.end.x,control1.end.y,"
+                        "control1.end.z\n"
+                        "0,00:00:00:00,0,anchored,0.25,,1,2,3,1.5,2,2.75\n"
+                        "1,00:00:00:01,0.25,free,-0.001,2,,,,,,\n"
+                        "2,00:00:00:02,0.5,committed,0,0,,,,,,\n"
+                        "3,00:00:00:03,0.75,anchored,,,,,,,,\n");
+    curve_table t;
+    assert_int_equal(curve_table_parse(&t, bytes, size, path, &err), MRT_OK);
+    assert_int_equal(t.row_count, 4);
+    assert_int_equal(t.column_count, 12);
+    assert_int_equal(t.other_shapes, 2);
+    assert_string_equal(t.timecode, "00:00:00:00");
+    assert_true(t.value[1 * 12 + curve_table_find(&t, "jaw.open")] == -1e-3);
+    assert_true(isnan(t.value[0 * 12 + curve_table_find(&t, "a_b_c")]));
+    curve_table_finish(&t);
     free(bytes);
     clip_destroy(c);
     mesh_destroy(&m);
+}
+
+static void csv_counts_time_code_on(void **state)
+{
+    (void)state;
+    error err = {""};
+    size_t size;
+    mesh m;
+    assert_int_equal(mesh_create(&m, 1, 0, &err), MRT_OK);
+    clip *c = clip_create(&m, 30000.0 / 1001.0, NULL, &err);
+    clip_set_start(c, &(clip_start){"00:00:59;28", 1798, 30000, 1001});
+    for (int frame = 0; frame < 3; ++frame)
+        assert_int_equal(clip_add_free(c, m.position, &err), MRT_OK);
+    assert_int_equal(csv_write(path, c, NULL, &err), MRT_OK);
+    char *text = (char *)read_back(&size);
+    assert_non_null(strstr(text, "\n0,00:00:59;28,0,anchored\n"));
+    assert_non_null(strstr(text, "\n2,00:01:00;02,0.0667333333,anchored\n"));
+    free(text);
+    clip_destroy(c);
+    mesh_destroy(&m);
+}
+
+static void expect_table(const char *text, uint32_t rows, const char *reason)
+{
+    error err = {""};
+    curve_table t;
+    mrt_result result = curve_table_parse(&t, text, strlen(text), "t.csv", &err);
+    if (!reason)
+        assert_int_equal(result, MRT_OK);
+    else if (result != MRT_ERR_FORMAT || !strstr(err.text, reason))
+        fail_msg("\"%s\": %s", text, err.text);
+    assert_int_equal(t.row_count, rows);
+    curve_table_finish(&t);
+}
+
+static void tables_are_read_as_people_and_spreadsheets_write_them(void **state)
+{
+    (void)state;
+    expect_table("jaw.open\n0.5\n", 1, NULL);
+    expect_table(
+        "\xEF\xBB\xBF# of a spreadsheet\r\n\"jaw.open\" ; note\r\n0.5;left as it was\r\n\r\n1;\r\n",
+        2, NULL);
+    expect_table("a,b\n1,2\n3\n", 0, "t.csv:3: 1 cells, the line of names has 2");
+    expect_table("a,a\n1,2\n", 0, "two columns are called \"a\"");
+    expect_table("a,b\n", 0, "no rows");
+    expect_table("# nothing\n\n", 0, "no line with the names");
 }
 
 static void csv_has_decimal_points_in_every_locale(void **state)
@@ -170,7 +229,7 @@ static void csv_has_decimal_points_in_every_locale(void **state)
         print_message("SKIPPED: no locale with decimal commas is installed\n");
         skip();
     }
-    csv_has_a_row_per_frame_and_control(state);
+    csv_has_a_row_per_frame(state);
     (void)setlocale(LC_NUMERIC, "C");
 }
 
@@ -210,11 +269,14 @@ static void caches_refuse_shapes_that_are_not_finite(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pc2_holds_every_frame),
-                                       cmocka_unit_test(mdd_holds_every_frame),
-                                       cmocka_unit_test(csv_has_a_row_per_frame_and_control),
-                                       cmocka_unit_test(csv_has_decimal_points_in_every_locale),
-                                       cmocka_unit_test(caches_without_frames_are_refused),
-                                       cmocka_unit_test(caches_refuse_shapes_that_are_not_finite)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pc2_holds_every_frame),
+        cmocka_unit_test(mdd_holds_every_frame),
+        cmocka_unit_test(csv_has_a_row_per_frame),
+        cmocka_unit_test(csv_counts_time_code_on),
+        cmocka_unit_test(tables_are_read_as_people_and_spreadsheets_write_them),
+        cmocka_unit_test(csv_has_decimal_points_in_every_locale),
+        cmocka_unit_test(caches_without_frames_are_refused),
+        cmocka_unit_test(caches_refuse_shapes_that_are_not_finite)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

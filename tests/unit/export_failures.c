@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "export_scene.h"
+#include "io/curves.h"
 
 #include <dirent.h>
 #include <errno.h>

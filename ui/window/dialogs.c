@@ -2,7 +2,7 @@
 #include "base/installed.h"
 #include "io/export_formats.h"
 
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <stdio.h>
 #include <stdlib.h>

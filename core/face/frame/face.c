@@ -237,6 +237,11 @@ face_column face_column_at(const face *f, uint32_t column)
     return (face_column){FACE_NO_CONTROL, 0.0};
 }
 
+csrbf_settings face_settings(const face *f)
+{
+    return f->settings;
+}
+
 face_control face_control_at(const face *f, uint32_t control)
 {
     return (face_control){f->grip[control].start, f->grip[control].contact};

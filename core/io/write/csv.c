@@ -1,58 +1,134 @@
+#include "io/curves.h"
+
 #include "io/write/export_stream.h"
 
 #include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-static bool put_frame(FILE *stream, const clip *c, uint32_t frame)
+typedef struct table {
+    FILE *stream;
+    const clip *clip;
+    timecode_rate rate; /* num 0: no time code */
+    int64_t first;      /* frame, in time code */
+    uint32_t control_count;
+    float *position; /* scratch: of a frame */
+} table;
+
+/* Of a frame: the segment that it is in, or the one that its remainder is counted from; -1: none.
+ */
+static int32_t segment_of(const clip *c, uint32_t frame)
 {
-    uint32_t count;
-    const double *controls = clip_controls(c, frame, &count);
-    int32_t segment = clip_frame_segment(c, frame);
-    for (uint32_t k = 0; k < count; ++k) {
-        int written = fprintf(stream, "%u,%.9g,%s,", frame, (double)frame / clip_fps(c),
-                              segment < 0 ? "free" : "anchored");
-        if (written > 0 && segment >= 0)
-            written = fprintf(stream, "%d", segment + 1);
-        if (written > 0)
-            written = fprintf(stream, ",%u", k + 1);
-        for (size_t i = 0; written > 0 && i < 6; ++i)
-            written = fprintf(stream, ",%.9g", controls[(size_t)k * 6 + i]);
-        if (written < 0 || fputc('\n', stream) == EOF)
-            return false;
-    }
-    return true;
+    uint32_t segment;
+    if (clip_frame_segment(c, frame) >= 0)
+        return clip_frame_segment(c, frame);
+    return clip_pulled(c, frame, &segment) ? (int32_t)segment : -1;
 }
 
-static bool put_all(FILE *stream, const clip *c, const export_progress *progress)
+static bool is_rest(const table *t, const float *position)
 {
-    const clip_start *start = clip_start_of(c);
-    bool good = true;
-    if (start->rate_num > 0)
-        good = fprintf(stream, "# first frame %s (%lld), %u/%u frames a second\n", start->timecode,
-                       (long long)start->frame, start->rate_num, start->rate_den) > 0;
-    good = good && fputs("frame,time_s,mode,segment,control,start_x,start_y,start_z,end_x,end_y,"
-                         "end_z\n",
-                         stream) >= 0;
-    for (uint32_t frame = 0; good && frame < clip_frame_count(c); ++frame) {
-        good = put_frame(stream, c, frame);
-        export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));
+    const mesh *m = clip_mesh(t->clip);
+    return memcmp(position, m->position, (size_t)m->vertex_count * 3 * sizeof *position) == 0;
+}
+
+static const char *shape_of(const table *t, uint32_t frame)
+{
+    int32_t segment = segment_of(t->clip, frame);
+    error ignored;
+    if (segment >= 0)
+        return is_rest(t, clip_segment_at(t->clip, (uint32_t)segment)->base) ? "anchored"
+                                                                             : "committed";
+    bool still = clip_read(t->clip, frame, t->position, &ignored) >= 0 && is_rest(t, t->position);
+    return still ? "anchored" : "free";
+}
+
+/* Names as others may have given them: no separator, quote or control character. */
+static void put_name(FILE *stream, const char *name)
+{
+    (void)fputc(',', stream);
+    for (; *name; ++name) {
+        bool is_plain = *name != ',' && *name != ';' && *name != '"' && (unsigned char)*name >= ' ';
+        (void)fputc(is_plain ? *name : '_', stream);
     }
-    return good;
+}
+
+static void put_head(const table *t)
+{
+    (void)fputs("frame,timecode,time_s,shape", t->stream);
+    for (uint32_t i = 0; i < clip_curve_count(t->clip); ++i)
+        put_name(t->stream, clip_curve_at(t->clip, i)->name);
+    for (uint32_t k = 0; k < t->control_count; ++k)
+        for (int i = 0; i < 6; ++i)
+            (void)fprintf(t->stream, ",control%u.%s.%c", k + 1, i < 3 ? "start" : "end",
+                          "xyz"[i % 3]);
+    (void)fputc('\n', t->stream);
+}
+
+static void put_frame(const table *t, uint32_t frame)
+{
+    char timecode[TIMECODE_TEXT] = "";
+    const double *value = clip_values(t->clip, frame);
+    uint32_t count;
+    const double *control = clip_controls(t->clip, frame, &count);
+    if (t->rate.num > 0)
+        timecode_write(timecode, t->rate, t->first + frame);
+    (void)fprintf(t->stream, "%u,%s,%.9g,%s", frame, timecode, (double)frame / clip_fps(t->clip),
+                  shape_of(t, frame));
+    for (uint32_t i = 0; i < clip_curve_count(t->clip); ++i)
+        if (value && !isnan(value[i]))
+            (void)fprintf(t->stream, ",%.9g", value[i]);
+        else
+            (void)fputc(',', t->stream);
+    for (uint32_t i = 0; i < t->control_count * 6; ++i)
+        if (i < count * 6)
+            (void)fprintf(t->stream, ",%.9g", control[i]);
+        else
+            (void)fputc(',', t->stream);
+    (void)fputc('\n', t->stream);
+}
+
+static void put_all(table *t, const export_progress *progress)
+{
+    const clip_start *start = clip_start_of(t->clip);
+    uint32_t frame_count = clip_frame_count(t->clip), count;
+    for (uint32_t frame = 0; frame < frame_count; ++frame) {
+        (void)clip_controls(t->clip, frame, &count);
+        t->control_count = count > t->control_count ? count : t->control_count;
+    }
+    if (start->rate_num > 0)
+        (void)fprintf(t->stream, "# first frame %s (%lld), %u/%u frames a second\n",
+                      start->timecode, (long long)start->frame, start->rate_num, start->rate_den);
+    put_head(t);
+    for (uint32_t frame = 0; frame < frame_count && !ferror(t->stream); ++frame) {
+        put_frame(t, frame);
+        export_step(progress, (double)(frame + 1) / (double)frame_count);
+    }
 }
 
 mrt_result csv_write(const char *path, const clip *c, const export_progress *progress, error *err)
 {
+    table t = {.clip = c};
+    export_timecode(&t.rate, &t.first, c);
     /* Decimal points, whatever the person's locale. */
     locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!plain)
+    t.position = malloc((size_t)clip_mesh(c)->vertex_count * 3 * sizeof *t.position);
+    if (!plain || !t.position) {
+        if (plain)
+            freelocale(plain);
+        free(t.position);
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    }
     file_writer writer;
     mrt_result result = file_writer_open(&writer, path, err);
     if (result == MRT_OK) {
         locale_t kept = uselocale(plain);
-        (void)put_all(writer.stream, c, progress); /* what failed is found by commit */
+        t.stream = writer.stream;
+        put_all(&t, progress); /* what failed is found by commit */
         (void)uselocale(kept);
         result = file_writer_commit(&writer, err);
     }
     freelocale(plain);
+    free(t.position);
     return result;
 }

@@ -120,6 +120,18 @@ mrt_result export_check_cache(const clip *c, const char *path, error *err)
     return MRT_OK;
 }
 
+void export_timecode(timecode_rate *out_rate, int64_t *out_first, const clip *c)
+{
+    const clip_start *start = clip_start_of(c);
+    error ignored;
+    *out_rate = (timecode_rate){.num = start->rate_num,
+                                .den = start->rate_den,
+                                .is_drop = strchr(start->timecode, ';') != NULL};
+    *out_first = start->frame;
+    if (start->rate_num == 0 && timecode_rate_of(out_rate, clip_fps(c), &ignored) < 0)
+        *out_rate = (timecode_rate){0};
+}
+
 void export_step(const export_progress *progress, double done)
 {
     if (progress && progress->step)

@@ -3,6 +3,7 @@
 #ifndef MAROTTE_IO_EXPORT_STREAM_H
 #define MAROTTE_IO_EXPORT_STREAM_H
 #include "base/file.h"
+#include "base/timecode.h"
 #include "io/clip.h"
 #include "io/export.h"
 
@@ -31,6 +32,9 @@ CHECKED mrt_result export_put_frames(file_writer *writer, const clip *c,
 
 /* Refuses a clip without frames, or with more frames or vertices than an int32 can count. */
 CHECKED mrt_result export_check_cache(const clip *c, const char *path, error *err);
+
+/* Time code of the frames: of clip_start_of, else from 00:00:00:00; num 0: the rate has none. */
+void export_timecode(timecode_rate *out_rate, int64_t *out_first, const clip *c);
 
 void export_step(const export_progress *progress, double done);
 

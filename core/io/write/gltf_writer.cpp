@@ -128,7 +128,7 @@ struct performance {
     }
     bool is_named() const
     {
-        return clip_curve_count(source) > 0;
+        return clip_is_named(source);
     }
 };
 

@@ -1113,9 +1113,13 @@ uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS]
     memcpy(way, self->aimed, (size_t)count * 3 * sizeof *way);
     bones_unlimit(dof, face_bones(self->face), face_metered(self->face)->dof);
     face_unride(self->face, way, dof);
-    for (uint32_t k = 0; k < count; ++k)
-        out[k] = (composer_asked){.control = face_control_at(self->face, k),
+    for (uint32_t k = 0; k < count; ++k) {
+        const double *end = self->aimed + 3 * k;
+        out[k] = (composer_asked){.contact = self->control[k].contact,
+                                  .start = self->control[k].start,
+                                  .end = {end[0], end[1], end[2]},
                                   .way = {way[3 * k], way[3 * k + 1], way[3 * k + 2]}};
+    }
     return count;
 }
 

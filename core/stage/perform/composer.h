@@ -63,12 +63,12 @@ face *composer_face(composer *self);
 const shading *composer_shading(const composer *self); /* its normals, in the engine's order */
 /* What all pulled in the last step, weighed, not blended; as for exports. */
 const mrt_pull *composer_pull(const composer *self);
-/* What the last anchored step asked of the face, all layers blended: each control that holds it,
- * and how far it is pulled with all bones at rest, derived ones too. Returns how many; 0: not
- * anchored. */
+/* What the last anchored step asked of the face, all layers blended, for each control that holds
+ * it. Returns how many; 0: not anchored. */
 typedef struct composer_asked {
-    face_control control;
-    vec3 way; /* mm */
+    uint32_t contact; /* 1 + index; 0: a free point */
+    vec3 start, end;  /* mm: where it took hold; where it is to land */
+    vec3 way;         /* mm: how far it is pulled with all bones at rest, derived ones too */
 } composer_asked;
 uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS]);
 csrbf_settings composer_solver(const composer *self); /* radius > 0 */

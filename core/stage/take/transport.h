@@ -3,7 +3,7 @@
  * time; positions are exact at every speed, and changing something never makes them jump. */
 #ifndef MAROTTE_STAGE_TRANSPORT_H
 #define MAROTTE_STAGE_TRANSPORT_H
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #define TRANSPORT_SPEED_MIN 0.1
 #define TRANSPORT_SPEED_MAX 4.0

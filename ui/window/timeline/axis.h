@@ -4,7 +4,7 @@
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
 #define MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
 #include "take/take.h"
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "take/timecode.h"
+#include "base/timecode.h"
 
 #include "base/text.h"
 

@@ -1,8 +1,8 @@
-/* take/timecode.h - frame rates and time code. Frame k begins at the first whole ns that is not
+/* base/timecode.h - frame rates and time code. Frame k begins at the first whole ns that is not
  * before k / rate, so that frames and times convert exactly, both ways, without drift at any
  * length. Integer arithmetic. Pure functions; any thread. */
-#ifndef MAROTTE_TAKE_TIMECODE_H
-#define MAROTTE_TAKE_TIMECODE_H
+#ifndef MAROTTE_BASE_TIMECODE_H
+#define MAROTTE_BASE_TIMECODE_H
 #include "base/error.h"
 
 typedef struct timecode_rate { /* num / den frames a second, in lowest terms */
