@@ -2,12 +2,12 @@
  * browser finds the hand (camera_port.h), marotte reads its landmarks back to angles
  * (MRT_LANDMARKS), and this gives them as samples. README.md says how it is used. */
 #include "camera_port.h"
+#include "device_io.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +41,7 @@ struct mrt_plugin {
     uint32_t shown_side; /* of EITHER: whose hand it was last */
     bool has_shown;
     int64_t shown_ns;
-    int64_t host_offset_ns;     /* the host's clock less camera_clock_ns */
+    int64_t host_offset_ns;     /* the host's clock less device_clock_ns */
     int64_t opened_ns, last_ns; /* last_ns: of the sample that was given last */
     uint32_t sequence, lost;
     bool has_given, is_steady; /* steady: the picture before this one had the hand too */
@@ -50,17 +50,6 @@ struct mrt_plugin {
     int64_t from_ns, to_ns;
     float from[MRT_ANGLES];
 };
-
-__attribute__((format(printf, 3, 4))) static void say(const mrt_plugin *self, int32_t level,
-                                                      const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    self->host->log(self->host, level, text);
-}
 
 /* ---- where things are ---- */
 
@@ -187,7 +176,7 @@ static void begin(mrt_plugin *self, const double *params)
     self->reading = (mrt_hand_reading){.confidence = 0.0f};
     self->reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
     self->sequence = self->lost = 0;
-    int64_t own_ns = camera_clock_ns();
+    int64_t own_ns = device_clock_ns();
     self->opened_ns = self->host->now_ns(self->host);
     self->host_offset_ns = self->opened_ns - own_ns;
     self->last_ns = self->opened_ns;
@@ -201,31 +190,33 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     char url[CAMERA_ADDRESS];
     input_close(self);
     if (!read_address(address, &self->number)) {
-        say(self, MRT_LOG_ERROR, "\"%.40s\" is no port: expected a number from 1 to 65535",
-            address);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.40s\" is no port: expected a number from 1 to 65535", address);
         return MRT_ERR_ARGUMENT;
     }
     if (!self->reader) {
-        say(self, MRT_LOG_ERROR, "this program reads no landmarks of hands: a newer marotte does");
+        device_say(self->host, MRT_LOG_ERROR,
+                   "this program reads no landmarks of hands: a newer marotte does");
         return MRT_ERR_UNSUPPORTED;
     }
     if (!find_token(self, token)) {
-        say(self, MRT_LOG_ERROR, "this system gives no random numbers");
+        device_say(self->host, MRT_LOG_ERROR, "this system gives no random numbers");
         return MRT_ERR_IO;
     }
     find_package(package, sizeof package);
     self->port = camera_port_open(self->number, token, package, self->host, reason);
     if (!self->port) {
-        say(self, MRT_LOG_ERROR, "%s", reason);
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     begin(self, params);
     camera_port_address(self->number, token, url);
-    say(self, MRT_LOG_INFO, "open %s in a browser on this computer", url);
+    device_say(self->host, MRT_LOG_INFO, "open %s in a browser on this computer", url);
     char file[CAMERA_PATH + 16];
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     if (access(file, R_OK) != 0)
-        say(self, MRT_LOG_WARNING,
+        device_say(
+            self->host, MRT_LOG_WARNING,
             "what finds hands in pictures is not here yet: run `marotte camera --setup` once");
     return MRT_OK;
 }
@@ -340,7 +331,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
     follow_params(self, params);
     int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
     left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
-    int64_t until_ns = camera_clock_ns() + left_ns;
+    int64_t until_ns = device_clock_ns() + left_ns;
     for (bool has_waited = false;; has_waited = true) {
         camera_seen seen;
         while (self->step == self->step_count &&
@@ -350,10 +341,11 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
             give_step(self, out_sample);
             return MRT_OK;
         }
-        if (has_waited && camera_clock_ns() + ns_per_ms / 10 >= until_ns)
+        if (has_waited && device_clock_ns() + ns_per_ms / 10 >= until_ns)
             return MRT_TIMEOUT;
         if (!camera_port_wait(self->port, &self->listener, until_ns, self->host)) {
-            say(self, MRT_LOG_ERROR, "port %u: %s", (unsigned)self->number, strerror(errno));
+            device_say(self->host, MRT_LOG_ERROR, "port %u: %s", (unsigned)self->number,
+                       strerror(errno));
             return MRT_ERR_IO;
         }
     }

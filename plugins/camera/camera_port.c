@@ -1,5 +1,6 @@
 #include "camera_port.h"
 #include "clock_map.h"
+#include "device_io.h"
 #include "trace.h"
 
 #include <arpa/inet.h>
@@ -9,7 +10,6 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <pthread.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,27 +66,9 @@ struct camera_port {
 static pthread_mutex_t ports_mutex = PTHREAD_MUTEX_INITIALIZER;
 static camera_port *ports; /* guarded by ports_mutex */
 
-int64_t camera_clock_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * ns_per_s + now.tv_nsec;
-}
-
 void camera_port_address(uint16_t port, const char *token, char out[CAMERA_ADDRESS])
 {
     (void)snprintf(out, CAMERA_ADDRESS, "http://127.0.0.1:%u/%s/", (unsigned)port, token);
-}
-
-__attribute__((format(printf, 3, 4))) static void say(const mrt_host *host, int32_t level,
-                                                      const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    host->log(host, level, text);
 }
 
 /* ---- the files of the package ---- */
@@ -263,7 +245,7 @@ static void begin_page(camera_port *self, connection *c, const camera_request *r
     self->page = (int)(c - self->connection);
     clock_map_reset(&self->clock);
     (void)send_state(self, c);
-    say(host, MRT_LOG_INFO, "the camera's page is there");
+    device_say(host, MRT_LOG_INFO, "the camera's page is there");
 }
 
 static void hear(camera_port *self, const camera_message *message, int64_t now_ns)
@@ -321,9 +303,10 @@ static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
     const unsigned char bytes[2] = {(unsigned char)(code >> 8), (unsigned char)code};
     if (self->page >= 0 && c == &self->connection[self->page]) {
         self->page = -1;
-        say(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
-            code == 1000 ? "the camera's page has gone: the hand is held"
-                         : "the camera's page said something that makes no sense and was closed");
+        device_say(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
+                   code == 1000
+                       ? "the camera's page has gone: the hand is held"
+                       : "the camera's page said something that makes no sense and was closed");
     }
     c->is_ending = true;
     c->until_ns = now_ns + request_span_ns;
@@ -382,7 +365,7 @@ static void receive(camera_port *self, connection *c, int64_t now_ns, const mrt_
         return;
     if (size <= 0) {
         if (c->state == PAGE && self->page >= 0 && c == &self->connection[self->page])
-            say(host, MRT_LOG_INFO, "the camera's page has gone: the hand is held");
+            device_say(host, MRT_LOG_INFO, "the camera's page has gone: the hand is held");
         drop(self, c);
         return;
     }
@@ -509,11 +492,11 @@ static bool work(camera_port *self, int64_t deadline_ns, const mrt_host *host)
     int count = gather(self, wanted, of, &deadline_ns);
     self->is_working = true;
     pthread_mutex_unlock(&self->mutex);
-    int64_t left_ns = deadline_ns - camera_clock_ns();
+    int64_t left_ns = deadline_ns - device_clock_ns();
     left_ns = left_ns > 0 ? left_ns : 0;
     const struct timespec span = {(time_t)(left_ns / ns_per_s), (long)(left_ns % ns_per_s)};
     int ready = ppoll(wanted, (nfds_t)count, &span, NULL);
-    int64_t now_ns = camera_clock_ns();
+    int64_t now_ns = device_clock_ns();
     pthread_mutex_lock(&self->mutex);
     self->is_working = false;
     for (int i = 1; ready > 0 && i < count; ++i) {
@@ -550,7 +533,7 @@ bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_
             wait_for_worker(port, deadline_ns);
         else
             works = work(port, deadline_ns, host);
-    } while (works && listener->count == 0 && camera_clock_ns() < deadline_ns);
+    } while (works && listener->count == 0 && device_clock_ns() < deadline_ns);
     pthread_mutex_unlock(&port->mutex);
     return works;
 }

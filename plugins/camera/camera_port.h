@@ -20,7 +20,7 @@ extern const camera_file camera_page[]; /* ends with name NULL */
 
 /* What the page saw at one moment. */
 typedef struct camera_seen {
-    int64_t time_ns; /* when the picture was taken, camera_clock_ns */
+    int64_t time_ns; /* when the picture was taken, device_clock_ns */
     uint32_t lost;   /* before it, as nobody read them */
     uint32_t hand_count;
     camera_hand hand[CAMERA_HANDS_MAX];
@@ -48,7 +48,7 @@ void camera_port_close(camera_port *port);
 void camera_port_join(camera_port *port, camera_listener *listener);
 void camera_port_leave(camera_port *port, camera_listener *listener);
 
-/* Works until the listener has heard something, or until the deadline (camera_clock_ns), never past
+/* Works until the listener has heard something, or until the deadline (device_clock_ns), never past
  * it. False: the socket failed. `host` is told who comes and goes. */
 bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_t deadline_ns,
                       const mrt_host *host);
@@ -57,6 +57,5 @@ bool camera_port_pop(camera_port *port, camera_listener *listener, camera_seen *
 
 /* "http://127.0.0.1:9130/TOKEN/" */
 void camera_port_address(uint16_t port, const char *token, char out[CAMERA_ADDRESS]);
-int64_t camera_clock_ns(void);
 
 #endif

@@ -21,8 +21,8 @@ static void complain(osc_desk *self, osc_fault fault, const char *address, const
 {
     if (fault == OSC_FAULT_NONE || self->fault_count[fault]++ > 0)
         return;
-    char peer[OSC_PEER_TEXT], what[64], text[512];
-    osc_peer_text(self->peer, peer, sizeof peer);
+    char peer[UDP_PEER_TEXT], what[64], text[512];
+    udp_peer_text(self->peer, peer, sizeof peer);
     printable(what, sizeof what, address);
     snprintf(text, sizeof text, "%s from %s: %.200s; such are dropped and counted", what, peer,
              expected);
@@ -39,10 +39,10 @@ static void complain_of_packet(osc_desk *self, osc_fault fault)
                  "or 4 bundles in each other");
 }
 
-static void complain_of_sender(osc_desk *self, const char *what, const osc_owner *owner)
+static void complain_of_sender(osc_desk *self, const char *what, const udp_owner *owner)
 {
-    char first[OSC_PEER_TEXT], text[160];
-    osc_peer_text(&owner->peer, first, sizeof first);
+    char first[UDP_PEER_TEXT], text[160];
+    udp_peer_text(&owner->peer, first, sizeof first);
     snprintf(text, sizeof text,
              "%s sends this already and counts until it is silent for 1 s: "
              "stop one of the two",
@@ -155,7 +155,7 @@ static void take_sample(osc_desk *self)
 static void take_end(osc_desk *self)
 {
     osc_source *source = find_source(self, self->event.source);
-    if (!source || !osc_owner_is(&source->owner, self->peer))
+    if (!source || !udp_owner_is(&source->owner, self->peer))
         return;
     osc_source_end(source);
     for (osc_listener *l = self->listeners; l; l = l->next)
@@ -170,7 +170,7 @@ static void tell_hands(osc_desk *self, const char *address)
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (osc_listener_take(l, &self->event, self->peer, self->now_ns))
             continue;
-        const osc_owner *owner = self->event.kind == OSC_EVENT_PEDAL   ? &l->pedal_owner
+        const udp_owner *owner = self->event.kind == OSC_EVENT_PEDAL   ? &l->pedal_owner
                                  : self->event.kind == OSC_EVENT_WRIST ? &l->wrist_owner
                                                                        : &l->angle_owner;
         complain_of_sender(self, address, owner);
@@ -193,7 +193,7 @@ static void take_message(void *context, const osc_message *message)
         tell_hands(self, message->address);
 }
 
-void osc_desk_take(osc_desk *self, void *bytes, size_t size, const osc_peer *peer, int64_t now_ns,
+void osc_desk_take(osc_desk *self, void *bytes, size_t size, const udp_peer *peer, int64_t now_ns,
                    const mrt_host *host)
 {
     self->peer = peer;

@@ -14,7 +14,7 @@ typedef struct osc_desk {
     uint32_t late_count, double_count, untold_count; /* samples that were dropped */
 
     osc_event event; /* of the packet being taken, and what follows */
-    const osc_peer *peer;
+    const udp_peer *peer;
     int64_t now_ns;
     const mrt_host *host; /* to whom the first fault of each kind is said */
 } osc_desk;
@@ -24,7 +24,7 @@ void osc_desk_start(osc_desk *self);
 void osc_desk_join(osc_desk *self, osc_listener *listener, int64_t now_ns);
 void osc_desk_leave(osc_desk *self, osc_listener *listener);
 /* Takes one packet; `bytes` are not changed. Only host->log is used. */
-void osc_desk_take(osc_desk *self, void *bytes, size_t size, const osc_peer *peer, int64_t now_ns,
+void osc_desk_take(osc_desk *self, void *bytes, size_t size, const udp_peer *peer, int64_t now_ns,
                    const mrt_host *host);
 /* "cyberglove ttyUSB0, pedal": who is forwarded here and not silent; "" nobody. */
 void osc_desk_name_sources(const osc_desk *self, int64_t now_ns, char *out, size_t capacity);

@@ -1,8 +1,7 @@
 #include "osc_input.h"
-#include "osc_clock.h"
+#include "device_io.h"
 #include "osc_port.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,17 +35,6 @@ struct osc_input {
     bool has_given;
 };
 
-__attribute__((format(printf, 3, 4))) static void say(const osc_input *self, int32_t level,
-                                                      const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    self->host->log(self->host, level, text);
-}
-
 static void stop_listening(osc_input *self)
 {
     if (!self->port)
@@ -54,7 +42,7 @@ static void stop_listening(osc_input *self)
     char summary[160];
     osc_port_summary(self->port, summary, sizeof summary);
     if (summary[0] != '\0')
-        say(self, MRT_LOG_INFO, "%s", summary);
+        device_say(self->host, MRT_LOG_INFO, "%s", summary);
     osc_port_leave(self->port, &self->listener);
     osc_port_close(self->port);
     self->port = NULL;
@@ -88,13 +76,13 @@ static bool goes_on(const osc_input *self, const osc_place *place, const double 
 
 static mrt_result start_listening(osc_input *self, const osc_place *place, const double *params)
 {
-    char reason[OSC_REASON];
+    char reason[UDP_REASON];
     stop_listening(self);
     self->is_lost = false;
     self->place = *place;
     self->port = osc_port_open(place, self->host, reason);
     if (!self->port) {
-        say(self, MRT_LOG_ERROR, "%s", reason);
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     if (place->has_source)
@@ -118,11 +106,11 @@ static bool is_there(osc_input *self)
 /* Receives until it is there. MRT_TIMEOUT: it was not in time, or the host is stopping. */
 static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 {
-    int64_t until_ns = osc_clock_ns() + wait_ns;
+    int64_t until_ns = device_clock_ns() + wait_ns;
     while (!is_there(self)) {
-        if (osc_clock_ns() >= until_ns)
+        if (device_clock_ns() >= until_ns)
             return MRT_TIMEOUT;
-        if (!osc_port_wait(self->port, &self->listener, osc_clock_ns() + look_ns, self->host))
+        if (!osc_port_wait(self->port, &self->listener, device_clock_ns() + look_ns, self->host))
             return MRT_ERR_IO;
         int64_t look_again_ns = self->host->now_ns(self->host) + look_ns;
         if (!is_there(self) && self->host->wait_until_ns(self->host, look_again_ns) < look_again_ns)
@@ -134,8 +122,9 @@ static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 /* The socket is of no use any more: the next open() makes a new one. */
 static mrt_result say_network_failed(osc_input *self)
 {
-    say(self, MRT_LOG_ERROR, "port %u: the network failed: is the connection still there?",
-        (unsigned)self->place.port);
+    device_say(self->host, MRT_LOG_ERROR,
+               "port %u: the network failed: is the connection still there?",
+               (unsigned)self->place.port);
     self->is_lost = false;
     return MRT_ERR_IO;
 }
@@ -144,17 +133,18 @@ static mrt_result say_nobody(osc_input *self)
 {
     const osc_place *place = &self->place;
     if (self->is_lost) { /* said when it went */
-        say(self, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)place->port);
+        device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)place->port);
         return MRT_ERR_IO;
     }
     char there[256];
     osc_port_name_sources(self->port, there, sizeof there);
     if (there[0] != '\0')
-        say(self, MRT_LOG_ERROR,
-            "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
-            (unsigned)place->port, place->source, there);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
+                   (unsigned)place->port, place->source, there);
     else
-        say(self, MRT_LOG_ERROR,
+        device_say(
+            self->host, MRT_LOG_ERROR,
             "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
             "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to hear another "
             "computer write 0.0.0.0:%u/%s here",
@@ -173,8 +163,8 @@ static void begin(osc_input *self)
     self->is_open = true;
     self->is_lost = false;
     self->has_asked_to_restart = false;
-    self->host_offset_ns = osc_clock_host_offset_ns(self->host);
-    self->opened_ns = osc_clock_ns();
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
+    self->opened_ns = device_clock_ns();
     self->last_time_ns = INT64_MIN;
 }
 
@@ -183,7 +173,8 @@ mrt_result osc_input_open(osc_input *self, const char *address, const double *pa
     osc_place place;
     osc_input_close(self);
     if (!osc_place_parse(&place, address)) {
-        say(self, MRT_LOG_ERROR,
+        device_say(
+            self->host, MRT_LOG_ERROR,
             "\"%.100s\" is no address: expected [HOST:]PORT, and /SOURCE for what another marotte "
             "forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
             address);
@@ -322,7 +313,7 @@ static silence silence_of(osc_input *self, const double *params)
     if (matters && listener->has_heard)
         out.lost_ns = listener->heard_ns + LOST_SILENCES * silence_ns;
     osc_port_unlock(self->port);
-    if (!out.loss && out.lost_ns <= osc_clock_ns())
+    if (!out.loss && out.lost_ns <= device_clock_ns())
         out.loss = "silent: waiting for its sender";
     return out;
 }
@@ -335,8 +326,8 @@ static mrt_result lose(osc_input *self, const char *why)
     snprintf(bound, sizeof bound, "%s", self->listener.bound);
     osc_listener_rearm(&self->listener);
     osc_port_join(self->port, &self->listener);
-    say(self, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->place.port, bound[0] ? ": " : "",
-        bound, why);
+    device_say(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->place.port,
+               bound[0] ? ": " : "", bound, why);
     self->is_lost = true;
     return MRT_ERR_IO;
 }
@@ -346,11 +337,12 @@ static void release_pedals(osc_input *self, mrt_sample *out)
     osc_port_lock(self->port);
     osc_listener_release_pedals(&self->listener);
     osc_port_unlock(self->port);
-    say(self, MRT_LOG_WARNING,
+    device_say(
+        self->host, MRT_LOG_WARNING,
         "port %u: nothing heard of the pedals: they count as up (silence=0 if their sender speaks "
         "only when one moves)",
         (unsigned)self->place.port);
-    give_release(self, osc_clock_ns(), out);
+    give_release(self, device_clock_ns(), out);
 }
 
 static int64_t sooner(int64_t a_ns, int64_t b_ns)
@@ -374,13 +366,13 @@ mrt_result osc_input_read(osc_input *self, const double *params, int64_t deadlin
     if (!self->is_open || self->is_lost)
         return MRT_ERR_IO;
     follow_params(self, params);
-    int64_t until_ns = own_deadline_ns(self, deadline_ns, osc_clock_ns());
+    int64_t until_ns = own_deadline_ns(self, deadline_ns, device_clock_ns());
     bool has_waited = false, works = true;
     for (;;) {
         if (give_heard(self, out_sample))
             return MRT_OK;
         silence quiet = silence_of(self, params);
-        int64_t now_ns = osc_clock_ns();
+        int64_t now_ns = device_clock_ns();
         if (has_pedal_down(self) && (quiet.loss || !works || quiet.release_ns <= now_ns)) {
             release_pedals(self, out_sample);
             return MRT_OK;

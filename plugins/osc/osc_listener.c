@@ -114,7 +114,7 @@ static bool has_pedals(const osc_listener *self)
 }
 
 /* Whose message this must be to count; NULL: it is of no use here. */
-static osc_owner *owner_of(osc_listener *self, const osc_event *event)
+static udp_owner *owner_of(osc_listener *self, const osc_event *event)
 {
     switch (event->kind) {
     case OSC_EVENT_ANGLES:
@@ -143,16 +143,16 @@ static void apply(osc_listener *self, const osc_event *event)
         osc_vmc_apply(&self->pose, &event->bone, event->value, self->angle);
 }
 
-bool osc_listener_take(osc_listener *self, const osc_event *event, const osc_peer *peer,
+bool osc_listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
                        int64_t now_ns)
 {
     if (self->is_forwarded)
         return true;
-    osc_owner *owner = owner_of(self, event);
-    if (owner && !osc_owner_admits_single(owner, peer, now_ns))
+    udp_owner *owner = owner_of(self, event);
+    if (owner && !udp_owner_admits_single(owner, peer, now_ns))
         return false;
     /* Whatever the pedals' sender says shows that it is there. */
-    if (osc_owner_is(&self->pedal_owner, peer)) {
+    if (udp_owner_is(&self->pedal_owner, peer)) {
         self->pedal_heard_ns = now_ns;
         hear(self, now_ns);
     }

@@ -1,7 +1,7 @@
 /* plugins/osc/osc_listener.h - what one open input has heard: samples in a bounded queue, and the
  * state of the hand and pedals that messages tell piece by piece. Listens either to one forwarded
  * source, as it is, or to the simple messages of one hand. Knows no socket and no clock but the
- * times it is told (osc_clock_ns). Not thread-safe: the port guards it. No allocation. */
+ * times it is told (device_clock_ns). Not thread-safe: the port guards it. No allocation. */
 #ifndef MAROTTE_OSC_LISTENER_H
 #define MAROTTE_OSC_LISTENER_H
 #include "osc_source.h"
@@ -33,7 +33,7 @@ typedef struct osc_listener {
 
     float angle[MRT_ANGLES], wrist[7], pedal[MRT_MAX_PEDALS];
     osc_vmc_pose pose;
-    osc_owner angle_owner, wrist_owner, pedal_owner;
+    udp_owner angle_owner, wrist_owner, pedal_owner;
     clock_map clock; /* of senders who tag bundles with the time */
     int64_t tag_ns;  /* of the packet being taken */
     bool is_touched; /* by the packet being taken */
@@ -54,7 +54,7 @@ void osc_listener_rearm(osc_listener *self);
 
 /* ---- simple messages: one call an event, then one for the packet ---- */
 /* False: another sender has this. */
-bool osc_listener_take(osc_listener *self, const osc_event *event, const osc_peer *peer,
+bool osc_listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
                        int64_t now_ns);
 void osc_listener_end_packet(osc_listener *self, int64_t now_ns);
 

@@ -1,13 +1,13 @@
 #include "osc_output.h"
-#include "osc_clock.h"
-#include "osc_socket.h"
+#include "device_io.h"
+#include "udp.h"
+#include "osc_place.h"
 #include "osc_table.h"
 #include "trace.h"
 
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,17 +39,6 @@ struct osc_output {
     unsigned char packet[PACKET_BYTES];
 };
 
-__attribute__((format(printf, 3, 4))) static void say(const osc_output *self, int32_t level,
-                                                      const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    self->host->log(self->host, level, text);
-}
-
 /* ---- sending, with the mutex held ---- */
 
 static const char *advice_for_send(int error)
@@ -66,16 +55,17 @@ static const char *advice_for_send(int error)
 
 static void send_packet(osc_output *self, size_t size)
 {
-    trace_sent(&self->trace, osc_clock_ns(), self->packet, size);
-    int error = size > 0 ? osc_socket_send(self->socket, self->packet, size) : ENOMEM;
+    trace_sent(&self->trace, device_clock_ns(), self->packet, size);
+    int error = size > 0 ? udp_send(self->socket, self->packet, size) : ENOMEM;
     if (error == 0)
         return;
     self->failed_count += 1;
     if (self->has_said_failure)
         return;
     self->has_said_failure = true;
-    say(self, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
-        self->place.host, (unsigned)self->place.port, strerror(error), advice_for_send(error));
+    device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
+               self->place.host, (unsigned)self->place.port, strerror(error),
+               advice_for_send(error));
 }
 
 static void send_channels(osc_output *self, forwarded *from, int64_t now_ns)
@@ -114,12 +104,12 @@ static void *repeat_thread(void *data)
     osc_output *self = data;
     pthread_mutex_lock(&self->mutex);
     while (!self->is_stopping) {
-        int64_t next_ns = osc_clock_ns() + repeat_ns / 2;
+        int64_t next_ns = device_clock_ns() + repeat_ns / 2;
         struct timespec until = {.tv_sec = (time_t)(next_ns / 1000000000),
                                  .tv_nsec = (long)(next_ns % 1000000000)};
         (void)pthread_cond_timedwait(&self->wake, &self->mutex, &until);
         if (!self->is_stopping)
-            repeat(self, osc_clock_ns());
+            repeat(self, device_clock_ns());
     }
     pthread_mutex_unlock(&self->mutex);
     return NULL;
@@ -140,35 +130,35 @@ static mrt_result start_thread(osc_output *self)
         return MRT_OK;
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
-    say(self, MRT_LOG_ERROR, "the thread that repeats could not be started");
+    device_say(self->host, MRT_LOG_ERROR, "the thread that repeats could not be started");
     return MRT_ERR_MEMORY;
 }
 
 mrt_result osc_output_open(osc_output *self, const char *address)
 {
-    char reason[OSC_REASON];
+    char reason[UDP_REASON];
     osc_output_close(self);
     if (!address || address[0] == '\0' || !osc_place_parse(&self->place, address) ||
         self->place.has_source) {
-        say(self, MRT_LOG_ERROR,
-            "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
-            address ? address : "", OSC_PORT);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
+                   address ? address : "", OSC_PORT);
         return MRT_ERR_ARGUMENT;
     }
-    self->socket = osc_socket_connect(&self->place, reason);
+    self->socket = udp_connect(self->place.host, self->place.port, reason);
     if (self->socket < 0) {
-        say(self, MRT_LOG_ERROR, "%s", reason);
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     memset(self->source, 0, sizeof self->source);
     self->failed_count = 0;
     self->has_said_failure = self->has_said_source = false;
-    self->host_offset_ns = osc_clock_host_offset_ns(self->host);
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
     trace_open(&self->trace, self->host, "osc");
     mrt_result result = start_thread(self);
     if (result < 0) {
         trace_close(&self->trace);
-        osc_socket_close(self->socket);
+        udp_close(self->socket);
         return result;
     }
     self->is_open = true;
@@ -195,12 +185,12 @@ void osc_output_close(osc_output *self)
     pthread_join(self->thread, NULL);
     say_end(self);
     if (self->failed_count > 0)
-        say(self, MRT_LOG_INFO, "%u datagrams did not reach %s port %u", self->failed_count,
-            self->place.host, (unsigned)self->place.port);
+        device_say(self->host, MRT_LOG_INFO, "%u datagrams did not reach %s port %u",
+                   self->failed_count, self->place.host, (unsigned)self->place.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
     trace_close(&self->trace);
-    osc_socket_close(self->socket);
+    udp_close(self->socket);
 }
 
 /* ---- writing ---- */
@@ -238,7 +228,7 @@ static bool is_told(const forwarded *from, const mrt_channel *channels, const mr
 static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
 {
     if (!self->has_said_source)
-        say(self, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
+        device_say(self->host, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
     self->has_said_source = true;
     return result;
 }
@@ -250,7 +240,7 @@ static mrt_result forward(osc_output *self, const char *source, const mrt_channe
     if (!to)
         return refuse(self, MRT_ERR_UNSUPPORTED, source,
                       "16 sources are forwarded already: open a second output");
-    int64_t now_ns = osc_clock_ns();
+    int64_t now_ns = device_clock_ns();
     bool was_told = is_told(to, channels, sample);
     if (!was_told &&
         !osc_table_set(&to->table, source, to->table.version + 1, channels, sample->count))
@@ -271,7 +261,7 @@ mrt_result osc_output_write(osc_output *self, const char *source, const mrt_chan
         return MRT_ERR_IO;
     if (!source || !channels || !is_sample(sample))
         return refuse(self, MRT_ERR_ARGUMENT, source ? source : "a source",
-                      "expected a name, channels and 1 to 32 finite values");
+                      "expected a name, channels and finite values");
     pthread_mutex_lock(&self->mutex);
     mrt_result result = forward(self, source, channels, sample);
     pthread_mutex_unlock(&self->mutex);

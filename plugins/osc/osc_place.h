@@ -4,15 +4,16 @@
 #ifndef MAROTTE_OSC_PLACE_H
 #define MAROTTE_OSC_PLACE_H
 #include "osc_table.h"
+#include "udp.h"
 
 #include <stdbool.h>
 
-enum { OSC_PORT = 9105, OSC_HOST_LENGTH = 128 };
+enum { OSC_PORT = 9105 };
 
 typedef struct osc_place {
-    char host[OSC_HOST_LENGTH]; /* without brackets; 127.0.0.1 when none was given */
-    uint16_t port;              /* 1..65535 */
-    bool has_source;            /* there was a '/' */
+    char host[UDP_HOST]; /* without brackets; 127.0.0.1 when none was given */
+    uint16_t port;       /* 1..65535 */
+    bool has_source;     /* there was a '/' */
     char source[OSC_SOURCE_LENGTH];
 } osc_place;
 

@@ -1,5 +1,5 @@
 #include "osc_port.h"
-#include "osc_clock.h"
+#include "device_io.h"
 #include "trace.h"
 
 #include <pthread.h>
@@ -38,11 +38,11 @@ static osc_port *make_port(const osc_place *place, const mrt_host *host, char *o
 {
     osc_port *self = calloc(1, sizeof *self);
     if (!self) {
-        snprintf(out_reason, OSC_REASON, "no memory for port %u", (unsigned)place->port);
+        snprintf(out_reason, UDP_REASON, "no memory for port %u", (unsigned)place->port);
         return NULL;
     }
     self->place = *place;
-    self->socket = osc_socket_bind(place, out_reason);
+    self->socket = udp_bind(place->host, place->port, out_reason);
     if (self->socket < 0) {
         free(self);
         return NULL;
@@ -95,7 +95,7 @@ void osc_port_close(osc_port *port)
     pthread_mutex_unlock(&ports_mutex);
     if (!is_last)
         return;
-    osc_socket_close(port->socket);
+    udp_close(port->socket);
     trace_close(&port->trace);
     pthread_cond_destroy(&port->changed);
     pthread_mutex_destroy(&port->mutex);
@@ -115,7 +115,7 @@ void osc_port_unlock(osc_port *port)
 void osc_port_join(osc_port *port, osc_listener *listener)
 {
     osc_port_lock(port);
-    osc_desk_join(&port->desk, listener, osc_clock_ns());
+    osc_desk_join(&port->desk, listener, device_clock_ns());
     osc_port_unlock(port);
 }
 
@@ -131,12 +131,11 @@ void osc_port_leave(osc_port *port, osc_listener *listener)
 /* Waits at the socket without the mutex; takes what comes with it. False: the socket failed. */
 static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
 {
-    osc_peer peer;
+    udp_peer peer;
     self->is_receiving = true;
     osc_port_unlock(self);
-    int64_t size =
-        osc_socket_receive(self->socket, self->packet, sizeof self->packet, &peer, deadline_ns);
-    int64_t now_ns = osc_clock_ns();
+    int64_t size = udp_receive(self->socket, self->packet, sizeof self->packet, &peer, deadline_ns);
+    int64_t now_ns = device_clock_ns();
     osc_port_lock(self);
     self->is_receiving = false;
     if (size > 0) {
@@ -144,7 +143,7 @@ static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
         osc_desk_take(&self->desk, self->packet, (size_t)size, &peer, now_ns, host);
     }
     pthread_cond_broadcast(&self->changed);
-    return size != OSC_SOCKET_FAILED;
+    return size != UDP_FAILED;
 }
 
 static void wait_for_receiver(osc_port *self, int64_t deadline_ns)
@@ -163,7 +162,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
     bool is_first = true; /* what has come already is taken even when there is no time to wait */
     while (works && listener->count == 0 && !listener->has_ended && !listener->has_other_channels &&
            had_channels == (listener->table.count > 0)) {
-        if (!is_first && deadline_ns - osc_clock_ns() < OSC_PORT_WAIT_LEAST_NS)
+        if (!is_first && deadline_ns - device_clock_ns() < OSC_PORT_WAIT_LEAST_NS)
             break;
         if (port->is_receiving)
             wait_for_receiver(port, deadline_ns);
@@ -180,7 +179,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
 void osc_port_name_sources(osc_port *port, char *out, size_t capacity)
 {
     osc_port_lock(port);
-    osc_desk_name_sources(&port->desk, osc_clock_ns(), out, capacity);
+    osc_desk_name_sources(&port->desk, device_clock_ns(), out, capacity);
     osc_port_unlock(port);
 }
 

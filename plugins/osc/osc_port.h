@@ -7,14 +7,14 @@
 #define MAROTTE_OSC_PORT_H
 #include "osc_desk.h"
 #include "osc_place.h"
-#include "osc_socket.h"
+#include "udp.h"
 
 typedef struct osc_port osc_port;
 
-/* The socket waits in whole ms: less is not waited for. */
+/* Less is not waited for. */
 enum { OSC_PORT_WAIT_LEAST_NS = 1000000 };
 
-/* The port at this place, opened by the first who asks. NULL: out_reason (OSC_REASON) says why.
+/* The port at this place, opened by the first who asks. NULL: out_reason (UDP_REASON) says why.
  * With MAROTTE_TRACE (trace.h) what comes in is written down; `host` is told if that cannot be. */
 osc_port *osc_port_open(const osc_place *place, const mrt_host *host, char *out_reason);
 /* The last one closes the socket. NULL is fine. */
@@ -28,7 +28,7 @@ void osc_port_lock(osc_port *port);
 void osc_port_unlock(osc_port *port);
 
 /* Receives until the listener has an item in its queue, or channels of its source when it had none,
- * or its sender ended; or until the deadline (osc_clock_ns), never past it. False: the socket
+ * or its sender ended; or until the deadline (device_clock_ns), never past it. False: the socket
  * failed. `host` is told what is wrong with packets. */
 bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadline_ns,
                    const mrt_host *host);

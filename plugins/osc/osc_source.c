@@ -12,10 +12,10 @@ static void forget(osc_source *source)
     clock_map_reset(&source->clock);
 }
 
-bool osc_source_admits(osc_source *source, const osc_peer *peer, int64_t now_ns)
+bool osc_source_admits(osc_source *source, const udp_peer *peer, int64_t now_ns)
 {
-    bool is_new = !osc_owner_is(&source->owner, peer);
-    if (!osc_owner_admits(&source->owner, peer, now_ns))
+    bool is_new = !udp_owner_is(&source->owner, peer);
+    if (!udp_owner_admits(&source->owner, peer, now_ns))
         return false;
     if (is_new)
         forget(source);
@@ -67,6 +67,6 @@ osc_source_news osc_source_take_sample(osc_source *source, const osc_event *even
 
 void osc_source_end(osc_source *source)
 {
-    osc_owner_release(&source->owner);
+    udp_owner_release(&source->owner);
     forget(source);
 }

@@ -5,11 +5,11 @@
 #define MAROTTE_OSC_SOURCE_H
 #include "clock_map.h"
 #include "osc_event.h"
-#include "osc_owner.h"
+#include "udp_owner.h"
 
 typedef struct osc_source {
     char name[OSC_SOURCE_LENGTH]; /* "": unused */
-    osc_owner owner;
+    udp_owner owner;
     bool has_table, started;
     osc_table table;
     uint32_t sequence; /* of the newest sample */
@@ -19,7 +19,7 @@ typedef struct osc_source {
 } osc_source;
 
 /* Whether this peer may speak for the source; a new one starts it afresh. */
-bool osc_source_admits(osc_source *source, const osc_peer *peer, int64_t now_ns);
+bool osc_source_admits(osc_source *source, const udp_peer *peer, int64_t now_ns);
 void osc_source_take_table(osc_source *source, const osc_table *table);
 
 typedef enum osc_source_news {

@@ -24,7 +24,7 @@ static void set_table(osc_table *out, const char *source, int32_t version)
     assert_true(osc_table_set(out, source, version, glove, 3));
 }
 
-static void announce(osc_room *room, const osc_peer *peer, const char *source, int32_t version)
+static void announce(osc_room *room, const udp_peer *peer, const char *source, int32_t version)
 {
     osc_table table;
     set_table(&table, source, version);
@@ -35,7 +35,7 @@ static void announce(osc_room *room, const osc_peer *peer, const char *source, i
 }
 
 /* Measured and sent at time_ns of the sender. */
-static void send_sample(osc_room *room, const osc_peer *peer, const char *source, int32_t version,
+static void send_sample(osc_room *room, const udp_peer *peer, const char *source, int32_t version,
                         uint32_t sequence, int64_t time_ns)
 {
     osc_table table;
@@ -48,7 +48,7 @@ static void send_sample(osc_room *room, const osc_peer *peer, const char *source
     osc_room_take(room, peer, &packet);
 }
 
-static void send_end(osc_room *room, const osc_peer *peer, const char *source)
+static void send_end(osc_room *room, const udp_peer *peer, const char *source)
 {
     osc_table table;
     set_table(&table, source, 1);

@@ -276,7 +276,7 @@ static void bundles_in_bundles_and_thousands_of_messages_are_absurd(void **state
     free(room);
 }
 
-static void press(osc_room *room, const osc_peer *peer, float value)
+static void press(osc_room *room, const udp_peer *peer, float value)
 {
     osc_bytes packet = {.size = 0};
     osc_bytes_message(&packet, "/marotte/pedal", "if", 1, (double)value);
@@ -311,7 +311,7 @@ static void programs_that_send_once_do_not_shut_each_other_out(void **state)
     (void)state;
     osc_room *room = osc_room_simple(MRT_RIGHT, OSC_CONTENT_PEDALS);
     for (uint16_t i = 0; i < 20; ++i) {
-        osc_peer once = osc_room_one;
+        udp_peer once = osc_room_one;
         once.port = (uint16_t)(5000 + i);
         press(room, &once, (float)(i % 2));
         assert_true(pop(room).value[PEDALS_AT] == (float)(i % 2));

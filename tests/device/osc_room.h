@@ -17,9 +17,9 @@ typedef struct osc_room {
     int64_t now_ns;
 } osc_room;
 
-static const osc_peer osc_room_one = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, 2},
+static const udp_peer osc_room_one = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, 2},
                                       4711};
-static const osc_peer osc_room_two = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, 3},
+static const udp_peer osc_room_two = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 10, 0, 0, 3},
                                       4712};
 
 static inline void osc_room_log(const mrt_host *host, int32_t level, const char *text)
@@ -55,7 +55,7 @@ static inline osc_room *osc_room_forwarded(const char *wanted)
 }
 
 /* Hands the packet over and empties it. */
-static inline void osc_room_take(osc_room *self, const osc_peer *peer, osc_bytes *packet)
+static inline void osc_room_take(osc_room *self, const udp_peer *peer, osc_bytes *packet)
 {
     osc_desk_take(&self->desk, packet->data, packet->size, peer, self->now_ns, &self->host);
     packet->size = 0;

@@ -18,7 +18,7 @@ static void say_nothing(const mrt_host *host, int32_t level, const char *text)
 static void take(osc_desk *desk, const mrt_host *host, const uint8_t *data, size_t size,
                  uint16_t port, int64_t now_ns)
 {
-    osc_peer peer = {{0}, port};
+    udp_peer peer = {{0}, port};
     unsigned char *copy = malloc(size + 1); /* its end is watched */
     if (!copy)
         return;

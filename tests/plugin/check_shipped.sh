@@ -11,6 +11,8 @@ for library in "$BUILD_DIR"/plugins/*.so "$BUILD_DIR"/tests/plugin/*_template.so
     addresses=()
     [ "$name" = log ] && addresses=(--input "$SOURCE_DIR/plugins/log/demo_hand.csv")
     [ "$name" = osc ] && addresses=(--input "127.0.0.1:$((30000 + $$ % 20000))" --output 127.0.0.1:9)
+    [ "$name" = phone ] && addresses=(--input "$((30000 + $$ % 20000))")
+    [ "$name" = midi ] && { mkfifo "$scratch/pipe"; addresses=(--input "$scratch/pipe"); }
     "$MAROTTE" plugin check "$library" --seed $((RANDOM * 100)) --repeat "$repeat" "${addresses[@]}" \
         >"$scratch/said" || { fail "$name"; cat "$scratch/said"; }
     tail -1 "$scratch/said"

@@ -43,6 +43,13 @@ static const char *hand_name(uint32_t hand)
     return hand == MRT_LEFT ? "left" : hand == MRT_RIGHT ? "right" : "no";
 }
 
+static bool is_same(const mrt_channel *x, const mrt_channel *y)
+{
+    const bool is_named = x->semantic == MRT_CH_OTHER || x->semantic == MRT_CH_BUTTON;
+    return x->semantic == y->semantic && x->hand == y->hand && strcmp(x->unit, y->unit) == 0 &&
+           (!is_named || strcmp(x->name, y->name) == 0);
+}
+
 bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why)
 {
     if (a->count != b->count) {
@@ -52,7 +59,7 @@ bool channel_table_equal(const channel_table *a, const channel_table *b, error *
     }
     for (uint32_t i = 0; i < a->count; ++i) {
         const mrt_channel *x = &a->channel[i], *y = &b->channel[i];
-        if (x->semantic == y->semantic && x->hand == y->hand && strcmp(x->unit, y->unit) == 0)
+        if (is_same(x, y))
             continue;
         (void)error_set(out_why, MRT_ERR_UNSUPPORTED,
                         "channel %u as \"%s\" (%s hand, \"%s\") instead of \"%s\" (%s hand, "

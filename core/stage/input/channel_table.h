@@ -16,7 +16,8 @@ CHECKED mrt_result channel_table_init(channel_table *out, const mrt_channel *cha
                                       uint32_t count, const char *who, error *err);
 /* Of channels that were checked already. */
 void channel_table_copy(channel_table *out, const mrt_channel *channels, uint32_t count);
-/* Same number and meaning: semantic, hand and unit of each. If not, out_why (may be NULL) says what
+/* Same number and meaning: semantic, hand and unit of each, and the names of those that are told
+ * apart by name. If not, out_why (may be NULL) says what
  * `b` has: "18 channels instead of 22". */
 bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why);
 bool channel_is_pedal(const mrt_channel *channel);

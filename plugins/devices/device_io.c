@@ -1,0 +1,51 @@
+#include "device_io.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <time.h>
+
+static const int64_t ns_per_s = 1000000000;
+
+void device_say(const mrt_host *host, int32_t level, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    host->log(host, level, text);
+}
+
+int64_t device_clock_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * ns_per_s + now.tv_nsec;
+}
+
+/* Of a few tries the one that was interrupted least. */
+int64_t device_clock_host_offset_ns(const mrt_host *host)
+{
+    int64_t offset_ns = 0, least_ns = INT64_MAX;
+    for (int i = 0; i < 5; ++i) {
+        int64_t before_ns = device_clock_ns();
+        int64_t host_ns = host->now_ns(host);
+        int64_t took_ns = device_clock_ns() - before_ns;
+        if (took_ns < least_ns) {
+            least_ns = took_ns;
+            offset_ns = host_ns - before_ns - took_ns / 2;
+        }
+    }
+    return offset_ns;
+}
+
+int device_wait(int descriptor, int64_t span_ns)
+{
+    struct pollfd wanted = {descriptor, POLLIN, 0};
+    span_ns = span_ns > 0 ? span_ns : 0;
+    const struct timespec span = {(time_t)(span_ns / ns_per_s), (long)(span_ns % ns_per_s)};
+    int ready = ppoll(&wanted, 1, &span, NULL);
+    return ready >= 0 ? ready : errno == EINTR ? 0 : -1;
+}

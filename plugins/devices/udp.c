@@ -1,0 +1,250 @@
+#include "udp.h"
+#include "device_io.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/* Room for what comes while the reader is not scheduled; the system may give less. */
+enum { RECEIVE_BYTES = 1 << 20 };
+
+/* ---- addresses ---- */
+
+static bool is_printable(const char *text)
+{
+    for (; *text; ++text)
+        if ((unsigned char)*text <= ' ' || (unsigned char)*text > '~')
+            return false;
+    return true;
+}
+
+static bool parse_port(uint16_t *out, const char *text, size_t length)
+{
+    uint32_t port = 0;
+    if (length == 0 || length > 5)
+        return false;
+    for (size_t i = 0; i < length; ++i) {
+        if (text[i] < '0' || text[i] > '9')
+            return false;
+        port = port * 10 + (uint32_t)(text[i] - '0');
+    }
+    *out = (uint16_t)port;
+    return port >= 1 && port <= 65535;
+}
+
+static bool parse_host(char *out, const char *text, size_t length)
+{
+    if (length >= 2 && text[0] == '[' && text[length - 1] == ']') {
+        text += 1;
+        length -= 2;
+    } else if (memchr(text, ':', length)) {
+        return false; /* IPv6 without brackets: which part is the port? */
+    }
+    if (length == 0 || length >= UDP_HOST)
+        return false;
+    memcpy(out, text, length);
+    out[length] = '\0';
+    if (strcmp(out, "localhost") == 0)
+        snprintf(out, UDP_HOST, "127.0.0.1");
+    return is_printable(out);
+}
+
+/* The last ':' before `end`; NULL: there is none. */
+static const char *last_colon(const char *text, const char *end)
+{
+    while (end > text)
+        if (*--end == ':')
+            return end;
+    return NULL;
+}
+
+bool udp_place_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *text, size_t length)
+{
+    const char *end = text + length;
+    const char *colon = last_colon(text, end);
+    const char *port = colon ? colon + 1 : text;
+    if (!parse_port(out_port, port, (size_t)(end - port)))
+        return false;
+    return !colon || parse_host(out_host, text, (size_t)(colon - text));
+}
+
+bool udp_peer_equals(const udp_peer *a, const udp_peer *b)
+{
+    return a->port == b->port && memcmp(a->ip, b->ip, sizeof a->ip) == 0;
+}
+
+void udp_peer_text(const udp_peer *peer, char *out, size_t capacity)
+{
+    static const uint8_t mapped[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+    char ip[INET6_ADDRSTRLEN] = "?";
+    if (memcmp(peer->ip, mapped, sizeof mapped) == 0) {
+        inet_ntop(AF_INET, peer->ip + sizeof mapped, ip, sizeof ip);
+        snprintf(out, capacity, "%s:%u", ip, (unsigned)peer->port);
+    } else {
+        inet_ntop(AF_INET6, peer->ip, ip, sizeof ip);
+        snprintf(out, capacity, "[%s]:%u", ip, (unsigned)peer->port);
+    }
+}
+
+/* ---- sockets ---- */
+
+static struct addrinfo *find_address(const char *host, uint16_t number, int flags, char *out_reason)
+{
+    char port[8];
+    snprintf(port, sizeof port, "%u", (unsigned)number);
+    struct addrinfo hints = {
+        .ai_family = AF_UNSPEC, .ai_socktype = SOCK_DGRAM, .ai_flags = flags | AI_NUMERICSERV};
+    struct addrinfo *found = NULL;
+    int error = getaddrinfo(host, port, &hints, &found);
+    if (error == 0 && found)
+        return found;
+    snprintf(out_reason, UDP_REASON, "%.100s: %s", host, gai_strerror(error));
+    return NULL;
+}
+
+static int open_socket(const struct addrinfo *address)
+{
+    int fd = socket(address->ai_family, SOCK_DGRAM, 0);
+    if (fd < 0)
+        return -1;
+    if (fcntl(fd, F_SETFD, FD_CLOEXEC) == 0 && fcntl(fd, F_SETFL, O_NONBLOCK) == 0)
+        return fd;
+    close(fd);
+    return -1;
+}
+
+static const char *advice_for_bind(int error)
+{
+    if (error == EADDRINUSE)
+        return "another program, or another input under another address, listens there: write the "
+               "same address for all inputs, or another port";
+    if (error == EADDRNOTAVAIL)
+        return "this computer has no such address: write 0.0.0.0 for all that it has";
+    if (error == EACCES)
+        return "this user may not: choose a port from 1024 on";
+    return "choose another port";
+}
+
+int udp_bind(const char *host, uint16_t port, char out_reason[UDP_REASON])
+{
+    struct addrinfo *address = find_address(host, port, AI_PASSIVE | AI_NUMERICHOST, out_reason);
+    if (!address) {
+        snprintf(out_reason, UDP_REASON,
+                 "%.100s is no address of this computer in numbers: write 0.0.0.0:%u to hear other "
+                 "computers, or the port alone to hear this one",
+                 host, (unsigned)port);
+        return -1;
+    }
+    int fd = open_socket(address);
+    int receive_bytes = RECEIVE_BYTES;
+    if (fd >= 0)
+        (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
+    if (fd < 0 || bind(fd, address->ai_addr, address->ai_addrlen) != 0) {
+        int error = errno;
+        snprintf(out_reason, UDP_REASON, "cannot listen at %.100s port %u: %s: %s", host,
+                 (unsigned)port, strerror(error), advice_for_bind(error));
+        udp_close(fd);
+        fd = -1;
+    }
+    freeaddrinfo(address);
+    return fd;
+}
+
+int udp_connect(const char *host, uint16_t port, char out_reason[UDP_REASON])
+{
+    char why[UDP_REASON];
+    struct addrinfo *address = find_address(host, port, 0, why);
+    if (!address) {
+        snprintf(out_reason, UDP_REASON,
+                 "%.200s: write the other computer's address, as in 192.168.1.20:%u", why,
+                 (unsigned)port);
+        return -1;
+    }
+    int fd = open_socket(address);
+    if (fd < 0 || connect(fd, address->ai_addr, address->ai_addrlen) != 0) {
+        snprintf(out_reason, UDP_REASON, "cannot send to %.100s port %u: %s", host, (unsigned)port,
+                 strerror(errno));
+        udp_close(fd);
+        fd = -1;
+    }
+    freeaddrinfo(address);
+    return fd;
+}
+
+void udp_close(int socket)
+{
+    if (socket >= 0)
+        close(socket);
+}
+
+static bool is_passing(int error)
+{
+    return error == EAGAIN || error == EINTR || error == ECONNREFUSED;
+}
+
+static udp_peer peer_of(const struct sockaddr_storage *from)
+{
+    udp_peer out = {{0}, 0};
+    if (from->ss_family == AF_INET6) {
+        struct sockaddr_in6 address;
+        memcpy(&address, from, sizeof address);
+        memcpy(out.ip, &address.sin6_addr, sizeof out.ip);
+        out.port = ntohs(address.sin6_port);
+    } else if (from->ss_family == AF_INET) {
+        struct sockaddr_in address;
+        memcpy(&address, from, sizeof address);
+        out.ip[10] = out.ip[11] = 0xff;
+        memcpy(out.ip + 12, &address.sin_addr, 4);
+        out.port = ntohs(address.sin_port);
+    }
+    return out;
+}
+
+int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer, int64_t deadline_ns)
+{
+    for (;;) {
+        struct sockaddr_storage from = {0};
+        socklen_t from_size = sizeof from;
+        ssize_t size = recvfrom(socket, out, capacity, 0, (struct sockaddr *)&from, &from_size);
+        if (size >= 0) {
+            *out_peer = peer_of(&from);
+            return size > 0 ? size : 1; /* an empty datagram is no OSC, as one of a byte is none */
+        }
+        if (!is_passing(errno))
+            return UDP_FAILED;
+        int ready = device_wait(socket, deadline_ns - device_clock_ns());
+        if (ready < 0)
+            return UDP_FAILED;
+        if (ready == 0 && device_clock_ns() >= deadline_ns)
+            return UDP_NOTHING;
+    }
+}
+
+int udp_send(int socket, const void *bytes, size_t size)
+{
+    if (send(socket, bytes, size, MSG_NOSIGNAL) >= 0)
+        return 0;
+    int error = errno;
+    /* What is reported is an earlier datagram's error, and this one has not been sent yet. */
+    if (error == ECONNREFUSED)
+        (void)!send(socket, bytes, size, MSG_NOSIGNAL);
+    return error;
+}
+
+int udp_send_to(int socket, const char *host, uint16_t port, const void *bytes, size_t size)
+{
+    char reason[UDP_REASON];
+    struct addrinfo *address = find_address(host, port, AI_NUMERICHOST, reason);
+    if (!address)
+        return EINVAL;
+    ssize_t sent = sendto(socket, bytes, size, MSG_NOSIGNAL, address->ai_addr, address->ai_addrlen);
+    int error = sent < 0 ? errno : 0;
+    freeaddrinfo(address);
+    return error == ECONNREFUSED ? 0 : error;
+}

@@ -1,0 +1,644 @@
+/* midi.c - the plugin "org.marotte.midi": faders, knobs, pads and keys of a MIDI device or program
+ * as named channels (midi_table.h), from the kernel's devices, a pipe (midi_raw.h) or ALSA's
+ * sequencer (midi_seq.h). Motor faders get their value back. README.md says how it is used. */
+#include "device_io.h"
+#include "midi_raw.h"
+#include "midi_seq.h"
+#include "midi_table.h"
+#include "trace.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PARAM_FINE, PARAM_MOTOR, PARAM_PEDALS, PARAM_FORGET, PARAM_COUNT };
+enum { ADDRESS = 192, CHUNK = 512, FOLDER = 4000, NOWHERE = -1 };
+
+/* A control that is new waits for others that move with it, then the channels are told anew. That
+ * happens so often, and then again when the person opens it. */
+static const int64_t learn_ns = 300000000;
+enum { LEARN_TIMES = 5 };
+/* Who has said that it is there says so every 300 ms. */
+static const int64_t sensing_ns = 420000000;
+/* What has not changed is said again so often that silence means trouble. */
+static const int64_t repeat_ns = 1000000000;
+static const int64_t motor_ns = 10000000;
+/* A thousand messages a second, in bunches too, are each a sample; of a flood the newest values. */
+enum { BUDGET_MOST = 1000, BUDGET_PER_MS = 2 };
+
+struct mrt_plugin {
+    const mrt_host *host;
+    bool is_open, is_restarting; /* restarting: the port stays, so that nothing is missed */
+    char address[ADDRESS];       /* as opened */
+    char found[MIDI_PORT_NAME];  /* whom "" has meant; "" while nobody */
+    char name[MIDI_PORT_NAME];   /* the device's; "" of a pipe */
+    int descriptor;              /* of the raw device, or -1 */
+    midi_seq *seq;               /* or NULL */
+    bool can_write, is_lost, has_told_loss;
+    trace trace;
+
+    midi_parser parser;
+    midi_table table;
+    float value[MRT_MAX_CHANNELS];       /* of the channels */
+    float heard_value[MRT_MAX_CHANNELS]; /* of table.heard */
+    float sent_value[MRT_MAX_CHANNELS];  /* back, of table.heard */
+    bool is_owed[MRT_MAX_CHANNELS];      /* to the motor, of table.heard */
+    int64_t motor_due_ns;
+    uint32_t learn_count;
+    int64_t learn_due_ns; /* INT64_MAX: there is nothing new */
+    bool has_told_full, is_unsaved;
+
+    uint8_t chunk[CHUNK];
+    size_t chunk_size, chunk_at;
+    midi_event event; /* that waits until a sample was given */
+    bool has_event;
+    int64_t chunk_ns;                /* when it came */
+    bool is_touched;                 /* something changed since the last sample */
+    bool is_moved[MRT_MAX_CHANNELS]; /* of the channels, since the last sample */
+    int64_t sensing_due_ns;          /* INT64_MAX: the device does not say that it is there */
+    bool has_given;
+    int64_t last_ns, repeat_due_ns;
+    uint32_t sequence, missed;
+    int64_t budget, budget_ns;
+    bool opened_fine, opened_pedals;
+};
+
+/* ---- what was heard, kept by device ---- */
+
+/* False: nothing is kept of it. */
+static bool find_file(const mrt_plugin *self, char *out, size_t capacity)
+{
+    const mrt_folders *folders = self->host->service(self->host, MRT_FOLDERS);
+    char folder[FOLDER], name[MIDI_PORT_NAME];
+    if (self->name[0] == '\0' || !folders ||
+        folders->settings(self->host, folder, sizeof folder) < 0)
+        return false;
+    (void)snprintf(name, sizeof name, "%s", self->name);
+    for (char *c = name; *c; ++c)
+        if (!((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9')))
+            *c = '_';
+    (void)snprintf(out, capacity, "%s/%s.controls", folder, name);
+    return true;
+}
+
+static void load_table(mrt_plugin *self)
+{
+    char path[FOLDER + 96], text[MIDI_TABLE_TEXT];
+    if (!find_file(self, path, sizeof path))
+        return;
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file < 0)
+        return;
+    ssize_t size = read(file, text, sizeof text);
+    close(file);
+    if (size > 0)
+        midi_table_read(&self->table, text, (size_t)size);
+}
+
+static void save_table(mrt_plugin *self)
+{
+    char path[FOLDER + 96], fresh[FOLDER + 100], text[MIDI_TABLE_TEXT];
+    if (!self->is_unsaved || !find_file(self, path, sizeof path))
+        return;
+    self->is_unsaved = false;
+    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
+    size_t size = midi_table_write(&self->table, text, sizeof text);
+    int file = open(fresh, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
+    bool is_written = file >= 0 && write(file, text, size) == (ssize_t)size;
+    if (file >= 0)
+        is_written &= close(file) == 0;
+    if (!is_written || rename(fresh, path) != 0)
+        device_say(self->host, MRT_LOG_WARNING,
+                   "%.200s cannot be written (%s): its controls are "
+                   "found again as they are moved",
+                   path, strerror(errno));
+}
+
+/* ---- opening ---- */
+
+static void close_port(mrt_plugin *self)
+{
+    midi_raw_close(self->descriptor);
+    midi_seq_close(self->seq);
+    trace_close(&self->trace);
+    self->descriptor = -1;
+    self->seq = NULL;
+}
+
+static void input_close(mrt_plugin *self)
+{
+    save_table(self);
+    if (!self->is_restarting)
+        close_port(self);
+    self->is_open = false;
+}
+
+/* A device of the kernel alone where there is no sequencer. */
+static bool open_port(mrt_plugin *self, const char *wanted, char *reason)
+{
+    char path[32];
+    if (wanted[0] != '/' && midi_seq_is_there()) {
+        self->seq = midi_seq_open(wanted, self->name, reason);
+        self->can_write = self->seq != NULL;
+        return self->seq != NULL;
+    }
+    if (wanted[0] == '\0' && midi_raw_find(0, path))
+        wanted = path;
+    if (wanted[0] != '/') {
+        (void)snprintf(reason, MIDI_REASON,
+                       "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
+                       "device or a pipe, as in midi:/dev/snd/midiC1D0",
+                       wanted[0] ? "\"" : "no MIDI device is plugged in", wanted,
+                       wanted[0] ? "\"" : "");
+        return false;
+    }
+    self->descriptor = midi_raw_open(wanted, self->name, &self->can_write, reason);
+    return self->descriptor >= 0;
+}
+
+static int heard_at(const mrt_plugin *self, midi_control control)
+{
+    for (uint32_t i = 0; i < self->table.heard_count; ++i)
+        if (self->table.heard[i] == control)
+            return (int)i;
+    return NOWHERE;
+}
+
+static void build_channels(mrt_plugin *self)
+{
+    midi_table_build(&self->table, self->opened_pedals);
+    for (uint32_t i = 0; i < self->table.count; ++i) {
+        int heard = heard_at(self, self->table.control[i]);
+        self->value[i] = heard >= 0 ? self->heard_value[heard] : 0.0f;
+        self->is_moved[i] = false;
+    }
+    self->learn_due_ns = INT64_MAX;
+}
+
+static void forget(mrt_plugin *self)
+{
+    self->table.heard_count = 0;
+    self->learn_count = 0;
+    self->has_told_full = self->has_given = false;
+    memset(self->heard_value, 0, sizeof self->heard_value);
+    memset(self->sent_value, 0, sizeof self->sent_value);
+    memset(self->is_owed, 0, sizeof self->is_owed);
+}
+
+/* Another device; the table of the one before is of no use. */
+static mrt_result open_afresh(mrt_plugin *self, const char *address)
+{
+    char reason[MIDI_REASON] = "", before[MIDI_PORT_NAME];
+    const bool is_same = strcmp(self->address, address) == 0;
+    close_port(self);
+    (void)snprintf(before, sizeof before, "%s", self->name);
+    if (!is_same)
+        self->found[0] = '\0';
+    (void)snprintf(self->address, sizeof self->address, "%s", address);
+    trace_open(&self->trace, self->host, "midi");
+    if (!open_port(self, address[0] ? address : self->found, reason)) {
+        close_port(self);
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    if (address[0] == '\0')
+        (void)snprintf(self->found, sizeof self->found, "%s", self->name);
+    if (!is_same || strcmp(before, self->name) != 0) {
+        forget(self);
+        load_table(self);
+    }
+    if (self->seq && self->name[0] == '\0')
+        device_say(self->host, MRT_LOG_INFO,
+                   "no MIDI device is plugged in: plug one in, or connect a program to the port "
+                   "\"marotte\"");
+    self->chunk_size = self->chunk_at = 0;
+    self->has_event = false;
+    midi_parser_init(&self->parser, self->opened_fine);
+    return MRT_OK;
+}
+
+static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
+{
+    const bool goes_on = self->is_restarting && strcmp(self->address, address) == 0 &&
+                         (self->descriptor >= 0 || self->seq);
+    self->is_restarting = false;
+    self->opened_fine = self->parser.is_fine = params[PARAM_FINE] > 0.5;
+    self->opened_pedals = params[PARAM_PEDALS] > 0.5;
+    if (!goes_on) {
+        mrt_result result = open_afresh(self, address);
+        if (result < 0)
+            return result;
+    }
+    build_channels(self);
+    self->is_open = true;
+    self->is_touched = self->has_given;
+    self->is_lost = self->has_told_loss = false;
+    self->sensing_due_ns = INT64_MAX;
+    self->last_ns = self->budget_ns = self->host->now_ns(self->host);
+    self->repeat_due_ns = self->last_ns + repeat_ns;
+    self->budget = BUDGET_MOST;
+    self->chunk_ns = self->last_ns;
+    return MRT_OK;
+}
+
+static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
+{
+    *out_count = self->is_open ? self->table.count : 0;
+    return self->table.channel;
+}
+
+static void restart(mrt_plugin *self)
+{
+    self->is_restarting = true;
+    self->learn_due_ns = INT64_MAX;
+    self->host->request_restart(self->host);
+}
+
+/* ---- events ---- */
+
+/* Whether what has come already must be a sample before this is. */
+static bool is_next_move(const mrt_plugin *self, const midi_event *event)
+{
+    const int channel = event->kind < MIDI_RELEASE
+                            ? midi_table_find(&self->table, midi_control_of(event))
+                            : NOWHERE;
+    return event->kind == MIDI_RELEASE ? self->is_touched : channel >= 0 && self->is_moved[channel];
+}
+
+static void set_channel(mrt_plugin *self, int channel, float value)
+{
+    self->value[channel] = value;
+    self->is_moved[channel] = true;
+    self->is_touched = true;
+}
+
+static void learn(mrt_plugin *self, midi_control control)
+{
+    char name[MIDI_NAME];
+    midi_control_name(control, name);
+    if (self->learn_count == LEARN_TIMES) {
+        device_say(self->host, MRT_LOG_WARNING,
+                   "%s is new, and a channel when the input is opened again", name);
+        return;
+    }
+    self->learn_due_ns = self->chunk_ns + learn_ns;
+    device_say(self->host, MRT_LOG_DEBUG, "%s is new", name);
+}
+
+static void move(mrt_plugin *self, const midi_event *event)
+{
+    const midi_control control = midi_control_of(event);
+    const int channel = midi_table_find(&self->table, control);
+    int heard = heard_at(self, control);
+    if (heard < 0 && midi_table_hear(&self->table, control)) {
+        heard = (int)self->table.heard_count - 1;
+        self->sent_value[heard] = NAN;
+        self->is_unsaved = true;
+        if (channel < 0)
+            learn(self, control);
+    } else if (heard < 0 && !self->has_told_full) {
+        self->has_told_full = true;
+        device_say(self->host, MRT_LOG_WARNING,
+                   "%u controls have been heard, and more is not possible: forget=1 begins anew",
+                   self->table.heard_count);
+    }
+    if (heard >= 0) {
+        self->heard_value[heard] = event->value;
+        self->is_owed[heard] = event->kind == MIDI_CONTROLLER || event->kind == MIDI_BEND;
+    }
+    if (channel >= 0)
+        set_channel(self, channel, event->value);
+}
+
+/* Notes are off and pedals up: of one MIDI channel or of all. */
+static void release(mrt_plugin *self, uint8_t midi_channel)
+{
+    for (uint32_t i = 0; i < self->table.count; ++i) {
+        const midi_kind kind = (midi_kind)(self->table.control[i] >> 24);
+        const uint8_t of = self->table.control[i] >> 16 & 15;
+        const bool is_pedal = self->table.channel[i].semantic != MRT_CH_OTHER;
+        const int heard = heard_at(self, self->table.control[i]);
+        if ((kind != MIDI_NOTE && !is_pedal) || self->value[i] == 0.0f ||
+            (midi_channel != MIDI_ALL_CHANNELS && midi_channel != of))
+            continue;
+        set_channel(self, (int)i, 0.0f);
+        if (heard >= 0)
+            self->heard_value[heard] = 0.0f;
+    }
+}
+
+static void take_event(mrt_plugin *self, const midi_event *event)
+{
+    if (event->kind == MIDI_SENSING)
+        self->sensing_due_ns = self->chunk_ns + sensing_ns;
+    else if (event->kind == MIDI_RELEASE)
+        release(self, event->channel);
+    else
+        move(self, event);
+}
+
+/* ---- samples ---- */
+
+static mrt_result give(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
+{
+    memset(out, 0, sizeof *out);
+    self->last_ns = out->time_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
+    self->repeat_due_ns = self->last_ns + repeat_ns;
+    self->sequence += self->missed + self->has_given;
+    self->missed = 0;
+    self->has_given = true;
+    self->is_touched = false;
+    memset(self->is_moved, 0, sizeof self->is_moved);
+    out->sequence = self->sequence;
+    out->count = self->table.count;
+    memcpy(out->value, self->value, out->count * sizeof *out->value);
+    return MRT_OK;
+}
+
+/* Whether one more sample may be given now: a flood is thinned out. */
+static bool afford(mrt_plugin *self)
+{
+    const int64_t now_ns = self->chunk_ns;
+    const int64_t gained = (now_ns - self->budget_ns) / 1000000 * BUDGET_PER_MS;
+    if (gained > 0) {
+        self->budget = self->budget + gained < BUDGET_MOST ? self->budget + gained : BUDGET_MOST;
+        self->budget_ns = now_ns;
+    }
+    if (self->budget <= 0) {
+        self->missed += 1;
+        return false;
+    }
+    self->budget -= 1;
+    return true;
+}
+
+/* The next event of what has come; false: there is none any more. */
+static bool find_event(mrt_plugin *self)
+{
+    while (!self->has_event && self->chunk_at < self->chunk_size)
+        self->has_event = midi_take(&self->parser, self->chunk[self->chunk_at++], &self->event);
+    return self->has_event;
+}
+
+/* Takes what has come. True: a sample is due, and then the rest. */
+static bool take_chunk(mrt_plugin *self)
+{
+    while (find_event(self)) {
+        if (is_next_move(self, &self->event) && afford(self))
+            return true;
+        self->has_event = false;
+        take_event(self, &self->event);
+    }
+    return self->is_touched && afford(self);
+}
+
+/* ---- motors ---- */
+
+static size_t write_message(midi_control control, float value, bool is_fine, uint8_t *out)
+{
+    const uint8_t channel = control >> 16 & 15, number = control & 127;
+    if (control >> 24 == MIDI_BEND) {
+        const long bits = lroundf((value + 1.0f) * 0.5f * 16383.0f);
+        out[0] = 0xe0 | channel;
+        out[1] = (uint8_t)(bits & 127);
+        out[2] = (uint8_t)(bits >> 7 & 127);
+        return 3;
+    }
+    const long bits = lroundf(value * (is_fine && number < 32 ? 16383.0f : 127.0f));
+    out[0] = 0xb0 | channel;
+    out[1] = number;
+    out[2] = (uint8_t)(is_fine && number < 32 ? bits >> 7 & 127 : bits & 127);
+    if (!is_fine || number >= 32)
+        return 3;
+    out[3] = out[0];
+    out[4] = number + 32;
+    out[5] = (uint8_t)(bits & 127);
+    return 6;
+}
+
+/* The newest value of each fader goes back, else its motor draws it to where it was. What comes
+ * back unchanged is not sent once more, so that two programs do not answer each other for ever. */
+static void drive_motors(mrt_plugin *self, int64_t now_ns)
+{
+    if (!self->can_write || now_ns < self->motor_due_ns)
+        return;
+    self->motor_due_ns = now_ns + motor_ns;
+    for (uint32_t i = 0; i < self->table.heard_count; ++i) {
+        uint8_t message[6];
+        if (!self->is_owed[i])
+            continue;
+        if (self->heard_value[i] != self->sent_value[i]) {
+            size_t size = write_message(self->table.heard[i], self->heard_value[i],
+                                        self->opened_fine, message);
+            if (!(self->seq ? midi_seq_write(self->seq, message, size)
+                            : midi_raw_write(self->descriptor, message, size)))
+                return; /* it is not ready: later */
+            trace_sent(&self->trace, now_ns, message, size);
+            self->sent_value[i] = self->heard_value[i];
+        }
+        self->is_owed[i] = false;
+    }
+}
+
+static bool has_motor_due(const mrt_plugin *self, const double *params)
+{
+    if (params[PARAM_MOTOR] < 0.5 || !self->can_write)
+        return false;
+    for (uint32_t i = 0; i < self->table.heard_count; ++i)
+        if (self->is_owed[i])
+            return true;
+    return false;
+}
+
+/* ---- reading ---- */
+
+static mrt_result lose(mrt_plugin *self, mrt_sample *out)
+{
+    self->is_lost = true;
+    release(self, MIDI_ALL_CHANNELS);
+    if (self->is_touched)
+        return give(self, self->host->now_ns(self->host), out);
+    if (!self->has_told_loss)
+        device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again",
+                   self->name[0] ? self->name : self->address);
+    self->has_told_loss = true;
+    return MRT_ERR_IO;
+}
+
+/* False: the device is gone. */
+static bool receive(mrt_plugin *self)
+{
+    int size = self->seq ? midi_seq_read(self->seq, self->chunk, sizeof self->chunk)
+                         : midi_raw_read(self->descriptor, self->chunk, sizeof self->chunk);
+    self->chunk_at = 0;
+    self->chunk_size = size > 0 ? (size_t)size : 0;
+    if (size <= 0)
+        return size == 0;
+    self->chunk_ns = self->host->now_ns(self->host);
+    trace_received(&self->trace, self->chunk_ns, self->chunk, self->chunk_size);
+    if (self->sensing_due_ns != INT64_MAX)
+        self->sensing_due_ns = self->chunk_ns + sensing_ns;
+    return true;
+}
+
+static void follow_params(mrt_plugin *self, const double *params)
+{
+    if (params[PARAM_FORGET] > 0.5) {
+        forget(self);
+        self->is_unsaved = true;
+        restart(self);
+    }
+    if ((params[PARAM_FINE] > 0.5) != self->opened_fine ||
+        (params[PARAM_PEDALS] > 0.5) != self->opened_pedals)
+        restart(self);
+}
+
+/* True: a sample was given, or there is nothing to read any more; out_result says which. */
+static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
+{
+    if (now_ns >= self->sensing_due_ns) {
+        self->sensing_due_ns = INT64_MAX;
+        device_say(self->host, MRT_LOG_WARNING,
+                   "%.100s does not say any more that it is there: its notes and pedals are up",
+                   self->name[0] ? self->name : self->address);
+        release(self, MIDI_ALL_CHANNELS);
+    }
+    if (now_ns >= self->learn_due_ns) {
+        self->learn_count += 1;
+        restart(self);
+    }
+    if (self->is_touched || (self->has_given && now_ns >= self->repeat_due_ns)) {
+        (void)give(self, now_ns, out);
+        return true;
+    }
+    return false;
+}
+
+static int64_t sooner(int64_t a_ns, int64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+static int64_t next_due_ns(const mrt_plugin *self, const double *params)
+{
+    int64_t due_ns = sooner(self->sensing_due_ns, self->learn_due_ns);
+    if (self->has_given)
+        due_ns = sooner(due_ns, self->repeat_due_ns);
+    return has_motor_due(self, params) ? sooner(due_ns, self->motor_due_ns) : due_ns;
+}
+
+static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
+                             mrt_sample *out_sample)
+{
+    if (!self->is_open)
+        return MRT_ERR_IO;
+    if (!self->is_restarting)
+        follow_params(self, params);
+    for (;;) {
+        if (self->is_lost)
+            return lose(self, out_sample);
+        if (take_chunk(self))
+            return give(self, self->chunk_ns, out_sample);
+        if (!receive(self)) {
+            self->is_lost = true;
+            continue;
+        }
+        int64_t now_ns = self->host->now_ns(self->host);
+        if (has_motor_due(self, params))
+            drive_motors(self, now_ns);
+        if (self->chunk_size > 0) {
+            if (now_ns >= deadline_ns) /* a flood: the host may have something else to do */
+                return MRT_TIMEOUT;
+            continue;
+        }
+        if (act(self, now_ns, out_sample))
+            return MRT_OK;
+        if (now_ns >= deadline_ns)
+            return MRT_TIMEOUT;
+        const int64_t until_ns = sooner(deadline_ns, next_due_ns(self, params));
+        if (device_wait(self->seq ? midi_seq_descriptor(self->seq) : self->descriptor,
+                        sooner(until_ns - now_ns, repeat_ns)) < 0)
+            self->is_lost = true;
+    }
+}
+
+/* ---- devices ---- */
+
+static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
+{
+    (void)self;
+    return midi_seq_is_there() ? midi_seq_list(out, capacity) : midi_raw_list(out, capacity);
+}
+
+static bool current_device(mrt_plugin *self, mrt_device *out)
+{
+    if (!self->is_open || self->is_lost)
+        return false;
+    *out = (mrt_device){.state = MRT_DEVICE_READY};
+    (void)snprintf(out->address, sizeof out->address, "%s",
+                   self->address[0] ? self->address : self->found);
+    (void)snprintf(out->name, sizeof out->name, "%s", self->name[0] ? self->name : "MIDI");
+    return true;
+}
+
+/* ---- the type ---- */
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->descriptor = -1;
+    self->trace.file = -1;
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    self->is_restarting = false;
+    input_close(self);
+    free(self);
+}
+
+static const char *const switch_label[] = {"off", "on", NULL};
+static const mrt_param params_table[PARAM_COUNT] = {
+    [PARAM_FINE] = {1, MRT_PARAM_STEPPED, "fine", "MIDI", "",
+                    "Whether controllers 32 to 63 are the low bits of 0 to 31, for faders of 14 "
+                    "bits",
+                    0, 1, 0, switch_label},
+    [PARAM_MOTOR] = {2, MRT_PARAM_STEPPED, "motor", "MIDI", "",
+                     "Whether faders get their value back, as motor faders want it", 0, 1, 0,
+                     switch_label},
+    [PARAM_PEDALS] = {3, MRT_PARAM_STEPPED, "pedals", "MIDI", "",
+                      "Whether the pedals of a piano (controllers 64, 66, 67) are pedals 1 to 3", 0,
+                      1, 0, switch_label},
+    [PARAM_FORGET] = {4, MRT_PARAM_TRIGGER, "forget", "MIDI", "",
+                      "Forgets which controls this device has been heard to have", 0, 1, 0, NULL},
+};
+
+static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
+static const mrt_devices devices = {list_devices, current_device};
+static const mrt_interface interfaces[] = {
+    {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
+
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params_table,
+    interfaces,
+    "org.marotte.midi",
+    "MIDI",
+    MAROTTE_VERSION,
+    "Faders, knobs, pads and keys: a MIDI port by name, a device (midi:/dev/snd/midiC1D0), a pipe",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

@@ -1,0 +1,348 @@
+#include "midi_seq.h"
+
+#ifdef MIDI_HAS_ALSA
+
+#include <alsa/asoundlib.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { INPUT_POOL = 1000, MESSAGE = 4096 };
+
+struct midi_seq {
+    snd_seq_t *seq;
+    snd_midi_event_t *coder;
+    int port, descriptor;
+    bool wants_any; /* and the next device that comes will do */
+    bool is_connected;
+    snd_seq_addr_t source;
+};
+
+static const char node[] = "/dev/snd/seq";
+
+bool midi_seq_is_there(void)
+{
+    return access(node, R_OK | W_OK) == 0;
+}
+
+/* ---- ports of others ---- */
+
+typedef struct found_port {
+    snd_seq_addr_t at;
+    bool is_device;            /* not a program's */
+    char name[MIDI_PORT_NAME]; /* of its client, and of the port where a client has several */
+} found_port;
+
+static bool can_be_heard(const snd_seq_port_info_t *port)
+{
+    const unsigned wanted = SND_SEQ_PORT_CAP_READ | SND_SEQ_PORT_CAP_SUBS_READ;
+    const unsigned has = snd_seq_port_info_get_capability(port);
+    return (has & wanted) == wanted && !(has & SND_SEQ_PORT_CAP_NO_EXPORT);
+}
+
+static void name_port(found_port *out, snd_seq_client_info_t *client,
+                      const snd_seq_port_info_t *port)
+{
+    const char *client_name = snd_seq_client_info_get_name(client);
+    const char *port_name = snd_seq_port_info_get_name(port);
+    if (snd_seq_client_info_get_num_ports(client) <= 1 || !port_name)
+        (void)snprintf(out->name, sizeof out->name, "%s", client_name ? client_name : "");
+    else if (client_name && strncmp(client_name, port_name, strlen(client_name)) == 0)
+        (void)snprintf(out->name, sizeof out->name, "%s", port_name);
+    else
+        (void)snprintf(out->name, sizeof out->name, "%.30s %.30s", client_name ? client_name : "",
+                       port_name);
+    for (char *c = out->name; *c; ++c) /* a ',' begins parameters in an input's text */
+        if ((unsigned char)*c < ' ' || *c == 0x7f || *c == ',')
+            *c = ' ';
+}
+
+/* Calls `visit` for each port that can be heard, until it returns true. */
+static bool visit_ports(snd_seq_t *seq, bool (*visit)(const found_port *port, void *data),
+                        void *data)
+{
+    snd_seq_client_info_t *client;
+    snd_seq_port_info_t *port;
+    snd_seq_client_info_alloca(&client);
+    snd_seq_port_info_alloca(&port);
+    snd_seq_client_info_set_client(client, -1);
+    while (snd_seq_query_next_client(seq, client) >= 0) {
+        const int number = snd_seq_client_info_get_client(client);
+        if (number == SND_SEQ_CLIENT_SYSTEM || number == snd_seq_client_id(seq))
+            continue;
+        snd_seq_port_info_set_client(port, number);
+        snd_seq_port_info_set_port(port, -1);
+        while (snd_seq_query_next_port(seq, port) >= 0) {
+            found_port found = {.at = *snd_seq_port_info_get_addr(port),
+                                .is_device =
+                                    snd_seq_client_info_get_type(client) == SND_SEQ_KERNEL_CLIENT};
+            /* "Midi Through" gives back what programs send: it is no device */
+            found.is_device &= (snd_seq_port_info_get_type(port) & SND_SEQ_PORT_TYPE_HARDWARE) != 0;
+            name_port(&found, client, port);
+            if (can_be_heard(port) && visit(&found, data))
+                return true;
+        }
+    }
+    return false;
+}
+
+typedef struct search {
+    const char *wanted;
+    found_port found;
+} search;
+
+static bool is_wanted(const found_port *port, void *data)
+{
+    search *self = data;
+    char numbers[16];
+    (void)snprintf(numbers, sizeof numbers, "%u:%u", port->at.client, port->at.port);
+    bool fits = self->wanted[0] == '\0' ? port->is_device
+                                        : strcmp(self->wanted, numbers) == 0 ||
+                                              strstr(port->name, self->wanted) != NULL;
+    if (fits)
+        self->found = *port;
+    return fits;
+}
+
+/* ---- opening ---- */
+
+static bool connect_to(midi_seq *self, const snd_seq_addr_t *source)
+{
+    if (snd_seq_connect_from(self->seq, self->port, source->client, source->port) < 0)
+        return false;
+    /* where motors are; a device without them does not listen */
+    (void)snd_seq_connect_to(self->seq, self->port, source->client, source->port);
+    self->source = *source;
+    self->is_connected = true;
+    return true;
+}
+
+static int open_descriptor(snd_seq_t *seq)
+{
+    struct pollfd wanted;
+    return snd_seq_poll_descriptors(seq, &wanted, 1, POLLIN) == 1 ? wanted.fd : -1;
+}
+
+static bool join(midi_seq *self)
+{
+    const unsigned may = SND_SEQ_PORT_CAP_WRITE | SND_SEQ_PORT_CAP_SUBS_WRITE |
+                         SND_SEQ_PORT_CAP_READ | SND_SEQ_PORT_CAP_SUBS_READ;
+    if (snd_seq_open(&self->seq, "default", SND_SEQ_OPEN_DUPLEX, SND_SEQ_NONBLOCK) < 0) {
+        self->seq = NULL;
+        return false;
+    }
+    (void)snd_seq_set_client_name(self->seq, "marotte");
+    (void)snd_seq_set_client_pool_input(self->seq, INPUT_POOL);
+    self->port = snd_seq_create_simple_port(
+        self->seq, "marotte", may, SND_SEQ_PORT_TYPE_MIDI_GENERIC | SND_SEQ_PORT_TYPE_APPLICATION);
+    self->descriptor = open_descriptor(self->seq);
+    if (self->port < 0 || self->descriptor < 0 || snd_midi_event_new(MESSAGE, &self->coder) < 0)
+        return false;
+    snd_midi_event_no_status(self->coder, 1);
+    /* who comes and who goes */
+    return snd_seq_connect_from(self->seq, self->port, SND_SEQ_CLIENT_SYSTEM,
+                                SND_SEQ_PORT_SYSTEM_ANNOUNCE) >= 0;
+}
+
+midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
+                        char out_reason[MIDI_REASON])
+{
+    midi_seq *self = calloc(1, sizeof *self);
+    search sought = {.wanted = wanted};
+    out_name[0] = '\0';
+    if (!self || !join(self)) {
+        (void)snprintf(out_reason, MIDI_REASON,
+                       "ALSA's sequencer cannot be joined: is snd-seq loaded, and may this user "
+                       "open %s (group audio)?",
+                       node);
+        midi_seq_close(self);
+        return NULL;
+    }
+    self->wants_any = wanted[0] == '\0';
+    const bool is_found = visit_ports(self->seq, is_wanted, &sought);
+    if (is_found && connect_to(self, &sought.found.at)) {
+        (void)snprintf(out_name, MIDI_PORT_NAME, "%s", sought.found.name);
+        return self;
+    }
+    if (!is_found && self->wants_any)
+        return self;
+    (void)snprintf(out_reason, MIDI_REASON,
+                   is_found ? "the MIDI port \"%.100s\" cannot be connected: another program has "
+                              "it for itself: end that"
+                            : "no MIDI port is called \"%.100s\": plug it in, or see what there is "
+                              "with: marotte devices",
+                   wanted);
+    midi_seq_close(self);
+    return NULL;
+}
+
+void midi_seq_close(midi_seq *self)
+{
+    if (!self)
+        return;
+    if (self->coder)
+        snd_midi_event_free(self->coder);
+    if (self->seq)
+        (void)snd_seq_close(self->seq);
+    free(self);
+}
+
+int midi_seq_descriptor(const midi_seq *self)
+{
+    return self->descriptor;
+}
+
+/* ---- bytes ---- */
+
+/* False: what was heard is gone. */
+static bool take_news(midi_seq *self, const snd_seq_event_t *event)
+{
+    const snd_seq_addr_t *at = &event->data.addr;
+    const bool is_ours =
+        self->is_connected && at->client == self->source.client &&
+        (event->type == SND_SEQ_EVENT_CLIENT_EXIT || at->port == self->source.port);
+    if (is_ours &&
+        (event->type == SND_SEQ_EVENT_CLIENT_EXIT || event->type == SND_SEQ_EVENT_PORT_EXIT))
+        return false;
+    if (event->type == SND_SEQ_EVENT_PORT_START && self->wants_any && !self->is_connected) {
+        search sought = {.wanted = ""};
+        if (visit_ports(self->seq, is_wanted, &sought))
+            (void)connect_to(self, &sought.found.at);
+    }
+    return true;
+}
+
+int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
+{
+    for (;;) {
+        snd_seq_event_t *event = NULL;
+        int result = snd_seq_event_input(self->seq, &event);
+        if (result == -EAGAIN)
+            return 0;
+        if (result == -ENOSPC) /* the queue ran over: go on with what comes */
+            continue;
+        if (result < 0 || !event)
+            return -1;
+        if (event->source.client == SND_SEQ_CLIENT_SYSTEM) {
+            if (!take_news(self, event))
+                return -1;
+            continue;
+        }
+        long size = snd_midi_event_decode(self->coder, out, (long)capacity, event);
+        if (size > 0)
+            return (int)size;
+    }
+}
+
+bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
+{
+    snd_seq_event_t event;
+    snd_midi_event_reset_encode(self->coder);
+    while (size > 0) {
+        snd_seq_ev_clear(&event);
+        long used = snd_midi_event_encode(self->coder, bytes, (long)size, &event);
+        if (used <= 0)
+            return false;
+        bytes += used;
+        size -= (size_t)used;
+        if (event.type == SND_SEQ_EVENT_NONE)
+            continue;
+        snd_seq_ev_set_source(&event, (unsigned char)self->port);
+        snd_seq_ev_set_subs(&event);
+        snd_seq_ev_set_direct(&event);
+        if (snd_seq_event_output_direct(self->seq, &event) < 0)
+            return false;
+    }
+    return true;
+}
+
+/* ---- the list ---- */
+
+typedef struct listing {
+    mrt_device *out;
+    uint32_t count, capacity;
+} listing;
+
+/* By name, which stays when it is plugged in again; by numbers where a name is not its own. */
+static bool list_port(const found_port *port, void *data)
+{
+    listing *self = data;
+    if (!port->is_device)
+        return false;
+    if (self->count < self->capacity) {
+        mrt_device *out = &self->out[self->count];
+        *out = (mrt_device){.state = MRT_DEVICE_READY};
+        (void)snprintf(out->name, sizeof out->name, "%s", port->name);
+        (void)snprintf(out->address, sizeof out->address, "%s", port->name);
+        for (uint32_t i = 0; i < self->count; ++i)
+            if (strstr(self->out[i].name, port->name))
+                (void)snprintf(out->address, sizeof out->address, "%u:%u", port->at.client,
+                               port->at.port);
+    }
+    self->count += 1;
+    return false;
+}
+
+uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
+{
+    snd_seq_t *seq;
+    listing made = {out, 0, capacity};
+    if (!midi_seq_is_there() || snd_seq_open(&seq, "default", SND_SEQ_OPEN_INPUT, 0) < 0)
+        return 0;
+    (void)visit_ports(seq, list_port, &made);
+    (void)snd_seq_close(seq);
+    return made.count;
+}
+
+#else
+
+bool midi_seq_is_there(void)
+{
+    return false;
+}
+
+midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
+                        char out_reason[MIDI_REASON])
+{
+    (void)wanted;
+    out_name[0] = out_reason[0] = '\0';
+    return NULL;
+}
+
+void midi_seq_close(midi_seq *self)
+{
+    (void)self;
+}
+
+int midi_seq_descriptor(const midi_seq *self)
+{
+    (void)self;
+    return -1;
+}
+
+int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
+{
+    (void)self;
+    (void)out;
+    (void)capacity;
+    return -1;
+}
+
+bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
+{
+    (void)self;
+    (void)bytes;
+    (void)size;
+    return false;
+}
+
+uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
+{
+    (void)out;
+    (void)capacity;
+    return 0;
+}
+
+#endif

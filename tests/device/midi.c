@@ -1,0 +1,486 @@
+/* The plugin org.marotte.midi with a pipe, with a pseudo terminal in a device's place, and with
+ * ALSA's sequencer where there is one. */
+#define _XOPEN_SOURCE 700
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "input_host.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <pthread.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+
+static const int64_t ms_ns = 1000000, s_ns = 1000000000;
+
+typedef struct room {
+    input_host *host;
+    char folder[64], pipe[96];
+    int writer;
+    mrt_sample last;
+} room;
+
+static int set_up(void **state)
+{
+    room *r = calloc(1, sizeof *r);
+    snprintf(r->folder, sizeof r->folder, "/tmp/marotte_midi_XXXXXX");
+    assert_non_null(mkdtemp(r->folder));
+    snprintf(r->pipe, sizeof r->pipe, "%s/pipe", r->folder);
+    assert_int_equal(mkfifo(r->pipe, 0600), 0);
+    r->writer = open(r->pipe, O_RDWR | O_NONBLOCK);
+    r->host = input_host_create(BUILD_DIR "/plugins/midi.so");
+    snprintf(r->host->settings, sizeof r->host->settings, "%s", r->folder);
+    *state = r;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    room *r = *state;
+    input_host_destroy(r->host);
+    close(r->writer);
+    unlink(r->pipe);
+    rmdir(r->folder);
+    free(r);
+    return 0;
+}
+
+static void send_bytes(int to, const uint8_t *bytes, size_t size)
+{
+    assert_int_equal(write(to, bytes, size), size);
+}
+
+#define SEND(to, ...)                                                                              \
+    do {                                                                                           \
+        const uint8_t bytes_[] = {__VA_ARGS__};                                                    \
+        send_bytes(to, bytes_, sizeof bytes_);                                                     \
+    } while (0)
+
+static float value_of(room *r, const char *name)
+{
+    int channel = input_host_channel(r->host, name);
+    if (channel < 0)
+        fail_msg("there is no channel %s", name);
+    return r->last.value[channel];
+}
+
+static mrt_result read_one(room *r, int64_t within_ns)
+{
+    return input_host_read(r->host, within_ns, &r->last);
+}
+
+static void restart(room *r, const char *address)
+{
+    r->host->input->close(r->host->plugin);
+    assert_int_equal(input_host_open(r->host, address), MRT_OK);
+}
+
+/* ---- a pipe ---- */
+
+static void faders_through_a_pipe_are_channels(void **state)
+{
+    room *r = *state;
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    assert_int_equal(read_one(r, 10 * ms_ns), MRT_TIMEOUT); /* nobody has moved anything */
+    int64_t before_ns = input_host_now_ns(&r->host->host);
+    SEND(r->writer, 0xb0, 7, 127, 0xe2, 0, 64, 1, 64);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.7"), 1, 0);
+    assert_float_equal(value_of(r, "cc.8"), 0, 0);
+    assert_true(r->last.time_ns >= before_ns &&
+                r->last.time_ns <= input_host_now_ns(&r->host->host));
+    assert_int_equal(r->last.sequence, 0);
+    /* the second bend came in the same bunch: a sample of its own */
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "bend.3"), 2 * 8193 / 16383.0f - 1, 1e-6f);
+    assert_int_equal(r->last.sequence, 1);
+    /* the writer goes, another one comes: the pipe goes on */
+    close(r->writer);
+    assert_int_equal(read_one(r, 10 * ms_ns), MRT_TIMEOUT);
+    r->writer = open(r->pipe, O_RDWR | O_NONBLOCK);
+    SEND(r->writer, 0xb0, 7, 0);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.7"), 0, 0);
+}
+
+static void what_does_not_change_is_said_again(void **state)
+{
+    room *r = *state;
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    SEND(r->writer, 0xb0, 7, 127);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    int64_t first_ns = r->last.time_ns;
+    assert_int_equal(read_one(r, 2 * s_ns), MRT_OK);
+    assert_true(r->last.time_ns - first_ns >= s_ns && r->last.time_ns - first_ns < 3 * s_ns / 2);
+    assert_float_equal(value_of(r, "cc.7"), 1, 0);
+}
+
+typedef struct mover {
+    int to;
+    uint32_t count;
+    int64_t done_ns;
+} mover;
+
+/* A thousand a second, each value another than the one before it. */
+static void *move_fader(void *data)
+{
+    mover *self = data;
+    struct timespec next;
+    clock_gettime(CLOCK_MONOTONIC, &next);
+    for (uint32_t i = 0; i < self->count; ++i) {
+        next.tv_nsec += 1000000;
+        next.tv_sec += next.tv_nsec / 1000000000;
+        next.tv_nsec %= 1000000000;
+        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL);
+        const uint8_t message[3] = {0xe0, i & 127, (uint8_t)(i >> 7 & 127)};
+        (void)!write(self->to, message, sizeof message);
+    }
+    self->done_ns = input_host_now_ns(NULL);
+    return NULL;
+}
+
+static void a_thousand_moves_a_second_are_a_thousand_samples(void **state)
+{
+    room *r = *state;
+    enum { MOVES = 3000 };
+    mover fader = {r->writer, MOVES, 0};
+    pthread_t thread;
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    int64_t begin_ns = input_host_now_ns(&r->host->host), last_ns = 0, worst_ns = 0;
+    assert_int_equal(pthread_create(&thread, NULL, move_fader, &fader), 0);
+    for (uint32_t i = 0; i < MOVES; ++i) {
+        assert_int_equal(read_one(r, 2 * s_ns), MRT_OK);
+        assert_int_equal(r->last.sequence, i);
+        /* each value, in order, and the newest one last */
+        assert_float_equal(value_of(r, "bend.1"), 2.0f * (float)i / 16383.0f - 1, 1e-6f);
+        assert_true(r->last.time_ns >= last_ns && r->last.time_ns >= begin_ns);
+        int64_t late_ns = input_host_now_ns(&r->host->host) - r->last.time_ns;
+        worst_ns = late_ns > worst_ns ? late_ns : worst_ns;
+        last_ns = r->last.time_ns;
+    }
+    pthread_join(thread, NULL);
+    /* by their own times the moves took as long as they did */
+    assert_true(llabs(last_ns - fader.done_ns) < 100 * ms_ns);
+    printf("%u samples, given at most %.2f ms after they came\n", MOVES, (double)worst_ns / 1e6);
+    assert_int_equal(read_one(r, 20 * ms_ns), MRT_TIMEOUT);
+}
+
+typedef struct torrent {
+    int to;
+    _Atomic bool is_over;
+} torrent;
+
+static void *flood(void *data)
+{
+    torrent *self = data;
+    uint8_t bytes[4096];
+    uint32_t seed = 7;
+    for (int i = 0; i < 4000; ++i) { /* 16 MB */
+        for (size_t k = 0; k < sizeof bytes; ++k) {
+            seed = seed * 1664525 + 1013904223;
+            bytes[k] = (uint8_t)(seed >> 24);
+        }
+        for (size_t sent = 0; sent < sizeof bytes;) {
+            ssize_t size = write(self->to, bytes + sent, sizeof bytes - sent);
+            if (size > 0)
+                sent += (size_t)size;
+        }
+    }
+    self->is_over = true;
+    return NULL;
+}
+
+/* Nothing grows, no read outlasts its deadline, and the last word counts. */
+static void a_flood_of_noise_is_thinned_out(void **state)
+{
+    room *r = *state;
+    pthread_t thread;
+    torrent noise = {r->writer, false};
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    assert_int_equal(pthread_create(&thread, NULL, flood, &noise), 0);
+    int64_t begin_ns = input_host_now_ns(&r->host->host);
+    uint32_t count = 0, late = 0;
+    mrt_result result;
+    while ((result = read_one(r, 50 * ms_ns)) == MRT_OK || !noise.is_over) {
+        int64_t now_ns = input_host_now_ns(NULL);
+        assert_true(result == MRT_OK || result == MRT_TIMEOUT);
+        for (uint32_t i = 0; result == MRT_OK && i < r->last.count; ++i)
+            assert_true(isfinite(r->last.value[i]));
+        count += result == MRT_OK;
+        late += now_ns - r->last.time_ns > 500 * ms_ns && result == MRT_OK;
+    }
+    pthread_join(thread, NULL);
+    double took_s = (double)(input_host_now_ns(NULL) - begin_ns) / 1e9;
+    printf("%u samples in %.1f s\n", count, took_s);
+    assert_true(count < 1500 + 2200 * took_s);
+    assert_int_equal(late, 0);
+    while (read_one(r, 10 * ms_ns) == MRT_OK)
+        ;
+    SEND(r->writer, 0xf7, 0xb0, 7, 100, 0xb0, 7, 127);
+    while (read_one(r, 100 * ms_ns) == MRT_OK)
+        ;
+    assert_float_equal(value_of(r, "cc.7"), 1, 0);
+}
+
+/* ---- what a device has ---- */
+
+static void a_new_control_becomes_a_channel(void **state)
+{
+    room *r = *state;
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    assert_int_equal(input_host_channel(r->host, "cc.81"), -1);
+    SEND(r->writer, 0xb0, 81, 64, 0x91, 36, 100);
+    int64_t until_ns = input_host_now_ns(NULL) + 2 * s_ns;
+    while (r->host->restart_count == 0 && input_host_now_ns(NULL) < until_ns)
+        (void)read_one(r, 50 * ms_ns);
+    assert_int_equal(r->host->restart_count, 1); /* both in one go */
+    SEND(r->writer, 0xb0, 81, 127);              /* nothing is missed meanwhile */
+    restart(r, r->pipe);
+    while (read_one(r, 50 * ms_ns) == MRT_OK)
+        ;
+    assert_float_equal(value_of(r, "cc.81"), 1, 0);
+    assert_float_equal(value_of(r, "ch2.note.36"), 100 / 127.0f, 1e-6f);
+    /* forgotten when the person says so */
+    input_host_set(r->host, "forget", 1);
+    (void)read_one(r, 0);
+    input_host_set(r->host, "forget", 0);
+    restart(r, r->pipe);
+    assert_int_equal(input_host_channel(r->host, "cc.81"), -1);
+}
+
+static void channels_are_told_anew_only_so_often(void **state)
+{
+    room *r = *state;
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    for (uint8_t i = 0; i < 8; ++i) {
+        SEND(r->writer, 0xb0, 80 + i, 64);
+        int before = r->host->restart_count;
+        int64_t until_ns = input_host_now_ns(NULL) + 500 * ms_ns;
+        while (r->host->restart_count == before && input_host_now_ns(NULL) < until_ns)
+            (void)read_one(r, 20 * ms_ns);
+        if (r->host->restart_count > before)
+            restart(r, r->pipe);
+    }
+    assert_int_equal(r->host->restart_count, 5); /* a host bears 8 tables of one input */
+    assert_non_null(strstr(r->host->last_text, "opened again"));
+}
+
+static void a_device_that_falls_silent_lets_its_notes_go(void **state)
+{
+    room *r = *state;
+    input_host_set(r->host, "pedals", 1);
+    assert_int_equal(input_host_open(r->host, r->pipe), MRT_OK);
+    SEND(r->writer, 0xb0, 64, 127, 0xfe);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.64"), 1, 0);
+    int64_t began_ns = r->last.time_ns;
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.64"), 0, 0);
+    assert_true(r->last.time_ns - began_ns > 300 * ms_ns && r->last.time_ns - began_ns < s_ns);
+    assert_int_equal(r->host->said[MRT_LOG_WARNING], 1);
+}
+
+/* ---- a device: a pseudo terminal, which has two ends too ---- */
+
+typedef struct line {
+    int device; /* our end */
+    char path[64];
+} line;
+
+static line open_line(void)
+{
+    line of = {.device = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)};
+    assert_true(of.device >= 0 && grantpt(of.device) == 0 && unlockpt(of.device) == 0);
+    snprintf(of.path, sizeof of.path, "%s", ptsname(of.device));
+    return of;
+}
+
+static void motor_faders_get_their_value_back(void **state)
+{
+    room *r = *state;
+    line of = open_line();
+    uint8_t back[256];
+    input_host_set(r->host, "motor", 1);
+    assert_int_equal(input_host_open(r->host, of.path), MRT_OK);
+    /* 0x03 and 0x0d would end a terminal's line or program */
+    SEND(of.device, 0xe0, 0x03, 0x0d, 0xb0, 7, 0x03, 0x90, 60, 1);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.7"), 3 / 127.0f, 1e-6f);
+    (void)read_one(r, 50 * ms_ns);
+    ssize_t size = read(of.device, back, sizeof back);
+    const uint8_t expected[] = {0xe0, 0x03, 0x0d, 0xb0, 7, 0x03}; /* a note has no motor */
+    assert_int_equal(size, sizeof expected);
+    assert_memory_equal(back, expected, sizeof expected);
+    /* what comes back from another program's motor is not sent round and round */
+    send_bytes(of.device, expected, sizeof expected);
+    (void)read_one(r, 100 * ms_ns);
+    (void)read_one(r, 100 * ms_ns);
+    assert_int_equal(read(of.device, back, sizeof back), -1);
+    /* of many moves the newest goes back */
+    for (int i = 0; i < 100; ++i)
+        SEND(of.device, 0xb0, 8, (uint8_t)i);
+    while (read_one(r, 30 * ms_ns) == MRT_OK)
+        ;
+    size = read(of.device, back, sizeof back);
+    assert_true(size >= 3 && size <= 30);
+    assert_memory_equal(back + size - 3, ((const uint8_t[]){0xb0, 8, 99}), 3);
+    close(of.device);
+}
+
+static void a_device_that_goes_is_lost_and_found_again(void **state)
+{
+    room *r = *state;
+    line of = open_line();
+    char link[128];
+    input_host_set(r->host, "pedals", 1);
+    snprintf(link, sizeof link, "%s/device", r->folder);
+    assert_int_equal(symlink(of.path, link), 0);
+    assert_int_equal(input_host_open(r->host, link), MRT_OK);
+    SEND(of.device, 0xb0, 7, 127, 64, 127);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    close(of.device);
+    assert_int_equal(read_one(r, s_ns), MRT_OK); /* pedals go up first */
+    assert_float_equal(value_of(r, "cc.64"), 0, 0);
+    assert_float_equal(value_of(r, "cc.7"), 1, 0);
+    assert_int_equal(read_one(r, s_ns), MRT_ERR_IO);
+    assert_int_equal(read_one(r, s_ns), MRT_ERR_IO);
+    assert_int_equal(r->host->said[MRT_LOG_ERROR], 1);
+    r->host->input->close(r->host->plugin);
+    unlink(link);
+    assert_int_equal(input_host_open(r->host, link), MRT_ERR_IO);
+    assert_non_null(strstr(r->host->last_text, "plug it in"));
+    of = open_line();
+    assert_int_equal(symlink(of.path, link), 0);
+    assert_int_equal(input_host_open(r->host, link), MRT_OK);
+    uint32_t sequence = r->last.sequence;
+    SEND(of.device, 0xb0, 8, 127);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_true(r->last.sequence > sequence);
+    assert_float_equal(value_of(r, "cc.7"), 1, 0); /* where it was left */
+    unlink(link);
+    close(of.device);
+}
+
+static void what_is_no_device_is_refused_with_advice(void **state)
+{
+    room *r = *state;
+    char file[128];
+    snprintf(file, sizeof file, "%s/file", r->folder);
+    int made = open(file, O_CREAT | O_WRONLY, 0600);
+    close(made);
+    assert_int_equal(input_host_open(r->host, file), MRT_ERR_IO);
+    assert_non_null(strstr(r->host->last_text, "mkfifo"));
+    unlink(file);
+    assert_int_equal(input_host_open(r->host, file), MRT_ERR_IO);
+    assert_non_null(strstr(r->host->last_text, "plug it in"));
+    assert_int_equal(input_host_open(r->host, r->folder), MRT_ERR_IO);
+    if (access("/dev/snd/seq", F_OK) != 0) {
+        assert_int_equal(input_host_open(r->host, "nanoKONTROL2"), MRT_ERR_IO);
+        assert_non_null(strstr(r->host->last_text, "no MIDI sequencer"));
+    }
+    mrt_sample none;
+    assert_int_equal(input_host_read(r->host, 0, &none), MRT_ERR_IO);
+}
+
+/* ---- the sequencer ---- */
+
+#ifdef MIDI_HAS_ALSA
+#include <alsa/asoundlib.h>
+
+static snd_seq_t *make_program(const char *name, int *out_port)
+{
+    snd_seq_t *seq;
+    if (access("/dev/snd/seq", R_OK | W_OK) != 0 ||
+        snd_seq_open(&seq, "default", SND_SEQ_OPEN_DUPLEX, SND_SEQ_NONBLOCK) < 0)
+        return NULL;
+    snd_seq_set_client_name(seq, name);
+    *out_port = snd_seq_create_simple_port(seq, "out",
+                                           SND_SEQ_PORT_CAP_READ | SND_SEQ_PORT_CAP_SUBS_READ |
+                                               SND_SEQ_PORT_CAP_WRITE | SND_SEQ_PORT_CAP_SUBS_WRITE,
+                                           SND_SEQ_PORT_TYPE_MIDI_GENERIC);
+    return seq;
+}
+
+static void send_controller(snd_seq_t *seq, int port, int number, int value)
+{
+    snd_seq_event_t event;
+    snd_seq_ev_clear(&event);
+    snd_seq_ev_set_source(&event, (unsigned char)port);
+    snd_seq_ev_set_subs(&event);
+    snd_seq_ev_set_direct(&event);
+    event.type = SND_SEQ_EVENT_CONTROLLER;
+    event.data.control.param = (unsigned)number;
+    event.data.control.value = value;
+    assert_true(snd_seq_event_output_direct(seq, &event) >= 0);
+}
+
+static void ports_of_the_sequencer_come_and_go(void **state)
+{
+    room *r = *state;
+    int port = 0;
+    snd_seq_t *seq = make_program("marotte test faders", &port);
+    if (!seq) {
+        printf("SKIPPED: /dev/snd/seq is not here\n");
+        skip();
+    }
+    input_host_set(r->host, "motor", 1);
+    assert_int_equal(input_host_open(r->host, "test faders"), MRT_OK);
+    send_controller(seq, port, 7, 127);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.7"), 1, 0);
+    for (int i = 0; i < 1000; ++i) {
+        send_controller(seq, port, 8, i & 127);
+        assert_int_equal(read_one(r, s_ns), MRT_OK);
+        assert_float_equal(value_of(r, "cc.8"), (float)(i & 127) / 127.0f, 1e-6f);
+    }
+    (void)read_one(r, 50 * ms_ns);
+    snd_seq_event_t *back = NULL;
+    assert_true(snd_seq_event_input(seq, &back) >= 0); /* the motor's */
+    snd_seq_close(seq);
+    assert_int_equal(read_one(r, s_ns), MRT_ERR_IO);
+    r->host->input->close(r->host->plugin);
+    assert_int_equal(input_host_open(r->host, "test faders"), MRT_ERR_IO);
+    seq = make_program("marotte test faders", &port);
+    assert_int_equal(input_host_open(r->host, "test faders"), MRT_OK);
+    send_controller(seq, port, 7, 64);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "cc.7"), 64 / 127.0f, 1e-6f);
+    /* a second input hears the same port: it is shared */
+    input_host *other = input_host_create(BUILD_DIR "/plugins/midi.so");
+    assert_int_equal(input_host_open(other, "test faders"), MRT_OK);
+    send_controller(seq, port, 7, 0);
+    mrt_sample same;
+    assert_int_equal(input_host_read(other, s_ns, &same), MRT_OK);
+    input_host_destroy(other);
+    snd_seq_close(seq);
+}
+#endif
+
+#define ROOM_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ROOM_TEST(faders_through_a_pipe_are_channels),
+        ROOM_TEST(what_does_not_change_is_said_again),
+        ROOM_TEST(a_thousand_moves_a_second_are_a_thousand_samples),
+        ROOM_TEST(a_flood_of_noise_is_thinned_out),
+        ROOM_TEST(a_new_control_becomes_a_channel),
+        ROOM_TEST(channels_are_told_anew_only_so_often),
+        ROOM_TEST(a_device_that_falls_silent_lets_its_notes_go),
+        ROOM_TEST(motor_faders_get_their_value_back),
+        ROOM_TEST(a_device_that_goes_is_lost_and_found_again),
+        ROOM_TEST(what_is_no_device_is_refused_with_advice),
+#ifdef MIDI_HAS_ALSA
+        ROOM_TEST(ports_of_the_sequencer_come_and_go),
+#endif
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
