@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "io/arkit.h"
 #include "io/curves.h"
 #include "take/sound_file.h"
 
@@ -85,6 +86,16 @@ mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
         if (result < 0)
             return result;
     }
+    return MRT_OK;
+}
+
+mrt_result exports_check_face(const exports_file *file, uint32_t count, const mesh *m, error *err)
+{
+    file_extension extension = file_extension_of(m->path ? m->path : "");
+    for (uint32_t i = 0; i < count; ++i)
+        if (file[i].format == EXPORTS_VRM && strcmp(extension.text, "vrm") != 0)
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "%s: the face is not from a .vrm file; --export a .glb", file[i].path);
     return MRT_OK;
 }
 
@@ -289,6 +300,31 @@ static mrt_result write_csv(const char *path, const clip *frames, const exports_
     return csv_write(path, frames, steps, err);
 }
 
+static mrt_result write_livelink(const char *path, const clip *frames,
+                                 const exports_settings *settings, const export_progress *steps,
+                                 facts *told, error *err)
+{
+    arkit_map map;
+    char missing[2048] = "";
+    size_t used = 0;
+    (void)settings;
+    arkit_map_find(&map, frames);
+    for (uint32_t i = 0; i < ARKIT_SHAPES && used < sizeof missing; ++i)
+        if (map.of[i].curve == UINT32_MAX)
+            used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s",
+                                     used > 0 ? " " : "", arkit_name[i]);
+    if (map.shape_count + map.turn_count == 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: nothing of this face is a shape of ARKit by its name, and it has no "
+                         "jaw, lids or eyes",
+                         path);
+    facts_number(told, "arkit_shapes", "ARKit shapes", map.shape_count, 0, "of 52");
+    facts_number(told, "arkit_turns", "  turns", map.turn_count, 0, "of 9, of head and eyes");
+    if (used > 0)
+        facts_text(told, "arkit_missing", "  always 0", missing);
+    return livelink_write(path, frames, steps, err);
+}
+
 /* From a clip; NULL: a video, written while it is performed. */
 static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *frames,
                                                 const exports_settings *settings,
@@ -298,6 +334,8 @@ static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *fr
     [EXPORTS_PC2] = write_pc2,
     [EXPORTS_MDD] = write_mdd,
     [EXPORTS_CSV] = write_csv,
+    [EXPORTS_LIVELINK] = write_livelink,
+    [EXPORTS_VRM] = write_glb,
     [EXPORTS_PNG] = write_sheet,
     [EXPORTS_USD] = write_usd,
     [EXPORTS_USD_POINTS] = write_usd_points,

@@ -35,6 +35,10 @@ bool exports_need_clip(const exports_file *file, uint32_t count);
 /* A file that cannot be written is better known before an hour of performing. */
 CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error *err);
 
+/* Likewise, once the face is known: what a format wants of it. */
+CHECKED mrt_result exports_check_face(const exports_file *file, uint32_t count, const mesh *m,
+                                      error *err);
+
 typedef struct exports_settings {
     double tolerance_mm; /* of glTF; 0: its default */
     uint32_t max_targets;

@@ -187,6 +187,8 @@ static mrt_result prepare(performance *self, error *err)
     result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
         result = face_file_read(&self->face, options->face, &options->frame, FACE_FILE_USABLE, err);
+    if (result >= 0)
+        result = exports_check_face(options->exports, options->export_count, &self->face.mesh, err);
     if (result < 0)
         return result;
     print_note(self->face.note);
@@ -584,8 +586,7 @@ const command command_perform = {
         "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
         "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
         "                     live, the key z does so, and q ends\n"
-        "  --tolerance MM     greatest vertex error in glTF: of clay 0.1 % of the face's height,\n"
-        "                     else a tenth of that\n"
+        "  --tolerance MM     greatest error in glTF (of clay 0.1 % of the height, else 0.01 %)\n"
         "  --max-targets N    at most so many morph targets for what has no name\n"
         "  --bare             in glTF the mesh alone; else a face from a .glb, .gltf or .vrm is "
         "that\n"

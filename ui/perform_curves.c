@@ -263,6 +263,8 @@ static mrt_result prepare(curve_performance *self, error *err)
         result = curve_table_read(&self->table, o->curves, err);
     if (result >= 0)
         result = face_file_read(&self->face, o->face, &o->frame, FACE_FILE_USABLE, err);
+    if (result >= 0)
+        result = exports_check_face(o->exports, o->export_count, &self->face.mesh, err);
     if (result < 0)
         return result;
     self->solver = solver_of(self);

@@ -1,4 +1,5 @@
 #include "recording.h"
+#include "io/arkit.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -171,6 +172,48 @@ static mrt_result add_contact_curves(recording *self, const mrt_contact *contact
     return result;
 }
 
+/* Poses of the rig that are called as ARKit's shapes. */
+static bool is_arkit_pose(const rig_pose *pose)
+{
+    return arkit_find(pose->name) < ARKIT_SHAPES;
+}
+
+static mrt_result add_pose_curves(recording *self, const rig *r, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; r && i < r->pose_count && result >= 0; ++i) {
+        char name[128], unit[] = "";
+        (void)snprintf(name, sizeof name, "%s", r->pose[i].name);
+        if (is_arkit_pose(&r->pose[i]))
+            result = clip_add_curve(self->clip,
+                                    &(clip_curve){.name = name, .unit = unit, .max = 1.0}, err);
+    }
+    return result;
+}
+
+/* How much of a pose a frame is: along what the pose itself moves, 0..1. A turn of a degree of
+ * freedom over its range counts as 10 mm. value: the degrees of freedom, then the contacts. */
+static double part_of_pose(const rig_pose *pose, const bones *b, const double *value)
+{
+    double along = 0.0, whole = 0.0;
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        for (uint32_t d = 0; d < b->dof_count; ++d) {
+            double scale = 10.0 / fmax((double)b->dof[d].max - (double)b->dof[d].min, 1e-6);
+            if (strcmp(b->dof[d].name, pose->dof_name[i]) != 0)
+                continue;
+            along += scale * scale * pose->dof_value[i] * value[d];
+            whole += scale * scale * pose->dof_value[i] * pose->dof_value[i];
+        }
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        const double *way = value + b->dof_count + (size_t)3 * pose->pull_contact[i];
+        vec3 to = pose->pull_mm[i];
+        whole += vec3_dot(to, to);
+        if (!isnan(way[0]))
+            along += to.x * way[0] + to.y * way[1] + to.z * way[2];
+    }
+    return whole > 0.0 ? fmin(fmax(along / whole, 0.0), 1.0) : 0.0;
+}
+
 /* How the face is held: of the engagement and the field, as numbers. */
 static const char *const solver_curve[] = {"solver.anchor",     "solver.commit",
                                            "solver.radius",     "solver.kernel",
@@ -187,6 +230,9 @@ static mrt_result add_curves(recording *self, const face *f, error *err)
         result = add_dof_curve(self, f, i, err);
     for (uint32_t i = 0; i < contact_count && result >= 0; ++i)
         result = add_contact_curves(self, &contact[i], err);
+    self->first_pose = clip_curve_count(self->clip);
+    if (result >= 0)
+        result = add_pose_curves(self, face_bones(f)->rig, err);
     for (size_t i = 0; i < SOLVER_CURVES && result >= 0; ++i) {
         char name[32], unit[] = "";
         (void)snprintf(name, sizeof name, "%s", solver_curve[i]);
@@ -282,6 +328,11 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
         put_vec3(free_point + 6 * free_count, asked[k].start);
         put_vec3(free_point + 6 * free_count++ + 3, asked[k].end);
     }
+    const rig *r = face_bones(f)->rig;
+    double *pose = value + self->first_pose;
+    for (uint32_t i = 0; r && i < r->pose_count; ++i)
+        if (is_arkit_pose(&r->pose[i]))
+            *pose++ = part_of_pose(&r->pose[i], face_bones(f), value);
     if (asked_count > 0)
         put_solver(value + count - SOLVER_CURVES, from);
     for (uint32_t k = 0; k < self->pull_count; ++k)

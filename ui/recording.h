@@ -28,6 +28,7 @@ typedef struct recording {
     uint32_t *main;      /* column_capacity: its column of the greatest share */
     uint32_t pull_count; /* of the segment */
     bool has_curves;     /* the face has been asked for them */
+    uint32_t first_pose; /* of the curves: those of poses */
     double *value;       /* scratch: one for each curve of the clip */
     float *work_ms;      /* per frame */
     uint32_t frame_count, frame_capacity;

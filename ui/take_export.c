@@ -291,6 +291,8 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
     }
     result = take_stage_open(stage, call, call->word[1], call->text[TAKE_FACE], err);
     if (result >= 0)
+        result = exports_check_face(call->exports, call->export_count, &stage->face.mesh, err);
+    if (result >= 0)
         result = take_frames_of(&frames, call, &stage->take, err);
     if (result >= 0 && wav && stage->take.audio.audio == 0)
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld has no sound to export",

@@ -7,6 +7,8 @@
 #define EXPORTS_FORMATS(X)                                                                         \
     X(GLB, ".glb", "glTF, for Blender, Unity, Unreal (.glb)",                                      \
       "the face with all that its file has, and its motion", "hands, sound")                       \
+    X(VRM, ".vrm", "VRM (.vrm)", "the .vrm that the face came from, and its motion",               \
+      "hands, sound")                                                                              \
     X(MP4, ".mp4", "Video (.mp4)", "H.264, by the program ffmpeg; sound and time code",            \
       "the mesh")                                                                                  \
     X(FOLDER, "/", "Pictures, a folder of PNG", "a folder: pictures 00001.png and on", "sound")    \
@@ -19,13 +21,14 @@
       "the mesh, frames a second")                                                                 \
     X(MDD, ".mdd", "Motion Designer (.mdd)", "every vertex at every frame, and its time",          \
       "the mesh")                                                                                  \
-    X(CSV, ".csv", "Table (.csv)",                                                                 \
-      "degrees of freedom, contacts, time code: what --curves performs again", "the mesh")         \
+    X(CSV, ".csv", "Table (.csv)", "degrees of freedom, contacts; for --curves", "the mesh")       \
+    X(LIVELINK, ".livelink.csv", "Live Link Face table (.livelink.csv)",                           \
+      "ARKit's shapes, as the app records them", "the mesh")                                       \
     X(PNG, ".png", "Contact sheet (.png)", "eight moments in one picture", "motion")
 
 /* For --help: a line each. */
 #define EXPORTS_HELP_LINE(format, ending, name, holds, lacks)                                      \
-    "                     " ending "   " holds "; not: " lacks "\n"
+    "      " ending "   " holds "; not: " lacks "\n"
 #define EXPORTS_HELP EXPORTS_FORMATS(EXPORTS_HELP_LINE)
 
 #endif

@@ -65,6 +65,12 @@ static void put_head(const table *t)
     (void)fputc('\n', t->stream);
 }
 
+/* What is nothing but rounding is 0. */
+static void put_number(FILE *stream, double value)
+{
+    (void)fprintf(stream, ",%.9g", fabs(value) < 1e-9 ? 0.0 : value);
+}
+
 static void put_frame(const table *t, uint32_t frame)
 {
     char timecode[TIMECODE_TEXT] = "";
@@ -77,12 +83,12 @@ static void put_frame(const table *t, uint32_t frame)
                   shape_of(t, frame));
     for (uint32_t i = 0; i < clip_curve_count(t->clip); ++i)
         if (value && !isnan(value[i]))
-            (void)fprintf(t->stream, ",%.9g", value[i]);
+            put_number(t->stream, value[i]);
         else
             (void)fputc(',', t->stream);
     for (uint32_t i = 0; i < t->control_count * 6; ++i)
         if (i < count * 6)
-            (void)fprintf(t->stream, ",%.9g", control[i]);
+            put_number(t->stream, control[i]);
         else
             (void)fputc(',', t->stream);
     (void)fputc('\n', t->stream);

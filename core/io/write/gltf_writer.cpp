@@ -539,14 +539,15 @@ void step(const export_progress *progress, double done)
         progress->step(progress->data, done);
 }
 
+bool ends_in(const char *path, const char *end)
+{
+    size_t length = std::strlen(path), wanted = std::strlen(end);
+    return length >= wanted && strcasecmp(path + length - wanted, end) == 0;
+}
+
 bool is_gltf_name(const char *path)
 {
-    for (const char *end : {".glb", ".gltf", ".vrm"}) {
-        size_t length = std::strlen(path), wanted = std::strlen(end);
-        if (length >= wanted && strcasecmp(path + length - wanted, end) == 0)
-            return true;
-    }
-    return false;
+    return ends_in(path, ".glb") || ends_in(path, ".gltf") || ends_in(path, ".vrm");
 }
 
 void open_source(target_list &to, gltf_report &report)
@@ -570,6 +571,10 @@ void write_clip(const char *path, performance &p, const gltf_options &options,
     p.report.tolerance_mm = tolerance_of(m, options.tolerance_mm);
     if (!options.is_bare)
         open_source(to, p.report);
+    if (!to.source && ends_in(path, ".vrm"))
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s cannot be performed in its own file: %s", path,
+                  m->path ? m->path : "the face",
+                  p.report.why_bare.text[0] ? p.report.why_bare.text : "it is no .vrm");
     if (!to.source)
         gltf_surface_begin(to.bare, to.surface);
     add_exact_targets(to, p);
