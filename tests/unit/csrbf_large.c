@@ -15,7 +15,6 @@
 #include <unistd.h>
 
 enum { SIDE = 2240, VERTICES = SIDE * SIDE, CONTROLS = 3, EVERY = 4999, SKIPPED = 77 };
-static const uint64_t needed_bytes = (uint64_t)1 << 30;
 static const double start[CONTROLS][3] = {{-30.0, 0.0, 0.0}, {25.0, 20.0, 0.0}, {25.0, 26.0, 0.0}};
 static const double pull[CONTROLS][3] = {{1.0, 0.0, 3.0}, {0.0, -1.0, 2.0}, {0.5, 0.5, -2.0}};
 
@@ -24,6 +23,7 @@ static bool is_short_of_memory(void)
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     return true; /* its shadow takes several times as much */
 #else
+    const uint64_t needed_bytes = (uint64_t)1 << 30;
     long pages = -1, size = sysconf(_SC_PAGESIZE);
 #ifdef _SC_AVPHYS_PAGES
     pages = sysconf(_SC_AVPHYS_PAGES);

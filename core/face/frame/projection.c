@@ -235,7 +235,8 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)
 
 void projection_rest(projection *p)
 {
-    memset(p->done, 0, p->block_count * sizeof *p->done);
+    for (uint32_t i = 0; i < p->block_count; ++i)
+        p->done[i] = (projection_done){0};
 }
 
 projection_report projection_reported(const projection *p)
