@@ -43,7 +43,7 @@ typedef struct talker {
     bool streams_words, has_time, has_status;
     int listener; /* over TCP, else -1 */
     _Atomic uint32_t sent, asked_polled;
-    uint32_t restarts;
+    _Atomic uint32_t restarts;
 } talker;
 
 static void talker_put(talker *self, const void *bytes, size_t size)

@@ -86,7 +86,7 @@ static void a_lost_device_is_opened_again_and_says_so(void **state)
     flaky_library *library = *state;
     wake signal;
     story told = {0};
-    input *in = flaky_input(library, "port:7", "run=0.02,away=0.05,losses=1,after=0.02");
+    input *in = flaky_input(library, "port:7", "run=0.2,away=0.05,losses=1,after=0.2");
     start(in, &signal);
     follow(in, &signal, &told, is_over);
     assert_int_equal(input_state_of(in), INPUT_ENDED);
