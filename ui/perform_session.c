@@ -324,7 +324,7 @@ void perform_mapping_close(perform_mapping *self)
 
 static const int64_t patience_ns = 3 * NS_PER_S;
 
-mrt_result perform_sound_start(perform_sound *out, show *s, writer *w, error *err)
+static mrt_result perform_sound_start(perform_sound *out, show *s, writer *w, error *err)
 {
     *out = (perform_sound){.show = s};
     const sound_settings settings = {.show = s};
@@ -340,7 +340,8 @@ static void say(perform_sound *self, const char *text)
     fprintf(stderr, "warning: %s; the hands are recorded all the same\n", text);
 }
 
-void perform_sound_update(perform_sound *self)
+/* Arms the microphone; the show and the writer must outlive it. To be finished whatever comes. */
+static void perform_sound_update(perform_sound *self)
 {
     sound_in_status status;
     if (!self->sound)
@@ -351,7 +352,8 @@ void perform_sound_update(perform_sound *self)
     say(self, status.record.text);
 }
 
-void perform_sound_stop(perform_sound *self)
+/* The microphone is off, and all of it is with the writer. */
+static void perform_sound_stop(perform_sound *self)
 {
     if (!self->sound)
         return;
@@ -363,7 +365,9 @@ void perform_sound_stop(perform_sound *self)
     }
 }
 
-mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told, error *err)
+/* What was recorded becomes the take's sound; the writer has been flushed or stopped. */
+static mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told,
+                                       error *err)
 {
     sound_in_status status;
     show_audio audio;
@@ -404,7 +408,8 @@ mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double leng
     return result;
 }
 
-void perform_sound_finish(perform_sound *self)
+/* zeroed is fine */
+static void perform_sound_finish(perform_sound *self)
 {
     sound_destroy(self->sound);
     *self = (perform_sound){0};

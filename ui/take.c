@@ -313,8 +313,8 @@ static mrt_result time_of_label(take_call *call, const char *text, const take *t
     return MRT_OK;
 }
 
-mrt_result take_time_of(take_call *call, const char *what, const char *text, const take *t,
-                        int64_t *out, error *err)
+static mrt_result take_time_of(take_call *call, const char *what, const char *text, const take *t,
+                               int64_t *out, error *err)
 {
     double seconds;
     if (strchr(text, ':') || strchr(text, ';'))
@@ -344,7 +344,7 @@ take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
     return out;
 }
 
-mrt_result take_open_show(take_call *call, error *err)
+static mrt_result take_open_show(take_call *call, error *err)
 {
     static const show_mode modes[] = {
         [TAKE_READS] = SHOW_READ, [TAKE_WRITES] = SHOW_WRITE, [TAKE_RECORDS] = SHOW_RECORD};
@@ -575,8 +575,8 @@ static const take_verb play_verbs[] = {
      "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
      take_log_run},
 };
-const take_verbs take_play_verbs = {"Perform over, perform anew, compare, export", play_verbs,
-                                    sizeof play_verbs / sizeof play_verbs[0]};
+static const take_verbs take_play_verbs = {"Perform over, perform anew, compare, export",
+                                           play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
 
 /* ---- the command ---- */
 

@@ -133,8 +133,6 @@ CHECKED mrt_result take_number_of(take_call *call, const char *what, const char 
 /* Seconds ("2.1") or, with a ':', time code at --fps or the take's rate. */
 CHECKED mrt_result take_time(take_call *call, take_option option, const take *t, int64_t *out,
                              error *err);
-CHECKED mrt_result take_time_of(take_call *call, const char *what, const char *text, const take *t,
-                                int64_t *out, error *err);
 /* Of --fps, else the take's, else 30. */
 CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err);
 /* The time code of a frame counted from the take's start; at another rate than the take's, the
@@ -143,7 +141,6 @@ int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
 
 /* ---- the show and what is in it ---- */
 
-CHECKED mrt_result take_open_show(take_call *call, error *err);
 /* "3", "last", "scene/shot/2". */
 CHECKED mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *err);
 /* The take as its edits make it. An edit that cannot be applied is told as a warning; what can be
@@ -163,13 +160,11 @@ take_name take_slate_text(const char *scene, const char *shot,
 
 /* ---- subcommands of take.c's own table ---- */
 
-CHECKED mrt_result take_check_run(take_call *call, error *err);
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
 CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);
-CHECKED mrt_result take_show_run(take_call *call, error *err);
 
 /* How far apart two takes move the face, by regions, and when most. */
 CHECKED mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err);

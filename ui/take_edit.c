@@ -12,7 +12,8 @@
 
 /* ---- a list of edits, applied to a take through its history ---- */
 
-edit *take_change_add(take_change *change, edit_kind kind)
+/* The next edit of the list. */
+static edit *take_change_add(take_change *change, edit_kind kind)
 {
     edit *out = &change->edit[change->count++];
     edit_init(out, kind);
@@ -95,10 +96,11 @@ static mrt_result do_all(take_call *call, history *of, const take_change *change
     return MRT_OK;
 }
 
-mrt_result take_change_run(take_call *call,
-                           mrt_result (*ask)(take_call *call, const take *t, take_change *out,
-                                             error *err),
-                           error *err)
+/* Opens the take that the call names, asks `ask` what to do, and does it. */
+static mrt_result take_change_run(take_call *call,
+                                  mrt_result (*ask)(take_call *call, const take *t,
+                                                    take_change *out, error *err),
+                                  error *err)
 {
     int64_t id;
     edit_store *store;

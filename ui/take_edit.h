@@ -11,15 +11,6 @@ typedef struct take_change {
     uint32_t count;
 } take_change;
 
-/* The next edit of the list. */
-edit *take_change_add(take_change *change, edit_kind kind);
-
-/* Opens the take that the call names, asks `ask` what to do, and does it. */
-CHECKED mrt_result take_change_run(take_call *call,
-                                   mrt_result (*ask)(take_call *call, const take *t,
-                                                     take_change *out, error *err),
-                                   error *err);
-
 /* Comma-separated patterns, or names of regions: into own of the edit. */
 CHECKED mrt_result take_read_own(take_call *call, const char *text, edit *out, error *err);
 /* What a take shows, as material for an edit: the clip that is shown at from_ns. */

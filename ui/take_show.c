@@ -279,7 +279,7 @@ static mrt_result tell_hash(take_call *call, error *err)
     return result;
 }
 
-mrt_result take_show_run(take_call *call, error *err)
+static mrt_result run_show(take_call *call, error *err)
 {
     take t;
     mrt_result result = take_read(call, call->word[1], &t, err);
@@ -472,30 +472,6 @@ static mrt_result run_recover(take_call *call, error *err)
     return MRT_OK;
 }
 
-static const take_verb file_verbs[] = {
-    {"list", "SHOW", "", "the takes of a show", 0, TAKE_READS, run_list},
-    {"show", "SHOW TAKE",
-     "  --hash         SHA-256 over all vertices of all frames, too\n"
-     "  --fps RATE     of these frames (the take's, or 30)\n"
-     "  --in T, --out T   a range of them\n"
-     "  --face FILE    on this face (that which it was performed on)\n",
-     "what a take is made of",
-     TAKE_BIT(TAKE_HASH_OPTION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_IN) |
-         TAKE_BIT(TAKE_OUT),
-     TAKE_READS, take_show_run},
-    {"keep", "SHOW",
-     "  --last S       so many seconds (30)\n  --scene S, --shot S   of its slate\n",
-     "makes a take of the newest seconds",
-     TAKE_BIT(TAKE_LAST) | TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT), TAKE_WRITES, run_keep},
-    {"check", "SHOW", "Exit code 1 when something is damaged.\n",
-     "reads everything and says what is damaged", 0, TAKE_READS, take_check_run},
-    {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
-     "copies what can be read of a damaged show", TAKE_BIT(TAKE_OUT), TAKE_OPENS_ITSELF,
-     run_recover},
-};
-const take_verbs take_file_verbs = {"The show", file_verbs,
-                                    sizeof file_verbs / sizeof file_verbs[0]};
-
 /* ---- take check: everything is read once ---- */
 
 enum { TOLD_MAX = 100, PIECE_BYTES = 1 << 16 };
@@ -657,7 +633,7 @@ static mrt_result check_sounds(checking *self, error *err)
     return MRT_OK;
 }
 
-mrt_result take_check_run(take_call *call, error *err)
+static mrt_result run_check(take_call *call, error *err)
 {
     checking self = {.call = call};
     mrt_result result = check_tracks(&self, err);
@@ -685,3 +661,29 @@ mrt_result take_check_run(take_call *call, error *err)
                      "the rest",
                      call->word[0], self.problem_count, quoted[0] ? quoted : "SHOW");
 }
+
+/* ---- the verbs ---- */
+
+static const take_verb file_verbs[] = {
+    {"list", "SHOW", "", "the takes of a show", 0, TAKE_READS, run_list},
+    {"show", "SHOW TAKE",
+     "  --hash         SHA-256 over all vertices of all frames, too\n"
+     "  --fps RATE     of these frames (the take's, or 30)\n"
+     "  --in T, --out T   a range of them\n"
+     "  --face FILE    on this face (that which it was performed on)\n",
+     "what a take is made of",
+     TAKE_BIT(TAKE_HASH_OPTION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_IN) |
+         TAKE_BIT(TAKE_OUT),
+     TAKE_READS, run_show},
+    {"keep", "SHOW",
+     "  --last S       so many seconds (30)\n  --scene S, --shot S   of its slate\n",
+     "makes a take of the newest seconds",
+     TAKE_BIT(TAKE_LAST) | TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT), TAKE_WRITES, run_keep},
+    {"check", "SHOW", "Exit code 1 when something is damaged.\n",
+     "reads everything and says what is damaged", 0, TAKE_READS, run_check},
+    {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
+     "copies what can be read of a damaged show", TAKE_BIT(TAKE_OUT), TAKE_OPENS_ITSELF,
+     run_recover},
+};
+const take_verbs take_file_verbs = {"The show", file_verbs,
+                                    sizeof file_verbs / sizeof file_verbs[0]};

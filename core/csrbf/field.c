@@ -151,7 +151,8 @@ void field_move_f64(const field *f, double *x, uint32_t count)
     }
 }
 
-bool field_reaches(const field *f, uint32_t centre, const points_bounds *block)
+/* False when the block lies out of the centre's support, or only touches it. */
+static bool field_reaches(const field *f, uint32_t centre, const points_bounds *block)
 {
     double radius = f->settings.radius;
     return points_bounds_distance_squared(block, f->centre + (size_t)3 * centre) < radius * radius;
@@ -166,7 +167,8 @@ static void copy_block(points *out, const points *in, uint32_t block)
     out->block[block] = in->block[block];
 }
 
-bool field_touches(const field *f, const points_bounds *block)
+/* False when d is zero all over the block. */
+static bool field_touches(const field *f, const points_bounds *block)
 {
     bool global = f->term_count > 0 && f->settings.polynomial != CSRBF_WINDOWED;
     for (uint32_t centre = 0; centre < f->centre_count; ++centre)
@@ -308,7 +310,8 @@ static bool gradient_f64(const field *f, gradient *out, const points *at, uint32
     return true;
 }
 
-bool field_gradient(const field *f, gradient *out, const points *at, uint32_t block)
+/* False when grad d is zero all over the block; it is set to zero then. */
+static bool field_gradient(const field *f, gradient *out, const points *at, uint32_t block)
 {
     return f->needs_double ? gradient_f64(f, out, at, block)
                            : f->lanes->gradient_block(f, out, at, block);

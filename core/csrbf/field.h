@@ -51,19 +51,12 @@ uint32_t field_move(const field *f, points *out, const points *in);
 double field_cost_ns(const field *f, uint32_t block_count);
 enum { FIELD_GRAIN = 16 };
 
-/* False when the block lies out of the centre's support, or only touches it. */
-bool field_reaches(const field *f, uint32_t centre, const points_bounds *block);
-/* False when d is zero all over the block. */
-bool field_touches(const field *f, const points_bounds *block);
-
 /* ---- its derivative, and how hard it bends space ---- */
 
 typedef struct gradient {
     float row[3][3][POINTS_BLOCK]; /* [a][b]: derivative of d_a by x_b */
 } gradient;
 
-/* False when grad d is zero all over the block; it is set to zero then. */
-bool field_gradient(const field *f, gradient *out, const points *at, uint32_t block);
 /* grad p: [a][b] is the derivative of p_a by x_b. */
 matrix3 field_polynomial_gradient(const field *f);
 

@@ -54,7 +54,7 @@ static void make_largest_positive(double v[3])
         v[k] = -v[k];
 }
 
-void symmetric3_eigen(double value[3], matrix3 *vector, const matrix3 *a)
+static void symmetric3_eigen(double value[3], matrix3 *vector, const matrix3 *a)
 {
     double d[3][3], v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     memcpy(d, a->at, sizeof d);

@@ -11,7 +11,6 @@ typedef struct matrix3 {
 
 /* value: descending; vector->at[k]: unit, of value[k], its component of largest size positive. a
  * must be finite; its whole is read. */
-void symmetric3_eigen(double value[3], matrix3 *vector, const matrix3 *a);
 double symmetric3_largest(const matrix3 *a);
 
 typedef struct hull {

@@ -9,7 +9,18 @@
 
 /* ---- centres ---- */
 
-bool merge_create(merge *out, uint32_t control_capacity)
+static void merge_destroy(merge *m)
+{
+    if (!m)
+        return;
+    free(m->sorted);
+    free(m->group);
+    free(m->share);
+    *m = (merge){0};
+}
+
+/* false: no memory */
+static bool merge_create(merge *out, uint32_t control_capacity)
 {
     size_t room = (size_t)control_capacity + 1;
     *out = (merge){0};
@@ -20,16 +31,6 @@ bool merge_create(merge *out, uint32_t control_capacity)
         return true;
     merge_destroy(out);
     return false;
-}
-
-void merge_destroy(merge *m)
-{
-    if (!m)
-        return;
-    free(m->sorted);
-    free(m->group);
-    free(m->share);
-    *m = (merge){0};
 }
 
 /* Those of one class, from item[first] on; returns where they end. */
@@ -139,8 +140,9 @@ static void share_out(merge *m, order_item *scratch, const csrbf_class *class)
     }
 }
 
-void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf_class *class,
-                uint32_t count, double distance)
+/* centre: count by 3, finite. class: count, or NULL. scratch: three times count. */
+static void merge_find(merge *m, order_item *scratch, const double *centre,
+                       const csrbf_class *class, uint32_t count, double distance)
 {
     m->control_count = count;
     sort_controls(m, scratch, centre, class);
@@ -149,7 +151,8 @@ void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf
     share_out(m, scratch, class);
 }
 
-void merge_means(const merge *m, double *out, uint32_t stride, const double *value)
+/* Means of the controls' rows of 3: out is group_count by stride, its further columns are 0. */
+static void merge_means(const merge *m, double *out, uint32_t stride, const double *value)
 {
     memset(out, 0, (size_t)m->group_count * stride * sizeof *out);
     for (uint32_t i = 0; i < m->control_count; ++i) {
@@ -195,7 +198,8 @@ void envelope_keep(envelope *e, uint32_t row_count)
     e->start[0] = 0;
 }
 
-void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count)
+/* The same of those of `from`, whose rows before `first` are these. */
+static void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count)
 {
     const size_t begin = from->start[first], end = from->start[row_count];
     memcpy(e->first + first, from->first + first, (row_count - first) * sizeof *e->first);

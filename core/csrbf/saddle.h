@@ -26,15 +26,6 @@ typedef struct merge {
     double *share;    /* of each control in its group's mean: 1 / members that count, or 0 */
 } merge;
 
-bool merge_create(merge *out, uint32_t control_capacity); /* false: no memory */
-void merge_destroy(merge *m);
-
-/* centre: count by 3, finite. class: count, or NULL. scratch: three times count. */
-void merge_find(merge *m, order_item *scratch, const double *centre, const csrbf_class *class,
-                uint32_t count, double distance);
-/* Means of the controls' rows of 3: out is group_count by stride, its further columns are 0. */
-void merge_means(const merge *m, double *out, uint32_t stride, const double *value);
-
 /* ---- the factor of a symmetric positive definite matrix ---- */
 
 /* Stored by its envelope: each row from its first nonzero to the diagonal; the factor has no fill
@@ -63,8 +54,6 @@ void envelope_destroy(envelope *e);
 /* The first `row_count` rows stay, which have been factored; the others go. row_count: a multiple
  * of ENVELOPE_ALIKE. */
 void envelope_keep(envelope *e, uint32_t row_count);
-/* The same of those of `from`, whose rows before `first` are these. */
-void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count);
 /* The next row, from column `first` to the diagonal, for the caller to fill. */
 double *envelope_add_row(envelope *e, uint32_t first);
 

@@ -23,7 +23,9 @@ static char *joined(const char *a, const char *b, const char *c)
     return out;
 }
 
-char *calibration_folder_path(void)
+/* $XDG_CONFIG_HOME/marotte/calibrations, or ~/.config/marotte/calibrations: no final '/'. To be
+ * freed; NULL: no memory, or neither variable is set to an absolute path. */
+static char *calibration_folder_path(void)
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
     if (config && config[0] == '/')

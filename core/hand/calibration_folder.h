@@ -4,9 +4,6 @@
 #define MAROTTE_HAND_CALIBRATION_FOLDER_H
 #include "hand/calibration_file.h"
 
-/* $XDG_CONFIG_HOME/marotte/calibrations, or ~/.config/marotte/calibrations: no final '/'. To be
- * freed; NULL: no memory, or neither variable is set to an absolute path. */
-char *calibration_folder_path(void);
 /* FOLDER/NAME.json. The name: 1 to 63 bytes, none of them '/' or a control character, not first a
  * '.'. Makes the folder when it is not there. `out_path` is to be freed. */
 CHECKED mrt_result calibration_folder_place(char **out_path, const char *name, error *err);

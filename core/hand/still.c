@@ -13,7 +13,7 @@ void still_init(still_window *window, int64_t span_ns, uint32_t channels)
     window->channels = channels;
 }
 
-void still_reset(still_window *window)
+static void still_reset(still_window *window)
 {
     window->count = 0;
 }

@@ -16,7 +16,6 @@ typedef struct still_window {
 } still_window;
 
 void still_init(still_window *window, int64_t span_ns, uint32_t channels);
-void still_reset(still_window *window);
 /* Time must go on: a sample that is not later than the last is ignored, and a step backwards or a
  * gap of more than 0.25 s starts anew. When samples come faster than the ring holds, some are left
  * out, evenly. */

@@ -583,7 +583,8 @@ const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment)
     return c->number + f->first_pulled;
 }
 
-void clip_read_named(const clip *c, uint32_t frame, float *out_position)
+/* The rest shape, moved by the named part of a frame. */
+static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
 {
     size_t vertex_count = c->mesh->vertex_count;
     const double *value = clip_values(c, frame);

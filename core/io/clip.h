@@ -3,7 +3,7 @@
  * small) or free (vertex positions). Free frames are kept in an unlinked
  * temporary file, not in memory. Beside its shape a frame may have what a person would edit: the
  * values of curves that the whole clip has, and the pulls of its segment's controls. What these
- * show together is close to its shape (clip_read_named); the difference is its remainder. Vertices
+ * show together is close to its shape; the difference is its remainder. Vertices
  * are in the mesh's (file) order, mm. What is not finite is refused. One thread at a time. */
 #ifndef MAROTTE_IO_CLIP_H
 #define MAROTTE_IO_CLIP_H
@@ -97,8 +97,6 @@ double clip_curve_part(const clip_curve *curve, double value);
 /* The pulls of a frame (pull_count of the segment, by 3), NULL without any; until the clip changes.
  */
 const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
-/* The rest shape, moved by the named part of a frame. */
-void clip_read_named(const clip *c, uint32_t frame, float *out_position);
 
 typedef struct clip_remainder {  /* of frames that have a named part */
     double furthest_mm, mean_mm; /* of the vertex furthest from its place, in the worst frame; over

@@ -95,7 +95,7 @@ bool own_layer_is_heard(const take *t, uint32_t layer)
     return !t->layer[layer].is_muted && (t->layer[layer].is_solo || !is_solo_used);
 }
 
-double own_presence(const take_layer *layer, int64_t at_ns)
+static double own_presence(const take_layer *layer, int64_t at_ns)
 {
     take_voice voice[2];
     double sum = 0.0;
@@ -105,7 +105,9 @@ double own_presence(const take_layer *layer, int64_t at_ns)
     return sum > 1.0 ? 1.0 : sum;
 }
 
-void own_weights_of(double *out, const take *t, const char *name, const double *presence)
+/* The same, given how much each layer speaks at that instant (take_at, summed; layer_count): for a
+ * caller that asks for many names at one instant. */
+static void own_weights_of(double *out, const take *t, const char *name, const double *presence)
 {
     double left = 1.0;
     for (uint32_t i = t->layer_count; i-- > 0;) {

@@ -45,9 +45,5 @@ bool own_layer_is_heard(const take *t, uint32_t layer);
  * additive layer adds its share and leaves all. The shares of layers that are not additive sum to
  * at most 1; what is missing is the rest pose. */
 void own_weights(double *out, const take *t, const char *name, int64_t at_ns);
-/* The same, given how much each layer speaks at that instant (take_at, summed; layer_count): for a
- * caller that asks for many names at one instant. */
-void own_weights_of(double *out, const take *t, const char *name, const double *presence);
-double own_presence(const take_layer *layer, int64_t at_ns);
 
 #endif

@@ -76,14 +76,8 @@ typedef struct show_take_row {
 CHECKED mrt_result show_take_insert(sqlite *db, const show_take_row *row, error *err);
 CHECKED mrt_result show_span_insert(sqlite *db, int64_t take, int64_t performance, int64_t from_ns,
                                     const int64_t *to_ns, bool is_shown, error *err);
-/* Checked; is_shown as each says. */
-CHECKED mrt_result show_spans_insert(sqlite *db, int64_t take, const show_span *spans, size_t count,
-                                     error *err);
-CHECKED mrt_result show_edit_insert(sqlite *db, int64_t take, int32_t n, int64_t utc_ms,
-                                    const char *json, error *err);
 
 /* What is recorded, in the writer's transaction; times are show time. */
-CHECKED mrt_result show_plugin_insert(sqlite *db, const char *identity, error *err);
 CHECKED mrt_result show_track_insert(sqlite *db, int64_t session, const take_track *track,
                                      error *err);
 CHECKED mrt_result show_performance_insert(sqlite *db, int64_t session,

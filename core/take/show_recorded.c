@@ -41,7 +41,7 @@ static mrt_result insert_channels(sqlite *db, const take_track *track, error *er
     return result;
 }
 
-mrt_result show_plugin_insert(sqlite *db, const char *identity, error *err)
+static mrt_result show_plugin_insert(sqlite *db, const char *identity, error *err)
 {
     return sqlite_change(db, err, "INSERT OR IGNORE INTO plugin(identity) VALUES(?)", "t",
                          or_empty(identity));

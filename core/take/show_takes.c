@@ -7,7 +7,28 @@
 #include <string.h>
 #include <zlib.h>
 
-/* ---- takes and what they hold on to ---- */
+/* ---- edits, as rows of text ---- */
+
+int64_t show_edit_crc(int64_t take_id, int32_t n, const char *json)
+{
+    uint8_t place[12];
+    for (int i = 0; i < 8; ++i)
+        place[i] = (uint8_t)((uint64_t)take_id >> (8 * i));
+    for (int i = 0; i < 4; ++i)
+        place[8 + i] = (uint8_t)((uint32_t)n >> (8 * i));
+    uLong crc = crc32(0, place, sizeof place);
+    return (int64_t)crc32_z(crc, (const uint8_t *)json, strlen(json));
+}
+
+static mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_ms,
+                                   const char *json, error *err)
+{
+    return sqlite_change(db, err,
+                         "INSERT INTO edit(take, branch, n, utc_ms, crc, json)"
+                         "VALUES(?, 0, ?, ?, ?, ?)",
+                         "iiiit", take_id, (int64_t)n, utc_ms, show_edit_crc(take_id, n, json),
+                         json);
+}
 
 /* ---- rows in ---- */
 
@@ -44,8 +65,9 @@ static mrt_result check_span(const show_span *span, int64_t take_id, error *err)
                      (long long)take_id, (long long)span->from_ns, (long long)span->to_ns);
 }
 
-mrt_result show_spans_insert(sqlite *db, int64_t take_id, const show_span *spans, size_t count,
-                             error *err)
+/* Checked; is_shown as each says. */
+static mrt_result show_spans_insert(sqlite *db, int64_t take_id, const show_span *spans,
+                                    size_t count, error *err)
 {
     mrt_result result = MRT_OK;
     for (size_t i = 0; i < count && result >= 0; ++i) {
@@ -355,29 +377,6 @@ mrt_result show_close_open_ends(sqlite *db, int64_t *out_take_count, error *err)
         return result;
     result = sqlite_begin(db, err);
     return result < 0 ? result : sqlite_end(db, close_all(db, out_take_count, err), err);
-}
-
-/* ---- edits, as rows of text ---- */
-
-int64_t show_edit_crc(int64_t take_id, int32_t n, const char *json)
-{
-    uint8_t place[12];
-    for (int i = 0; i < 8; ++i)
-        place[i] = (uint8_t)((uint64_t)take_id >> (8 * i));
-    for (int i = 0; i < 4; ++i)
-        place[8 + i] = (uint8_t)((uint32_t)n >> (8 * i));
-    uLong crc = crc32(0, place, sizeof place);
-    return (int64_t)crc32_z(crc, (const uint8_t *)json, strlen(json));
-}
-
-mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_ms,
-                            const char *json, error *err)
-{
-    return sqlite_change(db, err,
-                         "INSERT INTO edit(take, branch, n, utc_ms, crc, json)"
-                         "VALUES(?, 0, ?, ?, ?, ?)",
-                         "iiiit", take_id, (int64_t)n, utc_ms, show_edit_crc(take_id, n, json),
-                         json);
 }
 
 /* ---- reading ---- */

@@ -118,7 +118,7 @@ enum { CHANNELS_MAX = 64, RATE_MIN = 1000, RATE_MAX = 768000, DAY_S = 86400 };
 /* So much is decoded and kept at a time. */
 enum { BLOCK_SAMPLES = 65536, PIECE_BYTES = 65536 };
 
-bool sound_file_goes_on(const sound_file_watch *watch, double part)
+static bool sound_file_goes_on(const sound_file_watch *watch, double part)
 {
     return !watch || !watch->goes_on || watch->goes_on(watch->data, part < 1.0 ? part : 1.0);
 }

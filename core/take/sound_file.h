@@ -12,7 +12,6 @@ typedef struct sound_file_watch {
     bool (*goes_on)(void *data, double part);
     void *data;
 } sound_file_watch;
-bool sound_file_goes_on(const sound_file_watch *watch, double part);
 
 typedef enum sound_file_cut {
     SOUND_FILE_CUT_REFUSE = 0, /* a file that ends early is refused */

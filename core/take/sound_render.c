@@ -226,7 +226,7 @@ mrt_result sound_map_init(sound_map *out, const show_audio *audio, const show_au
     return result;
 }
 
-mrt_result sound_map_read(sound_map *out, show *s, const show_audio *audio, error *err)
+static mrt_result sound_map_read(sound_map *out, show *s, const show_audio *audio, error *err)
 {
     *out = (sound_map){0};
     show_audio_anchor *anchors = NULL;

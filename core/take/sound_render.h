@@ -32,7 +32,6 @@ typedef struct sound_map {
 CHECKED mrt_result sound_map_init(sound_map *out, const show_audio *audio,
                                   const show_audio_anchor *anchors, size_t anchor_count,
                                   error *err);
-CHECKED mrt_result sound_map_read(sound_map *out, show *s, const show_audio *audio, error *err);
 void sound_map_finish(sound_map *map); /* accepts zeroed */
 
 /* Every frame at its nominal time: nothing is to be corrected. */

@@ -118,8 +118,10 @@ void writer_store_close(writer_store *store)
     *store = (writer_store){0};
 }
 
-mrt_result writer_put_chunk(writer_store *store, int64_t id, int64_t track, int64_t from_ns,
-                            int64_t to_ns, const uint8_t *bytes, size_t size, error *err)
+/* Makes the chunk, or makes it longer: the samples that it had are the first of those it has now.
+ */
+static mrt_result writer_put_chunk(writer_store *store, int64_t id, int64_t track, int64_t from_ns,
+                                   int64_t to_ns, const uint8_t *bytes, size_t size, error *err)
 {
     sqlite_bind(store->put_chunk, "iiiib", id, track, from_ns, to_ns, (const void *)bytes, size);
     return sqlite_execute(store->put_chunk, err);

@@ -91,10 +91,6 @@ CHECKED mrt_result writer_store_open(writer_store *out, const show *s, int64_t s
 void writer_store_close(writer_store *store);
 
 CHECKED mrt_result writer_job_run(const writer_job *job, writer_store *store, error *err);
-/* Makes the chunk, or makes it longer: the samples that it had are the first of those it has now.
- */
-CHECKED mrt_result writer_put_chunk(writer_store *store, int64_t id, int64_t track, int64_t from_ns,
-                                    int64_t to_ns, const uint8_t *bytes, size_t size, error *err);
 
 /* ---- the samples of one track on their way: those of the chunk that is growing ---- */
 

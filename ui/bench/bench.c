@@ -93,7 +93,8 @@ static bool is_kept(const bench_promise *p, double share)
     return p->is_most ? p->measured * share <= p->promised : p->measured >= p->promised * share;
 }
 
-uint32_t bench_promises(bench *self)
+/* Prints them. Returns how many ratios are not even half of what is promised. */
+static uint32_t bench_promises(bench *self)
 {
     uint32_t broken = 0;
     if (self->promise_count > 0)
@@ -177,7 +178,7 @@ void bench_roof_triad(void *roof)
 #endif
 }
 
-void bench_roof_roots(void *roof)
+static void bench_roof_roots(void *roof)
 {
     const bench_roof *self = roof;
     const float *restrict from = self->from;
@@ -257,7 +258,7 @@ static double bandwidth(bench *self, void (*run)(void *), size_t used)
     return (double)used / work.least_ns;
 }
 
-mrt_result bench_machine(bench *self, error *err)
+static mrt_result bench_machine(bench *self, error *err)
 {
     (void)err;
     char name[128], text[192];
@@ -281,7 +282,8 @@ mrt_result bench_machine(bench *self, error *err)
     return MRT_OK;
 }
 
-void bench_memory(bench *self)
+/* from a device to the face published */
+static void bench_memory(bench *self)
 {
     struct rusage usage;
     if (getrusage(RUSAGE_SELF, &usage) == 0)

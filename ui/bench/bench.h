@@ -41,7 +41,6 @@ void bench_roof_copy(void *roof);
 void bench_roof_triad(void *roof);
 /* Square roots of BENCH_ROOTS floats that stay in the first cache. */
 enum { BENCH_ROOTS = 4096 };
-void bench_roof_roots(void *roof);
 /* Reads more than the second-level cache holds: what was in it is gone. */
 void bench_roof_flush(void *roof);
 
@@ -96,17 +95,12 @@ void bench_at_least(bench *self, const char *what, double measured, double promi
 void bench_at_most(bench *self, const char *what, double measured, double promised);
 /* A time: it is said how it came out, but no gate asks for it. */
 void bench_at_most_ms(bench *self, const char *what, double measured_ms, double promised_ms);
-/* Prints them. Returns how many ratios are not even half of what is promised. */
-uint32_t bench_promises(bench *self);
 
 /* ---- the parts, in the order in which they are printed ---- */
-CHECKED mrt_result bench_machine(bench *self, error *err);
 CHECKED mrt_result bench_grid(bench *self, error *err);    /* the paper's Table 1, and larger */
 CHECKED mrt_result bench_bones(bench *self, error *err);   /* fields with constraint centres */
 CHECKED mrt_result bench_factor(bench *self, error *err);  /* factorisation, up to 3 000 centres */
 CHECKED mrt_result bench_threads(bench *self, error *err); /* one and several */
 CHECKED mrt_result bench_frame(bench *self, error *err);   /* the whole frame on the puppet */
-CHECKED mrt_result bench_stage(bench *self, error *err);   /* from a device to the face published */
-void bench_memory(bench *self);
-
+CHECKED mrt_result bench_stage(bench *self, error *err);
 #endif

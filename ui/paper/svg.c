@@ -59,11 +59,6 @@ mrt_result svg_finish(svg *self, error *err)
     return file_writer_commit(&self->writer, err);
 }
 
-void svg_abandon(svg *self)
-{
-    file_writer_abandon(&self->writer);
-}
-
 void svg_line(svg *self, svg_ink ink, double width, const double from[2], const double to[2])
 {
     fprintf(self->writer.stream,

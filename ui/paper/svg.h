@@ -23,7 +23,6 @@ typedef struct svg {
 CHECKED mrt_result svg_open(svg *out, const char *path, uint32_t width, uint32_t height,
                             const char *title, error *err);
 CHECKED mrt_result svg_finish(svg *self, error *err);
-void svg_abandon(svg *self); /* accepts zeroed and finished */
 
 void svg_line(svg *self, svg_ink ink, double width, const double from[2], const double to[2]);
 /* point: count by 2; dash: "" or as stroke-dasharray. */

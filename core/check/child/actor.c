@@ -17,20 +17,6 @@ typedef struct pull_limits {
     double reach_mm;
 } pull_limits;
 
-/* False: it breaks a rule, which was told. `where`: "frame 12 of a random walk". */
-bool pull_judge(const mrt_pull *pull, const pull_limits *limits, const char *where);
-/* Both anchored: starts stay while anchor stays. */
-void pull_judge_anchor(const mrt_pull *before, const mrt_pull *now, const char *where);
-/* now: the first pull of a new hold; before: the last of the one before, or NULL. */
-void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double max_jump_mm,
-                     const char *where);
-
-uint64_t pull_sum(const mrt_pull *pull);
-/* "vector 3 ends at (1, 2, 3) and (1, 2, 4)"; "": they are the same, bit for bit. */
-void pull_difference(const mrt_pull *a, const mrt_pull *b, char *out, size_t capacity);
-
-/* ---- what it may hold ---- */
-
 static bool is_finite(mrt_vec3 p)
 {
     return isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
@@ -100,7 +86,8 @@ static bool judge_scalars(const mrt_pull *pull, const char *where)
     return is_good;
 }
 
-bool pull_judge(const mrt_pull *pull, const pull_limits *limits, const char *where)
+/* False: it breaks a rule, which was told. `where`: "frame 12 of a random walk". */
+static bool pull_judge(const mrt_pull *pull, const pull_limits *limits, const char *where)
 {
     if (pull->mode > MRT_UNANCHORED) {
         tell_failed(RULE_MAPPING_MODE, "%s: mode is %u", where, pull->mode);
@@ -122,7 +109,8 @@ static bool is_same_point(mrt_vec3 a, mrt_vec3 b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-void pull_judge_anchor(const mrt_pull *before, const mrt_pull *now, const char *where)
+/* Both anchored: starts stay while anchor stays. */
+static void pull_judge_anchor(const mrt_pull *before, const mrt_pull *now, const char *where)
 {
     if (now->anchor != before->anchor)
         return;
@@ -166,8 +154,9 @@ static double jump_mm(const mrt_pull *before, const mrt_vector *v)
     return least;
 }
 
-void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double max_jump_mm,
-                     const char *where)
+/* now: the first pull of a new hold; before: the last of the one before, or NULL. */
+static void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double max_jump_mm,
+                            const char *where)
 {
     for (uint32_t i = 0; i < now->count; ++i) {
         double mm = jump_mm(before, &now->vector[i]);
@@ -196,7 +185,7 @@ static float plain(float dof)
     return isnan(dof) ? NAN : dof;
 }
 
-uint64_t pull_sum(const mrt_pull *pull)
+static uint64_t pull_sum(const mrt_pull *pull)
 {
     uint64_t sum = UINT64_C(0xcbf29ce484222325);
     uint32_t count = pull->count < MRT_MAX_VECTORS ? pull->count : MRT_MAX_VECTORS;
@@ -217,7 +206,8 @@ static void say_points(char *out, size_t capacity, const char *what, uint32_t i,
                    (double)b.z);
 }
 
-void pull_difference(const mrt_pull *a, const mrt_pull *b, char *out, size_t capacity)
+/* "vector 3 ends at (1, 2, 3) and (1, 2, 4)"; "": they are the same, bit for bit. */
+static void pull_difference(const mrt_pull *a, const mrt_pull *b, char *out, size_t capacity)
 {
     out[0] = '\0';
     if (pull_sum(a) == pull_sum(b))
@@ -484,7 +474,8 @@ uint64_t actor_sum(const actor *self)
     return pull_sum(&self->good);
 }
 
-void actor_difference(const actor *a, const actor *b, char *out, size_t capacity)
+/* The first difference of two, for people; "": there is none. */
+static void actor_difference(const actor *a, const actor *b, char *out, size_t capacity)
 {
     pull_difference(&a->good, &b->good, out, capacity);
 }

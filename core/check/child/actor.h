@@ -45,8 +45,6 @@ void actor_step(actor *self);
 
 /* What the face shows of it now: a sum over all that the host looks at. */
 uint64_t actor_sum(const actor *self);
-/* The first difference of two, for people; "": there is none. */
-void actor_difference(const actor *a, const actor *b, char *out, size_t capacity);
 
 /* Before and after a call that is [frame]: what is caught in between is told for `function`. */
 void actor_frame_enter(void);

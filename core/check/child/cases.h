@@ -17,7 +17,6 @@ typedef struct types {
 bool types_load(types *out, const char *path);
 
 const void *types_interface(const mrt_plugin_type *type, const char *id);
-uint32_t types_concerns(const mrt_plugin_type *type); /* CONCERNS_* of rules.h */
 
 /* A sum over the tables and all that they point to. */
 uint64_t types_sum(const mrt_plugin_type *type);

@@ -75,7 +75,8 @@ const void *types_interface(const mrt_plugin_type *type, const char *id)
     return NULL;
 }
 
-uint32_t types_concerns(const mrt_plugin_type *type)
+/* CONCERNS_* of rules.h */
+static uint32_t types_concerns(const mrt_plugin_type *type)
 {
     static const struct {
         const char *id;

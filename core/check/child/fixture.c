@@ -12,7 +12,7 @@
 /* ---- random numbers ---- */
 
 /* splitmix64 (S. Vigna). */
-uint64_t random_next(uint64_t *state)
+static uint64_t random_next(uint64_t *state)
 {
     *state += UINT64_C(0x9e3779b97f4a7c15);
     uint64_t z = *state;
@@ -21,12 +21,13 @@ uint64_t random_next(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-double random_unit(uint64_t *state)
+/* [0, 1) */
+static double random_unit(uint64_t *state)
 {
     return (double)(random_next(state) >> 11) * 0x1p-53;
 }
 
-double random_between(uint64_t *state, double low, double high)
+static double random_between(uint64_t *state, double low, double high)
 {
     return low + (high - low) * random_unit(state);
 }
@@ -36,7 +37,7 @@ uint32_t random_below(uint64_t *state, uint32_t count)
     return (uint32_t)(random_next(state) >> 32) % count;
 }
 
-bool random_one_in(uint64_t *state, uint32_t count)
+static bool random_one_in(uint64_t *state, uint32_t count)
 {
     return random_below(state, count) == 0;
 }

@@ -99,6 +99,12 @@ static void learn_symbols(const char *path)
     symbol_count = 0;
 }
 
+/* The stack of the caller. No allocation after place_learn. */
+static void place_take(place *out)
+{
+    out->count = backtrace(out->frame, PLACE_FRAMES);
+}
+
 void place_learn(const char *library_path)
 {
     static char path[PATH_MAX];
@@ -112,12 +118,8 @@ void place_learn(const char *library_path)
     place_take(&first);
 }
 
-void place_take(place *out)
-{
-    out->count = backtrace(out->frame, PLACE_FRAMES);
-}
-
-bool place_is_inside(const void *address)
+/* Whether the address lies in the plugin. */
+static bool place_is_inside(const void *address)
 {
     return (uintptr_t)address >= low && (uintptr_t)address < high;
 }
@@ -133,7 +135,8 @@ static const elf_symbol *find_symbol(uintptr_t offset)
     return NULL;
 }
 
-bool place_name(const place *where, char *out, size_t capacity)
+/* The innermost function of the plugin; false, and "an unknown place": none is on the stack. */
+static bool place_name(const place *where, char *out, size_t capacity)
 {
     for (int i = 0; i < where->count; ++i) {
         if (!place_is_inside(where->frame[i]))

@@ -17,13 +17,6 @@ typedef struct place {
     int count;
 } place;
 
-/* The stack of the caller. No allocation after place_learn. */
-void place_take(place *out);
-/* The innermost function of the plugin; false, and "an unknown place": none is on the stack. */
-bool place_name(const place *where, char *out, size_t capacity);
-/* Whether the address lies in the plugin. */
-bool place_is_inside(const void *address);
-
 /* ---- what it may not call ---- */
 
 typedef enum trap_kind {

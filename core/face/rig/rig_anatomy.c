@@ -38,7 +38,8 @@ static bool has_text(const char *name, const char *text)
     return false;
 }
 
-bool anatomy_has_word(const char *name, const char *const *words)
+/* Whether a name has one of the words (lower case, the last NULL) in it, capitals or not. */
+static bool anatomy_has_word(const char *name, const char *const *words)
 {
     for (; *words; ++words)
         if (has_text(name, *words))

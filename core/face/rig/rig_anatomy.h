@@ -64,7 +64,4 @@ typedef struct rig_anatomy {
 CHECKED mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err);
 void rig_anatomy_finish(rig_anatomy *a); /* accepts zeroed */
 
-/* Whether a name has one of the words (lower case, the last NULL) in it, capitals or not. */
-bool anatomy_has_word(const char *name, const char *const *words);
-
 #endif

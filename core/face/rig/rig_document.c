@@ -23,7 +23,8 @@ rig_word rig_word_of(const char *text)
     return out;
 }
 
-size_t rig_json_memory(const void *data, size_t size)
+/* About how many bytes the values of a text take once they are parsed. */
+static size_t rig_json_memory(const void *data, size_t size)
 {
     enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* of jansson 2.14 */
     const char *text = data;

@@ -22,9 +22,6 @@ typedef struct rig_node {
     rig_place place;
 } rig_node;
 
-/* About how many bytes the values of a text take once they are parsed. */
-size_t rig_json_memory(const void *data, size_t size);
-
 rig_node rig_json_member(const rig_node *of, const char *key);
 rig_node rig_json_item(const rig_node *of, size_t index);
 

@@ -347,7 +347,8 @@ static mrt_result draw_performer(void *self, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-player_stage player_stage_of(performer *p)
+/* One mapping on one face. */
+static player_stage player_stage_of(performer *p)
 {
     return (player_stage){p, step_performer, draw_performer};
 }

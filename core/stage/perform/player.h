@@ -53,8 +53,6 @@ typedef struct player_stage {
     /* The face as it is to be seen at time_ns. MRT_END: the performance is over. */
     CHECKED mrt_result (*draw)(void *self, int64_t time_ns, error *err);
 } player_stage;
-/* One mapping on one face. */
-player_stage player_stage_of(performer *p);
 
 /* ---- a stage that goes on ---- */
 

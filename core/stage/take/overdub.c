@@ -409,7 +409,7 @@ static mrt_result make(making *self, overdub_made *out, error *err)
     return result;
 }
 
-void overdub_edits_destroy(edit *edits, uint32_t count)
+static void overdub_edits_destroy(edit *edits, uint32_t count)
 {
     for (uint32_t i = 0; edits && i < count; ++i)
         edit_finish(&edits[i]);

@@ -85,7 +85,6 @@ typedef struct overdub_made {
 CHECKED mrt_result overdub_run_edits(const overdub_run *self, const take *before, const char *name,
                                      edit **out, uint32_t *out_count, overdub_made *out_made,
                                      error *err);
-void overdub_edits_destroy(edit *edits, uint32_t count);
 
 /* ---- without a window ---- */
 

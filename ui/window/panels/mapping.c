@@ -397,7 +397,7 @@ enum { JOINTS = 3 };
 static const int joint_of[5][JOINTS] = {
     {0, 1, 2}, {4, 5, -1}, {7, 8, -1}, {11, 12, -1}, {15, 16, -1}};
 
-const char *const learn_finger_name[LEARN_FINGERS] = {
+static const char *const learn_finger_name[LEARN_FINGERS] = {
     "right thumb", "right index", "right middle", "right ring", "right little",
     "left thumb",  "left index",  "left middle",  "left ring",  "left little"};
 

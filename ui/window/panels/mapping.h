@@ -11,7 +11,6 @@ enum {
     LEARN_MOMENTS = 40, /* of the last second */
     LEARN_NONE = -1
 };
-extern const char *const learn_finger_name[LEARN_FINGERS]; /* "right thumb" */
 
 typedef struct learn {
     uint32_t count, next; /* of the ring of moments */

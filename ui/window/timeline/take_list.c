@@ -11,7 +11,7 @@
 #include <string.h>
 
 enum { GOOD_STARS = 3 };
-const char *const takes_filter_name[TAKES_FILTERS] = {"All", "3 stars +", "Deleted"};
+static const char *const takes_filter_name[TAKES_FILTERS] = {"All", "3 stars +", "Deleted"};
 
 /* ---- words ---- */
 

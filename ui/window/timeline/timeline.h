@@ -36,7 +36,6 @@ typedef enum takes_filter {
     TAKES_DELETED,
     TAKES_FILTERS
 } takes_filter;
-extern const char *const takes_filter_name[TAKES_FILTERS];
 
 enum { TAKES_WORDS = 64, TAKES_SEARCH_FROM = 9 }; /* so many takes are worth a search field */
 typedef struct timeline_takes {

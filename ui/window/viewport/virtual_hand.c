@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const uint32_t virtual_hand_key_code[VIRTUAL_KEYS] = {
+static const uint32_t virtual_hand_key_code[VIRTUAL_KEYS] = {
     [VIRTUAL_THUMB_DOWN] = ' ',
     [VIRTUAL_THUMB_UP] = 'B',
     [VIRTUAL_INDEX_DOWN] = 'J',

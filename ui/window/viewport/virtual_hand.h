@@ -25,7 +25,6 @@ typedef enum virtual_hand_key {
     VIRTUAL_WRIST_RIGHT,
     VIRTUAL_KEYS
 } virtual_hand_key;
-extern const uint32_t virtual_hand_key_code[VIRTUAL_KEYS]; /* ui_key */
 
 typedef struct virtual_hand_intent { /* -1 .. 1 each, 0: as at rest */
     float finger[5];                 /* thumb to little: 1 down, -1 up */
