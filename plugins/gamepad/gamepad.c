@@ -1,0 +1,336 @@
+/* gamepad.c - the plugin "org.marotte.gamepad": sticks, triggers and buttons of a pad as named
+ * channels (pad.h), whichever window has the focus, any number of pads (evdev.h). The guide is
+ * plugins/devices/README.md. */
+#include "device_io.h"
+#include "evdev.h"
+#include "trace.h"
+
+#include <marotte/plugin.h>
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PARAM_DEAD, PARAM_COUNT };
+enum { EVENTS = 64 };
+
+static const int64_t ns_per_s = 1000000000;
+/* What has not changed is said again so often that silence means trouble. */
+static const int64_t repeat_ns = 1000000000;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    int descriptor;          /* -1: closed */
+    char address[192];       /* as opened */
+    char place[EVDEV_PLACE]; /* of the pad that this address has meant; "" none yet */
+    evdev_seen pad;
+    pad_state state;
+    trace trace;
+    mrt_channel channel[PAD_CHANNELS];
+
+    struct input_event event[EVENTS]; /* that have come */
+    uint32_t event_count, event_at;
+    bool has_dropped; /* the system has: what follows up to a report is of no use */
+    bool is_lost, has_told_loss, is_due;
+    int64_t host_offset_ns, last_ns, repeat_due_ns;
+    uint32_t sequence;
+    float given[PAD_CHANNELS];
+};
+
+/* ---- which pad ---- */
+
+/* "" the first, "2" the second, else a place or a node. */
+static bool is_wanted(const mrt_plugin *self, const evdev_seen *seen, uint32_t index)
+{
+    char *end;
+    if (self->place[0])
+        return strcmp(self->place, seen->place) == 0;
+    unsigned long number = strtoul(self->address, &end, 10);
+    if (self->address[0] == '\0' || (*end == '\0' && number > 0))
+        return index + 1 == (self->address[0] ? number : 1);
+    return strcmp(self->address, seen->place) == 0 || strcmp(self->address, seen->node) == 0;
+}
+
+static const char *advice(int error)
+{
+    if (error == EACCES || error == EPERM)
+        return "you may not read it: sudo adduser $USER input, then log in again";
+    return "plug it in again";
+}
+
+/* ---- opening ---- */
+
+static void input_close(mrt_plugin *self)
+{
+    if (self->descriptor < 0)
+        return;
+    evdev_close(self->descriptor);
+    trace_close(&self->trace);
+    self->descriptor = -1;
+}
+
+static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
+{
+    if (self->place[0])
+        device_say(self->host, MRT_LOG_ERROR, "the gamepad at %.90s is not there: plug it in again",
+                   self->place);
+    else if (self->address[0])
+        device_say(self->host, MRT_LOG_ERROR,
+                   "no gamepad is \"%.60s\", of %u that are plugged in: plug it in, or see what "
+                   "there is with: marotte devices",
+                   self->address, count);
+    else
+        device_say(self->host, MRT_LOG_ERROR, "no gamepad is plugged in: plug one in");
+    return MRT_ERR_IO;
+}
+
+static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
+{
+    evdev_seen seen[EVDEV_SEEN];
+    (void)params;
+    input_close(self);
+    if (strcmp(self->address, address) != 0)
+        self->place[0] = '\0';
+    (void)snprintf(self->address, sizeof self->address, "%s", address);
+    const uint32_t count = evdev_look(seen);
+    uint32_t at = 0;
+    while (at < count && !is_wanted(self, &seen[at], at))
+        at += 1;
+    if (at == count)
+        return say_absent(self, count);
+    self->pad = seen[at];
+    self->descriptor = evdev_open(&self->pad, &self->state);
+    if (self->descriptor < 0) {
+        device_say(self->host, MRT_LOG_ERROR, "%.60s (%s): %s: %s", self->pad.name, self->pad.node,
+                   strerror(errno), advice(errno));
+        return MRT_ERR_IO;
+    }
+    (void)snprintf(self->place, sizeof self->place, "%s", self->pad.place);
+    trace_open(&self->trace, self->host, "gamepad");
+    self->event_count = self->event_at = 0;
+    self->has_dropped = self->is_lost = self->has_told_loss = false;
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
+    self->last_ns = self->host->now_ns(self->host);
+    self->is_due = true; /* where everything stands now */
+    return MRT_OK;
+}
+
+static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
+{
+    *out_count = self->descriptor >= 0 ? PAD_CHANNELS : 0;
+    return self->channel;
+}
+
+/* ---- samples ---- */
+
+static float dead_of(const double *params)
+{
+    const double percent = params[PARAM_DEAD];
+    return percent > 0.0 ? (float)(percent < 50.0 ? percent * 0.01 : 0.5) : 0.0f;
+}
+
+static mrt_result give(mrt_plugin *self, const double *params, int64_t time_ns, mrt_sample *out)
+{
+    const int64_t now_ns = self->host->now_ns(self->host);
+    time_ns = time_ns < now_ns ? time_ns : now_ns;
+    memset(out, 0, sizeof *out);
+    self->last_ns = out->time_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
+    self->repeat_due_ns = now_ns + repeat_ns;
+    self->is_due = false;
+    out->sequence = self->sequence++;
+    out->count = PAD_CHANNELS;
+    pad_read(&self->pad.model, &self->state, dead_of(params), out->value);
+    memcpy(self->given, out->value, sizeof self->given);
+    return MRT_OK;
+}
+
+/* Buttons are let go; sticks and triggers stay where they were, as a hand does. */
+static mrt_result lose(mrt_plugin *self, mrt_sample *out)
+{
+    bool is_any_down = false;
+    for (int i = PAD_BUTTONS; i < PAD_CHANNELS; ++i) {
+        is_any_down |= self->given[i] > 0.0f;
+        self->given[i] = 0.0f;
+    }
+    if (is_any_down) {
+        memset(out, 0, sizeof *out);
+        const int64_t now_ns = self->host->now_ns(self->host);
+        self->last_ns = out->time_ns = now_ns > self->last_ns ? now_ns : self->last_ns;
+        out->sequence = self->sequence++;
+        out->count = PAD_CHANNELS;
+        memcpy(out->value, self->given, sizeof self->given);
+        return MRT_OK;
+    }
+    if (!self->has_told_loss)
+        device_say(self->host, MRT_LOG_ERROR, "%.60s went away: plug it in again, or switch it on",
+                   self->pad.name);
+    self->has_told_loss = true;
+    return MRT_ERR_IO;
+}
+
+static int64_t time_of(const mrt_plugin *self, const struct input_event *event)
+{
+    return (int64_t)event->input_event_sec * ns_per_s + (int64_t)event->input_event_usec * 1000 +
+           self->host_offset_ns;
+}
+
+/* True: a report is whole. */
+static bool take_event(mrt_plugin *self, const struct input_event *event)
+{
+    if (event->type == EV_SYN && event->code == SYN_DROPPED) {
+        self->has_dropped = true;
+        return false;
+    }
+    if (self->has_dropped && (event->type != EV_SYN || event->code != SYN_REPORT))
+        return false;
+    if (event->type == EV_ABS)
+        pad_set_axis(&self->state, event->code, event->value);
+    else if (event->type == EV_KEY)
+        pad_set_key(&self->state, event->code, event->value != 0);
+    if (event->type != EV_SYN || event->code != SYN_REPORT)
+        return false;
+    if (self->has_dropped && !evdev_read_state(self->descriptor, &self->pad.model, &self->state))
+        self->is_lost = true;
+    self->has_dropped = false;
+    return true;
+}
+
+/* The next sample of what has come; false: there is none any more. */
+static bool give_event(mrt_plugin *self, const double *params, mrt_sample *out)
+{
+    while (self->event_at < self->event_count) {
+        const struct input_event *event = &self->event[self->event_at++];
+        if (take_event(self, event)) {
+            (void)give(self, params, time_of(self, event), out);
+            return true;
+        }
+    }
+    return false;
+}
+
+static void receive(mrt_plugin *self)
+{
+    const int count = evdev_read(self->descriptor, self->event, EVENTS);
+    self->event_at = 0;
+    self->event_count = count > 0 ? (uint32_t)count : 0;
+    self->is_lost = count < 0;
+    if (count > 0)
+        trace_received(&self->trace, self->host->now_ns(self->host), self->event,
+                       (size_t)count * sizeof *self->event);
+}
+
+static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
+                             mrt_sample *out_sample)
+{
+    if (self->descriptor < 0)
+        return MRT_ERR_IO;
+    for (;;) {
+        if (self->is_lost)
+            return lose(self, out_sample);
+        if (give_event(self, params, out_sample))
+            return MRT_OK;
+        const int64_t now_ns = self->host->now_ns(self->host);
+        if (self->is_due || now_ns >= self->repeat_due_ns)
+            return give(self, params, now_ns, out_sample);
+        receive(self);
+        if (self->event_count > 0 && now_ns < deadline_ns)
+            continue;
+        if (self->is_lost)
+            continue;
+        if (now_ns >= deadline_ns)
+            return MRT_TIMEOUT;
+        const int64_t until_ns =
+            deadline_ns < self->repeat_due_ns ? deadline_ns : self->repeat_due_ns;
+        if (device_wait(self->descriptor, until_ns - now_ns) < 0)
+            self->is_lost = true;
+    }
+}
+
+/* ---- devices ---- */
+
+static void fill_device(const evdev_seen *seen, mrt_device *out)
+{
+    *out = (mrt_device){.state = MRT_DEVICE_READY};
+    (void)snprintf(out->address, sizeof out->address, "%s", seen->place);
+    (void)snprintf(out->name, sizeof out->name, "%s", seen->name[0] ? seen->name : "Gamepad");
+    if (access(seen->node, R_OK) != 0) {
+        out->state = MRT_DEVICE_DENIED;
+        (void)snprintf(out->advice, sizeof out->advice, "%s", advice(EACCES));
+    }
+}
+
+static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
+{
+    evdev_seen seen[EVDEV_SEEN];
+    const uint32_t count = evdev_look(seen);
+    (void)self;
+    for (uint32_t i = 0; i < count && i < capacity; ++i)
+        fill_device(&seen[i], &out[i]);
+    return count;
+}
+
+static bool current_device(mrt_plugin *self, mrt_device *out)
+{
+    if (self->descriptor < 0 || self->is_lost)
+        return false;
+    fill_device(&self->pad, out);
+    return true;
+}
+
+/* ---- the type ---- */
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->descriptor = -1;
+    self->trace.file = -1;
+    for (int i = 0; i < PAD_CHANNELS; ++i)
+        self->channel[i] = (mrt_channel){pad_name[i],
+                                         "",
+                                         i < PAD_BUTTONS ? MRT_CH_OTHER : MRT_CH_BUTTON,
+                                         MRT_NO_HAND,
+                                         i >= PAD_LEFT_TRIGGER && i <= PAD_RIGHT_TRIGGER ? 0.0f
+                                         : i < PAD_BUTTONS                               ? -1.0f
+                                                                                         : 0.0f,
+                                         1.0f};
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    input_close(self);
+    free(self);
+}
+
+static const mrt_param params_table[PARAM_COUNT] = {
+    [PARAM_DEAD] = {1, 0, "dead", "Gamepad", "%",
+                    "How far a stick or trigger may stand from its rest and still be at rest", 0,
+                    50, 12, NULL},
+};
+
+static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
+static const mrt_devices devices = {list_devices, current_device};
+static const mrt_interface interfaces[] = {
+    {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
+
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params_table,
+    interfaces,
+    "org.marotte.gamepad",
+    "Gamepad",
+    MAROTTE_VERSION,
+    "Sticks, triggers and buttons, whichever window has the focus; address 2: the second pad",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
