@@ -314,7 +314,8 @@ void letters_draw(letters *self, draw_target *target, const char *words, float x
     gl_state before;
     gl_state_enter(&before);
     gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
+    glViewport(0, 0, (GLsizei)(target->width * target->side),
+               (GLsizei)(target->height * target->side));
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glUseProgram(self->program);
@@ -390,7 +391,8 @@ void strokes_draw(strokes *self, draw_target *target, const draw_stroke *stroke,
     gl_state before;
     gl_state_enter(&before);
     gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(0, 0, (GLsizei)target->width, (GLsizei)target->height);
+    glViewport(0, 0, (GLsizei)(target->width * target->side),
+               (GLsizei)(target->height * target->side));
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glUseProgram(self->program);

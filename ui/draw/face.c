@@ -564,6 +564,46 @@ static void find_centre(face_batch *batch, const draw_face *self, const mesh *m)
         batch->centre[axis] = (float)(sum[axis] / (double)batch->index_count);
 }
 
+enum { LAYERS = 32 };
+
+/* 0 .. LAYERS - 1: how far behind the frontmost point a triangle lies. */
+static int layer_of(const draw_face *self, const mesh *m, const uint32_t *corner)
+{
+    float z = 0.0f;
+    for (int k = 0; k < 3; ++k)
+        z += m->position[(size_t)corner[k] * 3 + 2] / 3.0f;
+    float depth = (self->centre[2] + self->radius_mm - z) / (2.0f * self->radius_mm);
+    int layer = isfinite(depth) ? (int)(depth * LAYERS) : 0;
+    return layer < 0 ? 0 : layer < LAYERS ? layer : LAYERS - 1;
+}
+
+/* Triangles of a batch from the front of the face to its back, in the file's order where they are
+ * as far: mostly a face is seen from the front, and what is hidden when it is drawn is not shaded.
+ */
+static mrt_result sort_by_depth(draw_face *self, const mesh *m, error *err)
+{
+    uint32_t *sorted = malloc(((size_t)self->triangle_count * 3 + 1) * sizeof *sorted);
+    if (!sorted)
+        return no_memory(err);
+    for (uint32_t i = 0; i < self->batch_count; ++i) {
+        const face_batch *batch = &self->batch[i];
+        size_t first = batch->first_index, end = first + (size_t)batch->index_count;
+        size_t next[LAYERS + 1] = {first};
+        for (size_t at = first; at < end; at += 3)
+            next[layer_of(self, m, self->triangle + at) + 1] += 3;
+        for (int layer = 1; layer < LAYERS; ++layer)
+            next[layer] += next[layer - 1];
+        for (size_t at = first; at < end; at += 3) {
+            size_t *to = &next[layer_of(self, m, self->triangle + at)];
+            memcpy(sorted + *to, self->triangle + at, 3 * sizeof *sorted);
+            *to += 3;
+        }
+    }
+    free(self->triangle);
+    self->triangle = sorted;
+    return MRT_OK;
+}
+
 /* One batch per material, in their order; triangles keep the file's order in it. */
 static void sort_by_material(draw_face *self, const mesh *m)
 {
@@ -718,6 +758,9 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
         return result;
     sort_by_material(self, m);
     face_measure(self, m->position, NULL);
+    result = sort_by_depth(self, m, err);
+    if (result != MRT_OK)
+        return result;
     float low[3], high[3];
     mesh_bounds(m, low, high);
     self->height_mm = high[1] - low[1] > self->radius_mm ? high[1] - low[1] : self->radius_mm;

@@ -69,7 +69,9 @@ static void copy_log(char *out, size_t capacity, GLuint object, bool is_program)
 
 static GLuint compile(GLenum type, const gl_source *source, const char *defines, error *err)
 {
-    static const char version[] = "#version 330 core\n", line[] = "\n#line 1\n";
+    static const char line[] = "\n#line 1\n";
+    const char *version =
+        gl_is_llvmpipe() ? "#version 330 core\n#define LLVMPIPE\n" : "#version 330 core\n";
     const GLchar *text[] = {version, defines, shaders_common.text, line, source->text};
     const GLint size[] = {-1, -1, (GLint)shaders_common.size, -1, (GLint)source->size};
     GLuint shader = glCreateShader(type);
@@ -276,7 +278,7 @@ typedef struct kept_scenes { /* of the context of this thread */
 
 static _Thread_local kept_scenes kept;
 
-static bool is_llvmpipe(void)
+bool gl_is_llvmpipe(void)
 {
     if (!kept.is_known) {
         const char *renderer = (const char *)glGetString(GL_RENDERER);
@@ -295,7 +297,7 @@ static void drop_first(void)
 
 void gl_end_scene(void)
 {
-    if (!is_llvmpipe())
+    if (!gl_is_llvmpipe())
         return;
     if (kept.count == KEPT) {
         (void)glClientWaitSync(kept.fence[(kept.first + 1) % KEPT], 0, GL_TIMEOUT_IGNORED);
@@ -310,7 +312,7 @@ void gl_end_scene(void)
 
 void gl_bind_framebuffer(GLenum target, GLuint framebuffer)
 {
-    if (target != GL_READ_FRAMEBUFFER && is_llvmpipe()) {
+    if (target != GL_READ_FRAMEBUFFER && gl_is_llvmpipe()) {
         GLint before = 0;
         glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
         if ((GLuint)before != framebuffer)

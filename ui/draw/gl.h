@@ -21,6 +21,9 @@ typedef enum gl_stage { GL_STAGE_VERTEX, GL_STAGE_FRAGMENT, GL_STAGE_COUNT } gl_
  * its own. */
 GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err);
 
+/* Mesa's software renderer. */
+bool gl_is_llvmpipe(void);
+
 /* Framebuffers are bound by this alone: what was drawn into the one before is a scene. */
 void gl_bind_framebuffer(GLenum target, GLuint framebuffer);
 /* Before what ends a scene otherwise: a blit, reading pixels, showing a window, changing a texture

@@ -551,14 +551,14 @@ void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *fac
     view.projection = camera_projection(&view.camera, (float)width / (float)height, face->centre,
                                         face->radius_mm);
     renderer_light(view.to_light, RENDERER_KEY, view.camera.yaw_rad);
-    GLint x = (GLint)rectangle[0];
-    GLint y = (GLint)target->height - (GLint)rectangle[1] - (GLint)height;
+    GLint side = (GLint)target->side, x = (GLint)rectangle[0] * side;
+    GLint y = ((GLint)target->height - (GLint)rectangle[1] - (GLint)height) * side;
     gl_state before;
     gl_state_enter(&before);
     gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(x, y, (GLsizei)width, (GLsizei)height);
+    glViewport(x, y, (GLsizei)width * side, (GLsizei)height * side);
     glEnable(GL_SCISSOR_TEST);
-    glScissor(x, y, (GLsizei)width, (GLsizei)height);
+    glScissor(x, y, (GLsizei)width * side, (GLsizei)height * side);
     overlays_draw(self->overlays, &view, item, count);
     target->stale = true;
     gl_state_leave(&before);

@@ -8,7 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHADOW_MAP = 1024 };
+/* Texels of the shadow map on a side: as many as the picture is high, or more. */
+enum { SHADOW_MIN = 512, SHADOW_MAX = 1024 };
+static const float shadow_reach = 4.5f / SHADOW_MAX; /* of the map: how soft shadows are */
 
 /* Towards key, fill and rim, seen from a camera at yaw 0: the lights turn with the camera like a
  * studio around a turntable, so that every view is lit. */
@@ -28,7 +30,9 @@ static void find_face_uniforms(renderer_face_program *out)
     out->shadow_projection = glGetUniformLocation(p, "shadow_projection");
     out->shadow_map = glGetUniformLocation(p, "shadow_map");
     out->shadow_texel_mm = glGetUniformLocation(p, "shadow_texel_mm");
+    out->shadow_reach_texels = glGetUniformLocation(p, "shadow_reach_texels");
     out->origin = glGetUniformLocation(p, "origin");
+    out->side = glGetUniformLocation(p, "side");
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
     out->softness = glGetUniformLocation(p, "softness");
     out->coat = glGetUniformLocation(p, "coat");
@@ -76,6 +80,7 @@ static mrt_result create_programs(draw_renderer *self, error *err)
         return MRT_ERR_UNSUPPORTED;
     self->depth_projection = glGetUniformLocation(self->depth_program, "projection");
     self->background_origin = glGetUniformLocation(self->background_program, "origin");
+    self->background_side = glGetUniformLocation(self->background_program, "side");
     glGenVertexArrays(1, &self->vertex_array);
     return gl_check_error("the drawing programs", err);
 }
@@ -94,13 +99,20 @@ static mrt_result create_no_textures(draw_renderer *self, error *err)
     return gl_check_error("the textures of plain surfaces", err);
 }
 
+/* The map is bound. */
+static void size_shadow(draw_renderer *self, GLsizei side)
+{
+    self->shadow_side = side;
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, side, side, 0, GL_DEPTH_COMPONENT,
+                 GL_UNSIGNED_INT, NULL);
+}
+
 static mrt_result create_shadow(draw_renderer *self, error *err)
 {
     static const GLfloat lit[4] = {1.0f, 1.0f, 1.0f, 1.0f};
     glGenTextures(1, &self->shadow_map);
     glBindTexture(GL_TEXTURE_2D, self->shadow_map);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, SHADOW_MAP, SHADOW_MAP, 0,
-                 GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, NULL);
+    size_shadow(self, SHADOW_MAX);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
@@ -167,6 +179,7 @@ typedef struct view { /* one draw_render */
     draw_camera camera;
     GLint x, y; /* of the rectangle, from the bottom left */
     GLsizei width, height;
+    GLint side; /* of a pixel of the picture, in pixels of the framebuffer: all four are of those */
     float light[RENDERER_LAMPS][3];
     matrix4 shadow_projection; /* mm to clip space of the key light */
     float shadow_radius_mm;
@@ -180,10 +193,18 @@ void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad)
     out[2] = c * studio[lamp][2] - s * studio[lamp][0];
 }
 
-static void draw_shadow(const draw_renderer *self, const draw_face *face, const view *v)
+static void draw_shadow(draw_renderer *self, const draw_face *face, const view *v)
 {
+    GLsizei side = SHADOW_MIN, height = v->height / v->side;
+    while (side < height && side < SHADOW_MAX)
+        side *= 2;
+    if (side != self->shadow_side) {
+        gl_end_scene();
+        glBindTexture(GL_TEXTURE_2D, self->shadow_map);
+        size_shadow(self, side);
+    }
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->shadow_framebuffer);
-    glViewport(0, 0, SHADOW_MAP, SHADOW_MAP);
+    glViewport(0, 0, side, side);
     glClear(GL_DEPTH_BUFFER_BIT);
     if (face->triangle_count == 0)
         return;
@@ -197,21 +218,26 @@ static void draw_shadow(const draw_renderer *self, const draw_face *face, const 
     glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-static void draw_background(const draw_renderer *self, const view *v)
+static void clear_ground(const draw_renderer *self)
 {
-    if (self->has_ground) {
-        glClearColor(self->ground[0], self->ground[1], self->ground[2], self->ground[3]);
-        glClear(GL_COLOR_BUFFER_BIT);
-        return;
-    }
-    glDisable(GL_DEPTH_TEST);
-    glUseProgram(self->background_program);
-    glUniform2i(self->background_origin, v->x, v->y);
-    glBindVertexArray(self->vertex_array);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glClearColor(self->ground[0], self->ground[1], self->ground[2], self->ground[3]);
+    glClear(GL_COLOR_BUFFER_BIT);
 }
 
-static void set_face_uniforms(const renderer_face_program *u, const draw_face *face, const view *v)
+/* Where nothing solid stands before it. */
+static void draw_wall(const draw_renderer *self, const view *v)
+{
+    glUseProgram(self->background_program);
+    glUniform2i(self->background_origin, v->x, v->y);
+    glUniform1i(self->background_side, v->side);
+    glBindVertexArray(self->vertex_array);
+    glDepthFunc(GL_LEQUAL);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthFunc(GL_LESS);
+}
+
+static void set_face_uniforms(const draw_renderer *self, const renderer_face_program *u,
+                              const draw_face *face, const view *v)
 {
     float eye[3];
     camera_eye(&v->camera, eye);
@@ -225,8 +251,10 @@ static void set_face_uniforms(const renderer_face_program *u, const draw_face *f
     glUniform3fv(u->light_direction, RENDERER_LAMPS, v->light[0]);
     glUniformMatrix4fv(u->shadow_projection, 1, GL_FALSE, shadow.m);
     glUniform1i(u->shadow_map, 0);
-    glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / SHADOW_MAP);
+    glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / (float)self->shadow_side);
+    glUniform1f(u->shadow_reach_texels, shadow_reach * (float)self->shadow_side);
     glUniform2i(u->origin, v->x, v->y);
+    glUniform1i(u->side, v->side);
     glUniform1i(u->has_own_colours, face->colour_buffer != 0);
 }
 
@@ -370,13 +398,16 @@ static void draw_clear(const draw_renderer *self, const draw_face *face, const v
 static void draw_face_lit(const draw_renderer *self, const draw_face *face, const view *v)
 {
     for (int i = 0; i < LOOKS; ++i)
-        set_face_uniforms(&self->face[i], face, v);
+        set_face_uniforms(self, &self->face[i], face, v);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, self->shadow_map);
     glBindVertexArray(face->vertex_array);
     glEnable(GL_DEPTH_TEST);
-    glPointSize(4.0f);
+    glPointSize(4.0f * (float)v->side);
     draw_solid(self, face);
+    if (!self->has_ground)
+        draw_wall(self, v);
+    glBindVertexArray(face->vertex_array);
     draw_clear(self, face, v);
 }
 
@@ -386,11 +417,13 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     if (width == 0 || height == 0 || x >= target->width || y >= target->height ||
         width > SIDE_LIMIT || height > SIDE_LIMIT)
         return;
+    GLint side = (GLint)target->side;
     view v = {.camera = camera_made_safe(camera),
-              .x = (GLint)x,
-              .y = (GLint)target->height - (GLint)y - (GLint)height,
-              .width = (GLsizei)width,
-              .height = (GLsizei)height,
+              .x = (GLint)x * side,
+              .y = ((GLint)target->height - (GLint)y - (GLint)height) * side,
+              .width = (GLsizei)width * side,
+              .height = (GLsizei)height * side,
+              .side = side,
               .shadow_radius_mm = face->radius_mm * 1.02f};
     for (renderer_lamp lamp = 0; lamp < RENDERER_LAMPS; ++lamp)
         renderer_light(v.light[lamp], lamp, v.camera.yaw_rad);
@@ -404,7 +437,8 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     glEnable(GL_SCISSOR_TEST);
     glScissor(v.x, v.y, v.width, v.height);
     glClear(GL_DEPTH_BUFFER_BIT);
-    draw_background(self, &v);
+    if (self->has_ground)
+        clear_ground(self);
     draw_face_lit(self, face, &v);
     target->stale = true;
     target->is_clear = self->has_ground && self->ground[3] < 1.0f;

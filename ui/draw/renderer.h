@@ -15,7 +15,8 @@ void overlays_destroy(overlays *self);
 typedef struct renderer_face_program {
     GLuint program;
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
-    GLint shadow_projection, shadow_map, shadow_texel_mm, origin, has_own_colours;
+    GLint shadow_projection, shadow_map, shadow_texel_mm, shadow_reach_texels, origin, side,
+        has_own_colours;
     GLint softness, coat;
     GLint texture[FACE_TEXTURES], place, has_tint; /* of a painted surface */
     GLint emission, normal_scale, shade, toon, alpha_range;
@@ -40,8 +41,9 @@ struct draw_renderer {
     renderer_face_program face[LOOKS];
     GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, in the place of each */
     GLuint depth_program, background_program;
-    GLint depth_projection, background_origin;
+    GLint depth_projection, background_origin, background_side;
     GLuint shadow_map, shadow_framebuffer;
+    GLsizei shadow_side; /* texels */
     GLuint vertex_array; /* without attributes */
     bool has_ground;     /* a colour instead of the wall */
     float ground[4];

@@ -40,25 +40,58 @@ static mrt_result check_framebuffer(const char *what, error *err)
                      "the graphics driver cannot draw into %s (status 0x%04x)", what, status);
 }
 
-static mrt_result create_samples(draw_target *self, error *err)
+static GLsizei framebuffer_width(const draw_target *self)
+{
+    return (GLsizei)(self->width * self->side);
+}
+
+static GLsizei framebuffer_height(const draw_target *self)
+{
+    return (GLsizei)(self->height * self->side);
+}
+
+static void attach_pixels(draw_target *self)
+{
+    GLsizei width = framebuffer_width(self), height = framebuffer_height(self);
+    glBindTexture(GL_TEXTURE_2D, self->samples);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, self->samples, 0);
+}
+
+static void attach_samples(draw_target *self)
 {
     GLsizei width = (GLsizei)self->width, height = (GLsizei)self->height;
     self->sample_count = samples_offered();
-    glGenTextures(1, &self->samples);
     glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, self->samples);
     glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, self->sample_count, GL_RGBA8, width, height,
                             GL_TRUE);
-    glGenRenderbuffers(1, &self->depth);
-    glBindRenderbuffer(GL_RENDERBUFFER, self->depth);
     glRenderbufferStorageMultisample(GL_RENDERBUFFER, self->sample_count, GL_DEPTH_COMPONENT24,
                                      width, height);
-    glGenFramebuffers(1, &self->framebuffer);
-    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE,
                            self->samples, 0);
+}
+
+static mrt_result create_samples(draw_target *self, error *err)
+{
+    GLint most = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
+    uint32_t longer = self->width > self->height ? self->width : self->height;
+    self->side = gl_is_llvmpipe() && 2 * longer <= (uint32_t)most ? 2 : 1;
+    glGenTextures(1, &self->samples);
+    glGenRenderbuffers(1, &self->depth);
+    glBindRenderbuffer(GL_RENDERBUFFER, self->depth);
+    glGenFramebuffers(1, &self->framebuffer);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    if (self->side > 1)
+        attach_pixels(self);
+    else
+        attach_samples(self);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, self->depth);
     mrt_result result = gl_check_error("the samples of a picture", err);
-    return result == MRT_OK ? check_framebuffer("multisampled memory", err) : result;
+    return result == MRT_OK ? check_framebuffer("the samples of a picture", err) : result;
 }
 
 static mrt_result create_picture(draw_target *self, error *err)
@@ -81,7 +114,8 @@ static mrt_result create_picture(draw_target *self, error *err)
 static mrt_result create_resolve(draw_target *self, error *err)
 {
     const gl_source stages[] = {shaders_screen_vert, shaders_resolve_frag};
-    self->resolve_program = gl_program_create(stages, "", err);
+    self->resolve_program =
+        gl_program_create(stages, self->side > 1 ? "#define PIXELS\n" : "", err);
     if (!self->resolve_program)
         return MRT_ERR_UNSUPPORTED;
     glUseProgram(self->resolve_program);
@@ -95,7 +129,7 @@ static mrt_result create_resolve(draw_target *self, error *err)
 static void clear(draw_target *self)
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
-    glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
+    glViewport(0, 0, framebuffer_width(self), framebuffer_height(self));
     glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* a page a little darker than the wall */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     self->stale = true;
@@ -149,7 +183,7 @@ static void resolve(draw_target *self)
     glUniform1i(self->keeps_alpha, self->is_clear);
     glBindVertexArray(self->vertex_array);
     glActiveTexture(GL_TEXTURE0);
-    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, self->samples);
+    glBindTexture(self->side > 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE, self->samples);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     self->stale = false;
 }

@@ -1,5 +1,7 @@
 /* draw/target.h - the inside of a target: its samples, and the picture that is made from them when
- * somebody looks. The thread of the context. */
+ * somebody looks. A graphics card has four samples in each pixel; llvmpipe draws four pixels
+ * instead: setting up a small triangle costs it several times more with samples, and it shades what
+ * is hidden too. The thread of the context. */
 #ifndef MAROTTE_UI_DRAW_TARGET_H
 #define MAROTTE_UI_DRAW_TARGET_H
 #include "draw/draw.h"
@@ -8,6 +10,8 @@
 struct draw_target {
     uint32_t width, height;
     GLint sample_count;
+    uint32_t
+        side; /* pixels of the framebuffer to a side of the picture's: 1, or 2 without samples */
     GLuint samples, depth, framebuffer;   /* what is drawn into */
     GLuint picture, picture_framebuffer;  /* one sample per pixel, sRGB-coded */
     GLuint resolve_program, vertex_array; /* vertex_array: without attributes */

@@ -1,5 +1,12 @@
 // Before every shader: colour coding and the dither that keeps dark gradients free of bands.
 
+// A side of what is shaded at once, pixels of the picture: target.h.
+#ifdef LLVMPIPE
+const float shaded_px = 0.5;
+#else
+const float shaded_px = 1.0;
+#endif
+
 vec3 encode_srgb(vec3 linear)
 {
     vec3 c = clamp(linear, 0.0, 1.0);

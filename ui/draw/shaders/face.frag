@@ -13,8 +13,9 @@ uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
 uniform mat4 shadow_projection;  // mm to 0..1
 uniform sampler2DShadow shadow_map;
-uniform float shadow_texel_mm;
-uniform ivec2 origin;
+uniform float shadow_texel_mm, shadow_reach_texels;
+uniform ivec2 origin; // of the rectangle, pixels of the framebuffer
+uniform int side;     // of a pixel of the picture, in those: 1 or 2
 out vec4 colour;
 
 const vec3 light_colour[3] =
@@ -91,7 +92,7 @@ const mat3 turned = mat3(0.80, -0.60, 0.0, 0.36, 0.48, 0.8, -0.48, -0.64, 0.6);
 // How much of a pattern of so large cells the pixels can show.
 float visibility(vec3 p)
 {
-    return 1.0 - smoothstep(0.35, 0.9, length(fwidth(p)));
+    return 1.0 - smoothstep(0.35, 0.9, float(side) * length(fwidth(p)));
 }
 
 // Adds one size of grain, unless it is finer than the pixels can show.
@@ -156,22 +157,39 @@ void add_fibres(vec3 p, vec3 stretch, inout vec4 grain)
 #endif
 
 // An even disc (golden angle).
+#ifdef LLVMPIPE
+// Where four pixels of the framebuffer make one of the picture, each looks at two of the places.
+const int tap_count = 2;
+vec2 tap(int i)
+{
+    bvec2 odd = notEqual(ivec2(gl_FragCoord.xy) & 1, ivec2(0));
+    if (i == 0)
+        return odd.y ? (odd.x ? vec2(0.4024, 0.5249) : vec2(0.0489, -0.5569))
+                     : (odd.x ? vec2(-0.3193, 0.2925) : vec2(0.2500, 0.0000));
+    return odd.y ? (odd.x ? vec2(-0.4463, -0.8593) : vec2(-0.2340, 0.8705))
+                 : (odd.x ? vec2(0.6996, -0.4450) : vec2(-0.7385, -0.1306));
+}
+#else
 const int tap_count = 8;
 const vec2 taps[tap_count] = vec2[tap_count](
     vec2(0.2500, 0.0000), vec2(-0.3193, 0.2925), vec2(0.0489, -0.5569), vec2(0.4024, 0.5249),
     vec2(-0.7385, -0.1306), vec2(0.6996, -0.4450), vec2(-0.2340, 0.8705), vec2(-0.4463, -0.8593));
+vec2 tap(int i)
+{
+    return taps[i];
+}
+#endif
 
 float key_visibility(vec3 normal)
 {
-    const float reach_texels = 4.5;
     float facing = dot(normal, light_direction[0]);
     float slant = sqrt(max(0.0, 1.0 - facing * facing));
-    vec3 from = v_position + normal * shadow_texel_mm * (1.0 + 0.8 * reach_texels * slant);
+    vec3 from = v_position + normal * shadow_texel_mm * (1.0 + 0.8 * shadow_reach_texels * slant);
     vec3 place = (shadow_projection * vec4(from, 1.0)).xyz;
-    vec2 reach = reach_texels / vec2(textureSize(shadow_map, 0));
+    vec2 reach = shadow_reach_texels / vec2(textureSize(shadow_map, 0));
     float seen = 0.0;
     for (int i = 0; i < tap_count; ++i)
-        seen += texture(shadow_map, vec3(place.xy + taps[i] * reach, place.z));
+        seen += texture(shadow_map, vec3(place.xy + tap(i) * reach, place.z));
     return seen / float(tap_count);
 }
 
@@ -322,6 +340,6 @@ void main()
 #ifdef EMISSION
     light += glow;
 #endif
-    colour = vec4(encode_srgb(expose(light)) + dither(ivec2(gl_FragCoord.xy) - origin), shown_alpha);
+    colour = vec4(encode_srgb(expose(light)) + dither((ivec2(gl_FragCoord.xy) - origin) >> (side - 1)), shown_alpha);
 #endif
 }

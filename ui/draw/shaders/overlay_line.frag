@@ -13,6 +13,6 @@ void main()
     if (v_is_cut > 0.5 && place != share)
         discard;
     float half_width = mix(v_half_width.x, v_half_width.y, share);
-    float cover = clamp(half_width + 0.5 - length(from - share * along), 0.0, 1.0);
+    float cover = clamp((half_width - length(from - share * along)) / shaded_px + 0.5, 0.0, 1.0);
     colour = vec4(v_ink.rgb, v_ink.a * cover * strength);
 }

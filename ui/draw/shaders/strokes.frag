@@ -8,6 +8,6 @@ void main()
 {
     vec2 along = v_ends.zw - v_ends.xy, from = v_place - v_ends.xy;
     float share = clamp(dot(from, along) / max(dot(along, along), 1e-6), 0.0, 1.0);
-    float cover = clamp(v_half_width + 0.5 - length(from - share * along), 0.0, 1.0);
+    float cover = clamp((v_half_width - length(from - share * along)) / shaded_px + 0.5, 0.0, 1.0);
     colour = vec4(v_ink.rgb, v_ink.a * cover);
 }
