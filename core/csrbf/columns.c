@@ -125,15 +125,29 @@ float *columns_row(const columns *c, uint32_t column)
 
 void columns_note(columns *c, uint32_t count)
 {
-    columns_note_groups(c, count, 1);
+    columns_note_groups(c, 0, count, 1);
 }
 
-void columns_note_groups(columns *c, uint32_t count, uint32_t group)
+/* No mark of a column from `first` on. */
+static void forget_marks(columns *c, uint32_t first)
+{
+    uint32_t word = first / COLUMNS_WORD;
+    uint64_t kept = (UINT64_C(1) << first % COLUMNS_WORD) - 1;
+    for (size_t block = 0; block < c->block_count; ++block) {
+        uint64_t *mark = c->mark + block * c->mark_words;
+        if (word < c->mark_words)
+            mark[word] &= kept;
+        for (uint32_t i = word + 1; i < c->mark_words; ++i)
+            mark[i] = 0;
+    }
+}
+
+void columns_note_groups(columns *c, uint32_t first, uint32_t count, uint32_t group)
 {
     c->count = count;
-    memset(c->mark, 0, (size_t)c->block_count * c->mark_words * sizeof *c->mark);
-    for (uint32_t column = 0; column < count; ++column) {
-        const float *last = columns_row(c, column - column % group + group - 1);
+    forget_marks(c, first);
+    for (uint32_t column = first; column < count; ++column) {
+        const float *last = columns_row(c, column - (column - first) % group + group - 1);
         uint64_t *mark = c->mark + column / COLUMNS_WORD;
         c->filled[column] = 0;
         for (uint32_t block = 0; block < c->block_count; ++block, mark += c->mark_words) {

@@ -46,9 +46,10 @@ float *columns_row(const columns *c, uint32_t column);
 /* After rows 0 .. count - 1 have been written: they are the columns, and this notes where they are
  * zero. */
 void columns_note(columns *c, uint32_t count);
-/* The same where `group` columns in a row have values only where the last of them has: it need not
- * be said again when only the others change. count: a multiple of group. */
-void columns_note_groups(columns *c, uint32_t count, uint32_t group);
+/* The same where the rows before `first` stay as they were noted, and from there on `group` columns
+ * in a row have values only where the last of them has: it need not be said again when only the
+ * others change. count - first: a multiple of group. */
+void columns_note_groups(columns *c, uint32_t first, uint32_t count, uint32_t group);
 
 /* The frame. weight: count by 3, finite as float. out is not base. */
 void columns_move(columns *c, points *out, const points *base, const double *weight);

@@ -27,6 +27,9 @@ CHECKED mrt_result face_create(face **out, const rig *r, const mesh *m, const to
 /* The same with a binding that is there already; takes it over, zeroes b, on errors too. */
 CHECKED mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b,
                                      uint32_t control_capacity, error *err);
+/* The same, and the mesh's morph targets are its own shapes: see below. */
+CHECKED mrt_result face_create_shaped(face **out, const rig *r, const mesh *m, binding *b,
+                                      uint32_t control_capacity, error *err);
 void face_destroy(face *f); /* NULL is fine */
 
 const points_order *face_order(const face *f);
@@ -81,6 +84,23 @@ void face_unride(const face *f, double *end, const float *dof);
 void face_commit(face *f);
 void face_reset(face *f);
 
+/* ---- the head's own shapes ----
+ *
+ * A face with a rig whose mesh has morph targets answers a pull with them first: of all weights in
+ * 0..1 the few small ones that explain where the controls go, found from those of the frame before
+ * on; the fields do what is left, so controls land on their ends all the same. What bones can do of
+ * a shape they do: of jawOpen only what is beside the jaw's motion is a shape, and its weight is
+ * how far the jaw is open. A bone that skin rides on and that nobody drives (the jaw, a lid) goes
+ * with the weights. Clay that is dragged has only the shapes that bones lead to. */
+
+/* 0: clay, and the bits of a face without shapes; 1 to begin with. Between frames. */
+void face_set_shapes(face *f, double amount);
+/* Those that move something; the names are the mesh's. */
+uint32_t face_shape_count(const face *f);
+const char *face_shape_name(const face *f, uint32_t index);
+/* Of the frame, 0..1: as given, less than asked for where skin would fold. */
+double face_shape_weight(const face *f, uint32_t index);
+
 /* ---- unanchored ---- */
 
 /* Drags the shape, carried back through the bones' motion (from: of the frame before, to: of this
@@ -125,7 +145,8 @@ typedef struct face_columns { /* of the engagement; valid until the next engage 
     bool is_exact;       /* false: the projection moved a vertex in the last frame shown */
 } face_columns;
 face_columns face_columns_now(const face *f);
-/* What a column is of: a contact ("mouth.corner.l"), a free point by its number ("control2"), both
+/* What a column is of: a shape along an axis ("mouthSmile.x", with "@jaw" behind for what a moving
+ * bone carries of it); a contact ("mouth.corner.l"), a free point by its number ("control2"), both
  * with "@bone" behind when several bones are in it; or a bone's motion: "jaw.turn_x" to
  * "jaw.turn_z", "jaw.shift". */
 enum { FACE_COLUMN_NAME = 160 };

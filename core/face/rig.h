@@ -137,6 +137,7 @@ typedef struct rig {
     rig_contact_set *contact_set;
     uint32_t bone_count, region_count, contact_count, proxy_count, pose_count, contact_set_count;
     csrbf_settings solver; /* radius in mm; 0: not said */
+    double shapes;         /* 0..1: how far the mesh's own shapes answer pulls; 1: not said */
     void *document;        /* the JSON as read, for what this version does not know */
     char *note;            /* unknown keys and the like, lines ended by \n; NULL: nothing */
 } rig;

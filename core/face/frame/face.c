@@ -36,7 +36,8 @@ static void fill_carried(face *f, const face_field *field, const uint8_t *wanted
 void face_pose_columns(face *f)
 {
     uint32_t column = f->control_column_count;
-    bool is_pose_alone = column == 0, is_noted = is_pose_alone && f->is_pose_noted;
+    bool is_pose_alone = column == f->shape_column_count,
+         is_noted = is_pose_alone && f->is_pose_noted;
     if (!is_noted)
         face_forget_columns(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
@@ -52,12 +53,12 @@ void face_pose_columns(face *f)
         fill_carried(f, field, is_noted ? f->blocks.is_stale : NULL);
     }
     if (!is_pose_alone)
-        columns_note(&f->columns, column);
+        columns_note_groups(&f->columns, f->shape_column_count, column, 1);
     else if (!is_noted)
-        columns_note_groups(&f->columns, column, FACE_POSE_COLUMNS);
+        columns_note_groups(&f->columns, f->shape_column_count, column, FACE_POSE_COLUMNS);
     f->is_pose_noted = is_pose_alone;
     f->engagement += 1;
-    if (!is_pose_alone)
+    if (!is_pose_alone || (f->shape_column_count > 0 && f->origin == &f->base))
         face_limit_engage(f);
 }
 
@@ -71,6 +72,7 @@ static void put(double *row, double x, double y, double z)
 void face_pose_weights(face *f, double *weight, const rigid *pose)
 {
     f->is_given = false;
+    face_shapes_weigh(f, weight, pose);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         if (!f->bones.moves[b])
@@ -127,7 +129,9 @@ void face_bake(face *f, points *out)
 {
     columns *c = &f->columns;
     bool posed = is_posed(f);
-    columns_weigh(c, f->given, f->control_column_count);
+    memcpy(f->next_weight, f->given, (size_t)3 * f->control_column_count * sizeof *f->given);
+    face_shapes_unlead(f, f->next_weight);
+    columns_weigh(c, f->next_weight, f->control_column_count);
     for (uint32_t block = 0; block < c->block_count; ++block) {
         float sum[3][POINTS_BLOCK];
         if (!face_reaches(c, c->weights.live, block)) {
@@ -155,10 +159,11 @@ void face_take_pose(face *f, const float *dof, const rigid *pose)
 static void release_controls(face *f)
 {
     f->control_count = 0;
-    f->control_column_count = 0;
+    f->control_column_count = f->shape_column_count;
     f->meter.dropped_count = 0;
     f->meter.slope_bound = 0.0;
     f->origin = &f->base;
+    face_shapes_settle(f, f->dof);
     face_pose_columns(f);
     face_pose_weights(f, f->weight, f->pose);
 }
@@ -213,6 +218,12 @@ void face_column_name(const face *f, uint32_t column, char out[FACE_COLUMN_NAME]
 {
     static const char *const motions[FACE_POSE_COLUMNS] = {"turn_x", "turn_y", "turn_z", "shift"};
     out[0] = '\0';
+    if (column < f->shape_column_count) {
+        uint32_t carrier;
+        const char *name = face_shapes_column_name(f, column, &carrier);
+        snprintf(out, FACE_COLUMN_NAME, "%.80s.%c%s%.64s", name, "xyz"[column % 3],
+                 carrier != RIG_NONE ? "@" : "", carrier != RIG_NONE ? bone_name(f, carrier) : "");
+    }
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         if (column < f->control_column_count && column >= field->first_column &&

@@ -170,7 +170,6 @@ static mrt_result create_field(face *f, uint32_t bone, error *err)
 
 static mrt_result create_fields(face *f, error *err)
 {
-    uint32_t moving = 0;
     f->mobility = create_stream(f);
     if (!f->mobility)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the mobility");
@@ -179,14 +178,25 @@ static mrt_result create_fields(face *f, error *err)
         mrt_result result = create_field(f, bone, err);
         if (result < 0)
             return result;
-        moving += f->bones.moves[bone];
     }
+    return MRT_OK;
+}
+
+static mrt_result create_columns(face *f, error *err)
+{
+    uint32_t moving = 0;
+    for (uint32_t bone = 0; bone < f->bone_count; ++bone)
+        moving += f->bones.moves[bone];
     uint32_t each = f->bone_count < FACE_BONES_PER_CONTROL ? f->bone_count : FACE_BONES_PER_CONTROL;
-    uint64_t capacity = (uint64_t)each * f->control_capacity + FACE_POSE_COLUMNS * moving;
+    uint64_t capacity =
+        (uint64_t)each * f->control_capacity + FACE_POSE_COLUMNS * moving + f->shape_column_count;
     if (capacity > COLUMNS_CAPACITY)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%u controls on %u bones are too many",
                          f->control_capacity, f->bone_count);
-    return columns_create(&f->columns, &f->rest, (uint32_t)capacity, err);
+    mrt_result result = columns_create(&f->columns, &f->rest, (uint32_t)capacity, err);
+    if (result >= 0)
+        face_shapes_fill(f);
+    return result;
 }
 
 /* As many points as controls fit. */
@@ -282,13 +292,17 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
     if (result >= 0)
         result = create_fields(f, err);
     if (result >= 0)
+        result = face_skin_create(f, m, err);
+    if (result >= 0)
+        result = face_shapes_create(f, m, err);
+    if (result >= 0)
+        result = create_columns(f, err);
+    if (result >= 0)
         result = create_controls(f, err);
     if (result >= 0)
         result = create_contacts(f, m, err);
     if (result >= 0)
         result = projection_create(&f->projection, f->rig, &f->rest, f->mobility, err);
-    if (result >= 0)
-        result = face_skin_create(f, m, err);
     if (result >= 0)
         result = face_limit_create(f, err);
     if (result >= 0)
@@ -296,8 +310,8 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
     return result;
 }
 
-mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b,
-                             uint32_t control_capacity, error *err)
+static mrt_result create(face **out, const rig *r, const mesh *m, binding *b,
+                         uint32_t control_capacity, bool wants_shapes, error *err)
 {
     *out = NULL;
     face *f = calloc(1, sizeof *f);
@@ -306,6 +320,7 @@ mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b
         return error_set(err, MRT_ERR_MEMORY, "no memory for a face");
     }
     f->rig = r;
+    f->wants_shapes = wants_shapes;
     f->binding = *b;
     *b = (binding){0};
     f->control_capacity = control_capacity;
@@ -317,6 +332,18 @@ mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b
     face_reset(f);
     *out = f;
     return MRT_OK;
+}
+
+mrt_result face_create_bound(face **out, const rig *r, const mesh *m, binding *b,
+                             uint32_t control_capacity, error *err)
+{
+    return create(out, r, m, b, control_capacity, false, err);
+}
+
+mrt_result face_create_shaped(face **out, const rig *r, const mesh *m, binding *b,
+                              uint32_t control_capacity, error *err)
+{
+    return create(out, r, m, b, control_capacity, true, err);
 }
 
 mrt_result face_create(face **out, const rig *r, const mesh *m, const topology *t,
@@ -360,6 +387,7 @@ void face_destroy(face *f)
         destroy_field(&f->field[bone]);
     binding_destroy(&f->binding);
     projection_destroy(&f->projection);
+    face_shapes_destroy(f);
     face_shown_destroy(f);
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);

@@ -11,7 +11,8 @@ static void let_go(face *f)
         face_bake(f, &f->free);
     f->origin = &f->free;
     f->control_count = 0;
-    f->control_column_count = 0;
+    f->control_column_count = f->shape_column_count;
+    face_shapes_settle(f, f->dof);
     f->meter.dropped_count = 0;
     f->meter.slope_bound = 0.0;
 }
@@ -114,7 +115,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     carry_back(f, from, to, count, pose);
     let_go(f);
     face_assign(f, f->next_grip, count);
-    f->control_column_count = 0;
+    f->control_column_count = f->shape_column_count;
     result = drag_free(f, settings, count, out_step, err);
     if (result >= 0)
         face_limit_drag(f, settings, count, out_step);
@@ -125,6 +126,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
         return result;
     }
     face_take_pose(f, resolved, pose);
+    face_shapes_settle(f, resolved);
     show_free(f);
     for (uint32_t k = 0; out_reached && k < count; ++k) {
         blend posed = face_blend_at(f, &f->next_grip[k], pose);

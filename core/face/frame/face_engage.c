@@ -101,6 +101,7 @@ mrt_result face_hold(face *f, error *err)
     if (result < 0)
         return result;
     respond(f);
+    face_shapes_engage(f);
     count_dropped(f);
     return MRT_OK;
 }
@@ -139,6 +140,8 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     f->settings = *settings;
     swap_grips(f);
     respond(f);
+    face_shapes_engage(f);
+    face_shapes_settle(f, f->dof);
     face_pose_columns(f);
     memset(f->weight, 0, (size_t)3 * f->columns.count * sizeof *f->weight);
     face_pose_weights(f, f->weight, f->pose);

@@ -79,7 +79,8 @@ static void measure_rest(face *f, const double *end, const rigid *pose)
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
-        vec3 moved = blend_moves(&posed, grip->start);
+        vec3 moved = blend_moves(&posed, grip->start), shaped = face_shapes_at(f, k);
+        moved = vec3_add(moved, vec3_add(shaped, matrix3x3_apply(&posed.turn, shaped)));
         face_grip own = *grip;
         for (uint32_t b = 0; b < f->bone_count; ++b)
             own.share[b] = grip->belongs[b] ? grip->share[b] : 0.0;
@@ -173,9 +174,12 @@ mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
     double slope = 0.0;
     mrt_result result = check_ends(f, end, err);
     if (result >= 0)
-        result = face_resolve_dofs(f, resolved, dof, end, err);
+        result =
+            face_resolve_dofs(f, resolved, dof, face_shapes_derive_jaw(f, dof) ? NULL : end, err);
     if (result < 0)
         return result;
+    if (f->shapes.count > 0 && f->shapes.amount > 0.0)
+        face_shapes_solve(f, resolved, dof, end);
     bones_pose(pose, &f->bones, resolved);
     solve_grips(f, end, pose);
     result = weigh_controls(f, pose, &slope, err);
@@ -197,9 +201,9 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
 }
 
 /* Where the bones are that `dof` drives; the others rest. */
-static void pose_driven(const face *f, rigid *pose, const float *dof)
+static void pose_driven(const face *f, rigid *pose, float driven[MRT_MAX_DOFS], const float *dof)
 {
-    float driven[MRT_MAX_DOFS] = {0};
+    memset(driven, 0, MRT_MAX_DOFS * sizeof *driven);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         driven[i] = dof && isfinite(dof[i]) ? dof[i] : 0.0f;
     bones_pose(pose, &f->bones, driven);
@@ -208,7 +212,8 @@ static void pose_driven(const face *f, rigid *pose, const float *dof)
 void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)
 {
     rigid pose[RIG_BONES_MAX];
-    pose_driven(f, pose, dof);
+    float driven[MRT_MAX_DOFS];
+    pose_driven(f, pose, driven, dof);
     for (uint32_t k = 0; k < f->control_count; ++k) {
         if (!rides[k])
             continue;
@@ -216,7 +221,7 @@ void face_ride(const face *f, double *end, const uint8_t *rides, const float *do
         blend posed = face_blend_at(f, grip, pose);
         vec3 pulled = {grip->start.x + end[3 * k], grip->start.y + end[3 * k + 1],
                        grip->start.z + end[3 * k + 2]};
-        vec3 to = blend_apply(&posed, pulled);
+        vec3 to = blend_apply(&posed, vec3_add(pulled, face_shapes_led_at(f, k, driven)));
         end[3 * k] = to.x;
         end[3 * k + 1] = to.y;
         end[3 * k + 2] = to.z;
@@ -226,12 +231,13 @@ void face_ride(const face *f, double *end, const uint8_t *rides, const float *do
 void face_unride(const face *f, double *end, const float *dof)
 {
     rigid pose[RIG_BONES_MAX];
-    pose_driven(f, pose, dof);
+    float driven[MRT_MAX_DOFS];
+    pose_driven(f, pose, driven, dof);
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
         vec3 at_rest = blend_undo(&posed, (vec3){end[3 * k], end[3 * k + 1], end[3 * k + 2]});
-        vec3 pull = vec3_sub(at_rest, grip->start);
+        vec3 pull = vec3_sub(vec3_sub(at_rest, grip->start), face_shapes_led_at(f, k, driven));
         end[3 * k] = pull.x;
         end[3 * k + 1] = pull.y;
         end[3 * k + 2] = pull.z;

@@ -99,12 +99,12 @@ void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact)
     out->is_dropped = !(face_share_held(f, out) > 0.0);
     out->riding = riding_of(f, out->share);
     blend posed = face_blend_at(f, out, f->pose);
-    out->start = blend_undo(&posed, at);
+    out->start = vec3_sub(blend_undo(&posed, at), face_shapes_led_slot(f, slot));
 }
 
 void face_assign(face *f, const face_grip *grip, uint32_t count)
 {
-    uint32_t column = 0;
+    uint32_t column = f->shape_column_count;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         face_field *field = &f->field[b];
         field->control_count = 0;

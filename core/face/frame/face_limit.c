@@ -40,6 +40,9 @@ static const double strain_most = 8.0;
 static const float of_seen = 0.0524078f; /* 1 over that of 87 degrees */
 static const angle_turn tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
+static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room */
+
+enum { PARTINGS = 4 };
 enum { UNBENDINGS = 8, BEND_YIELDS = 3, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
 /* Of the field of a face without a rig, at its vertices: how much of the room around them is left
  * at least, and how exactly that is met. */
@@ -125,8 +128,10 @@ static void measure_rest(face *f)
             double a[3], b[3];
             points_at(a, &f->rest, corner[e]);
             points_at(b, &f->rest, corner[e == 2 ? 0 : e + 1]);
-            f->limit.longest[t][e] =
-                (float)vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
+            double length = vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
+            if (f->shapes.longest) /* as it is made to be, it is not torn */
+                length = fmax(length, (double)f->shapes.longest[t][e]);
+            f->limit.longest[t][e] = (float)length;
         }
     }
 }
@@ -196,6 +201,8 @@ mrt_result face_limit_create(face *f, error *err)
     measure_rest(f);
     measure_turns(f);
     list_blocks(f);
+    free(f->shapes.longest);
+    f->shapes.longest = NULL;
     return MRT_OK;
 }
 
@@ -337,6 +344,20 @@ static float steepness_of(const limit_group *g, angle_turn tilt, angle_turn apar
     double of_turn = left_of((double)g->of_turn, all);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
     return (float)(sure * fmax(sqrt(squeezed + of_tilt * of_tilt), sqrt(1.0 + of_turn * of_turn)));
+}
+
+/* The same of the three columns of a shape together. */
+static float steepest_shape(const face *f, size_t column, size_t group)
+{
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    float square = 0.0f;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        float one =
+            steepest_in(columns_row(&f->columns, (uint32_t)column + axis), corner,
+                        &f->limit.patch[group].origin.shape, group_size(f, group), rounding_of(f));
+        square += one * one;
+    }
+    return 1.01f * sqrtf(square);
 }
 
 /* How much a gradient strains the group, and what rounding may do to it. */
@@ -482,8 +503,8 @@ void face_limit_engage(face *f)
 {
     face_limit *l = &f->limit;
     const columns *c = &f->columns;
-    size_t groups = group_count(f);
-    memset(l->steepest, 0, c->count * groups * sizeof *l->steepest);
+    size_t groups = group_count(f), shapes = f->shape_column_count;
+    memset(l->steepest + shapes * groups, 0, (c->count - shapes) * groups * sizeof *l->steepest);
     memset(l->pull_bound, 0, groups * sizeof *l->pull_bound);
     memset(l->bounded, 0, (size_t)3 * c->count * sizeof *l->bounded);
     l->is_pose_known = false;
@@ -495,7 +516,11 @@ void face_limit_engage(face *f)
         const uint32_t *corner = f->skin + 3 * GROUP * group;
         size_t count = group_size(f, group);
         const strain_corners at = corners_of(f, group, l->posed);
-        l->loops->frames(&l->patch[group].origin, &at);
+        strain_frames *frames = &l->patch[group].origin, before = *frames;
+        l->loops->frames(frames, &at);
+        bool is_known = memcmp(frames, &before, sizeof before) == 0; /* of the shapes, which stay */
+        for (size_t column = 0; column < shapes && !is_known; ++column)
+            l->steepest[column * groups + group] = 0.0f;
         bound_group(f, group);
         enclose_group(f, group);
         l->group[group + 1].first_carried = carry_group(f, group, &l->patch[group].origin);
@@ -505,10 +530,14 @@ void face_limit_engage(face *f)
                 marks |= c->mark[corner[i] / POINTS_BLOCK * (size_t)c->mark_words + word];
             for (; marks != 0; marks &= marks - 1) {
                 size_t column = (size_t)word * COLUMNS_WORD + (size_t)__builtin_ctzll(marks);
-                if (column < f->control_column_count)
-                    l->steepest[column * groups + group] =
-                        steepest_in(columns_row(c, (uint32_t)column), corner,
-                                    &l->patch[group].origin.shape, count, rounding_of(f));
+                float *steepest = &l->steepest[column * groups + group];
+                if (column >= shapes && column < f->control_column_count)
+                    *steepest = steepest_in(columns_row(c, (uint32_t)column), corner,
+                                            &l->patch[group].origin.shape, count, rounding_of(f));
+                else if (column < shapes && !is_known) {
+                    steepest = &l->steepest[column / 3 * 3 * groups + group];
+                    *steepest = steepest_shape(f, column / 3 * 3, group);
+                }
             }
         }
     }
@@ -531,6 +560,9 @@ static void begin_pose(face *f)
     bool was_at_rest = l->is_pose_known && l->is_at_rest;
     l->is_pose_known = true;
     l->is_at_rest = is_still(f);
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        for (int i = 0; i < 9; ++i)
+            l->turned[b][i] = (float)(f->pose[b].r[i / 3][i % 3] - (i % 4 == 0 ? 1.0 : 0.0));
     if (l->is_at_rest && was_at_rest)
         return;
     memset(l->pose_weight, 0, (size_t)3 * f->control_column_count * sizeof *l->pose_weight);
@@ -638,13 +670,40 @@ static float room_of_pose(face *f, const limit_group *g)
     return isfinite(steepness) ? scale * g->steepness / steepness : 0.0f;
 }
 
+/* At least how much longer the change of a shape's three columns makes a vector that they weigh
+ * together. */
+static double size_of_change(const double *now, const double *before)
+{
+    double most_row = 0.0, most_column = 0.0, column[3] = {0};
+    for (int i = 0; i < 3; ++i) {
+        double row = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            double d = fabs(now[3 * i + k] - before[3 * i + k]);
+            row += d;
+            column[k] += d;
+        }
+        most_row = fmax(most_row, row);
+    }
+    for (int k = 0; k < 3; ++k)
+        most_column = fmax(most_column, column[k]);
+    return sqrt(most_row * most_column);
+}
+
 /* pull_bound, and what it has grown by since each group was measured last: of f->given. */
 static void follow_pulls(face *f)
 {
     face_limit *l = &f->limit;
     size_t groups = group_count(f);
     memset(l->change, 0, groups * sizeof *l->change);
-    for (uint32_t column = 0; column < f->control_column_count; ++column) {
+    for (uint32_t column = 0; column < f->shape_column_count; column += 3) {
+        const double *now = f->given + (size_t)3 * column;
+        double *before = l->bounded + (size_t)3 * column;
+        float size = (float)size_of_change(now, before);
+        memcpy(before, now, 9 * sizeof *now);
+        if (size > 0.0f)
+            l->loops->add(l->change, l->steepest + column * groups, size, groups);
+    }
+    for (uint32_t column = f->shape_column_count; column < f->control_column_count; ++column) {
         const double *now = f->given + (size_t)3 * column;
         double *before = l->bounded + (size_t)3 * column;
         vec3 way = {now[0] - before[0], now[1] - before[1], now[2] - before[2]};
@@ -656,11 +715,18 @@ static void follow_pulls(face *f)
     l->loops->add(l->pull_bound, l->change, 1.0f, groups);
 }
 
+/* Its own shapes are at work: what they do to skin is right as long as it does not fold. */
+static bool is_shaped(const face *f)
+{
+    return f->shapes.count > 0 && f->shapes.amount > 0.0;
+}
+
 /* Whether the steepest gradient that the pulls may have there strains it too much. */
 static bool is_too_steep(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
-    float most = f->limit.pull_bound[group] * g->steepness;
+    float steepness = is_shaped(f) && isfinite(g->steepness) ? shaped_steepness : g->steepness;
+    float most = f->limit.pull_bound[group] * steepness;
     if (!(most > 0.0f))
         return false;
     if (isinf(g->room) && most < 1.0f)
@@ -678,6 +744,8 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
             g->strain = g->turn = INFINITY;
         return false;
     }
+    if (is_shaped(f))
+        return true;
     if (change > 0.0f) {
         float more =
             g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
@@ -791,6 +859,21 @@ static void leave_turns(face *f, size_t group, const float *turned_cosine)
     f->limit.loops->turns(patch->of_turn_posed, of_turn, turned_cosine);
 }
 
+/* Likewise the shapes that act there. */
+static void strain_own_shapes(face *f, size_t group, double strain)
+{
+    const face_shapes *s = &f->shapes;
+    size_t groups = group_count(f);
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        uint32_t own = s->part[p].shape;
+        double weight = s->amount * s->weight[own];
+        double steep = (double)f->limit.steepest[s->part[p].column * groups + group];
+        if (!(weight > 0.0))
+            continue;
+        s->strain[own] = fmax(s->strain[own], (strain - 1.0) * fmin(1.0, 4.0 * weight * steep));
+    }
+}
+
 static void frame_group(face *f, size_t group)
 {
     face_limit *l = &f->limit;
@@ -809,8 +892,78 @@ static void frame_group(face *f, size_t group)
     g->is_framed = true;
 }
 
+/* The normal at rest as the bones turn it: face_min_determinant's. */
+static void turned_normal(const face *f, size_t group, const uint32_t *corner, float out[3])
+{
+    const limit_group *g = &f->limit.group[group];
+    const points *p = &f->rest;
+    float a[3] = {p->x[corner[1]] - p->x[corner[0]], p->y[corner[1]] - p->y[corner[0]],
+                  p->z[corner[1]] - p->z[corner[0]]};
+    float b[3] = {p->x[corner[2]] - p->x[corner[0]], p->y[corner[2]] - p->y[corner[0]],
+                  p->z[corner[2]] - p->z[corner[0]]};
+    const float n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                        a[0] * b[1] - a[1] * b[0]};
+    memcpy(out, n, sizeof n);
+    uint32_t bone = g->main_bone;
+    for (uint32_t i = g->first_carried; i <= g[1].first_carried; ++i) {
+        const float *row = carrier_row(f, bone);
+        if (row && bone != STILL) {
+            float share = (row[corner[0]] + row[corner[1]] + row[corner[2]]) / 3.0f;
+            const float *r = f->limit.turned[bone];
+            for (int axis = 0; axis < 3; ++axis)
+                out[axis] +=
+                    share * (r[3 * axis] * n[0] + r[3 * axis + 1] * n[1] + r[3 * axis + 2] * n[2]);
+        }
+        bone = i < g[1].first_carried ? f->limit.carried[i].bone : bone;
+    }
+}
+
+static float fold_strain(const face *f, size_t group, const uint32_t *corner)
+{
+    const face_limit *l = &f->limit;
+    float e[2][3], d[2][3], n[3];
+    for (int i = 0; i < 2; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            e[i][axis] = l->posed[corner[1 + i]][axis] - l->posed[corner[0]][axis];
+            d[i][axis] = l->added[corner[1 + i]][axis] - l->added[corner[0]][axis];
+        }
+    turned_normal(f, group, corner, n);
+    return strain_fold((const float(*)[3])e, (const float(*)[3])d, n);
+}
+
+/* Some edge is more than doubled. */
+static bool is_drawn_out(const face *f, const uint32_t *corner)
+{
+    const face_limit *l = &f->limit;
+    for (size_t e = 0; e < 3; ++e) {
+        uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
+        if (length_of(l->added[a], l->added[b]) > length_of(l->posed[a], l->posed[b]))
+            return true;
+    }
+    return false;
+}
+
+static double measure_shaped(face *f, size_t group, float stretch)
+{
+    float greatest = 0.0f;
+    for (size_t i = 0; i < group_size(f, group); ++i) {
+        size_t t = GROUP * group + i;
+        float strain = fold_strain(f, group, f->skin + 3 * t);
+        float tears = is_drawn_out(f, f->skin + 3 * t) ? stretch_strain(f, t, stretch) : 0.0f;
+        strain = tears > strain ? tears : strain;
+        if (strain > 1.0f) {
+            strain_controls(f, t, fmin((double)strain, strain_most));
+            strain_own_shapes(f, group, fmin((double)strain, strain_most));
+        }
+        greatest = strain > greatest ? strain : greatest;
+    }
+    return (double)greatest;
+}
+
 static double measure_group(face *f, size_t group, float stretch)
 {
+    if (is_shaped(f))
+        return measure_shaped(f, group, stretch);
     face_limit *l = &f->limit;
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
@@ -826,8 +979,10 @@ static double measure_group(face *f, size_t group, float stretch)
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
         strain = stretched > strain ? stretched : strain;
-        if (strain > 1.0f)
+        if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
+            strain_own_shapes(f, group, fmin((double)strain, strain_most));
+        }
         if (turn > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
@@ -847,6 +1002,8 @@ static double measure_strain(face *f, limit_looks looks)
     double greatest = 0.0;
     size_t wanted = 0, groups = group_count(f);
     memset(l->strain, 0, f->control_count * sizeof *l->strain);
+    for (uint32_t i = 0; i < f->shapes.count; ++i)
+        f->shapes.strain[i] = 0.0;
     memset(l->is_added, 0, f->rest.block_count);
     l->candidate_count = 0;
     follow_pulls(f);
@@ -918,9 +1075,10 @@ static void find_asked(face *f)
     }
 }
 
-/* f->given := what limit.g pulls. */
+/* f->given := what limit.g pulls, and what is given of the shapes. */
 static void give(face *f)
 {
+    face_shapes_give(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         for (uint32_t i = 0; i < field->control_count; ++i) {
@@ -957,7 +1115,9 @@ static void note_held_back(face *f)
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const double *asked = f->limit.asked + (size_t)3 * k, *given = f->limit.g + (size_t)3 * k;
         vec3 missing = {asked[0] - given[0], asked[1] - given[1], asked[2] - given[2]};
-        most = fmax(most, vec3_length(missing) * f->grip[k].mobility);
+        missing = vec3_scale(missing, f->grip[k].mobility);
+        missing = vec3_add(missing, face_shapes_missing(f, k));
+        most = fmax(most, vec3_length(missing));
     }
     f->meter.held_back_mm = most;
 }
@@ -966,6 +1126,8 @@ static void give_part(face *f, double part)
 {
     for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
         f->limit.g[i] *= part;
+    for (uint32_t i = 0; i < f->shapes.count; ++i)
+        f->shapes.given[i] *= part;
     give(f);
 }
 
@@ -981,6 +1143,8 @@ static double yield_pulls(face *f, double strain)
     for (int i = 0; i < SOFTENINGS && strain > 1.0; ++i, ridge *= softening_more) {
         for (uint32_t k = 0; k < f->control_count; ++k)
             l->ridge[k] += ridge * l->strain[k];
+        for (uint32_t k = 0; k < f->shapes.count; ++k)
+            f->shapes.given[k] /= 1.0 + f->shapes.strain[k];
         memcpy(l->g, l->asked, numbers * sizeof *l->g);
         csrbf_soften(l->g, &f->settings, l->centre, l->likeness, l->ridge, f->control_count,
                      l->scratch);
@@ -1158,10 +1322,13 @@ void face_limit_pull(face *f)
         return;
     memcpy(f->given, f->weight, (size_t)3 * f->columns.count * sizeof *f->given);
     f->is_given = true;
+    for (uint32_t i = 0; i < f->shapes.count; ++i)
+        f->shapes.given[i] = 1.0;
     if (f->origin == &f->free) /* what a drag has held back stands */
         return;
     f->meter.held_back_mm = 0.0;
-    if (f->control_count == 0 || f->settings.stretch_most < 0.0)
+    bool moves = f->control_count > 0 || face_shapes_weigh_something(f);
+    if (!moves || (f->control_count > 0 && f->settings.stretch_most < 0.0))
         return;
     begin_pose(f);
     double strain = measure_strain(f, AT_TURNS), part = 1.0;
@@ -1174,8 +1341,15 @@ void face_limit_pull(face *f)
         part = unbend(f, part);
     if (part < 1.0)
         give_part(f, part);
-    f->is_held =
-        memcmp(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g) != 0;
+    for (int i = 0; i < PARTINGS && part < 1.0 && is_shaped(f); ++i) { /* a fold is no line */
+        double left = measure_strain(f, AT_STRAINS);
+        if (!(left > 1.0))
+            break;
+        give_part(f, i + 1 < PARTINGS ? 1.0 / left : 0.0);
+    }
+    f->is_held = memcmp(f->limit.g, f->limit.asked,
+                        (size_t)3 * f->control_count * sizeof *f->limit.g) != 0 ||
+                 face_shapes_are_held(f);
     if (f->is_held)
         give_fields(f);
     unfold(f);

@@ -119,6 +119,11 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
     bytes_put_u32(&out, f->bones.dof_count);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         bytes_put_f64(&out, (double)f->dof[i]);
+    if (f->shapes.count > 0) {
+        bytes_put_u32(&out, f->shapes.count);
+        for (uint32_t i = 0; i < f->shapes.count; ++i)
+            bytes_put_f64(&out, f->shapes.weight[i]);
+    }
     bytes_put_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
     put_shape(&out, &f->base, &f->rest);
     if (f->origin == &f->free)
@@ -182,6 +187,19 @@ static bool take_controls(bytes_in *in, face *f)
     return !in->failed;
 }
 
+static void take_shape_weights(bytes_in *in, face *f)
+{
+    face_shapes *s = &f->shapes;
+    if (s->count == 0)
+        return;
+    in->failed |= bytes_take_u32(in) != s->count;
+    for (uint32_t i = 0; i < s->count && !in->failed; ++i) {
+        double weight = bytes_take_f64(in);
+        in->failed |= !(weight >= 0.0 && weight <= 1.0);
+        s->weight[i] = in->failed ? 0.0 : weight;
+    }
+}
+
 mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
@@ -192,6 +210,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
         return error_set(err, MRT_ERR_FORMAT, "the stored state is not of this face");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         dof[i] = take_single(&in);
+    take_shape_weights(&in, f);
     bool is_free = bytes_take_u32(&in) == ORIGIN_FREE;
     take_shape(&in, &f->base, &f->rest);
     if (is_free)

@@ -50,12 +50,13 @@ typedef struct face_limit {
     float (*posed)[4], (*added)[4]; /* of each vertex: by the bones alone; by the controls */
     const struct strain_loops *loops;
     struct limit_group *group;
-    struct limit_patch *patch;     /* of each group */
-    struct limit_carried *carried; /* of each group: see limit_group */
-    uint32_t *block;               /* likewise: of its vertices */
-    struct limit_apart *apart;     /* of each two bones */
-    float *still;                  /* of each vertex: what no moving bone carries of it */
-    uint32_t *bones_around;        /* of each vertex: as of the groups that have it */
+    struct limit_patch *patch;      /* of each group */
+    struct limit_carried *carried;  /* of each group: see limit_group */
+    uint32_t *block;                /* likewise: of its vertices */
+    struct limit_apart *apart;      /* of each two bones */
+    float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
+    float *still;                   /* of each vertex: what no moving bone carries of it */
+    uint32_t *bones_around;         /* of each vertex: as of the groups that have it */
     float *steepest;   /* by column of a control, of each group: its gradient's greatest length */
     float *pull_bound; /* of each group: at least the length of the gradient of `bounded` */
     float *change;     /* what the last of its changes can have added to that */
@@ -67,13 +68,53 @@ typedef struct face_limit {
     uint8_t *is_changed;                  /* of each block: by a step */
     uint8_t *is_posed, *is_added;         /* `posed` is that of the pose, `added` of the pulls */
     float (*step)[4];                     /* of each vertex: what clay was to move by */
-    float (*longest)[3];                  /* of each triangle of skin: its edges at rest */
+    float (*longest)[3];                  /* of each triangle of skin: its edges at rest, or in
+                                             one of its own shapes */
     double *pose_weight;                  /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
     points shown_before, shown_after; /* clay, before and after a step */
     float *share;                     /* of each vertex: of a step of clay */
     double *tip_share;                /* control_capacity: likewise */
 } face_limit;
+
+/* One of the head's own shapes. */
+typedef struct face_shape {
+    const char *name;        /* of the mesh */
+    float dof[MRT_MAX_DOFS]; /* what the bones do of it, at weight 1 */
+    uint32_t bones;          /* bits: those that do */
+    bool follows_bones;      /* its weight is how far they have gone that way */
+    double bone_square;      /* of their motion, mm^2 */
+    double purity;           /* 0..1: so much of its square the bones do */
+    double size_mm;          /* root mean square over the skin */
+    uint32_t needs[2];       /* 1 + the shapes that it corrects; 0: none */
+} face_shape;
+
+/* The share of a shape that a bone carries: columns for x, y and z. */
+typedef struct face_shape_part {
+    uint32_t shape, carrier; /* a bone that moves, or RIG_BONES_MAX: those that do not */
+    uint32_t column;
+} face_shape_part;
+
+/* The head's own shapes: face_shapes.c. The columns come first, before those of controls. */
+typedef struct face_shapes {
+    face_shape *shape;
+    face_shape_part *part;
+    uint32_t count, part_count;
+    bool is_too_large; /* left out: more memory than a face may have */
+    double amount;     /* 0..1: 0 is clay */
+    double dof_mm[MRT_MAX_DOFS];
+    bool covers[MRT_MAX_DOFS];   /* some shape moves it */
+    bool derives[RIG_BONES_MAX]; /* skin rides on it: pulls may say where it is */
+    uint32_t speaks_of, rides;   /* bits, bones: that shapes move; that a control rides on */
+    double *weight;              /* of the frame, and where the next one begins */
+    double *at;                  /* shapes by control_capacity by 3: at the controls, mm */
+    double *whole;               /* likewise, with the bones that follow */
+    uint32_t derived;            /* bits: those, when it was found */
+    double *h, *few, *b, *low, *high, *y, *scratch; /* shape_solve.h; few: of b */
+    double *given, *strain; /* face_limit.c: the part of each that is given */
+    float *learnt;          /* until the columns are filled */
+    float (*longest)[3];    /* until face_limit_create: edges of the skin, in any shape, mm */
+} face_shapes;
 
 struct face {
     const rig *rig; /* or NULL */
@@ -95,7 +136,10 @@ struct face {
     uint32_t bone_count;
     face_field field[RIG_BONES_MAX];
     columns columns;
-    uint32_t control_column_count; /* those of controls, before those of bones */
+    bool wants_shapes;
+    face_shapes shapes;
+    uint32_t shape_column_count;   /* those of shapes, which stay */
+    uint32_t control_column_count; /* those of shapes and controls, before those of bones */
     bool is_pose_noted;            /* the columns are those of bones alone, noted, and 0 where no
                                     * vertex is carried */
     double *weight, *next_weight;  /* column capacity by 3: what is asked for */
@@ -156,6 +200,35 @@ CHECKED mrt_result face_hold(face *f, error *err);
 /* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */
 CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
                                      error *err);
+
+/* ---- face_shapes.c: with no shapes all of these do nothing ---- */
+
+enum { FACE_SHAPES_MAX = 320 };
+/* Before there are columns; and when there are. */
+CHECKED mrt_result face_shapes_create(face *f, const mesh *m, error *err);
+void face_shapes_fill(face *f);
+void face_shapes_destroy(face *f);
+/* The controls have taken hold. */
+void face_shapes_engage(face *f);
+/* The weights of a frame; resolved: the degrees of freedom, in and out. */
+void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end);
+/* Whether the weights alone say where the jaw is. */
+bool face_shapes_derive_jaw(const face *f, const float *dof);
+/* Nothing is pulled: the weights are those that the bones lead to. */
+void face_shapes_settle(face *f, const float *dof);
+/* What the shapes add at a control, bones at rest; what the limits keep back of that; what the
+ * bones alone lead to: with these degrees of freedom, at a vertex. */
+vec3 face_shapes_at(const face *f, uint32_t control);
+vec3 face_shapes_missing(const face *f, uint32_t control);
+vec3 face_shapes_led_at(const face *f, uint32_t control, const float *dof);
+vec3 face_shapes_led_slot(const face *f, uint32_t slot);
+/* The weights of their columns; without what bones lead to; f->given, from f->weight. */
+void face_shapes_weigh(const face *f, double *weight, const rigid *pose);
+void face_shapes_unlead(const face *f, double *weight);
+void face_shapes_give(face *f);
+bool face_shapes_weigh_something(const face *f);
+bool face_shapes_are_held(const face *f); /* less than all is given */
+const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier);
 
 /* ---- face_limit.c ---- */
 

@@ -55,6 +55,14 @@ typedef struct strain_loops {
                     const float *of_turn, const strain_corners *displacement);
 } strain_loops;
 
+/* How near a triangle is to a fold on a straight way. e: its edges from one corner; d: what is
+ * added to them; n: the normal that it is seen along, as long as twice its area at rest. Of that
+ * area (e1 + s d1) x (e2 + s d2) . n / n.n is left; 0 where the least of it for s in 0..1 is what e
+ * has, 1 where it is STRAIN_FOLD_ROOM (or half of what e has, if that is less), in between and
+ * beyond in proportion. What e has turned over already says nothing. */
+#define STRAIN_FOLD_ROOM 0.05f
+float strain_fold(const float e[2][3], const float d[2][3], const float n[3]);
+
 /* Of the instruction set that is used. */
 const strain_loops *strain_loops_now(void);
 

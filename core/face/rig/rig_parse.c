@@ -777,7 +777,7 @@ static const char *const root_keys[] = {"marotte_rig",   "name",         "mesh",
                                         "mesh_vertices", "mesh_hash",    "include",     "bones",
                                         "regions",       "contacts",     "skull_proxy", "poses",
                                         "contact_sets",  "solver",       "paints",      "mesh_unit",
-                                        "mesh_up",       "mesh_forward", NULL};
+                                        "mesh_up",       "mesh_forward", "shapes",      NULL};
 
 /* "rigs/moai/moai.rig.json" is called "moai". */
 static char *name_from_path(const char *path)
@@ -896,6 +896,14 @@ static mrt_result fill_solver(rig *r, rig_document *d, error *err)
     if (result >= 0)
         result = rig_json_optional_number(&r->solver.ridge, &solver, "ridge", 0.0, 1e3, err);
     return result;
+}
+
+static mrt_result fill_shapes(rig *r, rig_document *d, error *err)
+{
+    uint32_t file;
+    rig_node shapes = rig_document_scalar(d, "shapes", &file);
+    r->shapes = 1.0;
+    return shapes.value ? rig_json_number(&r->shapes, &shapes, 0.0, 1.0, err) : MRT_OK;
 }
 
 /* ---- regions ---- */
@@ -1130,8 +1138,8 @@ static void note_unknown_roots(rig *r, const rig_document *d)
 mrt_result rig_fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
-        allocate,     fill_name,     fill_mesh,    fill_frame, fill_solver,      fill_bones,
-        fill_regions, fill_contacts, fill_proxies, fill_poses, fill_contact_sets};
+        allocate,   fill_name,    fill_mesh,     fill_frame,   fill_solver, fill_shapes,
+        fill_bones, fill_regions, fill_contacts, fill_proxies, fill_poses,  fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     note_unknown_roots(r, d);
     mrt_result result = MRT_OK;

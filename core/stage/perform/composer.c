@@ -657,14 +657,17 @@ static double to_double(float v)
 
 static mrt_result create_face(composer *self, const face_file *file, error *err)
 {
-    binding copy;
-    if (!file->bound || !file->rig)
-        return face_create(&self->face, file->rig, &file->mesh, &file->topology, MRT_MAX_VECTORS,
-                           err);
-    mrt_result result = binding_copy(&copy, file->bound, file->rig->contact_count, err);
-    return result < 0 ? result
-                      : face_create_bound(&self->face, file->rig, &file->mesh, &copy,
-                                          MRT_MAX_VECTORS, err);
+    binding b = {0};
+    mrt_result result;
+    if (file->bound && file->rig)
+        result = binding_copy(&b, file->bound, file->rig->contact_count, err);
+    else
+        result = binding_create(&b, file->rig, &file->mesh, &file->topology, err);
+    if (result >= 0)
+        result = face_create_shaped(&self->face, file->rig, &file->mesh, &b, MRT_MAX_VECTORS, err);
+    if (result >= 0)
+        face_set_shapes(self->face, file->rig ? file->rig->shapes : 0.0);
+    return result;
 }
 
 static mrt_result create_shading(composer *self, const mesh *m, error *err)

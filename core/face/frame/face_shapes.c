@@ -1,0 +1,1017 @@
+/* The head's own shapes (morph targets of its file) answer a pull before the fields do.
+ *
+ * Learnt at load. Of each shape what the bones can do is found: the degrees of freedom theta_k that
+ * come closest where a bone alone carries the face. What is left, S_k, is in the frame of the
+ * bones, so that at theta_k and weight 1 the face is the shape as it was made; it is 0 on what is
+ * rigid, and where the shape alone would fold the skin it is made smaller until it does not.
+ * A frame, of the contacts' ways y with the bones at rest:
+ *   min |A w - y|^2 + sum_k ridge_k w_k^2 + few_k w_k,   0 <= w_k <= high_k
+ * A being the shapes at the contacts, ridge_k = 3 C (lambda_k e_k)^2, and e_k the root mean square
+ * of a shape over the skin: what the contacts cannot see must not run away. (Lewis and Anjyo,
+ * Direct Manipulation Blendshapes, 2010, with bounds; lambda_k grows as the contacts see less.)
+ * A shape that is a bone's motion more than any other follows that bone: its weight is how far the
+ * bone has gone on theta_k. Others with a part in theta go no further than their bones have. A bone
+ * that nobody drives, and that the contacts speak of, is where the weights put it.
+ * The fields do what is left of y, so that each control lands on its end. */
+#include "face/frame/frame.h"
+#include "face/frame/shape_solve.h"
+#include "face/frame/strain.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STILL = RIG_BONES_MAX, CARRIERS };
+enum { FIT_POINTS = 256, FIT_STEPS = 12, EASINGS = 60, NOT_KNOWN = UINT32_MAX };
+static const double least_mm = 0.05;     /* of a shape that does something */
+static const double bone_least_mm = 0.3; /* of what a bone does of a shape */
+static const double bone_explains = 0.6; /* of the square of what it carries, at least; */
+static const double bone_part = 0.25;    /* and of the whole shape's */
+static const double alike = 0.5;         /* cosine: two shapes go the same way of a bone */
+static const double carried = 0.9;       /* weight of what a bone carries nearly alone */
+static const float strain_most = 0.6f;   /* of a shape alone; above 1 it may fold */
+static const double ridge_blind = 0.1, ridge_seeing = 0.02; /* lambda_k */
+static const double few_mm = 0.02;
+static const uint64_t bytes_most = UINT64_C(1) << 30;
+
+/* ---- made ---- */
+
+typedef struct learning {
+    face *f;
+    const mesh *m;
+    float (*row)[4], (*posed)[4], (*change)[4]; /* padded_count: of the shape at hand */
+    float (*normal)[3];             /* of the skin: at rest, as the bones of the shape turn it */
+    uint32_t *triangle;             /* skin_count */
+    uint32_t *point[RIG_BONES_MAX]; /* slots that a bone carries, FIT_POINTS at most */
+    uint32_t points[RIG_BONES_MAX];
+} learning;
+
+static uint32_t dofs_of(const bones *b, uint32_t bone)
+{
+    if (bone == b->jaw)
+        return 3;
+    const rig_bone *one = &b->rig->bone[bone];
+    return one->kind == BONE_BALL ? one->turn_count : 0;
+}
+
+static vec3 place_of(const points *p, size_t slot)
+{
+    double at[3];
+    points_at(at, p, slot);
+    return (vec3){at[0], at[1], at[2]};
+}
+
+static float weight_of(const face *f, uint32_t carrier, size_t slot)
+{
+    float sum = 0.0f;
+    if (carrier != STILL)
+        return f->bones.moves[carrier] ? f->field[carrier].weight[slot] : 0.0f;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        sum += f->bones.moves[b] ? 0.0f : f->field[b].weight[slot];
+    return sum;
+}
+
+/* What the bone carries nearly alone: rigid parts if there are any, else skin; evenly chosen. */
+static void choose_points(learning *l, uint32_t bone)
+{
+    const face *f = l->f;
+    const float *weight = f->field[bone].weight;
+    uint32_t count[2] = {0, 0};
+    for (uint32_t slot = 0; slot < f->rest.count; ++slot)
+        if ((double)weight[slot] > carried)
+            count[f->mobility[slot] > 0.0f] += 1;
+    bool takes_skin = count[0] < 4;
+    uint32_t all = count[takes_skin], seen = 0;
+    l->points[bone] = 0;
+    for (uint32_t slot = 0; slot < f->rest.count && l->points[bone] < FIT_POINTS; ++slot) {
+        if (!((double)weight[slot] > carried) || (f->mobility[slot] > 0.0f) != takes_skin)
+            continue;
+        if ((uint64_t)seen * FIT_POINTS >= (uint64_t)l->points[bone] * all)
+            l->point[bone][l->points[bone]++] = slot;
+        seen += 1;
+    }
+}
+
+static void read_shape(learning *l, uint32_t target)
+{
+    const face *f = l->f;
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
+        uint32_t last = f->rest.count - 1;
+        uint32_t vertex = mesh_point(l->m, f->order.file_of_slot[slot < last ? slot : last]);
+        memcpy(l->row[slot], l->m->target[target].offset + (size_t)3 * vertex, 3 * sizeof(float));
+    }
+}
+
+static vec3 row_of(const learning *l, size_t slot)
+{
+    const float *row = l->row[slot];
+    return (vec3){(double)row[0], (double)row[1], (double)row[2]};
+}
+
+/* ---- what the bones do of a shape ---- */
+
+/* Sum of the squares of what a bone leaves over at these degrees of freedom. */
+static double left_over(const learning *l, uint32_t bone, const float *dof, vec3 *out)
+{
+    rigid pose[RIG_BONES_MAX];
+    double sum = 0.0;
+    bones_pose(pose, &l->f->bones, dof);
+    for (uint32_t i = 0; i < l->points[bone]; ++i) {
+        uint32_t slot = l->point[bone][i];
+        vec3 at = place_of(&l->f->rest, slot);
+        vec3 off = vec3_sub(vec3_add(at, row_of(l, slot)), rigid_apply(&pose[bone], at));
+        sum += vec3_dot(off, off);
+        if (out)
+            out[i] = off;
+    }
+    return sum;
+}
+
+/* Gauss-Newton within the limits of the bone's degrees of freedom. */
+static bool improve_fit(const learning *l, uint32_t bone, float *dof, double damping)
+{
+    const bones *b = &l->f->bones;
+    uint32_t first = b->first_dof[bone], count = dofs_of(b, bone);
+    vec3 off[FIT_POINTS], moved[3][FIT_POINTS];
+    matrix3x3 h = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, inverse;
+    double g[3] = {0, 0, 0}, was = left_over(l, bone, dof, off);
+    for (uint32_t i = 0; i < count; ++i) {
+        float kept = dof[first + i], by = 0.01f * (b->dof[first + i].max - b->dof[first + i].min);
+        by = kept + by > b->dof[first + i].max ? -by : by;
+        dof[first + i] = kept + by;
+        (void)left_over(l, bone, dof, moved[i]);
+        dof[first + i] = kept;
+        for (uint32_t k = 0; k < l->points[bone]; ++k)
+            moved[i][k] = vec3_scale(vec3_sub(off[k], moved[i][k]), 1.0 / (double)by);
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        for (uint32_t j = 0; j < count; ++j) {
+            h.at[i][j] = 0.0;
+            for (uint32_t k = 0; k < l->points[bone]; ++k)
+                h.at[i][j] += vec3_dot(moved[i][k], moved[j][k]);
+        }
+        h.at[i][i] += damping * h.at[i][i] + 1e-9;
+        for (uint32_t k = 0; k < l->points[bone]; ++k)
+            g[i] += vec3_dot(moved[i][k], off[k]);
+    }
+    double scale[3] = {1, 1, 1}; /* so that the determinant says something */
+    for (uint32_t i = 0; i < count; ++i)
+        scale[i] = 1.0 / sqrt(h.at[i][i]);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            h.at[i][j] *= scale[i] * scale[j];
+    if (!matrix3x3_invert(&inverse, &h))
+        return false;
+    vec3 step =
+        matrix3x3_apply(&inverse, (vec3){g[0] * scale[0], g[1] * scale[1], g[2] * scale[2]});
+    const double way[3] = {step.x * scale[0], step.y * scale[1], step.z * scale[2]};
+    float tried[MRT_MAX_DOFS];
+    memcpy(tried, dof, sizeof tried);
+    for (uint32_t i = 0; i < count; ++i) {
+        const bones_dof *d = &b->dof[first + i];
+        float to = dof[first + i] + (float)way[i];
+        tried[first + i] = to < d->min ? d->min : (to > d->max ? d->max : to);
+    }
+    if (!(left_over(l, bone, tried, NULL) < was))
+        return false;
+    memcpy(dof, tried, sizeof tried);
+    return true;
+}
+
+/* What the bone would take out of the whole shape, of its square. */
+static double part_of(const learning *l, uint32_t bone, const float *dof)
+{
+    const face *f = l->f;
+    rigid pose[RIG_BONES_MAX];
+    double whole = 0.0, left = 0.0;
+    bones_pose(pose, &f->bones, dof);
+    for (size_t slot = 0; slot < f->rest.count; ++slot) {
+        vec3 at = place_of(&f->rest, slot), way = row_of(l, slot);
+        vec3 moved = vec3_sub(rigid_apply(&pose[bone], at), at);
+        vec3 off = vec3_sub(way, vec3_scale(moved, (double)f->field[bone].weight[slot]));
+        whole += vec3_dot(way, way);
+        left += vec3_dot(off, off);
+    }
+    return whole > 0.0 ? 1.0 - left / whole : 0.0;
+}
+
+static void fit_bone(const learning *l, face_shape *one, uint32_t bone)
+{
+    const bones *b = &l->f->bones;
+    float dof[MRT_MAX_DOFS] = {0};
+    double before = left_over(l, bone, dof, NULL), damping = 1e-3;
+    double least = bone_least_mm * bone_least_mm * l->points[bone];
+    if (l->points[bone] < 4 || !(before > least))
+        return;
+    for (int i = 0; i < FIT_STEPS; ++i)
+        damping *= improve_fit(l, bone, dof, damping) ? 0.3 : 10.0;
+    bool explains = left_over(l, bone, dof, NULL) < (1.0 - bone_explains) * before;
+    if (!explains || !(part_of(l, bone, dof) > bone_part))
+        return;
+    for (uint32_t i = 0; i < dofs_of(b, bone); ++i)
+        one->dof[b->first_dof[bone] + i] = dof[b->first_dof[bone] + i];
+    one->bones |= UINT32_C(1) << bone;
+}
+
+/* The bones as a shape has them. */
+static blend blend_in_shape(const face *f, const rigid *pose, size_t slot)
+{
+    double share[RIG_BONES_MAX];
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        share[b] = (double)f->field[b].weight[slot];
+    return blend_of(share, pose, f->bones.moves, f->bone_count);
+}
+
+static void set_row(float (*row)[4], size_t slot, vec3 value)
+{
+    row[slot][0] = (float)value.x;
+    row[slot][1] = (float)value.y;
+    row[slot][2] = (float)value.z;
+}
+
+/* l->row := what is left of the shape once the bones are as it has them, and l->posed where they
+ * have the face. Returns of its sum of squares the part that they do. */
+static double take_bones_out(learning *l, const rigid *pose)
+{
+    const face *f = l->f;
+    double whole = 0.0, left = 0.0;
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
+        blend here = blend_in_shape(f, pose, slot);
+        vec3 offset = row_of(l, slot), at = place_of(&f->rest, slot);
+        vec3 moved = blend_moves(&here, at), rest = vec3_sub(offset, moved);
+        set_row(l->posed, slot, vec3_add(at, moved));
+        set_row(l->row, slot, vec3_scale(rest, fmin(1.0, 10.0 * (double)f->mobility[slot])));
+        if (slot < f->rest.count) {
+            whole += vec3_dot(offset, offset);
+            left += vec3_dot(rest, rest);
+        }
+    }
+    return whole > 0.0 ? fmax(0.0, 1.0 - left / whole) : 0.0;
+}
+
+/* l->normal: along which a triangle is seen, as face_min_determinant does. */
+static void turn_normals(learning *l, const rigid *pose)
+{
+    const face *f = l->f;
+    for (size_t t = 0; t < f->skin_count; ++t) {
+        const uint32_t *corner = f->skin + 3 * t;
+        double share[RIG_BONES_MAX];
+        for (uint32_t b = 0; b < f->bone_count; ++b) {
+            const float *weight = f->field[b].weight;
+            share[b] = (double)(weight[corner[0]] + weight[corner[1]] + weight[corner[2]]) / 3.0;
+        }
+        blend here = blend_of(share, pose, f->bones.moves, f->bone_count);
+        vec3 at = place_of(&f->rest, corner[0]);
+        vec3 normal = vec3_cross(vec3_sub(place_of(&f->rest, corner[1]), at),
+                                 vec3_sub(place_of(&f->rest, corner[2]), at));
+        normal = vec3_add(normal, matrix3x3_apply(&here.turn, normal));
+        l->normal[t][0] = (float)normal.x;
+        l->normal[t][1] = (float)normal.y;
+        l->normal[t][2] = (float)normal.z;
+    }
+}
+
+/* l->row with the bones at rest; all vertices of a point have one. */
+static void carry_back(learning *l, const rigid *pose)
+{
+    const face *f = l->f;
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
+        blend here = blend_in_shape(f, pose, slot);
+        set_row(l->row, slot, blend_undo_direction(&here, row_of(l, slot)));
+    }
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
+        uint32_t last = f->rest.count - 1;
+        uint32_t vertex = mesh_point(l->m, f->order.file_of_slot[slot < last ? slot : last]);
+        memcpy(l->row[slot], l->row[f->order.slot_of_file[vertex]], sizeof l->row[slot]);
+    }
+}
+
+/* ---- a shape alone folds nothing ---- */
+
+/* Where the shape strains a triangle too much its corners are brought nearer to each other:
+ * l->change, by the sum of the last number. */
+static bool ease_triangle(learning *l, uint32_t triangle)
+{
+    const uint32_t *corner = l->f->skin + (size_t)3 * triangle;
+    float e[2][3], d[2][3];
+    for (int i = 0; i < 2; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+            e[i][axis] = l->posed[corner[1 + i]][axis] - l->posed[corner[0]][axis];
+            d[i][axis] = l->row[corner[1 + i]][axis] - l->row[corner[0]][axis];
+        }
+    float strain = strain_fold((const float(*)[3])e, (const float(*)[3])d, l->normal[triangle]);
+    if (!(strain > strain_most))
+        return false;
+    float apart = 1.0f - fmaxf(strain_most / strain, 0.3f);
+    for (int axis = 0; axis < 3; ++axis) {
+        float mean = l->row[corner[0]][axis] + (d[0][axis] + d[1][axis]) / 3.0f;
+        for (int c = 0; c < 3; ++c)
+            l->change[corner[c]][axis] += apart * (mean - l->row[corner[c]][axis]);
+    }
+    for (int c = 0; c < 3; ++c)
+        l->change[corner[c]][3] += 1.0f;
+    return true;
+}
+
+/* Only what differs between the corners of a triangle folds it: where a shape does, it is smoothed.
+ */
+static void ease_folds(learning *l)
+{
+    const face *f = l->f;
+    bool any = true;
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+        l->change[slot][3] = 1.0f; /* all are looked at first, then what has changed */
+    for (int i = 0; any && i < EASINGS; ++i) {
+        uint32_t count = 0;
+        any = false;
+        for (uint32_t t = 0; t < f->skin_count; ++t) {
+            const uint32_t *corner = f->skin + (size_t)3 * t;
+            if (l->change[corner[0]][3] > 0.0f || l->change[corner[1]][3] > 0.0f ||
+                l->change[corner[2]][3] > 0.0f)
+                l->triangle[count++] = t;
+        }
+        memset(l->change, 0, f->rest.padded_count * sizeof *l->change);
+        for (uint32_t n = 0; n < count; ++n)
+            any |= ease_triangle(l, l->triangle[n]);
+        for (size_t slot = 0; any && slot < f->rest.count; ++slot)
+            for (int axis = 0; axis < 3 && l->change[slot][3] > 0.0f; ++axis)
+                l->row[slot][axis] += l->change[slot][axis] / l->change[slot][3];
+    }
+}
+
+/* How long the edges are in it. */
+static void note_edges(learning *l)
+{
+    const face *f = l->f;
+    for (size_t t = 0; t < f->skin_count; ++t)
+        for (size_t e = 0; e < 3; ++e) {
+            uint32_t a = f->skin[3 * t + e], b = f->skin[3 * t + (e == 2 ? 0 : e + 1)];
+            float sum = 0.0f, *longest = &f->shapes.longest[t][e];
+            for (int axis = 0; axis < 3; ++axis) {
+                float d = l->posed[b][axis] + l->row[b][axis] - l->posed[a][axis] - l->row[a][axis];
+                sum += d * d;
+            }
+            *longest = fmaxf(*longest, sqrtf(sum));
+        }
+}
+
+/* ---- which shapes there are ---- */
+
+/* Root mean square over the skin, mm, with what the bones do of it. */
+static double size_of(const learning *l, uint32_t target)
+{
+    const face *f = l->f;
+    double sum = 0.0;
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < f->rest.count; ++slot) {
+        const float *o =
+            l->m->target[target].offset + (size_t)3 * mesh_point(l->m, f->order.file_of_slot[slot]);
+        if (!(f->mobility[slot] > 0.0f))
+            continue;
+        sum +=
+            (double)o[0] * (double)o[0] + (double)o[1] * (double)o[1] + (double)o[2] * (double)o[2];
+        count += 1;
+    }
+    return sqrt(sum / (count > 0 ? count : 1));
+}
+
+static uint32_t find_shape(const face_shapes *s, const char *name, size_t length)
+{
+    for (uint32_t i = 0; i < s->count; ++i)
+        if (strlen(s->shape[i].name) == length && memcmp(s->shape[i].name, name, length) == 0)
+            return i;
+    return s->count;
+}
+
+/* "mouthClose" closes the lips of an open jaw; "a_b" corrects what a and b make together. */
+static void find_needs(face_shapes *s)
+{
+    for (uint32_t i = 0; i < s->count; ++i) {
+        face_shape *one = &s->shape[i];
+        uint32_t jaw = find_shape(s, "jawOpen", 7);
+        if (strcmp(one->name, "mouthClose") == 0 && jaw < s->count)
+            one->needs[0] = 1 + jaw;
+        for (const char *cut = strchr(one->name, '_'); cut; cut = strchr(cut + 1, '_')) {
+            uint32_t a = find_shape(s, one->name, (size_t)(cut - one->name));
+            uint32_t b = find_shape(s, cut + 1, strlen(cut + 1));
+            if (a >= s->count || b >= s->count)
+                continue;
+            one->needs[0] = 1 + a;
+            one->needs[1] = 1 + b;
+        }
+    }
+}
+
+static double dof_product(const face_shapes *s, const float *a, const float *b, uint32_t dof_count)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < dof_count; ++i)
+        sum += s->dof_mm[i] * s->dof_mm[i] * (double)a[i] * (double)b[i];
+    return sum;
+}
+
+/* Of the shapes that go one way of the same bones the one that is that motion most leads. */
+static void choose_leads(face *f)
+{
+    face_shapes *s = &f->shapes;
+    uint32_t dofs = f->bones.dof_count;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        face_shape *a = &s->shape[i];
+        a->bone_square = dof_product(s, a->dof, a->dof, dofs);
+        a->follows_bones = a->bones != 0 && a->bone_square > 0.0;
+        for (uint32_t j = 0; j < s->count && a->follows_bones; ++j) {
+            const face_shape *b = &s->shape[j];
+            double product = dof_product(s, a->dof, b->dof, dofs);
+            double other = dof_product(s, b->dof, b->dof, dofs);
+            bool is_alike = product > alike * sqrt(a->bone_square * other);
+            double mine = a->purity * a->bone_square, theirs = b->purity * other;
+            if (j != i && is_alike && (theirs > mine || (!(theirs < mine) && j < i)))
+                a->follows_bones = false;
+        }
+    }
+}
+
+/* How far a vertex that a bone carries goes for each 1 of its degrees of freedom. */
+static void measure_dofs(learning *l)
+{
+    const face *f = l->f;
+    const bones *b = &f->bones;
+    for (uint32_t bone = 0; bone < f->bone_count; ++bone)
+        for (uint32_t i = 0; i < dofs_of(b, bone); ++i) {
+            float dof[MRT_MAX_DOFS] = {0};
+            uint32_t at = b->first_dof[bone] + i;
+            dof[at] = b->dof[at].max > 0.0f ? 0.5f * b->dof[at].max : 0.5f * b->dof[at].min;
+            for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+                memset(l->row[slot], 0, sizeof l->row[slot]);
+            double square = left_over(l, bone, dof, NULL);
+            double mm = sqrt(square / (l->points[bone] > 0 ? l->points[bone] : 1));
+            l->f->shapes.dof_mm[at] = fabsf(dof[at]) > 0.0f ? mm / fabs((double)dof[at]) : 0.0;
+        }
+}
+
+/* It has skin of its own, as the jaw and lids have and an eyeball has not. */
+static bool carries_skin(const face *f, uint32_t bone)
+{
+    for (uint32_t slot = 0; slot < f->rest.count; ++slot)
+        if (f->field[bone].weight[slot] > 0.5f && f->mobility[slot] > 0.1f)
+            return true;
+    return false;
+}
+
+static bool reaches_carrier(const learning *l, uint32_t carrier)
+{
+    const face *f = l->f;
+    for (size_t slot = 0; slot < f->rest.count; ++slot) {
+        const float *row = l->row[slot];
+        bool moves = fabsf(row[0]) > 0.0f || fabsf(row[1]) > 0.0f || fabsf(row[2]) > 0.0f;
+        if (moves && weight_of(f, carrier, slot) > 0.0f)
+            return true;
+    }
+    return false;
+}
+
+static bool learn_shape(learning *l, uint32_t target, float *kept)
+{
+    face *f = l->f;
+    face_shapes *s = &f->shapes;
+    face_shape *one = &s->shape[s->count];
+    rigid pose[RIG_BONES_MAX];
+    *one = (face_shape){.name = l->m->target[target].name, .size_mm = size_of(l, target)};
+    read_shape(l, target);
+    for (uint32_t bone = 0; bone < f->bone_count; ++bone)
+        if (dofs_of(&f->bones, bone) > 0)
+            fit_bone(l, one, bone);
+    bones_pose(pose, &f->bones, one->dof);
+    one->purity = take_bones_out(l, pose);
+    turn_normals(l, pose);
+    ease_folds(l);
+    note_edges(l);
+    carry_back(l, pose);
+    float greatest = 0.0f;
+    for (size_t slot = 0; slot < f->rest.count; ++slot)
+        for (int axis = 0; axis < 3; ++axis)
+            greatest = fmaxf(greatest, fabsf(l->row[slot][axis]));
+    if (!((double)greatest > least_mm) && one->bones == 0)
+        return false;
+    for (uint32_t carrier = 0; carrier < CARRIERS; ++carrier)
+        if ((carrier == STILL || carrier < f->bone_count) && reaches_carrier(l, carrier)) {
+            s->part[s->part_count] = (face_shape_part){s->count, carrier, 3 * s->part_count};
+            s->part_count += 1;
+        }
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+        memcpy(kept + 3 * slot, l->row[slot], 3 * sizeof *kept);
+    s->count += 1;
+    return true;
+}
+
+static void forget_learning(learning *l)
+{
+    free(l->row);
+    free(l->posed);
+    free(l->change);
+    free(l->triangle);
+    free(l->normal);
+    for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
+        free(l->point[b]);
+}
+
+static bool begin_learning(learning *l)
+{
+    const face *f = l->f;
+    size_t vertices = (size_t)f->rest.padded_count + 1;
+    l->row = calloc(vertices, sizeof *l->row);
+    l->change = calloc(vertices, sizeof *l->change);
+    l->posed = calloc(vertices, sizeof *l->posed);
+    l->triangle = calloc((size_t)f->skin_count + 1, sizeof *l->triangle);
+    l->normal = calloc((size_t)f->skin_count + 1, sizeof *l->normal);
+    bool made = l->row && l->change && l->posed && l->triangle && l->normal;
+    for (uint32_t b = 0; made && b < f->bone_count; ++b) {
+        l->point[b] = calloc(FIT_POINTS, sizeof *l->point[b]);
+        made = l->point[b] != NULL;
+        if (made)
+            choose_points(l, b);
+    }
+    return made;
+}
+
+static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
+{
+    size_t k = (size_t)count + 1, rows = k * (3 * (size_t)controls + 1);
+    s->shape = calloc(k, sizeof *s->shape);
+    s->part = calloc(k * CARRIERS, sizeof *s->part);
+    s->weight = calloc(k, sizeof *s->weight);
+    s->at = calloc(rows, sizeof *s->at);
+    s->whole = calloc(rows, sizeof *s->whole);
+    s->h = calloc(k * k, sizeof *s->h);
+    s->b = calloc(k, sizeof *s->b);
+    s->few = calloc(k, sizeof *s->few);
+    s->low = calloc(k, sizeof *s->low);
+    s->high = calloc(k, sizeof *s->high);
+    s->given = calloc(k, sizeof *s->given);
+    s->strain = calloc(k, sizeof *s->strain);
+    s->scratch = calloc(SHAPE_SOLVE_SCRATCH(k), sizeof *s->scratch);
+    s->y = calloc(3 * (size_t)controls + 1, sizeof *s->y);
+    return s->shape && s->part && s->weight && s->at && s->whole && s->h && s->b && s->few &&
+           s->low && s->high && s->given && s->strain && s->scratch && s->y;
+}
+
+mrt_result face_shapes_create(face *f, const mesh *m, error *err)
+{
+    face_shapes *s = &f->shapes;
+    learning l = {.f = f, .m = m};
+    uint32_t count = m->target_count < FACE_SHAPES_MAX ? m->target_count : FACE_SHAPES_MAX;
+    size_t each = (size_t)3 * f->rest.padded_count;
+    /* a column on two carriers, its part of the limits, and the shape itself while it is learnt */
+    uint64_t bytes = (uint64_t)count * each * sizeof(float) * 3;
+    s->amount = 1.0;
+    s->derived = NOT_KNOWN;
+    if (!f->wants_shapes || !f->rig || count == 0)
+        return MRT_OK;
+    if (bytes > bytes_most) {
+        s->is_too_large = true;
+        return MRT_OK;
+    }
+    s->learnt = malloc(count * each * sizeof *s->learnt);
+    s->longest = calloc((size_t)f->skin_count + 1, sizeof *s->longest);
+    if (!s->learnt || !s->longest || !make_room(s, count, f->control_capacity) ||
+        !begin_learning(&l)) {
+        forget_learning(&l);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %u shapes", count);
+    }
+    measure_dofs(&l);
+    for (uint32_t bone = 0; bone < f->bone_count; ++bone)
+        s->derives[bone] = dofs_of(&f->bones, bone) > 0 && carries_skin(f, bone) &&
+                           f->rig->bone[bone].kind != BONE_FIXED;
+    for (uint32_t t = 0; t < count; ++t)
+        (void)learn_shape(&l, t, s->learnt + s->count * each);
+    forget_learning(&l);
+    for (uint32_t i = 0; i < s->count; ++i)
+        s->speaks_of |= s->shape[i].bones;
+    for (uint32_t i = 0; i < s->count; ++i)
+        for (uint32_t d = 0; d < f->bones.dof_count; ++d)
+            s->covers[d] |= s->dof_mm[d] * fabs((double)s->shape[i].dof[d]) > bone_least_mm;
+    find_needs(s);
+    choose_leads(f);
+    f->shape_column_count = f->control_column_count = 3 * s->part_count;
+    return MRT_OK;
+}
+
+void face_shapes_fill(face *f)
+{
+    face_shapes *s = &f->shapes;
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        const face_shape_part *part = &s->part[p];
+        const float *row = s->learnt + (size_t)3 * f->rest.padded_count * part->shape;
+        for (uint32_t axis = 0; axis < 3; ++axis) {
+            float *column = columns_row(&f->columns, part->column + axis);
+            for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+                column[slot] = weight_of(f, part->carrier, slot) * row[3 * slot + axis];
+        }
+    }
+    free(s->learnt);
+    s->learnt = NULL;
+    columns_note(&f->columns, f->shape_column_count);
+}
+
+void face_shapes_destroy(face *f)
+{
+    face_shapes *s = &f->shapes;
+    free(s->shape);
+    free(s->part);
+    free(s->weight);
+    free(s->at);
+    free(s->whole);
+    free(s->h);
+    free(s->b);
+    free(s->few);
+    free(s->low);
+    free(s->high);
+    free(s->given);
+    free(s->strain);
+    free(s->scratch);
+    free(s->y);
+    free(s->learnt);
+    free(s->longest);
+    *s = (face_shapes){0};
+}
+
+/* ---- an engagement ---- */
+
+static uint32_t nearest_of(const points *p, vec3 at)
+{
+    const double x[3] = {at.x, at.y, at.z};
+    double best = (double)INFINITY;
+    uint32_t found = 0;
+    for (uint32_t block = 0; block < p->block_count; ++block) {
+        uint32_t first = block * POINTS_BLOCK;
+        if (points_bounds_distance_squared(&p->block[block], x) >= best)
+            continue;
+        for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
+            vec3 way = vec3_sub(place_of(p, slot), at);
+            if (vec3_dot(way, way) < best) {
+                best = vec3_dot(way, way);
+                found = slot;
+            }
+        }
+    }
+    return found;
+}
+
+/* With the bones at rest, for a weight of 1. */
+static vec3 shape_at(const face *f, const face_shape_part *part, uint32_t slot)
+{
+    return (vec3){(double)columns_row(&f->columns, part->column)[slot],
+                  (double)columns_row(&f->columns, part->column + 1)[slot],
+                  (double)columns_row(&f->columns, part->column + 2)[slot]};
+}
+
+void face_shapes_engage(face *f)
+{
+    face_shapes *s = &f->shapes;
+    size_t stride = (size_t)3 * f->control_capacity;
+    s->derived = NOT_KNOWN;
+    s->rides = 0;
+    memset(s->at, 0, s->count * stride * sizeof *s->at);
+    for (uint32_t k = 0; k < f->control_count && s->count > 0; ++k) {
+        const face_grip *grip = &f->grip[k];
+        uint32_t slot = grip->contact > 0 ? f->contact_slot[grip->contact - 1]
+                                          : nearest_of(&f->base, grip->start);
+        for (uint32_t p = 0; p < s->part_count; ++p) {
+            double *at = s->at + s->part[p].shape * stride + (size_t)3 * k;
+            vec3 here = shape_at(f, &s->part[p], slot);
+            at[0] += here.x;
+            at[1] += here.y;
+            at[2] += here.z;
+        }
+        for (uint32_t b = 0; b < f->bone_count && !grip->is_dropped; ++b)
+            if (grip->share[b] > 0.5)
+                s->rides |= UINT32_C(1) << b;
+    }
+}
+
+static bool is_derived(const face *f, uint32_t dof, uint32_t derived)
+{
+    return (derived >> f->bones.dof[dof].bone & 1) != 0 && f->shapes.covers[dof];
+}
+
+/* A, and what does not change while the same bones follow the weights. */
+static void find_responses(face *f, uint32_t derived)
+{
+    face_shapes *s = &f->shapes;
+    size_t stride = (size_t)3 * f->control_capacity, count = (size_t)3 * f->control_count;
+    uint32_t held = 0;
+    s->derived = derived;
+    for (uint32_t k = 0; k < f->control_count; ++k)
+        held += !f->grip[k].is_dropped;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const face_shape *one = &s->shape[i];
+        float dof[MRT_MAX_DOFS] = {0};
+        rigid pose[RIG_BONES_MAX];
+        for (uint32_t d = 0; d < f->bones.dof_count; ++d)
+            if (is_derived(f, d, derived))
+                dof[d] = one->dof[d];
+        if (one->bones & derived)
+            bones_pose(pose, &f->bones, dof);
+        for (uint32_t k = 0; k < f->control_count; ++k) {
+            const double *at = s->at + i * stride + (size_t)3 * k;
+            double *whole = s->whole + i * stride + (size_t)3 * k;
+            vec3 way = {at[0], at[1], at[2]};
+            if (one->bones & derived) {
+                blend posed = face_blend_at(f, &f->grip[k], pose);
+                vec3 start = f->grip[k].start;
+                way = vec3_sub(blend_apply(&posed, vec3_add(start, way)), start);
+            }
+            if (f->grip[k].is_dropped)
+                way = (vec3){0, 0, 0};
+            whole[0] = way.x;
+            whole[1] = way.y;
+            whole[2] = way.z;
+        }
+    }
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const double *a = s->whole + i * stride;
+        for (uint32_t j = 0; j <= i; ++j) {
+            const double *b = s->whole + j * stride;
+            double sum = 0.0;
+            for (size_t r = 0; r < count; ++r)
+                sum += a[r] * b[r];
+            s->h[(size_t)i * s->count + j] = s->h[(size_t)j * s->count + i] = sum;
+        }
+        double *own = &s->h[(size_t)i * s->count + i], size = s->shape[i].size_mm;
+        double rows = 3.0 * (held > 0 ? held : 1), e = size * size;
+        double seen = e > 0.0 ? *own / (rows / 3.0) / e : 0.0; /* mean square there over e^2 */
+        double lambda = ridge_seeing + (ridge_blind - ridge_seeing) / (1.0 + seen);
+        s->few[i] = few_mm * sqrt(*own);
+        *own += rows * lambda * lambda * e + 1e-6;
+    }
+}
+
+/* ---- a frame ---- */
+
+/* How far the bones have gone on the way of a shape, 0..1. */
+static double drive_of(const face *f, const face_shape *one, const float *dof)
+{
+    double way = dof_product(&f->shapes, one->dof, dof, f->bones.dof_count);
+    double part = one->bone_square > 0.0 ? way / one->bone_square : 0.0;
+    return part > 0.0 ? (part < 1.0 ? part : 1.0) : 0.0;
+}
+
+static void lead_by(face *f, const float *dof)
+{
+    face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        if (s->shape[i].follows_bones)
+            s->weight[i] = drive_of(f, &s->shape[i], dof);
+}
+
+void face_shapes_settle(face *f, const float *dof)
+{
+    face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        s->weight[i] = 0.0;
+    lead_by(f, dof);
+}
+
+static bool is_driven(const bones *b, uint32_t bone, const float *dof)
+{
+    for (uint32_t i = 0; dof && i < dofs_of(b, bone); ++i)
+        if (!isnan(dof[b->first_dof[bone] + i]))
+            return true;
+    return false;
+}
+
+/* Bones that nobody drives and that shapes move; the jaw only where some control rides on it. */
+static uint32_t derived_bones(const face *f, const float *dof)
+{
+    const face_shapes *s = &f->shapes;
+    uint32_t out = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        if (s->derives[b] && !is_driven(&f->bones, b, dof) &&
+            (b != f->bones.jaw || (s->rides >> b & 1)))
+            out |= UINT32_C(1) << b;
+    return out & s->speaks_of;
+}
+
+/* The bounds of a frame, and y: the ways of the controls as the bones are that do not follow. */
+static void begin_frame(face *f, const float *resolved, uint32_t derived, const double *end)
+{
+    face_shapes *s = &f->shapes;
+    float held[MRT_MAX_DOFS];
+    rigid pose[RIG_BONES_MAX];
+    memcpy(held, resolved, sizeof held);
+    for (uint32_t d = 0; d < f->bones.dof_count; ++d)
+        if (is_derived(f, d, derived))
+            held[d] = 0.0f;
+    bones_pose(pose, &f->bones, held);
+    for (uint32_t k = 0; k < f->control_count; ++k) {
+        const face_grip *grip = &f->grip[k];
+        blend posed = face_blend_at(f, grip, pose);
+        vec3 at = {end[3 * k], end[3 * k + 1], end[3 * k + 2]};
+        vec3 way = vec3_sub(blend_undo(&posed, at), grip->start);
+        s->y[3 * k] = grip->is_dropped ? 0.0 : way.x;
+        s->y[3 * k + 1] = grip->is_dropped ? 0.0 : way.y;
+        s->y[3 * k + 2] = grip->is_dropped ? 0.0 : way.z;
+    }
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const face_shape *one = &s->shape[i];
+        s->low[i] = 0.0;
+        s->high[i] = 1.0;
+        if (one->bones == 0 || (one->bones & derived))
+            continue;
+        s->high[i] = drive_of(f, one, held);
+        s->low[i] = one->follows_bones ? s->high[i] : 0.0;
+    }
+}
+
+/* Of what a corrective needs the least weight. True: one had more than that. */
+static bool bound_correctives(face_shapes *s)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < s->count; ++i)
+        for (int n = 0; n < 2; ++n) {
+            uint32_t need = s->shape[i].needs[n];
+            if (need == 0 || !(s->weight[i] > s->weight[need - 1]))
+                continue;
+            s->high[i] = fmin(s->high[i], s->weight[need - 1]);
+            s->low[i] = fmin(s->low[i], s->high[i]);
+            any = true;
+        }
+    return any;
+}
+
+void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end)
+{
+    face_shapes *s = &f->shapes;
+    size_t stride = (size_t)3 * f->control_capacity, count = (size_t)3 * f->control_count;
+    uint32_t derived = derived_bones(f, dof);
+    if (derived != s->derived)
+        find_responses(f, derived);
+    begin_frame(f, resolved, derived, end);
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const double *a = s->whole + i * stride;
+        double sum = -s->few[i];
+        for (size_t r = 0; r < count; ++r)
+            sum += a[r] * s->y[r];
+        s->b[i] = sum;
+    }
+    const shape_problem problem = {s->h, s->b, s->low, s->high, s->count};
+    (void)shape_solve(s->weight, &problem, s->scratch);
+    if (bound_correctives(s))
+        (void)shape_solve(s->weight, &problem, s->scratch);
+    for (uint32_t d = 0; d < f->bones.dof_count; ++d) {
+        double sum = 0.0;
+        if (!is_derived(f, d, derived))
+            continue;
+        for (uint32_t i = 0; i < s->count; ++i)
+            sum += s->weight[i] * (double)s->shape[i].dof[d];
+        sum = s->amount * sum + (1.0 - s->amount) * (double)resolved[d];
+        resolved[d] =
+            (float)fmin(fmax(sum, (double)f->bones.dof[d].min), (double)f->bones.dof[d].max);
+    }
+    lead_by(f, resolved);
+    (void)bound_correctives(s);
+    for (uint32_t i = 0; i < s->count; ++i)
+        if (s->shape[i].needs[0] > 0)
+            s->weight[i] = fmin(s->weight[i], s->high[i]);
+}
+
+bool face_shapes_derive_jaw(const face *f, const float *dof)
+{
+    const face_shapes *s = &f->shapes;
+    const bones *b = &f->bones;
+    if (s->count == 0 || b->jaw == RIG_NONE || !(s->amount >= 1.0))
+        return false;
+    const bool *covers = s->covers + b->first_dof[b->jaw];
+    return (derived_bones(f, dof) >> b->jaw & 1) != 0 && covers[0] && covers[1] && covers[2];
+}
+
+/* Of `weight`, which of `count` shapes do something at a control. */
+static vec3 sum_at(const face *f, uint32_t control, const double *weight)
+{
+    const face_shapes *s = &f->shapes;
+    vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const double *at = s->at + (size_t)3 * (f->control_capacity * (size_t)i + control);
+        if (weight[i] != 0.0)
+            sum = vec3_add(sum, vec3_scale((vec3){at[0], at[1], at[2]}, s->amount * weight[i]));
+    }
+    return sum;
+}
+
+vec3 face_shapes_at(const face *f, uint32_t control)
+{
+    return sum_at(f, control, f->shapes.weight);
+}
+
+vec3 face_shapes_missing(const face *f, uint32_t control)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        s->b[i] = s->weight[i] * (1.0 - s->given[i]); /* b: scratch */
+    return sum_at(f, control, s->b);
+}
+
+vec3 face_shapes_led_at(const face *f, uint32_t control, const float *dof)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        s->b[i] = s->shape[i].follows_bones ? drive_of(f, &s->shape[i], dof) : 0.0;
+    return sum_at(f, control, s->b);
+}
+
+vec3 face_shapes_led_slot(const face *f, uint32_t slot)
+{
+    const face_shapes *s = &f->shapes;
+    vec3 sum = {0, 0, 0};
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        const face_shape_part *part = &s->part[p];
+        if (s->shape[part->shape].follows_bones && s->weight[part->shape] != 0.0)
+            sum = vec3_add(sum,
+                           vec3_scale(shape_at(f, part, slot), s->amount * s->weight[part->shape]));
+    }
+    return sum;
+}
+
+/* ---- as columns ---- */
+
+void face_shapes_weigh(const face *f, double *weight, const rigid *pose)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        const face_shape_part *part = &s->part[p];
+        double *row = weight + (size_t)3 * part->column, by = s->amount * s->weight[part->shape];
+        for (int axis = 0; axis < 3; ++axis)
+            for (int i = 0; i < 3; ++i) {
+                double turn = axis == i ? 1.0 : 0.0;
+                row[3 * axis + i] =
+                    by * (part->carrier == STILL ? turn : pose[part->carrier].r[i][axis]);
+            }
+    }
+}
+
+void face_shapes_unlead(const face *f, double *weight)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t p = 0; p < s->part_count; ++p)
+        if (s->shape[s->part[p].shape].follows_bones)
+            memset(weight + (size_t)3 * s->part[p].column, 0, 9 * sizeof *weight);
+}
+
+void face_shapes_give(face *f)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        size_t first = (size_t)3 * s->part[p].column;
+        for (size_t i = first; i < first + 9; ++i)
+            f->given[i] = s->given[s->part[p].shape] * f->weight[i];
+    }
+}
+
+const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier)
+{
+    const face_shape_part *part = &f->shapes.part[column / 3];
+    *out_carrier = part->carrier == STILL ? RIG_NONE : part->carrier;
+    return f->shapes.shape[part->shape].name;
+}
+
+bool face_shapes_weigh_something(const face *f)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        if (s->weight[i] > 0.0 && s->amount > 0.0)
+            return true;
+    return false;
+}
+
+bool face_shapes_are_held(const face *f)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i)
+        if (s->weight[i] > 0.0 && s->given[i] < 1.0)
+            return true;
+    return false;
+}
+
+/* ---- what others see ---- */
+
+uint32_t face_shape_count(const face *f)
+{
+    return f->shapes.count;
+}
+
+const char *face_shape_name(const face *f, uint32_t index)
+{
+    return f->shapes.shape[index].name;
+}
+
+double face_shape_weight(const face *f, uint32_t index)
+{
+    const face_shapes *s = &f->shapes;
+    return s->amount * s->weight[index] * s->given[index];
+}
+
+void face_set_shapes(face *f, double amount)
+{
+    f->shapes.amount = amount > 0.0 ? (amount < 1.0 ? amount : 1.0) : 0.0;
+    face_shapes_settle(f, f->dof);
+}

@@ -1,0 +1,487 @@
+/* The head's own shapes: they answer pulls before the fields do, beside the bones and never twice.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include "unit/allocation_count.h"
+#include "unit/face_scene.h"
+
+enum { JAW_OPEN, MOUTH_CLOSE, SMILE, BROW_UP, CHEEK_FOLD, LOOK_LEFT, STILL, SHAPES };
+enum { FRAMES = 60 };
+static const csrbf_settings settings = {.radius = 30.0};
+static const double jaw_rad = 0.35, look_rad = 0.4;
+
+typedef struct shaped {
+    face_scene scene;
+    mesh_target target[SHAPES];
+    float offset[SHAPES][SCENE_VERTICES][3];
+} shaped;
+
+static void must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+static double hill(const face_scene *s, uint32_t v, double x, double y, double reach)
+{
+    double dx = (double)s->position[v][0] - x, dy = (double)s->position[v][1] - y;
+    double q = 1.0 - (dx * dx + dy * dy) / (reach * reach);
+    return q > 0.0 && v < SCENE_UPPER_TEETH ? q * q : 0.0;
+}
+
+static void set(shaped *s, int which, uint32_t v, double x, double y, double z)
+{
+    s->offset[which][v][0] = (float)x;
+    s->offset[which][v][1] = (float)y;
+    s->offset[which][v][2] = (float)z;
+}
+
+/* jawOpen is the jaw's motion and a hill beside it; eyeLookOutLeft the eye's and a lid's. */
+static void sculpt(shaped *s)
+{
+    static char *const names[SHAPES] = {"jawOpen",   "mouthClose",     "smile", "browUp",
+                                        "cheekFold", "eyeLookOutLeft", "still"};
+    const face_scene *scene = &s->scene;
+    binding b;
+    bones posed;
+    error err = {""};
+    rigid jaw[RIG_BONES_MAX], eye[RIG_BONES_MAX];
+    float dof[MRT_MAX_DOFS] = {0}, look[MRT_MAX_DOFS] = {0};
+    scene_bind(scene, &b);
+    must(bones_init(&posed, &scene->rig, (vec3){0, 0, 0}, &err), &err);
+    dof[posed.first_dof[JAW]] = (float)jaw_rad;
+    look[posed.first_dof[EYE]] = (float)look_rad;
+    bones_pose(jaw, &posed, dof);
+    bones_pose(eye, &posed, look);
+    for (uint32_t v = 0; v < SCENE_VERTICES; ++v) {
+        vec3 at = scene_rest(scene, v);
+        double open = (double)b.weight[(size_t)JAW * SCENE_VERTICES + v];
+        double sees = (double)b.weight[(size_t)EYE * SCENE_VERTICES + v];
+        vec3 by = vec3_scale(vec3_sub(rigid_apply(&jaw[JAW], at), at), open);
+        set(s, JAW_OPEN, v, by.x, by.y, by.z + 2.0 * hill(scene, v, 0, 12, 12));
+        by = vec3_scale(vec3_sub(rigid_apply(&eye[EYE], at), at), sees);
+        set(s, LOOK_LEFT, v, by.x + 0.3 * hill(scene, v, 30, 40, 12), by.y, by.z);
+        set(s, MOUTH_CLOSE, v, 0, 9.0 * hill(scene, v, 0, -2, 14), 0);
+        double up = hill(scene, v, 25, 0, 20);
+        set(s, SMILE, v, 6.0 * up, 5.0 * up, 2.0 * up);
+        set(s, BROW_UP, v, 0, 5.0 * hill(scene, v, 22, 50, 25), 0);
+        set(s, CHEEK_FOLD, v, 14.0 * hill(scene, v, 33, 14, 9), 0, 0); /* it folds by itself */
+    }
+    for (int i = 0; i < SHAPES; ++i)
+        s->target[i] = (mesh_target){names[i], s->offset[i][0]};
+    s->scene.mesh.target = s->target;
+    s->scene.mesh.target_count = SHAPES;
+    binding_destroy(&b);
+}
+
+static void make(shaped *s)
+{
+    error err = {""};
+    binding b;
+    scene_init(&s->scene);
+    sculpt(s);
+    scene_bind(&s->scene, &b);
+    must(face_create_shaped(&s->scene.face, &s->scene.rig, &s->scene.mesh, &b, MRT_MAX_VECTORS,
+                            &err),
+         &err);
+}
+
+static double weight_of(const shaped *s, const char *name)
+{
+    const face *f = s->scene.face;
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        if (strcmp(face_shape_name(f, i), name) == 0)
+            return face_shape_weight(f, i);
+    return -1.0;
+}
+
+static void ask(const shaped *s, double end[SCENE_CONTACTS][3], int which, double weight)
+{
+    for (int k = 0; k < SCENE_CONTACTS; ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            end[k][axis] += weight * (double)s->offset[which][s->scene.contact[k].vertex][axis];
+}
+
+static double greatest_miss(const shaped *s, double end[SCENE_CONTACTS][3])
+{
+    double most = 0.0;
+    for (int k = 0; k < SCENE_CONTACTS; ++k) {
+        vec3 to = {end[k][0], end[k][1], end[k][2]};
+        most = fmax(most, scene_distance(face_contact_now(s->scene.face, 1 + (uint32_t)k), to));
+    }
+    return most;
+}
+
+/* Of the face as shown to the rest face and so much of the shape, over all vertices, mm. */
+static double greatest_off(const shaped *s, int which, double weight)
+{
+    double most = 0.0;
+    for (uint32_t v = 0; v < SCENE_VERTICES; ++v) {
+        const float *by = s->offset[which][v];
+        vec3 way = {weight * (double)by[0], weight * (double)by[1], weight * (double)by[2]};
+        most = fmax(most, scene_distance(scene_shown(&s->scene, v),
+                                         vec3_add(scene_rest(&s->scene, v), way)));
+    }
+    return most;
+}
+
+static void shapes_that_move_nothing_are_none(void **state)
+{
+    static shaped s;
+    (void)state;
+    make(&s);
+    assert_int_equal(face_shape_count(s.scene.face), SHAPES - 1);
+    assert_true(weight_of(&s, "still") < 0.0);
+    face_destroy(s.scene.face);
+}
+
+static void a_pull_that_a_shape_explains_becomes_that_shape(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, SMILE, 0.7);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(fabs(weight_of(&s, "smile") - 0.7) < 0.05);
+    assert_true(weight_of(&s, "browUp") < 0.05);
+    assert_true(greatest_off(&s, SMILE, 0.7) < 0.4);
+    assert_true(greatest_miss(&s, end) < 1e-4);
+    face_destroy(s.scene.face);
+}
+
+/* What no shape explains the fields do: every contact lands all the same. */
+static void contacts_land_whatever_is_pulled(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3], way[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    for (int n = 0; n < FRAMES; ++n) {
+        float dof[MRT_MAX_DOFS];
+        memcpy(way, end, sizeof way);
+        for (int k = 0; k < SCENE_CONTACTS; ++k) {
+            way[k][0] += 2.0 * sin(0.3 * n + k);
+            way[k][1] += 2.0 * cos(0.2 * n + 2 * k);
+            way[k][2] += 1.5 * sin(0.5 * n + 3 * k);
+        }
+        for (int d = 0; d < MRT_MAX_DOFS; ++d)
+            dof[d] = n % 2 == 0 || d > 2 ? NAN : (float)(0.05 * (n % 5));
+        must(face_pull(s.scene.face, way[0], dof, &err), &err);
+        for (uint32_t i = 0; i < face_shape_count(s.scene.face); ++i)
+            assert_true(face_shape_weight(s.scene.face, i) >= 0.0 &&
+                        face_shape_weight(s.scene.face, i) <= 1.0);
+        if (!(face_metered(s.scene.face)->held_back_mm > 0.0))
+            assert_true(greatest_miss(&s, way) < 1e-3);
+        assert_true(face_min_determinant(s.scene.face) > 0.0);
+    }
+    face_destroy(s.scene.face);
+}
+
+/* The jaw opens and jawOpen adds what is beside that: together they are the shape as it was made,
+ * whether the bone is driven or follows from the contacts. */
+static void bones_and_shapes_do_the_work_once(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    float dof[MRT_MAX_DOFS];
+    (void)state;
+    make(&s);
+    for (int d = 0; d < MRT_MAX_DOFS; ++d)
+        dof[d] = NAN;
+    dof[scene_dof(&s.scene, "jaw.open")] = (float)jaw_rad;
+    must(face_pull(s.scene.face, NULL, dof, &err), &err); /* nothing holds the face */
+    assert_true(weight_of(&s, "jawOpen") > 0.95);
+    assert_true(greatest_off(&s, JAW_OPEN, 1.0) < 0.3);
+    face_reset(s.scene.face);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, JAW_OPEN, 1.0);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(weight_of(&s, "jawOpen") > 0.9);
+    double open = (double)face_metered(s.scene.face)->dof[scene_dof(&s.scene, "jaw.open")];
+    assert_true(fabs(open - jaw_rad) < 0.03);
+    assert_true(greatest_miss(&s, end) < 1e-4);
+    face_destroy(s.scene.face);
+}
+
+static void rigid_parts_stay_rigid(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, JAW_OPEN, 0.6);
+    ask(&s, end, SMILE, 0.6);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    for (uint32_t v = SCENE_UPPER_TEETH; v + 1 < SCENE_EYE + 6; ++v) {
+        bool same_part = v + 1 != SCENE_LOWER_TEETH && v + 1 != SCENE_EYE;
+        double was = scene_distance(scene_rest(&s.scene, v), scene_rest(&s.scene, v + 1));
+        double is = scene_distance(scene_shown(&s.scene, v), scene_shown(&s.scene, v + 1));
+        assert_true(!same_part || fabs(is - was) < 1e-3);
+    }
+    face_destroy(s.scene.face);
+}
+
+static void correctives_come_only_with_what_they_correct(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, MOUTH_CLOSE, 0.8);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(weight_of(&s, "mouthClose") <= weight_of(&s, "jawOpen") + 1e-12);
+    face_destroy(s.scene.face);
+}
+
+static void a_look_turns_with_its_eye_alone(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    float dof[MRT_MAX_DOFS];
+    (void)state;
+    make(&s);
+    for (int d = 0; d < MRT_MAX_DOFS; ++d)
+        dof[d] = NAN;
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, LOOK_LEFT, 1.0);
+    must(face_pull(s.scene.face, end[0], dof, &err), &err);
+    assert_true(weight_of(&s, "eyeLookOutLeft") < 1e-9);
+    dof[scene_dof(&s.scene, "eye.yaw")] = (float)(0.5 * look_rad);
+    must(face_pull(s.scene.face, end[0], dof, &err), &err);
+    assert_true(fabs(weight_of(&s, "eyeLookOutLeft") - 0.5) < 0.02);
+    face_destroy(s.scene.face);
+}
+
+/* Clay, bit for bit. */
+static void at_nought_the_face_is_one_without_shapes(void **state)
+{
+    static shaped s;
+    static face_scene plain;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    scene_init(&plain);
+    must(scene_finish(&plain, &err), &err);
+    face_set_shapes(s.scene.face, 0.0);
+    for (int n = 0; n < 20; ++n) {
+        if (n % 10 == 0) {
+            must(scene_hold(&plain, &settings, end, &err), &err);
+            must(scene_hold(&s.scene, &settings, end, &err), &err);
+        }
+        end[CORNER][1] += 0.3;
+        end[CHIN][1] -= 0.5;
+        must(face_pull(plain.face, end[0], NULL, &err), &err);
+        must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+        assert_true(scene_same_bits(face_shown(plain.face), face_shown(s.scene.face)));
+    }
+    face_destroy(plain.face);
+    face_destroy(s.scene.face);
+}
+
+/* What exports write: base and columns by their weights. */
+static void columns_are_the_frame(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    char name[FACE_COLUMN_NAME];
+    bool named = false;
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, SMILE, 0.5);
+    ask(&s, end, JAW_OPEN, 0.5);
+    end[CHEEK][2] += 3.0;
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    const face_columns c = face_columns_now(s.scene.face);
+    const points *shown = face_shown(s.scene.face);
+    assert_true(c.is_exact);
+    for (uint32_t v = 0; v < shown->count; ++v) {
+        float at[3] = {0.0f, 0.0f, 0.0f};
+        for (uint32_t k = 0; k < c.count; ++k)
+            for (int axis = 0; axis < 3; ++axis)
+                at[axis] += c.column[k * c.stride + v] * (float)c.weight[3 * k + (uint32_t)axis];
+        assert_true(fabsf(c.base->x[v] + at[0] - shown->x[v]) < 1e-4f);
+        assert_true(fabsf(c.base->y[v] + at[1] - shown->y[v]) < 1e-4f);
+        assert_true(fabsf(c.base->z[v] + at[2] - shown->z[v]) < 1e-4f);
+    }
+    for (uint32_t k = 0; k < c.count; ++k) {
+        face_column_name(s.scene.face, k, name);
+        named |= strcmp(name, "smile.x") == 0;
+        assert_true(name[0] != '\0');
+    }
+    assert_true(named);
+    face_destroy(s.scene.face);
+}
+
+/* A performance of all that a face does; `end` as it was held last. */
+static void step_on(shaped *s, double end[SCENE_CONTACTS][3], int n)
+{
+    error err = {""};
+    double way[SCENE_CONTACTS][3], to[3];
+    float dof[MRT_MAX_DOFS];
+    shape_step step;
+    for (int d = 0; d < MRT_MAX_DOFS; ++d)
+        dof[d] = NAN;
+    if (n % 20 > 10)
+        dof[scene_dof(&s->scene, "jaw.open")] = (float)(0.03 * (n % 10));
+    if (n % 20 == 0)
+        must(scene_hold(&s->scene, &settings, end, &err), &err);
+    memcpy(way, end, sizeof way);
+    ask(s, way, SMILE, 0.05 * (n % 20));
+    ask(s, way, JAW_OPEN, 0.03 * (n % 20));
+    way[BROW][1] += 0.2 * (n % 7);
+    if (n % 20 < 15)
+        must(face_pull(s->scene.face, way[0], dof, &err), &err);
+    if (n % 20 == 15) {
+        face_commit(s->scene.face);
+        face_show(s->scene.face);
+    }
+    if (n % 20 < 16)
+        return;
+    vec3 tip = scene_shown(&s->scene, scene_at(5, 5));
+    const double from[3] = {tip.x, tip.y, tip.z};
+    to[0] = tip.x + 0.2;
+    to[1] = tip.y;
+    to[2] = tip.z + 0.3;
+    must(face_drag(s->scene.face, &settings, from, to, 1, dof, NULL, &step, &err), &err);
+}
+
+static void a_face_that_is_taken_up_goes_on_with_the_same_bits(void **state)
+{
+    (void)state;
+    for (int from = 0; from < 40; from += 3) {
+        static shaped told, again;
+        double end[SCENE_CONTACTS][3] = {{0}}, same[SCENE_CONTACTS][3];
+        error err = {""};
+        make(&told);
+        make(&again);
+        for (int n = 0; n <= from; ++n)
+            step_on(&told, end, n);
+        size_t size = face_save(told.scene.face, NULL, 0);
+        void *bytes = malloc(size);
+        assert_int_equal(face_save(told.scene.face, bytes, size), size);
+        must(face_load(again.scene.face, bytes, size, &err), &err);
+        assert_true(scene_same_bits(face_shown(told.scene.face), face_shown(again.scene.face)));
+        memcpy(same, end, sizeof same);
+        for (int n = from + 1; n < 45; ++n) {
+            step_on(&told, end, n);
+            step_on(&again, same, n);
+            if (!scene_same_bits(face_shown(told.scene.face), face_shown(again.scene.face)))
+                fail_msg("taken up after step %d: step %d differs", from, n);
+        }
+        free(bytes);
+        face_destroy(told.scene.face);
+        face_destroy(again.scene.face);
+    }
+}
+
+/* Committed, held anew, dragged: nothing jumps. */
+static void nothing_jumps_when_it_takes_hold_anew(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, SMILE, 0.8);
+    ask(&s, end, JAW_OPEN, 0.5);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    static float before[3][SCENE_VERTICES + 64];
+    const points *shown = face_shown(s.scene.face);
+    memcpy(before[0], shown->x, shown->count * sizeof(float));
+    memcpy(before[1], shown->y, shown->count * sizeof(float));
+    memcpy(before[2], shown->z, shown->count * sizeof(float));
+    face_commit(s.scene.face);
+    face_show(s.scene.face);
+    for (uint32_t v = 0; v < shown->count; ++v) {
+        assert_true(fabsf(shown->x[v] - before[0][v]) < 1e-3f);
+        assert_true(fabsf(shown->y[v] - before[1][v]) < 1e-3f);
+        assert_true(fabsf(shown->z[v] - before[2][v]) < 1e-3f);
+    }
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    for (uint32_t v = 0; v < shown->count; ++v)
+        assert_true(fabsf(shown->y[v] - before[1][v]) < 0.5f);
+    face_destroy(s.scene.face);
+}
+
+static void frames_with_shapes_allocate_nothing(void **state)
+{
+    static shaped s;
+    double end[SCENE_CONTACTS][3] = {{0}};
+    (void)state;
+    if (!ALLOCATIONS_ARE_COUNTED)
+        skip();
+    make(&s);
+    allocation_count = 0;
+    for (int n = 0; n < 40; ++n)
+        step_on(&s, end, n);
+    size_t counted = allocation_count;
+    assert_int_equal(counted, 0);
+    face_destroy(s.scene.face);
+}
+
+/* Three hundred, the same name twice among them. */
+static void three_hundred_shapes_work(void **state)
+{
+    static shaped s;
+    static mesh_target many[300];
+    error err = {""};
+    double end[SCENE_CONTACTS][3];
+    binding b;
+    (void)state;
+    scene_init(&s.scene);
+    sculpt(&s);
+    for (int i = 0; i < 300; ++i)
+        many[i] = s.target[i % (SHAPES - 1)];
+    s.scene.mesh.target = many;
+    s.scene.mesh.target_count = 300;
+    scene_bind(&s.scene, &b);
+    must(face_create_shaped(&s.scene.face, &s.scene.rig, &s.scene.mesh, &b, MRT_MAX_VECTORS, &err),
+         &err);
+    assert_int_equal(face_shape_count(s.scene.face), 300);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    ask(&s, end, SMILE, 0.7);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(greatest_off(&s, SMILE, 0.7) < 0.4);
+    assert_true(greatest_miss(&s, end) < 1e-4);
+    face_destroy(s.scene.face);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shapes_that_move_nothing_are_none),
+        cmocka_unit_test(a_pull_that_a_shape_explains_becomes_that_shape),
+        cmocka_unit_test(contacts_land_whatever_is_pulled),
+        cmocka_unit_test(bones_and_shapes_do_the_work_once),
+        cmocka_unit_test(rigid_parts_stay_rigid),
+        cmocka_unit_test(correctives_come_only_with_what_they_correct),
+        cmocka_unit_test(a_look_turns_with_its_eye_alone),
+        cmocka_unit_test(at_nought_the_face_is_one_without_shapes),
+        cmocka_unit_test(columns_are_the_frame),
+        cmocka_unit_test(a_face_that_is_taken_up_goes_on_with_the_same_bits),
+        cmocka_unit_test(nothing_jumps_when_it_takes_hold_anew),
+        cmocka_unit_test(frames_with_shapes_allocate_nothing),
+        cmocka_unit_test(three_hundred_shapes_work),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
