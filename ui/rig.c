@@ -117,7 +117,7 @@ typedef struct drafting {
     const char *mesh_path;
     char out_path[PATH_TEXT];
     mesh_frame frame;
-    bool may_replace;
+    bool may_replace, cuts_mouth;
 } drafting;
 
 /* What the rig must say of its mesh, so that it is read again as it was read now. */
@@ -144,6 +144,8 @@ static bool read_new_options(drafting *d, int argc, char **argv)
     for (int i = 1; i < argc; ++i) {
         if (strcmp(argv[i], "--force") == 0)
             d->may_replace = true;
+        else if (strcmp(argv[i], "--cut-mouth") == 0)
+            d->cuts_mouth = true;
         else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
             out_path = argv[++i];
         else if (strcmp(argv[i], "--unit") == 0 && i + 1 < argc &&
@@ -189,18 +191,30 @@ static void print_place(const drafting *d)
     free(folder);
 }
 
+static mrt_result cut_mouth(face_file *f, uint32_t **out_chain, uint32_t *out_count, error *err)
+{
+    mrt_result result = rig_draft_mouth(out_chain, out_count, &f->mesh, &f->topology, err);
+    if (result >= 0 && *out_chain)
+        result = face_file_cut_mouth(f, *out_chain, *out_count, err);
+    return result;
+}
+
 static mrt_result draft(const drafting *d, error *err)
 {
     face_file f;
     rig r;
     char *confirm = NULL;
+    uint32_t *chain = NULL, chain_count = 0;
     mrt_result result = face_file_read(&f, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
     if (result < 0)
         return result;
     if (f.rig)
         result = error_set(err, MRT_ERR_ARGUMENT, "%s: is a rig; new takes a mesh", d->mesh_path);
-    else
-        result = rig_draft_make(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, err);
+    else if (d->cuts_mouth && (result = cut_mouth(&f, &chain, &chain_count, err)) < 0)
+        error_prefix(err, d->mesh_path);
+    if (result >= 0)
+        result = rig_draft_make(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, chain,
+                                chain_count, err);
     if (result >= 0) {
         keep_frame(&r, &f.mesh, d->mesh_path);
         result = rig_write(&r, d->out_path, err);
@@ -209,6 +223,8 @@ static mrt_result draft(const drafting *d, error *err)
     if (result >= 0) {
         terminal_print("wrote    %s\n", d->out_path);
         print_lines("note     ", f.note);
+        if (d->cuts_mouth && !chain)
+            print_lines("note     ", "mouth: lips that part are there already: nothing was cut");
         print_lines("confirm  ", confirm);
         print_place(d);
         fputs("next     marotte rig check ", stdout);
@@ -217,6 +233,7 @@ static mrt_result draft(const drafting *d, error *err)
         terminal_print_quoted(d->out_path);
         fputs(" --out rig.png\n", stdout);
     }
+    free(chain);
     free(confirm);
     face_file_destroy(&f);
     return result;
@@ -227,8 +244,9 @@ static int rignew_run(int argc, char **argv)
     drafting d = {0};
     error err = {""};
     if (!read_new_options(&d, argc, argv))
-        return command_usage(&command_rig, "new takes a mesh, --out, --unit mm|cm|m|MM, --up AXIS, "
-                                           "--forward AXIS (x, y, z, -x, -y, -z) and --force");
+        return command_usage(&command_rig,
+                             "new takes a mesh, --out, --unit mm|cm|m|MM, --up AXIS, "
+                             "--forward AXIS (x, y, z, -x, -y, -z), --cut-mouth and --force");
     if (!d.may_replace && access(d.out_path, F_OK) == 0) {
         (void)error_set(&err, MRT_ERR_ARGUMENT,
                         "%s: is there already; --force writes over it, --out elsewhere",
@@ -443,10 +461,13 @@ const command command_rig = {
         "\n"
         "marotte rig new MESH [--out NAME.rig.json] [--unit mm|cm|m|MM] [--up AXIS] [--forward "
         "AXIS]\n"
-        "        [--force]\n"
+        "        [--cut-mouth] [--force]\n"
         "  Drafts a rig for a mesh from its shape and the names of its parts, and says what a\n"
-        "  person must confirm. --out: MESH's name with .rig.json. --force: over a file that is\n"
-        "  there.\n"
+        "  person must confirm. --cut-mouth: where lips are one surface, the edges between them "
+        "are\n"
+        "  opened, and a dark bag hangs behind; the rig keeps which, the mesh's file stays as it "
+        "is.\n"
+        "  --out: MESH's name with .rig.json. --force: over a file that is there.\n"
         "\n"
         "marotte rig fit RIG.rig.json TARGETS.glb [--contacts SET] [--json] [--out FITTED.glb]\n"
         "                [--save-poses OUT.rig.json] [--suggest N]\n"

@@ -129,6 +129,9 @@ typedef struct rig {
     mesh_frame frame;   /* "mesh_unit", "mesh_up", "mesh_forward": of the mesh; zeros: not said */
     uint32_t mesh_vertex_count; /* "mesh_vertices": what the rig was made for; 0: not said */
     uint64_t mesh_hash;         /* "mesh_hash": see rig_mesh_hash; 0: not said */
+    uint32_t
+        *cut_mouth; /* "cut_mouth": what mesh_cut_mouth opens in the mesh as read; NULL: nothing */
+    uint32_t cut_mouth_count;
     rig_bone *bone;
     rig_region *region; /* in order: later ones win where two speak of one vertex */
     rig_contact *contact;

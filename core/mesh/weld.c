@@ -127,7 +127,21 @@ typedef struct edge {     /* of a triangle, from a to b */
     uint32_t a, b, other; /* vertices; other: the triangle's third */
     bool is_down;         /* from the high place to the low one */
     bool is_paired;
+    uint32_t part; /* of the mesh */
 } edge;
+
+/* Two that go on as one surface and differ in nothing: a slit, or vertices that were never shared.
+ */
+typedef struct edge_pair {
+    uint32_t a[2], b[2]; /* the vertices of either end: of the one triangle, of the other */
+} edge_pair;
+
+typedef struct joining {
+    const mesh *m;
+    uint32_t *point;
+    edge_pair *alike;
+    size_t alike_count;
+} joining;
 
 static int by_place(const void *left, const void *right)
 {
@@ -209,36 +223,115 @@ static void join(uint32_t *point, uint32_t a, uint32_t b)
         point[a > b ? a : b] = a > b ? b : a;
 }
 
+static void join_pair(uint32_t *point, const edge_pair *pair)
+{
+    join(point, pair->a[0], pair->a[1]);
+    join(point, pair->b[0], pair->b[1]);
+}
+
+static bool are_smooth(const mesh *m, uint32_t a, uint32_t b)
+{
+    if (!m->normal)
+        return true;
+    const float *p = m->normal + (size_t)a * 3, *q = m->normal + (size_t)b * 3;
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > smooth_cosine;
+}
+
+static bool are_alike(const mesh *m, uint32_t a, uint32_t b)
+{
+    const float near = 1e-5f;
+    for (size_t i = 0; m->uv && i < 2; ++i)
+        if (!(fabsf(m->uv[2 * (size_t)a + i] - m->uv[2 * (size_t)b + i]) <= near))
+            return false;
+    return are_smooth(m, a, b);
+}
+
 enum { CROWD = 8 }; /* edges at one place; more are no surface, and are left as they are */
 
 /* The straightest of the pairs that are left, again and again. */
-static void join_open(uint32_t *point, const mesh *m, edge *e, size_t count)
+static void join_open(joining *j, edge *e, size_t count)
 {
+    const mesh *m = j->m;
     pair_shared(e, count);
     for (;;) {
         double best = -2.0;
         size_t first = 0, second = 0;
         for (size_t i = 0; i < count; ++i)
-            for (size_t j = i + 1; j < count && !e[i].is_paired; ++j) {
-                double cosine = e[j].is_paired ? -2.0 : goes_on(m, &e[i], &e[j]);
+            for (size_t k = i + 1; k < count && !e[i].is_paired; ++k) {
+                double cosine = e[k].is_paired ? -2.0 : goes_on(m, &e[i], &e[k]);
                 if (cosine > best) {
                     best = cosine;
                     first = i;
-                    second = j;
+                    second = k;
                 }
             }
         if (!(best > -2.0))
             return;
+        const edge *p = &e[first], *q = &e[second];
+        const edge_pair pair = {{p->a, q->b}, {p->b, q->a}};
         e[first].is_paired = e[second].is_paired = true;
-        join(point, e[first].a, e[second].b);
-        join(point, e[first].b, e[second].a);
+        if ((m->uv || m->normal) && p->part == q->part && are_alike(m, p->a, q->b) &&
+            are_alike(m, p->b, q->a))
+            j->alike[j->alike_count++] = pair;
+        else
+            join_pair(j->point, &pair);
+    }
+}
+
+/* ---- slits ----
+ * Where there are texture coordinates or normals, nobody gives one point of one part two vertices
+ * that have the same, unless none of his are shared, or the surface is to be open there: a mouth
+ * with nothing behind it. Such edges are a slit where they are one chain that begins and ends at
+ * vertices which both of its sides share, and not a short one. */
+
+enum { SLIT_LEAST = 6 }; /* edges */
+
+static uint32_t place_of(const uint32_t *place, const edge_pair *pair, int end)
+{
+    return place[end == 0 ? pair->a[0] : pair->b[0]];
+}
+
+/* chain: of each place one that it hangs together with, itself at the end; ends: of each chain's
+ * last place how many ends both sides share, and 4 for each place where it branches or is open. */
+static void join_alike(joining *j, const uint32_t *place, uint32_t *chain, uint32_t *used,
+                       uint32_t *ends)
+{
+    const uint32_t count = j->m->vertex_count;
+    for (uint32_t v = 0; v < count; ++v) {
+        chain[v] = v;
+        used[v] = ends[v] = 0;
+    }
+    for (size_t i = 0; i < j->alike_count; ++i) {
+        join(chain, place_of(place, &j->alike[i], 0), place_of(place, &j->alike[i], 1));
+        used[place_of(place, &j->alike[i], 0)] += 1;
+        used[place_of(place, &j->alike[i], 1)] += 1;
+    }
+    for (size_t i = 0; i < j->alike_count; ++i)
+        for (int end = 0; end < 2; ++end) {
+            const edge_pair *pair = &j->alike[i];
+            uint32_t at = place_of(place, pair, end), last = root_of(chain, at);
+            const uint32_t *vertex = end == 0 ? pair->a : pair->b;
+            bool is_shared = vertex[0] == vertex[1];
+            ends[last] += used[at] == 2 && !is_shared ? 0 : used[at] == 1 && is_shared ? 1 : 4;
+        }
+    for (uint32_t v = 0; v < count; ++v)
+        used[v] = 0; /* from here on: edges of a chain */
+    for (size_t i = 0; i < j->alike_count; ++i)
+        used[root_of(chain, place_of(place, &j->alike[i], 0))] += 1;
+    for (size_t i = 0; i < j->alike_count; ++i) {
+        uint32_t last = root_of(chain, place_of(place, &j->alike[i], 0));
+        if (ends[last] != 2 || used[last] < SLIT_LEAST)
+            join_pair(j->point, &j->alike[i]);
     }
 }
 
 static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const uint8_t *is_twice)
 {
     size_t count = 0;
-    for (size_t t = 0; t < m->triangle_count; ++t)
+    uint32_t part = 0;
+    for (size_t t = 0; t < m->triangle_count; ++t) {
+        while (part + 1 < m->part_count && t >= m->part[part + 1].first_triangle)
+            ++part;
         for (size_t i = 0; i < 3; ++i) {
             const uint32_t *corner = m->triangle + 3 * t;
             uint32_t a = corner[i], b = corner[(i + 1) % 3];
@@ -251,9 +344,11 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
                                     .a = a,
                                     .b = b,
                                     .other = corner[(i + 2) % 3],
-                                    .is_down = from > to};
+                                    .is_down = from > to,
+                                    .part = part};
             count += 1;
         }
+    }
     return count;
 }
 
@@ -267,7 +362,10 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *pla
             is_twice[place[v]] = 1;
     size_t count = list_edges(NULL, m, place, is_twice);
     edge *all = malloc((count + 1) * sizeof *all);
-    if (all) {
+    joining j = {.m = m, .point = point, .alike = malloc((count + 1) * sizeof *j.alike)};
+    uint32_t *scratch = malloc(3 * ((size_t)m->vertex_count + 1) * sizeof *scratch);
+    bool has_memory = all && j.alike && scratch;
+    if (has_memory) {
         (void)list_edges(all, m, place, is_twice);
         qsort(all, count, sizeof *all, by_place);
         for (size_t first = 0, end; first < count; first = end) {
@@ -275,23 +373,19 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *pla
                  end < count && all[end].low == all[first].low && all[end].high == all[first].high;)
                 ++end;
             if (end - first > 1 && end - first <= CROWD)
-                join_open(point, m, all + first, end - first);
+                join_open(&j, all + first, end - first);
         }
+        join_alike(&j, place, scratch, scratch + m->vertex_count,
+                   scratch + 2 * (size_t)m->vertex_count);
     }
+    free(scratch);
+    free(j.alike);
     free(all);
     free(is_twice);
-    return all ? MRT_OK : no_memory(err);
+    return has_memory ? MRT_OK : no_memory(err);
 }
 
 /* ---- one point ---- */
-
-static bool are_smooth(const mesh *m, uint32_t a, uint32_t b)
-{
-    if (!m->normal)
-        return true;
-    const float *p = m->normal + (size_t)a * 3, *q = m->normal + (size_t)b * 3;
-    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > smooth_cosine;
-}
 
 enum { LEADERS_MAX = 32 };
 

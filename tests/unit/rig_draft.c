@@ -27,7 +27,8 @@ static drafted draft(const char *path)
     drafted d;
     error err = {""};
     if (face_file_read(&d.file, path, NULL, FACE_FILE_ANY, &err) < 0 ||
-        rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, &d.file.topology, path, &err) < 0 ||
+        rig_draft_make(&d.rig, &d.confirm, &d.file.mesh, &d.file.topology, path, NULL, 0, &err) <
+            0 ||
         rig_validate(&d.rig, &d.file.mesh, &d.file.topology, &err) < 0)
         fail_msg("%s: %s", path, err.text);
     return d;
@@ -98,6 +99,81 @@ static void left_contacts_mirror_right_ones(void **state)
     finish(&d);
 }
 
+/* The Moai without its bag, and with its lips grown together. */
+static void close_mouth(mesh *m)
+{
+    uint32_t bag = UINT32_MAX;
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        if (strcmp(m->part[i].name, "mouth") == 0)
+            bag = i;
+    assert_int_equal(bag, m->part_count - 1);
+    m->triangle_count = m->part[bag].first_triangle;
+    free(m->part[bag].name);
+    m->part_count -= 1;
+    for (size_t i = 0; i < (size_t)3 * m->triangle_count; ++i) {
+        const float *p = m->position + (size_t)m->triangle[i] * 3;
+        for (uint32_t v = 0; v < m->triangle[i]; ++v)
+            if (memcmp(p, m->position + (size_t)v * 3, 3 * sizeof *p) == 0) {
+                m->triangle[i] = v;
+                break;
+            }
+    }
+    free(m->point);
+    free(m->smooth);
+    m->point = m->smooth = NULL;
+}
+
+static void a_mouth_is_cut_where_lips_are_one_surface(void **state)
+{
+    (void)state;
+    face_file f;
+    rig r;
+    error err = {""};
+    char *confirm;
+    uint32_t *chain, count;
+    const char *path = SOURCE_DIR "/rigs/moai/moai.glb";
+    if (face_file_read(&f, path, NULL, FACE_FILE_ANY, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_int_equal(rig_draft_mouth(&chain, &count, &f.mesh, &f.topology, &err), MRT_OK);
+    assert_null(chain); /* it has one */
+    close_mouth(&f.mesh);
+    topology_destroy(&f.topology);
+    assert_true(openmesh_topology(&f.topology, &f.mesh, &err) >= 0);
+    uint32_t rejected = f.topology.rejected_count;
+    uint32_t triangles = f.mesh.triangle_count, vertices = f.mesh.vertex_count;
+    if (rig_draft_mouth(&chain, &count, &f.mesh, &f.topology, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_non_null(chain);
+    print_message("%u vertices from lip corner to lip corner\n", count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float *p = f.mesh.position + (size_t)chain[i] * 3;
+        assert_true(p[1] > -75.0f && p[1] < -45.0f && fabsf(p[0]) < 50.0f);
+    }
+    if (face_file_cut_mouth(&f, chain, count, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_true(mesh_validate(&f.mesh, &err) >= 0);
+    assert_true(f.mesh.triangle_count > triangles && f.mesh.vertex_count > vertices);
+    assert_int_equal(f.topology.rejected_count, rejected);
+    for (uint32_t i = 0; i < f.topology.vertex_count; ++i) /* the bag closes what was cut */
+        assert_false(f.topology.on_border[i] && i >= vertices);
+    assert_true(rig_draft_make(&r, &confirm, &f.mesh, &f.topology, path, chain, count, &err) >= 0);
+    assert_non_null(strstr(confirm, "the upper lip above it on the skull"));
+    assert_int_equal(r.cut_mouth_count, count);
+    assert_true(r.bone[rig_find_bone(&r, "jaw")].open_max_rad > 0.2);
+    rig_destroy(&r);
+    free(confirm);
+    /* what is no chain of edges is refused, and leaves the mesh as it was */
+    static const uint32_t no_chain[] = {0, 100, 200, 300}, twice[] = {1, 2, 1, 3};
+    uint32_t before = f.mesh.vertex_count;
+    assert_int_equal(face_file_cut_mouth(&f, no_chain, 4, &err), MRT_ERR_FORMAT);
+    assert_non_null(strstr(err.text, "no edge of two triangles joins them"));
+    assert_int_equal(face_file_cut_mouth(&f, twice, 4, &err), MRT_ERR_FORMAT);
+    assert_int_equal(face_file_cut_mouth(&f, chain, 2, &err), MRT_ERR_FORMAT);
+    assert_int_equal(f.mesh.vertex_count, before);
+    free(chain);
+    face_file_destroy(&f);
+}
+
 /* Against the landmarks that came with it. */
 static void contacts_lie_near_the_landmarks_of_a_real_face(void **state)
 {
@@ -139,7 +215,8 @@ static void what_has_no_face_is_refused(void **state)
     m.triangle[2] = 2;
     topology t;
     assert_int_equal(openmesh_topology(&t, &m, &err), MRT_OK);
-    assert_int_equal(rig_draft_make(&r, &confirm, &m, &t, "flat.obj", &err), MRT_ERR_UNSUPPORTED);
+    assert_int_equal(rig_draft_make(&r, &confirm, &m, &t, "flat.obj", NULL, 0, &err),
+                     MRT_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.text, "no profile of a face"));
     assert_null(confirm);
     topology_destroy(&t);
@@ -205,6 +282,7 @@ int main(void)
         cmocka_unit_test(parts_are_understood_by_name),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),
+        cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),
         cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
         cmocka_unit_test(what_has_no_face_is_refused),
         cmocka_unit_test(vertices_without_a_mirror_image_are_counted),

@@ -91,6 +91,57 @@ static void lips_that_touch_stay_apart(void **state)
 }
 
 /* The same turned inside out: the rim of an ear. */
+/* A grid of 10 by 4 squares with a slit along its middle row, from column 1 to 9; both sides have
+ * vertices of their own between the ends. */
+static mesh slit(void)
+{
+    enum { WIDE = 11, HIGH = 5, SHEET = WIDE * HIGH, INNER = WIDE - 4 };
+    float position[SHEET + INNER][3];
+    uint32_t triangle[10 * 4 * 2][3], count = 0;
+    for (uint32_t v = 0; v < SHEET + INNER; ++v) {
+        uint32_t column = v < SHEET ? v % WIDE : v - SHEET + 2, row = v < SHEET ? v / WIDE : 2;
+        position[v][0] = (float)column;
+        position[v][1] = (float)row;
+        position[v][2] = 0.0f;
+    }
+    for (uint32_t row = 0; row < HIGH - 1; ++row)
+        for (uint32_t column = 0; column < WIDE - 1; ++column) {
+            uint32_t a = row * WIDE + column, top[2] = {a + WIDE, a + WIDE + 1};
+            for (uint32_t k = 0; row == 1 && k < 2; ++k)
+                if (column + k >= 2 && column + k < 2 + INNER)
+                    top[k] = SHEET + column + k - 2;
+            memcpy(triangle[count++], (const uint32_t[3]){a, a + 1, top[1]}, sizeof *triangle);
+            memcpy(triangle[count++], (const uint32_t[3]){a, top[1], top[0]}, sizeof *triangle);
+        }
+    mesh m = mesh_of(position[0], SHEET + INNER, triangle[0], count);
+    m.uv = calloc((size_t)m.vertex_count * 2, sizeof *m.uv);
+    assert_non_null(m.uv);
+    return m;
+}
+
+static void a_slit_with_nothing_behind_it_stays_open(void **state)
+{
+    (void)state;
+    mesh m = slit();
+    weld(&m);
+    for (uint32_t v = 0; v < 7; ++v)
+        assert_int_equal(mesh_point(&m, 55 + v), 55 + v);
+    mesh_destroy(&m);
+}
+
+/* The same places with other texture coordinates below, as a seam has them. */
+static void a_seam_that_ends_in_the_surface_is_none(void **state)
+{
+    (void)state;
+    mesh m = slit();
+    for (uint32_t v = 55; v < 62; ++v)
+        m.uv[2 * (size_t)v] = 0.5f;
+    weld(&m);
+    for (uint32_t v = 0; v < 7; ++v)
+        assert_int_equal(mesh_point(&m, 55 + v), 24 + v);
+    mesh_destroy(&m);
+}
+
 static void a_sharp_rim_is_one_edge(void **state)
 {
     (void)state;
@@ -183,6 +234,8 @@ int main(void)
         cmocka_unit_test(what_is_nearly_at_one_place_gets_one_position_bit_for_bit),
         cmocka_unit_test(what_touches_at_a_corner_alone_stays_apart),
         cmocka_unit_test(lips_that_touch_stay_apart),
+        cmocka_unit_test(a_slit_with_nothing_behind_it_stays_open),
+        cmocka_unit_test(a_seam_that_ends_in_the_surface_is_none),
         cmocka_unit_test(a_sharp_rim_is_one_edge),
         cmocka_unit_test(the_straightest_pair_is_joined),
         cmocka_unit_test(hard_edges_are_one_point_with_two_normals),

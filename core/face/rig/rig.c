@@ -102,6 +102,7 @@ void rig_destroy(rig *r)
     free(r->proxy);
     free(r->pose);
     free(r->contact_set);
+    free(r->cut_mouth);
     rig_document_destroy(r->document);
     free(r->path);
     free(r->name);
@@ -277,6 +278,7 @@ mrt_result rig_copy(rig *out, const rig *r, error *err)
     copy_poses(&c, out, r);
     copy_sets(&c, out, r);
     out->proxy = copy_roomy(&c, r->proxy, r->proxy_count, r->proxy_count, sizeof *r->proxy);
+    out->cut_mouth = copy_array(&c, r->cut_mouth, r->cut_mouth_count, sizeof *r->cut_mouth);
     out->path = copy_text(&c, r->path);
     out->name = copy_text(&c, r->name);
     out->mesh_path = copy_text(&c, r->mesh_path);

@@ -755,7 +755,9 @@ static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, er
     a->lips_mm = fmin(distance[below], reach_mm);
     bool is_open =
         head->mouth_depth > 0.05 * reach && head->lip_upper_y - head->lip_lower_y > 0.06 * reach;
-    a->has_slit = above != below && (is_open || (around > 1.2 * straight && around > 0.1 * reach));
+    a->has_parted_lips = above != below && (head->has_touching_lips ||
+                                            (around > 1.2 * straight && around > 0.4 * reach));
+    a->has_slit = a->has_parted_lips || (above != below && is_open);
     free(distance);
     return MRT_OK;
 }

@@ -52,8 +52,9 @@ typedef struct rig_anatomy {
     vec3 neck;     /* where the head turns on a body, mm */
     bool has_face; /* `head` was measured; else it is a head without a profile */
     rig_head head;
-    bool has_slit;  /* between the lips, or an open mouth */
-    double lips_mm; /* from lip to lip along the surface */
+    bool has_parted_lips; /* the surface leads from one to the other only around the corners */
+    bool has_slit;        /* that, or an open mouth */
+    double lips_mm;       /* from lip to lip along the surface */
     bool has_ears;
     vec3 ear;            /* the hole of the left one, mm */
     anatomy_eye eye[2];  /* left, right */

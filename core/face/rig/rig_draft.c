@@ -435,8 +435,10 @@ static void add_jaw(drafting *d)
     if (!d->a.has_slit) {
         rig_note(
             &d->confirm,
-            "mouth: there is no slit between the lips: likely; the jaw only stretches the "
-            "skin, and the face is performed as clay; cut the edges between the lips to open it");
+            "mouth: there is no slit between the lips: likely; it is performed as clay, and the "
+            "jaw "
+            "only stretches the skin; marotte rig new --cut-mouth opens the edges between the lips "
+            "and hangs a dark bag behind them");
         return;
     }
     add_lip(d, "skull", "lip.upper.mid", 1.0);
@@ -901,8 +903,126 @@ static mrt_result try_bones(rig *r, drafting *d, bool *out_lids, error *err)
     return MRT_OK;
 }
 
+/* ---- a mouth for a head that has none ---- */
+
+typedef struct mouth_line { /* along the groove between the lips, in front */
+    const rig_head *head;
+    double corner_x, reach_mm;
+} mouth_line;
+
+static double line_y(const mouth_line *l, double x)
+{
+    const rig_head *head = l->head;
+    double at = fmin(fabs(x - head->middle_x) / l->corner_x, 1.0) * (RIG_GROOVE - 1);
+    int from = (int)at, to = from < RIG_GROOVE - 1 ? from + 1 : from;
+    if (!(head->corner_x > 0.0))
+        return head->mouth_y;
+    return head->groove_y[from] + (at - from) * (head->groove_y[to] - head->groove_y[from]);
+}
+
+/* How far an edge is, longer the further it is off the line. */
+static double line_cost(const mouth_line *l, vec3 a, vec3 b)
+{
+    vec3 middle = vec3_scale(vec3_add(a, b), 0.5);
+    double off = (middle.y - line_y(l, middle.x)) / (0.03 * l->reach_mm);
+    return vec3_length(vec3_sub(a, b)) * (1.0 + off * off);
+}
+
+/* Dijkstra's way from one corner to the other over the skin in front. Plain search for the next
+ * vertex: of those near the mouth there are few. */
+static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig_anatomy *a,
+                                  const mouth_line *l, const mesh *m, const topology *t, error *err)
+{
+    const rig_head *head = &a->head;
+    const double far = (double)INFINITY;
+    uint32_t *near = malloc(((size_t)m->vertex_count + 1) * sizeof *near), count = 0, end[2];
+    uint32_t *before = malloc(((size_t)m->vertex_count + 1) * sizeof *before);
+    double *way = malloc(((size_t)m->vertex_count + 1) * sizeof *way), off[2] = {far, far};
+    bool has_memory = near && before && way;
+    for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        before[v] = RIG_NONE;
+        way[v] = -1.0; /* not of those near the mouth, or done */
+        if (!a->is_face[v] || mesh_point(m, v) != v ||
+            (double)a->hidden_mm[v] > 0.1 * l->reach_mm ||
+            fabs(p.x - head->middle_x) > 1.15 * l->corner_x || p.y > head->nose.y ||
+            p.y < head->chin.y || p.z < head->mouth_z - l->reach_mm)
+            continue;
+        near[count++] = v;
+        way[v] = far;
+        for (int side = 0; side < 2; ++side) {
+            double x = head->middle_x + (side ? l->corner_x : -l->corner_x);
+            double mm = hypot(p.x - x, p.y - line_y(l, x));
+            if (mm < off[side]) {
+                off[side] = mm;
+                end[side] = v;
+            }
+        }
+    }
+    bool found = has_memory && count > 0 && end[0] != end[1];
+    if (found)
+        way[end[0]] = 0.0;
+    for (bool is_done = !found; !is_done;) {
+        uint32_t next = RIG_NONE;
+        for (uint32_t i = 0; i < count; ++i)
+            if (way[near[i]] >= 0.0 && way[near[i]] < far &&
+                (next == RIG_NONE || way[near[i]] < way[next]))
+                next = near[i];
+        found = next != RIG_NONE;
+        is_done = !found || next == end[1];
+        for (uint32_t k = 0;
+             !is_done && k < t->neighbour_start[next + 1] - t->neighbour_start[next]; ++k) {
+            uint32_t to = t->neighbour[t->neighbour_start[next] + k];
+            double through =
+                way[next] + line_cost(l, rig_mirror_position(m, next), rig_mirror_position(m, to));
+            if (way[to] >= 0.0 && through < way[to]) {
+                way[to] = through;
+                before[to] = next;
+            }
+        }
+        if (found && !is_done)
+            way[next] = -1.0;
+    }
+    *out_count = 0;
+    for (uint32_t v = found ? end[1] : RIG_NONE; v != RIG_NONE; v = before[v])
+        near[(*out_count)++] = v;
+    free(before);
+    free(way);
+    *out = near;
+    if (found && *out_count >= 4)
+        return MRT_OK;
+    free(near);
+    *out = NULL;
+    return has_memory ? error_set(err, MRT_ERR_UNSUPPORTED,
+                                  "no edges lead from one corner of the mouth to the other: the "
+                                  "mesh is too coarse there to cut a mouth into it")
+                      : no_memory(err);
+}
+
+mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh *m,
+                           const topology *t, error *err)
+{
+    rig_anatomy a;
+    *out_chain = NULL;
+    *out_count = 0;
+    mrt_result result = rig_anatomy_find(&a, m, t, err);
+    if (result < 0)
+        return result;
+    mouth_line l = {.head = &a.head,
+                    .corner_x =
+                        a.head.corner_x > 0.0 ? a.head.corner_x : CORNER_ACROSS * a.head.half_width,
+                    .reach_mm = a.head.nose.y - a.head.chin.y};
+    if (!a.has_face)
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "no face is seen: there is no mouth to cut");
+    else if (!a.has_parted_lips)
+        result = find_mouth_line(out_chain, out_count, &a, &l, m, t, err);
+    rig_anatomy_finish(&a);
+    return result;
+}
+
 mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
-                          const char *mesh_path, error *err)
+                          const char *mesh_path, const uint32_t *cut_mouth, uint32_t cut_count,
+                          error *err)
 {
     drafting d = {.m = m, .t = t};
     *out = (rig){0};
@@ -911,6 +1031,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     if (result < 0)
         return result;
     d.head = d.a.head;
+    d.a.has_slit = d.a.has_slit || cut_mouth;
     d.reach_mm = d.head.nose.y - d.head.chin.y;
     for (bool is_done = false; !is_done && d.ambition < AMBITIONS; ++d.ambition) {
         bool has_lids = true;
@@ -935,6 +1056,15 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                  d.ambition == WITHOUT_PIECES ? "skin around the eyes would fold"
                                               : "rig would not load with them");
     rig_anatomy_finish(&d.a);
+    if (result >= 0 && cut_mouth) {
+        out->cut_mouth = malloc(cut_count * sizeof *cut_mouth);
+        out->cut_mouth_count = cut_count;
+        result = out->cut_mouth ? MRT_OK : no_memory(err);
+        if (result >= 0)
+            memcpy(out->cut_mouth, cut_mouth, cut_count * sizeof *cut_mouth);
+        else
+            rig_destroy(out);
+    }
     if (result < 0)
         free(d.confirm);
     else

@@ -270,8 +270,8 @@ static double depth_at(const profile *p, int row, int reach)
     return isfinite(depth) ? depth : 0.0;
 }
 
-/* The deepest place between the lips, of two sizes of lips; mouths are most often half way from the
- * nose to the chin. */
+/* The deepest place between the lips, sharp rather than broad as the fold below them is; mouths are
+ * most often half way from the nose to the chin. */
 static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
 {
     int span = nose - chin, best = nose - span * 47 / 100;
@@ -280,14 +280,46 @@ static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
     for (int row = nose - span * 88 / 100; row <= nose - span * 28 / 100; ++row) {
         double off = ((double)(nose - row) / span - 0.48) / 0.13;
         double depth = depth_at(p, row, span * 8 / 100 + 1);
-        double score = depth * (exp(-off * off) + 0.03);
+        double sharp = fmax(depth_at(p, row, span * 4 / 100 + 1), 0.0);
+        double score = (depth + 2.0 * sharp) * (exp(-off * off) + 0.03);
         if (score <= best_score)
             continue;
         best_score = score;
         best = row;
         *out_depth = depth;
     }
+    for (int row = best - span * 4 / 100, end = best + span * 4 / 100; row <= end; ++row)
+        if (best_score > 0.0 && depth_at(p, row, span * 8 / 100 + 1) > *out_depth) {
+            *out_depth = depth_at(p, row, span * 8 / 100 + 1);
+            best = row;
+        }
     return best;
+}
+
+/* Where the skin is there twice at one place, in the middle between nose and chin: lips that touch.
+ * Their mean height. */
+static bool find_touching(double *out_y, const mesh *m, const uint8_t *is_face,
+                          const rig_head *head)
+{
+    enum { LOOKED_AT = 4000, LEAST = 3 };
+    const double span = head->nose.y - head->chin.y, near = 1e-4 * span;
+    uint32_t found[LOOKED_AT], count = 0, touching = 0;
+    double sum = 0.0;
+    for (uint32_t v = 0; v < m->vertex_count && count < LOOKED_AT; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if ((is_face && !is_face[v]) || mesh_point(m, v) != v ||
+            fabs(p.x - head->middle_x) > 0.15 * span || p.y > head->nose.y - 0.15 * span ||
+            p.y < head->chin.y + 0.1 * span || p.z < head->chin.z - 0.5 * span)
+            continue;
+        for (uint32_t i = 0; i < count; ++i)
+            if (vec3_length(vec3_sub(p, rig_mirror_position(m, found[i]))) < near) {
+                touching += 1;
+                sum += p.y;
+            }
+        found[count++] = v;
+    }
+    *out_y = sum / (touching > 0 ? touching : 1);
+    return touching >= LEAST;
 }
 
 /* From the mouth, the first row where the front has come out three quarters of the way. */
@@ -333,12 +365,13 @@ static double measure_half_width(const mesh *m, const uint8_t *is_face, const ri
 }
 
 /* Outwards along the groove between the lips while it is there. */
-static double follow_mouth(profile *p, const mesh *m, const uint8_t *is_face, const rig_head *head,
-                           int mouth, int span)
+static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_t *is_face,
+                         int mouth, int span)
 {
-    const int steps = 24;
+    const int steps = RIG_GROOVE - 1;
+    double groove[RIG_GROOVE] = {head->mouth_y};
+    int last = 0;
     const double low_y = p->low_y, high_y = p->low_y + ROWS * p->row_mm;
-    double found = 0.0;
     for (int i = 1; i <= steps; ++i) {
         double x = 0.9 * head->half_width * i / steps, deepest = 0.0;
         int best = mouth;
@@ -353,9 +386,15 @@ static double follow_mouth(profile *p, const mesh *m, const uint8_t *is_face, co
         if (deepest < 0.25 * head->mouth_depth)
             break;
         mouth = best;
-        found = x;
+        groove[i] = row_y(p, mouth);
+        last = i;
+        head->corner_x = x;
     }
-    return found;
+    for (int i = 0; i < RIG_GROOVE; ++i) {
+        double at = (double)last * i / steps;
+        int from = (int)at, to = from < last ? from + 1 : from;
+        head->groove_y[i] = groove[from] + (at - from) * (groove[to] - groove[from]);
+    }
 }
 
 typedef struct bounds {
@@ -382,8 +421,14 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
                             int nose, int chin)
 {
     int span = nose - chin, mouth = find_mouth(p, nose, chin, &out->mouth_depth);
+    double lips_y;
     out->nose = (vec3){out->middle_x, row_y(p, nose), p->front[nose]};
     out->chin = (vec3){out->middle_x, row_y(p, chin), p->front[chin]};
+    out->has_touching_lips = find_touching(&lips_y, m, is_face, out);
+    if (out->has_touching_lips) {
+        mouth = (int)floor((lips_y - p->low_y) / p->row_mm);
+        out->mouth_depth = fmax(depth_at(p, mouth, span * 8 / 100 + 1), 0.0);
+    }
     out->mouth_y = row_y(p, mouth);
     int upper = find_lip(p, mouth, 1, span * 16 / 100 + 1);
     int lower = find_lip(p, mouth, -1, span * 16 / 100 + 1);
@@ -401,7 +446,7 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
     (void)bounds_of(&box, m, is_face);
     out->half_width = measure_half_width(m, is_face, out, 0.5 * (box.high.x - box.low.x));
     if (out->mouth_depth > 0.01 * (out->nose.y - out->chin.y))
-        out->corner_x = follow_mouth(&p[1], m, is_face, out, mouth, span);
+        follow_mouth(&p[1], out, m, is_face, mouth, span);
 }
 
 mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)

@@ -6,16 +6,20 @@
 #include "base/rigid.h"
 #include "mesh/mesh.h"
 
+enum { RIG_GROOVE = 25 };
+
 typedef struct rig_head {    /* mm */
     double middle_x;         /* the symmetry plane */
     vec3 nose, chin;         /* the tip; the lowest point of the front that is still face */
     double nose_mm;          /* how far it comes out beyond what is beside it */
     double mouth_y, mouth_z; /* between the lips, in front */
+    bool has_touching_lips;  /* the skin is there twice, in the middle of the mouth */
     double mouth_depth; /* how deep it is between the lips, of what is around: 0 no mouth is seen */
     double lip_upper_y, lip_lower_y; /* where the lips come forward again */
     double corner_x;                 /* of the mouth, from the middle; 0: not seen */
-    double top_y, back_z;            /* of what is above the chin */
-    double half_width;               /* of the face's front, at the height of the nose */
+    double groove_y[RIG_GROOVE]; /* between the lips, from the middle to corner_x in equal steps */
+    double top_y, back_z;        /* of what is above the chin */
+    double half_width;           /* of the face's front, at the height of the nose */
 } rig_head;
 
 /* is_face: vertex_count: 0 for what is not to be looked at, hair and bodies; NULL: all is the

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "face/rig.h"
 #include "face/rig/rig_paint.h"
+#include "mesh/cut.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -773,11 +774,11 @@ enum { MESH_NAME_MAX = 1024, HASH_DIGITS = 16 };
 
 /* ---- what it is ---- */
 
-static const char *const root_keys[] = {"marotte_rig",   "name",         "mesh",        "unit",
-                                        "mesh_vertices", "mesh_hash",    "include",     "bones",
-                                        "regions",       "contacts",     "skull_proxy", "poses",
-                                        "contact_sets",  "solver",       "paints",      "mesh_unit",
-                                        "mesh_up",       "mesh_forward", "shapes",      NULL};
+static const char *const root_keys[] = {
+    "marotte_rig",  "name",      "mesh",    "unit",      "mesh_vertices", "mesh_hash",
+    "include",      "bones",     "regions", "contacts",  "skull_proxy",   "poses",
+    "contact_sets", "solver",    "paints",  "mesh_unit", "mesh_up",       "mesh_forward",
+    "shapes",       "cut_mouth", NULL};
 
 /* "rigs/moai/moai.rig.json" is called "moai". */
 static char *name_from_path(const char *path)
@@ -816,13 +817,13 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
 {
     uint32_t file;
     char *name = NULL;
-    rig_node mesh = rig_document_scalar(d, "mesh", &file);
-    if (!mesh.value)
+    rig_node named = rig_document_scalar(d, "mesh", &file);
+    if (!named.value)
         return error_set(err, MRT_ERR_FORMAT,
                          "$.mesh: expected the name of the mesh's file, found nothing; write "
                          "\"mesh\": \"head.glb\"");
     mrt_result result =
-        rig_json_text(&name, &mesh, "the name of the mesh's file", MESH_NAME_MAX, err);
+        rig_json_text(&name, &named, "the name of the mesh's file", MESH_NAME_MAX, err);
     if (result < 0)
         return result;
     char *directory = file_directory(d->file[file].path);
@@ -837,7 +838,7 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
     if (!d->is_trusted)
         result = check_name(r, err);
     if (result < 0)
-        error_prefix(err, mesh.place.text);
+        error_prefix(err, named.place.text);
     return result;
 }
 
@@ -1114,6 +1115,27 @@ static mrt_result fill_frame(rig *r, rig_document *d, error *err)
     return result < 0 ? result : fill_axis(&r->frame.forward, d, "mesh_forward", err);
 }
 
+static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
+{
+    uint32_t file;
+    rig_node list = rig_document_scalar(d, "cut_mouth", &file);
+    size_t count = json_array_size(list.value);
+    if (!list.value)
+        return MRT_OK;
+    if (count < 4 || count > MESH_CUT_MAX)
+        return rig_json_unexpected(err, &list,
+                                   "a list of 4 vertices or more, as marotte rig new "
+                                   "--cut-mouth writes it");
+    r->cut_mouth = malloc(count * sizeof *r->cut_mouth);
+    mrt_result result = r->cut_mouth ? MRT_OK : no_memory(err);
+    for (size_t i = 0; result >= 0 && i < count; ++i) {
+        rig_node vertex = rig_json_item(&list, i);
+        result = rig_json_index(&r->cut_mouth[i], &vertex, err);
+        r->cut_mouth_count += 1;
+    }
+    return result;
+}
+
 static mrt_result allocate(rig *r, rig_document *d, error *err)
 {
     r->bone = calloc(RIG_BONES_MAX, sizeof *r->bone);
@@ -1138,8 +1160,9 @@ static void note_unknown_roots(rig *r, const rig_document *d)
 mrt_result rig_fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
-        allocate,   fill_name,    fill_mesh,     fill_frame,   fill_solver, fill_shapes,
-        fill_bones, fill_regions, fill_contacts, fill_proxies, fill_poses,  fill_contact_sets};
+        allocate,     fill_name,   fill_mesh,        fill_frame,   fill_cut_mouth,
+        fill_solver,  fill_shapes, fill_bones,       fill_regions, fill_contacts,
+        fill_proxies, fill_poses,  fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     note_unknown_roots(r, d);
     mrt_result result = MRT_OK;

@@ -830,6 +830,11 @@ static void put_mesh_facts(json_t *root, const rig *r)
         json_object_set_new(root, "mesh_up", json_string(mesh_axis_name(r->frame.up)));
     if (r->frame.forward != MESH_AXIS_AUTO)
         json_object_set_new(root, "mesh_forward", json_string(mesh_axis_name(r->frame.forward)));
+    json_t *cut = r->cut_mouth ? json_array() : NULL;
+    for (uint32_t i = 0; i < r->cut_mouth_count; ++i)
+        json_array_append_new(cut, json_integer((json_int_t)r->cut_mouth[i]));
+    if (cut)
+        json_object_set_new(root, "cut_mouth", cut);
 }
 
 /* This file's keys, and those of the files that it includes. */

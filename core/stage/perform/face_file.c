@@ -4,6 +4,7 @@
 #include "csrbf/points.h"
 #include "face/rig_check.h"
 #include "io/openmesh.h"
+#include "mesh/cut.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -46,6 +47,13 @@ static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *fr
     if (result < 0 && f->rig) {
         error_prefix(err, "$.mesh");
         error_prefix(err, path);
+    }
+    if (result >= 0 && f->rig && f->rig->cut_mouth) {
+        result = mesh_cut_mouth(&f->mesh, f->rig->cut_mouth, f->rig->cut_mouth_count, err);
+        if (result < 0) {
+            error_prefix(err, "$.cut_mouth");
+            error_prefix(err, path);
+        }
     }
     return result;
 }
@@ -129,6 +137,21 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
     if (result < 0)
         face_file_destroy(out);
     return result;
+}
+
+mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t count, error *err)
+{
+    topology cut = {0};
+    mrt_result result = mesh_cut_mouth(&f->mesh, chain, count, err);
+    if (result >= 0)
+        result = openmesh_topology(&cut, &f->mesh, err);
+    if (result < 0)
+        return result;
+    topology_destroy(&f->topology);
+    f->topology = cut;
+    free(f->note);
+    f->note = NULL;
+    return join_notes(f, err);
 }
 
 void face_file_destroy(face_file *f)

@@ -27,4 +27,8 @@ CHECKED mrt_result face_file_read(face_file *out, const char *path, const mesh_f
                                   face_file_strictness strictness, error *err);
 void face_file_destroy(face_file *f); /* accepts NULL and zeroed */
 
+/* Opens the mouth of a mesh alone (mesh_cut_mouth). */
+CHECKED mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t count,
+                                       error *err);
+
 #endif

@@ -733,8 +733,8 @@ static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, erro
 mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t *out_number, error *err)
 {
     rig drafted;
-    mrt_result result =
-        rig_draft_make(&drafted, out_confirm, &self->mesh, &self->topology, self->mesh_path, err);
+    mrt_result result = rig_draft_make(&drafted, out_confirm, &self->mesh, &self->topology,
+                                       self->mesh_path, NULL, 0, err);
     return result < 0 ? result : commit_rig(self, &drafted, out_number, err);
 }
 
