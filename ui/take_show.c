@@ -5,6 +5,7 @@
 #include "take.h"
 #include "take/edit_store.h"
 #include "take/hash.h"
+#include "take/pack.h"
 #include "take_stage.h"
 
 #include <stdio.h>
@@ -453,7 +454,82 @@ static mrt_result run_keep(take_call *call, error *err)
     return result;
 }
 
+/* ---- pack ---- */
+
+/* For each performance, whatever becomes of the others; the last failure. */
+static mrt_result
+for_performances(show *s, mrt_result (*each)(void *data, const take_performance *p, error *err),
+                 void *data, error *err)
+{
+    int64_t *ids;
+    size_t count;
+    mrt_result worst = MRT_OK, result = show_performance_ids(s, &ids, &count, err);
+    if (result < 0)
+        return result;
+    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+        show_performance of;
+        result = show_performance_read(s, ids[i], &of, err);
+        if (result >= 0) {
+            result = each(data, &of.performance, err);
+            show_performance_finish(&of);
+        }
+        worst = result < 0 ? result : worst;
+    }
+    free(ids);
+    return worst;
+}
+
+typedef struct packing {
+    take_call *call;
+    const char *copied_to; /* the show that gets what `call` has packed; NULL: packed anew */
+    uint32_t packed_count, there_count, failed_count;
+} packing;
+
+static mrt_result pack_one(void *data, const take_performance *p, error *err)
+{
+    packing *self = data;
+    mrt_result result = self->copied_to ? pack_copy(self->call->word[0], self->copied_to, p, err)
+                                        : pack_add(self->call->word[0], p, err);
+    self->packed_count += result == MRT_OK;
+    self->there_count += result == MRT_END;
+    self->failed_count += result < 0;
+    if (result == MRT_OK)
+        facts_list(self->call->told, "faces", "packed", p->rig);
+    if (result < 0)
+        fprintf(stderr, "warning: %s\n", err->text);
+    return result;
+}
+
+static mrt_result run_pack(take_call *call, error *err)
+{
+    packing self = {.call = call};
+    mrt_result result = for_performances(call->show, pack_one, &self, err);
+    if (self.failed_count == 0 && result < 0)
+        return result;
+    if (self.packed_count + self.failed_count + self.there_count == 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: nothing was performed in it yet",
+                         call->word[0]);
+    facts_number(call->told, "packed_count", "faces packed now", self.packed_count, 0, "");
+    call->is_told = true;
+    if (self.failed_count == 0)
+        return cancel_check(err);
+    return error_set(err, MRT_ERR_IO, "%s: the faces of %u performances are not packed",
+                     call->word[0], self.failed_count);
+}
+
 /* ---- recover ---- */
+
+/* The faces that travelled with a damaged show go with what was saved of it; what is missing of
+ * them is said. */
+static mrt_result recover_pack(take_call *call, error *err)
+{
+    packing self = {.call = call, .copied_to = call->text[TAKE_OUT]};
+    error ignored;
+    mrt_result result = show_open(&call->show, self.copied_to, SHOW_READ, err);
+    if (result >= 0)
+        (void)!for_performances(call->show, pack_one, &self, &ignored);
+    return result;
+}
 
 static mrt_result run_recover(take_call *call, error *err)
 {
@@ -469,7 +545,7 @@ static mrt_result run_recover(take_call *call, error *err)
         fprintf(stderr, "warning: %s leads in circles: not all of it was looked at\n",
                 call->word[0]);
     facts_list(call->told, "files", "wrote", call->text[TAKE_OUT]);
-    return MRT_OK;
+    return recover_pack(call, err);
 }
 
 /* ---- take check: everything is read once ---- */
@@ -481,6 +557,8 @@ typedef struct checking {
     uint32_t problem_count;
     uint64_t sample_count;
     uint64_t audio_frames;
+    char rig[TAKE_HASH], mesh[TAKE_HASH]; /* of the packed face that was looked at last */
+    uint32_t packed_count;
 } checking;
 
 static void note(checking *self, const error *problem)
@@ -633,6 +711,31 @@ static mrt_result check_sounds(checking *self, error *err)
     return MRT_OK;
 }
 
+/* Once for each face that many performances in a row have. */
+static mrt_result check_packed(void *data, const take_performance *p, error *err)
+{
+    checking *self = data;
+    char path[PATH_MAX];
+    if (strcmp(self->mesh, p->mesh_hash) == 0 && strcmp(self->rig, p->rig_hash) == 0)
+        return MRT_OK;
+    (void)snprintf(self->mesh, sizeof self->mesh, "%s", p->mesh_hash);
+    (void)snprintf(self->rig, sizeof self->rig, "%s", p->rig_hash);
+    mrt_result result = pack_find(path, self->call->word[0], p, err);
+    self->packed_count += result == MRT_OK;
+    if (result < 0)
+        note(self, err);
+    return MRT_OK;
+}
+
+/* A performance that cannot be read was told by others. */
+static void check_pack(checking *self)
+{
+    error ignored;
+    (void)!for_performances(self->call->show, check_packed, self, &ignored);
+    if (self->packed_count)
+        facts_number(self->call->told, "packed_faces", "packed faces", self->packed_count, 0, "");
+}
+
 static mrt_result run_check(take_call *call, error *err)
 {
     checking self = {.call = call};
@@ -643,6 +746,8 @@ static mrt_result run_check(take_call *call, error *err)
         result = check_takes(&self, err);
     if (result >= 0)
         result = check_sounds(&self, err);
+    if (result >= 0)
+        check_pack(&self);
     if (result >= 0)
         result = cancel_check(err);
     if (result < 0)
@@ -681,6 +786,13 @@ static const take_verb file_verbs[] = {
      TAKE_BIT(TAKE_LAST) | TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT), TAKE_WRITES, run_keep},
     {"check", "SHOW", "Exit code 1 when something is damaged.\n",
      "reads everything and says what is damaged", 0, TAKE_READS, run_check},
+    {"pack", "SHOW",
+     "Puts every file that its faces are read from (rigs, meshes, pictures) into the folder "
+     "NAME.pack\n"
+     "beside NAME.marotte. Sounds, calibrations and what a mapping was are in the show already. "
+     "The\n"
+     "two together open and perform the same on another computer.\n",
+     "lets a show travel: its faces go into a folder beside it", 0, TAKE_READS, run_pack},
     {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
      "copies what can be read of a damaged show", TAKE_BIT(TAKE_OUT), TAKE_OPENS_ITSELF,
      run_recover},

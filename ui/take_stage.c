@@ -6,6 +6,7 @@
 #include "take/edit_store.h"
 #include "take/hash.h"
 #include "take/own.h"
+#include "take/pack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -87,12 +88,18 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     mrt_result result = show_performance_read(call->show, performance, &of, err);
     if (result < 0)
         return result;
+    char packed[PATH_MAX];
     const char *path = other ? other : of.performance.rig;
     error change = {""};
-    if (!other && access(path, F_OK) != 0)
+    if (!other)
+        result = pack_find(packed, show_path(call->show), &of.performance, err);
+    if (!other && result == MRT_OK)
+        path = packed;
+    if (!other && result == MRT_END && access(path, F_OK) != 0)
         result = error_set(err, MRT_ERR_IO,
                            "the face that take %lld was performed on is not there any more: %s; "
-                           "--face FILE says where it is now, or which one to take",
+                           "--face FILE says where it is now, or which one to take; marotte take "
+                           "pack, where it still is, lets a show travel with it",
                            (long long)t->id, path);
     const mesh_frame frame = frame_for(path, &of.performance, other);
     if (result >= 0)

@@ -167,6 +167,29 @@ says 'damaged places     0' check "$show"
 take recover "$show" --out "$scratch/recovered.marotte" >/dev/null
 [ "$(sum_of "$scratch/recovered.marotte" 2 --fps 30)" = "$second" ] || fail "recovered: plays otherwise"
 
+# A show travels: what it was performed on is gone, or another face lies there now.
+mkdir -p packed/rig elsewhere
+cp "$(dirname "$puppet")"/puppet.{rig.json,glb} packed/rig/
+record packed/t.marotte packed/rig/puppet.rig.json one_hand
+whole=$(sum_of packed/t.marotte 1)
+says 'faces packed now   1' pack packed/t.marotte
+says 'faces packed now   0' pack packed/t.marotte
+mv packed/t.marotte packed/t.pack elsewhere/
+cp "$(dirname "$puppet")/../moai/moai.glb" packed/rig/puppet.glb
+[ "$(sum_of elsewhere/t.marotte 1)" = "$whole" ] || fail "packed: another face lies where it was, and is opened"
+rm -r packed
+[ "$(sum_of elsewhere/t.marotte 1)" = "$whole" ] || fail "packed: plays otherwise elsewhere"
+says 'packed faces       1' check elsewhere/t.marotte
+says 'max 0.000 mm' diff elsewhere/t.marotte 1 1
+says 'wrote              elsewhere/u.marotte' recover elsewhere/t.marotte --out elsewhere/u.marotte
+[ "$(sum_of elsewhere/u.marotte 1)" = "$whole" ] || fail "packed and recovered: plays otherwise"
+printf x >>"$(echo elsewhere/t.pack/*/puppet.glb)"
+refused 1 'is not what was packed' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
+refused 1 'damaged in 1 places' "$MAROTTE" take check elsewhere/t.marotte
+rm -r elsewhere/t.pack/*/
+refused 1 'does not have the face' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
+[ "$(sum_of elsewhere/t.marotte 1 --face "$puppet")" = "$whole" ] || fail "packed: --face does not help"
+
 # ---- what is wrong ----
 bad() { # code words, then those of marotte take
     local code=$1 words=$2

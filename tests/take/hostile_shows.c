@@ -268,6 +268,7 @@ static const char *const commands[] = {
     "take show SHOW last --json",
     "take show SHOW 2 --hash",
     "take check SHOW",
+    "take pack SHOW",
     "take log SHOW 1 --track 1 --out OUT.csv",
     "take export SHOW 2 --export OUT.pc2",
     "take export SHOW 1 --export OUT.wav",

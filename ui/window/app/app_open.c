@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "stage/take/kept_solver.h"
+#include "take/pack.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -417,7 +418,7 @@ static void *read_first_face(void *data)
 }
 
 /* What the newest performance was performed on. */
-static void face_of_show(show *s, char out[APP_PATH])
+static void face_of_show(app *self, show *s, char out[APP_PATH])
 {
     int64_t *ids = NULL;
     size_t count = 0;
@@ -427,8 +428,14 @@ static void face_of_show(show *s, char out[APP_PATH])
     if (!s || show_performance_ids(s, &ids, &count, &err) < 0)
         return;
     if (count && show_performance_read(s, ids[count - 1], &newest, &err) >= 0) {
+        char packed[PATH_MAX];
         const char *path = newest.performance.rig;
-        if (path && path[0] == '/' && strlen(path) < APP_PATH && exists(path))
+        mrt_result result = pack_find(packed, show_path(s), &newest.performance, &err);
+        path = result == MRT_OK ? packed : path;
+        if (result < 0) /* what came with it is not to be trusted: nor is where it once was */
+            app_say(self, MRT_LOG_ERROR, "%s", err.text);
+        else if (path && (result == MRT_OK || path[0] == '/') && strlen(path) < APP_PATH &&
+                 exists(path))
             (void)snprintf(out, APP_PATH, "%s", path);
         show_performance_finish(&newest);
     }
@@ -443,7 +450,7 @@ static void choose_faces(app *self, const app_options *options, face_reading *ou
         (void)snprintf(out->path[0], APP_PATH, "%s", options->face_path);
         return;
     }
-    face_of_show(self->show, out->path[0]);
+    face_of_show(self, self->show, out->path[0]);
     if (exists(last))
         (void)snprintf(out->path[1], APP_PATH, "%s", last);
     (void)snprintf(out->path[2], APP_PATH, "%s", DEFAULT_FACE);
