@@ -9,10 +9,10 @@
 
 enum { SLOTS = 256 };
 
-/* A bounded queue with a turn counter per slot (D. Vyukov's MPMC queue, one consumer): a slot
- * whose turn equals the ticket is free for the producer that draws that ticket. */
+/* A bounded queue with a sequence counter per slot (D. Vyukov's MPMC queue, one consumer): a slot
+ * whose sequence equals the ticket is free for the producer that draws that ticket. */
 typedef struct slot {
-    _Atomic uint32_t turn;
+    _Atomic uint32_t sequence;
     log_record record;
 } slot;
 
@@ -29,7 +29,7 @@ log_queue *log_queue_create(void)
     if (!queue)
         return NULL;
     for (uint32_t i = 0; i < SLOTS; ++i)
-        atomic_init(&queue->slots[i].turn, i);
+        atomic_init(&queue->slots[i].sequence, i);
     return queue;
 }
 
@@ -53,18 +53,18 @@ void log_push(log_queue *queue, int32_t level, const char *source, const char *t
     uint32_t ticket = atomic_load_explicit(&queue->next_ticket, memory_order_relaxed);
     for (int attempt = 0; attempt < SLOTS; ++attempt) {
         slot *s = &queue->slots[ticket % SLOTS];
-        uint32_t turn = atomic_load_explicit(&s->turn, memory_order_acquire);
-        if (turn == ticket) {
+        uint32_t sequence = atomic_load_explicit(&s->sequence, memory_order_acquire);
+        if (sequence == ticket) {
             if (!atomic_compare_exchange_weak_explicit(&queue->next_ticket, &ticket, ticket + 1,
                                                        memory_order_relaxed, memory_order_relaxed))
                 continue;
             s->record.level = level;
             copy_text(s->record.source, sizeof s->record.source, source ? source : "");
             copy_text(s->record.text, sizeof s->record.text, text ? text : "");
-            atomic_store_explicit(&s->turn, ticket + 1, memory_order_release);
+            atomic_store_explicit(&s->sequence, ticket + 1, memory_order_release);
             return;
         }
-        if ((int32_t)(turn - ticket) < 0)
+        if ((int32_t)(sequence - ticket) < 0)
             break; /* full */
         ticket = atomic_load_explicit(&queue->next_ticket, memory_order_relaxed);
     }
@@ -84,10 +84,10 @@ void log_pushf(log_queue *queue, int32_t level, const char *source, const char *
 bool log_pop(log_queue *queue, log_record *out)
 {
     slot *s = &queue->slots[queue->read % SLOTS];
-    if (atomic_load_explicit(&s->turn, memory_order_acquire) != queue->read + 1)
+    if (atomic_load_explicit(&s->sequence, memory_order_acquire) != queue->read + 1)
         return false;
     *out = s->record;
-    atomic_store_explicit(&s->turn, queue->read + SLOTS, memory_order_release);
+    atomic_store_explicit(&s->sequence, queue->read + SLOTS, memory_order_release);
     queue->read += 1;
     return true;
 }

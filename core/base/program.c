@@ -115,6 +115,14 @@ static bool ends_within(pid_t pid, int pidfd, int *out_status, int64_t patience_
     }
 }
 
+void program_limit(int resource, rlim_t soft, rlim_t hard)
+{
+    const struct rlimit both = {soft, hard};
+    bool is_memory = resource == RLIMIT_AS || resource == RLIMIT_DATA;
+    if (!PROGRAM_IS_SANITIZED || !is_memory)
+        (void)setrlimit(resource, &both);
+}
+
 bool program_wait(pid_t pid, int *out_status, int64_t patience_ns)
 {
     *out_status = 0;

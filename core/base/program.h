@@ -6,7 +6,19 @@
 #include "base/error.h"
 
 #include <limits.h>
+#include <sys/resource.h>
 #include <sys/types.h>
+
+/* Built with a sanitizer of addresses or threads, which has a heap of its own. */
+#ifndef __has_feature
+#define __has_feature(name) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||                               \
+    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define PROGRAM_IS_SANITIZED 1
+#else
+#define PROGRAM_IS_SANITIZED 0
+#endif
 
 /* The program `name`: where the environment's `variable` says, else beside the running program,
  * else in build_dir, for a running program that lies there itself: one that is installed does not
@@ -16,6 +28,10 @@ CHECKED mrt_result program_find(char out[PATH_MAX], const char *name, const char
 
 /* A pipe, of which a program that another thread starts at this moment inherits neither end. */
 CHECKED mrt_result program_pipe(int out_end[2], error *err);
+
+/* Of this process, from now on: setrlimit. Of memory (RLIMIT_AS, RLIMIT_DATA) nothing under a
+ * sanitizer, which reserves terabytes of addresses. */
+void program_limit(int resource, rlim_t soft, rlim_t hard);
 
 /* The word as an argument of posix_spawn, which does not write to what it is given: it is only
  * declared so. */

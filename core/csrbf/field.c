@@ -260,7 +260,7 @@ static void add_outer(matrix3 *out, const double alpha[3], const double step[3])
             out->at[a][b] += alpha[a] * step[b];
 }
 
-/* grad d at one place. */
+/* grad d at one point. */
 static matrix3 gradient_at(const field *f, const double x[3])
 {
     matrix3 out = {{{0.0}}};

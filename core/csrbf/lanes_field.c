@@ -56,11 +56,12 @@ static inline bool reach_more(reach *r, const field *f, const points_bounds *blo
 
 /* ---- where the vertices are as seen from the field, and what a centre brings ---- */
 
-typedef struct block_place {
+typedef struct block_positions {
     float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK]; /* from the field's origin */
-} block_place;
+} block_positions;
 
-static inline void place_block(block_place *p, const field *f, const points *in, uint32_t block)
+static inline void take_positions(block_positions *p, const field *f, const points *in,
+                                  uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
     const float *x = in->x + first, *y = in->y + first, *z = in->z + first;
@@ -72,7 +73,7 @@ static inline void place_block(block_place *p, const field *f, const points *in,
     }
 }
 
-/* What a centre adds: its place, its alpha, and by what distances are measured. */
+/* What a centre adds: its position, its alpha, and by what distances are measured. */
 typedef struct pull_of_centre {
     float at[3], alpha[3], inverse_radius, limit;
 } pull_of_centre;
@@ -100,14 +101,15 @@ typedef struct pulls {
  * radius on. Two in one pass: square roots take long, and nothing need wait for them. */
 #define ADD_CENTRES(HOW, NAME, COUNT, START)                                                       \
     static void HOW##_##NAME##_##COUNT(float *restrict sx, float *restrict sy, float *restrict sz, \
-                                       const block_place *restrict place, const pulls *restrict c) \
+                                       const block_positions *restrict position,                   \
+                                       const pulls *restrict c)                                    \
     {                                                                                              \
         const float inverse_radius = c->inverse_radius, limit = c->limit;                          \
         for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
             float x = START(sx[i]), y = START(sy[i]), z = START(sz[i]);                            \
             for (int k = 0; k < COUNT; ++k) {                                                      \
-                float dx = place->x[i] - c->at[k][0], dy = place->y[i] - c->at[k][1];              \
-                float dz = place->z[i] - c->at[k][2];                                              \
+                float dx = position->x[i] - c->at[k][0], dy = position->y[i] - c->at[k][1];        \
+                float dz = position->z[i] - c->at[k][2];                                           \
                 float q = dx * dx + dy * dy + dz * dz;                                             \
                 float inside = sqrtf(q) * inverse_radius;                                          \
                 float value = value_##NAME##_f32(q < limit ? inside : 1.0f);                       \
@@ -133,7 +135,7 @@ ADD_SOME_CENTRES(c4)
 ADD_SOME_CENTRES(c6)
 
 typedef void add_function(float *restrict sx, float *restrict sy, float *restrict sz,
-                          const block_place *restrict place, const pulls *restrict c);
+                          const block_positions *restrict position, const pulls *restrict c);
 #define SOME_CENTRES(NAME)                                                                         \
     {                                                                                              \
         {begin_##NAME##_1, begin_##NAME##_2},                                                      \
@@ -149,7 +151,7 @@ static add_function *const adders[][2][TOGETHER] = {
 };
 
 /* The centres' shares, in their order; sum need not be set before the first of them. */
-static void add_centres(float sum[3][POINTS_BLOCK], bool is_begun, const block_place *place,
+static void add_centres(float sum[3][POINTS_BLOCK], bool is_begun, const block_positions *position,
                         const field *f, const reach *near)
 {
     pulls c = {.inverse_radius = (float)(1.0 / f->settings.radius), .limit = f->local_limit};
@@ -161,20 +163,20 @@ static void add_centres(float sum[3][POINTS_BLOCK], bool is_begun, const block_p
             c.alpha[k] = f->local_alpha + (size_t)3 * near->centre[done + k];
         }
         add_function *const *add = adders[f->settings.kernel][is_begun || done > 0];
-        add[count - 1](sum[0], sum[1], sum[2], place, &c);
+        add[count - 1](sum[0], sum[1], sum[2], position, &c);
     }
 }
 
 /* window *= 1 - phi of each centre */
-static void narrow_window(float *restrict window, const block_place *place, const field *f,
+static void narrow_window(float *restrict window, const block_positions *position, const field *f,
                           const reach *near)
 {
     for (uint32_t k = 0; k < near->count; ++k) {
         const pull_of_centre c = pull_of(f, near->centre[k]);
         float r[POINTS_BLOCK], weight[POINTS_BLOCK];
         for (int i = 0; i < POINTS_BLOCK; ++i) {
-            float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];
-            float dz = place->z[i] - c.at[2];
+            float dx = position->x[i] - c.at[0], dy = position->y[i] - c.at[1];
+            float dz = position->z[i] - c.at[2];
             float q = dx * dx + dy * dy + dz * dz;
             float inside = sqrtf(q) * c.inverse_radius;
             r[i] = q < c.limit ? inside : 1.0f;
@@ -203,7 +205,7 @@ static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const flo
 bool LANES(field_block)(const field *f, float sum[3][POINTS_BLOCK], const points *in,
                         uint32_t block)
 {
-    _Alignas(64) block_place place;
+    _Alignas(64) block_positions position;
     reach near;
     float window[POINTS_BLOCK];
     bool windowed = f->settings.polynomial == CSRBF_WINDOWED, reached = false;
@@ -212,11 +214,11 @@ bool LANES(field_block)(const field *f, float sum[3][POINTS_BLOCK], const points
         window[i] = 1.0f;
     while (reach_more(&near, f, &in->block[block])) {
         if (!reached)
-            place_block(&place, f, in, block);
-        add_centres(sum, reached, &place, f, &near);
+            take_positions(&position, f, in, block);
+        add_centres(sum, reached, &position, f, &near);
         reached = true;
         if (windowed)
-            narrow_window(window, &place, f, &near);
+            narrow_window(window, &position, f, &near);
     }
     if (f->term_count == 0 || (windowed && !reached))
         return reached;
@@ -284,11 +286,11 @@ static void add_windowed_gradient(const field *f, gradient *out, const window_ro
  * what lies beyond. */
 #define STEP_OF(NAME)                                                                              \
     static void step_##NAME(float *restrict x, float *restrict y, float *restrict z,               \
-                            const block_place *restrict place, pull_of_centre c)                   \
+                            const block_positions *restrict position, pull_of_centre c)            \
     {                                                                                              \
         for (int i = 0; i < POINTS_BLOCK; ++i) {                                                   \
-            float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];                          \
-            float dz = place->z[i] - c.at[2];                                                      \
+            float dx = position->x[i] - c.at[0], dy = position->y[i] - c.at[1];                    \
+            float dz = position->z[i] - c.at[2];                                                   \
             float q = dx * dx + dy * dy + dz * dz;                                                 \
             float inside = slope_##NAME##_f32(sqrtf(q) * c.inverse_radius);                        \
             float slope = q < c.limit ? inside : 0.0f;                                             \
@@ -303,33 +305,33 @@ STEP_OF(c2)
 STEP_OF(c4)
 STEP_OF(c6)
 
-static void step_of(float step[3][POINTS_BLOCK], const block_place *place, csrbf_kernel kernel,
-                    pull_of_centre c)
+static void step_of(float step[3][POINTS_BLOCK], const block_positions *position,
+                    csrbf_kernel kernel, pull_of_centre c)
 {
     switch (kernel) {
     case CSRBF_WENDLAND_C0:
-        step_c0(step[0], step[1], step[2], place, c);
+        step_c0(step[0], step[1], step[2], position, c);
         return;
     case CSRBF_WENDLAND_C4:
-        step_c4(step[0], step[1], step[2], place, c);
+        step_c4(step[0], step[1], step[2], position, c);
         return;
     case CSRBF_WENDLAND_C6:
-        step_c6(step[0], step[1], step[2], place, c);
+        step_c6(step[0], step[1], step[2], position, c);
         return;
     case CSRBF_WENDLAND_C2:
         break;
     }
-    step_c2(step[0], step[1], step[2], place, c);
+    step_c2(step[0], step[1], step[2], position, c);
 }
 
 /* phi of one centre */
-static void weigh_block(float *weight, const block_place *place, csrbf_kernel kernel,
+static void weigh_block(float *weight, const block_positions *position, csrbf_kernel kernel,
                         pull_of_centre c)
 {
     float q[POINTS_BLOCK];
     for (int i = 0; i < POINTS_BLOCK; ++i) {
-        float dx = place->x[i] - c.at[0], dy = place->y[i] - c.at[1];
-        float dz = place->z[i] - c.at[2];
+        float dx = position->x[i] - c.at[0], dy = position->y[i] - c.at[1];
+        float dz = position->z[i] - c.at[2];
         q[i] = dx * dx + dy * dy + dz * dz;
     }
     kernel_values_f32(kernel, weight, q, c.inverse_radius, c.limit);
@@ -349,7 +351,7 @@ static void add_step(float row[3][POINTS_BLOCK], float step[3][POINTS_BLOCK], fl
 
 bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint32_t block)
 {
-    _Alignas(64) block_place place;
+    _Alignas(64) block_positions position;
     reach r;
     r.next = 0;
     window_rows window;
@@ -360,16 +362,16 @@ bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint
         window_open(&window);
     while (reach_more(&r, f, &at->block[block])) {
         if (!reached)
-            place_block(&place, f, at, block);
+            take_positions(&position, f, at, block);
         reached = true;
         for (uint32_t k = 0; k < r.count; ++k) {
             const pull_of_centre c = pull_of(f, r.centre[k]);
-            step_of(step, &place, f->settings.kernel, c);
+            step_of(step, &position, f->settings.kernel, c);
             for (int a = 0; a < 3; ++a)
                 add_step(out->row[a], step, c.alpha[a]);
             if (!windowed)
                 continue;
-            weigh_block(weight, &place, f->settings.kernel, c);
+            weigh_block(weight, &position, f->settings.kernel, c);
             window_times(&window, weight, step);
         }
     }

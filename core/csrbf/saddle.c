@@ -62,20 +62,20 @@ static void sort_controls(merge *m, order_item *item, const double *centre,
         m->sorted[i] = item[i].row;
 }
 
-/* While components are joined, group[] holds for each place in the order an earlier place of its
+/* While components are joined, group[] holds for each index in the order an earlier index of its
  * component; the component's root holds itself. */
-static uint32_t root_of(uint32_t *group, uint32_t place)
+static uint32_t root_of(uint32_t *group, uint32_t index)
 {
-    while (group[place] != place) {
-        group[place] = group[group[place]];
-        place = group[place];
+    while (group[index] != index) {
+        group[index] = group[group[index]];
+        index = group[index];
     }
-    return place;
+    return index;
 }
 
-static void join(uint32_t *group, uint32_t place, uint32_t other)
+static void join(uint32_t *group, uint32_t index, uint32_t other)
 {
-    uint32_t a = root_of(group, place), b = root_of(group, other);
+    uint32_t a = root_of(group, index), b = root_of(group, other);
     if (a < b)
         group[b] = a;
     else
@@ -92,10 +92,10 @@ static bool is_close(const order_item *a, const order_item *b, double limit)
 static void join_close(merge *m, const order_item *item, order_item *scratch, double distance)
 {
     const double limit = distance * distance;
-    for (uint32_t place = 0; place < m->control_count; ++place) {
-        m->group[place] = place;
-        scratch[place] = item[place];
-        scratch[place].row = place;
+    for (uint32_t index = 0; index < m->control_count; ++index) {
+        m->group[index] = index;
+        scratch[index] = item[index];
+        scratch[index].row = index;
     }
     int axis = order_sort_along(scratch, scratch + m->control_count, m->control_count);
     for (uint32_t i = 0; i < m->control_count; ++i)
@@ -108,7 +108,7 @@ static void join_close(merge *m, const order_item *item, order_item *scratch, do
         }
 }
 
-/* Group numbers by the place of their roots; item[].key becomes the group of each control. */
+/* Group numbers by the index of their roots; item[].key becomes the group of each control. */
 static void number_groups(merge *m, order_item *item)
 {
     m->group_count = 0;

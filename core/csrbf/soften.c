@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double least_pivot = 1e-9; /* of two centres at one place */
+static const double least_pivot = 1e-9; /* of two centres at one point */
 
 static double distance(const double *a, const double *b)
 {

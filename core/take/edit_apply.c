@@ -257,10 +257,10 @@ static mrt_result apply_take(take *t, const edit *e, error *err)
 
 static void lay_marker(take *t, take_marker marker)
 {
-    uint32_t place = t->marker_count++;
-    for (; place > 0 && t->marker[place - 1].at_ns > marker.at_ns; --place)
-        t->marker[place] = t->marker[place - 1];
-    t->marker[place] = marker;
+    uint32_t index = t->marker_count++;
+    for (; index > 0 && t->marker[index - 1].at_ns > marker.at_ns; --index)
+        t->marker[index] = t->marker[index - 1];
+    t->marker[index] = marker;
 }
 
 static take_marker lift_marker(take *t, uint32_t index)

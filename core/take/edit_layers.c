@@ -181,10 +181,10 @@ mrt_result edit_lay(take_layer *layer, take_clip clip, error *err)
         edit_clip_finish(&clip);
         return result;
     }
-    uint32_t place = layer->clip_count++;
-    for (; place > 0 && is_before(&clip, &layer->clip[place - 1]); --place)
-        layer->clip[place] = layer->clip[place - 1];
-    layer->clip[place] = clip;
+    uint32_t index = layer->clip_count++;
+    for (; index > 0 && is_before(&clip, &layer->clip[index - 1]); --index)
+        layer->clip[index] = layer->clip[index - 1];
+    layer->clip[index] = clip;
     return MRT_OK;
 }
 

@@ -11,12 +11,12 @@
 
 int64_t show_edit_crc(int64_t take_id, int32_t n, const char *json)
 {
-    uint8_t place[12];
+    uint8_t key[12];
     for (int i = 0; i < 8; ++i)
-        place[i] = (uint8_t)((uint64_t)take_id >> (8 * i));
+        key[i] = (uint8_t)((uint64_t)take_id >> (8 * i));
     for (int i = 0; i < 4; ++i)
-        place[8 + i] = (uint8_t)((uint32_t)n >> (8 * i));
-    uLong crc = crc32(0, place, sizeof place);
+        key[8 + i] = (uint8_t)((uint32_t)n >> (8 * i));
+    uLong crc = crc32(0, key, sizeof key);
     return (int64_t)crc32_z(crc, (const uint8_t *)json, strlen(json));
 }
 

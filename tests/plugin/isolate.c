@@ -433,7 +433,8 @@ static void kills_never_make_the_face_jump(void **state)
     double worst_ms = 0, furthest_mm = stand_furthest_step(TROUBLED, "", 120);
     for (uint32_t kill_at = 0; kill_at < kills; ++kill_at) {
         stand s, other;
-        const isolate_settings settings = {.clock = CLOCK_REAL};
+        /* what is late is the matter of other tests: here nothing but the kill holds the face */
+        const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = 100 * NS_PER_MS};
         stand_up(&s, TROUBLED, "", &settings);
         stand_up(&other, TROUBLED, "", NULL);
         seed = seed * 1664525u + 1013904223u;

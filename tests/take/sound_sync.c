@@ -49,7 +49,7 @@ static void bench_end(bench *b)
 
 static void move(bench *b, double speed, int64_t host_ns)
 {
-    b->motion.turn += 1;
+    b->motion.revision += 1;
     b->motion.host_ns = host_ns;
     b->motion.speed = speed;
     sound_board_post(&b->board, &b->motion);
@@ -60,8 +60,10 @@ static void move(bench *b, double speed, int64_t host_ns)
 static void feed(bench *b)
 {
     for (;;) {
-        sound_packet packet = {
-            .turn = b->motion.turn, .first = b->fed, .count = SOUND_PACKET_FRAMES, .rate_hz = RATE};
+        sound_packet packet = {.revision = b->motion.revision,
+                               .first = b->fed,
+                               .count = SOUND_PACKET_FRAMES,
+                               .rate_hz = RATE};
         float *samples = (float *)(void *)(b->record + sizeof packet);
         for (int i = 0; i < SOUND_PACKET_FRAMES; ++i) {
             samples[2 * i] = (float)((b->fed + i) % PERIOD) / (float)(2 * PERIOD);

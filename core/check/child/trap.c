@@ -1,6 +1,7 @@
 #include "check/child/trap.h"
 
 #include "base/file.h"
+#include "base/program.h"
 #include "check/child/tell.h"
 
 #include <execinfo.h>
@@ -156,14 +157,6 @@ static bool place_name(const place *where, char *out, size_t capacity)
 
 /* ---- what it may not call ---- */
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define HAS_SANITIZED_HEAP 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define HAS_SANITIZED_HEAP 1
-#endif
-#endif
-
 typedef struct trap_hit {
     const char *function; /* NULL: nothing was caught */
     place where;
@@ -221,7 +214,7 @@ bool trap_caught(trap_kind kind, char *out, size_t capacity)
     return true;
 }
 
-#ifdef HAS_SANITIZED_HEAP
+#if PROGRAM_IS_SANITIZED
 size_t __sanitizer_get_current_allocated_bytes(void);
 size_t trap_heap_bytes(void)
 {

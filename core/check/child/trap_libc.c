@@ -2,6 +2,8 @@
  * libc's own. */
 #include "check/child/trap.h"
 
+#include "base/program.h"
+
 #include <marotte/plugin.h>
 
 #include <dirent.h>
@@ -71,15 +73,7 @@ static void find_real(const char *name, void *out_function, size_t size)
 
 /* ---- memory ---- */
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define HAS_SANITIZED_HEAP 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define HAS_SANITIZED_HEAP 1
-#endif
-#endif
-
-#ifdef HAS_SANITIZED_HEAP
+#if PROGRAM_IS_SANITIZED
 int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void *, size_t),
                                               void (*on_free)(const volatile void *));
 

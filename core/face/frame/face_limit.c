@@ -28,11 +28,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const float room_least = 0.05f; /* of the stretch that is allowed, where it is used up */
+/* Where the bones alone have used up the stretch that an edge is allowed, pulls may still lengthen
+ * it by this part of what was allowed: else a pull nearby would be taken back altogether. */
+static const float room_least = 0.05f;
 enum { SOFTENINGS = 5, GROUP = STRAIN_GROUP };
 /* Ridge for each 1 of strain that is too much, at first: tips near each other need little, and give
  * way where they differ alone; each time so many times more. */
 static const double softening = 0.02, softening_more = 3.0;
+/* One triangle counts at most so much, however far beyond: a sliver is not to outweigh the rest. */
 static const double strain_most = 8.0;
 
 /* Tangents of how far skin may turn from where the bones turn it: no triangle is seen from behind,

@@ -2,6 +2,7 @@
  * memory and little time: OpenMesh's, of a file, the mesh to the standard output as
  * io/read/mesh_child.h has it; or the decoders of io/decode/decode.h, jobs from the standard input.
  * Started by io/read/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+#include "base/program.h"
 #include "io/decode/decode.h"
 #include "io/read/mesh_child.h"
 #include "io/openmesh.h"
@@ -9,21 +10,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
-#ifndef __has_feature
-#define __has_feature(name) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||                               \
-    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-enum { LIMITS_MEMORY = 0 }; /* sanitizers reserve terabytes of addresses */
-#else
-enum { LIMITS_MEMORY = 1 };
-#endif
-
-static void limit(int resource, rlim_t soft, rlim_t hard)
-{
-    struct rlimit both = {soft, hard};
-    (void)setrlimit(resource, &both);
-}
+static const rlim_t memory_bytes = (rlim_t)1536 << 20;
 
 int main(int argument_count, char **arguments)
 {
@@ -33,12 +20,12 @@ int main(int argument_count, char **arguments)
         fprintf(stderr, "usage: marotte-meshload FILE | --decode\n");
         return 2;
     }
-    limit(RLIMIT_CORE, 0, 0);
+    program_limit(RLIMIT_CORE, 0, 0);
     bool decodes = strcmp(arguments[1], MESH_CHILD_DECODE) == 0;
     rlim_t patience_s = decodes ? 10 : 3;
-    limit(RLIMIT_CPU, patience_s, patience_s + 1); /* SIGXCPU, which has a name, before SIGKILL */
-    if (LIMITS_MEMORY)
-        limit(RLIMIT_AS, (rlim_t)1536 << 20, (rlim_t)1536 << 20); /* bytes */
+    program_limit(RLIMIT_CPU, patience_s,
+                  patience_s + 1); /* SIGXCPU, which has a name, before SIGKILL */
+    program_limit(RLIMIT_AS, memory_bytes, memory_bytes);
     if (decodes)
         return decode_serve(stdin, stdout) ? 0 : 1;
     mrt_result result = openmesh_read_unsafe(&m, arguments[1], &err);

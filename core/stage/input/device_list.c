@@ -39,7 +39,7 @@ static void keep(device_list *out, const mrt_plugin_type *type, const mrt_device
 }
 
 static mrt_result look_with(device_list *out, const mrt_plugin_type *type, log_queue *log,
-                            log_once *hush, error *err)
+                            log_once *already_logged, error *err)
 {
     instance plugin;
     mrt_result result = instance_create(&plugin, type, CLOCK_REAL, log, err);
@@ -47,7 +47,7 @@ static mrt_result look_with(device_list *out, const mrt_plugin_type *type, log_q
         return result;
     mrt_device *list = calloc(DEVICE_LIST_MAX, sizeof *list);
     if (list) {
-        instance_listen(&plugin, NULL, hush);
+        instance_listen(&plugin, NULL, already_logged);
         uint32_t count = knows_devices(type)->list(plugin.self, list, DEVICE_LIST_MAX);
         instance_listen_end(&plugin);
         for (uint32_t i = 0; i < count && i < DEVICE_LIST_MAX; ++i)
@@ -68,17 +68,17 @@ bool device_list_knows(const mrt_plugin_type *type)
 }
 
 mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
-                            log_once *hush, error *err)
+                            log_once *already_logged, error *err)
 {
     *out = (device_list){.count = 0};
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         if (!device_list_knows(type))
             continue;
-        mrt_result result = look_with(out, type, log, hush, err);
+        mrt_result result = look_with(out, type, log, already_logged, err);
         if (result == MRT_ERR_MEMORY)
             return result;
-        if (result < 0 && !(hush && log_once_repeats(hush, err->text)))
+        if (result < 0 && !(already_logged && log_once_repeats(already_logged, err->text)))
             log_push(log, MRT_LOG_WARNING, type->id, err->text);
     }
     return MRT_OK;

@@ -19,10 +19,10 @@ typedef struct device_list {
     uint32_t count, beyond; /* beyond: there was no room for so many */
 } device_list;
 
-/* hush: what was logged when it was asked before, and is not said again; NULL: nothing. A plugin
- * that cannot be used is said in the log and hides no device of another. */
+/* already_logged: what was logged when it was asked before, and is not said again; NULL: nothing. A
+ * plugin that cannot be used is said in the log and hides no device of another. */
 CHECKED mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
-                                    log_once *hush, error *err);
+                                    log_once *already_logged, error *err);
 /* Whether an input type knows devices. */
 bool device_list_knows(const mrt_plugin_type *type);
 /* "cyberglove" of "org.marotte.cyberglove": what names it before an address. */

@@ -207,12 +207,12 @@ static void close_plugin(input *self)
 
 /* Opens the plugin and copies what its channels are. On failure it is closed, and err has what the
  * plugin said of it: "" nothing. */
-static mrt_result open_plugin(input *self, log_once *hush, channel_table *out, error *err)
+static mrt_result open_plugin(input *self, log_once *already_logged, channel_table *out, error *err)
 {
     error why = {""};
     close_plugin(self);
     instance_latch(&self->plugin);
-    instance_listen(&self->plugin, &why, hush);
+    instance_listen(&self->plugin, &why, already_logged);
     mrt_result result =
         self->functions->open(self->plugin.self, self->address, self->plugin.params);
     instance_listen_end(&self->plugin);

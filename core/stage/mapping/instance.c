@@ -26,7 +26,7 @@ static void host_log(const mrt_host *host, int32_t level, const char *text)
     bool listens = is_listening(self); /* a plugin may log from threads of its own */
     if (listens && self->heard && level == MRT_LOG_ERROR)
         (void)error_set(self->heard, MRT_ERR_IO, "%s", text);
-    else if (!listens || !self->hush || !log_once_repeats(self->hush, text))
+    else if (!listens || !self->already_logged || !log_once_repeats(self->already_logged, text))
         log_push(self->log, level, self->type->id, text);
 }
 
@@ -75,27 +75,6 @@ static void host_request_restart(const mrt_host *host)
         log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
 }
 
-static mrt_result said(const mrt_host *host, mrt_result result, const error *err)
-{
-    if (result < 0)
-        host_log(host, MRT_LOG_ERROR, err->text);
-    return result;
-}
-
-static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
-{
-    const instance *self = host->data;
-    error err = {""};
-    return said(host, services_settings_folder(self->type->id, out, capacity, &err), &err);
-}
-
-static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
-{
-    const instance *self = host->data;
-    error err = {""};
-    return said(host, services_cache_folder(self->type->id, out, capacity, &err), &err);
-}
-
 static void read_landmarks(const mrt_host *host, const mrt_landmarks *seen,
                            mrt_hand_reading *reading)
 {
@@ -105,12 +84,11 @@ static void read_landmarks(const mrt_host *host, const mrt_landmarks *seen,
 
 static const void *host_service(const mrt_host *host, const char *id)
 {
-    static const mrt_folders folders = {settings_folder, cache_folder};
     static const mrt_landmark_reader landmarks = {read_landmarks};
     instance *self = host->data;
     if (strcmp(id, MRT_LANDMARKS) == 0 && services_reader_init(&self->reader))
         return &landmarks;
-    return strcmp(id, MRT_FOLDERS) == 0 ? &folders : NULL;
+    return strcmp(id, MRT_FOLDERS) == 0 ? &services_folders : NULL;
 }
 
 static mrt_result allocate(instance *self, error *err)
@@ -350,10 +328,10 @@ void instance_latch(instance *self)
     }
 }
 
-void instance_listen(instance *self, error *out_heard, log_once *hush)
+void instance_listen(instance *self, error *out_heard, log_once *already_logged)
 {
     self->heard = out_heard;
-    self->hush = hush;
+    self->already_logged = already_logged;
     atomic_store(&self->listener, (uintptr_t)pthread_self());
 }
 
@@ -361,7 +339,7 @@ void instance_listen_end(instance *self)
 {
     atomic_store(&self->listener, 0);
     self->heard = NULL;
-    self->hush = NULL;
+    self->already_logged = NULL;
 }
 
 bool instance_take_restart(instance *self)

@@ -17,7 +17,7 @@ typedef enum instance_clock {
 } instance_clock;
 
 typedef struct instance {
-    const mrt_plugin_type *type;
+    const mrt_plugin_type *type; /* first: services.h */
     mrt_plugin *self;
     mrt_host host;
     services_reader reader; /* made when the plugin asks for it */
@@ -28,7 +28,7 @@ typedef struct instance {
     double *params;             /* as the plugin sees them: latched by the thread that calls it */
     _Atomic uintptr_t listener; /* the thread that listens to what the plugin logs; 0: none */
     error *heard;               /* the listener's: the last error; or NULL */
-    log_once *hush;             /* the listener's: what it need not hear again; or NULL */
+    log_once *already_logged;   /* the listener's: what it need not hear again; or NULL */
     bool can_restart;           /* whether anybody asks instance_take_restart */
     _Atomic bool restart_asked;
     pthread_mutex_t mutex; /* guards stopping, for the wait */
@@ -68,9 +68,9 @@ void instance_trigger(instance *self, uint32_t index);
 void instance_latch(instance *self);
 
 /* [the thread that calls the plugin] Around calls into the plugin: the last error that it logs from
- * this thread goes to out_heard instead of the log, and of its other lines those that `hush`
- * remembers are dropped (NULL: none). Both must live until instance_listen_end. */
-void instance_listen(instance *self, error *out_heard, log_once *hush);
+ * this thread goes to out_heard instead of the log, and of its other lines those that
+ * `already_logged` remembers are dropped (NULL: none). Both must live until instance_listen_end. */
+void instance_listen(instance *self, error *out_heard, log_once *already_logged);
 void instance_listen_end(instance *self);
 
 /* [the thread that calls the plugin] Whether it asked to be closed and opened since the last call.

@@ -1,6 +1,7 @@
 /* marotte-pluginhost LIBRARY TYPE - one mapping in a process of its own: does what it is asked for
  * in the memory that it finds at ISOLATE_FD. Started by stage/isolate_process.c, of no use to
  * people; it ends with the program that has started it. */
+#include "base/program.h"
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"
 #include "stage/mapping/library.h"
@@ -18,22 +19,12 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#ifndef __has_feature
-#define __has_feature(name) 0
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) ||                               \
-    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-enum { LIMITS_MEMORY = 0 }; /* sanitizers reserve terabytes of addresses */
-#else
-enum { LIMITS_MEMORY = 1 };
-#endif
-
 static const rlim_t memory_bytes = (rlim_t)2 << 30;
 enum { FILES_MAX = 64 };
 
-typedef struct guest {
+typedef struct child {
+    const mrt_plugin_type *type; /* first: services.h */
     isolate_block *block;
-    const mrt_plugin_type *type;
     const mrt_mapping *mapping;
     const mrt_state *state;
     const mrt_resume *resume;
@@ -41,7 +32,7 @@ typedef struct guest {
     mrt_host host;
     isolate_face face;
     bool is_active;
-} guest;
+} child;
 
 /* ---- the host that it sees ---- */
 
@@ -56,7 +47,7 @@ static void say(isolate_block *block, int32_t level, const char *text)
 
 static void host_log(const mrt_host *host, int32_t level, const char *text)
 {
-    const guest *self = host->data;
+    const child *self = host->data;
     say(self->block, level, text);
 }
 
@@ -78,32 +69,10 @@ static void host_request_restart(const mrt_host *host)
     host_log(host, MRT_LOG_WARNING, "asks to be restarted");
 }
 
-static mrt_result said(const mrt_host *host, mrt_result result, const error *err)
-{
-    if (result < 0)
-        host_log(host, MRT_LOG_ERROR, err->text);
-    return result;
-}
-
-static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
-{
-    const guest *self = host->data;
-    error err = {""};
-    return said(host, services_settings_folder(self->type->id, out, capacity, &err), &err);
-}
-
-static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
-{
-    const guest *self = host->data;
-    error err = {""};
-    return said(host, services_cache_folder(self->type->id, out, capacity, &err), &err);
-}
-
 static const void *host_service(const mrt_host *host, const char *id)
 {
-    static const mrt_folders folders = {settings_folder, cache_folder};
     (void)host;
-    return strcmp(id, MRT_FOLDERS) == 0 ? &folders : NULL;
+    return strcmp(id, MRT_FOLDERS) == 0 ? &services_folders : NULL;
 }
 
 /* ---- the plugin ---- */
@@ -116,7 +85,7 @@ static const void *interface_of(const mrt_plugin_type *type, const char *id)
     return NULL;
 }
 
-static bool find_type(guest *self, const char *path, const char *id)
+static bool find_type(child *self, const char *path, const char *id)
 {
     error err = {""};
     const mrt_plugin_type *const *types = library_open(path, &err);
@@ -129,7 +98,7 @@ static bool find_type(guest *self, const char *path, const char *id)
     return self->type != NULL;
 }
 
-static mrt_result create(guest *self)
+static mrt_result create(child *self)
 {
     self->mapping = interface_of(self->type, MRT_MAPPING);
     self->state = interface_of(self->type, MRT_STATE);
@@ -142,7 +111,7 @@ static mrt_result create(guest *self)
     return self->self ? MRT_OK : MRT_ERR_UNSUPPORTED;
 }
 
-static void deactivate(guest *self)
+static void deactivate(child *self)
 {
     if (self->is_active)
         self->mapping->deactivate(self->self);
@@ -150,7 +119,7 @@ static void deactivate(guest *self)
     isolate_face_finish(&self->face);
 }
 
-static mrt_result activate(guest *self)
+static mrt_result activate(child *self)
 {
     deactivate(self);
     mrt_result result = isolate_face_take(&self->face, self->block->bytes, self->block->size);
@@ -160,13 +129,13 @@ static mrt_result activate(guest *self)
     return result;
 }
 
-static uint32_t save(guest *self, size_t (*save_bytes)(mrt_plugin *, void *, size_t))
+static uint32_t save(child *self, size_t (*save_bytes)(mrt_plugin *, void *, size_t))
 {
     size_t size = save_bytes(self->self, self->block->bytes, ISOLATE_BYTES);
     return size <= ISOLATE_BYTES ? (uint32_t)size : 0;
 }
 
-static mrt_result process(guest *self)
+static mrt_result process(child *self)
 {
     isolate_block *block = self->block;
     if (!self->is_active)
@@ -182,7 +151,7 @@ static mrt_result process(guest *self)
     return result;
 }
 
-static mrt_result answer(guest *self)
+static mrt_result answer(child *self)
 {
     isolate_block *block = self->block;
     if (!self->self && block->kind != ISOLATE_CREATE)
@@ -223,20 +192,13 @@ static mrt_result answer(guest *self)
 
 /* ---- the process ---- */
 
-static void limit(int resource, rlim_t most)
-{
-    struct rlimit both = {most, most};
-    (void)setrlimit(resource, &both);
-}
-
 /* Dies with the thread that started it, inherits nothing but the block and where to complain. */
 static void confine(void)
 {
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-    limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_NOFILE, FILES_MAX);
-    if (LIMITS_MEMORY)
-        limit(RLIMIT_DATA, memory_bytes);
+    program_limit(RLIMIT_CORE, 0, 0);
+    program_limit(RLIMIT_NOFILE, FILES_MAX, FILES_MAX);
+    program_limit(RLIMIT_DATA, memory_bytes, memory_bytes);
     (void)syscall(SYS_close_range, (unsigned)ISOLATE_FD + 1, ~0u, 0u);
 }
 
@@ -250,7 +212,7 @@ static isolate_block *map_block(void)
     return at == MAP_FAILED ? NULL : at;
 }
 
-static void serve(guest *self)
+static void serve(child *self)
 {
     isolate_block *block = self->block;
     uint32_t done = 0;
@@ -276,7 +238,7 @@ static void serve(guest *self)
 int main(int argument_count, char **arguments)
 {
     confine();
-    guest self = {.block = map_block()};
+    child self = {.block = map_block()};
     if (argument_count != 3 || !self.block || self.block->version != ISOLATE_VERSION) {
         (void)fprintf(stderr, "marotte-pluginhost is started by marotte: see marotte help\n");
         return 2;

@@ -25,10 +25,27 @@ mrt_result services_settings_folder(const char *type_id, char *out, size_t capac
     return make(FILE_HOME_CONFIG, type_id, out, capacity, err);
 }
 
-mrt_result services_cache_folder(const char *type_id, char *out, size_t capacity, error *err)
+static mrt_result give(const mrt_host *host, file_home below, char *out, size_t capacity)
 {
-    return make(FILE_HOME_CACHE, type_id, out, capacity, err);
+    const mrt_plugin_type *const *type = host->data;
+    error err = {""};
+    mrt_result result = make(below, (*type)->id, out, capacity, &err);
+    if (result < 0)
+        host->log(host, MRT_LOG_ERROR, err.text);
+    return result;
 }
+
+static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    return give(host, FILE_HOME_CONFIG, out, capacity);
+}
+
+static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
+{
+    return give(host, FILE_HOME_CACHE, out, capacity);
+}
+
+const mrt_folders services_folders = {settings_folder, cache_folder};
 
 bool services_reader_init(services_reader *self)
 {

@@ -5,12 +5,12 @@
 #define MAROTTE_STAGE_MAPPING_SERVICES_H
 #include "hand/hand.h"
 
-/* A folder of this type's own below the person's settings (or cache), made if need be; "" after an
+/* A folder of this type's own below the person's settings, made if need be; "" after an
  * error. The type was checked: its id is no path. */
 CHECKED mrt_result services_settings_folder(const char *type_id, char *out, size_t capacity,
                                             error *err);
-CHECKED mrt_result services_cache_folder(const char *type_id, char *out, size_t capacity,
-                                         error *err);
+/* MRT_FOLDERS, for a host whose `data` begins with the plugin's type (const mrt_plugin_type *). */
+extern const mrt_folders services_folders;
 
 /* What MRT_LANDMARKS is read with. Zeroed: nothing is there. */
 typedef struct services_reader {

@@ -215,7 +215,7 @@ static bool is_held(pointer_grip grip)
     return grip == POINTER_PULLS || grip == POINTER_KNEADS;
 }
 
-static void obey(pointer *self, const mrt_face *about, const pointer_sample *now)
+static void apply_sample(pointer *self, const mrt_face *about, const pointer_sample *now)
 {
     bool is_anew = now->grip != self->grip || !is_same_place(now->rest, self->held_rest);
     if (is_held(self->grip) && is_anew)
@@ -313,7 +313,7 @@ bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, in
     vec3 from = self->at;
     pointer_grip before = self->grip;
     if (speaks)
-        obey(self, about, &now);
+        apply_sample(self, about, &now);
     bool begins = self->grip != before;
     pull(self, about, begins ? self->at : from);
     return speaks;

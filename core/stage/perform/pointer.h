@@ -1,4 +1,4 @@
-/* stage/perform/pointer.h - a finger of the person at the desk on the face: the mouse takes hold of
+/* stage/perform/pointer.h - the mouse on the face: it takes hold of
  * a contact or of any place of the skin and pulls it, beside whatever mapping performs. Its
  * channels are those of an input (feed.h), recorded like all others; the layer lays what it pulls
  * over its mapping's pull as a part of its own. A function of its samples alone.

@@ -25,7 +25,7 @@ struct sound {
     sound_settings settings;
     sound_backend backend, portaudio;
     sound_board board;
-    sound_motion said; /* [frame] the newest */
+    sound_motion posted; /* [frame] the newest */
     /* playing */
     sound_device *out;
     voice *voice;         /* that is to be played; [main] */
@@ -181,7 +181,7 @@ mrt_result sound_load(sound *self, const take_audio *audio, error *err)
 
 static bool is_change(const sound_motion *a, const sound_motion *b)
 {
-    if (a->turn == 0 || a->speed != b->speed || a->loop_from_ns != b->loop_from_ns ||
+    if (a->revision == 0 || a->speed != b->speed || a->loop_from_ns != b->loop_from_ns ||
         a->loop_to_ns != b->loop_to_ns)
         return true;
     double passed_ns = (double)(b->host_ns - a->host_ns) * a->speed;
@@ -198,12 +198,12 @@ static bool is_change(const sound_motion *a, const sound_motion *b)
 
 void sound_move(sound *self, const sound_motion *motion)
 {
-    if (!is_change(&self->said, motion))
+    if (!is_change(&self->posted, motion))
         return;
-    uint32_t turn = self->said.turn + 1;
-    self->said = *motion;
-    self->said.turn = turn ? turn : 1;
-    sound_board_post(&self->board, &self->said);
+    uint32_t revision = self->posted.revision + 1;
+    self->posted = *motion;
+    self->posted.revision = revision ? revision : 1;
+    sound_board_post(&self->board, &self->posted);
 }
 
 sound_motion sound_motion_of(const transport *t, int64_t clock_ns)

@@ -34,7 +34,7 @@ void sound_work(sound *self, int64_t now_ns);
 CHECKED mrt_result sound_load(sound *self, const take_audio *audio, error *err);
 
 /* [frame] Call it with every frame, or with every change: only changes of more than half a
- * millisecond are changes. The motion's turn and edition do not matter.
+ * millisecond are changes. The motion's revision and edition do not matter.
  * Never waits. */
 void sound_move(sound *self, const sound_motion *motion);
 /* What a transport does from clock_ns on; it need not be told again when a loop begins anew. */

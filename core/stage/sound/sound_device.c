@@ -15,7 +15,7 @@
 static const int64_t silent_max_ns = 3 * NS_PER_S;
 static const int64_t watch_span_ns = 100 * NS_PER_MS, patience_ns = 2 * NS_PER_S;
 /* Whoever closes the program waits so long for a device that does not answer. */
-enum { GOODBYE_S = 3 };
+enum { DESTROY_WAIT_S = 3 };
 
 typedef struct want {
     bool is_wanted;
@@ -296,7 +296,7 @@ static bool wait_until_done(sound_device *self)
     struct timespec until;
     int woken = 0;
     clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += GOODBYE_S;
+    until.tv_sec += DESTROY_WAIT_S;
     pthread_mutex_lock(&self->lock);
     while (!self->is_done && woken != ETIMEDOUT)
         woken = pthread_cond_timedwait(&self->done, &self->lock, &until);

@@ -150,7 +150,7 @@ static void make_packet(sound_feed *self)
     uint32_t rate_hz = self->rate_hz, channels = self->follow->channel_count;
     float *samples = (float *)(void *)(self->record + sizeof(sound_packet));
     cursor at = cursor_of(&self->motion, rate_hz, self->next);
-    sound_packet packet = {.turn = self->motion.turn,
+    sound_packet packet = {.revision = self->motion.revision,
                            .edition = self->motion.edition,
                            .first = self->next,
                            .count = SOUND_PACKET_FRAMES,
@@ -197,7 +197,7 @@ static bool is_to_play(const sound_feed *self)
 {
     const sound_motion *motion = &self->motion;
     bool is_short = is_loop(motion) && motion->loop_to_ns - motion->loop_from_ns < loop_least_ns;
-    return self->render && motion->turn != 0 && motion->speed == 1.0 && !is_short &&
+    return self->render && motion->revision != 0 && motion->speed == 1.0 && !is_short &&
            motion->edition == self->edition;
 }
 

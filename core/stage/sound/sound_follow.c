@@ -12,13 +12,13 @@ enum { BEHIND_FRAMES = 4096 };
 
 uint64_t sound_follow_key(const sound_motion *motion)
 {
-    return (uint64_t)motion->edition << 32 | motion->turn;
+    return (uint64_t)motion->edition << 32 | motion->revision;
 }
 
 void sound_board_post(sound_board *self, const sound_motion *motion)
 {
     uint32_t sequence = atomic_load_explicit(&self->sequence, memory_order_relaxed);
-    uint64_t word[6] = {motion->turn};
+    uint64_t word[6] = {motion->revision};
     memcpy(&word[1], &motion->host_ns, sizeof word[1]);
     memcpy(&word[2], &motion->at_ns, sizeof word[2]);
     memcpy(&word[3], &motion->speed, sizeof word[3]);
@@ -38,7 +38,7 @@ bool sound_board_read(const sound_board *self, sound_motion *out)
         word[i] = atomic_load(&self->word[i]);
     if ((sequence & 1) != 0 || atomic_load(&self->sequence) != sequence)
         return false;
-    out->turn = (uint32_t)word[0];
+    out->revision = (uint32_t)word[0];
     out->edition = atomic_load(&self->edition);
     memcpy(&out->host_ns, &word[1], sizeof word[1]);
     memcpy(&out->at_ns, &word[2], sizeof word[2]);
@@ -57,7 +57,7 @@ static void add_one(_Atomic uint32_t *count)
 
 static bool is_audible(const sound_follow *self)
 {
-    return self->motion.turn != 0 && self->motion.speed == 1.0;
+    return self->motion.revision != 0 && self->motion.speed == 1.0;
 }
 
 static void adopt_motion(sound_follow *self)
@@ -120,7 +120,7 @@ static bool take_packet(sound_follow *self, const sound_packet *packet, int64_t 
 {
     const float *samples = (const float *)(const void *)(self->record + sizeof *packet);
     int64_t end = packet->first + packet->count;
-    int32_t newer = (int32_t)(packet->turn - self->motion.turn);
+    int32_t newer = (int32_t)(packet->revision - self->motion.revision);
     int32_t newer_edition = (int32_t)(packet->edition - self->motion.edition);
     if (packet->rate_hz != self->rate_hz)
         return true;

@@ -17,10 +17,10 @@
 enum { SOUND_PACKET_FRAMES = 256, SOUND_PACKETS = 64, SOUND_WINDOW = 16384, SOUND_CHANNELS = 64 };
 
 /* Where the transport is: the host's clock shows host_ns when the timeline shows at_ns. Speed 1 is
- * heard; 0 is a pause; at any other it is silent. Turns are counted up with each change. */
+ * heard; 0 is a pause; at any other it is silent. Revisions are counted up with each change. */
 typedef struct sound_motion {
-    uint32_t turn;    /* 0: it has never moved */
-    uint32_t edition; /* of the sound: counted up with each change of what is played */
+    uint32_t revision; /* 0: it has never moved */
+    uint32_t edition;  /* of the sound: counted up with each change of what is played */
     int64_t host_ns, at_ns;
     double speed;
     int64_t loop_from_ns, loop_to_ns; /* equal: no loop; else it goes from loop_to to loop_from */
@@ -36,11 +36,11 @@ void sound_board_post(sound_board *self, const sound_motion *motion); /* [one th
 /* False: it is being written just now. */
 bool sound_board_read(const sound_board *self, sound_motion *out);
 
-/* Frames first.. of the stream of one turn and edition: frame 0 is at the motion's at_ns, loops
+/* Frames first.. of the stream of one revision and edition: frame 0 is at the motion's at_ns, loops
  * unrolled. The samples follow it in the ring's record: interleaved, of as many channels as the
  * sound has. */
 typedef struct sound_packet {
-    uint32_t turn, edition;
+    uint32_t revision, edition;
     int64_t first;
     uint32_t count, rate_hz;
 } sound_packet;

@@ -30,13 +30,13 @@ typedef struct stream {
 
 /* ---- silence ---- */
 
-static void say_nothing(const char *text)
+static void ignore_message(const char *text)
 {
     (void)text;
 }
 
-static void alsa_say_nothing(const char *file, int line, const char *function, int code,
-                             const char *format, ...)
+static void ignore_alsa_error(const char *file, int line, const char *function, int code,
+                              const char *format, ...)
 {
     (void)file;
     (void)line;
@@ -46,7 +46,7 @@ static void alsa_say_nothing(const char *file, int line, const char *function, i
 }
 
 /* By name, since whether PortAudio has ALSA or JACK at all is its own affair. */
-static void hush(void)
+static void silence_libraries(void)
 {
     int (*set_alsa)(void (*)(const char *, int, const char *, int, const char *, ...));
     void (*set_jack)(void (*)(const char *));
@@ -55,11 +55,11 @@ static void hush(void)
                      dlsym(RTLD_DEFAULT, "jack_set_info_function")};
     memcpy(&set_alsa, &alsa, sizeof set_alsa);
     if (alsa)
-        (void)set_alsa(alsa_say_nothing);
+        (void)set_alsa(ignore_alsa_error);
     for (int i = 0; i < 2; ++i) {
         memcpy(&set_jack, &jack[i], sizeof set_jack);
         if (jack[i])
-            set_jack(say_nothing);
+            set_jack(ignore_message);
     }
 }
 
@@ -233,11 +233,11 @@ static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_re
 }
 
 /* Devices are looked for anew whenever nothing is open. */
-static mrt_result wake_up(host *self, error *err)
+static mrt_result initialise(host *self, error *err)
 {
     if (self->stream_count > 0)
         return MRT_OK;
-    hush();
+    silence_libraries();
     PaError code = Pa_Initialize();
     if (code == paNoError)
         return MRT_OK;
@@ -245,7 +245,7 @@ static mrt_result wake_up(host *self, error *err)
                      Pa_GetErrorText(code));
 }
 
-static void fall_asleep(const host *self)
+static void terminate_if_idle(const host *self)
 {
     if (self->stream_count == 0)
         (void)Pa_Terminate();
@@ -255,14 +255,14 @@ static mrt_result open_locked(host *self, stream *of, const sound_request *reque
                               sound_stream *out, error *err)
 {
     PaDeviceIndex device;
-    mrt_result result = wake_up(self, err);
+    mrt_result result = initialise(self, err);
     if (result < 0)
         return result;
     result = find_device(&device, of->direction, request->name, err);
     if (result >= 0)
         result = open_device(of, device, request, out, err);
     if (result < 0)
-        fall_asleep(self);
+        terminate_if_idle(self);
     else
         self->stream_count += 1;
     return result;
@@ -316,7 +316,7 @@ static void close_stream(void *data, void *handle)
     (void)Pa_AbortStream(of->pa);
     (void)Pa_CloseStream(of->pa);
     self->stream_count -= 1;
-    fall_asleep(self);
+    terminate_if_idle(self);
     pthread_mutex_unlock(&self->lock);
     free(of);
 }

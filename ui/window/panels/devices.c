@@ -231,7 +231,7 @@ struct devices_search {
     int64_t wanted_ns;
     findings shown; /* [main] */
     bool is_known;
-    log_once hush; /* the thread's */
+    log_once already_logged; /* the thread's */
     findings made;
 };
 
@@ -242,7 +242,7 @@ static void look(devices_search *self)
     error err = {""};
     findings *made = &self->made;
     *made = (findings){.devices = {.count = 0}};
-    if (device_list_look(&made->devices, self->plugins, self->log, &self->hush, &err) < 0)
+    if (device_list_look(&made->devices, self->plugins, self->log, &self->already_logged, &err) < 0)
         made->note = err;
     error note = {""};
     if (calibration_folder_list(&made->calibrations, &note, &err) < 0)
@@ -304,7 +304,7 @@ static devices_search *devices_search_create(const plugin_list *plugins, log_que
     self->plugins = plugins;
     self->log = log;
     self->wanted_ns = INT64_MIN / 2;
-    log_once_reset(&self->hush);
+    log_once_reset(&self->already_logged);
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
