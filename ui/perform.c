@@ -8,6 +8,7 @@
 #include "perform_session.h"
 #include "recording.h"
 #include "stage/mapping/plugins.h"
+#include "stage/perform/patch_file.h"
 #include "stage/perform/player.h"
 #include "terminal.h"
 
@@ -118,7 +119,9 @@ typedef struct performance {
     uint32_t input_count;
     perform_hands hands;
     perform_mapping mapping;
+    patch patch;
     performer *performer;
+    uint32_t mark_count; /* presses so far */
     recording recording;
     perform_record record;
     exports_video videos;
@@ -199,14 +202,19 @@ static mrt_result prepare(performance *self, error *err)
         result = perform_mapping_open(&self->mapping, &options->map, &apart, err);
     if (result >= 0)
         result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
+    if (result >= 0 && options->patch)
+        result = patch_file_find(&self->patch, options->patch, err);
     performer_settings settings = {
         .solver = perform_record_solver(options, &self->face, self->log),
         .hand_length_mm = options->hand_length_mm,
         .side_length_mm = {self->hands.length_mm[0], self->hands.length_mm[1]},
-        .rezero_pedal = options->rezero_pedal};
+        .rezero_pedal = options->rezero_pedal,
+        .patch = options->patch ? &self->patch : NULL};
     if (result >= 0)
         result = performer_create(&self->performer, &self->face, &self->mapping.instance, &settings,
                                   err);
+    if (result >= 0)
+        perform_patch_tell(performer_layer(self->performer));
     if (result >= 0)
         result = perform_mapping_watch(&self->mapping, options, self->performer, self->log, err);
     if (result >= 0)
@@ -224,7 +232,8 @@ static mrt_result prepare(performance *self, error *err)
                                   .input_count = self->input_count,
                                   .hands = &self->hands,
                                   .performer = self->performer,
-                                  .face = &self->face};
+                                  .face = &self->face,
+                                  .patch = options->patch ? &self->patch : NULL};
     return result < 0 ? result : perform_record_start(&self->record, options, &of, err);
 }
 
@@ -276,6 +285,21 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return recording_add(&self->recording, self->performer, work_ns, err);
 }
 
+/* What the patch presses; recording is --record's. */
+static void obey_presses(performance *self, int64_t time_ns)
+{
+    const patch_bay *bay = layer_bay(performer_layer(self->performer));
+    if (bay->pressed[PATCH_STOP] > 0)
+        atomic_store(cancel_flag(), true);
+    if (bay->pressed[PATCH_MARK] == self->mark_count)
+        return;
+    self->mark_count = bay->pressed[PATCH_MARK];
+    error err = {""};
+    if (self->record.recorder &&
+        writer_mark(recorder_writer(self->record.recorder), time_ns, "mark", &err) < 0)
+        log_push(self->log, MRT_LOG_WARNING, "patch", err.text);
+}
+
 static mrt_result on_step(void *data, const sample_step *s, error *err)
 {
     (void)err;
@@ -286,6 +310,7 @@ static mrt_result on_step(void *data, const sample_step *s, error *err)
     performer_step(self->performer, s);
     if (self->record.recorder)
         recorder_performed(self->record.recorder, s);
+    obey_presses(self, s->time_ns);
     return MRT_OK;
 }
 
@@ -584,6 +609,7 @@ const command command_perform = {
         "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else\n"
         "                     the newest in the user's folder; none: the shipped defaults\n"
         "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
+        "  --patch FILE       channels move it too: patches/README.md; faders, gamepad, phone\n"
         "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
         "                     live, the key z does so, and q ends\n"
         "  --tolerance MM     greatest error in glTF (of clay 0.1 % of the height, else 0.01 %)\n"

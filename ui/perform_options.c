@@ -30,6 +30,7 @@ enum {
     OPTION_HAND_LENGTH,
     OPTION_CALIBRATION,
     OPTION_REZERO_PEDAL,
+    OPTION_PATCH,
     OPTION_RECORD,
     OPTION_SCENE,
     OPTION_SHOT,
@@ -63,6 +64,7 @@ static const struct option option_table[] = {
     {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
     {"calibration", required_argument, NULL, OPTION_CALIBRATION},
     {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
+    {"patch", required_argument, NULL, OPTION_PATCH},
     {"record", required_argument, NULL, OPTION_RECORD},
     {"scene", required_argument, NULL, OPTION_SCENE},
     {"shot", required_argument, NULL, OPTION_SHOT},
@@ -265,6 +267,9 @@ static int read_option(void *data, const command *self, int option, const char *
         code = read_number(self, "rezero-pedal", text, 1, MRT_MAX_PEDALS, &number);
         out->rezero_pedal = (uint32_t)number;
         return code;
+    case OPTION_PATCH:
+        out->patch = text;
+        return COMMAND_DONE;
     case OPTION_RECORD:
         out->record = text;
         return COMMAND_DONE;

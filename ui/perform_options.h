@@ -32,6 +32,7 @@ typedef struct perform_options {
     bool is_bare;    /* glTF exports have the mesh alone */
     bool is_by_part; /* exports_settings */
     double export_mm_per_unit;
+    const char *patch;        /* its file; NULL: none */
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */

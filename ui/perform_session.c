@@ -415,6 +415,18 @@ static void perform_sound_finish(perform_sound *self)
     *self = (perform_sound){0};
 }
 
+/* ---- the patch ---- */
+
+void perform_patch_tell(const layer *of)
+{
+    const patch_plan *plan = layer_bay(of)->plan;
+    for (const char *line = plan ? patch_plan_note(plan) : ""; *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stderr, "note: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
 /* ---- recording ---- */
 
 static mrt_result no_memory(error *err)
@@ -507,6 +519,7 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
         .unit_mm = options->frame.mm_per_unit,
         .hand_length_mm = options->hand_length_mm,
         .rezero_pedal = options->rezero_pedal,
+        .patch = of->patch,
     };
     result = recorder_start(&out->recorder, &settings, err);
     if (result < 0)

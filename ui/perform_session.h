@@ -40,6 +40,11 @@ void perform_hands_report(const perform_hands *self, const performer *p, facts *
  * re-zeroed: bits by side. Says what it did. */
 uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
 
+/* ---- the patch ---- */
+
+/* What of the layer's patch its face and mapping do not have, on stderr. */
+void perform_patch_tell(const layer *of);
+
 /* ---- the mapping: in a process of its own or not, reloaded when its library is rebuilt ---- */
 
 typedef struct perform_mapping {
@@ -109,6 +114,7 @@ typedef struct perform_record_of { /* what is recorded: of perform.c */
     const perform_hands *hands;
     performer *performer;
     const face_file *face;
+    const patch *patch; /* NULL: none */
 } perform_record_of;
 
 /* How the show solves into which it is recorded, so that the take shows what is performed now:

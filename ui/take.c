@@ -51,6 +51,7 @@ static const struct {
     [TAKE_LAST] = {"last", true},
     [TAKE_FACE] = {"face", true},
     [TAKE_MAP] = {"map", true},
+    [TAKE_PATCH] = {"patch", true},
     [TAKE_CALIBRATION] = {"calibration", true},
     [TAKE_HAND_LENGTH] = {"hand-length", true},
     [TAKE_FILTER] = {"filter", true},
@@ -517,14 +518,16 @@ static const take_verb play_verbs[] = {
      "  --preroll S    it plays so long before --in\n"
      "  --passes N     --in to --out again and again: a layer each; the last whole one is heard\n"
      "  --speed N      of the take, 0.1 to 4 (1)\n"
-     "  --calibration FILE, --rezero-pedal N, --realtime, --face FILE   as in marotte perform\n"
+     "  --patch FILE, --calibration FILE, --rezero-pedal N, --realtime, --face FILE\n"
+     "                 as in marotte perform\n"
      "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",
      "performs over it: another layer, or a punch-in",
-     TAKE_BIT(TAKE_INPUT) | TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_NAME_OPTION) |
-         TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FADE) |
-         TAKE_BIT(TAKE_COUNT_IN) | TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) |
-         TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) |
-         TAKE_BIT(TAKE_REALTIME) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
+     TAKE_BIT(TAKE_INPUT) | TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_PATCH) | TAKE_BIT(TAKE_OWN) |
+         TAKE_BIT(TAKE_NAME_OPTION) | TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_IN) |
+         TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FADE) | TAKE_BIT(TAKE_COUNT_IN) |
+         TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) | TAKE_BIT(TAKE_SPEED) |
+         TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) | TAKE_BIT(TAKE_REALTIME) |
+         TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
      TAKE_RECORDS, take_record_run},
     {"export", "SHOW TAKE",
      "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
@@ -546,6 +549,7 @@ static const take_verb play_verbs[] = {
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
+     "  --patch FILE      other connections of the channels: none: without\n"
      "  --face FILE       another face\n"
      "  --calibration FILE   of the performer's glove, one per hand\n"
      "  --hand-length MM  wrist to middle fingertip\n"
@@ -553,7 +557,7 @@ static const take_verb play_verbs[] = {
      "  --scene S, --shot S   of the new take's slate (as the old one's)\n"
      "The old take stays as it is. Says how far apart the two are.\n",
      "performs a take anew, as another take",
-     TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CALIBRATION) |
+     TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_PATCH) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CALIBRATION) |
          TAKE_BIT(TAKE_HAND_LENGTH) | TAKE_BIT(TAKE_FILTER) | TAKE_BIT(TAKE_SCENE) |
          TAKE_BIT(TAKE_SHOT),
      TAKE_WRITES, take_remap_run},

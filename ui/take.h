@@ -41,6 +41,7 @@ typedef enum take_option {
     TAKE_LAST,
     TAKE_FACE,
     TAKE_MAP,
+    TAKE_PATCH,
     TAKE_CALIBRATION,
     TAKE_HAND_LENGTH,
     TAKE_FILTER,

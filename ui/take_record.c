@@ -5,6 +5,7 @@
 #include "hand/calibration_file.h"
 #include "perform_session.h"
 #include "stage/input/spec.h"
+#include "stage/perform/patch_file.h"
 #include "stage/sound/sound.h"
 #include "stage/take/identity.h"
 #include "stage/take/overdub.h"
@@ -36,7 +37,8 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     char *calibration[2];
     plugin_spec map;
     perform_mapping mapping;
-    edit own; /* what the new layer moves */
+    patch patch; /* of --patch */
+    edit own;    /* what the new layer moves */
     overdub *overdub;
     sound *sound; /* of the take, heard while it is performed over; NULL: none */
     player_report report;
@@ -200,7 +202,11 @@ static mrt_result prepare(performing *self, error *err)
         settings.side_length_mm[side] = self->hands.length_mm[side];
     }
     settings.mapping = &self->mapping.instance;
-    return overdub_create(&self->overdub, &settings, err);
+    if (call->text[TAKE_PATCH]) {
+        result = patch_file_find(&self->patch, call->text[TAKE_PATCH], err);
+        settings.patch = &self->patch;
+    }
+    return result < 0 ? result : overdub_create(&self->overdub, &settings, err);
 }
 
 static void finish(performing *self)
@@ -377,6 +383,7 @@ typedef struct remap {
     perform_mapping mapping; /* of it; in a process of its own, or not */
     face_file face;          /* of --face */
     char *calibration[2];
+    char *patch;           /* of --patch; NULL: none */
     double hand_length_mm; /* 0: as it was */
     take_again filter;     /* the filter's part of it */
     int64_t then[PERFORMANCES_MAX], now[PERFORMANCES_MAX];
@@ -446,13 +453,28 @@ static mrt_result read_filter(remap *self, error *err)
     return MRT_OK;
 }
 
+static mrt_result read_patch(remap *self, error *err)
+{
+    const char *path = self->call->text[TAKE_PATCH];
+    if (!path || strcmp(path, "none") == 0)
+        return MRT_OK;
+    patch *p = malloc(sizeof *p);
+    if (!p)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a patch");
+    mrt_result result = patch_file_find(p, path, err);
+    if (result >= 0)
+        result = patch_file_write(&self->patch, p, err);
+    free(p);
+    return result;
+}
+
 static mrt_result read_wishes(remap *self, error *err)
 {
     const take_call *call = self->call;
-    if (!call->text[TAKE_MAP] && !call->text[TAKE_FACE] && !call->text[TAKE_FILTER] &&
-        !call->text[TAKE_HAND_LENGTH] && call->calibration_count == 0)
+    if (!call->text[TAKE_MAP] && !call->text[TAKE_PATCH] && !call->text[TAKE_FACE] &&
+        !call->text[TAKE_FILTER] && !call->text[TAKE_HAND_LENGTH] && call->calibration_count == 0)
         return take_misused(self->call, err,
-                            "say what is to be different: --map, --face, --calibration, "
+                            "say what is to be different: --map, --patch, --face, --calibration, "
                             "--hand-length or --filter");
     mrt_result result = read_filter(self, err);
     if (result >= 0)
@@ -461,6 +483,8 @@ static mrt_result read_wishes(remap *self, error *err)
         result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
         result = read_map(self, err);
+    if (result >= 0)
+        result = read_patch(self, err);
     if (result >= 0)
         result = read_calibrations(self, err);
     if (result >= 0 && call->text[TAKE_FACE])
@@ -492,6 +516,12 @@ static mrt_result describe(remap *self, take_performance *p, error *err)
         p->again.calibration[side] = strdup(self->calibration[side]);
         if (!p->again.calibration[side])
             result = error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
+    }
+    if (self->call->text[TAKE_PATCH]) {
+        free(p->patch);
+        p->patch = self->patch ? strdup(self->patch) : NULL;
+        if (self->patch && !p->patch)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
     }
     if (self->hand_length_mm > 0.0)
         p->hand_length_mm = self->hand_length_mm;
@@ -628,6 +658,7 @@ static void finish_remap(remap *self)
     show_edits_finish(&self->edits);
     free(self->calibration[0]);
     free(self->calibration[1]);
+    free(self->patch);
     face_file_destroy(&self->face);
     perform_mapping_close(&self->mapping);
     spec_finish(&self->map);

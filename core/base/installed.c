@@ -60,13 +60,25 @@ static bool is_file(const char *path)
     return stat(path, &about) == 0 && !S_ISDIR(about.st_mode);
 }
 
+static bool is_name(const char *given)
+{
+    return given[0] != '\0' && given[0] != '.' && !strchr(given, '/') && !is_file(given);
+}
+
 char *installed_face(const char *given)
 {
     char file[INSTALLED_LENGTH], found[INSTALLED_LENGTH];
     int length = snprintf(file, sizeof file, "%s/%s.rig.json", given, given);
-    bool is_name = given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
-    if (is_name && !is_file(given) && length > 0 && length < INSTALLED_LENGTH &&
-        find(found, rigs, file))
+    if (is_name(given) && length > 0 && length < INSTALLED_LENGTH && find(found, rigs, file))
+        return realpath(found, NULL);
+    return strdup(given);
+}
+
+char *installed_patch(const char *given)
+{
+    char file[INSTALLED_LENGTH], found[INSTALLED_LENGTH];
+    int length = snprintf(file, sizeof file, "patches/%s.json", given);
+    if (is_name(given) && length > 0 && length < INSTALLED_LENGTH && find(found, data, file))
         return realpath(found, NULL);
     return strdup(given);
 }

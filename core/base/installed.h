@@ -16,6 +16,9 @@ bool installed_prefix(char out[INSTALLED_LENGTH]);
  * that name wins, and what is neither is given back as it is. A copy for the caller to free; NULL:
  * no memory. */
 char *installed_face(const char *given);
+/* What --patch means, likewise: a file, or the name of a patch that comes with marotte ("faders").
+ */
+char *installed_patch(const char *given);
 /* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
 bool installed_data(char out[INSTALLED_LENGTH], const char *file);
 

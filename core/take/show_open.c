@@ -572,9 +572,12 @@ static mrt_result check_kinds(show *self, const show_table *of, error *err)
 static mrt_result check_all_kinds(show *self, error *err)
 {
     mrt_result result = MRT_OK;
-    for (int i = 0; i < SHOW_TABLES && result >= 0; ++i)
-        if (self->version >= 2 || strcmp(show_tables[i].name, "again") != 0)
+    for (int i = 0; i < SHOW_TABLES && result >= 0; ++i) {
+        bool is_missing = (self->version < 2 && strcmp(show_tables[i].name, "again") == 0) ||
+                          (self->version < 3 && strcmp(show_tables[i].name, "patch") == 0);
+        if (!is_missing)
             result = check_kinds(self, &show_tables[i], err);
+    }
     return result;
 }
 

@@ -501,6 +501,9 @@ mrt_result show_performance_insert(sqlite *db, int64_t session, const take_perfo
             "  (SELECT id FROM rig WHERE path = ? AND hash = ? AND mesh_hash = ? AND unit_mm = ?))",
             "iidiittttd", p->id, session, p->hand_length_mm, (int64_t)p->rezero_pedal, from_ns,
             mapping, p->rig ? p->rig : "", p->rig_hash, p->mesh_hash, p->unit_mm);
+    if (result >= 0 && p->patch)
+        result = sqlite_change(db, err, "INSERT INTO patch(performance, json) VALUES(?, ?)", "it",
+                               p->id, p->patch);
     return result < 0 ? result : insert_lists(db, p, err);
 }
 
@@ -642,6 +645,20 @@ static mrt_result read_again(sqlite *db, take_performance *p, error *err)
     return result < 0 ? result : MRT_OK;
 }
 
+static mrt_result read_patch(sqlite *db, take_performance *p, error *err)
+{
+    sqlite_statement *rows;
+    mrt_result result = sqlite_query(db, &rows, err, "SELECT json FROM patch WHERE performance = ?",
+                                     "t", "i", p->id);
+    if (result < 0)
+        return result;
+    result = sqlite_step(rows, err);
+    if (result == MRT_OK && !(p->patch = strdup(sqlite_exact_text(rows, 0))))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for performance %lld", (long long)p->id);
+    sqlite_finish(rows);
+    return result < 0 ? result : MRT_OK;
+}
+
 mrt_result show_performance_read(show *self, int64_t id, show_performance *out, error *err)
 {
     *out = (show_performance){.performance.id = id};
@@ -663,6 +680,8 @@ mrt_result show_performance_read(show *self, int64_t id, show_performance *out, 
         result = read_params(self->db, &out->performance, err);
     if (result >= 0)
         result = self->version < 2 ? MRT_OK : read_again(self->db, &out->performance, err);
+    if (result >= 0)
+        result = self->version < 3 ? MRT_OK : read_patch(self->db, &out->performance, err);
     if (result < 0)
         show_performance_finish(out);
     return result;

@@ -516,6 +516,7 @@ static mrt_result mend(sqlite *db, error *err)
         "DELETE FROM performance_track WHERE performance NOT IN (SELECT id FROM performance);"
         "DELETE FROM performance_param WHERE performance NOT IN (SELECT id FROM performance);"
         "DELETE FROM again WHERE performance NOT IN (SELECT id FROM performance);"
+        "DELETE FROM patch WHERE performance NOT IN (SELECT id FROM performance);"
         "DELETE FROM span WHERE take NOT IN (SELECT id FROM take)"
         "  OR performance NOT IN (SELECT id FROM performance);"
         "DELETE FROM edit WHERE take NOT IN (SELECT id FROM take);"

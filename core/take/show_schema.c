@@ -88,6 +88,10 @@ static const char *const step[SHOW_VERSION] = {
     "  performance INTEGER PRIMARY KEY REFERENCES performance, of INTEGER NOT NULL,"
     "  ignores_params INTEGER NOT NULL, left_calibration TEXT, right_calibration TEXT,"
     "  min_cutoff_hz REAL NOT NULL, beta REAL NOT NULL);",
+
+    /* Which channels moved what. */
+    "CREATE TABLE IF NOT EXISTS patch("
+    "  performance INTEGER PRIMARY KEY REFERENCES performance, json TEXT NOT NULL);",
 };
 
 const show_table show_tables[SHOW_TABLES] = {
@@ -102,6 +106,7 @@ const show_table show_tables[SHOW_TABLES] = {
     {"performance_track", "performance, n", false, "iii", "*"},
     {"performance_param", "performance, n", false, "iiif", "*"},
     {"again", "performance", true, "iiiTTff", "*"},
+    {"patch", "performance", true, "it", "*"},
     {"take", "id", true, "iiiIittiti", "*"},
     {"span", "take, n", false, "iiIiiiI", "*"},
     {"edit", "take, branch, n", false, "iiiiit", "*"},

@@ -4,7 +4,7 @@
 #define MAROTTE_TAKE_SHOW_SCHEMA_H
 #include "take/sqlite.h"
 
-enum { SHOW_VERSION = 2 };
+enum { SHOW_VERSION = 3 };
 
 typedef struct show_table {
     const char *name;
@@ -13,7 +13,7 @@ typedef struct show_table {
     const char *kinds; /* what each column holds, as sqlite_prepare has it */
     const char *light; /* its columns but the blob, which is last; "*": there is none */
 } show_table;
-enum { SHOW_TABLES = 19 };
+enum { SHOW_TABLES = 20 };
 extern const show_table show_tables[SHOW_TABLES];
 
 /* Whether the tables of a file of that version are those that marotte makes, and nothing else is

@@ -43,6 +43,7 @@ void take_performance_finish(take_performance *p)
     free(p->mapping);
     free(p->rig);
     free(p->rig_json);
+    free(p->patch);
     free(p->again.calibration[0]);
     free(p->again.calibration[1]);
     *p = (take_performance){0};

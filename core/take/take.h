@@ -80,6 +80,7 @@ typedef struct take_performance {
     uint32_t track_count, param_count;
     int64_t track[TAKE_TRACKS_MAX];    /* in the order of the inputs */
     take_param param[TAKE_PARAMS_MAX]; /* as it started */
+    char *patch; /* which channels moved what: JSON (stage/perform/patch_file.h); NULL: none did */
     take_again again;
 } take_performance;
 

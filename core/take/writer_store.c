@@ -73,6 +73,7 @@ mrt_result writer_job_copy_performance(writer_job *job, const take_performance *
     bool good = own_text(&copy->mapping);
     good &= own_text(&copy->rig);
     good &= own_text(&copy->rig_json);
+    good &= own_text(&copy->patch);
     good &= own_text(&copy->again.calibration[0]);
     good &= own_text(&copy->again.calibration[1]);
     job->id = performance->id;

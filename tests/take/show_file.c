@@ -352,7 +352,15 @@ static void an_older_show_becomes_todays(void **state)
     scene *s = *state;
     error err = {""};
     show *got;
+    show_performance performed;
     int64_t track = record_some(s->path, 400);
+    run_sql(s->path, "DROP TABLE patch; PRAGMA user_version = 2");
+    scene_must(show_open(&got, s->path, SHOW_READ, &err), &err);
+    scene_must(show_check(got, &err), &err);
+    scene_must(show_performance_read(got, 1, &performed, &err), &err);
+    assert_null(performed.performance.patch);
+    show_performance_finish(&performed);
+    show_close(got);
     run_sql(s->path, "ALTER TABLE track DROP COLUMN chunk_count; PRAGMA user_version = 1");
     scene_must(show_open(&got, s->path, SHOW_READ, &err), &err);
     scene_expect(got, track, 0, 400); /* read as it is */

@@ -225,8 +225,8 @@ static void tables_that_are_not_ours_are_refused(void **state)
         "  hand, value, text AS (hex(zeroblob(100000000))))",
         "DROP TABLE edit",
         "CREATE VIRTUAL TABLE evil USING fts5(a)",
-        "PRAGMA user_version = 3; CREATE INDEX evil ON take(abs(id))",
-        "PRAGMA user_version = 3; ALTER TABLE take ADD COLUMN evil AS (length(scene))",
+        "PRAGMA user_version = 4; CREATE INDEX evil ON take(abs(id))",
+        "PRAGMA user_version = 4; ALTER TABLE take ADD COLUMN evil AS (length(scene))",
     };
     scene *s = *state;
     for (size_t i = 0; i < sizeof sql / sizeof sql[0]; ++i) {
@@ -250,7 +250,7 @@ static void a_newer_show_may_have_more_columns_and_tables(void **state)
     error err = {""};
     show *got;
     int64_t track = record_some(s->path);
-    run_sql(s->path, "PRAGMA user_version = 3; ALTER TABLE take ADD COLUMN more INTEGER;"
+    run_sql(s->path, "PRAGMA user_version = 4; ALTER TABLE take ADD COLUMN more INTEGER;"
                      "CREATE TABLE later(id INTEGER PRIMARY KEY, a TEXT);"
                      "CREATE INDEX later_a ON later(a, id)");
     scene_must(show_open(&got, s->path, SHOW_WRITE, &err), &err);

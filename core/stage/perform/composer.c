@@ -40,6 +40,7 @@ typedef struct joined_control {
 
 struct composer {
     face *face;
+    const rig *rig;
     mrt_face about;
     mrt_dof dof[MRT_MAX_DOFS];
     csrbf_settings solver;
@@ -746,6 +747,7 @@ mrt_result composer_create(composer **out, const face_file *file, const csrbf_se
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
     self->counts.min_determinant = 1.0;
+    self->rig = file->rig;
     measure_face(self, file, solver);
     mrt_result result = create_face(self, file, err);
     if (result >= 0)
@@ -1090,6 +1092,11 @@ void composer_draw(composer *self)
 const mrt_face *composer_about(const composer *self)
 {
     return &self->about;
+}
+
+const rig *composer_rig(const composer *self)
+{
+    return self->rig;
 }
 
 double composer_reach_mm(const composer *self, vec3 *out_centre)

@@ -18,7 +18,7 @@
 #include "mesh/shading.h"
 #include "stage/perform/face_file.h"
 
-enum { COMPOSER_PARTS_MAX = 64 };
+enum { COMPOSER_PARTS_MAX = 128 };
 
 typedef struct composer composer;
 
@@ -30,6 +30,7 @@ void composer_destroy(composer *self); /* NULL is fine */
 
 /* The face as mappings see it; until destroy. And the guard's reach around its centre. */
 const mrt_face *composer_about(const composer *self);
+const rig *composer_rig(const composer *self); /* the face file's; NULL: a mesh alone */
 double composer_reach_mm(const composer *self, vec3 *out_centre);
 
 typedef struct composer_part {

@@ -14,6 +14,7 @@
 struct layer_room {
     double *last_params;   /* of the sample before */
     double *stored_params; /* while a state is loaded */
+    double *patched_params;
     unsigned char
         *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
 };
@@ -46,6 +47,7 @@ struct layer {
     layer_settings settings;
     hands *hands;
     frame_inputs inputs;
+    patch_bay bay;
     pointer pointer;
     bool resets;          /* the mapping is to begin anew, once nothing is between */
     uint32_t reset_waits; /* steps, for what it was taught */
@@ -98,6 +100,7 @@ void layer_reset(layer *self)
     self->resets = false;
     hands_reset(self->hands);
     frame_inputs_reset(&self->inputs);
+    patch_bay_reset(&self->bay);
     pointer_reset(&self->pointer);
     self->functions->reset(self->mapping->self);
 }
@@ -110,10 +113,12 @@ layer_room *layer_room_create(const instance *mapping)
         return NULL;
     room->last_params = calloc(count, sizeof *room->last_params);
     room->stored_params = calloc(count, sizeof *room->stored_params);
+    room->patched_params = calloc(count, sizeof *room->patched_params);
     bool learns = plugin_interface(mapping->type, MRT_STATE) != NULL;
     if (learns)
         room->taught = malloc(TAUGHT_BYTES_MAX);
-    if (room->last_params && room->stored_params && (room->taught || !learns))
+    if (room->last_params && room->stored_params && room->patched_params &&
+        (room->taught || !learns))
         return room;
     layer_room_destroy(room);
     return NULL;
@@ -125,6 +130,7 @@ void layer_room_destroy(layer_room *room)
         return;
     free(room->last_params);
     free(room->stored_params);
+    free(room->patched_params);
     free(room->taught);
     free(room);
 }
@@ -162,6 +168,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     self->guard = (guard){.contact_count = about->contact_count,
                           .centre = settings->centre,
                           .reach_mm = settings->reach_mm};
+    patch_bay_init(&self->bay, &self->guard);
     mrt_result result = MRT_OK;
     self->room = layer_room_create(mapping);
     if (!self->room)
@@ -194,6 +201,7 @@ void layer_destroy(layer *self)
     if (self->mapping)
         self->functions->deactivate(self->mapping->self);
     hands_destroy(self->hands);
+    patch_bay_finish(&self->bay);
     layer_room_destroy(self->room);
     free(self);
 }
@@ -414,7 +422,13 @@ static void run_mapping(layer *self, int64_t time_ns)
 {
     instance_latch(self->mapping);
     tell_params(self, time_ns);
+    patch_bay_step(&self->bay, &self->frame, self->mapping->type, self->mapping->params,
+                   &self->good);
     self->frame.params = self->mapping->params;
+    if (self->bay.plan) {
+        patch_bay_params(&self->bay, self->mapping->params, self->room->patched_params);
+        self->frame.params = self->room->patched_params;
+    }
     if (self->takeover && !layer_is_fading(self) &&
         self->takeover->take_over(self->mapping->self, &self->pull))
         layer_cut(self);
@@ -512,6 +526,16 @@ const pointer *layer_pointer(const layer *self)
 hands *layer_hands(layer *self)
 {
     return self->hands;
+}
+
+const patch_bay *layer_bay(const layer *self)
+{
+    return &self->bay;
+}
+
+bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old)
+{
+    return patch_bay_set(&self->bay, plan, out_old);
 }
 
 void layer_watch_params(layer *self, layer_on_param *on_param, void *data)
@@ -654,6 +678,11 @@ static size_t save_inputs(void *of, void *bytes, size_t capacity)
     return frame_inputs_save(of, bytes, capacity);
 }
 
+static size_t save_bay(void *of, void *bytes, size_t capacity)
+{
+    return patch_bay_save(of, bytes, capacity);
+}
+
 size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
@@ -683,6 +712,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     bytes_put_u32(&out, self->resets);
     put_sized(&out, save_pointer, &self->pointer);
     put_sized(&out, save_inputs, &self->inputs);
+    put_sized(&out, save_bay, &self->bay);
     put_sized(&out, save_hands, self->hands);
     put_sized(&out, save_mapping, self);
     return out.size;
@@ -755,11 +785,13 @@ static void take_pointer(bytes_in *in, layer *self)
                   guard_fault(&self->guard, &self->pointer.places);
 }
 
-static void take_inputs(bytes_in *in, layer *self)
+static void take_inputs_and_bay(bytes_in *in, layer *self)
 {
     size_t size = 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !frame_inputs_load(&self->inputs, bytes, size);
+    bytes = take_sized(in, &size);
+    in->failed |= !bytes || !patch_bay_load(&self->bay, bytes, size);
 }
 
 static mrt_result load(layer *self, bytes_in *in, error *err)
@@ -780,7 +812,9 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (version >= STORE_WITH_POINTER && !in->failed)
         take_pointer(in, self);
     if (version >= STORE_WITH_INPUTS && !in->failed)
-        take_inputs(in, self);
+        take_inputs_and_bay(in, self);
+    else if (self->bay.plan)
+        in->failed = true; /* it was performed without a patch */
     size_t size = 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);

@@ -6,6 +6,7 @@
 #define MAROTTE_STAGE_LAYER_H
 #include "stage/mapping/instance.h"
 #include "stage/perform/hands.h"
+#include "stage/perform/patch_bay.h"
 #include "stage/perform/pointer.h"
 
 typedef struct layer layer;
@@ -38,6 +39,10 @@ instance *layer_mapping(layer *self);
 /* What the mouse on the face adds to it. */
 const pointer *layer_pointer(const layer *self);
 hands *layer_hands(layer *self);
+/* What its patch makes of the channels, over the mapping; plan NULL: none. */
+const patch_bay *layer_bay(const layer *self);
+/* [frame] Before a sample, as patch_bay_set. What the layer has at its end is destroyed with it. */
+bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old);
 
 /* ---- from one who pulls to another, without a jump ---- */
 

@@ -36,7 +36,25 @@ mrt_result performer_make_layer(const performer *self, instance *mapping,
         settings.hands.length_mm[side] =
             as->hand_length_mm > 0 ? as->hand_length_mm : as->side_length_mm[side];
     settings.reach_mm = composer_reach_mm(self->composer, &settings.centre);
-    return layer_create(out, mapping, composer_about(self->composer), &settings, err);
+    mrt_result result = layer_create(out, mapping, composer_about(self->composer), &settings, err);
+    if (result < 0 || !as->patch)
+        return result;
+    patch_plan *plan, *none;
+    result = performer_make_patch(self, as->patch, &plan, err);
+    if (result >= 0) {
+        patch_plan_check_params(plan, mapping->type);
+        (void)layer_set_patch(*out, plan, &none); /* nothing comes in a layer that is new */
+    } else {
+        layer_destroy(*out);
+    }
+    *out = result < 0 ? NULL : *out;
+    return result;
+}
+
+mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out, error *err)
+{
+    return patch_plan_create(out, p, composer_about(self->composer), composer_rig(self->composer),
+                             err);
 }
 
 mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
@@ -103,15 +121,42 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
     return &v->smooth;
 }
 
+/* The layers of a lane, bottom first. */
+enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_FINGER, LANE_LAYERS };
+
 /* Over the mapping: what a contact is pulled by both adds up. */
 static composer_part finger_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
 {
     composer_part out = *as;
     out.slot += PERFORMER_VOICES_MAX * bank;
-    out.layer += 1;
+    out.layer += LANE_FINGER;
     out.is_additive = out.is_finger = true;
     out.pull = pull;
     return out;
+}
+
+/* What its patch pulls, and what of it is leaving. */
+static uint32_t patch_parts(const layer *of, const composer_part *as, composer_part *out)
+{
+    static const uint32_t lane_of[PATCH_PULLS] = {LANE_INSTEAD, LANE_ADDED};
+    const patch_bay *bay = layer_bay(of);
+    double weight = patch_bay_weight(bay);
+    uint32_t part_count = 0;
+    for (uint32_t which = 0; which < PATCH_PULLS; ++which)
+        for (uint32_t is_new = 0; is_new < 2; ++is_new) {
+            const mrt_pull *pull = is_new ? &bay->pull[which] : &bay->leaving[which];
+            uint32_t side = is_new ? bay->side : 1 - bay->side;
+            if (pull->mode != MRT_ANCHORED)
+                continue;
+            composer_part *to = &out[part_count++];
+            *to = *as;
+            to->slot += PERFORMER_VOICES_MAX * (4 + 2 * which + side);
+            to->layer += lane_of[which];
+            to->is_additive |= which == PATCH_ADDED;
+            to->weight *= is_new ? weight : 1.0 - weight;
+            to->pull = pull;
+        }
+    return part_count;
 }
 
 static uint32_t pointer_parts(const layer *of, const composer_part *as, composer_part *out)
@@ -134,7 +179,7 @@ static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t
 {
     performer_voice *v = &self->voice[index];
     const composer_part whole = {.slot = index,
-                                 .layer = 2 * v->lane,
+                                 .layer = LANE_LAYERS * v->lane,
                                  .is_additive = v->is_additive,
                                  .is_fresh = is_fresh,
                                  .weight = v->weight,
@@ -154,6 +199,7 @@ static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t
     out[part_count] = whole;
     out[part_count].slot += PERFORMER_VOICES_MAX * layer_side(v->layer);
     out[part_count++].weight *= weight;
+    part_count += patch_parts(v->layer, &whole, out + part_count);
     return part_count + pointer_parts(v->layer, &whole, out + part_count);
 }
 

@@ -18,6 +18,7 @@ typedef struct performer_settings {
     double hand_length_mm; /* of both hands; 0: the next */
     double side_length_mm[2]; /* left, right; 0: HAND_LENGTH_MM */
     uint32_t rezero_pedal;    /* hands.h; 0: none */
+    const patch *patch;       /* copied; NULL: none */
 } performer_settings;
 
 /* [main] The face file and the mapping must outlive it; the mapping is activated and reset, and
@@ -29,10 +30,14 @@ void performer_destroy(performer *self); /* deactivates the mapping; NULL is fin
 CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping,
                                         const performer_settings *as, layer **out, error *err);
 
+/* [main] A patch on the face of this performer, for layer_set_patch. */
+CHECKED mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out,
+                                        error *err);
+
 /* ---- voices ---- */
 
 enum {
-    PERFORMER_PARTS_MAX = 4, /* of the composer, for a voice */
+    PERFORMER_PARTS_MAX = 8, /* of the composer, for a voice */
     PERFORMER_VOICES_MAX = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX,
     PERFORMER_NOBODY = PERFORMER_VOICES_MAX
 };

@@ -475,7 +475,8 @@ static mrt_result create_live(overdub *self, error *err)
     const performer_settings as = {
         .hand_length_mm = s->hand_length_mm,
         .side_length_mm = {s->side_length_mm[MRT_LEFT], s->side_length_mm[MRT_RIGHT]},
-        .rezero_pedal = s->rezero_pedal};
+        .rezero_pedal = s->rezero_pedal,
+        .patch = s->patch};
     mrt_result result = performer_make_layer(shown, s->mapping, &as, &self->layer, err);
     if (result < 0)
         return result;
@@ -511,6 +512,7 @@ static mrt_result create_recorder(overdub *self, error *err)
         .unit_mm = s->unit_mm,
         .hand_length_mm = s->hand_length_mm,
         .rezero_pedal = s->rezero_pedal,
+        .patch = s->patch,
         .state_bytes = REPLAY_STATE_MIN,
     };
     mrt_result result = recorder_start(&self->recorder, &settings, err);

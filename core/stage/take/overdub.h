@@ -107,6 +107,7 @@ typedef struct overdub_settings {
     instance *mapping;
     double hand_length_mm, side_length_mm[2];
     uint32_t rezero_pedal;
+    const patch *patch; /* NULL: none */
     /* what is made of it */
     char name[TAKE_NAME];   /* of the layer; "": of the mapping */
     char (*own)[TAKE_NAME]; /* what the layer moves; own_count 0: everything */

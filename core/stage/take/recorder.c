@@ -1,5 +1,6 @@
 #include "stage/take/recorder.h"
 #include "base/clock.h"
+#include "stage/perform/patch_file.h"
 #include "stage/take/identity.h"
 #include "stage/take/replay.h"
 
@@ -78,7 +79,7 @@ static mrt_result describe_performance(const recorder *self, recorder_cast *cast
     p->track_count = cast->input_count;
     memcpy(p->track, cast->track, sizeof p->track);
     identity_of_params(p, mapping);
-    return MRT_OK;
+    return of->patch ? patch_file_write(&p->patch, of->patch, err) : MRT_OK;
 }
 
 static void describe_channels(take_track *out, const mrt_channel *channel, uint32_t count)

@@ -25,6 +25,7 @@ typedef struct recorder_settings {
     uint32_t input_count;
     const char *calibration[2]; /* left, right: JSON; NULL: none */
     layer *layer;               /* who performs, its parameters set */
+    const patch *patch;         /* of the layer, as it is set; NULL: none */
     instance *mapping;          /* of the layer; NULL: it is asked, no thread performs yet */
     performer *performer;       /* that layer and a face that it alone moves: states are kept, from
                                    which it can be taken up; NULL: others move the face too */

@@ -3,6 +3,7 @@
 #include "hand/calibration_file.h"
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
+#include "stage/perform/patch_file.h"
 #include "stage/perform/performer.h"
 #include "stage/perform/scheduler.h"
 #include "take/hash.h"
@@ -327,6 +328,24 @@ static mrt_result read_taught(replay *self, error *err)
 
 /* ---- opened and closed ---- */
 
+static mrt_result set_patch(replay *self, error *err)
+{
+    const char *text = self->info.performance.patch;
+    patch *p = text ? malloc(sizeof *p) : NULL;
+    patch_plan *plan = NULL, *none;
+    if (!text)
+        return MRT_OK;
+    if (!p)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a patch");
+    mrt_result result = patch_file_parse(p, text, strlen(text), "the take's patch", err);
+    if (result >= 0)
+        result = performer_make_patch(self->world.scratch, p, &plan, err);
+    free(p);
+    if (result >= 0)
+        (void)layer_set_patch(self->layer, plan, &none);
+    return result;
+}
+
 mrt_result replay_open(replay **out, const replay_world *world, int64_t performance, error *err)
 {
     *out = NULL;
@@ -364,6 +383,8 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
     const composer *shown = performer_composer(world->scratch);
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
     result = layer_create(&self->layer, &self->mapping, composer_about(shown), &settings, err);
+    if (result >= 0)
+        result = set_patch(self, err);
     if (result >= 0)
         result = read_events(self, err);
     if (result < 0)
