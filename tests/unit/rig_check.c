@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "face/rig_check.h"
+#include "io/openmesh.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
@@ -271,6 +272,62 @@ static void a_contact_on_a_seam_is_an_error_unless_its_bone_is_named(void **stat
     memcpy(moai.mesh.position + (size_t)b * 3, kept, sizeof kept);
 }
 
+/* Two strips of skin that touch along a line of six places: which vertices ride on what. */
+static void check_strips(rig_findings *out, const char *on_jaw, const char *on_skull)
+{
+    enum { LONG = 6, STRIP = 2 * LONG };
+    mesh m;
+    topology t;
+    rig r;
+    binding b;
+    error err = {""};
+    char text[1024];
+    assert_int_equal(mesh_create(&m, 2 * STRIP, 4 * (LONG - 1), &err), MRT_OK);
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < 2 * STRIP; ++v) {
+        m.position[3 * v] = 20.0f * (float)(v % LONG);
+        m.position[3 * v + 1] = v / LONG == 0 ? 0.0f : v / LONG == 3 ? 200.0f : 100.0f;
+    }
+    for (uint32_t strip = 0; strip < 2; ++strip)
+        for (uint32_t i = 0; i + 1 < LONG; ++i) {
+            uint32_t a = strip * STRIP + i;
+            const uint32_t corner[6] = {a, a + 1, a + 1 + LONG, a, a + 1 + LONG, a + LONG};
+            memcpy(m.triangle + 3 * (size_t)count, corner, sizeof corner);
+            count += 2;
+        }
+    (void)snprintf(text, sizeof text,
+                   "{\"marotte_rig\": 1, \"mesh\": \"strips.obj\", \"unit\": \"mm\", \"bones\": "
+                   "[{\"name\": \"skull\"}, {\"name\": \"jaw\", \"hinge\": {\"left\": [60, 0, "
+                   "-80], \"right\": [-60, 0, -80]}, \"incisor\": [0, -40, 0]}], \"regions\": "
+                   "[{\"bone\": \"jaw\", \"weight\": 1, \"select\": {\"vertices\": [\"%s\"]}}, "
+                   "{\"bone\": \"skull\", \"weight\": 1, \"select\": {\"vertices\": "
+                   "[\"%s\"]}}], \"contacts\": []}",
+                   on_jaw, on_skull);
+    assert_true(rig_parse(&r, text, strlen(text), "strips.rig.json", &err) >= 0);
+    assert_true(openmesh_topology(&t, &m, &err) >= 0);
+    if (binding_create(&b, &r, &m, &t, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_int_equal(rig_check(out, &r, &m, &t, &b, &err), MRT_OK);
+    binding_destroy(&b);
+    topology_destroy(&t);
+    rig_destroy(&r);
+    mesh_destroy(&m);
+}
+
+static void pieces_that_touch_and_would_part_are_a_warning(void **state)
+{
+    (void)state;
+    rig_findings all;
+    check_strips(&all, "0-11", "12-23");
+    assert_int_equal(find(&all, "touch at 6 places where they follow different bones")->severity,
+                     RIG_WARNING);
+    rig_findings_finish(&all);
+    check_strips(&all, "0-5", "6-23");
+    for (uint32_t i = 0; i < all.count; ++i)
+        assert_null(strstr(all.item[i].text, "they part there"));
+    rig_findings_finish(&all);
+}
+
 static void poses_in_another_unit_are_warnings(void **state)
 {
     (void)state;
@@ -346,6 +403,7 @@ int main(void)
         cmocka_unit_test(a_wrong_unit_and_lost_symmetry_are_found),
         cmocka_unit_test(a_surface_turned_in_is_a_warning),
         cmocka_unit_test(a_contact_on_a_seam_is_an_error_unless_its_bone_is_named),
+        cmocka_unit_test(pieces_that_touch_and_would_part_are_a_warning),
         cmocka_unit_test(poses_in_another_unit_are_warnings),
         cmocka_unit_test(errors_come_first),
         cmocka_unit_test(a_missing_mesh_names_the_rig_and_the_place),

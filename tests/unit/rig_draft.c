@@ -238,6 +238,21 @@ static mesh mesh_of(uint32_t count)
     return m;
 }
 
+static void a_mesh_of_millions_is_refused_before_the_work(void **state)
+{
+    (void)state;
+    mesh m;
+    topology t = {0};
+    rig r;
+    char *confirm;
+    error err = {""};
+    assert_int_equal(mesh_create(&m, 2500000, 1, &err), MRT_OK);
+    assert_int_equal(rig_draft_make(&r, &confirm, &m, &t, "scan.ply", NULL, 0, &err),
+                     MRT_ERR_UNSUPPORTED);
+    assert_non_null(strstr(err.text, "scan.ply: it has 2500000 vertices"));
+    mesh_destroy(&m);
+}
+
 static void vertices_without_a_mirror_image_are_counted(void **state)
 {
     (void)state;
@@ -285,6 +300,7 @@ int main(void)
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),
         cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
         cmocka_unit_test(what_has_no_face_is_refused),
+        cmocka_unit_test(a_mesh_of_millions_is_refused_before_the_work),
         cmocka_unit_test(vertices_without_a_mirror_image_are_counted),
         cmocka_unit_test(a_flat_mesh_without_mirror_images_is_no_work),
     };

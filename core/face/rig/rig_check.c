@@ -285,6 +285,80 @@ static void check_unmarked(checking *c, const pieces *p)
     }
 }
 
+static double height_of(const mesh *m)
+{
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    return (double)high[1] - (double)low[1];
+}
+
+/* A point of the surface, and where it is in cells that are far smaller than triangles. */
+typedef struct placed_point {
+    int64_t cell[3];
+    uint32_t vertex;
+} placed_point;
+
+static int by_cell(const void *left, const void *right)
+{
+    const placed_point *a = left, *b = right;
+    for (int i = 0; i < 3; ++i)
+        if (a->cell[i] != b->cell[i])
+            return a->cell[i] < b->cell[i] ? -1 : 1;
+    return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
+}
+
+/* How much of one vertex follows other bones than another does, 0..1. */
+static double apart(const checking *c, uint32_t v, uint32_t w)
+{
+    const binding *b = c->binding;
+    double sum = 0.0;
+    for (size_t bone = 0; bone < b->bone_count; ++bone)
+        sum += fabs((double)b->weight[bone * b->vertex_count + v] -
+                    (double)b->weight[bone * b->vertex_count + w]);
+    return 0.5 * sum;
+}
+
+/* Where pieces that are not one surface touch, as a head and its neck do, they must move alike.
+ * What is rigid is meant to leave what it touches. */
+static void check_parting(checking *c, const pieces *p)
+{
+    enum { FEW = 4 }; /* places: fewer touch by chance */
+    const double parts_from = 0.05;
+    float low[3], high[3];
+    uint32_t count = 0, found = 0, example[2] = {0, 0};
+    mesh_bounds(c->m, low, high);
+    const double cell_mm = fmax(1e-5 * height_of(c->m), 1e-9);
+    placed_point *at =
+        c->binding && c->marks ? malloc(((size_t)c->m->vertex_count + 1) * sizeof *at) : NULL;
+    for (uint32_t v = 0; at && v < c->m->vertex_count; ++v) {
+        if (mesh_point(c->m, v) != v || p->of_vertex[v] >= p->count ||
+            c->marks->rigid_bone[v] != RIG_NONE)
+            continue;
+        for (size_t i = 0; i < 3; ++i)
+            at[count].cell[i] = (int64_t)floor(
+                ((double)c->m->position[3 * (size_t)v + i] - (double)low[i]) / cell_mm + 0.5);
+        at[count++].vertex = v;
+    }
+    if (at)
+        qsort(at, count, sizeof *at, by_cell);
+    for (uint32_t i = 1; at && i < count; ++i) {
+        uint32_t v = at[i - 1].vertex, w = at[i].vertex;
+        if (memcmp(at[i - 1].cell, at[i].cell, sizeof at->cell) != 0 ||
+            p->of_vertex[v] == p->of_vertex[w] || !(apart(c, v, w) > parts_from))
+            continue;
+        if (found++ == 0) {
+            example[0] = v;
+            example[1] = w;
+        }
+    }
+    if (found >= FEW)
+        report(c, RIG_WARNING, "$.regions",
+               "pieces of the mesh touch at %u places where they follow different bones, vertices "
+               "%u and %u the first: they part there; give both one weight, or join them",
+               found, example[0], example[1]);
+    free(at);
+}
+
 static uint32_t largest_piece(const pieces *p)
 {
     uint32_t best = 0;
@@ -369,8 +443,10 @@ static void check_surface(checking *c)
 {
     pieces p;
     if (pieces_make(&p, c)) {
-        if (c->marks)
+        if (c->marks) {
             check_unmarked(c, &p);
+            check_parting(c, &p);
+        }
         check_inside_out(c, &p);
     } else {
         c->is_out_of_memory = true;
@@ -753,13 +829,6 @@ static void check_unusable(checking *c, bind_marks *marks)
         find_error(c, &err);
     if (c->marks && check_seams(c->r, c->m, c->marks, c->binding, &err) < 0)
         find_error(c, &err);
-}
-
-static double height_of(const mesh *m)
-{
-    float low[3], high[3];
-    mesh_bounds(m, low, high);
-    return (double)high[1] - (double)low[1];
 }
 
 mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topology *t,

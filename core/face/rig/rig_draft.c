@@ -2,6 +2,7 @@
 
 #include "face/rig/rig_anatomy.h"
 #include "face/rig/rig_document.h"
+#include "face/weights/weights_laplace.h"
 #include "face/face.h"
 #include "face/rig_check.h"
 
@@ -11,9 +12,10 @@
 #include <string.h>
 
 enum { REGIONS_MAX = 200 };
-#define NECK      0.6  /* of the reach: so far below the chin the skin is drawn along */
-#define EYE_REACH 1.28 /* of an eyeball's radius: so far around it nothing is pulled */
-#define LID_REACH 1.22 /* of an eyeball's radius: so far in front of it lids are */
+#define DRAFT_MOST (8u * LAPLACE_FREE_MOST) /* vertices: of a head an eighth is a face at least */
+#define NECK       0.6  /* of the reach: so far below the chin the skin is drawn along */
+#define EYE_REACH  1.28 /* of an eyeball's radius: so far around it nothing is pulled */
+#define LID_REACH  1.22 /* of an eyeball's radius: so far in front of it lids are */
 
 typedef enum ambition { /* what a draft has: less is tried where more does not load */
                         ALL = 0,
@@ -1027,6 +1029,10 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     drafting d = {.m = m, .t = t};
     *out = (rig){0};
     *out_confirm = NULL;
+    if (m->vertex_count > DRAFT_MOST)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: it has %u vertices, and a face at most %u: use a coarser mesh",
+                         mesh_path, m->vertex_count, DRAFT_MOST);
     mrt_result result = rig_anatomy_find(&d.a, m, t, err);
     if (result < 0)
         return result;
@@ -1043,6 +1049,8 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
             if (result >= 0 && is_found)
                 result = draft_once(out, &d, mesh_path, err);
         }
+        if (result < 0 && m->vertex_count > LAPLACE_FREE_MOST)
+            break; /* less ambition is no less work */
         if (result >= 0) {
             result = try_bones(out, &d, &has_lids, err);
             is_done = result >= 0 && (has_lids || d.ambition > ALL);

@@ -18,8 +18,6 @@
 #define TENSION_WIDTHS 8.0
 /* Changes fade to a sixth in each ring of edges. */
 #define FADE 2.0
-/* Time and memory grow faster than the vertices: 5 s and 0.3 GB for 109 000. */
-#define FREE_MOST 250000u
 
 static vec3 position_of(const mesh *m, uint32_t vertex)
 {
@@ -350,11 +348,11 @@ static mrt_result solve(const laplace *l, fill_kind kind, float *value, uint32_t
     }
     mrt_result result = MRT_OK;
     start_cholmod(&f.common);
-    if (f.free_count > FREE_MOST)
+    if (f.free_count > LAPLACE_FREE_MOST)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "%u vertices without a mark are more than the %u that weights can be "
                            "filled over: mark what is rigid, or use a coarser mesh",
-                           f.free_count, FREE_MOST);
+                           f.free_count, LAPLACE_FREE_MOST);
     if (result == MRT_OK)
         result = factor_system(&f, err);
     if (result == MRT_OK)
