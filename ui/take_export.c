@@ -1,6 +1,7 @@
 /* Takes out of the program. */
 #include "base/cancel.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "exports.h"
 #include "hand/sensor.h"
 #include "recording.h"
@@ -390,6 +391,14 @@ static mrt_result choose(take_call *call, const take *t, log_span *out, error *e
 
 /* ---- the table ---- */
 
+/* Whether a log may call a column so. */
+static bool is_column(const char *name)
+{
+    return name[0] != '\0' && strlen(name) < 40 &&
+           text_is_printable(text_view_of(name, strlen(name))) && !strpbrk(name, ",\"#") &&
+           name[0] != ' ' && name[strlen(name) - 1] != ' ';
+}
+
 static void put_column(FILE *stream, const take_channel *c, uint32_t i)
 {
     const char *side = c->hand == MRT_LEFT ? "left" : "right";
@@ -400,8 +409,21 @@ static void put_column(FILE *stream, const take_channel *c, uint32_t i)
         fprintf(stream, ",%s.%s", side, sensor_table[c->semantic - MRT_CH_ANGLE].name);
     else if (c->hand <= MRT_RIGHT && c->semantic >= MRT_CH_WRIST && c->semantic < MRT_CH_WRIST + 7)
         fprintf(stream, ",%s.wrist.%s", side, wrist_name[c->semantic - MRT_CH_WRIST]);
+    else if (is_column(c->name))
+        fprintf(stream, ",%s", c->name);
     else
         fprintf(stream, ",channel.%u", i + 1);
+}
+
+/* What has no meaning but its name has a range instead. */
+static void put_unit(FILE *stream, const take_channel *c)
+{
+    if (c->semantic >= MRT_CH_ANGLE && c->semantic < MRT_CH_ANGLE + MRT_ANGLES)
+        fprintf(stream, ",%s", strcmp(c->unit, "count") == 0 ? "count" : "rad");
+    else if (c->semantic == MRT_CH_OTHER && c->min < c->max)
+        fprintf(stream, ",%.9g..%.9g", (double)c->min, (double)c->max);
+    else
+        fputc(',', stream);
 }
 
 static void put_head(FILE *stream, const show_track *of)
@@ -410,11 +432,8 @@ static void put_head(FILE *stream, const show_track *of)
     for (uint32_t i = 0; i < of->track.channel_count; ++i)
         put_column(stream, &of->track.channel[i], i);
     fputs("\nunit", stream);
-    for (uint32_t i = 0; i < of->track.channel_count; ++i) {
-        const take_channel *c = &of->track.channel[i];
-        bool is_angle = c->semantic >= MRT_CH_ANGLE && c->semantic < MRT_CH_ANGLE + MRT_ANGLES;
-        fprintf(stream, ",%s", !is_angle ? "" : strcmp(c->unit, "count") == 0 ? "count" : "rad");
-    }
+    for (uint32_t i = 0; i < of->track.channel_count; ++i)
+        put_unit(stream, &of->track.channel[i]);
     fputc('\n', stream);
 }
 
