@@ -141,14 +141,14 @@ static void input_close(mrt_plugin *self)
 static bool open_port(mrt_plugin *self, const char *wanted, char *reason)
 {
     char path[32];
-    if (wanted[0] != '/' && midi_seq_is_there()) {
+    if (!strchr(wanted, '/') && midi_seq_is_there()) {
         self->seq = midi_seq_open(wanted, self->name, reason);
         self->can_write = self->seq != NULL;
         return self->seq != NULL;
     }
     if (wanted[0] == '\0' && midi_raw_find(0, path))
         wanted = path;
-    if (wanted[0] != '/') {
+    if (!strchr(wanted, '/')) {
         (void)snprintf(reason, MIDI_REASON,
                        "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
                        "device or a pipe, as in midi:/dev/snd/midiC1D0",

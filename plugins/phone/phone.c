@@ -135,7 +135,7 @@ static void ask_if_due(mrt_plugin *self, int64_t now_ns)
 
 static bool admit(mrt_plugin *self, const udp_peer *peer, int64_t now_ns)
 {
-    if (udp_owner_admits(&self->owner, peer, now_ns))
+    if (udp_owner_admits_single(&self->owner, peer, now_ns))
         return true;
     if (!self->has_told_other) {
         char text[UDP_PEER_TEXT];
