@@ -71,14 +71,15 @@ static mrt_plugin *osc_create(const mrt_host *host)
 }
 
 static const char *const hand_label[] = {"left", "right", NULL};
-static const char *const content_label[] = {"hand and pedals", "hand and wrist", "pedals", NULL};
+static const char *const content_label[] = {"hand and pedals", "hand and wrist", "pedals",
+                                            "controls", NULL};
 
 static const mrt_param params[OSC_PARAM_COUNT] = {
     [OSC_PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Network", "",
                         "Whose hand the messages of other software are taken for", MRT_LEFT,
                         MRT_RIGHT, MRT_RIGHT, hand_label},
     [OSC_PARAM_CONTENT] = {2, MRT_PARAM_STEPPED, "content", "Network", "",
-                           "Which channels the messages of other software give", 0, 2, 0,
+                           "Which channels the messages of other software give", 0, 3, 0,
                            content_label},
     [OSC_PARAM_SILENCE] = {3, 0, "silence", "Network", "s",
                            "Pedals go up after this silence, and after three the sender is lost; 0 "

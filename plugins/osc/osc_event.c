@@ -139,6 +139,54 @@ static osc_fault read_bone(osc_event *out, const osc_message *message)
     return OSC_FAULT_NONE;
 }
 
+static osc_fault give_control(osc_event *out, uint32_t control, float value)
+{
+    out->kind = OSC_EVENT_CONTROL;
+    out->first = control;
+    out->count = 1;
+    out->value[0] = value;
+    return OSC_FAULT_NONE;
+}
+
+/* Controllers beyond those that have a channel are passed over, as other keys are. */
+static osc_fault read_controller(osc_event *out, const osc_message *message)
+{
+    int32_t number;
+    if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
+        !read_numbers(out, message, 1, 1))
+        return refuse(out, OSC_FAULT_TYPES, "expected a controller's number and its value");
+    if (!(out->value[0] >= 0 && out->value[0] <= 1))
+        return refuse(out, OSC_FAULT_VALUE, "expected a value from 0 to 1");
+    if (number < 0 || number >= OSC_CONTROLLERS)
+        return OSC_FAULT_NONE;
+    return give_control(out, (uint32_t)number, out->value[0]);
+}
+
+static osc_fault read_key(osc_event *out, const osc_message *message)
+{
+    int32_t is_down;
+    const char *name = osc_message_text(message, 1);
+    if (message->count != 3 || !osc_message_int32(message, 0, &is_down) || !name)
+        return refuse(out, OSC_FAULT_TYPES, "expected 1 (down) or 0, a key's name and its code");
+    const char letter = (char)(name[0] >= 'a' && name[0] <= 'z' ? name[0] - 'a' + 'A' : name[0]);
+    if (letter < 'A' || letter > 'Z' || name[1] != '\0')
+        return OSC_FAULT_NONE;
+    return give_control(out, OSC_CONTROLLERS + (uint32_t)(letter - 'A'), is_down != 0 ? 1 : 0);
+}
+
+static osc_fault read_vmc(osc_event *out, const osc_message *message, const char *rest)
+{
+    if (strcmp(rest, "Bone/Pos") == 0)
+        return read_bone(out, message);
+    if (strcmp(rest, "Midi/CC/Val") == 0)
+        return read_controller(out, message);
+    if (strcmp(rest, "Key") == 0)
+        return read_key(out, message);
+    if (strcmp(rest, "T") == 0 || strcmp(rest, "OK") == 0)
+        out->kind = OSC_EVENT_FRAME;
+    return OSC_FAULT_NONE;
+}
+
 /* ---- from one marotte to another ---- */
 
 static osc_fault read_source(osc_event *out, const osc_message *message)
@@ -177,7 +225,7 @@ static osc_fault read_channels(osc_event *out, const osc_message *message)
     uint32_t count = (message->count - 2) / CHANNEL_ARGUMENTS;
     mrt_channel channel[MRT_MAX_CHANNELS];
     static const char *const expected =
-        "expected name, unit, semantic, hand, min, max for each of 1 to 32 channels";
+        "expected name, unit, semantic, hand, min, max for each of 1 to 64 channels";
     if (count == 0 || count > MRT_MAX_CHANNELS || (message->count - 2) % CHANNEL_ARGUMENTS != 0)
         return refuse(out, OSC_FAULT_TYPES, expected);
     for (uint32_t i = 0; i < count; ++i)
@@ -206,7 +254,7 @@ static osc_fault read_sample(osc_event *out, const osc_message *message)
         !osc_message_int64(message, 4, &out->sent_ns) || message->count <= HEAD ||
         message->count > HEAD + MRT_MAX_CHANNELS)
         return refuse(out, OSC_FAULT_TYPES,
-                      "expected source, version, sequence, two times, 1 to 32 values");
+                      "expected source, version, sequence, two times, 1 to 64 values");
     out->count = message->count - HEAD;
     for (uint32_t i = 0; i < out->count; ++i)
         if (!osc_message_float(message, HEAD + i, &out->value[i]))
@@ -252,8 +300,8 @@ osc_fault osc_event_read(osc_event *out, const osc_message *message)
     out->expected = "";
     if (strncmp(message->address, "/marotte/", 9) == 0)
         return read_ours(out, message, message->address + 9);
-    if (strcmp(message->address, "/VMC/Ext/Bone/Pos") == 0)
-        return read_bone(out, message);
+    if (strncmp(message->address, "/VMC/Ext/", 9) == 0)
+        return read_vmc(out, message, message->address + 9);
     if (strncmp(message->address, "/VMC/", 5) == 0)
         return OSC_FAULT_NONE;
     return refuse(out, OSC_FAULT_ADDRESS, "no message of marotte or VMC: plugins/osc/README.md");

@@ -14,6 +14,8 @@ typedef enum osc_event_kind {
     OSC_EVENT_WRIST,    /* side; 7 values */
     OSC_EVENT_PEDAL,    /* `first` 0..3; 1 value, 0 up .. 1 down */
     OSC_EVENT_BONE,     /* bone; 4 values, a quaternion x y z w */
+    OSC_EVENT_FRAME,    /* the bones of a frame have all been told */
+    OSC_EVENT_CONTROL,  /* `first` of the controls; 1 value, 0..1 */
     OSC_EVENT_CHANNELS, /* table */
     OSC_EVENT_SAMPLE,   /* source, version, sequence, time_ns, sent_ns; `count` values */
     OSC_EVENT_END       /* source, version */
@@ -21,6 +23,9 @@ typedef enum osc_event_kind {
 
 /* Times of senders' clocks are within +-this, so that no difference overflows. */
 static const int64_t OSC_TIME_MAX_NS = INT64_C(1) << 61;
+
+/* Controls: MIDI controllers 0 to 31, then the keys A to Z. */
+enum { OSC_CONTROLLERS = 32, OSC_KEYS = 26, OSC_CONTROLS = OSC_CONTROLLERS + OSC_KEYS };
 
 typedef struct osc_event {
     osc_event_kind kind;

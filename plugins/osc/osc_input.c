@@ -60,7 +60,9 @@ static osc_content content_of(const double *params)
     double content = params[OSC_PARAM_CONTENT];
     if (content < 0.5)
         return OSC_CONTENT_PEDALS;
-    return content < 1.5 ? OSC_CONTENT_WRIST : OSC_CONTENT_PEDALS_ONLY;
+    if (content < 1.5)
+        return OSC_CONTENT_WRIST;
+    return content < 2.5 ? OSC_CONTENT_PEDALS_ONLY : OSC_CONTENT_CONTROLS;
 }
 
 /* One that was lost listens on to what it had, if that is what is asked for. */
@@ -268,6 +270,7 @@ static bool give_heard(osc_input *self, mrt_sample *out)
     osc_item item;
     for (;;) {
         osc_port_lock(self->port);
+        osc_listener_close_frame_if_due(&self->listener, device_clock_ns());
         bool found = osc_listener_pop(&self->listener, &item);
         osc_port_unlock(self->port);
         if (!found)
@@ -288,6 +291,7 @@ static bool give_heard(osc_input *self, mrt_sample *out)
 typedef struct silence {
     const char *loss; /* why the sender counts as gone; NULL: it does not */
     int64_t release_ns, lost_ns;
+    int64_t frame_ns; /* when the bones that have come are a frame */
 } silence;
 
 static const char *loss_of(const osc_listener *listener)
@@ -301,13 +305,14 @@ static const char *loss_of(const osc_listener *listener)
 
 static silence silence_of(osc_input *self, const double *params)
 {
-    silence out = {NULL, INT64_MAX, INT64_MAX};
+    silence out = {NULL, INT64_MAX, INT64_MAX, INT64_MAX};
     double silence_s = params[OSC_PARAM_SILENCE];
     bool matters = silence_s > 0 && silence_s <= 1e6;
     int64_t silence_ns = matters ? (int64_t)(silence_s * (double)ns_per_s) : 0;
     osc_port_lock(self->port);
     const osc_listener *listener = &self->listener;
     out.loss = loss_of(listener);
+    out.frame_ns = osc_listener_frame_due_ns(listener);
     if (matters && has_pedal_down(self))
         out.release_ns = listener->pedal_heard_ns + silence_ns;
     if (matters && listener->has_heard)
@@ -383,7 +388,8 @@ mrt_result osc_input_read(osc_input *self, const double *params, int64_t deadlin
             return lose(self, quiet.loss);
         if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
             return MRT_TIMEOUT;
-        int64_t wake_ns = sooner(until_ns, sooner(quiet.release_ns, quiet.lost_ns));
+        int64_t wake_ns =
+            sooner(sooner(until_ns, quiet.frame_ns), sooner(quiet.release_ns, quiet.lost_ns));
         works = osc_port_wait(self->port, &self->listener, wake_ns, self->host);
         has_waited = true;
     }

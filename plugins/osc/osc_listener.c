@@ -25,10 +25,32 @@ static void add_channel(osc_table *table, const char *name, const char *unit, ui
     table->channel[i] = (mrt_channel){table->name[i], table->unit[i], semantic, hand, low, high};
 }
 
+static void describe_controls(osc_table *table)
+{
+    for (uint32_t i = 0; i < OSC_CONTROLS; ++i) {
+        char name[16];
+        if (i < OSC_CONTROLLERS)
+            snprintf(name, sizeof name, "cc.%u", i);
+        else
+            snprintf(name, sizeof name, "key.%c", 'a' + (int)(i - OSC_CONTROLLERS));
+        add_channel(table, name, "", i < OSC_CONTROLLERS ? MRT_CH_OTHER : MRT_CH_BUTTON,
+                    MRT_NO_HAND, 0, 1);
+    }
+}
+
+static bool is_of_hand(osc_content content)
+{
+    return content == OSC_CONTENT_PEDALS || content == OSC_CONTENT_WRIST;
+}
+
 static void describe(osc_table *table, uint32_t side, osc_content content)
 {
     memset(table, 0, sizeof *table);
-    for (uint32_t i = 0; content != OSC_CONTENT_PEDALS_ONLY && i < MRT_ANGLES; ++i)
+    if (content == OSC_CONTENT_CONTROLS) {
+        describe_controls(table);
+        return;
+    }
+    for (uint32_t i = 0; is_of_hand(content) && i < MRT_ANGLES; ++i)
         add_channel(table, sensor_name[i], "rad", MRT_CH_ANGLE + i, side, -angle_max_rad,
                     angle_max_rad);
     for (uint32_t i = 0; content == OSC_CONTENT_WRIST && i < 7; ++i)
@@ -59,7 +81,7 @@ void osc_listener_start_forwarded(osc_listener *self, const char *wanted)
 
 void osc_listener_rearm(osc_listener *self)
 {
-    self->first = self->count = 0;
+    self->first = self->count = self->frame_bones = 0;
     self->has_heard = self->has_sample = false;
     self->has_ended = false;
     if (self->has_other_channels)
@@ -105,12 +127,12 @@ static void hear(osc_listener *self, int64_t now_ns)
 
 static bool has_angles(const osc_listener *self, uint32_t side)
 {
-    return self->content != OSC_CONTENT_PEDALS_ONLY && side == self->side;
+    return is_of_hand(self->content) && side == self->side;
 }
 
 static bool has_pedals(const osc_listener *self)
 {
-    return self->content != OSC_CONTENT_WRIST;
+    return self->content == OSC_CONTENT_PEDALS || self->content == OSC_CONTENT_PEDALS_ONLY;
 }
 
 /* Whose message this must be to count; NULL: it is of no use here. */
@@ -125,6 +147,8 @@ static udp_owner *owner_of(osc_listener *self, const osc_event *event)
                                                                                : NULL;
     case OSC_EVENT_PEDAL:
         return has_pedals(self) ? &self->pedal_owner : NULL;
+    case OSC_EVENT_CONTROL:
+        return self->content == OSC_CONTENT_CONTROLS ? &self->control_owner : NULL;
     default:
         return NULL;
     }
@@ -139,9 +163,75 @@ static void apply(osc_listener *self, const osc_event *event)
         memcpy(self->wrist, event->value, sizeof self->wrist);
     else if (event->kind == OSC_EVENT_PEDAL)
         self->pedal[event->first] = event->value[0];
-    else
-        osc_vmc_apply(&self->pose, &event->bone, event->value, self->angle);
+    else if (event->kind == OSC_EVENT_CONTROL)
+        self->control[event->first] = event->value[0];
 }
+
+static void put_values(const osc_listener *self, float *out)
+{
+    if (self->content == OSC_CONTENT_CONTROLS) {
+        memcpy(out, self->control, sizeof self->control);
+        return;
+    }
+    uint32_t count = 0;
+    if (is_of_hand(self->content)) {
+        memcpy(out, self->angle, sizeof self->angle);
+        count = MRT_ANGLES;
+    }
+    if (has_pedals(self))
+        memcpy(out + count, self->pedal, sizeof self->pedal);
+    else
+        memcpy(out + count, self->wrist, sizeof self->wrist);
+}
+
+static void push_values(osc_listener *self, int64_t tag_ns, int64_t now_ns)
+{
+    osc_item item = {.time_ns = now_ns, .step = 1};
+    if (tag_ns >= -OSC_TIME_MAX_NS && tag_ns <= OSC_TIME_MAX_NS)
+        item.time_ns = clock_map_to_host(&self->clock, tag_ns, now_ns);
+    put_values(self, item.value);
+    push(self, &item);
+}
+
+/* ---- frames of bones ---- */
+
+static const int64_t frame_span_ns = 4000000;
+
+static void close_frame(osc_listener *self)
+{
+    if (self->frame_bones == 0)
+        return;
+    self->frame_bones = 0;
+    push_values(self, self->frame_tag_ns, self->frame_ns);
+}
+
+static void take_bone(osc_listener *self, const osc_event *event, int64_t now_ns)
+{
+    osc_vmc_bone bone = event->bone;
+    osc_vmc_settle(&self->pose, &bone);
+    const uint32_t bit = 1u << (bone.finger * 3 + bone.joint);
+    if (self->frame_bones & bit)
+        close_frame(self);
+    if (self->frame_bones == 0)
+        self->frame_due_ns = now_ns + frame_span_ns;
+    self->frame_bones |= bit;
+    self->frame_ns = now_ns;
+    self->frame_tag_ns = event->tag_ns;
+    osc_vmc_apply(&self->pose, &bone, event->value, self->angle);
+}
+
+int64_t osc_listener_frame_due_ns(const osc_listener *self)
+{
+    return self->frame_bones == 0 ? INT64_MAX : self->frame_due_ns;
+}
+
+void osc_listener_close_frame_if_due(osc_listener *self, int64_t now_ns)
+{
+    if (osc_listener_frame_due_ns(self) <= now_ns)
+        close_frame(self);
+}
+
+/* ---- messages ---- */
 
 bool osc_listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
                        int64_t now_ns)
@@ -156,38 +246,28 @@ bool osc_listener_take(osc_listener *self, const osc_event *event, const udp_pee
         self->pedal_heard_ns = now_ns;
         hear(self, now_ns);
     }
+    if (event->kind == OSC_EVENT_FRAME && udp_owner_is(&self->angle_owner, peer))
+        close_frame(self);
     if (!owner)
         return true;
+    hear(self, now_ns);
+    if (event->kind == OSC_EVENT_BONE) {
+        take_bone(self, event, now_ns);
+        return true;
+    }
     apply(self, event);
     self->is_touched = true;
     self->tag_ns = event->tag_ns;
-    hear(self, now_ns);
     return true;
-}
-
-static void put_values(const osc_listener *self, float *out)
-{
-    uint32_t count = 0;
-    if (self->content != OSC_CONTENT_PEDALS_ONLY) {
-        memcpy(out, self->angle, sizeof self->angle);
-        count = MRT_ANGLES;
-    }
-    if (has_pedals(self))
-        memcpy(out + count, self->pedal, sizeof self->pedal);
-    else
-        memcpy(out + count, self->wrist, sizeof self->wrist);
 }
 
 void osc_listener_end_packet(osc_listener *self, int64_t now_ns)
 {
+    osc_listener_close_frame_if_due(self, now_ns);
     if (!self->is_touched)
         return;
     self->is_touched = false;
-    osc_item item = {.time_ns = now_ns, .step = 1};
-    if (self->tag_ns >= -OSC_TIME_MAX_NS && self->tag_ns <= OSC_TIME_MAX_NS)
-        item.time_ns = clock_map_to_host(&self->clock, self->tag_ns, now_ns);
-    put_values(self, item.value);
-    push(self, &item);
+    push_values(self, self->tag_ns, now_ns);
 }
 
 void osc_listener_release_pedals(osc_listener *self)

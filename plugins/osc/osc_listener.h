@@ -10,7 +10,8 @@
 typedef enum osc_content {
     OSC_CONTENT_PEDALS = 0, /* 22 angles, 4 pedals */
     OSC_CONTENT_WRIST,      /* 22 angles, position and orientation of the wrist */
-    OSC_CONTENT_PEDALS_ONLY
+    OSC_CONTENT_PEDALS_ONLY,
+    OSC_CONTENT_CONTROLS /* MIDI controllers and keys, as VMC tells them */
 } osc_content;
 
 typedef struct osc_item {
@@ -32,8 +33,13 @@ typedef struct osc_listener {
     osc_table table; /* channels; count 0 while not known */
 
     float angle[MRT_ANGLES], wrist[7], pedal[MRT_MAX_PEDALS];
+    float control[OSC_CONTROLS];
     osc_vmc_pose pose;
-    udp_owner angle_owner, wrist_owner, pedal_owner;
+    /* Bones come in several datagrams: a sample is made of them when the frame is told to be over,
+     * a bone comes again, or no later than frame_due_ns. */
+    uint32_t frame_bones; /* which of them have come; 0: none */
+    int64_t frame_ns, frame_due_ns, frame_tag_ns;
+    udp_owner angle_owner, wrist_owner, pedal_owner, control_owner;
     clock_map clock; /* of senders who tag bundles with the time */
     int64_t tag_ns;  /* of the packet being taken */
     bool is_touched; /* by the packet being taken */
@@ -57,6 +63,11 @@ void osc_listener_rearm(osc_listener *self);
 bool osc_listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
                        int64_t now_ns);
 void osc_listener_end_packet(osc_listener *self, int64_t now_ns);
+
+/* When the bones that have come are a frame at the latest; INT64_MAX: none have. */
+int64_t osc_listener_frame_due_ns(const osc_listener *self);
+/* Makes it one if it is due. */
+void osc_listener_close_frame_if_due(osc_listener *self, int64_t now_ns);
 
 /* ---- a forwarded source ---- */
 bool osc_listener_wants(const osc_listener *self, const char *source);

@@ -51,10 +51,27 @@ bool osc_vmc_bone_find(osc_vmc_bone *out, const char *name)
             break;
     if (out->finger == 5)
         return false;
+    out->joint = OSC_VMC_METACARPAL;
+    if (out->finger == OSC_VMC_THUMB && strcmp(name, "Metacarpal") == 0)
+        return true;
     for (out->joint = 0; out->joint < 3; ++out->joint)
         if (strcmp(name, joint_name[out->joint]) == 0)
             return true;
     return false;
+}
+
+void osc_vmc_settle(osc_vmc_pose *pose, osc_vmc_bone *bone)
+{
+    if (bone->finger != OSC_VMC_THUMB)
+        return;
+    if (bone->joint == OSC_VMC_METACARPAL)
+        pose->is_vrm1 = true;
+    else if (bone->joint == 1)
+        pose->is_vrm1 = false;
+    if (bone->joint == OSC_VMC_METACARPAL)
+        bone->joint = 0;
+    else if (bone->joint == 0 && pose->is_vrm1)
+        bone->joint = 1;
 }
 
 /* The turn about one axis that is in a quaternion, -pi..pi: twice the angle of its part along the

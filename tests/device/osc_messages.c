@@ -101,17 +101,23 @@ static void the_wrist_has_its_place_in_a_hand_that_asks_for_it(void **state)
     free(room);
 }
 
+static void put_bone(osc_bytes *packet, const char *name, double radians)
+{
+    osc_bytes_message(packet, "/VMC/Ext/Bone/Pos", "sfffffff", name, 0.1, 0.0, 0.0, 0.0, 0.0,
+                      -sin(radians / 2), cos(radians / 2));
+}
+
 static void a_vmc_bone_moves_its_sensor_and_the_rest_of_the_body_none(void **state)
 {
     (void)state;
     osc_room *room = osc_room_simple(MRT_RIGHT, OSC_CONTENT_PEDALS);
     osc_bytes packet = {.size = 0};
-    osc_bytes_message(&packet, "/VMC/Ext/Bone/Pos", "sfffffff", "RightIndexProximal", 0.1, 0.0, 0.0,
-                      0.0, 0.0, -0.70710678, 0.70710678);
+    put_bone(&packet, "RightIndexProximal", 1.5707963);
+    osc_room_take(room, &osc_room_one, &packet);
+    osc_bytes_message(&packet, "/VMC/Ext/OK", "i", 1);
     osc_room_take(room, &osc_room_one, &packet);
     assert_float_equal(pop(room).value[4], 1.5707963f, 1e-6f);
-    osc_bytes_message(&packet, "/VMC/Ext/Bone/Pos", "sfffffff", "Head", 0.1, 0.0, 0.0, 0.0, 0.0,
-                      -0.7, 0.7);
+    put_bone(&packet, "Head", 0.7);
     osc_room_take(room, &osc_room_one, &packet);
     osc_bytes_message(&packet, "/VMC/Ext/OK", "i", 1);
     osc_room_take(room, &osc_room_one, &packet);
@@ -119,6 +125,120 @@ static void a_vmc_bone_moves_its_sensor_and_the_rest_of_the_body_none(void **sta
     osc_room_take(room, &osc_room_one, &packet);
     assert_silent(room);
     assert_int_equal(osc_room_faults(room), 0);
+    free(room);
+}
+
+/* A pose is larger than a datagram. */
+static void bones_of_several_datagrams_are_one_sample(void **state)
+{
+    (void)state;
+    osc_room *room = osc_room_simple(MRT_RIGHT, OSC_CONTENT_PEDALS);
+    osc_bytes packet = {.size = 0};
+    for (int frame = 1; frame <= 3; ++frame) {
+        put_bone(&packet, "RightIndexProximal", 0.1 * frame);
+        osc_room_take(room, &osc_room_one, &packet);
+        room->now_ns += ms_ns;
+        put_bone(&packet, "RightLittleDistal", 0.2 * frame);
+        osc_room_take(room, &osc_room_one, &packet);
+        assert_silent(room);
+        osc_bytes_message(&packet, "/VMC/Ext/T", "f", 0.0);
+        osc_room_take(room, &osc_room_two, &packet); /* somebody else's says nothing */
+        assert_silent(room);
+        if (frame == 1)
+            osc_bytes_message(&packet, "/VMC/Ext/T", "f", 1.0);
+        else
+            osc_bytes_message(&packet, "/VMC/Ext/OK", "i", 1);
+        osc_room_take(room, &osc_room_one, &packet);
+        osc_item item = pop(room);
+        assert_float_equal(item.value[4], 0.1f * (float)frame, 1e-6f);
+        assert_float_equal(item.value[17], 0.2f * (float)frame, 1e-6f);
+        assert_int_equal(item.time_ns, room->now_ns);
+        assert_silent(room);
+        room->now_ns += 15 * ms_ns;
+    }
+    /* without a word about its end: when a bone comes again, */
+    put_bone(&packet, "RightIndexProximal", 0.5);
+    osc_room_take(room, &osc_room_one, &packet);
+    put_bone(&packet, "RightIndexDistal", 0.5);
+    osc_room_take(room, &osc_room_one, &packet);
+    put_bone(&packet, "RightIndexProximal", 0.6);
+    osc_room_take(room, &osc_room_one, &packet);
+    assert_float_equal(pop(room).value[4], 0.5f, 1e-6f);
+    assert_silent(room);
+    /* or after 4 ms */
+    assert_int_equal(osc_listener_frame_due_ns(&room->listener), room->now_ns + 4 * ms_ns);
+    osc_listener_close_frame_if_due(&room->listener, room->now_ns + 4 * ms_ns - 1);
+    assert_silent(room);
+    osc_listener_close_frame_if_due(&room->listener, room->now_ns + 4 * ms_ns);
+    osc_item item = pop(room);
+    assert_float_equal(item.value[4], 0.6f, 1e-6f);
+    assert_int_equal(item.time_ns, room->now_ns);
+    assert_true(osc_listener_frame_due_ns(&room->listener) == INT64_MAX);
+    free(room);
+}
+
+/* VRM 1's Metacarpal, Proximal, Distal are VRM 0's Proximal, Intermediate, Distal. */
+static void both_names_of_a_thumb_are_known(void **state)
+{
+    (void)state;
+    static const char *const name[2][3] = {
+        {"RightThumbProximal", "RightThumbIntermediate", "RightThumbDistal"},
+        {"RightThumbMetacarpal", "RightThumbProximal", "RightThumbDistal"}};
+    osc_item item[2];
+    for (int version = 0; version < 2; ++version) {
+        osc_room *room = osc_room_simple(MRT_RIGHT, OSC_CONTENT_PEDALS);
+        osc_bytes packet = {.size = 0};
+        for (int joint = 0; joint < 3; ++joint) {
+            osc_bytes_message(&packet, "/VMC/Ext/Bone/Pos", "sfffffff", name[version][joint], 0.0,
+                              0.0, 0.0, 0.0, sin(0.1 * (joint + 1)), 0.0, cos(0.1 * (joint + 1)));
+            osc_room_take(room, &osc_room_one, &packet);
+        }
+        osc_bytes_message(&packet, "/VMC/Ext/OK", "i", 1);
+        osc_room_take(room, &osc_room_one, &packet);
+        item[version] = pop(room);
+        assert_silent(room);
+        free(room);
+    }
+    assert_memory_equal(item[0].value, item[1].value, MRT_ANGLES * sizeof(float));
+    assert_float_equal(item[0].value[1], 0.4f, 1e-6f);
+    assert_float_equal(item[0].value[2], 0.6f, 1e-6f);
+}
+
+static void controllers_and_keys_of_vmc_are_channels(void **state)
+{
+    (void)state;
+    osc_room *room = osc_room_simple(MRT_RIGHT, OSC_CONTENT_CONTROLS);
+    osc_bytes packet = {.size = 0};
+    const osc_table *table = &room->listener.table;
+    assert_int_equal(table->count, 58);
+    assert_string_equal(table->channel[7].name, "cc.7");
+    assert_string_equal(table->channel[32].name, "key.a");
+    assert_int_equal(table->channel[57].semantic, MRT_CH_BUTTON);
+    osc_bytes_message(&packet, "/VMC/Ext/Midi/CC/Val", "if", 7, 0.5);
+    osc_room_take(room, &osc_room_one, &packet);
+    assert_float_equal(pop(room).value[7], 0.5f, 0);
+    osc_bytes_message(&packet, "/VMC/Ext/Key", "isi", 1, "B", 66);
+    osc_room_take(room, &osc_room_one, &packet);
+    osc_item item = pop(room);
+    assert_float_equal(item.value[33], 1, 0);
+    assert_float_equal(item.value[7], 0.5f, 0);
+    osc_bytes_message(&packet, "/VMC/Ext/Key", "isi", 0, "B", 66);
+    osc_room_take(room, &osc_room_one, &packet);
+    assert_float_equal(pop(room).value[33], 0, 0);
+    osc_bytes_message(&packet, "/VMC/Ext/Key", "isi", 1, "F12", 123); /* has no channel */
+    osc_room_take(room, &osc_room_one, &packet);
+    osc_bytes_message(&packet, "/VMC/Ext/Midi/CC/Val", "if", 99, 0.5);
+    osc_room_take(room, &osc_room_one, &packet);
+    put_bone(&packet, "RightIndexProximal", 0.5); /* is no control */
+    osc_room_take(room, &osc_room_one, &packet);
+    assert_silent(room);
+    assert_int_equal(osc_room_faults(room), 0);
+    osc_bytes_message(&packet, "/VMC/Ext/Midi/CC/Val", "if", 7, 1.5);
+    osc_room_take(room, &osc_room_one, &packet);
+    osc_bytes_message(&packet, "/VMC/Ext/Key", "is", 1, "B");
+    osc_room_take(room, &osc_room_one, &packet);
+    assert_silent(room);
+    assert_int_equal(osc_room_faults(room), 2);
     free(room);
 }
 
@@ -361,6 +481,9 @@ int main(void)
         cmocka_unit_test(pedals_are_numbered_from_one),
         cmocka_unit_test(the_wrist_has_its_place_in_a_hand_that_asks_for_it),
         cmocka_unit_test(a_vmc_bone_moves_its_sensor_and_the_rest_of_the_body_none),
+        cmocka_unit_test(bones_of_several_datagrams_are_one_sample),
+        cmocka_unit_test(both_names_of_a_thumb_are_known),
+        cmocka_unit_test(controllers_and_keys_of_vmc_are_channels),
         cmocka_unit_test(a_bundle_is_one_sample_at_its_senders_time),
         cmocka_unit_test(what_is_wrong_is_counted_and_dropped),
         cmocka_unit_test(packets_that_are_no_osc_are_counted),

@@ -30,7 +30,7 @@ static void apply(osc_vmc_pose *pose, const char *name, float x, float y, float 
 static void a_right_knuckle_bends_about_minus_z_and_a_left_one_about_z(void **state)
 {
     (void)state;
-    osc_vmc_pose pose = {{0}};
+    osc_vmc_pose pose = {.is_vrm1 = false};
     float angle[MRT_ANGLES] = {0};
     apply(&pose, "RightIndexProximal", 0, 0, -s45, c45, angle);
     assert_float_equal(angle[4], 90 * deg_rad, tolerance_rad);
@@ -50,7 +50,7 @@ static void every_joint_of_every_finger_has_its_sensor(void **state)
         "RightLittleProximal", "RightLittleIntermediate", "RightLittleDistal"};
     static const int sensor[12] = {4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17};
     for (int i = 0; i < 12; ++i) {
-        osc_vmc_pose pose = {{0}};
+        osc_vmc_pose pose = {.is_vrm1 = false};
         float angle[MRT_ANGLES] = {0};
         apply(&pose, name[i], 0, 0, -s30, c30, angle);
         for (int k = 0; k < MRT_ANGLES; ++k)
@@ -61,7 +61,7 @@ static void every_joint_of_every_finger_has_its_sensor(void **state)
 static void a_joint_may_bend_beyond_a_right_angle(void **state)
 {
     (void)state;
-    osc_vmc_pose pose = {{0}};
+    osc_vmc_pose pose = {.is_vrm1 = false};
     float angle[MRT_ANGLES] = {0};
     apply(&pose, "RightMiddleIntermediate", 0, 0, -s55, c55, angle);
     assert_float_equal(angle[8], 110 * deg_rad, tolerance_rad);
@@ -76,7 +76,7 @@ static void bending_and_spreading_do_not_disturb_each_other(void **state)
 {
     (void)state;
     for (int order = 0; order < 2; ++order) {
-        osc_vmc_pose pose = {{0}};
+        osc_vmc_pose pose = {.is_vrm1 = false};
         float angle[MRT_ANGLES] = {0};
         float x = (order == 0 ? 1.0f : -1.0f) * s15 * s30;
         apply(&pose, "RightIndexProximal", x, -s15 * c30, -c15 * s30, c15 * c30, angle);
@@ -97,7 +97,7 @@ static void spread_fingers_are_positive_on_both_hands(void **state)
                                               "LeftRingProximal", "LeftLittleProximal"}
                       : (const char *const[]){"RightIndexProximal", "RightMiddleProximal",
                                               "RightRingProximal", "RightLittleProximal"};
-        osc_vmc_pose pose = {{0}};
+        osc_vmc_pose pose = {.is_vrm1 = false};
         float angle[MRT_ANGLES] = {0};
         apply(&pose, name[0], 0, to_thumb, 0, c15, angle);
         apply(&pose, name[1], 0, 0, 0, 1, angle);
@@ -114,7 +114,7 @@ static void spread_fingers_are_positive_on_both_hands(void **state)
 static void the_thumb_bends_level_and_goes_across_by_its_base(void **state)
 {
     (void)state;
-    osc_vmc_pose pose = {{0}};
+    osc_vmc_pose pose = {.is_vrm1 = false};
     float angle[MRT_ANGLES] = {0};
     apply(&pose, "RightThumbIntermediate", 0, s15, 0, c15, angle);
     apply(&pose, "RightThumbDistal", 0, s30, 0, c30, angle);
@@ -135,7 +135,7 @@ static void the_thumb_bends_level_and_goes_across_by_its_base(void **state)
 static void the_hand_gives_the_wrist(void **state)
 {
     (void)state;
-    osc_vmc_pose pose = {{0}};
+    osc_vmc_pose pose = {.is_vrm1 = false};
     float angle[MRT_ANGLES] = {0};
     apply(&pose, "RightHand", 0, 0, -s15, c15, angle);
     assert_float_equal(angle[20], 30 * deg_rad, tolerance_rad);

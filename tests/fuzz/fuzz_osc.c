@@ -1,5 +1,5 @@
 /* Datagrams from anybody. The input is cut into datagrams by two bytes of length each (low first),
- * which go to a desk where a forwarded source is known and three listeners wait. Whatever comes out
+ * which go to a desk where a forwarded source is known and four listeners wait. Whatever comes out
  * is finite and in time order. */
 #include "osc_desk.h"
 
@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static osc_desk desk;
-    static osc_listener listener[3];
+    static osc_listener listener[4];
     static const mrt_channel channel[2] = {{"right.index.mpj", "rad", 5, MRT_RIGHT, 0, 1},
                                            {"pedal.1", "1", 64, MRT_NO_HAND, 0, 1}};
     const mrt_host host = {.log = say_nothing};
@@ -54,7 +54,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     osc_listener_start_forwarded(&listener[0], "");
     osc_listener_start_simple(&listener[1], MRT_RIGHT, OSC_CONTENT_PEDALS);
     osc_listener_start_simple(&listener[2], MRT_LEFT, OSC_CONTENT_WRIST);
-    for (int i = 0; i < 3; ++i)
+    osc_listener_start_simple(&listener[3], MRT_RIGHT, OSC_CONTENT_CONTROLS);
+    for (int i = 0; i < 4; ++i)
         osc_desk_join(&desk, &listener[i], now_ns);
     if (!osc_table_set(&table, "glove", 1, channel, 2))
         abort();
@@ -69,7 +70,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             length = size;
         now_ns += 300000000;
         take(&desk, &host, data, length, port, now_ns);
-        for (int i = 0; i < 3; ++i)
+        for (int i = 0; i < 4; ++i)
             check(&listener[i], now_ns);
         data += length;
         size -= length;
