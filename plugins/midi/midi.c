@@ -459,6 +459,7 @@ static bool has_motor_due(const mrt_plugin *self, const double *params)
 static mrt_result lose(mrt_plugin *self, mrt_sample *out)
 {
     self->is_lost = true;
+    self->is_restarting = false; /* what is gone is not kept */
     release(self, MIDI_ALL_CHANNELS);
     if (self->is_touched)
         return give(self, self->host->now_ns(self->host), out);

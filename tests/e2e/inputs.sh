@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# Faders and a phone perform by a patch, live; the take performs again bit for bit, its raw channels
+# perform the same face through a log, and another patch changes it afterwards.
+source "$(dirname "$0")/lib.sh"
+cd "$scratch" || exit 1
+
+perform() { # seconds input patch show
+    "$MAROTTE" perform --face "$puppet" --seconds "$1" --input "$2" --map one_hand --patch "$3" --record "$4" \
+        >said 2>stderr || fail "perform --input $2: $(cat stderr)"
+}
+# again NAME PATCH: the take of NAME.marotte against itself and against its own raw channels.
+again() {
+    local name=$1 patch=$2
+    "$MAROTTE" take export "$name.marotte" last --export "$name.pc2" >said 2>stderr || fail "$name: $(cat stderr)"
+    [ "$(fact 'range of motion' said)" != 0.00 ] || fail "$name moves nothing"
+    "$MAROTTE" take export "$name.marotte" last --export again.pc2 >said 2>stderr || fail "$name: $(cat stderr)"
+    cmp -s "$name.pc2" again.pc2 || fail "$name: the take performs otherwise the second time"
+    "$MAROTTE" take log "$name.marotte" last --out "$name.csv" >said 2>stderr || fail "$name: $(cat stderr)"
+    "$MAROTTE" perform --face "$puppet" --input "log:$name.csv" --map one_hand --patch "$patch" --export log.pc2 \
+        >said 2>stderr || fail "$name: $(cat stderr)"
+    # the same frames after the header; one may have a frame more at its end
+    local size
+    size=$(stat -c %s "$name.pc2" log.pc2 | sort -n | head -n 1)
+    cmp -i 32 -n $((size - 32)) "$name.pc2" log.pc2 || fail "$name: its raw channels perform another face"
+    first=$(sha256sum <"$name.pc2")
+    "$MAROTTE" take remap "$name.marotte" last --patch half.json >said 2>stderr || fail "$name: $(cat stderr)"
+    "$MAROTTE" take export "$name.marotte" last --export half.pc2 >said 2>stderr || fail "$name: $(cat stderr)"
+    [ "$(sha256sum <half.pc2)" != "$first" ] || fail "$name: another patch changes nothing"
+}
+patch_of() { # file channel most
+    printf '{"marotte_patch": 1, "name": "test", "connections": [
+        {"from": {"channel": "%s"}, "to": {"dof": "jaw.open"}, "out": [0, %s]},
+        {"from": {"channel": "browInnerUp"}, "to": {"contact": "brow.mid.*"}, "out": [0, 8]}]}\n' "$2" "$3" >"$1"
+}
+
+# MIDI through a pipe: a fader up and down.
+mkfifo pipe
+patch_of full.json cc.7 0.5
+patch_of half.json cc.7 0.25
+(
+    exec 3<>pipe
+    sleep 0.5
+    for v in 00 10 20 30 40 50 60 70 7f 70 60 50 40 30 20 10 00 20 40 60 7f; do
+        printf "\xb0\x07\x$v" >&3
+        sleep 0.05
+    done
+) &
+perform 3 midi:./pipe full.json midi.marotte
+wait
+again midi full.json
+head -n 3 midi.csv | grep -q ',cc.7,' || fail "the fader has lost its name: $(head -n 2 midi.csv)"
+
+# A phone: iFacialMocap's text.
+port=$((20000 + $$ % 10000))
+patch_of full.json jawOpen 0.5
+patch_of half.json jawOpen 0.25
+(
+    sleep 0.5
+    for v in 0 20 40 60 80 100 80 60 40 20 0 30 60 90; do
+        printf 'jawOpen&%d|browInnerUp&%d|trackingStatus&1|=head#0,0,0,0,0,0|' "$v" "$((100 - v))" \
+            >"/dev/udp/127.0.0.1/$port"
+        sleep 0.05
+    done
+) &
+perform 3 "phone:$port" full.json phone.marotte
+wait
+again phone full.json
+refused 1 'no port' "$MAROTTE" perform --face "$puppet" --map one_hand --input phone:waldo
+refused 1 'plug it in' "$MAROTTE" perform --face "$puppet" --map one_hand --input midi:/dev/snd/nowhere
+refused 1 'plug' "$MAROTTE" perform --face "$puppet" --map one_hand --input gamepad:7
+
+# A port in use is one calm line.
+"$MAROTTE" perform --face "$puppet" --map one_hand --seconds 3 --input "phone:$port" >/dev/null 2>&1 &
+holder=$!
+sleep 1
+refused 1 'another program' "$MAROTTE" perform --face "$puppet" --map one_hand --input "phone:$port"
+wait $holder
+finish
