@@ -325,20 +325,23 @@ static mrt_result write_livelink(const char *path, const clip *frames,
     return livelink_write(path, frames, steps, err);
 }
 
+static mrt_result write_vrma(const char *path, const clip *frames, const exports_settings *settings,
+                             const export_progress *steps, facts *told, error *err)
+{
+    (void)settings, (void)told;
+    return vrma_write(path, frames, steps, err);
+}
+
 /* From a clip; NULL: a video, written while it is performed. */
 static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *frames,
                                                 const exports_settings *settings,
                                                 const export_progress *steps, facts *told,
                                                 error *err) = {
-    [EXPORTS_GLB] = write_glb,
-    [EXPORTS_PC2] = write_pc2,
-    [EXPORTS_MDD] = write_mdd,
-    [EXPORTS_CSV] = write_csv,
-    [EXPORTS_LIVELINK] = write_livelink,
-    [EXPORTS_VRM] = write_glb,
-    [EXPORTS_PNG] = write_sheet,
-    [EXPORTS_USD] = write_usd,
-    [EXPORTS_USD_POINTS] = write_usd_points,
+    [EXPORTS_GLB] = write_glb,           [EXPORTS_PC2] = write_pc2,
+    [EXPORTS_MDD] = write_mdd,           [EXPORTS_CSV] = write_csv,
+    [EXPORTS_LIVELINK] = write_livelink, [EXPORTS_VRM] = write_glb,
+    [EXPORTS_VRMA] = write_vrma,         [EXPORTS_PNG] = write_sheet,
+    [EXPORTS_USD] = write_usd,           [EXPORTS_USD_POINTS] = write_usd_points,
     [EXPORTS_BVH] = write_bvh,
 };
 

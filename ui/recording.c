@@ -220,6 +220,56 @@ static const char *const solver_curve[] = {"solver.anchor",     "solver.commit",
                                            "solver.polynomial", "solver.stretch_most"};
 enum { SOLVER_CURVES = sizeof solver_curve / sizeof *solver_curve };
 
+/* Bones that turn, parents first; self->bone: which of the rig's each is. */
+static mrt_result add_bones(recording *self, const face *f, error *err)
+{
+    const bones *b = face_bones(f);
+    uint32_t index[RIG_BONES_MAX];
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < b->bone_count && b->rig && result >= 0; ++i) {
+        const rig_bone *bone = &b->rig->bone[b->order[i]];
+        uint32_t parent = bone->parent;
+        while (parent != RIG_NONE && !b->moves[parent])
+            parent = b->rig->bone[parent].parent;
+        index[b->order[i]] = CLIP_NO_BONE;
+        if (!b->moves[b->order[i]])
+            continue;
+        vec3 centre = bone->kind == BONE_JAW ? b->hinge.middle : bone->centre;
+        char name[128];
+        (void)snprintf(name, sizeof name, "%s", bone->name);
+        result = clip_add_bone(self->clip,
+                               &(clip_bone){name,
+                                            parent == RIG_NONE ? CLIP_NO_BONE : index[parent],
+                                            {centre.x, centre.y, centre.z}},
+                               err);
+        index[b->order[i]] = self->bone_count;
+        self->bone[self->bone_count++] = b->order[i];
+    }
+    return result;
+}
+
+static mrt_result add_pose(recording *self, const face *f, error *err)
+{
+    const bones *b = face_bones(f);
+    float dof[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    double out[RIG_BONES_MAX * 7];
+    if (self->bone_count == 0)
+        return MRT_OK;
+    bones_unlimit(dof, b, face_metered(f)->dof);
+    bones_pose(pose, b, dof);
+    for (uint32_t i = 0; i < self->bone_count; ++i) {
+        const rigid *now = &pose[self->bone[i]];
+        const double *centre = clip_bone_at(self->clip, i)->centre_mm;
+        vec3 at = rigid_apply(now, (vec3){centre[0], centre[1], centre[2]});
+        rigid_to_quaternion(now, out + 7 * i);
+        out[7 * i + 4] = at.x;
+        out[7 * i + 5] = at.y;
+        out[7 * i + 6] = at.z;
+    }
+    return clip_add_pose(self->clip, out, err);
+}
+
 /* The degrees of freedom, the contacts, then the solver. */
 static mrt_result add_curves(recording *self, const face *f, error *err)
 {
@@ -238,6 +288,8 @@ static mrt_result add_curves(recording *self, const face *f, error *err)
         (void)snprintf(name, sizeof name, "%s", solver_curve[i]);
         result = clip_add_curve(self->clip, &(clip_curve){.name = name, .unit = unit}, err);
     }
+    if (result >= 0)
+        result = add_bones(self, f, err);
     self->value = calloc((size_t)clip_curve_count(self->clip) + 1, sizeof *self->value);
     if (result >= 0 && !self->value)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the curves of the performance");
@@ -339,6 +391,8 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
         memcpy(self->vector + 3 * k, now->weight + 3 * self->main[k], 3 * sizeof *self->vector);
     bool is_pulled = composer_is_anchored(from) && self->pull_count > 0;
     mrt_result result = clip_add_named(self->clip, value, is_pulled ? self->vector : NULL, err);
+    if (result >= 0)
+        result = add_pose(self, f, err);
     return result < 0 ? result : clip_add_controls(self->clip, free_point, free_count, err);
 }
 

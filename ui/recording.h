@@ -28,9 +28,10 @@ typedef struct recording {
     uint32_t *main;      /* column_capacity: its column of the greatest share */
     uint32_t pull_count; /* of the segment */
     bool has_curves;     /* the face has been asked for them */
-    uint32_t first_pose; /* of the curves: those of poses */
-    double *value;       /* scratch: one for each curve of the clip */
-    float *work_ms;      /* per frame */
+    uint32_t bone[RIG_BONES_MAX], bone_count; /* of the rig's, those that turn */
+    uint32_t first_pose;                      /* of the curves: those of poses */
+    double *value;                            /* scratch: one for each curve of the clip */
+    float *work_ms;                           /* per frame */
     uint32_t frame_count, frame_capacity;
     double furthest_mm;     /* of any vertex from rest, in any frame */
     uint32_t folded_frames; /* anchored frames that fold: face_min_determinant <= 0 */

@@ -30,4 +30,10 @@ void arkit_values(double out[ARKIT_CHANNELS], const arkit_map *map, const clip *
 CHECKED mrt_result livelink_write(const char *path, const clip *c, const export_progress *progress,
                                   error *err);
 
+/* .vrma, VRM animation 1.0: the turns of neck, head (a bone "head", else "skull") and jaw, the gaze
+ * as the middle of both eyes', and as expressions what arkit_map_find finds: each by ARKit's name,
+ * and aa, blinkLeft and blinkRight. */
+CHECKED mrt_result vrma_write(const char *path, const clip *c, const export_progress *progress,
+                              error *err);
+
 #endif

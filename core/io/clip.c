@@ -16,7 +16,8 @@ typedef struct clip_frame {
     uint32_t control_count;
     int32_t pull_segment;             /* -1: nothing is pulled */
     size_t first_value, first_pulled; /* index into clip.number */
-    bool has_values;
+    size_t first_pose;
+    bool has_values, has_pose;
     size_t first_joint[2]; /* of its hands, left and right, index into clip.number */
     bool has_hand[2];
     uint64_t free_index; /* of a free frame, in the temporary file */
@@ -31,6 +32,8 @@ struct clip {
     uint32_t segment_count, segment_capacity;
     clip_curve *curve;
     uint32_t curve_count, curve_capacity;
+    clip_bone *bone;
+    uint32_t bone_count, bone_capacity;
     clip_frame *frame;
     uint32_t frame_count, frame_capacity;
     double *number; /* vectors and control vectors of all frames */
@@ -268,6 +271,9 @@ void clip_destroy(clip *c)
     for (uint32_t i = 0; i < c->curve_count; ++i)
         curve_finish(&c->curve[i]);
     free(c->curve);
+    for (uint32_t i = 0; i < c->bone_count; ++i)
+        free(c->bone[i].name);
+    free(c->bone);
     if (c->fd >= 0)
         (void)close(c->fd);
     free(c->segment);
@@ -369,6 +375,36 @@ mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err)
     bool is_whole =
         to->name && to->unit && !to->at_min == !what->at_min && !to->at_max == !what->at_max;
     return is_whole ? MRT_OK : no_memory(c, err);
+}
+
+mrt_result clip_add_bone(clip *c, const clip_bone *what, error *err)
+{
+    assert(c->frame_count == 0 && (what->parent == CLIP_NO_BONE || what->parent < c->bone_count));
+    clip_bone *grown = grow(c->bone, c->bone_count, &c->bone_capacity, sizeof *c->bone);
+    char *name = strdup(what->name);
+    if (grown)
+        c->bone = grown;
+    if (!grown || !name) {
+        free(name);
+        return no_memory(c, err);
+    }
+    c->bone[c->bone_count] = *what;
+    c->bone[c->bone_count++].name = name;
+    return MRT_OK;
+}
+
+mrt_result clip_add_pose(clip *c, const double *pose, error *err)
+{
+    assert(c->frame_count > 0);
+    clip_frame *frame = &c->frame[c->frame_count - 1];
+    mrt_result result = check_numbers(c, pose, c->bone_count, 7, "the pose of bone", err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, (size_t)c->bone_count * 7, err);
+    if (result < 0)
+        return result;
+    frame->first_pose = push_numbers(c, pose, (size_t)c->bone_count * 7);
+    frame->has_pose = true;
+    return MRT_OK;
 }
 
 mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
@@ -566,6 +602,23 @@ const double *clip_values(const clip *c, uint32_t frame)
     return c->frame[frame].has_values ? c->number + c->frame[frame].first_value : NULL;
 }
 
+uint32_t clip_bone_count(const clip *c)
+{
+    return c->bone_count;
+}
+
+const clip_bone *clip_bone_at(const clip *c, uint32_t bone)
+{
+    assert(bone < c->bone_count);
+    return &c->bone[bone];
+}
+
+const double *clip_pose(const clip *c, uint32_t frame)
+{
+    assert(frame < c->frame_count);
+    return c->frame[frame].has_pose ? c->number + c->frame[frame].first_pose : NULL;
+}
+
 double clip_curve_part(const clip_curve *curve, double value)
 {
     if (value > 0.0)
@@ -649,7 +702,7 @@ clip *clip_split(const clip *c, clip_remainder *out, error *err)
             clip_read_named(c, i, named);
             double furthest_mm = leave_remainder(c, position, named);
             out->furthest_mm = fmax(out->furthest_mm, furthest_mm);
-            if (c->frame[i].pull_segment < 0)
+            if (c->frame[i].segment < 0 && c->frame[i].pull_segment < 0)
                 out->loose_mm = fmax(out->loose_mm, furthest_mm);
             out->mean_mm += furthest_mm;
             named_count += 1;

@@ -25,6 +25,13 @@ typedef struct clip_pull { /* what a control of the segment moves */
     float *response;       /* vertex_count: of how far it is pulled */
 } clip_pull;
 
+typedef struct clip_bone { /* that turns; its parent comes before it */
+    char *name;
+    uint32_t parent; /* CLIP_NO_BONE: none */
+    double centre_mm[3];
+} clip_bone;
+#define CLIP_NO_BONE UINT32_MAX
+
 typedef struct clip_curve { /* a number in each frame */
     char *name;             /* "jaw.open" */
     char *unit;             /* "rad", "mm"; "": none */
@@ -54,6 +61,7 @@ CHECKED mrt_result clip_begin_segment(clip *c, const float *base, const float *c
 CHECKED mrt_result clip_set_pulls(clip *c, const clip_pull *pull, uint32_t count, error *err);
 /* Before the first frame; copies. */
 CHECKED mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err);
+CHECKED mrt_result clip_add_bone(clip *c, const clip_bone *what, error *err);
 /* vector: column_count by 3 of the newest segment, mm. The shape is
  * base + sum_k column_k * (float)vector_k, summed in k order in float32. */
 CHECKED mrt_result clip_add_anchored(clip *c, const double *vector, error *err);
@@ -67,6 +75,10 @@ CHECKED mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, er
 /* Of the frame that was added last. value: one for each curve, NaN: it says nothing, as 0. pulled:
  * pull_count by 3 of the newest segment, mm; NULL: nothing is pulled. */
 CHECKED mrt_result clip_add_named(clip *c, const double *value, const double *pulled, error *err);
+
+/* Likewise: 7 for each bone, in the face's frame: the quaternion x y z w of its turn from rest, and
+ * where its centre is, mm. */
+CHECKED mrt_result clip_add_pose(clip *c, const double *pose, error *err);
 
 const mesh *clip_mesh(const clip *c);
 double clip_fps(const clip *c);
@@ -92,6 +104,10 @@ uint32_t clip_curve_count(const clip *c);
 const clip_curve *clip_curve_at(const clip *c, uint32_t curve);
 /* clip_curve_count values, NULL: the frame has no named part; until the clip changes. */
 const double *clip_values(const clip *c, uint32_t frame);
+uint32_t clip_bone_count(const clip *c);
+const clip_bone *clip_bone_at(const clip *c, uint32_t bone);
+/* 7 for each bone, NULL: the frame has none; until the clip changes. */
+const double *clip_pose(const clip *c, uint32_t frame);
 /* How much of at_max (> 0) or at_min (< 0) a value shows: -1..1. */
 double clip_curve_part(const clip_curve *curve, double value);
 /* The pulls of a frame (pull_count of the segment, by 3), NULL without any; until the clip changes.
@@ -101,7 +117,7 @@ const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
 typedef struct clip_remainder {  /* of frames that have a named part */
     double furthest_mm, mean_mm; /* of the vertex furthest from its place, in the worst frame; over
                                     the frames */
-    double loose_mm;             /* likewise, in frames in which nothing is pulled: clay */
+    double loose_mm;             /* likewise, in free frames in which nothing is pulled: clay */
 } clip_remainder;
 /* A clip of the rest shape moved by what the named part of each frame leaves; anchored frames
  * without one stand still. Destroy it before c. */

@@ -9,6 +9,8 @@
       "the face with all that its file has, and its motion", "hands, sound")                       \
     X(VRM, ".vrm", "VRM (.vrm)", "the .vrm that the face came from, and its motion",               \
       "hands, sound")                                                                              \
+    X(VRMA, ".vrma", "VRM animation (.vrma)", "head, jaw, gaze and expressions, for any VRM",      \
+      "the mesh, pulls")                                                                           \
     X(MP4, ".mp4", "Video (.mp4)", "H.264, by the program ffmpeg; sound and time code",            \
       "the mesh")                                                                                  \
     X(FOLDER, "/", "Pictures, a folder of PNG", "a folder: pictures 00001.png and on", "sound")    \

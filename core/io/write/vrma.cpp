@@ -1,0 +1,198 @@
+extern "C" {
+#include "io/arkit.h"
+}
+
+#include "io/write/gltf_output.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <nlohmann/json.hpp>
+
+using nlohmann::ordered_json;
+
+namespace
+{
+
+struct vrma {
+    const clip *source;
+    gltf_output out;
+    ordered_json nodes = ordered_json::array(), samplers = ordered_json::array(),
+                 channels = ordered_json::array(), bones = ordered_json::object(),
+                 presets = ordered_json::object(), customs = ordered_json::object();
+    int time = -1; /* accessor */
+};
+
+size_t add_node(vrma &to, const std::string &name, double y_m, size_t parent)
+{
+    size_t index = to.nodes.size();
+    to.nodes.push_back({{"name", name}, {"translation", {0.0, y_m, 0.0}}});
+    if (parent < index)
+        to.nodes[parent]["children"].push_back(index);
+    return index;
+}
+
+void add_track(vrma &to, size_t node, const char *path, const std::vector<float> &value,
+               size_t width)
+{
+    int output = gltf_output_floats(to.out, value.data(), value.size() / width, width, 0);
+    to.channels.push_back(
+        {{"sampler", to.samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
+    to.samplers.push_back({{"input", to.time}, {"output", output}, {"interpolation", "LINEAR"}});
+}
+
+uint32_t find_bone(const clip *c, const char *name)
+{
+    for (uint32_t i = 0; i < clip_bone_count(c); ++i)
+        if (std::strcmp(clip_bone_at(c, i)->name, name) == 0)
+            return i;
+    return CLIP_NO_BONE;
+}
+
+/* How a bone is turned from its parent: conjugate(parent) * own. */
+void turn_from(double out[4], const double *own, const double *parent)
+{
+    const double none[4] = {0.0, 0.0, 0.0, 1.0};
+    const double *p = parent ? parent : none;
+    double x = -p[0], y = -p[1], z = -p[2], w = p[3];
+    out[0] = w * own[0] + x * own[3] + y * own[2] - z * own[1];
+    out[1] = w * own[1] - x * own[2] + y * own[3] + z * own[0];
+    out[2] = w * own[2] + x * own[1] - y * own[0] + z * own[3];
+    out[3] = w * own[3] - x * own[0] - y * own[1] - z * own[2];
+}
+
+/* Of one bone, or of the middle between two, against the parent's. */
+std::vector<float> turns_of(const clip *c, uint32_t bone, uint32_t other)
+{
+    std::vector<float> out;
+    for (uint32_t frame = 0; frame < clip_frame_count(c); ++frame) {
+        const double *pose = clip_pose(c, frame);
+        double sum[4] = {0.0, 0.0, 0.0, 0.0};
+        for (uint32_t which : {bone, other}) {
+            double turn[4] = {0.0, 0.0, 0.0, 1.0};
+            if (which == CLIP_NO_BONE)
+                continue;
+            uint32_t parent = clip_bone_at(c, which)->parent;
+            if (pose)
+                turn_from(turn, pose + size_t{which} * 7,
+                          parent == CLIP_NO_BONE ? nullptr : pose + size_t{parent} * 7);
+            for (int i = 0; i < 4; ++i)
+                sum[i] += turn[3] < 0.0 ? -turn[i] : turn[i];
+        }
+        double length =
+            std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3]);
+        for (double part : sum)
+            out.push_back(static_cast<float>(part / length));
+    }
+    return out;
+}
+
+void add_bone(vrma &to, const char *called, const char *human, size_t node)
+{
+    uint32_t bone = find_bone(to.source, called);
+    to.bones[human] = {{"node", node}};
+    if (bone != CLIP_NO_BONE)
+        add_track(to, node, "rotation", turns_of(to.source, bone, CLIP_NO_BONE), 4);
+}
+
+/* Weights are the x of a node of their own. */
+void add_expression(vrma &to, ordered_json &among, const std::string &name, const arkit_map &map,
+                    uint32_t channel)
+{
+    std::vector<float> value;
+    double of[ARKIT_CHANNELS];
+    for (uint32_t frame = 0; frame < clip_frame_count(to.source); ++frame) {
+        arkit_values(of, &map, to.source, frame);
+        value.insert(value.end(), {static_cast<float>(of[channel]), 0.0f, 0.0f});
+    }
+    size_t node = add_node(to, name, 0.0, SIZE_MAX);
+    among[name] = {{"node", node}};
+    add_track(to, node, "translation", value, 3);
+}
+
+void add_expressions(vrma &to)
+{
+    static const struct {
+        const char *arkit, *preset;
+    } presets[] = {
+        {"JawOpen", "aa"}, {"EyeBlinkLeft", "blinkLeft"}, {"EyeBlinkRight", "blinkRight"}};
+    arkit_map map;
+    arkit_map_find(&map, to.source);
+    for (uint32_t i = 0; i < ARKIT_SHAPES; ++i) {
+        if (map.of[i].curve == UINT32_MAX)
+            continue;
+        for (const auto &preset : presets)
+            if (std::strcmp(arkit_name[i], preset.arkit) == 0)
+                add_expression(to, to.presets, preset.preset, map, i);
+        add_expression(to, to.customs, arkit_name[i], map, i);
+    }
+}
+
+void write_vrma(const char *path, const clip *c)
+{
+    vrma to;
+    to.source = c;
+    std::vector<float> time_s;
+    for (uint32_t i = 0; i < clip_frame_count(c); ++i)
+        time_s.push_back(static_cast<float>(i / clip_fps(c)));
+    if (time_s.empty())
+        gltf_fail(MRT_ERR_ARGUMENT, "the performance has no frames to write");
+    to.time = gltf_output_floats(to.out, time_s.data(), time_s.size(), 1, 0);
+    size_t hips = add_node(to, "hips", 1.0, SIZE_MAX), spine = add_node(to, "spine", 0.2, hips),
+           neck = add_node(to, "neck", 0.3, spine), head = add_node(to, "head", 0.1, neck);
+    to.bones["hips"] = {{"node", hips}};
+    to.bones["spine"] = {{"node", spine}};
+    add_bone(to, "neck", "neck", neck);
+    add_bone(to, find_bone(c, "head") == CLIP_NO_BONE ? "skull" : "head", "head", head);
+    if (find_bone(c, "jaw") != CLIP_NO_BONE)
+        add_bone(to, "jaw", "jaw", add_node(to, "jaw", 0.0, head));
+    add_expressions(to);
+    ordered_json extension = {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", to.bones}}}};
+    if (!to.customs.empty())
+        extension["expressions"] = {{"preset", to.presets}, {"custom", to.customs}};
+    uint32_t left = find_bone(c, "eye.l"), right = find_bone(c, "eye.r");
+    if (left != CLIP_NO_BONE || right != CLIP_NO_BONE) {
+        size_t look = add_node(to, "lookAt", 0.0, SIZE_MAX);
+        extension["lookAt"] = {{"node", look}, {"offsetFromHeadBone", {0.0, 0.06, 0.0}}};
+        add_track(to, look, "rotation", turns_of(c, left, right), 4);
+    }
+    if (to.channels.empty())
+        gltf_fail(MRT_ERR_UNSUPPORTED,
+                  "nothing of this face turns or is an expression; its rig says "
+                  "what does (marotte rig new HEAD)");
+    to.out.model.asset.version = "2.0";
+    to.out.model.asset.generator = "marotte " MAROTTE_VERSION;
+    ordered_json document = ordered_json::parse(gltf_output_json(to.out));
+    ordered_json roots = ordered_json::array({hips});
+    for (size_t i = head + 1; i < to.nodes.size(); ++i)
+        if (to.nodes[i]["name"] != "jaw")
+            roots.push_back(i);
+    document["nodes"] = to.nodes;
+    document["scenes"] = ordered_json::array({{{"nodes", roots}}});
+    document["scene"] = 0;
+    document["animations"] = ordered_json::array(
+        {{{"name", "performance"}, {"channels", to.channels}, {"samplers", to.samplers}}});
+    document["extensionsUsed"] = {"VRMC_vrm_animation"};
+    document["extensions"]["VRMC_vrm_animation"] = extension;
+    (void)gltf_output_write(to.out, document.dump(), path);
+}
+
+} // namespace
+
+extern "C" mrt_result vrma_write(const char *path, const clip *c, const export_progress *progress,
+                                 error *err)
+{
+    try {
+        write_vrma(path, c);
+        if (progress && progress->step)
+            progress->step(progress->data, 1.0);
+        return MRT_OK;
+    } catch (const gltf_failure &failed) {
+        (void)error_set(err, failed.code, "%s", failed.what());
+        if (std::strncmp(failed.what(), path, std::strlen(path)) != 0)
+            error_prefix(err, path);
+        return failed.code;
+    } catch (const std::exception &unexpected) {
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: cannot write: %s", path, unexpected.what());
+    }
+}
