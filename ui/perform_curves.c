@@ -104,17 +104,28 @@ static mrt_result find_columns(curve_performance *self, error *err)
     return result;
 }
 
-/* What nobody has used, and is no label: a mistake in a name, or another face's. */
-static void tell_unused(const curve_performance *self)
+/* It labels a row, or says what the pulls made of the head's own shapes. */
+static bool is_told_only(const curve_performance *self, const char *column)
 {
     static const char *const labels[] = {"frame", "timecode", "time_s", "shape"};
-    const curve_table *t = &self->table;
-    uint32_t label_count = 0, unused = t->column_count - self->at.used_count;
+    const face *f = composer_face(self->composer);
+    bool is = false;
     for (size_t i = 0; i < sizeof labels / sizeof *labels; ++i)
-        label_count += curve_table_find(t, labels[i]) != CURVE_TABLE_NONE;
-    if (unused > label_count)
+        is = is || strcmp(column, labels[i]) == 0;
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        is = is || strncmp(column, face_shape_name(f, i), strlen(face_shape_name(f, i))) == 0;
+    return is;
+}
+
+/* What nobody has used: a mistake in a name, or another face's. */
+static void tell_unused(const curve_performance *self)
+{
+    uint32_t told_only = 0, unused = self->table.column_count - self->at.used_count;
+    for (uint32_t i = 0; i < self->table.column_count; ++i)
+        told_only += is_told_only(self, self->table.name[i]);
+    if (unused > told_only)
         fprintf(stderr, "note: %u columns of %s are of nothing that this face has\n",
-                unused - label_count, self->options->curves);
+                unused - told_only, self->options->curves);
 }
 
 /* ---- what a row says ---- */

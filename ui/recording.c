@@ -172,6 +172,66 @@ static mrt_result add_contact_curves(recording *self, const mrt_contact *contact
     return result;
 }
 
+/* Of the mesh's target of that name; NULL: none. */
+static const float *own_offset(const recording *self, const char *name)
+{
+    for (uint32_t i = 0; i < self->mesh->target_count; ++i)
+        if (strcmp(self->mesh->target[i].name, name) == 0)
+            return self->mesh->target[i].offset;
+    return NULL;
+}
+
+/* What the bones do of a shape, or what would fold, may be taken out of it: where that is much, it
+ * is another shape than the file's. */
+static bool is_as_in_file(const float *learnt, const float *own, size_t count)
+{
+    double apart = 0.0, whole = 0.0;
+    for (size_t i = 0; i < count; ++i) {
+        double off = (double)learnt[i] - (double)own[i];
+        apart += off * off;
+        whole += (double)own[i] * (double)own[i];
+    }
+    return apart < 0.1 * whole;
+}
+
+static mrt_result add_shape_curve(recording *self, const face *f, uint32_t index, error *err)
+{
+    size_t count = (size_t)self->mesh->vertex_count * 3;
+    const char *called = face_shape_name(f, index);
+    float *learnt = malloc(count * sizeof *learnt);
+    char name[192], unit[] = "";
+    uint32_t same = 1;
+    if (!learnt)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the shape %s", called);
+    face_shape_offset(f, index, learnt);
+    for (uint32_t i = 0; i < index; ++i)
+        same += strcmp(face_shape_name(f, i), called) == 0;
+    const float *own = same == 1 ? own_offset(self, called) : NULL;
+    bool is_own = own && is_as_in_file(learnt, own, count);
+    if (is_own)
+        memcpy(learnt, own, count * sizeof *learnt);
+    int used =
+        snprintf(name, sizeof name, "%.120s%s", called, is_own || same > 1 ? "" : " beside bones");
+    if (same > 1)
+        (void)snprintf(name + used, sizeof name - (size_t)used, " %u", same);
+    mrt_result result = clip_add_curve(
+        self->clip,
+        &(clip_curve){.name = name, .unit = unit, .max = 1.0, .at_max = learnt, .is_own = is_own},
+        err);
+    free(learnt);
+    return result;
+}
+
+/* The head's own. */
+static mrt_result add_shape_curves(recording *self, const face *f, error *err)
+{
+    mrt_result result = MRT_OK;
+    self->first_shape = clip_curve_count(self->clip);
+    for (uint32_t i = 0; i < face_shape_count(f) && result >= 0; ++i)
+        result = add_shape_curve(self, f, i, err);
+    return result;
+}
+
 /* Poses of the rig that are called as ARKit's shapes. */
 static bool is_arkit_pose(const rig_pose *pose)
 {
@@ -280,6 +340,8 @@ static mrt_result add_curves(recording *self, const face *f, error *err)
         result = add_dof_curve(self, f, i, err);
     for (uint32_t i = 0; i < contact_count && result >= 0; ++i)
         result = add_contact_curves(self, &contact[i], err);
+    if (result >= 0)
+        result = add_shape_curves(self, f, err);
     self->first_pose = clip_curve_count(self->clip);
     if (result >= 0)
         result = add_pose_curves(self, face_bones(f)->rig, err);
@@ -380,6 +442,8 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
         put_vec3(free_point + 6 * free_count, asked[k].start);
         put_vec3(free_point + 6 * free_count++ + 3, asked[k].end);
     }
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        value[self->first_shape + i] = face_shape_weight(f, i);
     const rig *r = face_bones(f)->rig;
     double *pose = value + self->first_pose;
     for (uint32_t i = 0; r && i < r->pose_count; ++i)

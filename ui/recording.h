@@ -29,6 +29,7 @@ typedef struct recording {
     uint32_t pull_count; /* of the segment */
     bool has_curves;     /* the face has been asked for them */
     uint32_t bone[RIG_BONES_MAX], bone_count; /* of the rig's, those that turn */
+    uint32_t first_shape;                     /* of the curves: those of the head\'s own shapes */
     uint32_t first_pose;                      /* of the curves: those of poses */
     double *value;                            /* scratch: one for each curve of the clip */
     float *work_ms;                           /* per frame */

@@ -100,6 +100,8 @@ uint32_t face_shape_count(const face *f);
 const char *face_shape_name(const face *f, uint32_t index);
 /* Of the frame, 0..1: as given, less than asked for where skin would fold. */
 double face_shape_weight(const face *f, uint32_t index);
+/* What it adds at weight 1 with the bones at rest, mm: vertices by 3, in the file's order. */
+void face_shape_offset(const face *f, uint32_t index, float *out);
 
 /* ---- unanchored ---- */
 

@@ -369,6 +369,7 @@ mrt_result clip_add_curve(clip *c, const clip_curve *what, error *err)
                        .unit = strdup(what->unit),
                        .min = what->min,
                        .max = what->max,
+                       .is_own = what->is_own,
                        .at_min = what->at_min ? copy_of(what->at_min, size) : NULL,
                        .at_max = what->at_max ? copy_of(what->at_max, size) : NULL};
     c->curve_count += 1;

@@ -38,6 +38,7 @@ typedef struct clip_curve { /* a number in each frame */
     double min, max;        /* min <= 0 <= max */
     float *at_min, *at_max; /* vertex_count by 3: what it moves, mm from rest, at min and at max; in
                                between so much of it; NULL: nothing */
+    bool is_own;            /* at_max is what the mesh's own target of that name is, in its file */
 } clip_curve;
 
 typedef struct clip clip;

@@ -25,10 +25,23 @@ play() { # name face mapping height_mm
 play moai "${moai%.glb}.rig.json" anchored 300
 play moai_clay "$moai" unanchored 300
 play puppet "$puppet" one_hand 260
+for key in jaw.open 'mouth.corner.l out' 'remainder 1'; do
+    grep -q "^keys: .*$key" "$scratch/said" || fail "puppet: Blender has no key $key"
+done
+if [ -e "$shared/data/faces/ict_face.glb" ]; then
+    cp "$shared/data/faces/ict_face.glb" "$scratch/"
+    sed 's#"mesh": "[^"]*/#"mesh": "#' "$SOURCE_DIR/tests/face/ict.rig.json" >"$scratch/ict.rig.json"
+    play ict "$scratch/ict.rig.json" one_hand 340
+    grep -q '^keys: .*mouthSmile_L' "$scratch/said" || fail "ict: Blender has lost its own shapes"
+else
+    echo "SKIPPED: ICT: no $shared/data (set MAROTTE_SHARED)"
+fi
 if [ -d "$shared/data/heads" ]; then
     for head in girl.glb reyn_head.glb cryptovoxels.vrm; do
         cp "$shared/data/heads/$head" "$scratch/head_$head"
         play "${head%.*}" "$scratch/head_$head" unanchored 1800
+        [ "$head" != girl.glb ] || grep -qE '^imported: .* [1-9][0-9]* images' "$scratch/said" ||
+            fail "girl: Blender has no images"
     done
 else
     echo "SKIPPED: the heads: no $shared/data (set MAROTTE_SHARED)"

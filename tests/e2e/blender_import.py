@@ -83,6 +83,8 @@ print(f"imported: {len(meshes)} meshes, {sum(len(o.data.vertices) for o in meshe
       f"{len(pairs)} of them found, {sum(len(o.data.shape_keys.key_blocks) for o in meshes) - 1} targets, "
       f"{sum(1 for i in bpy.data.images if i.size[0] > 0)} images")
 
+print("keys: " + ", ".join(sorted({k.name for o in meshes for k in o.data.shape_keys.key_blocks})))
+
 worst = furthest = 0.0
 for n in range(10):
     frame = (frames - 1) * n // 9

@@ -52,9 +52,10 @@ static void add_curves(clip *c)
     error err;
     char open[] = "jaw.open", aside[] = "jaw.lateral", number[] = "chin.x", rad[] = "rad",
          mm[] = "mm";
-    clip_curve curve[CURVES] = {{open, rad, 0.0, 0.5, NULL, whole(OPEN, 1.0)},
-                                {aside, mm, -4.0, 8.0, whole(ASIDE, -1.0), whole(ASIDE, 1.0)},
-                                {number, mm, 0.0, 0.0, NULL, NULL}};
+    clip_curve curve[CURVES] = {
+        {open, rad, 0.0, 0.5, NULL, whole(OPEN, 1.0), false},
+        {aside, mm, -4.0, 8.0, whole(ASIDE, -1.0), whole(ASIDE, 1.0), false},
+        {number, mm, 0.0, 0.0, NULL, NULL, false}};
     for (int i = 0; i < CURVES; ++i) {
         assert_int_equal(clip_add_curve(c, &curve[i], &err), MRT_OK);
         free(curve[i].at_min);
@@ -238,10 +239,10 @@ static void a_curve_has_limits_around_rest(void **state)
     error err = {""};
     char name[] = "jaw.open", unit[] = "rad";
     clip *c = clip_create(&sheet, 30.0, NULL, &err);
-    clip_curve curve = {name, unit, 0.1, 0.5, NULL, sheet.position};
+    clip_curve curve = {name, unit, 0.1, 0.5, NULL, sheet.position, false};
     assert_int_equal(clip_add_curve(c, &curve, &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "jaw.open"));
-    curve = (clip_curve){name, unit, 0.0, 0.0, NULL, sheet.position};
+    curve = (clip_curve){name, unit, 0.0, 0.0, NULL, sheet.position, false};
     assert_int_equal(clip_add_curve(c, &curve, &err), MRT_ERR_ARGUMENT);
     assert_int_equal(clip_curve_count(c), 0);
     clip_destroy(c);

@@ -39,7 +39,7 @@ static void add_curve(clip *c, const char *name, double min, double max, float x
         moves[v * 3] = x;
         moves[v * 3 + 1] = y;
     }
-    clip_curve curve = {own, unit, min, max, NULL, moves};
+    clip_curve curve = {own, unit, min, max, NULL, moves, false};
     assert_int_equal(clip_add_curve(c, &curve, &err), MRT_OK);
     free(moves);
 }

@@ -270,6 +270,52 @@ static void all_else_is_as_it_was(void **state)
     mesh_destroy(&m);
 }
 
+/* One that rests at 0: the curve of its name gives its weights, and no second one is added. */
+static void its_own_target_is_played_by_the_curve_of_its_name(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m;
+    gltf_report report;
+    char copy[160], name[] = "own smile", unit[] = "";
+    json_t *root = json_load_file(source, 0, NULL);
+    json_array_set_new(
+        json_object_get(json_array_get(json_object_get(root, "meshes"), 1), "weights"), 0,
+        json_real(0.0));
+    snprintf(copy, sizeof copy, "%s/at_rest.gltf", folder);
+    assert_int_equal(json_dump_file(root, copy, 0), 0);
+    json_decref(root);
+    assert_int_equal(mesh_file_read(&m, copy, NULL, &err), MRT_OK);
+    clip *c = clip_create(&m, 30.0, NULL, &err);
+    clip_curve curve = {name, unit, 0.0, 1.0, NULL, target_named(&m, name)->offset, true};
+    assert_int_equal(clip_add_curve(c, &curve, &err), MRT_OK);
+    float *shape = malloc((size_t)m.vertex_count * 3 * sizeof *shape);
+    for (int frame = 0; frame < 3; ++frame) {
+        double part = 0.5 * frame;
+        for (uint32_t i = 0; i < m.vertex_count * 3; ++i)
+            shape[i] = m.position[i] + (float)part * curve.at_max[i];
+        assert_int_equal(clip_add_free(c, shape, &err), MRT_OK);
+        assert_int_equal(clip_add_named(c, &part, NULL, &err), MRT_OK);
+    }
+    assert_int_equal(gltf_write(whole, c, NULL, NULL, &report, &err), MRT_OK);
+    assert_string_equal(report.why_bare.text, "");
+    assert_int_equal(report.target_count, 1);
+    json_t *after = json_of_glb(whole), *face = json_array_get(json_object_get(after, "meshes"), 1);
+    json_t *names = json_object_get(json_object_get(face, "extras"), "targetNames");
+    assert_int_equal(json_array_size(names), 1);
+    json_t *animation = json_array_get(json_object_get(after, "animations"), 0);
+    json_t *sampler = json_array_get(json_object_get(animation, "samplers"), 0);
+    json_t *weights =
+        json_array_get(json_object_get(after, "accessors"),
+                       (size_t)json_integer_value(json_object_get(sampler, "output")));
+    assert_true(json_real_value(json_array_get(json_object_get(weights, "max"), 0)) == 1.0);
+    assert_int_equal(json_integer_value(json_object_get(weights, "count")), 3);
+    json_decref(after);
+    clip_destroy(c);
+    free(shape);
+    mesh_destroy(&m);
+}
+
 /* The file is another one by now: the mesh alone is written, and why is told. */
 static void a_file_that_has_changed_is_not_used(void **state)
 {
@@ -298,6 +344,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_target_moves_what_it_moves_in_the_bare_mesh),
         cmocka_unit_test(all_else_is_as_it_was),
+        cmocka_unit_test(its_own_target_is_played_by_the_curve_of_its_name),
         cmocka_unit_test(a_file_that_has_changed_is_not_used),
     };
     return cmocka_run_group_tests(tests, make_files, remove_files);

@@ -1004,6 +1004,17 @@ const char *face_shape_name(const face *f, uint32_t index)
     return f->shapes.shape[index].name;
 }
 
+void face_shape_offset(const face *f, uint32_t index, float *out)
+{
+    memset(out, 0, (size_t)3 * f->rest.count * sizeof *out);
+    for (uint32_t p = 0; p < f->shapes.part_count; ++p)
+        for (uint32_t axis = 0; axis < 3 && f->shapes.part[p].shape == index; ++axis) {
+            const float *column = columns_row(&f->columns, f->shapes.part[p].column + axis);
+            for (uint32_t slot = 0; slot < f->rest.count; ++slot)
+                out[(size_t)3 * f->order.file_of_slot[slot] + axis] += column[slot];
+        }
+}
+
 double face_shape_weight(const face *f, uint32_t index)
 {
     const face_shapes *s = &f->shapes;

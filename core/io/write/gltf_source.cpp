@@ -285,7 +285,7 @@ void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &
     for (const gltf_instance &shown : plan.scene.instances) {
         const gltf_mesh_plan &of = plan.meshes.at(shown.mesh);
         gltf_skin skin(model, plan.skeleton, shown);
-        instance to = {shown.mesh, shown.node, shown.has_node, {}, {}, {}, 0, {}};
+        instance to = {shown.mesh, shown.node, shown.has_node, {}, {}, {}, 0, {}, {}};
         for (const gltf_group_plan &from : of.groups) {
             group next = {vertex + from.first_vertex, from.vertex_count, {}, false};
             place_group(next, model, from, skin, m);
@@ -392,6 +392,26 @@ void gltf_source::add_target(const std::string &name, const float *offset, const
     ++target_count_;
 }
 
+bool gltf_source::add_own_target(const std::string &name)
+{
+    bool any = false;
+    for (instance &to : instances_) {
+        const ordered_json &in_file = document_["meshes"][to.mesh];
+        if (!in_file.contains("extras") || !in_file["extras"].is_object() ||
+            !in_file["extras"].contains("targetNames"))
+            continue;
+        const ordered_json &names = in_file["extras"]["targetNames"];
+        for (size_t i = 0; i < names.size() && i < to.own_count; ++i)
+            if (names[i] == name && !to.played.count(i) && to.own_weights[i] == 0.0) {
+                to.played[i] = target_count_;
+                any = true;
+                break;
+            }
+    }
+    target_count_ += any;
+    return any;
+}
+
 void gltf_source::animate(const std::string &name, const std::vector<float> &time_s,
                           const std::vector<float> &weight, const ordered_json &extras)
 {
@@ -399,12 +419,16 @@ void gltf_source::animate(const std::string &name, const std::vector<float> &tim
         {"name", name}, {"channels", ordered_json::array()}, {"samplers", ordered_json::array()}};
     int time = gltf_output_floats(out_, time_s.data(), time_s.size(), 1, 0);
     for (instance &of : instances_) {
-        if (of.targets.empty() || !of.has_node)
+        if ((of.targets.empty() && of.played.empty()) || !of.has_node)
             continue;
         std::vector<float> own;
         for (size_t frame = 0; frame < time_s.size(); ++frame) {
-            for (size_t i = 0; i < of.own_count; ++i)
-                own.push_back(of.own_weights[i].get<float>());
+            for (size_t i = 0; i < of.own_count; ++i) {
+                auto played = of.played.find(i);
+                own.push_back(played == of.played.end()
+                                  ? of.own_weights[i].get<float>()
+                                  : weight[frame * target_count_ + played->second]);
+            }
             for (size_t target : of.targets)
                 own.push_back(weight[frame * target_count_ + target]);
         }

@@ -22,6 +22,9 @@ class gltf_source
     /* offset, turn: V by 3, of the mesh: metres and change of normal per unit of weight. What they
      * move gets the target; other meshes of the file do not. */
     void add_target(const std::string &name, const float *offset, const float *turn);
+    /* The file's own target of that name is played with the weights of the target that would be
+     * added now; false: no mesh has it, and nothing is added. */
+    bool add_own_target(const std::string &name);
     /* weight: time_s.size() by the number of targets added. The file's own animations stay, behind
      * this one. */
     void animate(const std::string &name, const std::vector<float> &time_s,
@@ -43,6 +46,7 @@ class gltf_source
         std::vector<size_t> targets; /* which of those that were added move it */
         size_t own_count;            /* of targets in the file */
         nlohmann::ordered_json own_weights;
+        std::map<size_t, size_t> played; /* of its own, with which of those that were added */
     };
 
     void take_buffers(const tinygltf::Model &model, const gltf_container &container);

@@ -103,6 +103,14 @@ struct target_list {
             gltf_surface_target(bare, surface, name, offset);
         ++count;
     }
+    /* False: the file has no target of that name. */
+    bool add_own(const std::string &name)
+    {
+        if (listed || !source || !source->add_own_target(name))
+            return false;
+        ++count;
+        return true;
+    }
 };
 
 struct performance {
@@ -300,6 +308,8 @@ void add_curve_targets(target_list &to, performance &p)
         bool is_signed = curve->min < 0.0 && curve->max > 0.0;
         std::string name = gltf_utf8(curve->name);
         auto add = [&](const float *moves, const char *way) {
+            if (curve->is_own && to.add_own(name))
+                return to.count - 1;
             to.add(name + (is_signed ? way : ""),
                    gltf_in_metres(moves, to.surface.position.size()).data());
             return to.count - 1;
