@@ -13,6 +13,7 @@ typedef struct command {
     const char *name;                  /* "deform" */
     const char *summary;               /* for the list of commands: one line */
     const char *help;                  /* the whole --help text, ended by \n; NULL: run says it */
+    const char *more_help;             /* a list below it; NULL: none */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
 

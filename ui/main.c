@@ -72,6 +72,7 @@ int main(int argc, char **argv)
             continue;
         if (commands[i]->help && asks_for_help(argc - 1, argv + 1)) {
             fputs(commands[i]->help, stdout);
+            fputs(commands[i]->more_help ? commands[i]->more_help : "", stdout);
             return flushed(COMMAND_DONE);
         }
         return flushed(commands[i]->run(argc - 1, argv + 1));

@@ -595,7 +595,7 @@ const command command_perform = {
         "  --curves FILE.csv  in place of --input and --map: a table as --export FILE.csv writes "
         "it,\n"
         "                     changed or not; a row for each frame, columns by name (jaw.open)\n"
-        "  --export FILE      may be given many times; by the end of its name:\n" EXPORTS_HELP
+        "  --export FILE      may be given many times; the formats are below\n"
         "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
         "  --view front|side|three-quarter   from where the face is seen\n"
         "  --mirror           left and right change places\n"
@@ -621,6 +621,9 @@ const command command_perform = {
         "  --by-part          .pc2 and .mdd for each part of the mesh: NAME.1.PART.pc2\n"
         "  --json             the facts for machines\n"
         "\n"
-        "Plugins and their parameters: marotte plugin list --params\n",
+        "Plugins and their parameters: marotte plugin list --params\n"
+        "\n"
+        "Formats, by the end of the name:\n",
+    .more_help = EXPORTS_HELP,
     .run = run,
 };

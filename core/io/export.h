@@ -45,15 +45,17 @@ typedef struct gltf_report {
  * at the curve's limit; and for each direction that a control is pulled in, "mouth.corner.l out",
  * of weight 1 at 31.25 mm (or that times a power of two, when it is pulled further); "s2." before
  * it where another engagement moves the face otherwise. What these leave are components, "remainder
- * 1", and so much of max_error_mm. Free frames: principal components up to the tolerance,
- * "component1", counted from a "base" (weight 1 in these frames). Where that makes less work and
- * few more bytes, a long motion is split into windows of time, each with a base and components of
- * its own, "w2.base" and "w2.component1"; the weights of others are 0. Each key shows its own
- * shape, and between two keys the shape goes straight from one to the other. Normals follow to
- * first order. A clip without motion is a plain mesh; the mesh's own targets are left out. Parts
- * are primitives on the same vertices, in the file's order, with their name in extras.name.
- * asset.extras has timecode, firstFrame and rate where clip_start_of says. Errors name the frame or
- * file. */
+ * 1", and so much of max_error_mm; a curve that is a shape of the file itself gives the weights of
+ * its own target. The clip's bones are nodes that turn, "bone jaw" under "marotte bones" in a
+ * source file, "jaw" else; they carry no skin, as the targets show what they do. Free frames:
+ * principal components up to the tolerance, "component1", counted from a "base" (weight 1 in these
+ * frames). Where that makes less work and few more bytes, a long motion is split into windows of
+ * time, each with a base and components of its own, "w2.base" and "w2.component1"; the weights of
+ * others are 0. Each key shows its own shape, and between two keys the shape goes straight from one
+ * to the other. Normals follow to first order. A clip without motion is a plain mesh; the mesh's
+ * own targets are left out. Parts are primitives on the same vertices, in the file's order, with
+ * their name in extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of
+ * says. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */

@@ -38,6 +38,21 @@ grep -q 'component\|turn_x' <<<"$targets" && fail "targets have names of the eng
 awk -v most="$(fact 'greatest error' "$scratch/one_hand.txt")" 'BEGIN { exit !(most < 0.04) }' || fail "inexact"
 grep -q '^remainder .* mm at most' "$scratch/one_hand.txt" || fail "the remainder is not told"
 
+# Its bones are nodes that turn, and its files are what the validator knows.
+grep -aq '"name":"bone jaw"' "$scratch/one_hand.glb" || fail "no node for the jaw"
+if [ -e "$SOURCE_DIR/tests/e2e/node_modules/gltf-validator" ]; then
+    odd="$scratch/ä b \"q\""
+    "$MAROTTE" perform --face "$puppet" --input "log:$demo,start=12,end=13" --map one_hand --bare \
+        --export "$odd.glb" --export "$odd.vrma" >/dev/null 2>"$scratch/stderr" || fail "odd names: $(cat "$scratch/stderr")"
+    node "$SOURCE_DIR/tests/e2e/validate.mjs" "$scratch/one_hand.glb" "$odd.glb" "$odd.vrma" >"$scratch/said" ||
+        fail "the validator: $(grep -m 5 'error\|warning' "$scratch/said")"
+else
+    echo "SKIPPED: the validator is not installed (bash tests/e2e/setup_validator.sh)"
+fi
+"$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map one_hand --export "$scratch/no.vrm" \
+    >/dev/null 2>"$scratch/stderr" && fail "a .vrm of a face that is none"
+grep -q 'the face is not from a .vrm file' "$scratch/stderr" || fail "a .vrm is refused without a reason: $(cat "$scratch/stderr")"
+
 # A table by hand: a column, two rows.
 printf 'jaw.open,note\n0,shut\n0.3,open\n' >"$scratch/mine.csv"
 "$MAROTTE" perform --face "$puppet" --curves "$scratch/mine.csv" --fps 25 --export "$scratch/mine.glb" --json \

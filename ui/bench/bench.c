@@ -368,4 +368,4 @@ static int run(int argc, char **argv)
 }
 
 const command command_bench = {"bench", "how fast the engine is here, and how fast it could be",
-                               help, run};
+                               help, NULL, run};

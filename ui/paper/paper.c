@@ -296,4 +296,4 @@ static int run(int argc, char **argv)
 }
 
 const command command_paper = {
-    "paper", "lays the paper's tables and figures beside its own, on a page", help, run};
+    "paper", "lays the paper's tables and figures beside its own, on a page", help, NULL, run};

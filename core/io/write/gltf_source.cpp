@@ -138,7 +138,9 @@ ordered_json json_of(const tinygltf::Accessor &accessor)
         out["bufferView"] = accessor.bufferView;
     out["componentType"] = accessor.componentType;
     out["count"] = accessor.count;
-    out["type"] = accessor.type == TINYGLTF_TYPE_VEC3 ? "VEC3" : "SCALAR";
+    out["type"] = accessor.type == TINYGLTF_TYPE_VEC4   ? "VEC4"
+                  : accessor.type == TINYGLTF_TYPE_VEC3 ? "VEC3"
+                                                        : "SCALAR";
     out["min"] = accessor.minValues;
     out["max"] = accessor.maxValues;
     if (accessor.sparse.isSparse)
@@ -165,6 +167,7 @@ gltf_source::gltf_source(const char *path, const mesh *m)
     std::string directory = directory_of(path);
     tinygltf::Model model = gltf_load(container, directory.c_str()).model;
     document_ = ordered_json::parse(container.json.at, container.json.end);
+    file_of_face_ = file_of_mesh(m);
     take_buffers(model, container);
     take_images(directory);
     gltf_decode(model, file.bytes.size);
@@ -412,8 +415,43 @@ bool gltf_source::add_own_target(const std::string &name)
     return any;
 }
 
+/* Nodes of the bones in a root of their own: the file's own skeleton moves nothing of the face that
+ * the targets move. */
+void gltf_source::add_bones(ordered_json &animation, int time, const std::vector<gltf_bone> &bones)
+{
+    if (bones.empty() || !document_.contains("nodes") || !document_.contains("scenes"))
+        return;
+    ordered_json &nodes = document_["nodes"];
+    size_t root = nodes.size(), first = root + 1;
+    ordered_json matrix = ordered_json::array();
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            matrix.push_back(row < 3 && column < 3 ? 1000.0 * file_of_face_.linear[row][column]
+                             : row == column       ? 1.0
+                                                   : 0.0);
+    nodes.push_back({{"name", "marotte bones"}, {"matrix", matrix}});
+    for (size_t i = 0; i < bones.size(); ++i) {
+        nodes.push_back({{"name", "bone " + gltf_utf8(bones[i].name.c_str())},
+                         {"translation", bones[i].rest_m}});
+        nodes[bones[i].parent == SIZE_MAX ? root : first + bones[i].parent]["children"].push_back(
+            first + i);
+        auto add = [&](const char *path, const std::vector<float> &value, size_t width) {
+            int output = gltf_output_floats(out_, value.data(), value.size() / width, width, 0);
+            animation["channels"].push_back({{"sampler", animation["samplers"].size()},
+                                             {"target", {{"node", first + i}, {"path", path}}}});
+            animation["samplers"].push_back(
+                {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
+        };
+        add("rotation", bones[i].turn, 4);
+        add("translation", bones[i].place, 3);
+    }
+    size_t scene = document_.value("scene", size_t{0});
+    document_["scenes"][scene]["nodes"].push_back(root);
+}
+
 void gltf_source::animate(const std::string &name, const std::vector<float> &time_s,
-                          const std::vector<float> &weight, const ordered_json &extras)
+                          const std::vector<float> &weight, const ordered_json &extras,
+                          const std::vector<gltf_bone> &bones)
 {
     ordered_json animation = {
         {"name", name}, {"channels", ordered_json::array()}, {"samplers", ordered_json::array()}};
@@ -438,6 +476,7 @@ void gltf_source::animate(const std::string &name, const std::vector<float> &tim
         animation["samplers"].push_back(
             {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
     }
+    add_bones(animation, time, bones);
     animation["extras"] = extras;
     ordered_json all = ordered_json::array({std::move(animation)});
     if (document_.contains("animations"))

@@ -4,6 +4,7 @@
 #ifndef MAROTTE_IO_GLTF_SOURCE_HPP
 #define MAROTTE_IO_GLTF_SOURCE_HPP
 #include "io/read/gltf_plan.hpp"
+#include "io/write/gltf_bones.hpp"
 #include "io/write/gltf_output.hpp"
 
 extern "C" {
@@ -28,7 +29,8 @@ class gltf_source
     /* weight: time_s.size() by the number of targets added. The file's own animations stay, behind
      * this one. */
     void animate(const std::string &name, const std::vector<float> &time_s,
-                 const std::vector<float> &weight, const nlohmann::ordered_json &extras);
+                 const std::vector<float> &weight, const nlohmann::ordered_json &extras,
+                 const std::vector<gltf_bone> &bones);
     uint64_t write(const char *path);
 
   private:
@@ -57,6 +59,8 @@ class gltf_source
     int zeros(size_t count);
     void add_to(instance &to, const std::string &name, const std::vector<float> &offset,
                 const std::vector<float> &turn);
+    void add_bones(nlohmann::ordered_json &animation, int time,
+                   const std::vector<gltf_bone> &bones);
     void finish_meshes();
     void put_new_accessors();
 
@@ -65,6 +69,7 @@ class gltf_source
     std::vector<instance> instances_;
     std::vector<size_t> vertex_counts_; /* of accessors in the file */
     std::map<size_t, int> zeros_;
+    gltf_transform file_of_face_;
     size_t target_count_ = 0, first_view_ = 0, first_accessor_ = 0;
 };
 

@@ -509,6 +509,45 @@ void add_animation(gltf_output &out, const std::vector<float> &time_s,
     out.model.animations.push_back(std::move(animation));
 }
 
+/* Nodes of the bones, behind the mesh's: whatever is hung on them goes with the face. */
+void add_bone_nodes(gltf_output &out, const std::vector<gltf_bone> &bones)
+{
+    size_t first = out.model.nodes.size();
+    for (const gltf_bone &bone : bones) {
+        tinygltf::Node node;
+        node.name = gltf_utf8(bone.name.c_str());
+        node.translation.assign(bone.rest_m, bone.rest_m + 3);
+        int index = static_cast<int>(out.model.nodes.size());
+        if (bone.parent == SIZE_MAX)
+            out.model.scenes[0].nodes.push_back(index);
+        else
+            out.model.nodes[first + bone.parent].children.push_back(index);
+        out.model.nodes.push_back(std::move(node));
+    }
+}
+
+void add_bone_channels(gltf_output &out, const std::vector<gltf_bone> &bones)
+{
+    tinygltf::Animation &animation = out.model.animations.back();
+    size_t first = out.model.nodes.size() - bones.size();
+    auto add = [&](size_t bone, const char *path, const std::vector<float> &value, size_t width) {
+        tinygltf::AnimationSampler sampler;
+        sampler.input = animation.samplers[0].input;
+        sampler.output = gltf_output_floats(out, value.data(), value.size() / width, width, 0);
+        sampler.interpolation = "LINEAR";
+        tinygltf::AnimationChannel channel;
+        channel.sampler = static_cast<int>(animation.samplers.size());
+        channel.target_node = static_cast<int>(first + bone);
+        channel.target_path = path;
+        animation.samplers.push_back(std::move(sampler));
+        animation.channels.push_back(std::move(channel));
+    };
+    for (size_t i = 0; i < bones.size(); ++i) {
+        add(i, "rotation", bones[i].turn, 4);
+        add(i, "translation", bones[i].place, 3);
+    }
+}
+
 void animate(target_list &to, const performance &p, const gltf_options &options)
 {
     const clip_start &start = *clip_start_of(p.source);
@@ -523,9 +562,13 @@ void animate(target_list &to, const performance &p, const gltf_options &options)
     if (to.source && start.rate_num > 0)
         extras.update(start_extras(start));
     if (to.source)
-        to.source->animate(name, time_s, weight, extras);
-    else
-        add_animation(to.bare, time_s, weight, name, extras);
+        to.source->animate(name, time_s, weight, extras, gltf_bones_of(p.source));
+    if (to.source)
+        return;
+    const std::vector<gltf_bone> bones = gltf_bones_of(p.source);
+    add_bone_nodes(to.bare, bones);
+    add_animation(to.bare, time_s, weight, name, extras);
+    add_bone_channels(to.bare, bones);
 }
 
 /* What was asked for, else 0.1 % of the height; never finer than float32 can show. */

@@ -2,6 +2,7 @@ extern "C" {
 #include "io/arkit.h"
 }
 
+#include "io/write/gltf_bones.hpp"
 #include "io/write/gltf_output.hpp"
 
 #include <cmath>
@@ -16,6 +17,7 @@ namespace
 
 struct vrma {
     const clip *source;
+    std::vector<gltf_bone> turning;
     gltf_output out;
     ordered_json nodes = ordered_json::array(), samplers = ordered_json::array(),
                  channels = ordered_json::array(), bones = ordered_json::object(),
@@ -49,40 +51,20 @@ uint32_t find_bone(const clip *c, const char *name)
     return CLIP_NO_BONE;
 }
 
-/* How a bone is turned from its parent: conjugate(parent) * own. */
-void turn_from(double out[4], const double *own, const double *parent)
+/* Of one bone, or of the middle between two, against its parent. */
+std::vector<float> turns_of(const vrma &from, uint32_t bone, uint32_t other)
 {
-    const double none[4] = {0.0, 0.0, 0.0, 1.0};
-    const double *p = parent ? parent : none;
-    double x = -p[0], y = -p[1], z = -p[2], w = p[3];
-    out[0] = w * own[0] + x * own[3] + y * own[2] - z * own[1];
-    out[1] = w * own[1] - x * own[2] + y * own[3] + z * own[0];
-    out[2] = w * own[2] + x * own[1] - y * own[0] + z * own[3];
-    out[3] = w * own[3] - x * own[0] - y * own[1] - z * own[2];
-}
-
-/* Of one bone, or of the middle between two, against the parent's. */
-std::vector<float> turns_of(const clip *c, uint32_t bone, uint32_t other)
-{
-    std::vector<float> out;
-    for (uint32_t frame = 0; frame < clip_frame_count(c); ++frame) {
-        const double *pose = clip_pose(c, frame);
-        double sum[4] = {0.0, 0.0, 0.0, 0.0};
-        for (uint32_t which : {bone, other}) {
-            double turn[4] = {0.0, 0.0, 0.0, 1.0};
-            if (which == CLIP_NO_BONE)
-                continue;
-            uint32_t parent = clip_bone_at(c, which)->parent;
-            if (pose)
-                turn_from(turn, pose + size_t{which} * 7,
-                          parent == CLIP_NO_BONE ? nullptr : pose + size_t{parent} * 7);
-            for (int i = 0; i < 4; ++i)
-                sum[i] += turn[3] < 0.0 ? -turn[i] : turn[i];
+    std::vector<float> out = from.turning[bone == CLIP_NO_BONE ? other : bone].turn;
+    if (bone == CLIP_NO_BONE || other == CLIP_NO_BONE)
+        return out;
+    for (size_t i = 0; i < out.size(); i += 4) {
+        float length = 0.0f;
+        for (size_t k = i; k < i + 4; ++k) {
+            out[k] += from.turning[other].turn[k];
+            length += out[k] * out[k];
         }
-        double length =
-            std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3]);
-        for (double part : sum)
-            out.push_back(static_cast<float>(part / length));
+        for (size_t k = i; k < i + 4; ++k)
+            out[k] /= std::sqrt(length);
     }
     return out;
 }
@@ -92,7 +74,7 @@ void add_bone(vrma &to, const char *called, const char *human, size_t node)
     uint32_t bone = find_bone(to.source, called);
     to.bones[human] = {{"node", node}};
     if (bone != CLIP_NO_BONE)
-        add_track(to, node, "rotation", turns_of(to.source, bone, CLIP_NO_BONE), 4);
+        add_track(to, node, "rotation", turns_of(to, bone, CLIP_NO_BONE), 4);
 }
 
 /* Weights are the x of a node of their own. */
@@ -132,6 +114,7 @@ void write_vrma(const char *path, const clip *c)
 {
     vrma to;
     to.source = c;
+    to.turning = gltf_bones_of(c);
     std::vector<float> time_s;
     for (uint32_t i = 0; i < clip_frame_count(c); ++i)
         time_s.push_back(static_cast<float>(i / clip_fps(c)));
@@ -154,7 +137,7 @@ void write_vrma(const char *path, const clip *c)
     if (left != CLIP_NO_BONE || right != CLIP_NO_BONE) {
         size_t look = add_node(to, "lookAt", 0.0, SIZE_MAX);
         extension["lookAt"] = {{"node", look}, {"offsetFromHeadBone", {0.0, 0.06, 0.0}}};
-        add_track(to, look, "rotation", turns_of(c, left, right), 4);
+        add_track(to, look, "rotation", turns_of(to, left, right), 4);
     }
     if (to.channels.empty())
         gltf_fail(MRT_ERR_UNSUPPORTED,
