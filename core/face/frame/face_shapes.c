@@ -12,6 +12,7 @@
  * A shape that is a bone's motion more than any other follows that bone: its weight is how far the
  * bone has gone on theta_k. Others with a part in theta go no further than their bones have. A bone
  * that nobody drives, and that the contacts speak of, is where the weights put it.
+ * What the shapes leave over of where the contacts go says how far each is believed.
  * The fields do what is left of y, so that each control lands on its end. */
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
@@ -30,8 +31,11 @@ static const double bone_part = 0.25;    /* and of the whole shape's */
 static const double alike = 0.5;         /* cosine: two shapes go the same way of a bone */
 static const double carried = 0.9;       /* weight of what a bone carries nearly alone */
 static const float strain_most = 0.6f;   /* of a shape alone; above 1 it may fold */
-static const double ridge_blind = 0.1, ridge_seeing = 0.02; /* lambda_k */
+static const double ridge_blind = 0.05, ridge_seeing = 0.02; /* lambda_k */
 static const double few_mm = 0.02;
+/* Of the square of where the contacts go that a shape moves, what the shapes leave over: it is
+ * believed wholly, and not at all. */
+static const double trusted_from = 0.02, trusted_to = 0.3;
 static const uint64_t bytes_most = UINT64_C(1) << 30;
 
 /* ---- made ---- */
@@ -551,8 +555,9 @@ static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
     s->strain = calloc(k, sizeof *s->strain);
     s->scratch = calloc(SHAPE_SOLVE_SCRATCH(k), sizeof *s->scratch);
     s->y = calloc(3 * (size_t)controls + 1, sizeof *s->y);
+    s->left = calloc(3 * (size_t)controls + 1, sizeof *s->left);
     return s->shape && s->part && s->weight && s->at && s->whole && s->h && s->b && s->few &&
-           s->low && s->high && s->given && s->strain && s->scratch && s->y;
+           s->low && s->high && s->given && s->strain && s->scratch && s->y && s->left;
 }
 
 mrt_result face_shapes_create(face *f, const mesh *m, error *err)
@@ -630,6 +635,7 @@ void face_shapes_destroy(face *f)
     free(s->strain);
     free(s->scratch);
     free(s->y);
+    free(s->left);
     free(s->learnt);
     free(s->longest);
     *s = (face_shapes){0};
@@ -839,6 +845,37 @@ static bool bound_correctives(face_shapes *s)
     return any;
 }
 
+/* A shape is believed as far as the shapes explain where the contacts go that it moves: what others
+ * than it would explain is left to the fields. */
+static void trust_shapes(face *f)
+{
+    face_shapes *s = &f->shapes;
+    size_t stride = (size_t)3 * f->control_capacity, count = (size_t)3 * f->control_count;
+    for (size_t r = 0; r < count; ++r)
+        s->left[r] = s->y[r];
+    for (uint32_t i = 0; i < s->count; ++i)
+        for (size_t r = 0; s->weight[i] > 0.0 && r < count; ++r)
+            s->left[r] -= s->weight[i] * s->whole[i * stride + r];
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const double *a = s->whole + i * stride;
+        double asked = 0.0, left = 0.0;
+        if (!(s->weight[i] > s->low[i]))
+            continue;
+        for (size_t r = 0; r < count; r += 3) {
+            double size = a[r] * a[r] + a[r + 1] * a[r + 1] + a[r + 2] * a[r + 2];
+            for (size_t axis = r; axis < r + 3; ++axis) {
+                asked += size * s->y[axis] * s->y[axis];
+                left += size * s->left[axis] * s->left[axis];
+            }
+        }
+        double part =
+            asked > 0.0 ? (left / asked - trusted_from) / (trusted_to - trusted_from) : 1.0;
+        part = part < 0.0 ? 0.0 : (part > 1.0 ? 1.0 : part);
+        double trust = 1.0 - part * part * (3.0 - 2.0 * part);
+        s->weight[i] = s->low[i] + trust * (s->weight[i] - s->low[i]);
+    }
+}
+
 void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end)
 {
     face_shapes *s = &f->shapes;
@@ -858,6 +895,7 @@ void face_shapes_solve(face *f, float *resolved, const float *dof, const double 
     (void)shape_solve(s->weight, &problem, s->scratch);
     if (bound_correctives(s))
         (void)shape_solve(s->weight, &problem, s->scratch);
+    trust_shapes(f);
     for (uint32_t d = 0; d < f->bones.dof_count; ++d) {
         double sum = 0.0;
         if (!is_derived(f, d, derived))

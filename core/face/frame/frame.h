@@ -110,7 +110,7 @@ typedef struct face_shapes {
     double *at;                  /* shapes by control_capacity by 3: at the controls, mm */
     double *whole;               /* likewise, with the bones that follow */
     uint32_t derived;            /* bits: those, when it was found */
-    double *h, *few, *b, *low, *high, *y, *scratch; /* shape_solve.h; few: of b */
+    double *h, *few, *b, *low, *high, *y, *left, *scratch; /* shape_solve.h; few: of b */
     double *given, *strain; /* face_limit.c: the part of each that is given */
     float *learnt;          /* until the columns are filled */
     float (*longest)[3];    /* until face_limit_create: edges of the skin, in any shape, mm */
