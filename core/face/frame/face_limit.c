@@ -940,7 +940,14 @@ static bool is_drawn_out(const face *f, const uint32_t *corner)
     const face_limit *l = &f->limit;
     for (size_t e = 0; e < 3; ++e) {
         uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
-        if (length_of(l->added[a], l->added[b]) > length_of(l->posed[a], l->posed[b]))
+        float by = 0.0f, was = 0.0f;
+        for (int axis = 0; axis < 3; ++axis) {
+            float d = l->added[b][axis] - l->added[a][axis];
+            float p = l->posed[b][axis] - l->posed[a][axis];
+            by += d * d;
+            was += p * p;
+        }
+        if (by > was)
             return true;
     }
     return false;
