@@ -71,6 +71,78 @@ static void parts_are_understood_by_name(void **state)
     finish(&d);
 }
 
+/* A ring of 24 by 8 vertices about (x, y, z), behind the puppet's own; the puppet has no names
+ * then. */
+static void add_ring(mesh *m, double x, double y, double z, double radius)
+{
+    enum { LONG = 24, ROUND = 8 };
+    const double pi = 3.14159265358979323846;
+    uint32_t first = m->vertex_count;
+    m->position = realloc(m->position, ((size_t)first + LONG * ROUND) * 3 * sizeof *m->position);
+    m->triangle = realloc(m->triangle,
+                          ((size_t)m->triangle_count + 2 * LONG * ROUND) * 3 * sizeof *m->triangle);
+    assert_non_null(m->position);
+    assert_non_null(m->triangle);
+    for (uint32_t i = 0; i < LONG; ++i)
+        for (uint32_t k = 0; k < ROUND; ++k) {
+            double a = 2.0 * pi * i / LONG, b = 2.0 * pi * k / ROUND, r = radius + 2.0 * cos(b);
+            float *p = m->position + 3 * (size_t)m->vertex_count++;
+            p[0] = (float)(x + r * cos(a));
+            p[1] = (float)(y + r * sin(a));
+            p[2] = (float)(z + 2.0 * sin(b));
+            uint32_t next = (i + 1) % LONG * ROUND, up = (k + 1) % ROUND;
+            const uint32_t at[4] = {first + i * ROUND + k, first + next + k, first + next + up,
+                                    first + i * ROUND + up};
+            const uint32_t corner[6] = {at[0], at[1], at[2], at[0], at[2], at[3]};
+            memcpy(m->triangle + 3 * (size_t)m->triangle_count, corner, sizeof corner);
+            m->triangle_count += 2;
+            m->part[m->part_count - 1].triangle_count += 2;
+        }
+}
+
+/* Rims of spectacles are as far from their middle all around as a ball's skin is. */
+static void spectacles_are_no_eyes(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    error err = {""};
+    mesh *m = &d.file.mesh;
+    if (mesh_file_read(m, SOURCE_DIR "/rigs/puppet/puppet.glb", NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        m->part[i].name[0] = '\0';
+    for (uint32_t i = 0; i < m->material_count; ++i)
+        m->material[i].name[0] = '\0';
+    free(m->normal);
+    free(m->uv);
+    free(m->colour);
+    free(m->point);
+    free(m->smooth);
+    m->normal = m->uv = m->colour = NULL;
+    m->point = m->smooth = NULL;
+    for (uint32_t i = 0; i < m->attribute_count; ++i) {
+        free(m->attribute[i].name);
+        free(m->attribute[i].value);
+    }
+    m->attribute_count = 0;
+    uint32_t rims = m->vertex_count;
+    add_ring(m, 37.5, 68.0, 100.0, 32.0);
+    add_ring(m, -37.5, 68.0, 100.0, 32.0);
+    if (openmesh_topology(&d.file.topology, m, &err) < 0 ||
+        rig_draft_make(&d.rig, &d.confirm, m, &d.file.topology, "puppet.glb", NULL, 0, &err) < 0)
+        fail_msg("%s", err.text);
+    uint32_t eye = rig_find_bone(&d.rig, "eye.l");
+    assert_int_not_equal(eye, RIG_NONE);
+    assert_within(d.rig.bone[eye].centre, (vec3){37.5, 68.0, 62.0}, 4.0);
+    binding b;
+    assert_true(binding_create(&b, &d.rig, m, &d.file.topology, &err) >= 0);
+    uint32_t skull = rig_find_bone(&d.rig, "skull");
+    assert_true(b.mobility[rims] <= 0.0f &&
+                b.weight[(size_t)skull * b.vertex_count + rims] >= 1.0f);
+    binding_destroy(&b);
+    finish(&d);
+}
+
 static void lips_lie_on_either_side_of_the_puppets_slit(void **state)
 {
     (void)state;
@@ -295,6 +367,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_are_understood_by_name),
+        cmocka_unit_test(spectacles_are_no_eyes),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),

@@ -571,7 +571,7 @@ static bool is_ball(anatomy_eye *out, const rig_anatomy *a, uint32_t piece, cons
     double height = head->top_y - head->chin.y, depth = head->nose.z - head->back_z;
     vec3 d = vec3_sub(p->high, p->low);
     if (p->point_count < 20 || !is_mostly_head(p) || d.x > 1.4 * d.y || d.y > 1.4 * d.x ||
-        d.x > 0.35 * height || d.x < 0.03 * height)
+        d.z < 0.25 * d.x || d.x > 0.35 * height || d.x < 0.03 * height)
         return false;
     if (!(fit_sphere(&out->centre, &out->radius_mm, a, piece, m) < 0.12) ||
         out->radius_mm > 0.25 * height)
@@ -696,6 +696,14 @@ static void find_teeth(rig_anatomy *a, const mesh *m)
     }
 }
 
+/* The rim or the glass of spectacles: before an eye, and around its middle as seen from there. */
+static bool is_before_eye(const anatomy_eye *eye, const anatomy_piece *p)
+{
+    return eye->is_found && p->low.z > eye->centre.z + 0.9 * eye->radius_mm &&
+           p->low.x < eye->centre.x && p->high.x > eye->centre.x && p->low.y < eye->centre.y &&
+           p->high.y > eye->centre.y;
+}
+
 /* Hair, hats, glasses and ears: behind the face, above it, or across it. */
 static bool lies_around(const rig_anatomy *a, const anatomy_piece *p)
 {
@@ -703,7 +711,8 @@ static bool lies_around(const rig_anatomy *a, const anatomy_piece *p)
     double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
     bool is_across = p->low.x < head->middle_x - 0.6 * head->half_width &&
                      p->high.x > head->middle_x + 0.6 * head->half_width;
-    return p->mean.z < head->back_z + 0.5 * depth || p->low.y > head->nose.y + 0.9 * reach ||
+    return is_before_eye(&a->eye[0], p) || is_before_eye(&a->eye[1], p) ||
+           p->mean.z < head->back_z + 0.5 * depth || p->low.y > head->nose.y + 0.9 * reach ||
            (is_across && p->high.y - p->low.y < 0.6 * reach && p->low.y > head->mouth_y);
 }
 
