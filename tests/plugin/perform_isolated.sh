@@ -65,6 +65,8 @@ for ((i = 0; i < ${KILLS:-5}; ++i)); do
     while [ -z "$child" ] && kill -0 $program 2>/dev/null; do
         child=$(pgrep -P $program -f marotte-pluginhost)
     done
+    # it performs once there is a show; killed before, it is a mapping that cannot be used
+    while [ ! -e "$scratch/show.marotte" ] && kill -0 $program 2>/dev/null; do sleep 0.01; done
     sleep "0.$(printf %03d $((RANDOM % 800)))"
     kill -9 "$child" || fail "the child was gone"
     wait $program || fail "kill $i: exit $? ($(cat "$scratch/killed.said"))"
