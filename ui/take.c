@@ -77,6 +77,9 @@ static const struct {
     [TAKE_VIEW] = {"view", true},
     [TAKE_MIRROR] = {"mirror", false},
     [TAKE_BACKGROUND] = {"background", true},
+    [TAKE_FRAMES] = {"frames", true},
+    [TAKE_ALL] = {"all", false},
+    [TAKE_JOBS] = {"jobs", true},
 };
 
 const char *take_option_name(take_option option)
@@ -529,12 +532,18 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) | TAKE_BIT(TAKE_REALTIME) |
          TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
      TAKE_RECORDS, take_record_run},
-    {"export", "SHOW TAKE",
+    {"export", "SHOW [TAKE]",
      "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
      "                     .wav   its sound\n"
      "  --wav          the sound too, beside the first file\n"
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
      "  --in T, --out T   a range of it\n"
+     "  --frames A-B   of those frames only the A-th to the B-th, from 1: a share of a video, "
+     "silent\n"
+     "  --all          every take: {take}, {slate}, {scene}, {shot}, {number}, {name} in the names "
+     "of\n"
+     "                 the files; what is complete and still true is not done again\n"
+     "  --jobs N       so many takes at a time (1)\n"
      "  --face FILE    on this face (that which it was performed on)\n"
      "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"
      "  --unit mm|cm|m|MM   of .pc2 .mdd .usda .bvh; --by-part: .pc2 .mdd as NAME.1.PART.pc2\n"
@@ -545,7 +554,8 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
          TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_UNIT) |
          TAKE_BIT(TAKE_BY_PART) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
-         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND),
+         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND) | TAKE_BIT(TAKE_FRAMES) |
+         TAKE_BIT(TAKE_ALL) | TAKE_BIT(TAKE_JOBS),
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"

@@ -67,6 +67,9 @@ typedef enum take_option {
     TAKE_VIEW,
     TAKE_MIRROR,
     TAKE_BACKGROUND,
+    TAKE_FRAMES,
+    TAKE_ALL,
+    TAKE_JOBS,
     TAKE_OPTION_COUNT
 } take_option;
 #define TAKE_BIT(option) (UINT64_C(1) << (option))
@@ -163,6 +166,7 @@ take_name take_slate_text(const char *scene, const char *shot,
 
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
+CHECKED mrt_result take_export_all(take_call *call, error *err);
 CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);

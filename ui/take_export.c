@@ -103,7 +103,8 @@ static mrt_result open_videos(take_call *call, kept *into, const take_stage *sta
 {
     const char *mp4 = exports_video_mp4(into->videos);
     mrt_result result = MRT_OK;
-    if (mp4 && stage->take.audio.audio != 0)
+    bool is_share = call->text[TAKE_FRAMES] != NULL; /* AAC cannot be joined without a gap */
+    if (mp4 && stage->take.audio.audio != 0 && !is_share)
         result = exports_video_sound(
             &into->sound, call->show, &stage->take, timecode_time_ns(frames->rate, frames->first),
             timecode_time_ns(frames->rate, frames->first + frames->count), mp4, &call->shown, err);
@@ -313,6 +314,14 @@ mrt_result take_export_run(take_call *call, error *err)
     exports_video videos;
     if (call->export_count == 0 && !call->wav)
         return take_misused(call, err, "--export FILE is missing");
+    bool is_all = call->text[TAKE_ALL] != NULL;
+    if (is_all != (call->word_count == 1))
+        return take_misused(call, err, "say which TAKE, or --all");
+    if (call->text[TAKE_JOBS] && !is_all)
+        return take_misused(call, err,
+                            "--jobs is of --all: shares of a take are given by --frames");
+    if (is_all)
+        return take_export_all(call, err);
     mrt_result result = read_look(call, &look, err);
     if (result < 0)
         return result;

@@ -2,6 +2,7 @@
 
 #include "base/cancel.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "terminal.h"
 #include "take/edit_store.h"
 #include "take/hash.h"
@@ -180,6 +181,25 @@ static mrt_result check_length(const take_call *call, const take *t, error *err)
                      (long long)t->id, length_s, (unsigned long long)show_file_size(call->show));
 }
 
+/* --frames A-B */
+static mrt_result take_share(take_frames *out, take_call *call, error *err)
+{
+    const char *text = call->text[TAKE_FRAMES], *dash = text ? strchr(text, '-') : NULL;
+    int64_t from, to;
+    if (!text)
+        return MRT_OK;
+    if (!dash || !text_int(text_view_of(text, (size_t)(dash - text)), &from) ||
+        !text_int(text_view_of(dash + 1, strlen(dash + 1)), &to) || from < 1 || from > to)
+        return take_misused(call, err, "--frames \"%s\" is not FIRST-LAST, from 1, such as 1-250",
+                            text);
+    if (to > out->count)
+        return error_set(err, MRT_ERR_ARGUMENT, "--frames %s: there are %lld frames", text,
+                         (long long)out->count);
+    out->first += from - 1;
+    out->count = to - from + 1;
+    return MRT_OK;
+}
+
 mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err)
 {
     int64_t in_ns = 0, out_ns = t->duration_ns;
@@ -204,7 +224,7 @@ mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, erro
     out->first = first_frame_from(out->rate, in_ns);
     out->count = first_frame_from(out->rate, out_ns) - out->first;
     if (out->count > 0)
-        return MRT_OK;
+        return take_share(out, call, err);
     return error_set(err, MRT_ERR_ARGUMENT, "no frame of %.6g fps begins within %.9g .. %.9g s",
                      timecode_fps(out->rate), (double)in_ns / 1e9, (double)out_ns / 1e9);
 }

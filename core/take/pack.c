@@ -433,19 +433,26 @@ static mrt_result check_same(const file_list *list, const take_performance *p, e
                      "%s: is not what was performed on any more, so it is not packed", p->rig);
 }
 
+/* first: what the face is called in its folder; then all that it names. */
+static mrt_result gather_from(file_list *list, char folder[PATH_MAX], char first[PATH_MAX],
+                              const char *face_path, error *err)
+{
+    gathering self = {.list = list};
+    const char *slash = strrchr(face_path, '/');
+    int length = snprintf(self.folder, PATH_MAX, "%.*s", slash ? (int)(slash + 1 - face_path) : 0,
+                          face_path);
+    if (length < 0 || length >= PATH_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", face_path);
+    (void)snprintf(first, PATH_MAX, "%s", slash ? slash + 1 : face_path);
+    (void)snprintf(folder, PATH_MAX, "%s", self.folder);
+    return gather(&self, first, err);
+}
+
 static mrt_result gather_face(file_list *list, char folder[PATH_MAX], char first[PATH_MAX],
                               const take_performance *p, error *err)
 {
-    gathering self = {.list = list};
-    const char *slash = strrchr(p->rig, '/');
     char name[32];
-    int length =
-        snprintf(self.folder, PATH_MAX, "%.*s", slash ? (int)(slash + 1 - p->rig) : 0, p->rig);
-    if (length < 0 || length >= PATH_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", p->rig);
-    (void)snprintf(first, PATH_MAX, "%s", slash ? slash + 1 : p->rig);
-    (void)snprintf(folder, PATH_MAX, "%s", self.folder);
-    mrt_result result = gather(&self, first, err);
+    mrt_result result = gather_from(list, folder, first, p->rig, err);
     if (result >= 0)
         result = check_same(list, p, err);
     if (result >= 0)
@@ -489,6 +496,22 @@ mrt_result pack_add(const char *show_path, const take_performance *p, error *err
     mrt_result result = gather_face(list, folder, first, p, err);
     if (result >= 0)
         result = put(list, folder, first, show_path, p, err);
+    list_finish(list);
+    return result;
+}
+
+mrt_result pack_sum(char out[TAKE_HASH], const char *face_path, error *err)
+{
+    char folder[PATH_MAX], first[PATH_MAX];
+    file_list *list = calloc(1, sizeof *list);
+    hash_sum *sum = hash_begin();
+    mrt_result result =
+        list && sum ? gather_from(list, folder, first, face_path, err) : no_memory(err);
+    for (uint32_t i = 0; result >= 0 && i < list->count; ++i) {
+        hash_add(sum, list->name[i], strlen(list->name[i]) + 1);
+        hash_add(sum, list->hash[i], TAKE_HASH);
+    }
+    hash_end(out, sum);
     list_finish(list);
     return result;
 }

@@ -21,6 +21,9 @@ CHECKED mrt_result pack_find(char out_face[PATH_MAX], const char *show_path,
 /* Puts p's face there, from p->rig. Refused when that is not what it was then, or names files
  * outside of its folder. MRT_END: it is there already. */
 CHECKED mrt_result pack_add(const char *show_path, const take_performance *p, error *err);
+/* Of all files that a face is read from, by their names and bytes: what is made of it is the same
+ * as long as this is. */
+CHECKED mrt_result pack_sum(char out[TAKE_HASH], const char *face_path, error *err);
 /* p's face from one show's pack into another's. MRT_END: the first has no pack, or the second has
  * it. */
 CHECKED mrt_result pack_copy(const char *from_show, const char *to_show, const take_performance *p,

@@ -1,0 +1,493 @@
+/* marotte take export --all: every take of a show into files whose names are a pattern. Each take
+ * is exported by a process of its own, so that one that fails costs no other, and so many at a time
+ * as
+ * --jobs says. What is complete and still true is not done again: a list beside the files says what
+ * each was made from. */
+#include "base/cancel.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "take.h"
+#include "take/edit_store.h"
+#include "take/hash.h"
+#include "take/pack.h"
+#include "take_stage.h"
+
+#include <jansson.h>
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { JOBS_MAX = 64, FILES_MAX = EXPORTS_MAX + 1, LIST_BYTES_MAX = 64 << 20 };
+static const char list_name[] = "marotte_exports.json";
+
+typedef struct job { /* a take */
+    char id[24], slate[TAKE_NAME * 2 + 32];
+    char *path[FILES_MAX]; /* as the call has its exports, then --export NAME.wav; owned */
+    uint32_t path_count;
+    char made_from[TAKE_HASH]; /* "": not known, so it is always done */
+    pid_t pid;                 /* 0: it does not run */
+    FILE *said;                /* what it says on stderr */
+} job;
+
+typedef struct all {
+    take_call *call;
+    job *job;
+    size_t count;
+    char folder[PATH_MAX]; /* of the list, ends in '/', or "" */
+    json_t *list;          /* of files: what they were made from, size and time */
+    uint32_t jobs, running, done, kept, failed, unread_count;
+} all;
+
+/* ---- names ---- */
+
+/* A word of a take as part of a file's name: one component, never hidden. */
+static void add_word(char *out, size_t capacity, const char *word)
+{
+    size_t used = strlen(out);
+    for (const char *at = word; *at && used + 1 < capacity; ++at) {
+        bool is_bad = *at == '/' || *at == '\\' || (unsigned char)*at < ' ' || *at == 127;
+        bool starts = used == 0 || out[used - 1] == '/';
+        out[used++] = is_bad ? '-' : *at == '.' && starts ? '_' : *at;
+    }
+    out[used] = '\0';
+}
+
+/* "out/{slate}.glb" */
+static mrt_result name_file(char **out, const char *pattern, const take *t, take_call *call,
+                            error *err)
+{
+    char text[PATH_MAX] = "", number[24], id[24];
+    (void)snprintf(number, sizeof number, "%u", t->number);
+    (void)snprintf(id, sizeof id, "%lld", (long long)t->id);
+    const take_name slate = take_slate_text(t->scene, t->shot, t->number);
+    const struct {
+        const char *key, *word;
+    } words[] = {{"{take}", id},      {"{slate}", slate.text}, {"{scene}", t->scene},
+                 {"{shot}", t->shot}, {"{number}", number},    {"{name}", t->name}};
+    for (const char *at = pattern; *at;) {
+        size_t i = 0, used = strlen(text);
+        while (i < sizeof words / sizeof *words &&
+               strncmp(at, words[i].key, strlen(words[i].key)) != 0)
+            ++i;
+        if (i < sizeof words / sizeof *words) {
+            add_word(text, sizeof text, words[i].word);
+            at += strlen(words[i].key);
+            continue;
+        }
+        if (*at == '{')
+            return take_misused(call, err,
+                                "\"%s\": {take}, {slate}, {scene}, {shot}, {number} and {name} are "
+                                "what a name may have",
+                                pattern);
+        if (used + 2 > sizeof text)
+            return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", pattern);
+        text[used] = *at++;
+        text[used + 1] = '\0';
+    }
+    *out = strdup(text);
+    return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
+}
+
+static mrt_result make_folder_of(const char *path, error *err)
+{
+    char folder[PATH_MAX];
+    struct stat status;
+    (void)snprintf(folder, sizeof folder, "%s", path);
+    for (char *at = folder[0] == '/' ? folder + 1 : folder; (at = strchr(at, '/')) && at[1];
+         *at++ = '/') {
+        *at = '\0';
+        if (mkdir(folder, 0777) != 0 &&
+            (errno != EEXIST || stat(folder, &status) != 0 || !S_ISDIR(status.st_mode)))
+            return error_set(err, MRT_ERR_IO, "%s: no folder can be made there: %s", folder,
+                             strerror(errno));
+    }
+    return MRT_OK;
+}
+
+/* ---- what is made from what ---- */
+
+static void add_text(hash_sum *sum, const char *text)
+{
+    hash_add(sum, text ? text : "", text ? strlen(text) + 1 : 1);
+}
+
+static bool add_face(hash_sum *sum, take_call *call, const take_performance *p)
+{
+    char packed[PATH_MAX], files[TAKE_HASH];
+    error ignored;
+    const char *path = call->text[TAKE_FACE] ? call->text[TAKE_FACE] : p->rig;
+    if (!call->text[TAKE_FACE] && pack_find(packed, call->word[0], p, &ignored) == MRT_OK)
+        path = packed;
+    add_text(sum, p->mapping);
+    if (pack_sum(files, path, &ignored) < 0)
+        return false;
+    add_text(sum, files);
+    return true;
+}
+
+/* What a take shows, on which face, and how it is asked for: samples never change. */
+static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, const take *t)
+{
+    show_edits edits;
+    error ignored;
+    hash_sum *sum = hash_begin();
+    bool is_known = sum != NULL;
+    out[0] = '\0';
+    if (is_known)
+        add_text(sum, MAROTTE_VERSION);
+    for (int i = 0; is_known && i < TAKE_OPTION_COUNT; ++i)
+        if (i != TAKE_JOBS && i != TAKE_JSON && i != TAKE_ALL)
+            add_text(sum, call->text[i]);
+    const int64_t made[] = {row->id, row->created_ns, row->start_ns, row->end_ns, row->edit_head};
+    if (is_known)
+        hash_add(sum, made, sizeof made);
+    is_known = is_known && show_edits_of(call->show, row, &edits, &ignored) >= 0;
+    if (is_known) {
+        for (uint32_t i = 0; i < edits.count; ++i)
+            add_text(sum, edits.edit[i].json);
+        show_edits_finish(&edits);
+    }
+    for (uint32_t i = 0; is_known && i < t->layer_count; ++i)
+        for (uint32_t k = 0; is_known && k < t->layer[i].clip_count; ++k) {
+            show_performance of;
+            is_known = show_performance_read(call->show, t->layer[i].clip[k].performance, &of,
+                                             &ignored) >= 0;
+            if (!is_known)
+                break;
+            is_known = add_face(sum, call, &of.performance);
+            show_performance_finish(&of);
+        }
+    hash_end(out, sum);
+    if (!is_known)
+        out[0] = '\0';
+}
+
+/* ---- the list of what is complete ---- */
+
+static const char *key_of(const all *self, const char *path)
+{
+    size_t length = strlen(self->folder);
+    return strncmp(path, self->folder, length) == 0 ? path + length : path;
+}
+
+/* Of a folder of pictures its note, which is written last. */
+static bool look_at(const char *path, json_int_t *out_bytes, json_int_t *out_time_ns)
+{
+    char file[PATH_MAX];
+    struct stat status;
+    size_t length = strlen(path);
+    (void)snprintf(file, sizeof file, "%s%s", path,
+                   length > 0 && path[length - 1] == '/' ? "frames.json" : "");
+    if (stat(file, &status) != 0 || !S_ISREG(status.st_mode))
+        return false;
+    *out_bytes = (json_int_t)status.st_size;
+    *out_time_ns = (json_int_t)status.st_mtim.tv_sec * NS_PER_S + status.st_mtim.tv_nsec;
+    return true;
+}
+
+static bool is_complete(const all *self, const job *of)
+{
+    bool is_so = of->made_from[0] != '\0';
+    for (uint32_t i = 0; i < of->path_count && is_so; ++i) {
+        json_int_t bytes, time_ns;
+        const json_t *told = json_object_get(self->list, key_of(self, of->path[i]));
+        const char *made_from = json_string_value(json_object_get(told, "made_from"));
+        is_so = made_from && strcmp(made_from, of->made_from) == 0 &&
+                look_at(of->path[i], &bytes, &time_ns) &&
+                json_integer_value(json_object_get(told, "bytes")) == bytes &&
+                json_integer_value(json_object_get(told, "time_ns")) == time_ns;
+    }
+    return is_so;
+}
+
+static mrt_result read_list(all *self, error *err)
+{
+    char path[PATH_MAX + 32];
+    file_bytes bytes;
+    (void)snprintf(path, sizeof path, "%s%s", self->folder, list_name);
+    self->list = NULL;
+    if (access(path, F_OK) == 0) {
+        mrt_result result = file_read(&bytes, path, LIST_BYTES_MAX, err);
+        if (result < 0)
+            return result;
+        json_t *root = json_loadb((const char *)bytes.data, bytes.size, 0, NULL);
+        file_bytes_finish(&bytes);
+        if (json_integer_value(json_object_get(root, "marotte_exports")) == 1)
+            self->list = json_incref(json_object_get(root, "files"));
+        json_decref(root);
+        if (!json_is_object(self->list))
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: is no list of marotte's exports: move it away", path);
+    }
+    self->list = self->list ? self->list : json_object();
+    return self->list ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
+}
+
+static mrt_result write_list(const all *self, error *err)
+{
+    char path[PATH_MAX + 32];
+    (void)snprintf(path, sizeof path, "%s%s", self->folder, list_name);
+    json_t *root = json_pack("{si,sO}", "marotte_exports", 1, "files", self->list);
+    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_SORT_KEYS) : NULL;
+    json_decref(root);
+    mrt_result result = text ? file_write(path, text, strlen(text), err)
+                             : error_set(err, MRT_ERR_MEMORY, "no memory");
+    free(text);
+    return result;
+}
+
+static mrt_result note_complete(all *self, const job *of, error *err)
+{
+    for (uint32_t i = 0; i < of->path_count; ++i) {
+        json_int_t bytes, time_ns;
+        if (look_at(of->path[i], &bytes, &time_ns))
+            (void)json_object_set_new(self->list, key_of(self, of->path[i]),
+                                      json_pack("{ss,sI,sI}", "made_from", of->made_from, "bytes",
+                                                bytes, "time_ns", time_ns));
+        facts_list(self->call->told, "files", "wrote", of->path[i]);
+    }
+    return write_list(self, err);
+}
+
+/* ---- which takes ---- */
+
+static mrt_result check_names(const all *self, error *err)
+{
+    for (size_t i = 0; i < self->count; ++i)
+        for (size_t k = 0; k < i; ++k)
+            for (uint32_t a = 0; a < self->job[i].path_count; ++a)
+                for (uint32_t b = 0; b < self->job[k].path_count; ++b)
+                    if (strcmp(self->job[i].path[a], self->job[k].path[b]) == 0)
+                        return take_misused(self->call, err,
+                                            "takes %s and %s would both be %s: a name with {take} "
+                                            "is no other's",
+                                            self->job[k].id, self->job[i].id, self->job[i].path[a]);
+    return MRT_OK;
+}
+
+static mrt_result add_take(all *self, const show_take *row, error *err)
+{
+    take t;
+    error why = {""};
+    take_call *call = self->call;
+    job *out = &self->job[self->count];
+    mrt_result result = edit_store_take_of(&t, call->show, row, &why);
+    (void)snprintf(out->id, sizeof out->id, "%lld", (long long)row->id);
+    if (result < 0) {
+        fprintf(stderr, "warning: take %s: %s: not exported\n", out->id, why.text);
+        self->unread_count += 1;
+    }
+    bool is_wanted = result >= 0 && !t.is_deleted && !t.is_recording && t.duration_ns > 0;
+    result = MRT_OK;
+    if (is_wanted) {
+        (void)snprintf(out->slate, sizeof out->slate, "%s",
+                       take_slate_text(t.scene, t.shot, t.number).text);
+        self->count += 1;
+        for (uint32_t i = 0; i < call->export_count && result >= 0; ++i)
+            result = name_file(&out->path[out->path_count++], call->exports[i].path, &t, call, err);
+        if (result >= 0 && call->wav)
+            result = name_file(&out->path[out->path_count++], call->wav, &t, call, err);
+        if (result >= 0)
+            sum_up(out->made_from, call, row, &t);
+    }
+    take_finish(&t);
+    return result;
+}
+
+static mrt_result list_takes(all *self, error *err)
+{
+    show_take *rows;
+    size_t count;
+    mrt_result result = show_takes(self->call->show, &rows, &count, err);
+    if (result < 0)
+        return result;
+    self->job = calloc(count + 1, sizeof *self->job);
+    if (!self->job)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for %zu takes", count);
+    for (size_t i = 0; i < count && result >= 0 && !cancel_is_asked(); ++i)
+        result = add_take(self, &rows[i], err);
+    free(rows);
+    return result < 0 ? result : check_names(self, err);
+}
+
+/* ---- done, each in a process ---- */
+
+static void export_one(const all *self, job *of)
+{
+    take_call one = *self->call;
+    error err = {""};
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
+    (void)setpgid(0, 0); /* the terminal asks the first process, and that asks once */
+    if (nowhere >= 0)
+        (void)dup2(nowhere, STDOUT_FILENO);
+    (void)dup2(fileno(of->said), STDERR_FILENO);
+    one.word[1] = of->id;
+    one.word_count = 2;
+    one.text[TAKE_ALL] = one.text[TAKE_JOBS] = NULL;
+    for (uint32_t i = 0; i < one.export_count; ++i)
+        one.exports[i].path = of->path[i];
+    one.wav = one.wav ? of->path[one.export_count] : NULL;
+    one.told = facts_create(false);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < of->path_count && result >= 0; ++i)
+        result = make_folder_of(of->path[i], &err);
+    if (result >= 0)
+        result = show_open(&one.show, one.word[0], SHOW_READ, &err);
+    if (result >= 0)
+        show_limit_work(one.show);
+    if (result >= 0)
+        result = take_export_run(&one, &err);
+    if (result < 0)
+        fprintf(stderr, "%s\n", err.text);
+    show_close(one.show);
+    (void)fflush(NULL);
+    _exit(result < 0 ? COMMAND_FAILED : COMMAND_DONE);
+}
+
+static mrt_result start(all *self, job *of, error *err)
+{
+    of->said = tmpfile();
+    (void)fflush(NULL);
+    of->pid = of->said ? fork() : -1;
+    if (of->pid == 0)
+        export_one(self, of);
+    if (of->pid < 0) {
+        of->pid = 0;
+        return error_set(err, MRT_ERR_IO, "take %s: no process for it: %s", of->id,
+                         strerror(errno));
+    }
+    self->running += 1;
+    return MRT_OK;
+}
+
+static void tell_said(job *of)
+{
+    char line[1200];
+    rewind(of->said);
+    while (fgets(line, sizeof line, of->said)) {
+        line[strcspn(line, "\r\n")] = '\0';
+        fprintf(stderr, "take %s (%s): %s\n", of->id, of->slate, line);
+    }
+}
+
+static mrt_result finish(all *self, job *of, int status, error *err)
+{
+    bool is_done = WIFEXITED(status) && WEXITSTATUS(status) == COMMAND_DONE;
+    of->pid = 0;
+    self->running -= 1;
+    tell_said(of);
+    (void)fclose(of->said);
+    of->said = NULL;
+    self->done += is_done;
+    self->failed += !is_done;
+    return is_done ? note_complete(self, of, err) : MRT_OK;
+}
+
+/* Those that have ended; they are asked to end once, when the person asks. */
+static mrt_result look_after(all *self, bool *is_asked, error *err)
+{
+    mrt_result result = MRT_OK;
+    bool asks = cancel_is_asked() && !*is_asked;
+    *is_asked |= asks;
+    for (size_t i = 0; i < self->count; ++i) {
+        int status;
+        job *of = &self->job[i];
+        if (of->pid == 0)
+            continue;
+        if (asks)
+            (void)kill(of->pid, SIGTERM);
+        if (waitpid(of->pid, &status, WNOHANG) == of->pid) {
+            error why;
+            mrt_result noted = finish(self, of, status, result < 0 ? &why : err);
+            result = result < 0 ? result : noted;
+        }
+    }
+    return result;
+}
+
+static mrt_result run_jobs(all *self, error *err)
+{
+    size_t next = 0;
+    bool is_asked = false;
+    mrt_result result = MRT_OK;
+    progress_start(&self->call->shown, "exporting");
+    while (self->running > 0 || (next < self->count && result >= 0 && !cancel_is_asked())) {
+        while (result >= 0 && next < self->count && self->running < self->jobs &&
+               !cancel_is_asked()) {
+            job *of = &self->job[next++];
+            if (is_complete(self, of))
+                self->kept += 1;
+            else
+                result = start(self, of, err);
+        }
+        error why;
+        mrt_result ended = look_after(self, &is_asked, result < 0 ? &why : err);
+        result = result < 0 ? result : ended;
+        progress_show(&self->call->shown, (double)next / (double)(self->count + 1), "");
+        if (self->running > 0)
+            clock_sleep_until_ns(clock_now_ns() + 20 * NS_PER_MS);
+    }
+    progress_end(&self->call->shown);
+    return result;
+}
+
+static mrt_result tell(all *self, error *err)
+{
+    facts *told = self->call->told;
+    facts_number(told, "exported", "takes exported", self->done, 0, "");
+    facts_number(told, "kept", "complete already", self->kept, 0, "");
+    self->call->is_told = true;
+    if (cancel_is_asked())
+        return error_set(err, MRT_ERR_IO, "stopped: the same command goes on where it was");
+    if (self->failed + self->unread_count == 0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO, "%u of %zu takes could not be exported",
+                     self->failed + self->unread_count, self->count + self->unread_count);
+}
+
+mrt_result take_export_all(take_call *call, error *err)
+{
+    all self = {.call = call};
+    double jobs = 1.0;
+    mrt_result result = take_number(call, TAKE_JOBS, 1, JOBS_MAX, &jobs, err);
+    self.jobs = (uint32_t)jobs;
+    const char *first = call->export_count ? call->exports[0].path : call->wav;
+    const char *brace = strchr(first, '{'), *slash = first;
+    for (const char *at = first; brace && (at = strchr(at, '/')) && at < brace;)
+        slash = ++at;
+    if (result >= 0 && !brace)
+        result =
+            take_misused(call, err, "\"%s\": with --all a name has {take} or {slate} in it", first);
+    char list[PATH_MAX];
+    (void)snprintf(self.folder, sizeof self.folder, "%.*s", (int)(slash - first), first);
+    (void)snprintf(list, sizeof list, "%.*s%s", (int)(slash - first), first, list_name);
+    cancel_on_signals(CANCEL_WAITS, NULL);
+    if (result >= 0)
+        result = make_folder_of(list, err);
+    if (result >= 0)
+        result = read_list(&self, err);
+    if (result >= 0)
+        result = list_takes(&self, err);
+    show_close(call->show); /* each process opens it */
+    call->show = NULL;
+    if (result >= 0)
+        result = run_jobs(&self, err);
+    if (result >= 0)
+        result = tell(&self, err);
+    for (size_t i = 0; i < self.count; ++i)
+        for (uint32_t k = 0; k < self.job[i].path_count; ++k)
+            free(self.job[i].path[k]);
+    free(self.job);
+    json_decref(self.list);
+    return result;
+}
