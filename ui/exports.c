@@ -16,6 +16,7 @@
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 const char exports_names[] = "one of"
@@ -96,6 +97,29 @@ mrt_result exports_check_face(const exports_file *file, uint32_t count, const me
         if (file[i].format == EXPORTS_VRM && strcmp(extension.text, "vrm") != 0)
             return error_set(err, MRT_ERR_UNSUPPORTED,
                              "%s: the face is not from a .vrm file; --export a .glb", file[i].path);
+    return MRT_OK;
+}
+
+/* Caches have a size that is known: every vertex at every frame. */
+mrt_result exports_check_room(const exports_file *file, uint32_t count, const mesh *m,
+                              int64_t frame_count, error *err)
+{
+    const double gigabyte = 1e9, bytes = 12.0 * m->vertex_count * (double)frame_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        struct statvfs disk;
+        char *directory = file_directory(file[i].path);
+        bool is_known = (file[i].format == EXPORTS_PC2 || file[i].format == EXPORTS_MDD) &&
+                        directory && statvfs(directory[0] ? directory : ".", &disk) == 0;
+        free(directory);
+        double room = is_known ? (double)disk.f_bavail * (double)disk.f_frsize : (double)INFINITY;
+        if (bytes > room)
+            return error_set(
+                err, MRT_ERR_IO,
+                "%s: %lld frames of %u vertices are %.1f GB, and there is room for %.1f "
+                "GB: --in and --out, or a lower --fps; .glb and .mp4 are smaller",
+                file[i].path, (long long)frame_count, m->vertex_count, bytes / gigabyte,
+                room / gigabyte);
+    }
     return MRT_OK;
 }
 

@@ -39,6 +39,10 @@ CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error
 CHECKED mrt_result exports_check_face(const exports_file *file, uint32_t count, const mesh *m,
                                       error *err);
 
+/* And how many frames: whether the disk has room for what they are sure to take. */
+CHECKED mrt_result exports_check_room(const exports_file *file, uint32_t count, const mesh *m,
+                                      int64_t frame_count, error *err);
+
 typedef struct exports_settings {
     double tolerance_mm; /* of glTF; 0: its default */
     uint32_t max_targets;

@@ -296,6 +296,9 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
         result = exports_check_face(call->exports, call->export_count, &stage->face.mesh, err);
     if (result >= 0)
         result = take_frames_of(&frames, call, &stage->take, err);
+    if (result >= 0)
+        result = exports_check_room(call->exports, call->export_count, &stage->face.mesh,
+                                    frames.count, err);
     if (result >= 0 && wav && stage->take.audio.audio == 0)
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld has no sound to export",
                            (long long)stage->take.id);

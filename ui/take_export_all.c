@@ -6,6 +6,7 @@
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/program.h"
 #include "base/text.h"
 #include "take.h"
 #include "take/edit_store.h"
@@ -18,13 +19,15 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+extern char **environ;
 
 enum { JOBS_MAX = 64, FILES_MAX = EXPORTS_MAX + 1, LIST_BYTES_MAX = 64 << 20 };
 static const char list_name[] = "marotte_exports.json";
@@ -321,50 +324,88 @@ static mrt_result list_takes(all *self, error *err)
 
 /* ---- done, each in a process ---- */
 
-static void export_one(const all *self, job *of)
+typedef struct words { /* of a command line */
+    char *word[8 + 2 * (FILES_MAX + TAKE_OPTION_COUNT)];
+    char option[TAKE_OPTION_COUNT][32];
+    uint32_t count;
+} words;
+
+static void add(words *out, const char *word)
 {
-    take_call one = *self->call;
-    error err = {""};
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    (void)prctl(PR_SET_PDEATHSIG, SIGTERM);
-    (void)setpgid(0, 0); /* the terminal asks the first process, and that asks once */
-    if (nowhere >= 0)
-        (void)dup2(nowhere, STDOUT_FILENO);
-    (void)dup2(fileno(of->said), STDERR_FILENO);
-    one.word[1] = of->id;
-    one.word_count = 2;
-    one.text[TAKE_ALL] = one.text[TAKE_JOBS] = NULL;
-    for (uint32_t i = 0; i < one.export_count; ++i)
-        one.exports[i].path = of->path[i];
-    one.wav = one.wav ? of->path[one.export_count] : NULL;
-    one.told = facts_create(false);
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < of->path_count && result >= 0; ++i)
-        result = make_folder_of(of->path[i], &err);
-    if (result >= 0)
-        result = show_open(&one.show, one.word[0], SHOW_READ, &err);
-    if (result >= 0)
-        show_limit_work(one.show);
-    if (result >= 0)
-        result = take_export_run(&one, &err);
-    if (result < 0)
-        fprintf(stderr, "%s\n", err.text);
-    show_close(one.show);
-    (void)fflush(NULL);
-    _exit(result < 0 ? COMMAND_FAILED : COMMAND_DONE);
+    out->word[out->count++] = program_argument(word);
+    out->word[out->count] = NULL;
+}
+
+/* marotte take export, as this one was called, of one take. */
+static void list_words(words *out, const all *self, const job *of)
+{
+    const take_call *call = self->call;
+    out->count = 0;
+    add(out, "marotte");
+    add(out, "take");
+    add(out, "export");
+    for (uint32_t i = 0; i < of->path_count; ++i) {
+        add(out, "--export");
+        add(out, of->path[i]);
+    }
+    for (int i = 0; i < TAKE_OPTION_COUNT; ++i) {
+        if (!call->text[i] || i == TAKE_ALL || i == TAKE_JOBS || i == TAKE_JSON)
+            continue;
+        (void)snprintf(out->option[i], sizeof out->option[i], "--%s",
+                       take_option_name((take_option)i));
+        add(out, out->option[i]);
+        if (call->text[i][0])
+            add(out, call->text[i]);
+    }
+    add(out, "--");
+    add(out, call->word[0]);
+    add(out, of->id);
+}
+
+/* In a group of its own: the terminal asks this process, and this one asks once. */
+static int spawn(job *of, words *with)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed) {
+        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+        if (!failed)
+            failed =
+                posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+        if (!failed)
+            failed = posix_spawn_file_actions_adddup2(&actions, fileno(of->said), STDERR_FILENO);
+        if (!failed)
+            failed = posix_spawnattr_setpgroup(&attributes, 0);
+        if (!failed)
+            failed = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+        if (!failed)
+            failed =
+                posix_spawn(&of->pid, "/proc/self/exe", &actions, &attributes, with->word, environ);
+        (void)posix_spawnattr_destroy(&attributes);
+    }
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return failed;
 }
 
 static mrt_result start(all *self, job *of, error *err)
 {
+    words with;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < of->path_count && result >= 0; ++i)
+        result = make_folder_of(of->path[i], err);
+    if (result < 0)
+        return result;
+    list_words(&with, self, of);
     of->said = tmpfile();
-    (void)fflush(NULL);
-    of->pid = of->said ? fork() : -1;
-    if (of->pid == 0)
-        export_one(self, of);
-    if (of->pid < 0) {
+    const int failed = of->said ? spawn(of, &with) : errno;
+    if (failed) {
         of->pid = 0;
         return error_set(err, MRT_ERR_IO, "take %s: no process for it: %s", of->id,
-                         strerror(errno));
+                         strerror(failed));
     }
     self->running += 1;
     return MRT_OK;

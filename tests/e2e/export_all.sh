@@ -62,6 +62,15 @@ bad 1 'file: no folder can be made there' --all --export 'file/{take}.pc2'
 echo '{}' >mine.json && mkdir mine && echo '{}' >mine/marotte_exports.json
 bad 1 'is no list of marotte' --all --export 'mine/{take}.pc2'
 
+# What the disk has no room for is said before it is performed.
+if mkdir small && mount -t tmpfs -o size=1m tmpfs small 2>/dev/null; then
+    bad 1 'GB, and there is room for' 1 --fps 120 --export small/x.pc2
+    [ -z "$(ls -A small)" ] || fail "begun although there is no room: $(ls small)"
+    umount small
+else
+    echo "SKIPPED: no small disk can be made here: whether an export that does not fit is told before"
+fi
+
 # One take that cannot be written costs no other; a full disk leaves no half file.
 mkdir -p part/2.pc2
 "$MAROTTE" take export s.marotte --all --export 'part/{take}.pc2' >said 2>stderr && fail "a folder in the place of a file"

@@ -368,6 +368,42 @@ static void recovering_leaves_values_of_another_kind_out(void **state)
     show_close(saved);
 }
 
+/* The table of contents leads to another table's rows: each that is not of its kind is counted once
+ * and left out, those of the table that nothing leads to are gone unseen, and all else is there. */
+static void recovering_counts_rows_under_another_tables_name(void **state)
+{
+    scene *s = *state;
+    char out[SCENE_PATH];
+    error err = {""};
+    show_recovery whole, got;
+    sqlite3 *db;
+    sqlite3_stmt *counted;
+    int64_t channels, params;
+    record_some(s->path);
+    beside(s, "whole.marotte", out);
+    scene_must(show_recover(&whole, s->path, out, &err), &err);
+    assert_int_equal(whole.damaged_count, 0);
+    assert_int_equal(sqlite3_open(s->path, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db,
+                                        "SELECT (SELECT count(*) FROM channel),"
+                                        " (SELECT count(*) FROM performance_param)",
+                                        -1, &counted, NULL),
+                     SQLITE_OK);
+    assert_int_equal(sqlite3_step(counted), SQLITE_ROW);
+    channels = sqlite3_column_int64(counted, 0);
+    params = sqlite3_column_int64(counted, 1);
+    sqlite3_finalize(counted);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    assert_true(channels > 0);
+    run_sql(s->path,
+            "PRAGMA writable_schema = ON; UPDATE sqlite_master SET rootpage = (SELECT rootpage"
+            " FROM sqlite_master WHERE name = 'channel') WHERE name = 'performance_param'");
+    beside(s, "out.marotte", out);
+    scene_must(show_recover(&got, s->path, out, &err), &err);
+    assert_int_equal(got.damaged_count, channels);
+    assert_int_equal(got.row_count, whole.row_count - params);
+}
+
 /* ---- work ---- */
 
 /* Leaf pages full of rows that go on in a page that goes on in itself. */
@@ -676,6 +712,7 @@ int main(void)
         TEST(a_newer_show_may_have_more_columns_and_tables),
         TEST(values_of_another_kind_are_damage_and_everything_ends),
         TEST(recovering_leaves_values_of_another_kind_out),
+        TEST(recovering_counts_rows_under_another_tables_name),
         TEST(recovering_ends_on_chains_that_lead_in_circles),
         TEST(recovering_computes_no_column),
         TEST(recovering_leaves_holes_out),
