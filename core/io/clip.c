@@ -637,6 +637,17 @@ const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment)
     return c->number + f->first_pulled;
 }
 
+/* Blocks of so many vertices: most of what is named moves few of them. */
+enum { BLOCK = 64 };
+
+static bool is_still(const float *value, size_t count)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < count; ++i)
+        bits |= value[i] != 0.0f;
+    return bits == 0;
+}
+
 /* The rest shape, moved by the named part of a frame. */
 static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
 {
@@ -646,20 +657,24 @@ static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
     const double *pulled = clip_pulled(c, frame, &segment_index);
     memcpy(out_position, c->mesh->position, position_bytes(c));
     for (uint32_t i = 0; value && i < c->curve_count; ++i) {
-        float part = (float)clip_curve_part(&c->curve[i], value[i]);
+        float part = (float)clip_curve_part(&c->curve[i], value[i]), size = fabsf(part);
         const float *moves = part < 0.0f ? c->curve[i].at_min : c->curve[i].at_max;
-        for (size_t d = 0; part != 0.0f && moves && d < vertex_count * 3; ++d)
-            out_position[d] += fabsf(part) * moves[d];
+        for (size_t d = 0; size > 0.0f && moves && d < vertex_count * 3; ++d)
+            out_position[d] += size * moves[d];
     }
     for (uint32_t k = 0; pulled && k < c->segment[segment_index].pull_count; ++k) {
         const float *response = c->segment[segment_index].pull[k].response;
         float x = (float)pulled[k * 3], y = (float)pulled[k * 3 + 1], z = (float)pulled[k * 3 + 2];
-        for (size_t v = 0; v < vertex_count; ++v) {
-            if (response[v] == 0.0f)
+        for (size_t first = 0; first < vertex_count; first += BLOCK) {
+            size_t count = vertex_count - first < BLOCK ? vertex_count - first : BLOCK;
+            float *out = out_position + first * 3;
+            if (is_still(response + first, count))
                 continue;
-            out_position[v * 3] += response[v] * x;
-            out_position[v * 3 + 1] += response[v] * y;
-            out_position[v * 3 + 2] += response[v] * z;
+            for (size_t v = 0; v < count; ++v) {
+                out[v * 3] += response[first + v] * x;
+                out[v * 3 + 1] += response[first + v] * y;
+                out[v * 3 + 2] += response[first + v] * z;
+            }
         }
     }
 }
