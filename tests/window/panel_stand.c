@@ -67,6 +67,36 @@ news_list *app_news(app *self)
     return here->news;
 }
 
+const patch *app_patch(const app *self)
+{
+    (void)self;
+    return &here->patch;
+}
+
+void app_set_patch(app *self, const patch *p)
+{
+    (void)self;
+    here->patch = *p;
+}
+
+app_patch_aim *app_patch_aimed(app *self)
+{
+    (void)self;
+    return &here->aim;
+}
+
+const face_file *app_face(const app *self)
+{
+    (void)self;
+    return NULL;
+}
+
+const char *live_patch_note(const live *self)
+{
+    (void)self;
+    return "";
+}
+
 app_looks *app_looks_of(app *self)
 {
     (void)self;

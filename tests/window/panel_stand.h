@@ -41,6 +41,8 @@ typedef struct stand {
     csrbf_settings solver;
     bool has_solver;
     uint32_t solver_count;
+    patch patch;
+    app_patch_aim aim;
     /* undo */
     app_step step[STAND_STEPS];
     uint32_t step_count;

@@ -831,9 +831,10 @@ static void help_draw(workspace *self, ui_rectangle where)
 
 static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
-    [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,
+    [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig", "Engine", "Log"};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",
+                                                   "Engine",  "Log",     "Patch"};
 
 /* ---- life ---- */
 

@@ -72,7 +72,9 @@ typedef struct live_status {
     uint64_t sample_count;
     performer_counts counts;
     rezero_counts rezeros;
-    double frame_p50_ms, frame_p99_ms; /* steps 3 to 8, of the last LIVE_HISTORY published */
+    uint64_t patch_speaks;                 /* bits: connections that were heard and picked up */
+    uint32_t patch_pressed[PATCH_ACTIONS]; /* so often, on this face */
+    double frame_p50_ms, frame_p99_ms;     /* steps 3 to 8, of the last LIVE_HISTORY published */
     double step_p50_ms[LIVE_STEPS], step_p99_ms[LIVE_STEPS];
     float frame_ms[LIVE_HISTORY]; /* the oldest first */
     uint32_t frame_count;         /* of frame_ms */
@@ -133,6 +135,15 @@ instance *live_mapping(live *self);
 /* Everything eases back to rest: the mapping is reset, the pointer lets go, the base is the rest
  * shape again, over 250 ms. */
 void live_neutral(live *self);
+
+/* ---- the patch, over whatever mapping performs ---- */
+
+/* From the next sample on, without a jump; count 0: none. What is recorded is another performance
+ * from there on. MRT_HOLD: the change before still comes: later, nothing has changed. Refused while
+ * a take is recorded. */
+CHECKED mrt_result live_set_patch(live *self, const patch *p, error *err);
+/* What of it the face and the mapping do not have, in lines; "". */
+const char *live_patch_note(const live *self);
 
 /* ---- another face; the inputs stay open. Refused while a take is recorded. ---- */
 

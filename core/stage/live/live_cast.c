@@ -26,6 +26,7 @@ typedef struct live_change {
     uint32_t pedal;
     const void *taught;
     size_t taught_size;
+    patch_plan *plan; /* that comes; then the one that was */
 } live_change;
 
 static void live_inputs_change_pedal(live *self);
@@ -95,7 +96,8 @@ mrt_result live_scene_create(live *self, const face_file *file, const char *path
     const performer_settings settings = {
         .solver = scene->solver,
         .side_length_mm = {self->length_mm[MRT_LEFT], self->length_mm[MRT_RIGHT]},
-        .rezero_pedal = self->rezero_pedal};
+        .rezero_pedal = self->rezero_pedal,
+        .patch = self->patch.count > 0 ? &self->patch : NULL};
     if (result >= 0)
         result = performer_create(&scene->performer, bound_already(self, file), &role->instance,
                                   &settings, err);
@@ -146,6 +148,7 @@ static recorder_settings cast_settings(live *self, const live_scene *scene, live
         .face = scene->file,
         .unit_mm = scene->unit_mm,
         .rezero_pedal = self->rezero_pedal,
+        .patch = self->patch.count > 0 ? &self->patch : NULL,
         .state_bytes = (size_t)4 << 20};
 }
 
@@ -286,6 +289,55 @@ void live_cast_keep_taught(live *self)
     if (t && taught_keep(self->show, self->role->instance.type, t->bytes, t->size, &err) < 0)
         log_push(self->settings.log, MRT_LOG_WARNING, "show", err.text);
     free(t);
+}
+
+/* ---- the patch ---- */
+
+/* MRT_HOLD: what was changed before still comes; time goes on, so that it does. */
+static mrt_result patch_now(live_stage *stage, void *data, error *err)
+{
+    live_change *c = data;
+    patch_plan *old;
+    if (!layer_set_patch(performer_layer(stage->scene->performer), c->plan, &old)) {
+        mrt_result result = live_frame_tick(stage, err);
+        return result < 0 ? result : MRT_HOLD;
+    }
+    c->plan = old;
+    return live_cast_begin(stage, c, err);
+}
+
+mrt_result live_set_patch(live *self, const patch *p, error *err)
+{
+    live_change c = {.plan = NULL};
+    patch *before = malloc(sizeof *before);
+    mrt_result result = before ? live_check_free(self, "the patch", err)
+                               : error_set(err, MRT_ERR_MEMORY, "no memory for a patch");
+    if (result >= 0 && p->count > 0)
+        result = performer_make_patch(self->scene->performer, p, &c.plan, err);
+    if (result < 0) {
+        free(before);
+        return result;
+    }
+    if (c.plan)
+        patch_plan_check_params(c.plan, live_mapping_now(self->role)->type);
+    *before = self->patch;
+    self->patch = *p; /* what is recorded from here on */
+    const recorder_settings as = live_cast_settings(self, true);
+    result = live_cast_prepare(self, &as, &c, err);
+    if (result >= 0)
+        result = live_ask(self, patch_now, &c, err);
+    if (result != MRT_OK)
+        self->patch = *before;
+    live_cast_dismiss(self, &c);
+    patch_plan_destroy(c.plan);
+    free(before);
+    return result;
+}
+
+const char *live_patch_note(const live *self)
+{
+    const patch_plan *plan = layer_bay(performer_layer(self->scene->performer))->plan;
+    return plan ? patch_plan_note(plan) : "";
 }
 
 /* ---- the mapping ---- */

@@ -385,12 +385,22 @@ void live_frame_publish(live_stage *stage)
     note_frame(stage);
 }
 
+static void describe_patch(live_pulse *now, const patch_bay *bay)
+{
+    now->patch_speaks = 0;
+    now->is_patch_moving = !patch_bay_is_settled(bay);
+    for (uint32_t i = 0; i < PATCH_CONNECTIONS_MAX; ++i)
+        now->patch_speaks |= (uint64_t)bay->may_speak[i] << i;
+    memcpy(now->patch_pressed, bay->pressed, sizeof now->patch_pressed);
+}
+
 void live_frame_pulse(live_stage *stage)
 {
     const performer *p = stage->scene->performer;
     live_pulse *now = &stage->now;
     now->counts = *performer_counted(p);
     now->rezeros = *performer_rezeros(p);
+    describe_patch(now, layer_bay(performer_layer(stage->scene->performer)));
     now->mode = stage->mode;
     if (!stage->timeline || live_time_is_here(stage))
         now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;

@@ -246,6 +246,8 @@ void live_status_of(live *self, live_status *out)
     status->sample_count = pulse->sample_count;
     status->counts = pulse->counts;
     status->rezeros = pulse->rezeros;
+    status->patch_speaks = pulse->patch_speaks;
+    memcpy(status->patch_pressed, pulse->patch_pressed, sizeof status->patch_pressed);
     status->kept_bytes = pulse->kept_bytes;
     if (pulse->take > 0)
         status->take = pulse->take;
@@ -284,7 +286,7 @@ static void point(live *self, pointer_grip grip)
         self->rests_at_ns = clock_now_ns() + spring_ns;
         self->moves = true;
     }
-    give(self, self->moves ? FEED_MOVES : FEED_RESTS);
+    give(self, self->moves || self->patch_moves ? FEED_MOVES : FEED_RESTS);
 }
 
 void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
@@ -317,7 +319,18 @@ static void let_pointer_rest(live *self)
     self->rests_at_ns = 0;
     if (!self->is_pointing)
         self->pointed[POINTER_GRIP] = POINTER_AWAY;
-    give(self, FEED_RESTS);
+    give(self, self->patch_moves ? FEED_MOVES : FEED_RESTS);
+}
+
+/* A fader gives samples while it moves; what it has set going comes to its end by the pointer's. */
+static void let_patch_come(live *self)
+{
+    bool is_moving = self->stage.pulse[slot_front(&self->stage.pulse_slot)].is_patch_moving;
+    if (is_moving == self->patch_moves)
+        return;
+    self->patch_moves = is_moving;
+    if (!self->moves)
+        give(self, is_moving ? FEED_MOVES : FEED_RESTS);
 }
 
 /* ---- with every frame of the window ---- */
@@ -326,6 +339,7 @@ void live_update(live *self)
 {
     (void)slot_take(&self->stage.pulse_slot);
     let_pointer_rest(self);
+    let_patch_come(self);
     live_over_update(self);
     live_cast_update(self);
     live_sound_update(self);

@@ -64,6 +64,9 @@ typedef struct live_pulse { /* how the frame thread does */
     uint64_t sample_count;
     performer_counts counts;
     rezero_counts rezeros;
+    uint64_t patch_speaks;
+    bool is_patch_moving; /* a filter or a fade is on its way */
+    uint32_t patch_pressed[PATCH_ACTIONS];
     uint32_t frame_count, lag_count;
     float frame_ms[LIVE_HISTORY], step_ms[LIVE_STEPS][LIVE_HISTORY]; /* rings */
     float lag_ms[LIVE_LAGS];                                         /* a ring */
@@ -148,6 +151,7 @@ struct live {
     float pointed[POINTER_CHANNELS];
     bool is_pointing;    /* it holds something */
     bool moves;          /* its feed repeats */
+    bool patch_moves;    /* so it does, for what a fader that rests by now has set going */
     int64_t rests_at_ns; /* when it may rest again; 0: not yet */
     live_input_entry entry[LIVE_INPUTS_MAX];
     input *cast_input[PLAYER_INPUTS_MAX]; /* the pointer and those: for the recorder */
@@ -157,6 +161,7 @@ struct live {
     hand_calibration *calibration[2];
     double length_mm[2];
     uint32_t rezero_pedal, rezero_wanted;
+    patch patch; /* count 0: none */
 
     live_scene *scene, *old_scene;    /* old: its views, and those before, may be looked at */
     live_mapping_role *role, *coming; /* coming: takes over as soon as nothing is between */

@@ -498,6 +498,16 @@ double patch_bay_weight(const patch_bay *self)
     return self->is_fading ? fmin(self->fade_s / PATCH_FADE_S, 1.0) : 1.0;
 }
 
+bool patch_bay_is_settled(const patch_bay *self)
+{
+    bool is_settled = !self->is_fading;
+    for (uint32_t i = 0; self->plan && i < self->plan->of.count; ++i) {
+        const patch_course *c = &self->course[i];
+        is_settled &= !c->is_heard || fabs(c->wanted - c->value) <= 1e-4 * (1.0 + fabs(c->wanted));
+    }
+    return is_settled;
+}
+
 /* ---- kept ---- */
 
 enum { STORE_VERSION = 1 };

@@ -66,6 +66,9 @@ void patch_bay_params(const patch_bay *self, const double *own, double *out);
 /* What is seen of pull, 0..1; the rest is leaving's. */
 double patch_bay_weight(const patch_bay *self);
 
+/* Nothing fades and no filter is on its way: samples that say the same move nothing. */
+bool patch_bay_is_settled(const patch_bay *self);
+
 /* As hands_save and hands_load, of the patch that is set: another's bytes are refused. */
 size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity);
 bool patch_bay_load(patch_bay *self, const void *bytes, size_t size);

@@ -139,6 +139,8 @@ static const action_entry entries[ACTION_COUNT] = {
                              "How the surface is solved, and how fast.", UI_KEY_F1 + 4, 0},
     [ACTION_PANEL_LOG] = {ACTION_PANEL_LOG, ACTION_PROGRAM, "panel_log", "Log",
                           "What the program had to say.", UI_KEY_F1 + 5, 0},
+    [ACTION_PANEL_PATCH] = {ACTION_PANEL_PATCH, ACTION_PROGRAM, "panel_patch", "Patch",
+                            "Which faders, sticks and shapes move what.", UI_KEY_F1 + 2, UI_SHIFT},
     [ACTION_TIMELINE] = {ACTION_TIMELINE, ACTION_PROGRAM, "timeline", "Timeline",
                          "Shows the timeline, or puts it away.", UI_KEY_F1 + 6, 0},
     [ACTION_TIMELINE_FIT] = {ACTION_TIMELINE_FIT, ACTION_PROGRAM, "timeline_fit",

@@ -74,6 +74,21 @@ void app_cancel_export(app *self, uint32_t index);
 const csrbf_settings *app_solver(const app *self);
 CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
 
+/* ---- the patch ---- */
+
+/* As it is wanted: on the stage a moment later, behind a take that is being recorded. Kept between
+ * runs beside the settings. */
+const patch *app_patch(const app *self);
+void app_set_patch(app *self, const patch *p);
+/* What somebody points at while the patch panel learns: a contact on the face, a slider of the
+ * mapping panel. The panel that learns takes it. */
+typedef struct app_patch_aim {
+    bool is_learning;
+    patch_kind kind; /* PATCH_NOTHING: nothing was pointed at */
+    char target[PATCH_NAME];
+} app_patch_aim;
+app_patch_aim *app_patch_aimed(app *self);
+
 /* ---- the take that is chosen ---- */
 
 typedef struct app_take_line { /* of the list; what was deleted can be restored */
@@ -169,6 +184,7 @@ typedef enum app_panel {
     APP_RIG,
     APP_ENGINE,
     APP_LOG,
+    APP_PATCH,
     APP_PANELS
 } app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */

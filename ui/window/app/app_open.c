@@ -4,6 +4,8 @@
 #include "window/app/presets.h"
 
 #include "base/clock.h"
+#include "base/file.h"
+#include "stage/perform/patch_file.h"
 #include "stage/take/kept_solver.h"
 #include "take/pack.h"
 
@@ -626,6 +628,82 @@ void app_say(app *self, int32_t level, const char *format, ...)
     news_list_add(self->news, level, "stage", text);
 }
 
+/* ---- the patch ---- */
+
+static bool patch_path(const app *self, char *out, size_t capacity)
+{
+    const char *folder = settings_folder(self->settings);
+    int length = snprintf(out, capacity, "%spatch.json", folder);
+    return folder[0] && length > 0 && (size_t)length < capacity;
+}
+
+/* As it was when the program ended. */
+static void app_patch_read(app *self)
+{
+    char path[PATH_MAX];
+    error err = {""};
+    if (!self->keeps_settings || !patch_path(self, path, sizeof path) || access(path, R_OK) != 0)
+        return;
+    (void)app_report(self, patch_file_read(&self->patch, path, &err), &err);
+    self->patch_waits = self->patch.count > 0;
+}
+
+static void app_patch_keep(app *self)
+{
+    char path[PATH_MAX], *text = NULL;
+    error err = {""};
+    if (!self->keeps_settings || !patch_path(self, path, sizeof path))
+        return;
+    mrt_result result = patch_file_write(&text, &self->patch, &err);
+    if (result >= 0)
+        result = file_write(path, text, strlen(text), &err);
+    free(text);
+    (void)app_report(self, result, &err);
+}
+
+const patch *app_patch(const app *self)
+{
+    return &self->patch;
+}
+
+void app_set_patch(app *self, const patch *p)
+{
+    self->patch = *p;
+    self->patch_waits = true;
+    app_patch_keep(self);
+}
+
+app_patch_aim *app_patch_aimed(app *self)
+{
+    return &self->patch_aim;
+}
+
+static void obey_presses(app *self)
+{
+    static const action does[PATCH_ACTIONS] = {
+        [PATCH_RECORD] = ACTION_RECORD, [PATCH_STOP] = ACTION_RECORD, [PATCH_MARK] = ACTION_MARK};
+    for (int i = 0; i < PATCH_ACTIONS; ++i) {
+        bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
+        bool is_wanted = i == PATCH_MARK || (i == PATCH_STOP) == self->status.is_recording;
+        self->patch_pressed[i] = self->status.patch_pressed[i];
+        if (is_new && is_wanted)
+            app_do(self, does[i]);
+    }
+}
+
+static void app_patch_update(app *self)
+{
+    error err = {""};
+    obey_presses(self);
+    if (!self->patch_waits || self->status.is_recording)
+        return;
+    mrt_result result = live_set_patch(self->live, &self->patch, &err);
+    if (result == MRT_HOLD)
+        return;
+    self->patch_waits = false;
+    (void)app_report(self, result, &err);
+}
+
 /* ---- life ---- */
 
 static mrt_result make_parts(app *self, const app_options *options, error *err)
@@ -667,6 +745,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     }
     self->keeps_settings = true;
     self->takes_are_stale = true;
+    app_patch_read(self);
     app_update(self, 0.0);
     *out = self;
     return MRT_OK;
@@ -747,6 +826,7 @@ void app_update(app *self, double dt_s)
         self->view = newest;
     live_status_of(self->live, &self->status);
     app_record_update(self);
+    app_patch_update(self);
     report_exports(self);
     app_takes_update(self, dt_s);
     news_list_update(self->news, self->log, dt_s);
@@ -1055,7 +1135,7 @@ static void do_look(app *self, action of)
             looks->is_face_only = false;
     } else if (of == ACTION_HEAT_NEXT) {
         looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
-    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_LOG) {
+    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_PATCH) {
         looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
         looks->is_face_only = false;
     } else if (of == ACTION_QUIT) {

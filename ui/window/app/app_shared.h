@@ -43,6 +43,11 @@ struct app {
     csrbf_settings solver; /* radius 0: the rig's */
     bool has_solver;       /* false: all of it is the rig's */
 
+    patch patch;
+    bool patch_waits; /* it is not on the stage yet */
+    app_patch_aim patch_aim;
+    uint32_t patch_pressed[PATCH_ACTIONS]; /* that were obeyed */
+
     /* ---- takes ---- */
     app_take_line *line;
     app_take_key *key;

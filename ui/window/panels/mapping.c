@@ -611,12 +611,30 @@ static void draw_slider(mapping_panel *self, ui *on, instance *mapping, uint32_t
     }
 }
 
+/* While the patch panel learns, what is touched is what a fader is to move. */
+static bool is_pointed_at(mapping_panel *self, ui *on, const instance *mapping, uint32_t index)
+{
+    const mrt_param *p = &mapping->type->params[index];
+    app_patch_aim *aim = app_patch_aimed(self->app);
+    char label[112];
+    if (!aim->is_learning)
+        return false;
+    (void)snprintf(label, sizeof label, "\xe2\x86\x92 %.70s###%u", p->name, p->id);
+    if (ui_button(on, label, UI_QUIET)) {
+        aim->kind = PATCH_PARAM;
+        instance_key(mapping->type, index, aim->target, sizeof aim->target);
+    }
+    return true;
+}
+
 /* One parameter as its widget; a change of it is a step. */
 static void mapping_param_draw(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
                                const char *name)
 {
     const mrt_param *p = &mapping->type->params[index];
     char label[96];
+    if (is_pointed_at(self, on, mapping, index))
+        return;
     (void)snprintf(label, sizeof label, "%.70s%s###%u", name,
                    mapping_param_is_changed(mapping, index) ? " \xe2\x80\xa2" : "", p->id);
     if (p->flags & MRT_PARAM_TRIGGER) {

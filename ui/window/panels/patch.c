@@ -1,0 +1,758 @@
+/* The patch panel: which channel moves what, with live meters; connections are learnt by moving and
+ * clicking, chosen from lists, undone. */
+#include "window/panels/panels.h"
+
+#include "base/file.h"
+#include "hand/sensor.h"
+#include "stage/perform/patch_file.h"
+#include "window/gui/theme.h"
+#include "window/viewport/viewport.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEPS = 64, ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
+#define NOBODY UINT32_MAX
+#define LABEL  74.0f
+
+typedef struct patch_step { /* undone and done again */
+    uint64_t number;
+    patch before, after;
+} patch_step;
+
+struct panel {
+    app *app;
+    patch work;      /* as it is drawn: ahead of the application's while a slider is dragged */
+    uint32_t chosen; /* NOBODY: none */
+    bool is_changed, is_held;
+    char words[EDIT_TEXT];
+    patch_step *step; /* STEPS, a ring */
+    uint64_t step_count;
+    char file[512];
+
+    /* learning */
+    bool has_source, had_contacts;
+    patch_connection source;
+    bool is_known[LIVE_INPUTS];
+    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* when it began */
+
+    char (*item)[ITEM]; /* of the list that is drawn */
+    const char *items[ITEMS_MAX];
+    uint32_t item_count;
+};
+
+/* ---- changed, undone ---- */
+
+static void undo(void *owner, uint64_t number)
+{
+    panel *self = owner;
+    const patch_step *step = &self->step[number % STEPS];
+    if (step->number == number)
+        app_set_patch(self->app, &step->before);
+}
+
+static void redo(void *owner, uint64_t number)
+{
+    panel *self = owner;
+    const patch_step *step = &self->step[number % STEPS];
+    if (step->number == number)
+        app_set_patch(self->app, &step->after);
+}
+
+static void commit(panel *self)
+{
+    if (patch_equal(&self->work, app_patch(self->app)))
+        return;
+    patch_step *step = &self->step[self->step_count % STEPS];
+    step->number = self->step_count;
+    step->before = *app_patch(self->app);
+    step->after = self->work;
+    app_step told = {.owner = self, .undo = undo, .redo = redo, .number = self->step_count};
+    (void)snprintf(told.words, sizeof told.words, "patch: %.120s", self->words);
+    self->step_count += 1;
+    app_set_patch(self->app, &self->work);
+    app_did(self->app, &told);
+}
+
+static void change(panel *self, const char *words)
+{
+    self->is_changed = true;
+    (void)snprintf(self->words, sizeof self->words, "%s", words);
+}
+
+static void choose_last(panel *self)
+{
+    self->chosen = self->work.count - 1;
+}
+
+static void add(panel *self, const patch_connection *c)
+{
+    if (self->work.count == PATCH_CONNECTIONS_MAX)
+        return;
+    char words[EDIT_TEXT];
+    self->work.connection[self->work.count++] = *c;
+    patch_connection_describe(c, words, sizeof words);
+    choose_last(self);
+    change(self, words);
+}
+
+static void delete_chosen(panel *self)
+{
+    patch *p = &self->work;
+    if (self->chosen >= p->count)
+        return;
+    p->count -= 1;
+    memmove(&p->connection[self->chosen], &p->connection[self->chosen + 1],
+            (p->count - self->chosen) * sizeof *p->connection);
+    p->connection[p->count] = (patch_connection){.kind = PATCH_NOTHING};
+    self->chosen = NOBODY;
+    change(self, "a connection deleted");
+}
+
+/* ---- what is heard now ---- */
+
+/* What a mapping would be shown now; points into the inputs and `value`. */
+typedef struct heard {
+    mrt_frame frame;
+    mrt_channels inputs[LIVE_INPUTS];
+    mrt_sample sample[LIVE_INPUTS];
+} heard;
+
+static void hear(const panel *self, heard *out)
+{
+    live *stage = app_live(self->app);
+    const live_view *view = app_view(self->app);
+    *out = (heard){.frame.inputs = out->inputs};
+    uint32_t count = live_input_count(stage);
+    for (uint32_t i = 0; i < count && i < LIVE_INPUTS; ++i) {
+        mrt_channels *in = &out->inputs[out->frame.input_count];
+        mrt_sample *sample = &out->sample[out->frame.input_count];
+        *sample = (mrt_sample){.count = 0};
+        bool is_heard = live_input_sample(stage, i, sample);
+        in->name = input_name(live_input(stage, i));
+        in->channel = input_channels(live_input(stage, i), &in->count);
+        in->value = sample->value;
+        if (!is_heard || in->count != sample->count)
+            in->count = 0; /* its channels are being changed */
+        out->frame.input_count += 1;
+    }
+    memcpy(out->frame.hand, view->hand, sizeof out->frame.hand);
+    memcpy(out->frame.pedal, view->pedal, sizeof out->frame.pedal);
+}
+
+/* 0..1 of the part of the channel's way that counts; false: nobody has it. */
+static bool share_of(const patch_connection *c, const heard *now, double *out_share)
+{
+    static const patch_range whole = {-1.0, 1.0, 0.0};
+    mrt_channel channel;
+    double raw;
+    patch_connection plain = *c;
+    if (!patch_listen(c, &now->frame, &channel, &raw))
+        return false;
+    plain.kind = PATCH_DOF; /* 0 to 1, and a stick from -1 */
+    plain.bend = plain.ease = 0.0;
+    plain.out[0] = plain.out[1] = NAN;
+    *out_share = fabs(patch_wanted(&plain, &channel, raw, &whole));
+    return true;
+}
+
+/* ---- learning ---- */
+
+static void end_learning(panel *self)
+{
+    viewport *view = app_viewport(self->app);
+    app_patch_aim *aim = app_patch_aimed(self->app);
+    if (!aim->is_learning)
+        return;
+    *aim = (app_patch_aim){.is_learning = false};
+    app_looks_of(self->app)->shows_contacts = self->had_contacts;
+    if (view)
+        viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
+}
+
+static void begin_learning(panel *self)
+{
+    app_looks *looks = app_looks_of(self->app);
+    *app_patch_aimed(self->app) = (app_patch_aim){.is_learning = true};
+    self->had_contacts = looks->shows_contacts;
+    looks->shows_contacts = true;
+    self->has_source = false;
+    memset(self->is_known, 0, sizeof self->is_known);
+}
+
+/* The first word of an input's name where no other begins with it. */
+static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
+{
+    const char *name = now->inputs[which].name;
+    int length = (int)strcspn(name, " ");
+    uint32_t alike = 0;
+    (void)snprintf(out, PATCH_NAME, "%.*s", length, name);
+    for (uint32_t i = 0; i < now->frame.input_count; ++i)
+        alike += patch_is_input(out, now->inputs[i].name);
+    if (alike > 1)
+        (void)snprintf(out, PATCH_NAME, "%.63s", name);
+}
+
+/* Sensors and pedals as mappings see them, calibrated; everything else raw. */
+static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_connection *out)
+{
+    const mrt_channel *channel = &now->inputs[which].channel[c];
+    uint32_t angle = channel->semantic - MRT_CH_ANGLE, pedal = channel->semantic - MRT_CH_PEDAL;
+    if (channel->semantic >= MRT_CH_ANGLE && angle < MRT_ANGLES && channel->hand <= MRT_RIGHT) {
+        (void)snprintf(out->input, sizeof out->input, "%s", PATCH_PERFORMER);
+        (void)snprintf(out->channel, sizeof out->channel, "%s.%.50s",
+                       channel->hand == MRT_LEFT ? "left" : "right", sensor_table[angle].name);
+    } else if (channel->semantic >= MRT_CH_PEDAL && pedal < MRT_MAX_PEDALS) {
+        (void)snprintf(out->input, sizeof out->input, "%s", PATCH_PERFORMER);
+        (void)snprintf(out->channel, sizeof out->channel, "pedal.%u", pedal + 1);
+    } else {
+        name_input(now, which, out->input);
+        (void)snprintf(out->channel, sizeof out->channel, "%.63s", channel->name);
+    }
+}
+
+/* What has moved furthest since it began, by a quarter of its way at least. */
+static void look_for_source(panel *self, const heard *now)
+{
+    double most = 0.25;
+    for (uint32_t i = 0; i < now->frame.input_count; ++i) {
+        const mrt_channels *in = &now->inputs[i];
+        if (in->count > 0 && !self->is_known[i]) {
+            memcpy(self->was[i], in->value, in->count * sizeof *in->value);
+            self->is_known[i] = true;
+        }
+        for (uint32_t c = 0; c < in->count; ++c) {
+            double way = (double)in->channel[c].max - (double)in->channel[c].min;
+            double moved = fabs((double)in->value[c] - (double)self->was[i][c]) / fmax(way, 1e-9);
+            if (!(moved > most))
+                continue;
+            most = moved;
+            self->source = patch_connection_of(PATCH_NOTHING);
+            name_channel(now, i, c, &self->source);
+            self->has_source = true;
+        }
+    }
+}
+
+static void look_for_click(panel *self)
+{
+    viewport *view = app_viewport(self->app);
+    app_patch_aim *aim = app_patch_aimed(self->app);
+    if (!view)
+        return;
+    viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
+    const viewport_stroke *stroke = viewport_stroke_now(view);
+    const mrt_face *about = app_view(self->app)->about;
+    if (!stroke || !stroke->is_pressed || stroke->contact == 0 || !about ||
+        stroke->contact > about->contact_count)
+        return;
+    aim->kind = PATCH_CONTACT;
+    (void)snprintf(aim->target, sizeof aim->target, "%.63s",
+                   about->contacts[stroke->contact - 1].name);
+}
+
+static void connect(panel *self, patch_kind kind, const char *target)
+{
+    patch_connection c = patch_connection_of(kind);
+    memcpy(c.input, self->source.input, sizeof c.input);
+    memcpy(c.channel, self->source.channel, sizeof c.channel);
+    (void)snprintf(c.target, sizeof c.target, "%.63s", target);
+    add(self, &c);
+    end_learning(self);
+}
+
+/* Also while another panel is open: its sliders are pointed at. */
+static void update(panel *self, double dt_s)
+{
+    (void)dt_s;
+    app_patch_aim *aim = app_patch_aimed(self->app);
+    if (!aim->is_learning)
+        return;
+    heard now;
+    hear(self, &now);
+    self->work = *app_patch(self->app);
+    look_for_source(self, &now);
+    look_for_click(self);
+    if (aim->kind == PATCH_NOTHING)
+        return;
+    if (self->has_source)
+        connect(self, aim->kind, aim->target);
+    else
+        aim->kind = PATCH_NOTHING; /* first the fader */
+    if (self->is_changed)
+        commit(self);
+    self->is_changed = false;
+}
+
+/* ---- lists ---- */
+
+static void clear_items(panel *self)
+{
+    self->item_count = 0;
+}
+
+static void add_item(panel *self, const char *text)
+{
+    if (self->item_count == ITEMS_MAX)
+        return;
+    (void)snprintf(self->item[self->item_count], ITEM, "%.100s", text);
+    self->items[self->item_count] = self->item[self->item_count];
+    self->item_count += 1;
+}
+
+/* Its place; one that is not there comes last. */
+static uint32_t place_of(panel *self, const char *text)
+{
+    for (uint32_t i = 0; i < self->item_count; ++i)
+        if (strcmp(self->items[i], text) == 0)
+            return i;
+    add_item(self, text);
+    return self->item_count - 1;
+}
+
+static void list_targets(panel *self, patch_kind kind)
+{
+    const mrt_face *about = app_view(self->app)->about;
+    const instance *mapping = live_mapping(app_live(self->app));
+    const face_file *file = app_face(self->app);
+    clear_items(self);
+    for (uint32_t i = 0; kind == PATCH_PARAM && mapping && i < mapping->type->param_count; ++i) {
+        char key[ITEM];
+        instance_key(mapping->type, i, key, sizeof key);
+        if (!(mapping->type->params[i].flags & MRT_PARAM_HIDDEN))
+            add_item(self, key);
+    }
+    for (uint32_t i = 0; kind == PATCH_DOF && about && i < about->dof_count; ++i)
+        add_item(self, about->dofs[i].name);
+    for (uint32_t i = 0; kind == PATCH_CONTACT && about && i < about->contact_count; ++i)
+        add_item(self, about->contacts[i].name);
+    for (uint32_t i = 0; kind == PATCH_POSE && file && file->rig && i < file->rig->pose_count; ++i)
+        add_item(self, file->rig->pose[i].name);
+    for (uint32_t i = 0; kind == PATCH_ACTION && i < PATCH_ACTIONS; ++i)
+        add_item(self, patch_action_names[i]);
+}
+
+static void list_sources(panel *self, const heard *now)
+{
+    clear_items(self);
+    for (uint32_t i = 0; i < now->frame.input_count; ++i)
+        for (uint32_t c = 0; c < now->inputs[i].count; ++c) {
+            patch_connection of = patch_connection_of(PATCH_DOF);
+            char text[ITEM];
+            name_channel(now, i, c, &of);
+            (void)snprintf(text, sizeof text, "%.40s: %.60s", of.input, of.channel);
+            (void)place_of(self, text);
+        }
+}
+
+/* ---- the chosen connection ---- */
+
+static void draw_source(panel *self, ui *on, patch_connection *c, const heard *now)
+{
+    char text[ITEM];
+    list_sources(self, now);
+    if (c->input[0])
+        (void)snprintf(text, sizeof text, "%.40s: %.60s", c->input, c->channel);
+    else
+        (void)snprintf(text, sizeof text, "%.60s", c->channel);
+    uint32_t at = place_of(self, text);
+    if (!ui_choice(on, "Channel", LABEL, self->items, self->item_count, &at))
+        return;
+    const char *colon = strstr(self->items[at], ": ");
+    if (!colon)
+        return;
+    (void)snprintf(c->input, sizeof c->input, "%.*s", (int)(colon - self->items[at]),
+                   self->items[at]);
+    (void)snprintf(c->channel, sizeof c->channel, "%.63s", colon + 2);
+    change(self, "another channel");
+}
+
+static void draw_aim(panel *self, ui *on, patch_connection *c)
+{
+    static const char *const kinds[] = {"parameter", "bone", "contact", "pose", "transport"};
+    uint32_t kind = (uint32_t)c->kind - PATCH_PARAM;
+    if (ui_choice(on, "Moves a", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
+        list_targets(self, (patch_kind)(kind + PATCH_PARAM));
+        if (self->item_count > 0) {
+            patch_connection other = patch_connection_of((patch_kind)(kind + PATCH_PARAM));
+            memcpy(other.input, c->input, sizeof other.input);
+            memcpy(other.channel, c->channel, sizeof other.channel);
+            (void)snprintf(other.target, sizeof other.target, "%.63s", self->items[0]);
+            *c = other;
+            change(self, "another target");
+        }
+    }
+    list_targets(self, c->kind);
+    uint32_t at = place_of(self, c->target);
+    if (ui_choice(on, "Which", LABEL, self->items, self->item_count, &at)) {
+        (void)snprintf(c->target, sizeof c->target, "%.63s", self->items[at]);
+        change(self, "another target");
+    }
+}
+
+/* "brow.mid.l" <-> "brow.mid.*" */
+static void draw_sides(panel *self, ui *on, patch_connection *c)
+{
+    if (c->kind != PATCH_DOF && c->kind != PATCH_CONTACT)
+        return;
+    for (char *dot = strchr(c->target, '.'); dot; dot = strchr(dot + 1, '.')) {
+        bool is_end = dot[1] != '\0' && (dot[2] == '.' || dot[2] == '\0');
+        if (!is_end || !strchr("lr*", dot[1]))
+            continue;
+        bool is_both = dot[1] == '*';
+        if (ui_check(on, "Both sides", &is_both)) {
+            dot[1] = is_both ? '*' : 'l';
+            change(self, is_both ? "both sides" : "one side");
+        }
+        ui_hint(on, "The other side goes along, mirrored.");
+        return;
+    }
+}
+
+static void draw_way(panel *self, ui *on, patch_connection *c)
+{
+    static const char *const names[] = {"up",      "down", "to its left", "to its right",
+                                        "forward", "back", "as it is"};
+    static const float ways[6][3] = {{0, 1, 0},  {0, -1, 0}, {1, 0, 0},
+                                     {-1, 0, 0}, {0, 0, 1},  {0, 0, -1}};
+    uint32_t at = 6;
+    for (uint32_t i = 0; i < 6; ++i)
+        if (memcmp(ways[i], c->way, sizeof c->way) == 0)
+            at = i;
+    if (c->kind != PATCH_CONTACT || !ui_choice(on, "Way", LABEL, names, at == 6 ? 7 : 6, &at) ||
+        at == 6)
+        return;
+    memcpy(c->way, ways[at], sizeof c->way);
+    change(self, "another way");
+}
+
+static void draw_number(panel *self, ui *on, const char *label, const ui_range *range,
+                        double *value)
+{
+    if (ui_slider(on, label, LABEL, range, value))
+        change(self, label);
+    self->is_held |= ui_slider_is_held(on);
+}
+
+/* Of the target, and the widest that its sliders go. */
+static patch_range range_of(const panel *self, const patch_connection *c, ui_range *out)
+{
+    const mrt_face *about = app_view(self->app)->about;
+    const instance *mapping = live_mapping(app_live(self->app));
+    *out = (ui_range){-1.0, 1.0, "", 2, false, 0.0};
+    if (c->kind == PATCH_CONTACT) {
+        *out = (ui_range){-20.0, 20.0, "mm", 1, false, 0.0};
+        return (patch_range){-10.0, 10.0, 0.0};
+    }
+    for (uint32_t i = 0; c->kind == PATCH_PARAM && mapping && i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        char key[ITEM];
+        instance_key(mapping->type, i, key, sizeof key);
+        if (strcmp(key, c->target) != 0)
+            continue;
+        *out = (ui_range){p->min, p->max, p->unit, 2, false, p->initial};
+        return (patch_range){p->min, p->max, p->initial};
+    }
+    for (uint32_t i = 0; c->kind == PATCH_DOF && about && i < about->dof_count; ++i) {
+        const mrt_dof *dof = &about->dofs[i];
+        const char *star = strchr(c->target, '*');
+        size_t before = star ? (size_t)(star - c->target) : strlen(c->target) + 1;
+        if (strncmp(dof->name, c->target, before) != 0 ||
+            (star && strlen(dof->name) != strlen(c->target)))
+            continue;
+        *out = (ui_range){(double)dof->min, (double)dof->max, dof->unit, 2, false, 0.0};
+        return (patch_range){(double)dof->min, (double)dof->max, 0.0};
+    }
+    return (patch_range){-1.0, 1.0, 0.0};
+}
+
+static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *now)
+{
+    mrt_channel channel = {"", "", 0, 0, 0.0f, 1.0f};
+    double raw;
+    ui_range sliders;
+    (void)patch_listen(c, &now->frame, &channel, &raw);
+    const patch_range range = range_of(self, c, &sliders);
+    const ui_range in = {(double)channel.min, (double)channel.max, channel.unit, 2, false, 0.0};
+    double from = isnan(c->in[0]) ? in.min : c->in[0], to = isnan(c->in[1]) ? in.max : c->in[1];
+    double from_was = from, to_was = to;
+    if (in.max > in.min) {
+        draw_number(self, on, "Counts", &in, &from);
+        draw_number(self, on, "to", &in, &to);
+    }
+    if ((from < from_was || from > from_was || to < to_was || to > to_was) && from < to) {
+        c->in[0] = from;
+        c->in[1] = to;
+    }
+    if (c->kind == PATCH_ACTION)
+        return;
+    bool has_middle = from < 0.0 && to > 0.0;
+    double low = has_middle || c->kind == PATCH_PARAM ? range.low : range.rest, high = range.high;
+    if (!isnan(c->out[0])) {
+        low = c->out[0];
+        high = c->out[1];
+    }
+    double low_was = low, high_was = high;
+    draw_number(self, on, "Gives##low", &sliders, &low);
+    draw_number(self, on, "to##high", &sliders, &high);
+    if (low < low_was || low > low_was || high < high_was || high > high_was) {
+        c->out[0] = low;
+        c->out[1] = high;
+    }
+}
+
+/* The curve, and where the channel is on it now. */
+static void draw_curve(ui *on, const patch_connection *c, const heard *now)
+{
+    enum { POINTS = 33 };
+    float xy[2 * POINTS];
+    ui_canvas at;
+    double share;
+    ui_canvas_begin(on, "curve", 0.0f, 84.0f, &at);
+    const float inset = 6.0f, width = at.where.width - 2.0f * inset,
+                height = at.where.height - 2.0f * inset;
+    ui_draw_box(on, at.where, THEME_WELL, 3.0f);
+    for (int i = 0; i < POINTS; ++i) {
+        double x = i / (double)(POINTS - 1);
+        xy[2 * i] = at.where.x + inset + width * (float)x;
+        xy[2 * i + 1] =
+            at.where.y + inset + height * (float)(1.0 - patch_curve(x, c->bend, c->ease));
+    }
+    ui_draw_lines(on, xy, POINTS, THEME_ACCENT, 1.5f);
+    if (share_of(c, now, &share))
+        ui_draw_disc(on, at.where.x + inset + width * (float)share,
+                     at.where.y + inset +
+                         height * (float)(1.0 - patch_curve(share, c->bend, c->ease)),
+                     4.0f, THEME_GOOD);
+    ui_canvas_end(on);
+}
+
+static void draw_chosen(panel *self, ui *on, const heard *now)
+{
+    static const char *const modes[] = {"instead of the mapping", "added to the mapping"};
+    static const ui_range bend = {-1.0, 1.0, "", 2, false, 0.0};
+    static const ui_range smooth = {0.0, 1.0, "s", 2, false, 0.0};
+    patch_connection *c = &self->work.connection[self->chosen];
+    uint32_t mode = c->adds;
+    ui_id_begin(on, "chosen");
+    ui_rule(on);
+    draw_source(self, on, c, now);
+    draw_aim(self, on, c);
+    draw_way(self, on, c);
+    draw_sides(self, on, c);
+    draw_ranges(self, on, c, now);
+    if (c->kind != PATCH_ACTION) {
+        draw_curve(on, c, now);
+        draw_number(self, on, "Bend", &bend, &c->bend);
+        ui_hint(on, "Right: slow at first. Left: fast at first.");
+        draw_number(self, on, "Ease", &bend, &c->ease);
+        ui_hint(on, "Right: slow at both ends.");
+        draw_number(self, on, "Smooth", &smooth, &c->smooth_s);
+        if (ui_choice(on, "Moves it", LABEL, modes, 2, &mode)) {
+            c->adds = mode == 1;
+            change(self, modes[mode]);
+        }
+        if (ui_check(on, "Pick up", &c->picks_up))
+            change(self, c->picks_up ? "pick up" : "no pick up");
+        ui_hint(on, "Does nothing until it has come by where the face is: no jump.");
+        ui_same_line(on);
+        ui_at(on, 110.0f);
+    }
+    if (ui_check(on, "Off", &c->is_muted))
+        change(self, c->is_muted ? "off" : "on");
+    ui_same_line(on);
+    ui_at(on, 180.0f);
+    if (ui_button(on, "Delete", UI_PLAIN))
+        delete_chosen(self);
+    ui_id_end(on);
+}
+
+/* ---- the list ---- */
+
+static void draw_row(panel *self, ui *on, uint32_t i, const heard *now)
+{
+    const patch_connection *c = &self->work.connection[i];
+    char id[16], words[2 * PATCH_NAME + 8];
+    ui_canvas at;
+    double share = 0.0;
+    bool is_heard = share_of(c, now, &share);
+    bool speaks = (app_status(self->app)->patch_speaks >> i & 1u) != 0;
+    (void)snprintf(id, sizeof id, "row%u", i);
+    (void)snprintf(words, sizeof words, "%s \xe2\x86\x92 %s", c->channel, c->target);
+    ui_canvas_begin(on, id, 0.0f, 30.0f, &at);
+    if (at.is_pressed)
+        self->chosen = self->chosen == i ? NOBODY : i;
+    const ui_rectangle box = {at.where.x, at.where.y + 1.0f, at.where.width, 28.0f};
+    if (self->chosen == i || at.is_hovered)
+        ui_draw_box(on, box, self->chosen == i ? THEME_RAISED : THEME_HOVER, 3.0f);
+    ui_draw_text(on, box.x + 6.0f, box.y + 2.0f, UI_STYLE_BODY,
+                 c->is_muted || !is_heard ? THEME_DIM : THEME_TEXT, box.width - 22.0f, words);
+    ui_draw_box(on, (ui_rectangle){box.x + 6.0f, box.y + 22.0f, box.width - 24.0f, 3.0f},
+                THEME_WELL, 1.0f);
+    ui_draw_box(on,
+                (ui_rectangle){box.x + 6.0f, box.y + 22.0f,
+                               (box.width - 24.0f) * (float)fmin(share, 1.0), 3.0f},
+                speaks || c->kind == PATCH_ACTION ? THEME_ACCENT : THEME_DIM, 1.0f);
+    if (speaks)
+        ui_draw_disc(on, box.x + box.width - 9.0f, box.y + 14.0f, 3.5f, THEME_GOOD);
+    else
+        ui_draw_ring(on, box.x + box.width - 9.0f, box.y + 14.0f, 3.5f, THEME_DIM, 1.0f);
+    ui_canvas_end(on);
+    ui_hint(on, c->is_muted   ? "Off."
+                : !is_heard   ? "No input has this channel now."
+                : speaks      ? "It moves the face."
+                : c->picks_up ? "Move it past where the face is: then it picks up."
+                              : "Pressed, it acts.");
+}
+
+static void draw_learning(panel *self, ui *on)
+{
+    const app_patch_aim *aim = app_patch_aimed(self->app);
+    char words[2 * PATCH_NAME + 80];
+    if (!aim->is_learning)
+        return;
+    if (self->has_source)
+        (void)snprintf(words, sizeof words,
+                       "%s. Now click what it moves: a dot on the face, or a slider at Mapping.",
+                       self->source.channel);
+    else
+        (void)snprintf(words, sizeof words, "Move one fader, stick, finger or pedal.");
+    ui_text_wrapped(on, UI_STYLE_STRONG, words);
+    if (self->has_source && ui_button(on, "The jaw", UI_PLAIN))
+        connect(self, PATCH_DOF, "jaw.open");
+    if (self->has_source)
+        ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_QUIET) || ui_pressed(on, UI_KEY_ESCAPE, 0))
+        end_learning(self);
+}
+
+static void use_patch(panel *self, const char *given)
+{
+    error err = {""};
+    if (patch_file_find(&self->work, given, &err) < 0) {
+        log_push(app_log(self->app), MRT_LOG_ERROR, "patch", err.text);
+        self->work = *app_patch(self->app);
+        return;
+    }
+    self->chosen = NOBODY;
+    change(self, given);
+}
+
+static void save_patch(panel *self)
+{
+    error err = {""};
+    char *text = NULL;
+    mrt_result result = patch_file_write(&text, &self->work, &err);
+    if (result >= 0)
+        result = file_write(self->file, text, strlen(text), &err);
+    free(text);
+    log_push(app_log(self->app), result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "patch",
+             result < 0 ? err.text : "the patch is saved");
+}
+
+static void draw_head(panel *self, ui *on)
+{
+    static const char *const names[] = {"...", "faders", "gamepad", "phone", "none"};
+    enum { NAMES = sizeof names / sizeof *names };
+    uint32_t at = 0;
+    if (ui_choice(on, "Use", LABEL, names, NAMES, &at) && at > 0) {
+        if (at < NAMES - 1) {
+            use_patch(self, names[at]);
+        } else {
+            self->work = (patch){.name = ""};
+            self->chosen = NOBODY;
+            change(self, "no connections");
+        }
+    }
+    if (!app_patch_aimed(self->app)->is_learning && ui_button(on, "Learn", UI_ACCENT))
+        begin_learning(self);
+    ui_hint(on, "Move a fader, then click what it moves.");
+}
+
+static void draw_file(panel *self, ui *on)
+{
+    if (!ui_section(on, "File", false))
+        return;
+    ui_width(on, 0.0f);
+    (void)ui_input(on, "##file", "/path/of/patch.json", self->file, sizeof self->file);
+    ui_disabled_begin(on, !self->file[0]);
+    if (ui_button(on, "Open", UI_PLAIN))
+        use_patch(self, self->file);
+    ui_same_line(on);
+    if (ui_button(on, "Save", UI_PLAIN))
+        save_patch(self);
+    ui_disabled_end(on);
+}
+
+static void draw(panel *self, ui *on, ui_rectangle where)
+{
+    heard now;
+    hear(self, &now);
+    bool is_recording = app_status(self->app)->is_recording;
+    if (!self->is_held)
+        self->work = *app_patch(self->app);
+    if (self->chosen != NOBODY && self->chosen >= self->work.count)
+        self->chosen = NOBODY;
+    self->is_held = false;
+    ui_panel_begin(on, "patch", where, UI_GROUND_PANEL);
+    ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
+    if (is_recording)
+        ui_text_wrapped(on, UI_STYLE_DIM, "It can be changed when the take has ended.");
+    ui_disabled_begin(on, is_recording);
+    draw_head(self, on);
+    draw_learning(self, on);
+    if (self->work.count == 0 && !app_patch_aimed(self->app)->is_learning)
+        ui_text_wrapped(
+            on, UI_STYLE_DIM,
+            "Faders, sticks, a phone's face, single fingers: each may move a parameter, "
+            "a bone, a place of the face or a pose, over what the mapping does.");
+    for (uint32_t i = 0; i < self->work.count; ++i) {
+        draw_row(self, on, i, &now);
+        if (self->chosen == i)
+            draw_chosen(self, on, &now);
+    }
+    const char *note = live_patch_note(app_live(self->app));
+    if (note[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, note);
+    draw_file(self, on);
+    ui_disabled_end(on);
+    ui_scroll_end(on);
+    ui_panel_end(on);
+    if (!self->is_changed || self->is_held)
+        return;
+    self->is_changed = false;
+    commit(self);
+}
+
+/* ---- life ---- */
+
+static void destroy(panel *self)
+{
+    if (!self)
+        return;
+    app_forget_steps(self->app, self);
+    free(self->step);
+    free(self->item);
+    free(self);
+}
+
+static panel *create(app *of)
+{
+    panel *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->app = of;
+    self->chosen = NOBODY;
+    self->step = calloc(STEPS, sizeof *self->step);
+    self->item = calloc(ITEMS_MAX, sizeof *self->item);
+    if (self->step && self->item)
+        return self;
+    free(self->step);
+    free(self->item);
+    free(self);
+    return NULL;
+}
+
+const panel_type panel_patch = {create, destroy, draw, update};
