@@ -55,11 +55,17 @@ static mrt_result keep_frame(void *data, take_stage *from, error *err)
     return result < 0 ? result : recording_add(&self->measured, shown, 0, err);
 }
 
-static void label_first(clip_start *out, const take *t, const take_frames *frames)
+static void label_first(clip_start *out, const show *from, const take *t, const take_frames *frames)
 {
     *out = (clip_start){.frame = take_label_frame(t, frames->rate, frames->first),
                         .rate_num = frames->rate.num,
-                        .rate_den = frames->rate.den};
+                        .rate_den = frames->rate.den,
+                        .take = t->id};
+    const char *path = show_path(from), *slash = strrchr(path, '/');
+    (void)snprintf(out->show, sizeof out->show, "%.*s", (int)sizeof out->show - 1,
+                   slash ? slash + 1 : path);
+    (void)snprintf(out->slate, sizeof out->slate, "%.*s", (int)sizeof out->slate - 1,
+                   take_slate_text(t->scene, t->shot, t->number).text);
     char text[TIMECODE_TEXT];
     timecode_write(text, frames->rate, out->frame);
     (void)snprintf(out->timecode, sizeof out->timecode, "%s", text);
@@ -120,7 +126,7 @@ static mrt_result play_frames(take_call *call, take_stage *stage, const take_fra
                               kept *into, error *err)
 {
     clip_start start;
-    label_first(&start, &stage->take, frames);
+    label_first(&start, call->show, &stage->take, frames);
     mrt_result result = open_videos(call, into, stage, frames, &start, err);
     if (result >= 0)
         result = take_stage_play(stage, call, frames, keep_frame, into, err);

@@ -47,6 +47,8 @@ typedef struct clip_start { /* when the first frame is, for the exporters; all z
     char timecode[32];      /* "01:00:00:00" */
     int64_t frame;          /* counted from 00:00:00:00 */
     uint32_t rate_num, rate_den; /* frames a second, exactly */
+    int64_t take;                /* of a show; 0: of none */
+    char show[128], slate[128];  /* the show's file, "scene/shot/2" */
 } clip_start;
 
 /* `m` must outlive the clip. `directory`: where the temporary file may be (NULL or "": the

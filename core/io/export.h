@@ -55,7 +55,8 @@ typedef struct gltf_report {
  * to the other. Normals follow to first order. A clip without motion is a plain mesh; the mesh's
  * own targets are left out. Parts are primitives on the same vertices, in the file's order, with
  * their name in extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of
- * says. Errors name the frame or file. */
+ * says. The animation's extras have contentHash, which is another one when anything is that the
+ * export shows, and the take: show, id and slate. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
 /* A mesh alone, with its parts, materials, attributes and targets. */

@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
-# Every command that the README shows works as shown, from the top folder. (./test is what runs this.)
+# Every command that the README and the guide to exports show works as shown, from the top folder. (./test is what runs
+# this.)
 source "$(dirname "$0")/lib.sh"
 cd "$SOURCE_DIR" || exit 1
 count=0
 while read -r line; do
     case $line in
     "" | "#"* | ./test*) continue ;;
+    blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;
     esac
     count=$((count + 1))
     echo "\$ $line"
     bash -c "$line" >"$scratch/log" 2>&1 || { fail "$line"; tail -n 5 "$scratch/log"; }
-done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md)
+done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md ui/exports.md)
 [ $count -ge 3 ] || fail "only $count commands were found in the README"
 finish

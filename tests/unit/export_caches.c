@@ -180,7 +180,9 @@ static void csv_counts_time_code_on(void **state)
     mesh m;
     assert_int_equal(mesh_create(&m, 1, 0, &err), MRT_OK);
     clip *c = clip_create(&m, 30000.0 / 1001.0, NULL, &err);
-    clip_set_start(c, &(clip_start){"00:00:59;28", 1798, 30000, 1001});
+    clip_set_start(
+        c, &(clip_start){
+               .timecode = "00:00:59;28", .frame = 1798, .rate_num = 30000, .rate_den = 1001});
     for (int frame = 0; frame < 3; ++frame)
         assert_int_equal(clip_add_free(c, m.position, &err), MRT_OK);
     assert_int_equal(csv_write(path, c, NULL, &err), MRT_OK);

@@ -55,7 +55,8 @@ static clip *performed(void)
     add_curve(c, "eye.r.pitch", -0.4, 0.4, 0.0f, -3.0f); /* down at its most */
     add_curve(c, "skull.turn", -1.0, 1.0, 20.0f, 0.0f);
     add_curve(c, "chin.x", 0.0, 1.0, 1.0f, 0.0f);
-    clip_set_start(c, &(clip_start){"01:00:00:24", 90024, 25, 1});
+    clip_set_start(
+        c, &(clip_start){.timecode = "01:00:00:24", .frame = 90024, .rate_num = 25, .rate_den = 1});
     const double value[2][7] = {{0.25, -5.0, 0.75, 0.3, 0.1, -0.2, 1.0},
                                 {0.6, 2.5, 0.0, -0.3, -0.1, 0.2, (double)NAN}};
     for (int frame = 0; frame < 2; ++frame) {

@@ -21,9 +21,10 @@ static const char *const side_names[2] = {"Left", "Right"};
 enum { BONES_A_FINGER = 4 };
 
 typedef struct bvh_hand {
-    bool is_there;         /* in any frame */
-    vec3 rest[MRT_JOINTS]; /* mm, from the wrist; the hand flat, as long as this one */
-    vec3 aside;            /* mm: where a wrist that nothing tracks is shown */
+    bool is_there;                  /* in any frame */
+    vec3 rest[MRT_JOINTS];          /* mm, from the wrist; the hand flat, as long as this one */
+    double last_zxy[MRT_JOINTS][3]; /* of the frame before */
+    vec3 aside;                     /* mm: where a wrist that nothing tracks is shown */
 } bvh_hand;
 
 static vec3 joint_at(const double *hand, int joint)
@@ -88,6 +89,23 @@ static void euler_of(const rigid *m, double out_zxy[3])
     }
     out_zxy[0] = atan2(-m->r[0][1], m->r[1][1]) * degrees;
     out_zxy[2] = atan2(-m->r[2][0], m->r[2][2]) * degrees;
+}
+
+/* The same turn, nearest to that of the frame before: who interpolates between frames sees no jump.
+ */
+static void stay_near(double zxy[3], const double last[3])
+{
+    const double other[3] = {zxy[0] + 180.0, 180.0 - zxy[1], zxy[2] + 180.0};
+    double near[2][3], off[2] = {0.0, 0.0};
+    for (int k = 0; k < 3; ++k) {
+        near[0][k] = zxy[k] - 360.0 * floor((zxy[k] - last[k]) / 360.0 + 0.5);
+        near[1][k] = other[k] - 360.0 * floor((other[k] - last[k]) / 360.0 + 0.5);
+        off[0] += fabs(near[0][k] - last[k]);
+        off[1] += fabs(near[1][k] - last[k]);
+    }
+    const double *best = near[off[1] < off[0]];
+    for (int k = 0; k < 3; ++k)
+        zxy[k] = best[k];
 }
 
 /* ---- the hands of a clip ---- */
@@ -168,10 +186,14 @@ static void put_hand(FILE *out, const bvh_hand *of, const char *side, double per
     fprintf(out, "  }\n");
 }
 
-static void put_channels(FILE *out, const vec3 *position, double per_mm, const rigid *turn)
+static void put_channels(FILE *out, const vec3 *position, double per_mm, const rigid *turn,
+                         double last_zxy[3])
 {
     double zxy[3];
     euler_of(turn, zxy);
+    stay_near(zxy, last_zxy);
+    for (int k = 0; k < 3; ++k)
+        last_zxy[k] = zxy[k];
     if (position)
         fprintf(out, "%.6f %.6f %.6f ", position->x * per_mm, position->y * per_mm,
                 position->z * per_mm);
@@ -179,12 +201,12 @@ static void put_channels(FILE *out, const vec3 *position, double per_mm, const r
 }
 
 /* hand: 3 for each joint; NULL: as at rest. */
-static void put_pose(FILE *out, const bvh_hand *of, const double *hand, double per_mm)
+static void put_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
 {
     const rigid still = rigid_identity();
     rigid palm = hand ? wrist_turn(of, hand) : still;
     vec3 wrist = hand ? vec3_add(joint_at(hand, 0), of->aside) : of->aside;
-    put_channels(out, &wrist, per_mm, &palm);
+    put_channels(out, &wrist, per_mm, &palm, of->last_zxy[0]);
     rigid back = rigid_inverse(&palm);
     for (int base = 1; base < MRT_JOINTS; base += BONES_A_FINGER) {
         rigid to_joint = back; /* from the hand's axes into those of the joint's parent */
@@ -197,14 +219,14 @@ static void put_pose(FILE *out, const bvh_hand *of, const double *hand, double p
                 vec3 along = vec3_sub(joint_at(hand, joint + 1), joint_at(hand, joint));
                 turn = turn_between(bone_at_rest(of, joint + 1), rigid_rotate(&to_joint, along));
             }
-            put_channels(out, is_base(joint) ? &place : NULL, per_mm, &turn);
+            put_channels(out, is_base(joint) ? &place : NULL, per_mm, &turn, of->last_zxy[joint]);
             rigid undo = rigid_inverse(&turn);
             to_joint = rigid_compose(&undo, &to_joint);
         }
     }
 }
 
-static void put_all(FILE *out, const clip *c, const bvh_hand *hands, double per_mm,
+static void put_all(FILE *out, const clip *c, bvh_hand *hands, double per_mm,
                     const export_progress *progress)
 {
     const double *last[2] = {NULL, NULL};

@@ -8,6 +8,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <strings.h>
@@ -80,12 +81,43 @@ void list_target(clip_targets &to, const std::string &name, const float *offset,
     }
 }
 
+/* Of what an export shows, so that a program that has it already knows. FNV-1a over words. */
+struct content_hash {
+    uint64_t value = 14695981039346656037u;
+
+    void add(uint32_t word)
+    {
+        value = (value ^ word) * 1099511628211u;
+        value ^= value >> 32; /* a word's upper bits reach all of it */
+    }
+    void add(const std::string &text)
+    {
+        for (char letter : text)
+            add(static_cast<unsigned char>(letter));
+    }
+    void add(const float *number, size_t count)
+    {
+        for (size_t i = 0; i < count; ++i) {
+            uint32_t word;
+            std::memcpy(&word, &number[i], sizeof word);
+            add(word);
+        }
+    }
+    std::string text() const
+    {
+        char out[20];
+        (void)std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(value));
+        return out;
+    }
+};
+
 /* Where targets go: to the mesh alone, to the file that it is from, or into a list. */
 struct target_list {
     gltf_surface surface; /* of the mesh */
     gltf_output bare;
     std::unique_ptr<gltf_source> source; /* or none */
     clip_targets *listed = nullptr;      /* its room is for all of them */
+    content_hash hash;                   /* of all targets */
     size_t count = 0;
 
     explicit target_list(const mesh *m) : surface(gltf_surface_of(m))
@@ -95,6 +127,8 @@ struct target_list {
     void add(const std::string &name, const float *offset)
     {
         gltf_surface_turn(surface, name, offset);
+        hash.add(name);
+        hash.add(offset, surface.position.size());
         if (listed)
             list_target(*listed, name, offset, surface.turn);
         else if (source)
@@ -559,6 +593,12 @@ void animate(target_list &to, const performance &p, const gltf_options &options)
     gltf_output_check(weight.data(), weight.size(), "weights of the columns");
     std::string name = gltf_utf8(options.name ? options.name : "performance");
     nlohmann::ordered_json extras = animation_extras(p);
+    to.hash.add(time_s.data(), time_s.size());
+    to.hash.add(weight.data(), weight.size());
+    extras["contentHash"] = to.hash.text();
+    if (start.take != 0)
+        extras["take"] = {
+            {"show", gltf_utf8(start.show)}, {"id", start.take}, {"slate", gltf_utf8(start.slate)}};
     if (to.source && start.rate_num > 0)
         extras.update(start_extras(start));
     if (to.source)
