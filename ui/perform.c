@@ -609,7 +609,7 @@ const command command_perform = {
         "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else\n"
         "                     the newest in the user's folder; none: the shipped defaults\n"
         "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
-        "  --patch FILE       channels move it too: patches/README.md; faders, gamepad, phone\n"
+        "  --patch FILE       channels move it too: ui/patches/README.md; faders, gamepad, phone\n"
         "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
         "                     live, the key z does so, and q ends\n"
         "  --tolerance MM     greatest error in glTF (of clay 0.1 % of the height, else 0.01 %)\n"

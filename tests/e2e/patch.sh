@@ -73,7 +73,7 @@ done
 
 # Their channels are those of the inputs.
 for at in gamepad:gamepad/pad.c phone:phone/phone_parse.c; do
-    for channel in $(sed -nE 's/.*"channel": "([^"]+)".*/\1/p' "$SOURCE_DIR/patches/${at%%:*}.json" | sort -u); do
+    for channel in $(sed -nE 's/.*"channel": "([^"]+)".*/\1/p' "$SOURCE_DIR/ui/patches/${at%%:*}.json" | sort -u); do
         grep -qF "\"$channel\"" "$SOURCE_DIR/plugins/${at#*:}" || fail "${at%%:*}: no channel $channel"
     done
 done

@@ -1,5 +1,5 @@
-/* stage/perform/patch_file.h - a patch as JSON, to be written by hand: patches/README.md says what
- * each key means. Read strictly: an unknown key, a key twice, a number out of its range are
+/* stage/perform/patch_file.h - a patch as JSON, to be written by hand: ui/patches/README.md says
+ * what each key means. Read strictly: an unknown key, a key twice, a number out of its range are
  * refused, with their place. Pure but for patch_file_read; [main]. */
 #ifndef MAROTTE_STAGE_PATCH_FILE_H
 #define MAROTTE_STAGE_PATCH_FILE_H
