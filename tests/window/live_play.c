@@ -253,7 +253,9 @@ static void hands_are_recorded_while_a_take_is_shown(void **state)
     uint32_t right = desk_contact(&d, "mouth.corner.r");
     desk_drag(&d, POINTER_PULLS, right, (vec3){0, -5, 0}, false);
     assert_true(shown == desk_hash(d.view->position, (size_t)d.view->vertex_count * 3));
-    desk_must(live_keep(d.live, 0.1, &slate, &kept_id, &err), &err);
+    desk_must(
+        live_keep(d.live, clock_now_ns() - NS_PER_S / 10, clock_now_ns(), &slate, &kept_id, &err),
+        &err);
     desk_let_go(&d);
     desk_take(&d, kept_id, &kept);
     projector alone;

@@ -65,21 +65,25 @@ static void values_that_are_no_numbers_are_no_movement(void **state)
     timeline_journal_destroy(j);
 }
 
+static bool keeps(int64_t from_ns, int64_t to_ns, int64_t kept_from_ns, int64_t kept_to_ns)
+{
+    const int64_t s = NS_PER_S, now_ns = 1000 * s;
+    from_ns += now_ns;
+    to_ns += now_ns;
+    return timeline_keep_span(&from_ns, &to_ns, now_ns, 60 * s) &&
+           from_ns == now_ns + kept_from_ns && to_ns == now_ns + kept_to_ns;
+}
+
 static void a_span_that_is_swiped_is_kept(void **state)
 {
     (void)state;
-    timeline_keep keep;
-    const int64_t s = NS_PER_S, now = 1000 * s, reach = 1800 * s;
-    assert_true(timeline_keep_span(&keep, now - 20 * s, now - 5 * s, now, reach));
-    assert_float_equal(keep.back_s, 20.0, 1e-9);
-    assert_int_equal(keep.out_ns, 15 * s);
-    assert_false(keep.is_whole);
-    assert_true(timeline_keep_span(&keep, now - 20 * s, now + 3 * s, now, reach));
-    assert_true(keep.is_whole);
-    assert_false(timeline_keep_span(&keep, now - 20 * s, now - 20 * s + 1000, now, reach));
-    assert_true(timeline_keep_span(&keep, now - 90 * s, now - 5 * s, now, 60 * s));
-    assert_float_equal(keep.back_s, 60.0, 1e-9);
-    assert_int_equal(keep.out_ns, 55 * s);
+    const int64_t s = NS_PER_S;
+    assert_true(keeps(-20 * s, -5 * s, -20 * s, -5 * s));
+    assert_true(keeps(-5 * s, -20 * s, -20 * s, -5 * s));
+    assert_true(keeps(-20 * s, 3 * s, -20 * s, 0));
+    assert_true(keeps(-90 * s, -5 * s, -60 * s, -5 * s));
+    int64_t from_ns = 20 * s, to_ns = 20 * s + 1000;
+    assert_false(timeline_keep_span(&from_ns, &to_ns, 1000 * s, 1800 * s));
 }
 
 static void durations_are_short(void **state)

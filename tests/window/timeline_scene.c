@@ -186,12 +186,43 @@ static void the_journal_is_seen_live_and_at_twice_the_size(void **state)
     }
 }
 
+static bool is_in_list(scene *s, void *data)
+{
+    uint32_t one = 1;
+    (void)data;
+    return has_take(s, &one) && app_take_id(s->app) != 0;
+}
+
+/* No take is there yet; the hand goes on while it is swiped. */
+static void a_swipe_over_what_was_always_recorded_is_a_take_of_that_length(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    assert_true(scene_until(&s, has_journal, NULL));
+    const ui_word *now = scene_word(&s, "now"), *before = scene_word_with(&s, "\u221220 s");
+    assert_non_null(now);
+    assert_non_null(before);
+    const float end = now->where.x + now->where.width + 4.0f, y = now->where.y + 50.0f;
+    const float second = (end - before->where.x - before->where.width - 4.0f) / 20.0f;
+    const uint32_t said = news_list_count(app_news(s.app));
+    scene_drag(&s, end - 2.5f * second, y, end - second, y, 6);
+    assert_true(scene_until(&s, is_in_list, NULL));
+    for (uint32_t i = said; i < news_list_count(app_news(s.app)); ++i)
+        assert_int_equal(news_list_at(app_news(s.app), i)->level, MRT_LOG_INFO);
+    scene_picture(&s, "timeline_scene_kept");
+    /* while it is dragged the strip rolls on, by at most the time that it takes */
+    assert_in_range(app_take(s.app)->duration_ns, NS_PER_S, 2 * NS_PER_S);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_performance_is_recorded_chosen_split_and_undone),
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
+        cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
         cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),
     };

@@ -243,13 +243,11 @@ void app_set_range(app *self, int64_t in_ns, int64_t out_ns)
         here->transport.loop_in_ns = here->transport.loop_out_ns = 0;
 }
 
-mrt_result live_keep(live *self, double seconds, const writer_slate *slate, int64_t *out_take,
-                     error *err)
+void app_keep(app *self, int64_t from_ns, int64_t to_ns)
 {
-    (void)self, (void)slate, (void)err;
-    here->kept_s = seconds;
-    *out_take = 77;
-    return MRT_OK;
+    (void)self;
+    here->kept_from_ns = from_ns;
+    here->kept_to_ns = to_ns;
 }
 
 uint32_t live_input_count(const live *self)

@@ -28,7 +28,7 @@ typedef struct stand {
     news_list *news;
     transport transport;
     int64_t clock_ns, seeks;
-    double kept_s;
+    int64_t kept_from_ns, kept_to_ns;
     /* the inputs of the journal: what is moved */
     uint32_t input_count;
     /* the worker: comps[0..comp_count) */

@@ -158,7 +158,9 @@ CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, err
 /* slate NULL: none is said. */
 CHECKED mrt_result live_record(live *self, const writer_slate *slate, error *err);
 CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
-CHECKED mrt_result live_keep(live *self, double seconds, const writer_slate *slate,
+/* A take of what was performed between two instants of the host's clock. It is in the show once the
+ * writer has got to it. */
+CHECKED mrt_result live_keep(live *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
                              int64_t *out_take, error *err);
 CHECKED mrt_result live_mark(live *self, const char *text, error *err);
 CHECKED mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err);

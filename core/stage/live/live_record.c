@@ -98,7 +98,7 @@ static const writer_slate no_slate; /* for who gives none */
 
 typedef struct taking {
     const writer_slate *slate;
-    double seconds;
+    int64_t from_ns, to_ns; /* of what is kept */
     const char *text;
     int64_t take, time_ns;
 } taking;
@@ -169,14 +169,14 @@ static mrt_result keep(live_stage *stage, void *data, error *err)
     taking *t = data;
     mrt_result result = live_frame_tick(stage, err);
     if (result >= 0)
-        result = recorder_keep(stage->recorder, t->seconds, t->slate, &t->take, err);
+        result = recorder_keep(stage->recorder, t->from_ns, t->to_ns, t->slate, &t->take, err);
     return result;
 }
 
-mrt_result live_keep(live *self, double seconds, const writer_slate *slate, int64_t *out_take,
-                     error *err)
+mrt_result live_keep(live *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
+                     int64_t *out_take, error *err)
 {
-    taking t = {.slate = slate ? slate : &no_slate, .seconds = seconds};
+    taking t = {.slate = slate ? slate : &no_slate, .from_ns = from_ns, .to_ns = to_ns};
     *out_take = 0;
     mrt_result result = check_recorder(self, err);
     if (result >= 0)

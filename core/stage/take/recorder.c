@@ -349,15 +349,13 @@ mrt_result recorder_take_end(recorder *self, error *err)
     return writer_take_end(self->writer, self->take, self->last_ns + 1, err);
 }
 
-mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *slate,
+mrt_result recorder_keep(recorder *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
                          int64_t *out_take, error *err)
 {
-    if (!(seconds > 0) || !(seconds <= 1e6))
-        return error_set(err, MRT_ERR_ARGUMENT, "%g s cannot be kept", seconds);
     if (!self->has_begun)
         return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed yet");
-    return writer_keep(self->writer, self->last_ns - (int64_t)(seconds * (double)NS_PER_S),
-                       self->last_ns + 1, slate, out_take, err);
+    int64_t end_ns = to_ns <= self->last_ns ? to_ns : self->last_ns + 1;
+    return writer_keep(self->writer, from_ns, end_ns, slate, out_take, err);
 }
 
 int64_t recorder_performance(const recorder *self)

@@ -63,9 +63,9 @@ void recorder_dismiss(recorder *self, recorder_cast *cast);
 void recorder_take_next(recorder *self, const writer_slate *slate);
 /* Ends the take behind the last sample. */
 CHECKED mrt_result recorder_take_end(recorder *self, error *err);
-/* Of what was performed in the last `seconds`. */
-CHECKED mrt_result recorder_keep(recorder *self, double seconds, const writer_slate *slate,
-                                 int64_t *out_take, error *err);
+/* Of what was performed between two instants of the samples' clock, up to the last sample. */
+CHECKED mrt_result recorder_keep(recorder *self, int64_t from_ns, int64_t to_ns,
+                                 const writer_slate *slate, int64_t *out_take, error *err);
 int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
 int64_t recorder_performance(const recorder *self); /* that goes on; 0: before the first sample */
 bool recorder_take_is_open(const recorder *self);   /* a sample of it was recorded */

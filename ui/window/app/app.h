@@ -104,6 +104,9 @@ uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; 
 int64_t app_take_id(const app *self);                           /* 0: none */
 CHECKED mrt_result app_choose_take(app *self, int64_t id);      /* 0: none; shows it on the stage */
 const take *app_take(const app *self); /* NULL: none; until the next edit */
+/* Makes a take of what was performed between two instants of the host's clock; it is chosen in the
+ * list once all of it is in the show. */
+void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 /* Of the chosen take, which comes to the stage if it is not there. Nothing while one is recorded.
  */
 void app_seek(app *self, int64_t at_ns);

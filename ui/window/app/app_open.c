@@ -1063,6 +1063,8 @@ static void arm_sound(app *self)
         (void)app_report(self, live_arm_sound(self->live, 1, &err), &err);
 }
 
+#define KEEP_NS (30 * NS_PER_S)
+
 static void do_performance(app *self, action of)
 {
     switch (of) {
@@ -1070,7 +1072,7 @@ static void do_performance(app *self, action of)
         app_record_toggle(self);
         break;
     case ACTION_KEEP:
-        app_keep(self);
+        app_keep(self, clock_now_ns() - KEEP_NS, clock_now_ns());
         break;
     case ACTION_MARK:
         app_mark(self);

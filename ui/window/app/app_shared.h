@@ -117,7 +117,6 @@ void app_close_show(app *self, show *of);
 /* What is performed over a take ends, and becomes a part of it while its show is there. */
 void app_record_finish_over(app *self);
 void app_record_toggle(app *self);
-void app_keep(app *self);
 void app_mark(app *self);
 
 /* The transport. */

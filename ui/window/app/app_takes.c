@@ -624,7 +624,6 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
 /* ---- recording, and what becomes of what was performed over a take ---- */
 
 #define OVER_FADE_NS 100000000LL
-#define KEEP_S       30.0
 
 /* ---- begin and end ---- */
 
@@ -671,11 +670,11 @@ void app_record_toggle(app *self)
     self->takes_are_stale = true;
 }
 
-void app_keep(app *self)
+void app_keep(app *self, int64_t from_ns, int64_t to_ns)
 {
     error err = {0};
     int64_t kept = 0;
-    if (app_report(self, live_keep(self->live, KEEP_S, NULL, &kept, &err), &err) >= 0)
+    if (app_report(self, live_keep(self->live, from_ns, to_ns, NULL, &kept, &err), &err) >= 0)
         app_await_take(self, kept, true);
 }
 
@@ -683,8 +682,8 @@ static void app_tell_kept(app *self, int64_t id)
 {
     const app_take_line *line = app_line_of(self, id);
     if (line)
-        app_say(self, MRT_LOG_INFO, "kept the last %.1f s as take %s",
-                1e-9 * (double)line->duration_ns, line->title);
+        app_say(self, MRT_LOG_INFO, "kept %.1f s as take %s", 1e-9 * (double)line->duration_ns,
+                line->title);
 }
 
 void app_mark(app *self)

@@ -98,18 +98,11 @@ float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_
 
 /* ---- kept ---- */
 
-bool timeline_keep_span(timeline_keep *out, int64_t from_ns, int64_t to_ns, int64_t now_ns,
-                        int64_t reach_ns)
+bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, int64_t reach_ns)
 {
-    if (from_ns < now_ns - reach_ns)
-        from_ns = now_ns - reach_ns;
-    if (to_ns > now_ns - NOW_NS)
-        to_ns = now_ns;
-    if (to_ns - from_ns < SHORTEST_NS)
-        return false;
-    *out = (timeline_keep){.back_s = (double)(now_ns - from_ns) * 1e-9,
-                           .in_ns = 0,
-                           .out_ns = to_ns - from_ns,
-                           .is_whole = to_ns == now_ns};
-    return true;
+    int64_t from_ns = *io_from_ns < *io_to_ns ? *io_from_ns : *io_to_ns;
+    int64_t to_ns = *io_from_ns < *io_to_ns ? *io_to_ns : *io_from_ns;
+    *io_from_ns = from_ns < now_ns - reach_ns ? now_ns - reach_ns : from_ns;
+    *io_to_ns = to_ns > now_ns - NOW_NS ? now_ns : to_ns;
+    return *io_to_ns - *io_from_ns >= SHORTEST_NS;
 }

@@ -23,14 +23,8 @@ void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_n
 float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_t from_ns,
                             int64_t to_ns);
 
-/* A span of it that somebody swiped, as what is kept: so many seconds back from now, and what of
- * that take is then left. False: too short. The journal reaches back reach_ns. */
-typedef struct timeline_keep {
-    double back_s;
-    int64_t in_ns, out_ns; /* of the take that is made */
-    bool is_whole;         /* it goes on until now: nothing is left out */
-} timeline_keep;
-bool timeline_keep_span(timeline_keep *out, int64_t from_ns, int64_t to_ns, int64_t now_ns,
-                        int64_t reach_ns);
+/* Of a span that somebody swiped, in either direction, what can be kept: the journal reaches back
+ * reach_ns, and what ends near now ends now. False: too short. */
+bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, int64_t reach_ns);
 
 #endif

@@ -161,27 +161,9 @@ static void paint_lanes(panel *self, ui *on, const strip *s)
 
 static void keep(panel *self, const strip *s)
 {
-    live *stage = app_live(self->app);
-    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns, id = 0;
-    timeline_keep span;
-    error err = {""};
-    if (from_ns > to_ns) {
-        from_ns = self->span_to_ns;
-        to_ns = self->span_from_ns;
-    }
-    if (!timeline_keep_span(&span, from_ns, to_ns, s->now_ns, app_status(self->app)->journal_ns))
-        return;
-    if (live_keep(stage, span.back_s, NULL, &id, &err) < 0) {
-        timeline_say(self, &err);
-        return;
-    }
-    if (span.is_whole)
-        return;
-    edit e;
-    edit_init(&e, EDIT_RANGE_KEEP);
-    e.in_ns = span.in_ns;
-    e.out_ns = span.out_ns;
-    (void)!app_edit_take(self->app, id, &e);
+    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns;
+    if (timeline_keep_span(&from_ns, &to_ns, s->now_ns, app_status(self->app)->journal_ns))
+        app_keep(self->app, from_ns, to_ns);
 }
 
 static void paint_span(panel *self, ui *on, const strip *s)
