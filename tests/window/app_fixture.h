@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATIENCE_S = 30 };
+enum { PATIENCE_S = 120 }; /* exports run at a low priority, beside whatever else runs */
 
 typedef struct room {
     char folder[64], show[96], settings[96];
