@@ -43,6 +43,8 @@ const char *show_notice(const show *self); /* "", or one line for the person in 
 /* The file under that name is not the one that is open: it was deleted, moved or replaced. What is
  * recorded goes on into the open one, which is lost when the program ends: see show_rescue. */
 bool show_is_missing(const show *self);
+/* The file under that name is the one that is open, whatever the name. */
+bool show_is_file(const show *self, const char *path);
 /* A whole copy of what is committed, as a new file, while recording goes on. */
 CHECKED mrt_result show_rescue(show *self, const char *out_path, error *err);
 /* The same beside where it lay, under the first name that is free: night.rescued.marotte,

@@ -475,11 +475,16 @@ const char *show_notice(const show *self)
     return self->notice;
 }
 
-bool show_is_missing(const show *self)
+bool show_is_file(const show *self, const char *path)
 {
     struct stat status;
-    return stat(self->path, &status) != 0 || status.st_dev != self->device ||
-           status.st_ino != self->inode;
+    return stat(path, &status) == 0 && status.st_dev == self->device &&
+           status.st_ino == self->inode;
+}
+
+bool show_is_missing(const show *self)
+{
+    return !show_is_file(self, self->path);
 }
 
 mrt_result show_rescue(show *self, const char *out_path, error *err)

@@ -459,8 +459,11 @@ static void a_replaced_file_is_noticed(void **state)
     snprintf(other, sizeof other, "%s/other.marotte", s->folder);
     scene_must(show_create(&got, s->path, &err), &err);
     write_file(other, "x", 1);
+    assert_true(show_is_file(got, s->path));
+    assert_false(show_is_file(got, other));
     assert_int_equal(rename(other, s->path), 0);
     assert_true(show_is_missing(got));
+    assert_false(show_is_file(got, s->path));
     show_close(got);
 }
 

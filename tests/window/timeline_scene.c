@@ -216,6 +216,34 @@ static void a_swipe_over_what_was_always_recorded_is_a_take_of_that_length(void 
     scene_close(&s);
 }
 
+/* The show's name in the bar, then the only file. A click chooses it, a second one opens it. */
+static void the_show_that_is_open_is_opened_again_and_records_on(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    const int64_t chosen = app_take_id(s.app);
+    scene_click_word(&s, "night");
+    const ui_word *file = scene_word(&s, "night.marotte");
+    assert_non_null(file);
+    const float x = file->where.x + 10.0f, y = file->where.y + 8.0f;
+    scene_click(&s, x, y);
+    assert_non_null(scene_word(&s, "Cancel"));
+    scene_click(&s, x, y);
+    assert_null(scene_word(&s, "Cancel"));
+    assert_true(show_is_writable(app_show(s.app)));
+    assert_true(app_status(s.app)->can_record);
+    assert_int_equal(app_take_id(s.app), chosen);
+    assert_non_null(
+        strstr(news_list_at(app_news(s.app), news_list_count(app_news(s.app)) - 1)->text,
+               "is open already"));
+    scene_do(&s, ACTION_LIVE);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -223,6 +251,7 @@ int main(void)
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
+        cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),
         cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),
     };

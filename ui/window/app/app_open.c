@@ -274,6 +274,10 @@ mrt_result app_open_show(app *self, const char *path)
 {
     error err = {0};
     show *opened = NULL;
+    if (self->show && show_is_writable(self->show) && show_is_file(self->show, path)) {
+        app_say(self, MRT_LOG_INFO, "%s is open already", path);
+        return MRT_OK;
+    }
     mrt_result result = open_or_make(&opened, path, &err);
     if (result < 0)
         return app_report(self, result, &err);
