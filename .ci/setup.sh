@@ -6,7 +6,7 @@ setup_build_packages=(
     libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libsuitesparse-dev libpng-dev
     libdraco-dev libmeshoptimizer-dev libjpeg-dev
     libepoxy-dev libegl-dev libfreetype-dev fonts-inter
-    libusb-1.0-0-dev libasound2-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev libsamplerate0-dev portaudio19-dev
+    libusb-1.0-0-dev libasound2-dev liblo-dev libopenxr-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev libsamplerate0-dev portaudio19-dev
     libglfw3-dev libimgui-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )

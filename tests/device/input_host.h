@@ -64,9 +64,14 @@ static inline mrt_result input_host_settings(const mrt_host *host, char *out, si
     return MRT_OK;
 }
 
+/* Of MRT_LANDMARKS, which is asked for while an instance is made; NULL: these hosts have none. */
+static const mrt_landmark_reader *input_host_landmarks;
+
 static inline const void *input_host_service(const mrt_host *host, const char *id)
 {
     input_host *self = host->data;
+    if (strcmp(id, MRT_LANDMARKS) == 0)
+        return input_host_landmarks;
     return strcmp(id, MRT_FOLDERS) == 0 && self->settings[0] ? &self->folders : NULL;
 }
 

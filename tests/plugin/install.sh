@@ -24,7 +24,7 @@ done
 cmp "$SOURCE_DIR/core/include/marotte/plugin.h" "$prefix/include/marotte/plugin.h" || fail "another header"
 grep -rIlF -e "$SOURCE_DIR" -e "$scratch/first" "$prefix" && fail "these name a folder of the build"
 "${alone[@]}" marotte plugin list --params >"$scratch/list" || fail "plugin list"
-for plugin in log anchored unanchored one_hand cyberglove pedal osc camera midi gamepad phone; do
+for plugin in log anchored unanchored one_hand cyberglove pedal osc camera openxr midi gamepad phone; do
     grep -q "^    from $prefix/lib.*/marotte/plugins/$plugin.so$" "$scratch/list" || fail "$plugin is not found"
 done
 grep '^    from ' "$scratch/list" | grep -vF "    from $prefix/lib" && fail "these plugins are from elsewhere"

@@ -1,0 +1,309 @@
+/* openxr.c - the plugin "org.marotte.openxr": the bare or gloved hand that an OpenXR runtime tracks
+ * (a headset, a Leap, a glove's driver). The runtime lives in another process (openxr_helper.h),
+ * marotte reads its joints back to angles (MRT_LANDMARKS) from their positions alone: what
+ * orientations mean differs between runtimes. Gives samples. */
+#include "device_io.h"
+#include "openxr_helper.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PARAM_HAND, PARAM_COUNT };
+enum { EITHER = 2 }; /* of the parameter: beside MRT_LEFT and MRT_RIGHT */
+
+static const float sure = 0.5f; /* below that nothing may move a face: plugin.h */
+static const int64_t read_max_ns = 1000000000;
+/* One hand for the other: it is held so long that the face eases over to it. */
+static const int64_t change_ns = 300000000;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
+    bool is_open;
+    openxr_listener listener; /* joined while it is open */
+    uint32_t wanted;          /* MRT_LEFT, MRT_RIGHT, EITHER */
+    mrt_channel channel[MRT_ANGLES];
+    char name[MRT_ANGLES][24];
+    bool has_asked_to_restart;
+
+    mrt_hand_reading reading;
+    openxr_hand last[2]; /* frames are news of two hands */
+    uint32_t shown_side; /* of EITHER: whose hand it was last */
+    bool has_shown;
+    int64_t shown_ns, last_ns; /* device_clock_ns; the host's, of the sample given last */
+    int64_t host_offset_ns;    /* the host's clock less device_clock_ns */
+    uint32_t sequence, lost;
+    bool has_given;
+};
+
+/* ---- opening ---- */
+
+static uint32_t wanted_of(const double *params)
+{
+    double hand = params[PARAM_HAND];
+    return hand < 0.5 ? MRT_LEFT : hand < 1.5 ? MRT_RIGHT : EITHER;
+}
+
+static void describe(mrt_plugin *self)
+{
+    static const char *const sensor[MRT_ANGLES] = {
+        "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
+        "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
+        "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
+        "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
+    const uint32_t side = self->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
+    for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
+        (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
+                       side == MRT_LEFT ? "left" : "right", sensor[i]);
+        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
+    }
+}
+
+static void input_close(mrt_plugin *self)
+{
+    if (self->is_open)
+        openxr_helper_leave();
+    self->is_open = false;
+}
+
+static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
+{
+    char reason[OPENXR_REASON];
+    input_close(self);
+    if (address[0] != '\0') {
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.40s\": openxr has no addresses, the system knows one active runtime",
+                   address);
+        return MRT_ERR_ARGUMENT;
+    }
+    if (!self->reader) {
+        device_say(self->host, MRT_LOG_ERROR,
+                   "this program reads no landmarks of hands: a newer marotte does");
+        return MRT_ERR_UNSUPPORTED;
+    }
+    if (!openxr_helper_join(&self->listener, reason)) {
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    self->is_open = true;
+    self->wanted = wanted_of(params);
+    self->has_asked_to_restart = self->has_shown = self->has_given = false;
+    self->reading = (mrt_hand_reading){.confidence = 0.0f};
+    memset(self->last, 0, sizeof self->last);
+    self->sequence = self->lost = 0;
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
+    self->last_ns = self->host->now_ns(self->host);
+    describe(self);
+    return MRT_OK;
+}
+
+static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
+{
+    *out_count = self->is_open ? MRT_ANGLES : 0;
+    return self->channel;
+}
+
+/* ---- reading ---- */
+
+/* OpenXR's 26 joints without the palm and the metacarpals of index to little. What is not tracked
+ * is guessed: where a hand that is hidden may be by now. */
+static void to_landmarks(const openxr_hand *hand, uint32_t side, mrt_landmarks *out)
+{
+    static const uint8_t joint[MRT_JOINTS] = {1,  2,  3,  4,  5,  7,  8,  9,  10, 12, 13,
+                                              14, 15, 17, 18, 19, 20, 22, 23, 24, 25};
+    const uint32_t seen = hand->valid & hand->tracked;
+    *out = (mrt_landmarks){.side = side};
+    for (uint32_t i = 0; i < MRT_JOINTS; ++i) {
+        const float *at = hand->at[joint[i]];
+        out->at[i] = (mrt_vec3){at[0], at[1], at[2]};
+        out->doubtful |= (seen >> joint[i] & 1u) ? 0 : UINT32_C(1) << i;
+    }
+}
+
+/* Whose hand performs; MRT_NO_HAND: nobody's. */
+static uint32_t choose(const mrt_plugin *self, const openxr_frame *frame)
+{
+    const bool is_there[2] = {frame->hand[MRT_LEFT].active == 1,
+                              frame->hand[MRT_RIGHT].active == 1};
+    if (self->wanted != EITHER)
+        return is_there[self->wanted] ? self->wanted : MRT_NO_HAND;
+    if (self->has_shown && is_there[self->shown_side])
+        return self->shown_side;
+    if (self->has_shown && frame->time_ns - self->shown_ns < change_ns)
+        return MRT_NO_HAND;
+    return is_there[MRT_RIGHT] ? MRT_RIGHT : is_there[MRT_LEFT] ? MRT_LEFT : MRT_NO_HAND;
+}
+
+/* False: nothing of this moves the face: it is held, and eased when the hand is back. */
+static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
+{
+    mrt_landmarks seen;
+    mrt_hand_reading now = self->reading;
+    self->lost += frame->lost;
+    uint32_t side = choose(self, frame);
+    if (side == MRT_NO_HAND)
+        return false;
+    const openxr_hand *hand = &frame->hand[side];
+    if (memcmp(&self->last[side], hand, sizeof *hand) == 0)
+        return false; /* it was the other one that moved */
+    self->last[side] = *hand;
+    to_landmarks(hand, side, &seen);
+    self->reader->read(self->host, &seen, &now);
+    if (now.confidence < sure)
+        return false;
+    self->reading = now;
+    self->has_shown = true;
+    self->shown_side = side;
+    self->shown_ns = frame->time_ns;
+    return true;
+}
+
+static void give(mrt_plugin *self, const openxr_frame *frame, mrt_sample *out)
+{
+    int64_t now_ns = self->host->now_ns(self->host);
+    int64_t time_ns = frame->time_ns + self->host_offset_ns;
+    time_ns = time_ns < now_ns ? time_ns : now_ns;
+    self->last_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
+    self->sequence += self->lost + self->has_given;
+    self->lost = 0;
+    self->has_given = true;
+    memset(out, 0, sizeof *out);
+    out->time_ns = self->last_ns;
+    out->sequence = self->sequence;
+    out->count = MRT_ANGLES;
+    memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
+}
+
+/* Channels are fixed while it is open, so another hand needs it opened again. */
+static void follow_params(mrt_plugin *self, const double *params)
+{
+    if (self->has_asked_to_restart || wanted_of(params) == self->wanted)
+        return;
+    self->has_asked_to_restart = true;
+    self->host->request_restart(self->host);
+}
+
+static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
+                             mrt_sample *out_sample)
+{
+    if (!self->is_open)
+        return MRT_ERR_IO;
+    follow_params(self, params);
+    int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
+    left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
+    int64_t until_ns = device_clock_ns() + left_ns;
+    for (;;) {
+        openxr_frame frame;
+        char text[OPENXR_REASON];
+        int heard = openxr_helper_wait(&self->listener, &frame, text, until_ns);
+        if (heard == OPENXR_HEARD_NOTHING)
+            return MRT_TIMEOUT;
+        if (heard == OPENXR_HEARD_FRAME && take_frame(self, &frame)) {
+            give(self, &frame, out_sample);
+            return MRT_OK;
+        }
+        if (heard != OPENXR_HEARD_FRAME)
+            device_say(self->host, heard == OPENXR_HEARD_NEWS ? MRT_LOG_INFO : MRT_LOG_WARNING,
+                       "%s", text);
+    }
+}
+
+/* ---- devices ---- */
+
+/* Where the loader looks for the runtime that is active. */
+static bool has_runtime(void)
+{
+    static const char name[] = "openxr/1/active_runtime.json";
+    const char *own = getenv("XR_RUNTIME_JSON"), *config = getenv("XDG_CONFIG_HOME");
+    const char *home = getenv("HOME");
+    char path[PATH_MAX];
+    if (own && own[0])
+        return access(own, R_OK) == 0;
+    if (config && config[0])
+        (void)snprintf(path, sizeof path, "%s/%s", config, name);
+    else
+        (void)snprintf(path, sizeof path, "%s/.config/%s", home ? home : "", name);
+    return access(path, R_OK) == 0 || access("/etc/xdg/openxr/1/active_runtime.json", R_OK) == 0 ||
+           access("/etc/openxr/1/active_runtime.json", R_OK) == 0 ||
+           access("/usr/share/openxr/1/active_runtime.json", R_OK) == 0;
+}
+
+static void fill_device(mrt_device *out)
+{
+    char path[PATH_MAX], reason[OPENXR_REASON];
+    memset(out, 0, sizeof *out);
+    (void)snprintf(out->name, sizeof out->name, "OpenXR: hands of a headset, a Leap or a glove");
+    /* Whether its headset is there only opening tells, which may start it. */
+    out->state = MRT_DEVICE_UNSURE;
+    (void)snprintf(out->advice, sizeof out->advice, "%s",
+                   openxr_helper_find(path, sizeof path, reason)
+                       ? "open it with the headset connected: it says what is missing"
+                       : reason);
+}
+
+static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
+{
+    (void)self;
+    if (!has_runtime())
+        return 0;
+    if (capacity > 0)
+        fill_device(out);
+    return 1;
+}
+
+static bool current_device(mrt_plugin *self, mrt_device *out)
+{
+    if (self->is_open)
+        fill_device(out);
+    return self->is_open;
+}
+
+/* ---- the type ---- */
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->reader = host->service(host, MRT_LANDMARKS);
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    input_close(self);
+    free(self);
+}
+
+static const char *const hand_label[] = {"left", "right", "either", NULL};
+static const mrt_param params[PARAM_COUNT] = {
+    [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "OpenXR", "",
+                    "Whose hand performs; either: whichever is tracked, as a right one", MRT_LEFT,
+                    EITHER, EITHER, hand_label},
+};
+
+static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
+static const mrt_devices devices = {list_devices, current_device};
+static const mrt_interface interfaces[] = {
+    {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
+
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.openxr",
+    "OpenXR",
+    MAROTTE_VERSION,
+    "A hand that a headset, a Leap or a glove's driver tracks, by any OpenXR runtime",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
