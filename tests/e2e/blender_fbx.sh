@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# ui/blender/gltf_to_fbx.py: the FBX, imported again, shows what was performed.
+# ui/blender/gltf_to_fbx.py: the FBX, imported again, shows what was performed, and hands as .bvh stand where they stood.
 source "$(dirname "$0")/lib.sh"
 command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed"; exit 77; }
 blender_run() { # SCRIPT ARGS...
@@ -10,7 +10,7 @@ blender_run() { # SCRIPT ARGS...
 
 convert() { # name face mapping
     "$MAROTTE" perform --face "$2" --input "log:$demo,end=4" --map "$3" --fps 25 --export "$scratch/$1.glb" \
-        --export "$scratch/$1.pc2" >/dev/null 2>"$scratch/stderr" &&
+        --export "$scratch/$1.pc2" --export "$scratch/$1.bvh" >/dev/null 2>"$scratch/stderr" &&
         "$MAROTTE" perform --face "$2" --input "log:$demo,end=4" --map "$3" --fps 25 --bare \
             --export "$scratch/$1.bare.glb" >/dev/null 2>"$scratch/stderr" ||
         { fail "$1: $(cat "$scratch/stderr")"; return; }
@@ -27,6 +27,9 @@ convert() { # name face mapping
 convert moai "${moai%.glb}.rig.json" anchored
 convert clay "$moai" unanchored
 convert puppet "$puppet" one_hand
+
+blender_run tests/e2e/blender_hands.py "$scratch/moai.bvh" || fail "$(tail -n 4 "$scratch/said")"
+grep '^hands: ' "$scratch/said" || fail "nothing of the hands"
 
 # What cannot be converted is said, and nothing is written.
 for bad in "$demo" "$scratch/none.glb"; do
