@@ -128,6 +128,57 @@ static void what_is_painted_is_performed_undone_and_saved(void **state)
     scene_close(&s);
 }
 
+static bool has_recorded(scene *s, void *data)
+{
+    (void)data;
+    return app_status(s->app)->recorded_ns > NS_PER_S / 2;
+}
+
+static bool has_take(scene *s, void *data)
+{
+    (void)data;
+    return app_take(s->app) != NULL && !app_status(s->app)->is_recording;
+}
+
+static bool was_said(scene *s, const char *part)
+{
+    const news_list *news = app_news(s->app);
+    const uint32_t count = news_list_count(news);
+    return count > 0 && strstr(news_list_at(news, count - 1)->text, part);
+}
+
+/* What is done to a take beside the rig is in front; what was done before is not. */
+static void undo_in_the_rig_stops_before_what_was_done_to_takes(void **state)
+{
+    scene s;
+    (void)state;
+    open_puppet(&s, false);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_take, NULL));
+    scene_do(&s, ACTION_RATE_4);
+    paint(&s);
+    assert_true(scene_until(&s, stage_has_paint, NULL));
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_true(scene_until(&s, stage_has_none, NULL));
+    assert_true(was_said(&s, "undone: rig: "));
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_int_equal(app_take(s.app)->rating, 4);
+    assert_true(was_said(&s, "leave the Rig panel"));
+    scene_picture(&s, "rig_undo_stops");
+    scene_do(&s, ACTION_RATE_2);
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_int_equal(app_take(s.app)->rating, 4);
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_int_equal(app_take(s.app)->rating, 4);
+    scene_do(&s, ACTION_PANEL_DEVICES);
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_int_equal(app_take(s.app)->rating, 0);
+    assert_true(was_said(&s, "undone: "));
+    scene_close(&s);
+}
+
 static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
 {
     scene s;
@@ -159,6 +210,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_is_painted_is_performed_undone_and_saved, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(undo_in_the_rig_stops_before_what_was_done_to_takes,
+                                        make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(what_is_not_saved_is_asked_about_and_offered_again,
                                         make_folder, remove_folder),
     };

@@ -832,6 +832,7 @@ void app_update(app *self, double dt_s)
     app_record_update(self);
     app_patch_update(self);
     report_exports(self);
+    app_undo_update(self);
     app_takes_update(self, dt_s);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
@@ -1031,7 +1032,7 @@ static const char *why_not(app *self, action of)
     case ACTION_SOUND_ARM:
         return self->status.is_recording ? "a take is being recorded: end it first" : NULL;
     case ACTION_UNDO:
-        return app_can_undo(self) ? NULL : "there is nothing to undo";
+        return app_undo_why_not(self);
     case ACTION_REDO:
         return app_can_redo(self) ? NULL : "there is nothing to do again";
     case ACTION_EXPORT:

@@ -66,6 +66,8 @@ struct app {
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
     uint32_t done_count, all_count;
+    bool is_rig_shown;  /* in the dock, at the last update */
+    uint32_t rig_floor; /* done_count as it came there */
 
     /* ---- recording and playing ---- */
     bool was_recording, had_problem;
@@ -108,7 +110,9 @@ void app_takes_update(app *self, double dt_s);
 void app_drop_take(app *self); /* none is chosen */
 CHECKED mrt_result app_undo(app *self);
 CHECKED mrt_result app_redo(app *self);
-bool app_can_undo(const app *self);
+/* Once a frame, before anything is undone. */
+void app_undo_update(app *self);
+const char *app_undo_why_not(const app *self); /* NULL: it can be undone */
 bool app_can_redo(const app *self);
 
 void app_record_update(app *self);

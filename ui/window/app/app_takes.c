@@ -18,11 +18,15 @@ static void drop(app *self, uint32_t index)
     self->all_count -= 1;
     if (index < self->done_count)
         self->done_count -= 1;
+    if (index < self->rig_floor)
+        self->rig_floor -= 1;
 }
 
 static void put(app *self, const app_done *step)
 {
     self->all_count = self->done_count;
+    if (self->rig_floor > self->done_count)
+        self->rig_floor = self->done_count;
     if (self->done_count == APP_UNDO_MAX)
         drop(self, 0);
     self->done[self->done_count++] = *step;
@@ -122,9 +126,30 @@ static bool has_newer(const app *self)
            show_is_writable(self->show);
 }
 
-bool app_can_undo(const app *self)
+void app_undo_update(app *self)
 {
-    return self->done_count > 0 || has_older(self);
+    const bool is_shown = self->looks.panel == APP_RIG;
+    if (is_shown && !self->is_rig_shown)
+        self->rig_floor = self->done_count;
+    self->is_rig_shown = is_shown;
+}
+
+/* Who works on the rig does not look at takes: what was done to them before it came into the dock
+ * stays as it is. */
+static bool is_behind_rig(const app *self)
+{
+    const uint32_t floor = self->is_rig_shown ? self->rig_floor : self->done_count;
+    return self->looks.panel == APP_RIG && self->done_count <= floor &&
+           (self->done_count == 0 || self->done[self->done_count - 1].take != 0);
+}
+
+const char *app_undo_why_not(const app *self)
+{
+    if (self->done_count == 0 && !has_older(self))
+        return "there is nothing to undo";
+    return is_behind_rig(self) ? "what comes next was done to a take, before the rig was in front: "
+                                 "leave the Rig panel to go on"
+                               : NULL;
 }
 
 bool app_can_redo(const app *self)
@@ -148,18 +173,26 @@ static mrt_result undo_older(app *self)
     return MRT_OK;
 }
 
-mrt_result app_undo(app *self)
+static mrt_result undo_newest(app *self)
 {
-    if (has_older(self))
-        return undo_older(self);
-    if (self->done_count == 0)
-        return MRT_END;
     const app_done step = self->done[self->done_count - 1];
     self->done_count -= 1;
     if (step.take)
         return go(self, &step, step.head_before);
     step.step.undo(step.step.owner, step.step.number);
     return MRT_OK;
+}
+
+mrt_result app_undo(app *self)
+{
+    char words[EDIT_TEXT];
+    if (app_undo_why_not(self))
+        return MRT_END;
+    (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
+    const mrt_result result = has_older(self) ? undo_older(self) : undo_newest(self);
+    if (result >= 0)
+        app_say(self, MRT_LOG_INFO, "undone: %s", words);
+    return result;
 }
 
 mrt_result app_redo(app *self)
