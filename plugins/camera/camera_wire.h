@@ -49,7 +49,7 @@ size_t camera_frame_write(unsigned char *out, int opcode, const void *payload, s
 /* ---- messages of the page: binary, little-endian ----
  * 1 frame: u32 sequence, f64 capture time in ms of the page's clock, u8 hands 0..2, and of each: u8
  *          side (MRT_LEFT ...), f32 score 0..1, 21 x 3 f32 world landmarks of MediaPipe in m, 21 x
- *          2 f32 in the picture 0..1
+ *          2 f32 in the picture 0..1 (of a headset: 0)
  * 2 ping:  f64 time in ms of the page's clock, as it is sent
  * 3 pong, to the page: that f64, i64 ns of ours */
 

@@ -1,10 +1,11 @@
 // Opens the camera's page in a headless Chromium whose webcam is a file, starts it, and says every
 // second what the page says.
-//   node camera_browser.mjs CHROMIUM URL FAKE.mjpeg SECONDS PICTURE.png FOLDER
+//   node camera_browser.mjs CHROMIUM URL FAKE.mjpeg SECONDS PICTURE.png FOLDER [BUTTON SCRIPT.js]
+// BUTTON is what starts it ("start"); SCRIPT.js runs in the page before the page's own.
 import {spawn} from 'node:child_process';
-import {writeFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 
-const [program, url, webcam, seconds, picture, folder] = process.argv.slice(2);
+const [program, url, webcam, seconds, picture, folder, button = 'start', script] = process.argv.slice(2);
 const browser = spawn(program, [
   '--headless=new', '--no-sandbox', '--remote-debugging-pipe', `--user-data-dir=${folder}`,
   '--use-fake-ui-for-media-stream', '--use-fake-device-for-media-stream',
@@ -37,13 +38,18 @@ const value = async (expression) =>
   (await call('Runtime.evaluate', {expression, userGesture: true})).result?.value;
 const text = (id) => value(`document.getElementById('${id}').textContent`);
 
-const {targetId} = await call('Target.createTarget', {url});
+const {targetId} = await call('Target.createTarget', {url: 'about:blank'});
 session = (await call('Target.attachToTarget', {targetId, flatten: true})).sessionId;
 await call('Runtime.enable');
 await call('Network.enable');
-for (let i = 0; i < 100 && await value("document.getElementById('start').disabled") !== false; ++i)
+if (script) {
+  await call('Page.enable');
+  await call('Page.addScriptToEvaluateOnNewDocument', {source: readFileSync(script, 'utf8')});
+}
+await call('Page.navigate', {url});
+for (let i = 0; i < 100 && await value(`document.getElementById('${button}').disabled`) !== false; ++i)
   await wait(100);
-await value("document.getElementById('start').click()");
+await value(`document.getElementById('${button}').click()`);
 for (let i = 0; i < Number(seconds); ++i) {
   await wait(1000);
   console.log('page:', await text('link'), '|', await text('figures'), '|', await text('trouble'));

@@ -1,9 +1,9 @@
-/* The page: the camera's pictures go to the worker, what it finds goes to marotte. The messages
- * stand in camera_wire.h. */
+/* The page: the camera's pictures go to the worker, what it finds goes to marotte; or, in a
+ * headset's browser, the hands that the headset sees. The messages stand in camera_wire.h. */
 'use strict';
 
 const at = (id) => document.getElementById(id);
-const video = at('video'), canvas = at('skeleton'), startButton = at('start');
+const video = at('video'), canvas = at('skeleton'), startButton = at('start'), headsetButton = at('headset');
 const BONES = [[0, 1, 2, 3, 4], [0, 5, 6, 7, 8], [5, 9, 10, 11, 12], [9, 13, 14, 15, 16],
                [13, 17, 18, 19, 20], [0, 17]];
 
@@ -39,6 +39,7 @@ function connect() {
   socket.onmessage = ({data}) => (typeof data === 'string' ? hear(JSON.parse(data)) : answered(data));
   socket.onclose = () => {
     startButton.disabled = !running;
+    headsetButton.disabled = true;
     if (isOver) return;
     light('link', 'bad', 'marotte is not there: start it, and open its camera');
     setTimeout(connect, patience);
@@ -70,7 +71,8 @@ function hear(message) {
     isOver = true;
     light('link', 'waits', 'another page of the camera has taken over: close this one, or load it again');
     stop();
-    startButton.disabled = true;
+    if (session) session.end();
+    startButton.disabled = headsetButton.disabled = true;
     return;
   }
   if (message.type !== 'state') return;
@@ -79,7 +81,8 @@ function hear(message) {
   trouble('package', hasPackage ? '' :
     'What finds hands in pictures is not here yet. In a terminal, once:\n  marotte camera --setup\n' +
     'This page goes on by itself when it is done.');
-  startButton.disabled = !hasPackage;
+  startButton.disabled = !hasPackage || inHeadset;
+  headsetButton.disabled = inHeadset;
   const hands = Math.min(Math.max(message.hands, 1), 2);
   if (hands !== wanted) {
     wanted = hands;
@@ -100,7 +103,7 @@ const recent = [];
 const options = () => ({model: Number(at('model').value), hands: wanted});
 
 function send(captured, hands) {
-  if (!socket || socket.readyState !== WebSocket.OPEN || socket.bufferedAmount > 65536) return;
+  if (!socket || socket.readyState !== WebSocket.OPEN || socket.bufferedAmount > 1024) return;
   const message = new DataView(new ArrayBuffer(14 + 425 * hands.length));
   message.setUint8(0, 1);
   message.setUint32(1, sequence++, true);
@@ -138,6 +141,11 @@ function draw(hands) {
   }
 }
 
+function lights(hands) {
+  for (const [side, id] of [[0, 'hand-left'], [1, 'hand-right']])
+    light(id, hands.some((hand) => hand.side === side) ? 'good' : 'off');
+}
+
 function show(hands, captured) {
   const now = performance.now();
   recent.push({now, late: now - captured});
@@ -146,8 +154,7 @@ function show(hands, captured) {
   at('figures').textContent = `${(recent.length / 2).toFixed(0)} pictures a second, ` +
     `${lates[lates.length >> 1].toFixed(0)} ms from picture to hand` +
     (trip >= 0 ? `, ${trip.toFixed(0)} ms to marotte and back` : '');
-  for (const [side, id] of [[0, 'hand-left'], [1, 'hand-right']])
-    light(id, hands.some((hand) => hand.side === side) ? 'good' : 'off');
+  lights(hands);
   draw(hands);
 }
 
@@ -164,6 +171,7 @@ function found({data}) {
     if (!isReady) stop();
   } else {
     isBusy = false;
+    if (!running) return;
     send(data.captured, data.hands);
     show(data.hands, data.captured);
   }
@@ -239,6 +247,87 @@ async function start() {
   }
 }
 
+/* ---- a headset ---- */
+
+/* MediaPipe's 21 landmarks in their order, by WebXR's names: without the metacarpals of the four
+ * fingers. A joint is where its bone begins. */
+const FINGER = ['phalanx-proximal', 'phalanx-intermediate', 'phalanx-distal', 'tip'];
+const JOINTS = ['wrist',
+  ...['metacarpal', 'phalanx-proximal', 'phalanx-distal', 'tip'].map((joint) => `thumb-${joint}`),
+  ...['index', 'middle', 'ring', 'pinky'].flatMap(
+    (finger) => FINGER.map((joint) => `${finger}-finger-${joint}`))];
+const FRAME_MS = 1000 / 90, NO_IMAGE = new Float32Array(42);
+let session = null, inHeadset = false; // that is true from the click on
+
+/* From the wrist, so that no place in the room is too far off. WebXR's y is up and its z towards the
+ * viewer: half a turn about z makes of it what the camera's landmarks are. null: not tracked. */
+function headsetHand(source, frame, space) {
+  const matrices = new Float32Array(16 * JOINTS.length);
+  if (!source.hand || !/^(left|right)$/.test(source.handedness)) return null;
+  if (!frame.fillPoses(JOINTS.map((name) => source.hand.get(name)), space, matrices)) return null;
+  const place = (n, k) => matrices[16 * n + 12 + k] - matrices[12 + k];
+  const world = JOINTS.flatMap((_, n) => [-place(n, 0), -place(n, 1), place(n, 2)]);
+  return world.every(Number.isFinite) ?
+    {side: source.handedness === 'right' ? 1 : 0, score: 1, world, image: NO_IMAGE} : null;
+}
+
+function watch(own, space, layer, gl) {
+  let dueMs = 0;
+  const next = (timeMs, frame) => {
+    if (session !== own) return;
+    own.requestAnimationFrame(next);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    if (timeMs < dueMs - 1) return; // 1 ms: headsets are not that even
+    dueMs = Math.max(dueMs + FRAME_MS, timeMs);
+    const hands = [...own.inputSources].map((source) => headsetHand(source, frame, space)).filter(Boolean);
+    send(timeMs, hands);
+    lights(hands);
+  };
+  own.requestAnimationFrame(next);
+}
+
+function leaveHeadset() {
+  session = null;
+  inHeadset = false;
+  lights([]);
+  startButton.disabled = !hasPackage || isOver;
+  headsetButton.disabled = isOver;
+}
+
+async function enterHeadset(mode) {
+  stop();
+  trouble('headset', '');
+  inHeadset = true;
+  startButton.disabled = headsetButton.disabled = true;
+  let own = null;
+  try {
+    own = await navigator.xr.requestSession(mode, {requiredFeatures: ['hand-tracking']});
+    own.onend = leaveHeadset;
+    session = own;
+    const gl = document.createElement('canvas').getContext('webgl', {xrCompatible: true});
+    gl.clearColor(0, 0, 0, mode === 'immersive-ar' ? 0 : 1); // of a headset with AR the room is seen
+    const layer = new XRWebGLLayer(own, gl);
+    await own.updateRenderState({baseLayer: layer});
+    watch(own, await own.requestReferenceSpace('local'), layer, gl);
+  } catch (error) {
+    trouble('headset', error.name === 'NotSupportedError' ?
+      'This headset tells no browser where hands are: switch hand tracking on in its settings, and lay the controllers down.' :
+      `The headset's hands cannot be had (${error.name}): allow this page to see them, and try again.`);
+    own ? own.end().catch(leaveHeadset) : leaveHeadset();
+  }
+}
+
+/* With the room in sight where the headset can: whoever performs looks at the face. */
+async function offerHeadset() {
+  for (const mode of navigator.xr ? ['immersive-ar', 'immersive-vr'] : []) {
+    if (!await navigator.xr.isSessionSupported(mode).catch(() => false)) continue;
+    headsetButton.onclick = () => enterHeadset(mode);
+    headsetButton.hidden = at('headset-help').hidden = false;
+    return;
+  }
+}
+
 startButton.onclick = start;
 at('camera').onchange = () => running && start();
 at('model').onchange = () => {
@@ -251,4 +340,6 @@ document.onvisibilitychange = () => trouble('hidden', document.hidden ?
 
 if (!window.Worker || !window.OffscreenCanvas || !navigator.mediaDevices)
   trouble('browser', 'This browser is too old for this page: a Chromium, Firefox or Safari of the last three years will do.');
+at('reverse').textContent = `adb reverse tcp:${location.port} tcp:${location.port}`;
+offerHeadset();
 connect();
