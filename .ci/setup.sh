@@ -10,7 +10,7 @@ setup_build_packages=(
     libglfw3-dev libimgui-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
-setup_test_packages=(libcmocka-dev libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
+setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
     xvfb xdotool ffmpeg gdb)
 
 # For ./test --long: the fuzz targets, clang-tidy.
