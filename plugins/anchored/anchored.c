@@ -26,6 +26,10 @@ typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
 /* Points nearer to each other than this part of the radius share their place. */
 static const float least_apart = 0.15f;
 
+/* As the paper has it a pull has no reach; beyond this many heights of the face a hand is lost, and
+ * the host would take the pull for nonsense (plugin.h: ten sizes). */
+static const float paper_reach = 4.0f;
+
 struct mrt_plugin {
     const mrt_host *host;
     const mrt_face *face;
@@ -63,6 +67,14 @@ static mrt_vec3 limited(mrt_vec3 d, float reach_mm)
 {
     float q = (d.x * d.x + d.y * d.y + d.z * d.z) / (reach_mm * reach_mm);
     float s = 1.0f / sqrtf(sqrtf(1.0f + q * q));
+    return (mrt_vec3){s * d.x, s * d.y, s * d.z};
+}
+
+/* d cut off at reach, untouched while shorter. */
+static mrt_vec3 cut_off(mrt_vec3 d, float reach_mm)
+{
+    float length_mm = sqrtf(d.x * d.x + d.y * d.y + d.z * d.z);
+    float s = length_mm > reach_mm ? reach_mm / length_mm : 1.0f;
     return (mrt_vec3){s * d.x, s * d.y, s * d.z};
 }
 
@@ -171,13 +183,14 @@ static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, mrt_v
     const double *params = frame->params;
     bool is_paper = manner_is_paper(params + MANNER);
     float gain = is_paper ? 1.0f : (float)params[GAIN];
-    float reach_mm = pull->radius_mm * (float)(0.01 * params[REACH]);
+    float reach_mm = is_paper ? paper_reach * placement_face_height(&self->placement)
+                              : pull->radius_mm * (float)(0.01 * params[REACH]);
     if (params[LEAK] > 0.0 && frame->dt_s > 0.0)
         leak(self, point, params[LEAK], frame->dt_s);
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 d = difference(point[i], self->reference[i]);
         d = (mrt_vec3){gain * d.x, gain * d.y, gain * d.z};
-        set_displacement(&pull->vector[i], is_paper ? d : limited(d, reach_mm));
+        set_displacement(&pull->vector[i], is_paper ? cut_off(d, reach_mm) : limited(d, reach_mm));
     }
 }
 

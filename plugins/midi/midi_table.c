@@ -44,7 +44,7 @@ void midi_control_name(midi_control control, char out[MIDI_NAME])
     const midi_kind kind = kind_of(control);
     const uint32_t channel = control >> 16 & 15, number = control & 0xffff;
     const char *name = kinds[kind].name;
-    char prefix[8] = "";
+    char prefix[sizeof "ch16."] = "";
     if (channel > 0)
         (void)snprintf(prefix, sizeof prefix, "ch%u.", channel + 1);
     if (kind == MIDI_BEND)

@@ -18,5 +18,8 @@ for library in "$BUILD_DIR"/plugins/*.so "$BUILD_DIR"/tests/plugin/*_template.so
     tail -1 "$scratch/said"
     count=$((count + 1))
 done
+# A walk that the paper's manner followed further than a pull may reach.
+"$MAROTTE" plugin check "$BUILD_DIR/plugins/anchored.so" --seed 2769600 >"$scratch/said" ||
+    { fail "anchored, far"; cat "$scratch/said"; }
 [ $count -ge 7 ] || fail "only $count plugins were found"
 finish
