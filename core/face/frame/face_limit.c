@@ -6,12 +6,12 @@
  * and its normal turns by less than atan T as long as s (m / M + t / T) <= 1 with M < 1: in its
  * plane I + s G is positive definite then. That strain grows in proportion to the pulls, so one
  * number says how much of them can be given. What the bones have tilted a triangle by already is
- * taken from its T. Where it is above 1 the pulls around give way to each
- * other (csrbf/soften.h), the more the further it is above; and what is left of it is taken from
- * all alike. The same pulls, the same face, whatever frames were before. Only triangles that can be
- * strained too much are looked at: how steep each column is at most in a group of them is known
- * since the engagement, and that bounds what its weights can do there. Where triangles have turned
- * far, the edges around them are judged as they are shown.
+ * taken from its T, as far as its area along the way says that it may turn over. Where it is above
+ * 1 the pulls around give way to each other (csrbf/soften.h), the more the further it is above; and
+ * what is left of it is taken from all alike. The same pulls, the same face, whatever frames were
+ * before. Only triangles that can be strained too much are looked at: how steep each column is at
+ * most in a group of them is known since the engagement, and that bounds what its weights can do
+ * there. Where triangles have turned far, the edges around them are judged as they are shown.
  *
  * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
  * tells, so the field is looked at too, and the largest part of the pulls given that leaves room.
@@ -921,7 +921,8 @@ static void turned_normal(const face *f, size_t group, const uint32_t *corner, f
     }
 }
 
-static float fold_strain(const face *f, size_t group, const uint32_t *corner)
+static float fold_strain(const face *f, size_t group, const uint32_t *corner,
+                         float (*of)(const float e[2][3], const float d[2][3], const float n[3]))
 {
     const face_limit *l = &f->limit;
     float e[2][3], d[2][3], n[3];
@@ -931,7 +932,7 @@ static float fold_strain(const face *f, size_t group, const uint32_t *corner)
             d[i][axis] = l->added[corner[1 + i]][axis] - l->added[corner[0]][axis];
         }
     turned_normal(f, group, corner, n);
-    return strain_fold((const float(*)[3])e, (const float(*)[3])d, n);
+    return of((const float(*)[3])e, (const float(*)[3])d, n);
 }
 
 /* Some edge is more than doubled. */
@@ -958,7 +959,7 @@ static double measure_shaped(face *f, size_t group, float stretch)
     float greatest = 0.0f;
     for (size_t i = 0; i < group_size(f, group); ++i) {
         size_t t = GROUP * group + i;
-        float strain = fold_strain(f, group, f->skin + 3 * t);
+        float strain = fold_strain(f, group, f->skin + 3 * t, strain_fold);
         float tears = is_drawn_out(f, f->skin + 3 * t) ? stretch_strain(f, t, stretch) : 0.0f;
         strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
@@ -988,6 +989,11 @@ static double measure_group(face *f, size_t group, float stretch)
         float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
+        g->strain = fmaxf(g->strain, fmaxf(fmaxf(strain, stretched), size));
+        g->turn = turn > g->turn ? turn : g->turn;
+        if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
+            strain = fmaxf(found.alone[i],
+                           fminf(strain, fold_strain(f, group, f->skin + 3 * t, strain_turn_over)));
         strain = stretched > strain ? stretched : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
@@ -996,10 +1002,7 @@ static double measure_group(face *f, size_t group, float stretch)
         if (turn > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
-        g->turn = turn > g->turn ? turn : g->turn;
-        g->strain = size > g->strain ? size : g->strain;
     }
-    g->strain = greatest > g->strain ? greatest : g->strain;
     return (double)greatest;
 }
 

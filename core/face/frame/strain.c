@@ -2,6 +2,8 @@
 
 #include "base/isa.h"
 
+#include <math.h>
+
 #define STRAIN_TABLE(variant)                                                                      \
     STRAIN_DECLARE(variant);                                                                       \
     static const strain_loops loops_##variant = {.add = STRAIN_OF(add, variant),                   \
@@ -40,19 +42,42 @@ static float dot(const float *a, const float *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-float strain_fold(const float e[2][3], const float d[2][3], const float n[3])
+/* Of (e1 + s d1) x (e2 + s d2) . n = area + slope s + bend s^2. */
+typedef struct fold_way {
+    float area, slope, bend;
+    float room; /* of the area, what may be lost; not above 0: it has turned over already */
+} fold_way;
+
+static fold_way way_of(const float e[2][3], const float d[2][3], const float n[3])
 {
     float whole[3], by[3], along[3], square[3];
     cross(whole, e[0], e[1]);
     cross(by, e[0], d[1]);
     cross(along, d[0], e[1]);
     cross(square, d[0], d[1]);
-    float nn = dot(n, n), area = dot(n, whole), slope = dot(n, by) + dot(n, along);
-    float bend = dot(n, square), room = STRAIN_FOLD_ROOM * nn;
-    if (!(nn > 1e-30f) || !(area > 1e-3f * nn))
+    float nn = dot(n, n), left = STRAIN_FOLD_ROOM * nn;
+    fold_way way = {dot(n, whole), dot(n, by) + dot(n, along), dot(n, square), 0.0f};
+    if (nn > 1e-30f && way.area > 1e-3f * nn)
+        way.room = way.area - (left < 0.5f * way.area ? left : 0.5f * way.area);
+    return way;
+}
+
+float strain_fold(const float e[2][3], const float d[2][3], const float n[3])
+{
+    const fold_way way = way_of(e, d, n);
+    if (!(way.room > 0.0f))
         return 0.0f;
-    float least = slope + bend < 0.0f ? slope + bend : 0.0f; /* at 1, beyond the area */
-    if (bend > 0.0f && slope < 0.0f && -slope < 2.0f * bend)
-        least = -slope * slope / (4.0f * bend);
-    return -least / (area - (room < 0.5f * area ? room : 0.5f * area));
+    float least = way.slope + way.bend < 0.0f ? way.slope + way.bend : 0.0f; /* at 1 */
+    if (way.bend > 0.0f && way.slope < 0.0f && -way.slope < 2.0f * way.bend)
+        least = -way.slope * way.slope / (4.0f * way.bend);
+    return -least / way.room;
+}
+
+float strain_turn_over(const float e[2][3], const float d[2][3], const float n[3])
+{
+    const fold_way way = way_of(e, d, n);
+    if (!(way.room > 0.0f))
+        return INFINITY;
+    float bend = way.bend < 0.0f ? -way.bend : 0.0f;
+    return (sqrtf(way.slope * way.slope + 4.0f * way.room * bend) - way.slope) / (2.0f * way.room);
 }

@@ -35,6 +35,7 @@ typedef struct strain_frames {
 
 typedef struct strain_found {
     float strain[STRAIN_GROUP]; /* squeezed over M, and tilted times of_tilt */
+    float alone[STRAIN_GROUP];  /* the same, if bones had tilted nothing */
     float turn[STRAIN_GROUP];   /* squeezed, and tilted times of_turn */
     float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
 } strain_found;
@@ -62,6 +63,10 @@ typedef struct strain_loops {
  * beyond in proportion. What e has turned over already says nothing. */
 #define STRAIN_FOLD_ROOM 0.05f
 float strain_fold(const float e[2][3], const float d[2][3], const float n[3]);
+
+/* 1 over the way along which the same triangle surely keeps STRAIN_FOLD_ROOM: in proportion to d,
+ * and continuous, for which what d alone spans counts only against it. */
+float strain_turn_over(const float e[2][3], const float d[2][3], const float n[3]);
 
 /* Of the instruction set that is used. */
 const strain_loops *strain_loops_now(void);
