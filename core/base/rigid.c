@@ -4,37 +4,9 @@
 
 #include <math.h>
 
-vec3 vec3_cross(vec3 a, vec3 b)
-{
-    return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double vec3_length(vec3 a)
-{
-    return sqrt(vec3_dot(a, a));
-}
-
-vec3 vec3_normalised(vec3 a, vec3 fallback)
-{
-    double length = vec3_length(a);
-    return length > 1e-300 ? vec3_scale(a, 1.0 / length) : fallback;
-}
-
 rigid rigid_identity(void)
 {
     return (rigid){.r = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-}
-
-vec3 rigid_rotate(const rigid *m, vec3 a)
-{
-    return (vec3){m->r[0][0] * a.x + m->r[0][1] * a.y + m->r[0][2] * a.z,
-                  m->r[1][0] * a.x + m->r[1][1] * a.y + m->r[1][2] * a.z,
-                  m->r[2][0] * a.x + m->r[2][1] * a.y + m->r[2][2] * a.z};
-}
-
-vec3 rigid_apply(const rigid *m, vec3 a)
-{
-    return vec3_add(rigid_rotate(m, a), m->t);
 }
 
 rigid rigid_compose(const rigid *a, const rigid *b)

@@ -3,6 +3,7 @@
  * everywhere. Pure functions; any thread. */
 #ifndef MAROTTE_BASE_RIGID_H
 #define MAROTTE_BASE_RIGID_H
+#include <math.h>
 
 typedef struct vec3 {
     double x, y, z;
@@ -33,14 +34,36 @@ static inline double vec3_dot(vec3 a, vec3 b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-vec3 vec3_cross(vec3 a, vec3 b);
-double vec3_length(vec3 a);
+static inline vec3 vec3_cross(vec3 a, vec3 b)
+{
+    return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline double vec3_length(vec3 a)
+{
+    return sqrt(vec3_dot(a, a));
+}
+
 /* `fallback` when a is shorter than 1e-300. */
-vec3 vec3_normalised(vec3 a, vec3 fallback);
+static inline vec3 vec3_normalised(vec3 a, vec3 fallback)
+{
+    double length = vec3_length(a);
+    return length > 1e-300 ? vec3_scale(a, 1.0 / length) : fallback;
+}
+
+static inline vec3 rigid_rotate(const rigid *m, vec3 a)
+{
+    return (vec3){m->r[0][0] * a.x + m->r[0][1] * a.y + m->r[0][2] * a.z,
+                  m->r[1][0] * a.x + m->r[1][1] * a.y + m->r[1][2] * a.z,
+                  m->r[2][0] * a.x + m->r[2][1] * a.y + m->r[2][2] * a.z};
+}
+
+static inline vec3 rigid_apply(const rigid *m, vec3 a)
+{
+    return vec3_add(rigid_rotate(m, a), m->t);
+}
 
 rigid rigid_identity(void);
-vec3 rigid_rotate(const rigid *m, vec3 a);
-vec3 rigid_apply(const rigid *m, vec3 a);
 /* First b, then a. */
 rigid rigid_compose(const rigid *a, const rigid *b);
 rigid rigid_inverse(const rigid *m);

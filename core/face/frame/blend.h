@@ -17,16 +17,40 @@ typedef struct blend {
     vec3 shift;     /* sum_b share_b t_b */
 } blend;
 
-blend blend_of(const double *share, const rigid *pose, const bool *moves, uint32_t bone_count);
+static inline blend blend_of(const double *share, const rigid *pose, const bool *moves,
+                             uint32_t bone_count)
+{
+    blend out = {.turn = {{{0}}}};
+    for (uint32_t b = 0; b < bone_count; ++b) {
+        if (!moves[b] || share[b] == 0.0)
+            continue;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                out.turn.at[i][j] += share[b] * (pose[b].r[i][j] - (i == j ? 1.0 : 0.0));
+        out.shift = vec3_add(out.shift, vec3_scale(pose[b].t, share[b]));
+    }
+    return out;
+}
+
+static inline vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x)
+{
+    return (vec3){m->at[0][0] * x.x + m->at[0][1] * x.y + m->at[0][2] * x.z,
+                  m->at[1][0] * x.x + m->at[1][1] * x.y + m->at[1][2] * x.z,
+                  m->at[2][0] * x.x + m->at[2][1] * x.y + m->at[2][2] * x.z};
+}
+
 /* How far x is moved. */
-vec3 blend_moves(const blend *b, vec3 x);
+static inline vec3 blend_moves(const blend *b, vec3 x)
+{
+    return vec3_add(matrix3x3_apply(&b->turn, x), b->shift);
+}
+
 vec3 blend_apply(const blend *b, vec3 x);
 /* x from where it was moved to; a blend that is singular is taken as a translation. */
 vec3 blend_undo(const blend *b, vec3 moved);
 /* The same for a direction that x was moved by before the blend was applied. */
 vec3 blend_undo_direction(const blend *b, vec3 direction);
 
-vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x);
 /* False, and out is not set, when m is as good as singular: |det| < 1e-6. */
 bool matrix3x3_invert(matrix3x3 *out, const matrix3x3 *m);
 

@@ -80,6 +80,13 @@ vec3 face_skin_along(const face *f, const uint32_t *corner)
     return vec3_add(normal, matrix3x3_apply(&here.turn, normal));
 }
 
+/* Whether a / (|b| c) is more than `least` for certain, before a root is drawn for it. */
+static bool is_above(double a, double b_squared, double c_squared, double least)
+{
+    const double margin = 1.0 + 1e-9; /* what rounding could decide is looked at closely */
+    return a > 0.0 && (least <= 0.0 || a * a > margin * least * least * b_squared * c_squared);
+}
+
 static double skin_determinant(const face *f, uint32_t *out_triangle)
 {
     double smallest = 1.0;
@@ -87,8 +94,11 @@ static double skin_determinant(const face *f, uint32_t *out_triangle)
     for (uint32_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + (size_t)3 * t;
         vec3 rest = face_skin_area(&f->rest, corner), shown = face_skin_area(&f->shown, corner);
-        vec3 along = vec3_normalised(face_skin_along(f, corner), rest);
-        double determinant = vec3_dot(shown, along) / vec3_length(rest);
+        vec3 along = face_skin_along(f, corner);
+        if (t > 0 && is_above(vec3_dot(shown, along), vec3_dot(along, along), vec3_dot(rest, rest),
+                              smallest))
+            continue;
+        double determinant = vec3_dot(shown, vec3_normalised(along, rest)) / vec3_length(rest);
         if (t > 0 && determinant >= smallest)
             continue;
         smallest = determinant;
