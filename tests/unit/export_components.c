@@ -4,8 +4,10 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "base/isa.h"
 #include "export_scene.h"
 #include "io/write/components.h"
+#include "io/write/frame_block.h"
 #include "io/write/symmetric.h"
 
 /* Greatest distance in mm between what was found and a frame. */
@@ -181,12 +183,39 @@ static void eigenvectors_solve_their_matrix(void **state)
     }
 }
 
+/* Rows and elements that fill no panel and no tile. */
+static void every_instruction_set_finds_the_same_bits(void **state)
+{
+    (void)state;
+    enum { ROWS = 37, LENGTH = 1003 };
+    static float row[ROWS * LENGTH], block[2][LENGTH * FRAME_BLOCK], weight[ROWS * FRAME_BLOCK];
+    static double dot[2][ROWS * FRAME_BLOCK];
+    for (int i = 0; i < ROWS * LENGTH; ++i)
+        row[i] = (float)((i * 7919) % 2003) * 1e-3f - 1.0f;
+    for (int i = 0; i < ROWS * FRAME_BLOCK; ++i)
+        weight[i] = (float)((i * 104729) % 4001) * 3e-4f - 0.6f;
+    for (int which = 0; which < ISA_COUNT; ++which) {
+        int at = which > 0;
+        if (!isa_is_here((isa)which))
+            continue;
+        for (int i = 0; i < LENGTH * FRAME_BLOCK; ++i)
+            block[at][i] = (float)((i * 15485863LL) % 3001) * 1e-3f - 1.5f;
+        assert_int_equal(setenv("MAROTTE_ISA", isa_name((isa)which), 1), 0);
+        frame_block_dot(dot[at], row, ROWS, block[at], LENGTH);
+        frame_block_subtract(block[at], row, ROWS, weight, LENGTH);
+        assert_memory_equal(dot[at], dot[0], sizeof dot[0]);
+        assert_memory_equal(block[at], block[0], sizeof block[0]);
+    }
+    assert_int_equal(unsetenv("MAROTTE_ISA"), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(motion_of_rank_two_needs_two_components),
         cmocka_unit_test(noise_holds_the_tolerance_or_says_that_it_does_not),
         cmocka_unit_test(a_clip_without_free_frames_has_no_components),
-        cmocka_unit_test(eigenvectors_solve_their_matrix)};
+        cmocka_unit_test(eigenvectors_solve_their_matrix),
+        cmocka_unit_test(every_instruction_set_finds_the_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,42 +1,21 @@
 #include "io/write/frame_block.h"
 
+#include "base/isa.h"
+
 #include <string.h>
 
-/* Elements of a frame that are worked on at a time: sixteen frames of them stay in the first-level
- * cache. Each panel is summed in float32, the panels in float64. */
-enum { PANEL = 256 };
-enum { TILE_ROWS = 32, TILE_COLUMNS = 64 };
-
-static void dot_two_rows(double *out_dot, const float *row, size_t stride, const float *block,
-                         size_t length)
-{
-    float sum_a[FRAME_BLOCK] = {0}, sum_b[FRAME_BLOCK] = {0};
-    const float *end = block + length * FRAME_BLOCK;
-    for (; block < end; block += FRAME_BLOCK, ++row) {
-        float at_a = row[0], at_b = row[stride];
-        for (int lane = 0; lane < FRAME_BLOCK; ++lane) {
-            sum_a[lane] += at_a * block[lane];
-            sum_b[lane] += at_b * block[lane];
-        }
+#ifdef MAROTTE_LANES_X86
+#define EACH(loop)                                                                                 \
+    {                                                                                              \
+        FRAME_BLOCK_LOOP(loop, generic), FRAME_BLOCK_LOOP(loop, v2), FRAME_BLOCK_LOOP(loop, v3),   \
+            FRAME_BLOCK_LOOP(loop, v4)                                                             \
     }
-    for (int lane = 0; lane < FRAME_BLOCK; ++lane) {
-        out_dot[lane] += (double)sum_a[lane];
-        out_dot[FRAME_BLOCK + lane] += (double)sum_b[lane];
+#else
+#define EACH(loop)                                                                                 \
+    {                                                                                              \
+        FRAME_BLOCK_LOOP(loop, generic)                                                            \
     }
-}
-
-static void dot_row(double *out_dot, const float *a, const float *block, size_t length)
-{
-    float sum[FRAME_BLOCK] = {0};
-    for (size_t d = 0; d < length; ++d) {
-        const float *frame = block + d * FRAME_BLOCK;
-        float at = a[d];
-        for (int lane = 0; lane < FRAME_BLOCK; ++lane)
-            sum[lane] += at * frame[lane];
-    }
-    for (int lane = 0; lane < FRAME_BLOCK; ++lane)
-        out_dot[lane] += (double)sum[lane];
-}
+#endif
 
 void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length)
 {
@@ -53,67 +32,15 @@ void frame_block_get(float *out, const float *block, uint32_t lane, size_t lengt
 void frame_block_dot(double *out_dot, const float *row, size_t row_count, const float *block,
                      size_t length)
 {
-    memset(out_dot, 0, row_count * FRAME_BLOCK * sizeof *out_dot);
-    for (size_t first = 0; first < length; first += PANEL) {
-        size_t size = length - first < PANEL ? length - first : PANEL;
-        const float *panel = block + first * FRAME_BLOCK;
-        size_t r = 0;
-        for (; r + 2 <= row_count; r += 2)
-            dot_two_rows(out_dot + r * FRAME_BLOCK, row + r * length + first, length, panel, size);
-        if (r < row_count)
-            dot_row(out_dot + r * FRAME_BLOCK, row + r * length + first, panel, size);
-    }
-}
-
-static void subtract_at_two(float *frame, const float *row, size_t row_count, const float *weight,
-                            size_t length)
-{
-    float sum_a[FRAME_BLOCK] = {0}, sum_b[FRAME_BLOCK] = {0};
-    for (size_t r = 0; r < row_count; ++r) {
-        const float *w = weight + r * FRAME_BLOCK;
-        float at_a = row[r * length], at_b = row[r * length + 1];
-        for (int lane = 0; lane < FRAME_BLOCK; ++lane) {
-            sum_a[lane] += at_a * w[lane];
-            sum_b[lane] += at_b * w[lane];
-        }
-    }
-    for (int lane = 0; lane < FRAME_BLOCK; ++lane) {
-        frame[lane] -= sum_a[lane];
-        frame[FRAME_BLOCK + lane] -= sum_b[lane];
-    }
-}
-
-static void subtract_at(float *frame, const float *row, size_t row_count, const float *weight,
-                        size_t length)
-{
-    float sum[FRAME_BLOCK] = {0};
-    for (size_t r = 0; r < row_count; ++r)
-        for (int lane = 0; lane < FRAME_BLOCK; ++lane)
-            sum[lane] += row[r * length] * weight[r * FRAME_BLOCK + (size_t)lane];
-    for (int lane = 0; lane < FRAME_BLOCK; ++lane)
-        frame[lane] -= sum[lane];
-}
-
-/* Rows by columns that stay in the first-level cache, on few enough pages. */
-static void subtract_tile(float *block, const float *row, size_t row_count, const float *weight,
-                          size_t length, size_t size)
-{
-    size_t d = 0;
-    for (; d + 2 <= size; d += 2)
-        subtract_at_two(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
-    if (d < size)
-        subtract_at(block + d * FRAME_BLOCK, row + d, row_count, weight, length);
+    static frame_block_dot_loop *const loop[ISA_COUNT] = EACH(dot);
+    loop[isa_now()](out_dot, row, row_count, block, length);
 }
 
 void frame_block_subtract(float *block, const float *row, size_t row_count, const float *weight,
                           size_t length)
 {
-    for (size_t d = 0; d < length; d += TILE_COLUMNS)
-        for (size_t r = 0; r < row_count; r += TILE_ROWS)
-            subtract_tile(block + d * FRAME_BLOCK, row + r * length + d,
-                          row_count - r < TILE_ROWS ? row_count - r : TILE_ROWS,
-                          weight + r * FRAME_BLOCK, length,
-                          length - d < TILE_COLUMNS ? length - d : TILE_COLUMNS);
+    static frame_block_subtract_loop *const loop[ISA_COUNT] = EACH(subtract);
+    loop[isa_now()](block, row, row_count, weight, length);
 }
 
 void frame_block_peak(float out_peak[FRAME_BLOCK], const float *block, size_t length)

@@ -22,4 +22,17 @@ void frame_block_subtract(float *block, const float *row, size_t row_count, cons
 /* The greatest x^2 + y^2 + z^2 of each frame. length: 3 per vertex. */
 void frame_block_peak(float out_peak[FRAME_BLOCK], const float *block, size_t length);
 
+/* The two products for one instruction set (base/isa.h): frame_block_loops.c. */
+typedef void frame_block_dot_loop(double *, const float *, size_t, const float *, size_t);
+typedef void frame_block_subtract_loop(float *, const float *, size_t, const float *, size_t);
+#define FRAME_BLOCK_JOIN(loop, variant) frame_block_##loop##_##variant
+#define FRAME_BLOCK_LOOP(loop, variant) FRAME_BLOCK_JOIN(loop, variant)
+#define FRAME_BLOCK_DECLARE(variant)                                                               \
+    frame_block_dot_loop FRAME_BLOCK_LOOP(dot, variant);                                           \
+    frame_block_subtract_loop FRAME_BLOCK_LOOP(subtract, variant)
+FRAME_BLOCK_DECLARE(generic);
+FRAME_BLOCK_DECLARE(v2);
+FRAME_BLOCK_DECLARE(v3);
+FRAME_BLOCK_DECLARE(v4);
+
 #endif
