@@ -4,14 +4,7 @@
 #ifndef MAROTTE_IO_ARKIT_H
 #define MAROTTE_IO_ARKIT_H
 #include "io/export.h"
-
-enum { ARKIT_SHAPES = 52, ARKIT_CHANNELS = 61, ARKIT_NONE = ARKIT_CHANNELS };
-
-/* In the order of the app's tables: its shapes, then turns of head and eyes. */
-extern const char *const arkit_name[ARKIT_CHANNELS];
-/* "jawOpen", "JawOpen", "jaw_open"; "eyeBlink_L" as EyeBlinkLeft. ARKIT_NONE: it is none of them.
- */
-uint32_t arkit_find(const char *name);
+#include "mesh/arkit.h"
 
 typedef struct arkit_map {
     struct {

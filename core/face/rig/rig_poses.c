@@ -10,12 +10,12 @@ static uint32_t most_pulls(const rig *r)
     for (uint32_t i = 0; i < r->pose_count; ++i)
         if (r->pose[i].pull_count > most)
             most = r->pose[i].pull_count;
-    return most;
+    return 2 * most < MRT_MAX_VECTORS ? 2 * most : MRT_MAX_VECTORS; /* mouthClose */
 }
 
-static csrbf_settings solver_of(const rig *r, const mesh *m)
+csrbf_settings rig_poses_solver(const rig *r, const mesh *m)
 {
-    csrbf_settings solver = r->solver;
+    csrbf_settings solver = r ? r->solver : (csrbf_settings){0};
     float low[3], high[3];
     mesh_bounds(m, low, high);
     if (!(solver.radius > 0.0))
@@ -27,7 +27,7 @@ static csrbf_settings solver_of(const rig *r, const mesh *m)
 mrt_result rig_poses_stage_init(rig_poses_stage *out, const rig *r, const mesh *m,
                                 const topology *t, error *err)
 {
-    *out = (rig_poses_stage){.rig = r, .mesh = m, .solver = solver_of(r, m)};
+    *out = (rig_poses_stage){.rig = r, .mesh = m, .solver = rig_poses_solver(r, m)};
     mrt_result result = face_create(&out->face, r, m, t, most_pulls(r), err);
     if (result >= 0) {
         out->position = malloc((size_t)m->vertex_count * 3 * sizeof *out->position + 1);
@@ -94,11 +94,64 @@ static mrt_result pull(face *f, const rig_pose *pose, error *err)
     return result;
 }
 
+/* ---- mouthClose closes the lips of an open jaw ---- */
+
+static const rig_pose *find_pose(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        if (strcmp(r->pose[i].name, name) == 0)
+            return &r->pose[i];
+    return NULL;
+}
+
+typedef struct summed_pose { /* names are borrowed */
+    char *dof_name[MRT_MAX_DOFS];
+    double dof_value[MRT_MAX_DOFS];
+    uint32_t pull_contact[MRT_MAX_VECTORS];
+    vec3 pull_mm[MRT_MAX_VECTORS];
+    rig_pose pose;
+} summed_pose;
+
+static void add_pose(summed_pose *out, const rig_pose *pose)
+{
+    rig_pose *to = &out->pose;
+    for (uint32_t i = 0; i < pose->dof_count; ++i) {
+        uint32_t at = 0;
+        while (at < to->dof_count && strcmp(out->dof_name[at], pose->dof_name[i]) != 0)
+            at += 1;
+        if (at == MRT_MAX_DOFS)
+            continue;
+        to->dof_count = at == to->dof_count ? at + 1 : to->dof_count;
+        out->dof_name[at] = pose->dof_name[i];
+        out->dof_value[at] += pose->dof_value[i];
+    }
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        uint32_t at = 0;
+        while (at < to->pull_count && out->pull_contact[at] != pose->pull_contact[i])
+            at += 1;
+        if (at == MRT_MAX_VECTORS)
+            continue;
+        to->pull_count = at == to->pull_count ? at + 1 : to->pull_count;
+        out->pull_contact[at] = pose->pull_contact[i];
+        out->pull_mm[at] = vec3_add(out->pull_mm[at], pose->pull_mm[i]);
+    }
+}
+
 mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
                              error *err)
 {
-    const rig_pose *wanted = &r->pose[pose];
+    const rig_pose *wanted = &r->pose[pose], *jaw = find_pose(r, "jawOpen");
+    summed_pose sum = {.pose = {.name = wanted->name}};
     error why = {""};
+    if (jaw && strcmp(wanted->name, "mouthClose") == 0) {
+        sum.pose.dof_name = sum.dof_name;
+        sum.pose.dof_value = sum.dof_value;
+        sum.pose.pull_contact = sum.pull_contact;
+        sum.pose.pull_mm = sum.pull_mm;
+        add_pose(&sum, jaw);
+        add_pose(&sum, wanted);
+        wanted = &sum.pose;
+    }
     face_reset(f);
     mrt_result result = take_hold(f, solver, wanted->pull_contact, wanted->pull_count, &why);
     if (result >= 0)

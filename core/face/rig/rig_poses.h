@@ -8,7 +8,7 @@ typedef struct rig_poses_stage {
     const rig *rig;
     const mesh *mesh;
     face *face;
-    csrbf_settings solver; /* the rig's; without a radius a quarter of the face's height */
+    csrbf_settings solver; /* rig_poses_solver */
     float *position;       /* vertex_count by 3, mm, in the file's order: the pose shown last */
 } rig_poses_stage;
 
@@ -19,14 +19,18 @@ typedef struct rig_poses_measure {
     uint32_t furthest_vertex; /* of the mesh file */
 } rig_poses_measure;
 
+/* The rig's; without a radius a quarter of the face's height; holds nothing back, so that a pose
+ * that folds is seen. r may be NULL. */
+csrbf_settings rig_poses_solver(const rig *r, const mesh *m);
+
 /* The rig and the mesh must outlive it. On error there is nothing to finish. */
 CHECKED mrt_result rig_poses_stage_init(rig_poses_stage *out, const rig *r, const mesh *m,
                                         const topology *t, error *err);
 void rig_poses_stage_finish(rig_poses_stage *self); /* accepts NULL and zeroed */
 
 /* Shows one of the rig's poses, from rest, whatever was shown before; degrees of freedom that it
- * does not name are 0. Pulls are as with all bones at rest, and ride on the bones. Errors name the
- * file and the pose. */
+ * does not name are 0. Pulls are as with all bones at rest, and ride on the bones. mouthClose is
+ * shown over the rig's jawOpen. Errors name the file and the pose. */
 CHECKED mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err);
 /* Of the pose shown. */
 rig_poses_measure rig_poses_measured(const rig_poses_stage *self);

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "csrbf/points.h"
+#include "face/face_weights.h"
 #include "face/rig_check.h"
 #include "io/openmesh.h"
 #include "mesh/cut.h"
@@ -152,6 +153,24 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     free(f->note);
     f->note = NULL;
     return join_notes(f, err);
+}
+
+mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
+{
+    binding bound = {0};
+    face *own = NULL;
+    *out = NULL;
+    mrt_result result =
+        f->bound ? binding_copy(&bound, f->bound, f->rig ? f->rig->contact_count : 0, err)
+                 : binding_create(&bound, f->rig, &f->mesh, &f->topology, err);
+    if (result >= 0)
+        result = face_create_shaped(&own, f->rig, &f->mesh, &bound, MRT_MAX_VECTORS, err);
+    if (result >= 0 && f->rig)
+        face_set_shapes(own, f->rig->shapes);
+    if (result >= 0)
+        result = face_weights_create(out, own, f->rig, &f->mesh, err);
+    face_destroy(own);
+    return result;
 }
 
 void face_file_destroy(face_file *f)

@@ -1,0 +1,95 @@
+#include "mesh/arkit.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Jaw and mouth to the right come before those to the left here, not as in the app's datagrams. */
+const char *const arkit_name[ARKIT_CHANNELS] = {"EyeBlinkLeft",
+                                                "EyeLookDownLeft",
+                                                "EyeLookInLeft",
+                                                "EyeLookOutLeft",
+                                                "EyeLookUpLeft",
+                                                "EyeSquintLeft",
+                                                "EyeWideLeft",
+                                                "EyeBlinkRight",
+                                                "EyeLookDownRight",
+                                                "EyeLookInRight",
+                                                "EyeLookOutRight",
+                                                "EyeLookUpRight",
+                                                "EyeSquintRight",
+                                                "EyeWideRight",
+                                                "JawForward",
+                                                "JawRight",
+                                                "JawLeft",
+                                                "JawOpen",
+                                                "MouthClose",
+                                                "MouthFunnel",
+                                                "MouthPucker",
+                                                "MouthRight",
+                                                "MouthLeft",
+                                                "MouthSmileLeft",
+                                                "MouthSmileRight",
+                                                "MouthFrownLeft",
+                                                "MouthFrownRight",
+                                                "MouthDimpleLeft",
+                                                "MouthDimpleRight",
+                                                "MouthStretchLeft",
+                                                "MouthStretchRight",
+                                                "MouthRollLower",
+                                                "MouthRollUpper",
+                                                "MouthShrugLower",
+                                                "MouthShrugUpper",
+                                                "MouthPressLeft",
+                                                "MouthPressRight",
+                                                "MouthLowerDownLeft",
+                                                "MouthLowerDownRight",
+                                                "MouthUpperUpLeft",
+                                                "MouthUpperUpRight",
+                                                "BrowDownLeft",
+                                                "BrowDownRight",
+                                                "BrowInnerUp",
+                                                "BrowOuterUpLeft",
+                                                "BrowOuterUpRight",
+                                                "CheekPuff",
+                                                "CheekSquintLeft",
+                                                "CheekSquintRight",
+                                                "NoseSneerLeft",
+                                                "NoseSneerRight",
+                                                "TongueOut",
+                                                "HeadYaw",
+                                                "HeadPitch",
+                                                "HeadRoll",
+                                                "LeftEyeYaw",
+                                                "LeftEyePitch",
+                                                "LeftEyeRoll",
+                                                "RightEyeYaw",
+                                                "RightEyePitch",
+                                                "RightEyeRoll"};
+
+/* Letters alone, in lower case; "_L" and "_R" at the end in full. */
+static void plain_name(char *out, size_t capacity, const char *name)
+{
+    size_t size = strlen(name), count = 0;
+    const char *side = "";
+    if (size > 2 && name[size - 2] == '_' && strchr("lLrR", name[size - 1])) {
+        side = tolower((unsigned char)name[size - 1]) == 'l' ? "left" : "right";
+        size -= 2;
+    }
+    for (size_t i = 0; i < size && count + 8 < capacity; ++i)
+        if (isalpha((unsigned char)name[i]))
+            out[count++] = (char)tolower((unsigned char)name[i]);
+    (void)snprintf(out + count, capacity - count, "%s", side);
+}
+
+uint32_t arkit_find(const char *name)
+{
+    char wanted[64], is[64];
+    plain_name(wanted, sizeof wanted, name);
+    for (uint32_t i = 0; i < ARKIT_CHANNELS; ++i) {
+        plain_name(is, sizeof is, arkit_name[i]);
+        if (strcmp(wanted, is) == 0)
+            return i;
+    }
+    return ARKIT_NONE;
+}
