@@ -1,12 +1,401 @@
 #include "io/write/components.h"
 
+#include "io/write/basis.h"
 #include "io/write/component_plan.h"
-#include "io/write/component_window.h"
+#include "io/write/frame_block.h"
+#include "io/write/window_axes.h"
 
 #include <assert.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- one window of frames ---- */
+
+typedef struct window_request {
+    uint32_t first_frame, frame_count; /* of the free frames, at least 1 */
+    window_base base;
+    double tolerance_m;
+    uint32_t cap; /* of targets, the base among them; 1 is taken as 2 */
+    const export_progress *progress;
+    double done_before, done_share; /* of all there is to do */
+} window_request;
+
+/* Candidates that are tried to help a single frame. */
+enum { CANDIDATES_PER_FRAME = 6 };
+
+typedef struct search {
+    const window_request *wanted;
+    window_frames frames;
+    float tolerance_square; /* m^2 */
+    size_t length;          /* 3 per moved vertex */
+    basis basis;
+    float *residual, *missing; /* length: scratch */
+    float *block;              /* length by FRAME_BLOCK: scratch */
+    double *dot;               /* dot_capacity by FRAME_BLOCK: scratch */
+    float *weight;             /* dot_capacity by FRAME_BLOCK: scratch */
+    size_t dot_capacity;       /* rows */
+    uint32_t block_count;      /* of FRAME_BLOCK frames in time order */
+    float **block_weight;      /* block_count: block_axes by FRAME_BLOCK */
+    size_t *block_axes;        /* block_count: axes that the weights were found with */
+    float *block_peak;         /* block_count: greatest square of a vertex error, m^2 */
+    uint32_t shown;            /* blocks that the progress knows of */
+} search;
+
+static mrt_result no_memory(error *err)
+{
+    (void)error_set(err, MRT_ERR_MEMORY, "no memory to find the components of the free frames");
+    return MRT_ERR_MEMORY;
+}
+
+static uint32_t lanes_in_block(const search *s, uint32_t block)
+{
+    uint32_t left = s->frames.count - block * FRAME_BLOCK;
+    return left < FRAME_BLOCK ? left : FRAME_BLOCK;
+}
+
+static mrt_result read_block(search *s, const uint32_t *index, uint32_t lanes, error *err)
+{
+    if (lanes < FRAME_BLOCK)
+        memset(s->block, 0, s->length * FRAME_BLOCK * sizeof *s->block);
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+        mrt_result result = window_frames_read(&s->frames, index[lane], s->residual, err);
+        if (result < 0)
+            return result;
+        frame_block_put(s->block, lane, s->residual, s->length);
+    }
+    return MRT_OK;
+}
+
+/* ---- the axes ---- */
+
+/* Takes the axes from `used` on out of s->residual; whether what is left is within the tolerance.
+ */
+static bool holds(search *s, size_t used)
+{
+    basis *b = &s->basis;
+    for (; used < b->count; ++used) {
+        const float *axis = b->axis + used * s->length;
+        basis_subtract(s->residual, (float)basis_dot(s->residual, axis, s->length), axis,
+                       s->length);
+    }
+    return component_frames_peak(s->residual, s->length / 3) <= s->tolerance_square;
+}
+
+/* Adds axes until the frame whose residual after `used` axes is in `lane` holds the tolerance: a
+ * few candidates or, where those do not suffice, the direction of what is missing. */
+static void grow_for_lane(search *s, uint32_t lane, size_t used)
+{
+    basis *b = &s->basis;
+    frame_block_get(s->residual, s->block, lane, s->length);
+    if (holds(s, used))
+        return;
+    size_t count = b->count, next = b->next;
+    memcpy(s->missing, s->residual, s->length * sizeof *s->missing);
+    for (int i = 0; i < CANDIDATES_PER_FRAME && basis_add_candidate(b); ++i)
+        if (holds(s, b->count - 1))
+            return;
+    b->count = count;
+    b->next = next;
+    (void)basis_add(b, s->missing);
+}
+
+static bool reserve_weights(search *s)
+{
+    if (s->dot && s->basis.count <= s->dot_capacity)
+        return true;
+    size_t wanted = s->basis.count + 64;
+    double *dot = realloc(s->dot, wanted * FRAME_BLOCK * sizeof *dot);
+    if (dot)
+        s->dot = dot;
+    float *weight = realloc(s->weight, wanted * FRAME_BLOCK * sizeof *weight);
+    if (weight)
+        s->weight = weight;
+    if (!dot || !weight)
+        return false;
+    s->dot_capacity = wanted;
+    return true;
+}
+
+/* Weights in s->weight and the greatest error of some frames with the axes in use; more axes
+ * come into use when a frame needs them. */
+static mrt_result fit(search *s, const uint32_t *index, uint32_t lanes, float *out_peak, error *err)
+{
+    basis *b = &s->basis;
+    size_t used = b->count;
+    mrt_result result = reserve_weights(s) ? read_block(s, index, lanes, err) : no_memory(err);
+    if (result < 0)
+        return result;
+    frame_block_dot(s->dot, b->axis, used, s->block, s->length);
+    for (size_t i = 0; i < used * FRAME_BLOCK; ++i)
+        s->weight[i] = (float)s->dot[i];
+    frame_block_subtract(s->block, b->axis, used, s->weight, s->length);
+    float lane_peak[FRAME_BLOCK];
+    frame_block_peak(lane_peak, s->block, s->length);
+    *out_peak = 0.0f;
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+        *out_peak = fmaxf(*out_peak, lane_peak[lane]);
+        if (lane_peak[lane] > s->tolerance_square && b->count < b->cap)
+            grow_for_lane(s, lane, used);
+    }
+    return MRT_OK;
+}
+
+/* The picked frames with the greatest values. */
+static uint32_t find_worst(const window_axes *a, double *left, uint32_t index[FRAME_BLOCK])
+{
+    uint32_t lanes = a->picked < FRAME_BLOCK ? a->picked : FRAME_BLOCK;
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+        uint32_t worst = 0;
+        for (uint32_t i = 1; i < a->picked; ++i)
+            if (left[i] > left[worst])
+                worst = i;
+        left[worst] = -1.0; /* taken */
+        index[lane] = a->pick[worst];
+    }
+    return lanes;
+}
+
+/* The worst frames first: what they need is what all need, so that few blocks are fitted twice. */
+static mrt_result grow_for_worst(search *s, const window_axes *a, error *err)
+{
+    basis *b = &s->basis;
+    double *left = malloc(a->picked * sizeof *left);
+    mrt_result result = left ? MRT_OK : no_memory(err);
+    for (size_t before = SIZE_MAX; result == MRT_OK && b->count != before;) {
+        uint32_t index[FRAME_BLOCK];
+        float peak;
+        before = b->count;
+        window_axes_left_out(left, a, b);
+        uint32_t lanes = find_worst(a, left, index);
+        result = fit(s, index, lanes, &peak, err);
+    }
+    free(left);
+    return result;
+}
+
+static mrt_result find_axes(search *s, error *err)
+{
+    window_axes axes;
+    mrt_result result = window_axes_find(&axes, &s->basis, &s->frames, s->tolerance_square, err);
+    if (result == MRT_OK)
+        result = grow_for_worst(s, &axes, err);
+    window_axes_finish(&axes);
+    return result;
+}
+
+/* ---- every frame ---- */
+
+static mrt_result fit_block(search *s, uint32_t block, error *err)
+{
+    uint32_t index[FRAME_BLOCK], lanes = lanes_in_block(s, block);
+    size_t used = s->basis.count;
+    for (uint32_t lane = 0; lane < lanes; ++lane)
+        index[lane] = block * FRAME_BLOCK + lane;
+    mrt_result result = fit(s, index, lanes, &s->block_peak[block], err);
+    if (result < 0)
+        return result;
+    size_t size = used * FRAME_BLOCK * sizeof(float);
+    float *weight = realloc(s->block_weight[block], size + 1);
+    if (!weight)
+        return no_memory(err);
+    if (size)
+        memcpy(weight, s->weight, size);
+    s->block_weight[block] = weight;
+    s->block_axes[block] = used;
+    return MRT_OK;
+}
+
+static bool has_all_axes(const search *s, uint32_t block)
+{
+    return s->block_weight[block] && s->block_axes[block] == s->basis.count;
+}
+
+static void show_progress(search *s, uint32_t fitted)
+{
+    const window_request *wanted = s->wanted;
+    if (fitted <= s->shown || !wanted->progress || !wanted->progress->step)
+        return;
+    s->shown = fitted;
+    wanted->progress->step(wanted->progress->data,
+                           wanted->done_before + wanted->done_share * fitted / s->block_count);
+}
+
+static mrt_result fit_all(search *s, error *err)
+{
+    for (bool is_done = false; !is_done;) {
+        is_done = true;
+        for (uint32_t block = 0; block < s->block_count; ++block) {
+            if (has_all_axes(s, block))
+                continue;
+            mrt_result result = fit_block(s, block, err);
+            if (result < 0)
+                return result;
+            show_progress(s, block + 1);
+        }
+        for (uint32_t block = 0; block < s->block_count; ++block)
+            is_done = is_done && has_all_axes(s, block);
+    }
+    return MRT_OK;
+}
+
+/* ---- the result ---- */
+
+static float least_weight(const component_window *out, size_t component)
+{
+    float least = 0.0f;
+    for (size_t i = 0; i < out->frame_count; ++i)
+        least = fminf(least, out->weight[i * out->count + component]);
+    return least;
+}
+
+/* Programs that play a file limit a weight to what a slider shows: 0 to 1. So the base is where all
+ * components have their least weight, and they are counted from there. */
+static mrt_result count_from_least(component_window *out, uint32_t vertex_count, error *err)
+{
+    for (size_t j = 0; j < out->count; ++j) {
+        const float *axis = out->axis + j * out->moved_count * 3;
+        float least = least_weight(out, j);
+        if (!(least < 0.0f))
+            continue;
+        if (!out->base && !(out->base = calloc((size_t)vertex_count * 3, sizeof *out->base)))
+            return no_memory(err);
+        for (size_t i = 0; i < out->moved_count; ++i)
+            for (size_t k = 0; k < 3; ++k)
+                out->base[(size_t)out->moved[i] * 3 + k] += least * axis[i * 3 + k];
+        for (size_t i = 0; i < out->frame_count; ++i)
+            out->weight[i * out->count + j] -= least;
+    }
+    return MRT_OK;
+}
+
+/* Scales every axis by the power of two that brings its weights, none below 0, to at most 1: exact
+ * in float32. */
+static void scale_axes(component_window *out)
+{
+    size_t length = (size_t)out->moved_count * 3;
+    for (size_t j = 0; j < out->count; ++j) {
+        float greatest = 0.0f;
+        for (size_t i = 0; i < out->frame_count; ++i)
+            greatest = fmaxf(greatest, out->weight[i * out->count + j]);
+        int exponent = 0;
+        (void)frexpf(greatest, &exponent);
+        for (size_t i = 0; i < out->frame_count; ++i)
+            out->weight[i * out->count + j] = ldexpf(out->weight[i * out->count + j], -exponent);
+        for (size_t d = 0; d < length; ++d)
+            out->axis[j * length + d] = ldexpf(out->axis[j * length + d], exponent);
+    }
+}
+
+static float hand_out_weights(const search *s, component_window *out)
+{
+    float greatest = s->frames.still_peak;
+    for (uint32_t block = 0; block < s->block_count; ++block) {
+        greatest = fmaxf(greatest, s->block_peak[block]);
+        for (uint32_t lane = 0; lane < lanes_in_block(s, block); ++lane)
+            for (size_t j = 0; j < out->count; ++j)
+                out->weight[((size_t)block * FRAME_BLOCK + lane) * out->count + j] =
+                    s->block_weight[block][j * FRAME_BLOCK + lane];
+    }
+    return greatest;
+}
+
+static mrt_result hand_out(search *s, component_window *out, double *out_error_m, error *err)
+{
+    out->count = (uint32_t)s->basis.count;
+    out->weight = calloc((size_t)out->frame_count * out->count + 1, sizeof *out->weight);
+    if (!out->weight)
+        return no_memory(err);
+    *out_error_m = sqrt((double)hand_out_weights(s, out));
+    out->axis = s->basis.axis;
+    s->basis.axis = NULL;
+    out->moved = s->frames.moved;
+    out->moved_count = s->frames.moved_count;
+    s->frames.moved = NULL;
+    if (s->frames.has_base) {
+        out->base = s->frames.base;
+        s->frames.base = NULL;
+    }
+    mrt_result result = count_from_least(out, s->frames.frames->vertex_count, err);
+    if (result >= 0)
+        scale_axes(out);
+    return result;
+}
+
+/* Once it is known what moves. */
+static mrt_result search_init(search *s, uint32_t cap, error *err)
+{
+    s->length = (size_t)s->frames.moved_count * 3;
+    s->block_count = (s->frames.count - 1) / FRAME_BLOCK + 1;
+    s->basis = (basis){.cap = cap, .length = s->length};
+    s->residual = malloc((s->length + 1) * sizeof *s->residual);
+    s->missing = malloc((s->length + 1) * sizeof *s->missing);
+    s->block = malloc((s->length + 1) * FRAME_BLOCK * sizeof *s->block);
+    s->block_weight = calloc(s->block_count, sizeof *s->block_weight);
+    s->block_axes = calloc(s->block_count, sizeof *s->block_axes);
+    s->block_peak = calloc(s->block_count, sizeof *s->block_peak);
+    bool is_complete =
+        s->residual && s->missing && s->block && s->block_weight && s->block_axes && s->block_peak;
+    return is_complete ? MRT_OK : no_memory(err);
+}
+
+static void search_finish(search *s)
+{
+    for (uint32_t block = 0; s->block_weight && block < s->block_count; ++block)
+        free(s->block_weight[block]);
+    free(s->residual);
+    free(s->missing);
+    free(s->block);
+    free(s->dot);
+    free(s->weight);
+    free(s->block_weight);
+    free(s->block_axes);
+    free(s->block_peak);
+    basis_finish(&s->basis);
+    window_frames_finish(&s->frames);
+}
+
+static uint32_t window_target_count(const component_window *w)
+{
+    return w->count + (w->base != NULL);
+}
+
+static void window_finish(component_window *w)
+{
+    free(w->base);
+    free(w->moved);
+    free(w->axis);
+    free(w->weight);
+    *w = (component_window){0};
+}
+
+/* out_error_m: the greatest distance of a vertex from where it should be. */
+static mrt_result window_find(component_window *out, double *out_error_m, component_frames *frames,
+                              const window_request *wanted, error *err)
+{
+    *out =
+        (component_window){.first_frame = wanted->first_frame, .frame_count = wanted->frame_count};
+    search s = {.wanted = wanted,
+                .tolerance_square = (float)(wanted->tolerance_m * wanted->tolerance_m)};
+    mrt_result result =
+        window_frames_init(&s.frames, frames, wanted->first_frame, wanted->frame_count,
+                           wanted->base, wanted->tolerance_m, err);
+    if (result == MRT_OK)
+        result = search_init(&s, wanted->cap > 1 ? wanted->cap - 1 : wanted->cap, err);
+    if (result == MRT_OK)
+        result = find_axes(&s, err);
+    if (result == MRT_OK)
+        result = fit_all(&s, err);
+    if (result == MRT_OK)
+        result = hand_out(&s, out, out_error_m, err);
+    search_finish(&s);
+    if (result < 0)
+        window_finish(out);
+    return result;
+}
+
+/* ---- all windows ---- */
 
 /* Share of the tolerance that is used: the rest covers what float32 sums lose. */
 static const double TOLERANCE_SHARE = 0.999;
@@ -40,13 +429,13 @@ static mrt_result find_window(components *out, component_frames *frames, const c
     wanted.base = plan->count > 1 && wanted.cap > 0 ? WINDOW_BASE_MEAN : WINDOW_BASE_NONE;
     wanted.done_before = 0.1 + 0.7 * (double)wanted.first_frame / (double)frames->count;
     wanted.done_share = 0.7 * (double)wanted.frame_count / (double)frames->count;
-    double error_m;
+    double error_m = 0.0;
     component_window *window = &out->window[index];
-    mrt_result result = component_window_find(window, &error_m, frames, &wanted, err);
+    mrt_result result = window_find(window, &error_m, frames, &wanted, err);
     if (result < 0)
         return result;
     out->window_count++;
-    out->target_count += component_window_target_count(window);
+    out->target_count += window_target_count(window);
     out->max_error_mm = fmax(out->max_error_mm, error_m * 1000.0);
     return MRT_OK;
 }
@@ -75,7 +464,7 @@ void components_finish(components *c)
     if (!c)
         return;
     for (uint32_t w = 0; w < c->window_count; ++w)
-        component_window_finish(&c->window[w]);
+        window_finish(&c->window[w]);
     free(c->window);
     free(c->frame);
     *c = (components){0};
