@@ -353,10 +353,10 @@ enum { NAME_MAX_LETTERS = 24 };
 
 static const char placeholder[] = "template_name";
 
-typedef struct wish {
+typedef struct new_options {
     const char *name, *parent;
     const template_file *files; /* TEMPLATE_FILES of them; NULL: not said */
-} wish;
+} new_options;
 
 /* ---- names ---- */
 
@@ -396,7 +396,7 @@ static int check_name(const char *name)
 
 /* ---- options ---- */
 
-static int read_kind(wish *out, const template_file *files)
+static int read_kind(new_options *out, const template_file *files)
 {
     if (out->files && out->files != files)
         return command_usage(&command_plugin, "new: --mapping or --input, not both");
@@ -404,9 +404,9 @@ static int read_kind(wish *out, const template_file *files)
     return COMMAND_DONE;
 }
 
-static int read_options(wish *out, int argc, char **argv)
+static int read_options(new_options *out, int argc, char **argv)
 {
-    *out = (wish){.parent = "."};
+    *out = (new_options){.parent = "."};
     int code = COMMAND_DONE;
     for (int i = 1; i < argc && code == COMMAND_DONE; ++i) {
         if (strcmp(argv[i], "--mapping") == 0)
@@ -459,8 +459,8 @@ static char *named(const char *text, size_t size, const char *name, size_t *out_
 }
 _Static_assert(NAME_MAX_LETTERS <= 2 * (sizeof placeholder - 1), "named() has room for twice");
 
-static mrt_result path_of(char out[INSTALLED_LENGTH], const wish *w, const template_file *file,
-                          error *err)
+static mrt_result path_of(char out[INSTALLED_LENGTH], const new_options *w,
+                          const template_file *file, error *err)
 {
     size_t size = 0;
     char *name = named(file->name, strlen(file->name), w->name, &size);
@@ -473,7 +473,7 @@ static mrt_result path_of(char out[INSTALLED_LENGTH], const wish *w, const templ
     return MRT_OK;
 }
 
-static mrt_result write_file(const wish *w, const template_file *file, error *err)
+static mrt_result write_file(const new_options *w, const template_file *file, error *err)
 {
     char path[INSTALLED_LENGTH];
     mrt_result result = path_of(path, w, file, err);
@@ -488,7 +488,7 @@ static mrt_result write_file(const wish *w, const template_file *file, error *er
     return result;
 }
 
-static mrt_result make_folder(char out[INSTALLED_LENGTH], const wish *w, error *err)
+static mrt_result make_folder(char out[INSTALLED_LENGTH], const new_options *w, error *err)
 {
     struct stat about;
     if (stat(w->parent, &about) != 0 || !S_ISDIR(about.st_mode))
@@ -506,7 +506,7 @@ static mrt_result make_folder(char out[INSTALLED_LENGTH], const wish *w, error *
     return error_set(err, MRT_ERR_IO, "new: %s cannot be made: %s", out, strerror(errno));
 }
 
-static void remove_all(const wish *w, const char *folder)
+static void remove_all(const new_options *w, const char *folder)
 {
     error none;
     char path[INSTALLED_LENGTH];
@@ -517,7 +517,7 @@ static void remove_all(const wish *w, const char *folder)
 }
 
 /* All files, or nothing. */
-static mrt_result write_all(const wish *w, error *err)
+static mrt_result write_all(const new_options *w, error *err)
 {
     char folder[INSTALLED_LENGTH];
     assert(w->files);
@@ -574,7 +574,7 @@ static void print_prefix(void)
     }
 }
 
-static void print_next(const wish *w)
+static void print_next(const new_options *w)
 {
     bool is_mapping = w->files == template_mapping;
     char folder[INSTALLED_LENGTH];
@@ -601,7 +601,7 @@ static void print_next(const wish *w)
 
 static int plugin_new_run(int argc, char **argv)
 {
-    wish w;
+    new_options w;
     error err = {""};
     int code = read_options(&w, argc, argv);
     if (code != COMMAND_DONE)

@@ -10,9 +10,9 @@ enum { KEPT = 32 };
 /* Of work, as base/budget.h counts it: after each edit the whole take is checked. */
 enum { STEPS_AN_EDIT = 200, STEPS_AN_ITEM = 12 };
 
-typedef struct words {
+typedef struct description {
     char text[EDIT_TEXT];
-} words;
+} description;
 
 struct history {
     history_store store;
@@ -21,8 +21,8 @@ struct history {
     take kept[KEPT]; /* after edit n at n % KEPT, where kept_is_set */
     int64_t kept_n[KEPT];
     bool kept_is_set[KEPT];
-    words *said; /* of edit n at n - 1 */
-    size_t said_room;
+    description *descriptions; /* of edit n at n - 1 */
+    size_t description_capacity;
 };
 
 /* ---- folding ---- */
@@ -58,9 +58,9 @@ static mrt_result pay(const history_store *store, const take *t, int64_t n, erro
 }
 
 /* Edits from..until onto t; *out_reached: the last that could be applied. t is half changed after a
- * failure. `said`: their words, or NULL. */
+ * failure. `descriptions`: their words, or NULL. */
 static mrt_result apply_edits(take *t, const history_store *store, int64_t from, int64_t until,
-                              int64_t *out_reached, words *said, error *err)
+                              int64_t *out_reached, description *descriptions, error *err)
 {
     mrt_result result = MRT_OK;
     for (int64_t n = from; result >= 0 && n <= until; ++n) {
@@ -70,8 +70,8 @@ static mrt_result apply_edits(take *t, const history_store *store, int64_t from,
             result = read_edit(&e, store, n, err);
         if (result < 0)
             break;
-        if (said && n >= 1)
-            edit_describe(said[n - 1].text, &e, t);
+        if (descriptions && n >= 1)
+            edit_describe(descriptions[n - 1].text, &e, t);
         result = edit_apply_onto(t, &e, err);
         edit_finish(&e);
         if (result < 0)
@@ -83,22 +83,23 @@ static mrt_result apply_edits(take *t, const history_store *store, int64_t from,
 }
 
 static mrt_result fold_onto_copy(take *out, const take *bare, const history_store *store,
-                                 int64_t first, int64_t until, int64_t *out_reached, words *said,
-                                 error *err)
+                                 int64_t first, int64_t until, int64_t *out_reached,
+                                 description *descriptions, error *err)
 {
     mrt_result result = take_copy(out, bare, err);
     *out_reached = first - 1;
     if (result >= 0)
-        result = apply_edits(out, store, first, until, out_reached, said, err);
+        result = apply_edits(out, store, first, until, out_reached, descriptions, err);
     return result;
 }
 
 /* As far as it goes: what failed half-way is done again up to there. */
 static mrt_result fold(take *out, const take *bare, const history_store *store, int64_t first,
-                       int64_t until, int64_t *out_reached, words *said, error *err)
+                       int64_t until, int64_t *out_reached, description *descriptions, error *err)
 {
     *out = (take){0};
-    mrt_result failed = fold_onto_copy(out, bare, store, first, until, out_reached, said, err);
+    mrt_result failed =
+        fold_onto_copy(out, bare, store, first, until, out_reached, descriptions, err);
     if (failed >= 0)
         return failed;
     take_finish(out);
@@ -203,15 +204,16 @@ static mrt_result reach(take *out, history *self, int64_t head, error *err)
 
 static mrt_result make_room(history *self, int64_t count, error *err)
 {
-    if ((uint64_t)count <= self->said_room)
+    if ((uint64_t)count <= self->description_capacity)
         return MRT_OK;
     size_t room = (size_t)count + (size_t)count / 2 + 16;
-    words *said = realloc(self->said, room * sizeof *said);
-    if (!said)
+    description *descriptions = realloc(self->descriptions, room * sizeof *descriptions);
+    if (!descriptions)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %lld edits", (long long)count);
-    memset(said + self->said_room, 0, (room - self->said_room) * sizeof *said);
-    self->said = said;
-    self->said_room = room;
+    memset(descriptions + self->description_capacity, 0,
+           (room - self->description_capacity) * sizeof *descriptions);
+    self->descriptions = descriptions;
+    self->description_capacity = room;
     return MRT_OK;
 }
 
@@ -224,9 +226,9 @@ static void word_redoable(history *self)
     if (take_copy(&later, &self->now, NULL) < 0)
         return;
     if (apply_edits(&later, &self->store, self->extent.head + 1, self->extent.last, &reached,
-                    self->said, &why) < 0)
-        (void)snprintf(self->said[reached].text, sizeof self->said[reached].text, "%.150s",
-                       why.text);
+                    self->descriptions, &why) < 0)
+        (void)snprintf(self->descriptions[reached].text, sizeof self->descriptions[reached].text,
+                       "%.150s", why.text);
     take_finish(&later);
 }
 
@@ -234,8 +236,8 @@ static mrt_result fold_now(history *self, int64_t head, error *err)
 {
     take now;
     int64_t reached;
-    mrt_result result =
-        fold(&now, &self->bare, &self->store, self->extent.first, head, &reached, self->said, err);
+    mrt_result result = fold(&now, &self->bare, &self->store, self->extent.first, head, &reached,
+                             self->descriptions, err);
     if (result < 0) {
         take_finish(&now);
         return result;
@@ -276,7 +278,7 @@ void history_close(history *self)
     take_finish(&self->now);
     for (size_t slot = 0; slot < KEPT; ++slot)
         take_finish(&self->kept[slot]);
-    free(self->said);
+    free(self->descriptions);
     free(self);
 }
 
@@ -297,7 +299,7 @@ int64_t history_last(const history *self)
 
 const char *history_words(const history *self, int64_t n)
 {
-    return n >= 1 && n <= self->extent.last ? self->said[n - 1].text : "";
+    return n >= 1 && n <= self->extent.last ? self->descriptions[n - 1].text : "";
 }
 
 /* ---- changes: the store first, then what cannot fail ---- */
@@ -330,7 +332,7 @@ mrt_result history_do(history *self, const edit *e, error *err)
         take_finish(&changed);
         return result;
     }
-    edit_describe(self->said[self->extent.head].text, e, &self->now);
+    edit_describe(self->descriptions[self->extent.head].text, e, &self->now);
     drop_after(self, self->extent.head);
     keep(self, self->extent.head, self->now);
     self->now = changed;

@@ -93,9 +93,9 @@ static double rate_of(double hz)
     return hz > 0 ? within(hz, 1.0, 400.0) : 0.0;
 }
 
-static glove_wish wish_of(const double *params)
+static glove_settings settings_of(const double *params)
 {
-    return (glove_wish){
+    return (glove_settings){
         .baud = bauds[choice(params, PARAM_BAUD, (int)(sizeof bauds / sizeof *bauds) - 1)],
         .rate_hz = rate_of(params[PARAM_RATE]),
         .mode = choice(params, PARAM_MODE, GLOVE_MODE_POLLED),
@@ -109,7 +109,7 @@ static glove_wish wish_of(const double *params)
 static void say_limits(glove_drive *drive)
 {
     const glove_unit *unit = &drive->unit;
-    const glove_wish *wish = &drive->wish;
+    const glove_settings *settings = &drive->settings;
     const char *name = drive->port.name;
     if (drive->port.latency_ms > 1)
         glove_drive_tell(drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
@@ -127,15 +127,15 @@ static void say_limits(glove_drive *drive)
                                              : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
                          MRT_LOG_WARNING, "%.60s: the box says that its glove is %s", name,
                          unit->readiness & 2 ? "not ready" : "not plugged in");
-    if (!unit->said_hand && wish->hand == GLOVE_HAND_AUTO)
+    if (!unit->said_hand && settings->hand == GLOVE_HAND_AUTO)
         glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,
                          "%.60s: the glove does not say which hand it is for: taken as a right one "
                          "(hand=left)",
                          name);
-    if (unit->asked_hz > 0 && unit->asked_hz < wish->rate_hz - 0.5)
+    if (unit->asked_hz > 0 && unit->asked_hz < settings->rate_hz - 0.5)
         glove_drive_tell(drive, GLOVE_TOLD_LINE, MRT_LOG_WARNING,
                          "%.60s: at %u baud it can send %.0f records a second, not %.0f", name,
-                         wish->baud, unit->asked_hz, wish->rate_hz);
+                         settings->baud, unit->asked_hz, settings->rate_hz);
 }
 
 static void say_what_it_is(glove_drive *drive)
@@ -165,7 +165,7 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     glove_close(self);
     glove_why why = {""};
     memcpy(self->opened_with, params, sizeof self->opened_with);
-    self->drive.wish = wish_of(params);
+    self->drive.settings = settings_of(params);
     trace_open(&self->drive.trace, self->host, "cyberglove");
     mrt_result result = glove_open(&self->drive, address ? address : "", "", &self->memory, &why);
     if (result < 0) {

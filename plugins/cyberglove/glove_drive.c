@@ -16,7 +16,7 @@ static const int64_t nap_least_ns = 300000;
 
 static int64_t scaled_ns(const glove_drive *self, int64_t limit_ms)
 {
-    return (int64_t)((double)(limit_ms * NS_PER_MS) * self->wish.patience);
+    return (int64_t)((double)(limit_ms * NS_PER_MS) * self->settings.patience);
 }
 
 void glove_drive_tell(glove_drive *self, uint32_t once, int32_t level, const char *format, ...)

@@ -20,7 +20,7 @@ enum { /* said once in the life of an instance, however often it is opened */
 typedef struct glove_drive {
     const mrt_host *host;
     trace trace; /* the caller opens and closes it */
-    glove_wish wish;
+    glove_settings settings;
     glove_unit unit;
     glove_port port;
     glove_parse parse;

@@ -28,7 +28,7 @@ void glove_open_address(const glove_found *port, char *out, size_t capacity)
 static mrt_result start(const attempt *by)
 {
     glove_drive *drive = by->drive;
-    mrt_result result = glove_start(&drive->port, drive->host, &drive->wish, by->effort,
+    mrt_result result = glove_start(&drive->port, drive->host, &drive->settings, by->effort,
                                     &drive->unit, &drive->parse, by->why);
     if (result < 0)
         glove_drive_end(drive);
@@ -42,14 +42,14 @@ static mrt_result open_path(const attempt *by, const char *path)
     glove_drive *drive = by->drive;
     trace_note(&drive->trace, glove_port_now_ns(), path);
     mrt_result result =
-        glove_port_open_serial(&drive->port, path, drive->wish.baud, &drive->trace, by->why);
+        glove_port_open_serial(&drive->port, path, drive->settings.baud, &drive->trace, by->why);
     return result < 0 ? result : start(by);
 }
 
 static mrt_result open_tcp(const attempt *by, const char *address)
 {
     glove_drive *drive = by->drive;
-    int64_t limit_ns = (int64_t)((double)(connect_limit_ms * 1000000) * drive->wish.patience);
+    int64_t limit_ns = (int64_t)((double)(connect_limit_ms * 1000000) * drive->settings.patience);
     mrt_result result = glove_port_open_tcp(&drive->port, address, glove_port_now_ns() + limit_ns,
                                             &drive->trace, by->why);
     return result < 0 ? result : start(by);
@@ -90,18 +90,18 @@ static bool may_ask(const char *path, glove_why *why)
 
 static bool is_wanted_hand(const glove_drive *drive)
 {
-    int wish = drive->wish.hand;
+    int settings = drive->settings.hand;
     bool is_left = drive->unit.hand == MRT_LEFT;
-    return wish == GLOVE_HAND_AUTO || (wish == GLOVE_HAND_LEFT) == is_left;
+    return settings == GLOVE_HAND_AUTO || (settings == GLOVE_HAND_LEFT) == is_left;
 }
 
 /* Among several, the hand that the glove says, not the one that is wished, decides. */
 static mrt_result open_found(const attempt *by, const glove_found *port)
 {
-    int wish = by->drive->wish.hand;
-    by->drive->wish.hand = GLOVE_HAND_AUTO;
+    int settings = by->drive->settings.hand;
+    by->drive->settings.hand = GLOVE_HAND_AUTO;
     mrt_result result = open_path(by, port->path);
-    by->drive->wish.hand = wish;
+    by->drive->settings.hand = settings;
     if (result < 0 || is_wanted_hand(by->drive))
         return result;
     glove_drive_end(by->drive);

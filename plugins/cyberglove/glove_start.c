@@ -146,14 +146,14 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
     return MRT_OK;
 }
 
-static void find_hand(glove_talk *talk, const glove_wish *wish, glove_unit *out)
+static void find_hand(glove_talk *talk, const glove_settings *settings, glove_unit *out)
 {
     unsigned char is_right = 1;
     out->said_hand = glove_talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
     out->hand = is_right ? MRT_RIGHT : MRT_LEFT;
-    if (wish->hand == GLOVE_HAND_LEFT)
+    if (settings->hand == GLOVE_HAND_LEFT)
         out->hand = MRT_LEFT;
-    else if (wish->hand == GLOVE_HAND_RIGHT)
+    else if (settings->hand == GLOVE_HAND_RIGHT)
         out->hand = MRT_RIGHT;
 }
 
@@ -211,13 +211,13 @@ static int64_t ask_period_ns(glove_talk *talk, uint32_t asked_ticks)
     return (int64_t)((double)ticks * 1e9 / ticks_per_s);
 }
 
-static void give_rate(glove_talk *talk, const glove_wish *wish, glove_unit *unit)
+static void give_rate(glove_talk *talk, const glove_settings *settings, glove_unit *unit)
 {
-    if (wish->rate_hz <= 0) {
+    if (settings->rate_hz <= 0) {
         unit->period_ns = ask_period_ns(talk, 0);
         return;
     }
-    unit->asked_hz = rate_for_line(talk->port, unit, wish->rate_hz);
+    unit->asked_hz = rate_for_line(talk->port, unit, settings->rate_hz);
     uint32_t ticks = (uint32_t)(ticks_per_s / unit->asked_hz + 0.5);
     uint32_t factor = ticks > 65535 ? 2 : 1;
     char order[32];
@@ -231,15 +231,16 @@ static void give_rate(glove_talk *talk, const glove_wish *wish, glove_unit *unit
 }
 
 /* Records of bytes: D, U, F, T; what it refuses it does without. */
-static mrt_result set_up(glove_talk *talk, const glove_wish *wish, glove_unit *out, glove_why *why)
+static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove_unit *out,
+                         glove_why *why)
 {
-    out->layout.has_time = give_flag(talk, out, 'D', wish->stamps != GLOVE_STAMPS_OFF) &&
-                           wish->stamps != GLOVE_STAMPS_OFF;
+    out->layout.has_time = give_flag(talk, out, 'D', settings->stamps != GLOVE_STAMPS_OFF) &&
+                           settings->stamps != GLOVE_STAMPS_OFF;
     out->layout.has_status = give_flag(talk, out, 'U', true);
-    if (wish->filter != GLOVE_FILTER_AS_IT_IS)
-        give_flag(talk, out, 'F', wish->filter == GLOVE_FILTER_ON);
-    give_rate(talk, wish, out);
-    if (wish->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && glove_talk_goes_on(talk))
+    if (settings->filter != GLOVE_FILTER_AS_IT_IS)
+        give_flag(talk, out, 'F', settings->filter == GLOVE_FILTER_ON);
+    give_rate(talk, settings, out);
+    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && glove_talk_goes_on(talk))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
                              "%s has no time stamps, as most CyberGlove II and III: leave "
                              "time_stamps=auto",
@@ -247,13 +248,13 @@ static mrt_result set_up(glove_talk *talk, const glove_wish *wish, glove_unit *o
     return end_of(talk, why);
 }
 
-static void choose_mode(const glove_wish *wish, glove_unit *unit)
+static void choose_mode(const glove_settings *settings, glove_unit *unit)
 {
     bool keeps_its_rate = strchr(unit->refused, 'T') != NULL;
-    unit->is_polled =
-        wish->form == GLOVE_BYTES && (wish->mode == GLOVE_MODE_POLLED ||
-                                      (wish->mode == GLOVE_MODE_AUTO && keeps_its_rate &&
-                                       wish->rate_hz > 0 && wish->rate_hz < slowest_native_hz));
+    unit->is_polled = settings->form == GLOVE_BYTES &&
+                      (settings->mode == GLOVE_MODE_POLLED ||
+                       (settings->mode == GLOVE_MODE_AUTO && keeps_its_rate &&
+                        settings->rate_hz > 0 && settings->rate_hz < slowest_native_hz));
     unit->layout.head = unit->is_polled ? 'G' : 'S';
     if (unit->is_polled)
         unit->period_ns = unit->asked_hz > 0 ? (int64_t)(1e9 / unit->asked_hz) : 0;
@@ -358,12 +359,12 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
     return found == HEARD_NO_GLOVE ? say_no_hand(talk, why) : say_no_record(talk, unit, why);
 }
 
-mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_wish *wish,
+mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_settings *settings,
                        glove_effort effort, glove_unit *out, glove_parse *parse, glove_why *why)
 {
     glove_talk talk;
-    *out = (glove_unit){.layout = {.form = wish->form}};
-    glove_talk_init(&talk, port, host, wish->patience, whole_ms);
+    *out = (glove_unit){.layout = {.form = settings->form}};
+    glove_talk_init(&talk, port, host, settings->patience, whole_ms);
     hush(&talk);
     mrt_result result = find_glove(&talk, effort, &out->readiness, why);
     if (result < 0)
@@ -372,14 +373,14 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_wish 
     if (result < 0)
         return result;
     out->layout.sensor_count = out->sensors.count;
-    find_hand(&talk, wish, out);
-    if (wish->form == GLOVE_BYTES)
-        result = set_up(&talk, wish, out, why);
+    find_hand(&talk, settings, out);
+    if (settings->form == GLOVE_BYTES)
+        result = set_up(&talk, settings, out, why);
     else /* lets it send over USB; what it answers is not known */
         glove_talk_order(&talk, "1eu", 3, '1', order_ms);
     if (result < 0)
         return result;
-    choose_mode(wish, out);
+    choose_mode(settings, out);
     glove_talk_settle(&talk);
     return have_record(&talk, out, parse, why);
 }

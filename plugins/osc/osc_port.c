@@ -16,7 +16,7 @@ struct osc_port {
     pthread_mutex_t mutex;
     pthread_cond_t changed; /* a packet was taken, or nobody receives any more */
     bool is_receiving;      /* somebody waits at the socket, without the mutex */
-    osc_desk desk;
+    osc_dispatcher dispatcher;
     trace trace;
     unsigned char packet[OSC_PACKET_MAX]; /* of who receives */
 };
@@ -47,7 +47,7 @@ static osc_port *make_port(const osc_place *place, const mrt_host *host, char *o
         free(self);
         return NULL;
     }
-    osc_desk_start(&self->desk);
+    osc_dispatcher_start(&self->dispatcher);
     trace_open(&self->trace, host, "osc");
     pthread_mutex_init(&self->mutex, NULL);
     pthread_condattr_t attributes;
@@ -115,14 +115,14 @@ void osc_port_unlock(osc_port *port)
 void osc_port_join(osc_port *port, osc_listener *listener)
 {
     osc_port_lock(port);
-    osc_desk_join(&port->desk, listener, device_clock_ns());
+    osc_dispatcher_join(&port->dispatcher, listener, device_clock_ns());
     osc_port_unlock(port);
 }
 
 void osc_port_leave(osc_port *port, osc_listener *listener)
 {
     osc_port_lock(port);
-    osc_desk_leave(&port->desk, listener);
+    osc_dispatcher_leave(&port->dispatcher, listener);
     osc_port_unlock(port);
 }
 
@@ -140,7 +140,7 @@ static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
     self->is_receiving = false;
     if (size > 0) {
         trace_received(&self->trace, now_ns, self->packet, (size_t)size);
-        osc_desk_take(&self->desk, self->packet, (size_t)size, &peer, now_ns, host);
+        osc_dispatcher_take(&self->dispatcher, self->packet, (size_t)size, &peer, now_ns, host);
     }
     pthread_cond_broadcast(&self->changed);
     return size != UDP_FAILED;
@@ -179,22 +179,23 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
 void osc_port_name_sources(osc_port *port, char *out, size_t capacity)
 {
     osc_port_lock(port);
-    osc_desk_name_sources(&port->desk, device_clock_ns(), out, capacity);
+    osc_dispatcher_name_sources(&port->dispatcher, device_clock_ns(), out, capacity);
     osc_port_unlock(port);
 }
 
 void osc_port_summary(osc_port *port, char *out, size_t capacity)
 {
     osc_port_lock(port);
-    const osc_desk *desk = &port->desk;
+    const osc_dispatcher *dispatcher = &port->dispatcher;
     uint32_t faulty = 0;
     for (int i = 0; i < OSC_FAULT_KINDS; ++i)
-        faulty += desk->fault_count[i];
+        faulty += dispatcher->fault_count[i];
     out[0] = '\0';
-    if (faulty + desk->late_count > 0) /* before channels are told: that is usual */
+    if (faulty + dispatcher->late_count > 0) /* before channels are told: that is usual */
         snprintf(out, capacity,
                  "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
                  "messages",
-                 (unsigned)port->place.port, desk->late_count, desk->untold_count, faulty);
+                 (unsigned)port->place.port, dispatcher->late_count, dispatcher->untold_count,
+                 faulty);
     osc_port_unlock(port);
 }

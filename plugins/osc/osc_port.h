@@ -5,7 +5,7 @@
  */
 #ifndef MAROTTE_OSC_PORT_H
 #define MAROTTE_OSC_PORT_H
-#include "osc_desk.h"
+#include "osc_dispatcher.h"
 #include "osc_place.h"
 #include "udp.h"
 

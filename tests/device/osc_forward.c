@@ -121,8 +121,8 @@ static void gaps_stay_and_late_and_double_datagrams_go(void **state)
     expect(room, 14, 3);
     expect(room, 15, 1);
     expect_nothing(room);
-    assert_int_equal(room->desk.late_count, 3);
-    assert_int_equal(room->desk.double_count, 2);
+    assert_int_equal(room->dispatcher.late_count, 3);
+    assert_int_equal(room->dispatcher.double_count, 2);
     assert_int_equal(osc_room_faults(room), 0);
     free(room);
 }
@@ -167,7 +167,7 @@ static void samples_before_their_channels_wait_for_them(void **state)
     announce(room, &osc_room_one, "glove", 1);
     send_sample(room, &osc_room_one, "glove", 2, 2, 0); /* of channels not yet told */
     expect_nothing(room);
-    assert_int_equal(room->desk.untold_count, 2);
+    assert_int_equal(room->dispatcher.untold_count, 2);
     send_sample(room, &osc_room_one, "glove", 1, 3, 0);
     expect(room, 3, 1);
     free(room);
@@ -182,7 +182,7 @@ static void who_joins_late_has_the_channels_and_the_last_sample(void **state)
     osc_listener *late = calloc(1, sizeof *late);
     osc_listener_start_forwarded(late, "pedal");
     room->now_ns += 100 * ms_ns;
-    osc_desk_join(&room->desk, late, room->now_ns);
+    osc_dispatcher_join(&room->dispatcher, late, room->now_ns);
     assert_true(osc_table_has(&late->table, glove, 3));
     send_sample(room, &osc_room_one, "pedal", 1, 5, sender_epoch_ns); /* said again */
     osc_item item;
@@ -190,7 +190,7 @@ static void who_joins_late_has_the_channels_and_the_last_sample(void **state)
     assert_true(item.value[0] == 5);
     expect(room, 5, 1);
     expect_nothing(room); /* the other one has had it */
-    osc_desk_leave(&room->desk, late);
+    osc_dispatcher_leave(&room->dispatcher, late);
     free(late);
     free(room);
 }
@@ -227,7 +227,7 @@ static void a_sender_that_starts_again_is_heard_after_a_second(void **state)
     announce(room, &osc_room_two, "glove", 1);
     send_sample(room, &osc_room_two, "glove", 1, 0, 0);
     expect_nothing(room);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SENDER], 2);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SENDER], 2);
     assert_int_equal(room->said[MRT_LOG_WARNING], 1);
     room->now_ns += 600 * ms_ns;
     send_sample(room, &osc_room_two, "glove", 1, 1, 0); /* its channels may be others */
@@ -286,9 +286,9 @@ static void other_channels_are_noticed(void **state)
     osc_room_take(room, &osc_room_one, &packet);
     assert_true(room->listener.has_other_channels);
     assert_int_equal(room->listener.table.count, 3); /* fixed while open */
-    osc_desk_leave(&room->desk, &room->listener);
+    osc_dispatcher_leave(&room->dispatcher, &room->listener);
     osc_listener_rearm(&room->listener);
-    osc_desk_join(&room->desk, &room->listener, room->now_ns);
+    osc_dispatcher_join(&room->dispatcher, &room->listener, room->now_ns);
     assert_int_equal(room->listener.table.count, 2);
     assert_false(room->listener.has_other_channels);
     free(room);
@@ -304,14 +304,14 @@ static void hundreds_of_sources_do_not_push_out_the_one_that_is_heard(void **sta
         snprintf(name, sizeof name, "flood %d", i);
         announce(room, &osc_room_two, name, 1);
     }
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SOURCES], 300 - (OSC_SOURCES_MAX - 1));
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SOURCES], 300 - (OSC_SOURCES_MAX - 1));
     assert_int_equal(room->said[MRT_LOG_WARNING], 1);
     send_sample(room, &osc_room_one, "glove", 1, 1, 0);
     expect(room, 1, 1);
     /* Silent ones make room. */
     room->now_ns += 2000 * ms_ns;
     announce(room, &osc_room_two, "late", 1);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SOURCES], 300 - (OSC_SOURCES_MAX - 1));
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SOURCES], 300 - (OSC_SOURCES_MAX - 1));
     free(room);
 }
 
@@ -330,12 +330,12 @@ static void samples_that_cannot_be_are_faults(void **state)
                           cases[i].sent_ns, (double)cases[i].value, 0.0, 0.0);
         osc_room_take(room, &osc_room_one, &packet);
     }
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_VALUE], 5);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_VALUE], 5);
     osc_bytes packet = {.size = 0};
     osc_bytes_message(&packet, "/marotte/1/sample", "siihhff", "glove", 1, 1, (int64_t)0,
                       (int64_t)0, 0.0, 0.0);
     osc_room_take(room, &osc_room_one, &packet);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_TYPES], 1);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_TYPES], 1);
     expect_nothing(room);
     free(room);
 }

@@ -56,7 +56,7 @@ static void a_joint_message_sets_sensors_from_the_one_named(void **state)
     osc_bytes_message(&packet, "/marotte/hand/left/joint", "ifdi", 20, 0.5, -0.25, 1);
     osc_room_take(room, &osc_room_one, &packet); /* 20, 21, and one too many */
     assert_silent(room);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_VALUE], 1);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_VALUE], 1);
     osc_bytes_message(&packet, "/marotte/hand/left/joint", "ifd", 20, 0.5, -0.25);
     osc_room_take(room, &osc_room_one, &packet);
     osc_item item = pop(room);
@@ -330,7 +330,7 @@ static void what_is_wrong_is_counted_and_dropped(void **state)
             put_wrong(&packet, &cases[i]);
             osc_room_take(room, &osc_room_one, &packet);
         }
-        if (room->desk.fault_count[cases[i].fault] != 3 || osc_room_faults(room) != 3)
+        if (room->dispatcher.fault_count[cases[i].fault] != 3 || osc_room_faults(room) != 3)
             fail_msg("case %zu, %s: \"%s\"", i, cases[i].address, room->last_text);
         int said = room->said[MRT_LOG_WARNING] + room->said[MRT_LOG_INFO];
         assert_int_equal(said, 1);
@@ -382,14 +382,14 @@ static void bundles_in_bundles_and_thousands_of_messages_are_absurd(void **state
         *inner = *outer;
     }
     osc_room_take(room, &osc_room_one, outer);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SIZE], 1);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SIZE], 1);
     inner->size = outer->size = 0;
     osc_bytes_message(inner, "/x", "");
     osc_bytes_bundle(outer, 1);
     for (int i = 0; i < 3000; ++i)
         osc_bytes_element(outer, inner);
     osc_room_take(room, &osc_room_one, outer);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SIZE], 2);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SIZE], 2);
     assert_silent(room);
     free(inner);
     free(outer);
@@ -417,7 +417,7 @@ static void of_two_senders_the_first_counts_until_it_is_silent(void **state)
     osc_item item;
     while (osc_listener_pop(&room->listener, &item))
         assert_true(item.value[PEDALS_AT] == 0.5f);
-    assert_int_equal(room->desk.fault_count[OSC_FAULT_SENDER], 20);
+    assert_int_equal(room->dispatcher.fault_count[OSC_FAULT_SENDER], 20);
     assert_int_equal(room->said[MRT_LOG_WARNING], 1);
     room->now_ns += 1100 * ms_ns;
     press(room, &osc_room_two, 1);

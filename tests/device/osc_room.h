@@ -1,9 +1,9 @@
-/* A desk of plugins/osc with a host that keeps what it is told, two peers, and a clock of the
+/* A dispatcher of plugins/osc with a host that keeps what it is told, two peers, and a clock of the
  * test's own: packets in, samples out, no socket. */
 #ifndef TESTS_DEVICE_OSC_ROOM_H
 #define TESTS_DEVICE_OSC_ROOM_H
 #include "osc_bytes.h"
-#include "osc_desk.h"
+#include "osc_dispatcher.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ typedef struct osc_room {
     mrt_host host;
     int said[4]; /* by level */
     char last_text[512];
-    osc_desk desk;
+    osc_dispatcher dispatcher;
     osc_listener listener;
     int64_t now_ns;
 } osc_room;
@@ -34,7 +34,7 @@ static inline osc_room *osc_room_create(void)
     osc_room *self = calloc(1, sizeof *self);
     self->host = (mrt_host){.data = self, .log = osc_room_log};
     self->now_ns = 1000000000000;
-    osc_desk_start(&self->desk);
+    osc_dispatcher_start(&self->dispatcher);
     return self;
 }
 
@@ -42,7 +42,7 @@ static inline osc_room *osc_room_simple(uint32_t side, osc_content content)
 {
     osc_room *self = osc_room_create();
     osc_listener_start_simple(&self->listener, side, content);
-    osc_desk_join(&self->desk, &self->listener, self->now_ns);
+    osc_dispatcher_join(&self->dispatcher, &self->listener, self->now_ns);
     return self;
 }
 
@@ -50,14 +50,15 @@ static inline osc_room *osc_room_forwarded(const char *wanted)
 {
     osc_room *self = osc_room_create();
     osc_listener_start_forwarded(&self->listener, wanted);
-    osc_desk_join(&self->desk, &self->listener, self->now_ns);
+    osc_dispatcher_join(&self->dispatcher, &self->listener, self->now_ns);
     return self;
 }
 
 /* Hands the packet over and empties it. */
 static inline void osc_room_take(osc_room *self, const udp_peer *peer, osc_bytes *packet)
 {
-    osc_desk_take(&self->desk, packet->data, packet->size, peer, self->now_ns, &self->host);
+    osc_dispatcher_take(&self->dispatcher, packet->data, packet->size, peer, self->now_ns,
+                        &self->host);
     packet->size = 0;
 }
 
@@ -65,7 +66,7 @@ static inline uint32_t osc_room_faults(const osc_room *self)
 {
     uint32_t sum = 0;
     for (int i = 0; i < OSC_FAULT_KINDS; ++i)
-        sum += self->desk.fault_count[i];
+        sum += self->dispatcher.fault_count[i];
     return sum;
 }
 

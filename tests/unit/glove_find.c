@@ -126,7 +126,7 @@ static int set_up(void **state)
     assert_non_null(mkdtemp(t->root));
     t->host = (mrt_host){t, host_log, host_now_ns, host_wait_until_ns, NULL, NULL};
     t->drive = (glove_drive){.host = &t->host, .port = {.file = -1}, .trace = {.file = -1}};
-    t->drive.wish = (glove_wish){.baud = 115200, .rate_hz = 150, .patience = 0.1};
+    t->drive.settings = (glove_settings){.baud = 115200, .rate_hz = 150, .patience = 0.1};
     *state = t;
     return 0;
 }
@@ -275,7 +275,7 @@ static void the_hand_that_is_wished_decides(void **state)
     plug_in(t, "1-2", 1, talk(t, (talker){.sensors = 22, .is_left = true}));
     let_go(&t->talker[0]);
     let_go(&t->talker[1]);
-    t->drive.wish.hand = GLOVE_HAND_LEFT;
+    t->drive.settings.hand = GLOVE_HAND_LEFT;
     if (open_any(t, &why) < 0)
         fail_msg("%s", why.text);
     assert_string_equal(t->memory.port.place, "1-2:1.0/0");

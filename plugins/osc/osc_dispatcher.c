@@ -1,4 +1,4 @@
-#include "osc_desk.h"
+#include "osc_dispatcher.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +17,8 @@ static void printable(char *out, size_t capacity, const char *text)
 }
 
 /* Counts the fault; says the first of each kind. */
-static void complain(osc_desk *self, osc_fault fault, const char *address, const char *expected)
+static void complain(osc_dispatcher *self, osc_fault fault, const char *address,
+                     const char *expected)
 {
     if (fault == OSC_FAULT_NONE || self->fault_count[fault]++ > 0)
         return;
@@ -29,7 +30,7 @@ static void complain(osc_desk *self, osc_fault fault, const char *address, const
     self->host->log(self->host, fault == OSC_FAULT_ADDRESS ? MRT_LOG_INFO : MRT_LOG_WARNING, text);
 }
 
-static void complain_of_packet(osc_desk *self, osc_fault fault)
+static void complain_of_packet(osc_dispatcher *self, osc_fault fault)
 {
     if (fault == OSC_FAULT_PACKET)
         complain(self, fault, "a datagram", "it is no OSC: what else sends to this port?");
@@ -39,7 +40,7 @@ static void complain_of_packet(osc_desk *self, osc_fault fault)
                  "or 4 bundles in each other");
 }
 
-static void complain_of_sender(osc_desk *self, const char *what, const udp_owner *owner)
+static void complain_of_sender(osc_dispatcher *self, const char *what, const udp_owner *owner)
 {
     char first[UDP_PEER_TEXT], text[160];
     udp_peer_text(&owner->peer, first, sizeof first);
@@ -52,7 +53,7 @@ static void complain_of_sender(osc_desk *self, const char *what, const udp_owner
 
 /* ---- sources ---- */
 
-static osc_source *find_source(osc_desk *self, const char *name)
+static osc_source *find_source(osc_dispatcher *self, const char *name)
 {
     for (int i = 0; i < OSC_SOURCES_MAX; ++i)
         if (strcmp(self->source[i].name, name) == 0)
@@ -65,7 +66,7 @@ static bool is_alive(const osc_source *source, int64_t now_ns)
     return source->name[0] != '\0' && source->owner.known && now_ns - source->heard_ns <= alive_ns;
 }
 
-static bool is_listened_to(const osc_desk *self, const osc_source *source)
+static bool is_listened_to(const osc_dispatcher *self, const osc_source *source)
 {
     if (source->name[0] == '\0')
         return false; /* a free place */
@@ -77,7 +78,7 @@ static bool is_listened_to(const osc_desk *self, const osc_source *source)
 
 /* The source's place, or one for it: free, or of one that is silent and that nobody listens to.
  * NULL: there is none. */
-static osc_source *place_of_source(osc_desk *self, const char *name)
+static osc_source *place_of_source(osc_dispatcher *self, const char *name)
 {
     osc_source *found = find_source(self, name);
     if (found)
@@ -92,7 +93,7 @@ static osc_source *place_of_source(osc_desk *self, const char *name)
     return found;
 }
 
-static bool admits(osc_desk *self, osc_source *source)
+static bool admits(osc_dispatcher *self, osc_source *source)
 {
     if (osc_source_admits(source, self->peer, self->now_ns))
         return true;
@@ -100,7 +101,7 @@ static bool admits(osc_desk *self, osc_source *source)
     return false;
 }
 
-static void take_channels(osc_desk *self)
+static void take_channels(osc_dispatcher *self)
 {
     osc_source *source = place_of_source(self, self->event.source);
     if (!source) {
@@ -117,7 +118,7 @@ static void take_channels(osc_desk *self)
 }
 
 /* Who has heard nothing yet takes also a sample that others have had. */
-static void tell_sample(osc_desk *self, const osc_source *source, osc_source_news news,
+static void tell_sample(osc_dispatcher *self, const osc_source *source, osc_source_news news,
                         uint32_t step, int64_t time_ns)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
@@ -130,7 +131,7 @@ static void tell_sample(osc_desk *self, const osc_source *source, osc_source_new
     }
 }
 
-static void take_sample(osc_desk *self)
+static void take_sample(osc_dispatcher *self)
 {
     osc_source *source = find_source(self, self->event.source);
     if (!source) {
@@ -152,7 +153,7 @@ static void take_sample(osc_desk *self)
         tell_sample(self, source, news, step, time_ns);
 }
 
-static void take_end(osc_desk *self)
+static void take_end(osc_dispatcher *self)
 {
     osc_source *source = find_source(self, self->event.source);
     if (!source || !udp_owner_is(&source->owner, self->peer))
@@ -165,7 +166,7 @@ static void take_end(osc_desk *self)
 
 /* ---- packets ---- */
 
-static void tell_hands(osc_desk *self, const char *address)
+static void tell_hands(osc_dispatcher *self, const char *address)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (osc_listener_take(l, &self->event, self->peer, self->now_ns))
@@ -179,7 +180,7 @@ static void tell_hands(osc_desk *self, const char *address)
 
 static void take_message(void *context, const osc_message *message)
 {
-    osc_desk *self = context;
+    osc_dispatcher *self = context;
     osc_fault fault = osc_event_read(&self->event, message);
     if (fault != OSC_FAULT_NONE)
         complain(self, fault, message->address, self->event.expected);
@@ -193,8 +194,8 @@ static void take_message(void *context, const osc_message *message)
         tell_hands(self, message->address);
 }
 
-void osc_desk_take(osc_desk *self, void *bytes, size_t size, const udp_peer *peer, int64_t now_ns,
-                   const mrt_host *host)
+void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,
+                         int64_t now_ns, const mrt_host *host)
 {
     self->peer = peer;
     self->now_ns = now_ns;
@@ -208,12 +209,12 @@ void osc_desk_take(osc_desk *self, void *bytes, size_t size, const udp_peer *pee
 
 /* ---- listeners ---- */
 
-void osc_desk_start(osc_desk *self)
+void osc_dispatcher_start(osc_dispatcher *self)
 {
     memset(self, 0, sizeof *self);
 }
 
-void osc_desk_join(osc_desk *self, osc_listener *listener, int64_t now_ns)
+void osc_dispatcher_join(osc_dispatcher *self, osc_listener *listener, int64_t now_ns)
 {
     listener->next = self->listeners;
     self->listeners = listener;
@@ -227,7 +228,7 @@ void osc_desk_join(osc_desk *self, osc_listener *listener, int64_t now_ns)
     }
 }
 
-void osc_desk_leave(osc_desk *self, osc_listener *listener)
+void osc_dispatcher_leave(osc_dispatcher *self, osc_listener *listener)
 {
     for (osc_listener **at = &self->listeners; *at; at = &(*at)->next)
         if (*at == listener) {
@@ -237,7 +238,8 @@ void osc_desk_leave(osc_desk *self, osc_listener *listener)
         }
 }
 
-void osc_desk_name_sources(const osc_desk *self, int64_t now_ns, char *out, size_t capacity)
+void osc_dispatcher_name_sources(const osc_dispatcher *self, int64_t now_ns, char *out,
+                                 size_t capacity)
 {
     size_t used = 0;
     out[0] = '\0';
