@@ -1,11 +1,12 @@
-/* An OpenXR runtime without a headset: two hands of our own skeleton that bend their index fingers,
+/* An OpenXR runtime without a headset: two hands of our own skeleton that bend two fingers,
  * 60 new frames a second. MAROTTE_TEST_OPENXR says how it misbehaves:
  *   inactive, untracked       no hand; a hand that is guessed
  *   nan, back                 joints that are no numbers; a clock that steps back, now and then
  *   freeze                    the same frame for ever, after half a second
  *   loss, hang, crash, end    after half a second
  *   no_hands, no_headless, no_clock, no_headset      what it lacks
- * The index finger at a time of CLOCK_MONOTONIC: openxr_index_rad (tests/device/openxr.c). */
+ * The knuckles of index and middle finger tell the time of the frame, as the hands of a clock do:
+ * 0.6 rad and 0.4 of the sine and cosine of a turn a second (tests/device/openxr.c reads it). */
 #include "hand/hand.h"
 
 #include <math.h>
@@ -209,7 +210,9 @@ static XRAPI_ATTR XrResult XRAPI_CALL locate(XrHandTrackerEXT tracker,
         time_ns = frozen_ns;
     float angle[MRT_ANGLES] = {0.6f, 0.2f, 0.3f, 0.5f, 0.0f, 0.4f, 0.2f, 0.3f, 0.2f, 0.1f,
                                0.1f, 0.3f, 0.4f, 0.3f, 0.1f, 0.3f, 0.5f, 0.3f, 0.1f, 0.12f};
-    angle[4] = (float)(0.6 + 0.4 * sin(6.283185307179586 * (double)(time_ns % ns_per_s) / 1e9));
+    const double turn_rad = 6.283185307179586 * (double)(time_ns % ns_per_s) / 1e9;
+    angle[4] = (float)(0.6 + 0.4 * sin(turn_rad));
+    angle[7] = (float)(0.6 + 0.4 * cos(turn_rad));
     hand_pose(skeleton[tracker == (XrHandTrackerEXT)(uintptr_t)11], angle, &still, at, palm);
     const XrSpaceLocationFlags flags =
         is_mode("untracked")

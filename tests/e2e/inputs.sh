@@ -4,9 +4,13 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 
-perform() { # seconds input patch show
-    "$MAROTTE" perform --face "$puppet" --seconds "$1" --input "$2" --map one_hand --patch "$3" --record "$4" \
-        >said 2>stderr || fail "perform --input $2: $(cat stderr)"
+# A performance hears the whole movement, however long it takes to begin: its sender sends again and again.
+perform() { # input patch show sender
+    "$MAROTTE" perform --face "$puppet" --seconds 3 --input "$1" --map one_hand --patch "$2" --record "$3" \
+        >said 2>stderr &
+    local performing=$!
+    while kill -0 $performing 2>/dev/null; do "$4" 2>/dev/null; done
+    wait $performing || fail "perform --input $1: $(cat stderr)"
 }
 # again NAME PATCH: the take of NAME.marotte against itself and against its own raw channels.
 again() {
@@ -37,16 +41,15 @@ patch_of() { # file channel most
 mkfifo pipe
 patch_of full.json cc.7 0.5
 patch_of half.json cc.7 0.25
-(
-    exec 3<>pipe
-    sleep 0.5
+move_fader() {
     for v in 00 10 20 30 40 50 60 70 7f 70 60 50 40 30 20 10 00 20 40 60 7f; do
         printf "\xb0\x07\x$v" >&3
         sleep 0.05
     done
-) &
-perform 3 midi:./pipe full.json midi.marotte
-wait
+}
+exec 3<>pipe
+perform midi:./pipe full.json midi.marotte move_fader
+exec 3>&-
 again midi full.json
 head -n 3 midi.csv | grep -q ',cc.7,' || fail "the fader has lost its name: $(head -n 2 midi.csv)"
 
@@ -54,25 +57,27 @@ head -n 3 midi.csv | grep -q ',cc.7,' || fail "the fader has lost its name: $(he
 port=$((20000 + $$ % 10000))
 patch_of full.json jawOpen 0.5
 patch_of half.json jawOpen 0.25
-(
-    sleep 0.5
+move_face() {
     for v in 0 20 40 60 80 100 80 60 40 20 0 30 60 90; do
         printf 'jawOpen&%d|browInnerUp&%d|trackingStatus&1|=head#0,0,0,0,0,0|' "$v" "$((100 - v))" \
             >"/dev/udp/127.0.0.1/$port"
         sleep 0.05
     done
-) &
-perform 3 "phone:$port" full.json phone.marotte
-wait
+}
+perform "phone:$port" full.json phone.marotte move_face
 again phone full.json
 refused 1 'no port' "$MAROTTE" perform --face "$puppet" --map one_hand --input phone:waldo
 refused 1 'plug it in' "$MAROTTE" perform --face "$puppet" --map one_hand --input midi:/dev/snd/nowhere
 refused 1 'plug' "$MAROTTE" perform --face "$puppet" --map one_hand --input gamepad:7
 
 # A port in use is one calm line.
-"$MAROTTE" perform --face "$puppet" --map one_hand --seconds 3 --input "phone:$port" >/dev/null 2>&1 &
+"$MAROTTE" perform --face "$puppet" --map one_hand --input "phone:$port" >/dev/null 2>&1 &
 holder=$!
-sleep 1
+for _ in $(seq 600); do
+    grep -qi ":$(printf %04x "$port") " /proc/net/udp && break
+    sleep 0.1
+done
 refused 1 'another program' "$MAROTTE" perform --face "$puppet" --map one_hand --input "phone:$port"
+kill -INT $holder
 wait $holder
 finish

@@ -6,19 +6,28 @@ source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 export XR_RUNTIME_JSON=$BUILD_DIR/tests/device/openxr_runtime.json
 
+# Until the hand has moved the face and WORDS are said: where others work, a runtime takes its time to start.
+perform() { # words
+    local words=$1
+    for seconds in 3 10 30; do
+        rm -f taken.marotte
+        "$MAROTTE" perform --face "$puppet" --seconds $seconds --input openxr --map one_hand --record taken.marotte \
+            >said 2>stderr || fail "$MAROTTE_TEST_OPENXR: $(cat stderr)"
+        [ "$(fact 'range of motion' said)" != 0.00 ] && grep -q "$words" stderr && return
+    done
+    fail "$MAROTTE_TEST_OPENXR: the hand moves nothing, or nobody says \"$words\": $(cat said stderr)"
+}
+
 for mode in good crash; do
     export MAROTTE_TEST_OPENXR=$mode
-    "$MAROTTE" perform --face "$puppet" --seconds 3 --input openxr --map one_hand --record $mode.marotte \
-        >said 2>stderr || fail "$mode: $(cat stderr)"
+    perform "$([ $mode = good ] && echo 'hands come from' || echo 'has crashed')"
+    [ "$(grep -c 'has crashed' stderr)" -eq "$([ $mode = crash ] && echo 1 || echo 0)" ] ||
+        fail "a crash is one sentence: $(cat stderr)"
     for again in 1 2; do
-        "$MAROTTE" take export $mode.marotte last --export $mode.$again.pc2 >said 2>stderr || fail "$mode: $(cat stderr)"
-        [ "$(fact 'range of motion' said)" != 0.00 ] || fail "$mode: the hand moves nothing"
-        mv "$mode.$again.pc2" "$again.pc2"
+        "$MAROTTE" take export taken.marotte last --export $mode.$again.pc2 >said 2>stderr || fail "$mode: $(cat stderr)"
     done
-    cmp 1.pc2 2.pc2 || fail "$mode: the take performs otherwise the second time"
+    cmp $mode.1.pc2 $mode.2.pc2 || fail "$mode: the take performs otherwise the second time"
 done
-"$MAROTTE" perform --face "$puppet" --seconds 3 --input openxr --map one_hand >said 2>stderr || fail "crash ends it"
-[ "$(grep -c 'has crashed' stderr)" -eq 1 ] || fail "a crash is one sentence: $(cat stderr)"
 
 "$MAROTTE" devices >said 2>&1 || fail "devices: $(cat said)"
 grep -q 'openxr' said || fail "the runtime is not listed: $(cat said)"
