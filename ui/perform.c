@@ -35,6 +35,7 @@ typedef struct performance {
     perform_mapping mapping;
     patch patch;
     performer *performer;
+    perform_outputs outputs;
     uint32_t mark_count; /* presses so far */
     recording recording;
     perform_record record;
@@ -54,7 +55,8 @@ static void print_note(const char *note)
 
 static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_types, error *err)
 {
-    self->clock = self->options->is_realtime ? CLOCK_REAL : CLOCK_VIRTUAL;
+    bool is_real = self->options->is_realtime || self->options->output_count > 0;
+    self->clock = is_real ? CLOCK_REAL : CLOCK_VIRTUAL;
     for (uint32_t i = 0; i < self->options->input_count; ++i) {
         mrt_result result = plugin_list_choose(&self->plugins, self->options->input[i].plugin,
                                                MRT_INPUT, &out_types[i], err);
@@ -132,6 +134,10 @@ static mrt_result prepare(performance *self, error *err)
     if (result >= 0)
         result = perform_mapping_watch(&self->mapping, options, self->performer, self->log, err);
     if (result >= 0)
+        result =
+            perform_outputs_open(&self->outputs, options->output, options->output_count, &apart,
+                                 performer_composer(self->performer), &self->face, err);
+    if (result >= 0)
         result = recording_create(&self->recording, &self->face.mesh, options->fps,
                                   exports_need_clip(options->exports, options->export_count)
                                       ? RECORDING_KEEPS
@@ -154,6 +160,7 @@ static mrt_result prepare(performance *self, error *err)
 static void finish(performance *self)
 {
     exports_video_close(&self->videos);
+    perform_outputs_close(&self->outputs);
     perform_record_finish(&self->record);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
@@ -224,6 +231,8 @@ static mrt_result on_step(void *data, const sample_step *s, error *err)
     performer_step(self->performer, s);
     if (self->record.recorder)
         recorder_performed(self->record.recorder, s);
+    if (perform_outputs_draw(&self->outputs, self->performer))
+        perform_outputs_show(&self->outputs, s->time_ns, -1);
     obey_presses(self, s->time_ns);
     return MRT_OK;
 }
@@ -336,6 +345,7 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "substeps", "substeps", (double)counts->substeps, 0, "");
     recording_tell_surface(&self->recording, told);
     report_pulls(self, told);
+    perform_outputs_report(&self->outputs, told);
 }
 
 /* With a rig: what its constraints held. */
@@ -515,6 +525,9 @@ const command command_perform = {
         "  --patch FILE       channels move it too: ui/patches/README.md; faders, gamepad, phone\n"
         "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
         "                     live, the key z does so, and q ends\n"
+        "  --output SPEC      where the face is sent while it is performed, in real time; up to 8 "
+        "times:\n"
+        "                     PLUGIN[:ADDRESS][,key=value]..., such as vmc:192.168.1.20:39540\n"
         "  --tolerance MM     greatest error in glTF (of clay 0.1 % of the height, else 0.01 %)\n"
         "  --max-targets N    at most so many morph targets for what has no name\n"
         "  --bare             in glTF the mesh alone; else a face from a .glb, .gltf or .vrm is "

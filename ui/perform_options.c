@@ -14,6 +14,7 @@ enum {
     OPTION_FORWARD,
     OPTION_INPUT,
     OPTION_MAP,
+    OPTION_OUTPUT,
     OPTION_CURVES,
     OPTION_EXPORT,
     OPTION_FPS,
@@ -48,6 +49,7 @@ static const struct option option_table[] = {
     {"forward", required_argument, NULL, OPTION_FORWARD},
     {"input", required_argument, NULL, OPTION_INPUT},
     {"map", required_argument, NULL, OPTION_MAP},
+    {"output", required_argument, NULL, OPTION_OUTPUT},
     {"curves", required_argument, NULL, OPTION_CURVES},
     {"export", required_argument, NULL, OPTION_EXPORT},
     {"fps", required_argument, NULL, OPTION_FPS},
@@ -132,6 +134,14 @@ static int add_input(perform_options *out, const command *self, const char *text
         return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
     if (!spec_read(&out->input[out->input_count++], text))
         return command_usage(self, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+    return COMMAND_DONE;
+}
+
+static int add_output(perform_options *out, const command *self, const char *text)
+{
+    if (out->output_count == PERFORM_OUTPUTS_MAX)
+        return command_usage(self, "at most %d outputs are possible", PERFORM_OUTPUTS_MAX);
+    out->output[out->output_count++] = text;
     return COMMAND_DONE;
 }
 
@@ -231,6 +241,8 @@ static int read_option(void *data, const command *self, int option, const char *
         return add_input(out, self, text);
     case OPTION_MAP:
         return set_map(out, self, text);
+    case OPTION_OUTPUT:
+        return add_output(out, self, text);
     case OPTION_CURVES:
         out->curves = text;
         return COMMAND_DONE;
@@ -303,9 +315,10 @@ int perform_options_read(perform_options *out, const command *self, int argc, ch
     if (code == COMMAND_DONE && !out->face)
         code = command_usage(self, "--face is missing");
     if (code == COMMAND_DONE && out->curves &&
-        (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime))
+        (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime ||
+         out->output_count > 0))
         code = command_usage(self, "--curves stands in place of --input and --map; it is neither "
-                                   "recorded nor performed in real time");
+                                   "recorded nor performed in real time, nor sent anywhere");
     if (code == COMMAND_DONE && out->input_count == 0 && !out->curves)
         code = command_usage(self, "--input is missing");
     if (code == COMMAND_DONE && !out->map.plugin && !out->curves)

@@ -7,7 +7,7 @@
 #include "stage/input/spec.h"
 #include "video.h"
 
-enum { PERFORM_INPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
+enum { PERFORM_INPUTS_MAX = 8, PERFORM_OUTPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 
 typedef enum perform_isolation {
     PERFORM_ISOLATE_AUTO = 0, /* mappings that do not come with the program */
@@ -21,6 +21,8 @@ typedef struct perform_options {
     plugin_spec input[PERFORM_INPUTS_MAX];
     uint32_t input_count;
     plugin_spec map;
+    const char *output[PERFORM_OUTPUTS_MAX]; /* where the face is sent; in real time then */
+    uint32_t output_count;
     const char *curves; /* a table to perform in place of hands; NULL: none */
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;

@@ -320,6 +320,86 @@ void perform_mapping_close(perform_mapping *self)
     *self = (perform_mapping){.library = NULL};
 }
 
+/* ---- outputs ---- */
+
+/* As live: samples that come faster are not each drawn, and drawing gets a quarter of the time. */
+static const int64_t least_apart_ns = 4 * NS_PER_MS;
+
+mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, uint32_t count,
+                                const perform_mapping_settings *with, composer *of,
+                                const face_file *file, error *err)
+{
+    static const outputs_isolation how[] = {[PERFORM_ISOLATE_AUTO] = OUTPUTS_ISOLATE_FOREIGN,
+                                            [PERFORM_ISOLATE_ON] = OUTPUTS_ISOLATE_ALL,
+                                            [PERFORM_ISOLATE_OFF] = OUTPUTS_ISOLATE_NONE};
+    const outputs_settings settings = {with->plugins, with->log, how[with->isolation]};
+    *out = (perform_outputs){.drawn = NULL};
+    if (count == 0)
+        return MRT_OK;
+    mrt_result result = face_board_create(&out->board, of, file, err);
+    if (result >= 0)
+        result = outputs_create(&out->outputs, &settings, err);
+    for (uint32_t i = 0; i < count && result >= 0; ++i) {
+        char *spec = NULL;
+        result = plugin_list_choose_spec(with->plugins, text[i], MRT_FACE_OUTPUT, &spec, err);
+        if (result >= 0)
+            result = outputs_add(out->outputs, spec, err);
+        free(spec);
+    }
+    if (result >= 0)
+        outputs_show(out->outputs, out->board);
+    return result;
+}
+
+bool perform_outputs_draw(perform_outputs *self, performer *p)
+{
+    int64_t now_ns = clock_now_ns();
+    int64_t apart_ns = 3 * self->draw_ns > least_apart_ns ? 3 * self->draw_ns : least_apart_ns;
+    if (!outputs_are_wanted(self->outputs) || now_ns - self->drawn_ns < apart_ns)
+        return false;
+    performer_draw(p);
+    self->drawn = p;
+    self->drawn_ns = now_ns;
+    self->draw_ns = clock_now_ns() - now_ns;
+    return true;
+}
+
+void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns)
+{
+    outputs_publish(self->outputs, self->board, performer_composer(self->drawn), time_ns, take_ns);
+}
+
+void perform_outputs_report(const perform_outputs *self, facts *told)
+{
+    static const char *const states[] = {"was not open yet", "sent", "nobody listened", "failed"};
+    uint32_t count = self->outputs ? outputs_count(self->outputs) : 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        output_status s;
+        char line[512];
+        outputs_status(self->outputs, i, &s);
+        (void)snprintf(line, sizeof line,
+                       "%.160s: %s%s%.200s, %ju faces, sample to sent %.2f ms (p99 %.2f ms)",
+                       s.text, states[s.state], s.trouble[0] ? ": " : "", s.trouble,
+                       (uintmax_t)s.sent, s.p50_ms, s.p99_ms);
+        const facts_cell cells[] = {
+            {"output", s.text, 0, 0},          {"state", states[s.state], 0, 0},
+            {"trouble", s.trouble, 0, 0},      {"isolated", NULL, s.is_isolated, -1},
+            {"sent", NULL, (double)s.sent, 0}, {"replaced", NULL, (double)s.replaced, 0},
+            {"p50_ms", NULL, s.p50_ms, 3},     {"p99_ms", NULL, s.p99_ms, 3}};
+        facts_row(told, "outputs", "output", line, cells, sizeof cells / sizeof cells[0]);
+    }
+    if (count > 0)
+        facts_number(told, "residual_mm", "said in weights", outputs_residual_mm(self->outputs), 2,
+                     "mm off, the last face");
+}
+
+void perform_outputs_close(perform_outputs *self)
+{
+    outputs_destroy(self->outputs);
+    face_board_drop(self->board);
+    *self = (perform_outputs){.drawn = NULL};
+}
+
 /* ---- sound ---- */
 
 static const int64_t patience_ns = 3 * NS_PER_S;

@@ -6,6 +6,7 @@
 #include "hand/calibration_file.h"
 #include "perform_options.h"
 #include "stage/mapping/plugins.h"
+#include "stage/output/outputs.h"
 #include "stage/perform/performer.h"
 #include "stage/perform/player.h"
 #include "stage/perform/reload.h"
@@ -75,6 +76,26 @@ void perform_mapping_step(perform_mapping *self, performer *of, recorder *into);
 CHECKED mrt_result perform_mapping_check(const perform_mapping *self, error *err);
 void perform_mapping_report(const perform_mapping *self, facts *told);
 void perform_mapping_close(perform_mapping *self); /* after the performer; zeroed is fine */
+
+/* ---- outputs: the face is sent on while it is performed ---- */
+
+typedef struct perform_outputs { /* zeroed: none */
+    outputs *outputs;
+    face_board *board; /* of the face that is performed */
+    performer *drawn;
+    int64_t drawn_ns, draw_ns; /* when it was drawn last; how long that took */
+} perform_outputs;
+
+/* text: as --output says them, which may name libraries. To be closed whatever the result. */
+CHECKED mrt_result perform_outputs_open(perform_outputs *out, const char *const *text,
+                                        uint32_t count, const perform_mapping_settings *with,
+                                        composer *of, const face_file *file, error *err);
+/* Whether the face as it is now is drawn, to be shown: not when the last one was just now. */
+bool perform_outputs_draw(perform_outputs *self, performer *p);
+/* The face that was drawn; time_ns and take_ns as in mrt_face_sample. */
+void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns);
+void perform_outputs_report(const perform_outputs *self, facts *told);
+void perform_outputs_close(perform_outputs *self);
 
 /* ---- the microphone beside a performance: what was said becomes the sound of its take; one that
  * is missing or fails stops nothing ---- */

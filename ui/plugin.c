@@ -23,20 +23,20 @@
 
 /* ---- plugin list ---- */
 
-static const char *kind_of(const mrt_plugin_type *type)
+/* "input and output" */
+static const char *kind_of(const mrt_plugin_type *type, char out[64])
 {
-    static const char *const kinds[8] = {"none",
-                                         "input",
-                                         "mapping",
-                                         "input and mapping",
-                                         "output",
-                                         "input and output",
-                                         "mapping and output",
-                                         "input, mapping and output"};
-    unsigned kind = plugin_interface(type, MRT_INPUT) ? 1u : 0u;
-    kind |= plugin_interface(type, MRT_MAPPING) ? 2u : 0u;
-    kind |= plugin_interface(type, MRT_OUTPUT) ? 4u : 0u;
-    return kinds[kind];
+    static const char *const kind[][2] = {{MRT_INPUT, "input"},
+                                          {MRT_MAPPING, "mapping"},
+                                          {MRT_OUTPUT, "output"},
+                                          {MRT_FACE_OUTPUT, "face output"}};
+    size_t used = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof kind / sizeof *kind; ++i)
+        if (plugin_interface(type, kind[i][0]))
+            used +=
+                (size_t)snprintf(out + used, 64 - used, "%s%s", used ? " and " : "", kind[i][1]);
+    return out;
 }
 
 static void print_params(const mrt_plugin_type *type)
@@ -56,7 +56,8 @@ static void print_list(const plugin_list *list, bool with_params)
 {
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
-        terminal_print("%-24s %-16s %-6s %s\n", type->id, kind_of(type), type->version,
+        char kind[64];
+        terminal_print("%-24s %-16s %-6s %s\n", type->id, kind_of(type, kind), type->version,
                        type->about);
         terminal_print("    from %s\n", list->entry[i].path);
         if (with_params)
@@ -87,14 +88,15 @@ static void print_list_json(const plugin_list *list)
     json_t *refused = json_array();
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
+        char kind[64];
         json_t *params = json_array();
         for (uint32_t k = 0; k < type->param_count; ++k)
             json_array_append_new(params, param_to_json(&type->params[k]));
         json_array_append_new(
             plugins, json_pack("{s:o, s:o, s:s, s:o, s:o, s:o, s:o}", "id", json_text(type->id),
-                               "name", json_text(type->name), "kind", kind_of(type), "version",
-                               json_text(type->version), "about", json_text(type->about), "path",
-                               json_text(list->entry[i].path), "params", params));
+                               "name", json_text(type->name), "kind", kind_of(type, kind),
+                               "version", json_text(type->version), "about", json_text(type->about),
+                               "path", json_text(list->entry[i].path), "params", params));
     }
     for (uint32_t i = 0; i < list->refusal_count; ++i)
         json_array_append_new(refused,

@@ -80,6 +80,7 @@ static const struct {
     [TAKE_FRAMES] = {"frames", true},
     [TAKE_ALL] = {"all", false},
     [TAKE_JOBS] = {"jobs", true},
+    [TAKE_OUTPUT] = {"output", true},
 };
 
 const char *take_option_name(take_option option)
@@ -128,6 +129,15 @@ static int add_input(take_call *out, const char *spec)
     return COMMAND_DONE;
 }
 
+static int add_output(take_call *out, const char *spec)
+{
+    if (out->output_count == TAKE_OUTPUTS_MAX)
+        return misused(out->verb, "is one output too many", spec);
+    out->output[out->output_count++] = spec;
+    out->text[TAKE_OUTPUT] = spec;
+    return COMMAND_DONE;
+}
+
 static int take_one(take_call *out, take_option option, const char *value)
 {
     if (option == TAKE_EXPORT)
@@ -136,6 +146,8 @@ static int take_one(take_call *out, take_option option, const char *value)
         return add_calibration(out, value);
     if (option == TAKE_INPUT)
         return add_input(out, value);
+    if (option == TAKE_OUTPUT)
+        return add_output(out, value);
     if (out->text[option] && value)
         return misused(out->verb, "was given twice", options[option].name);
     out->text[option] = value ? value : "";
@@ -510,6 +522,14 @@ mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error 
 /* ---- the subcommands that perform takes, or read what was recorded ---- */
 
 static const take_verb play_verbs[] = {
+    {"play", "SHOW TAKE",
+     "  --output SPEC  where the face is sent, in the take's own time; up to 8 times, as in\n"
+     "                 marotte perform\n"
+     "  --in T, --out T   a range of it\n"
+     "  --face FILE    on this face (that which it was performed on)\n",
+     "plays a take into outputs",
+     TAKE_BIT(TAKE_OUTPUT) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE),
+     TAKE_READS, take_play_run},
     {"record", "SHOW TAKE",
      "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
      "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
@@ -589,7 +609,7 @@ static const take_verb play_verbs[] = {
      "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
      take_log_run},
 };
-static const take_verbs take_play_verbs = {"Perform over, perform anew, compare, export",
+static const take_verbs take_play_verbs = {"Play, perform over, perform anew, compare, export",
                                            play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
 
 /* ---- the command ---- */

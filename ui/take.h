@@ -70,11 +70,12 @@ typedef enum take_option {
     TAKE_FRAMES,
     TAKE_ALL,
     TAKE_JOBS,
+    TAKE_OUTPUT,
     TAKE_OPTION_COUNT
 } take_option;
 #define TAKE_BIT(option) (UINT64_C(1) << (option))
 
-enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8 };
+enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8, TAKE_OUTPUTS_MAX = 8 };
 
 struct take_verb;
 typedef struct take_call { /* one run of a subcommand */
@@ -89,6 +90,8 @@ typedef struct take_call { /* one run of a subcommand */
     uint32_t calibration_count;
     const char *input[TAKE_INPUTS_MAX];
     uint32_t input_count;
+    const char *output[TAKE_OUTPUTS_MAX];
+    uint32_t output_count;
     show *show;
     facts *told;
     progress shown;
@@ -167,6 +170,7 @@ take_name take_slate_text(const char *scene, const char *shot,
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
 CHECKED mrt_result take_export_all(take_call *call, error *err);
+CHECKED mrt_result take_play_run(take_call *call, error *err);
 CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);

@@ -233,17 +233,26 @@ typedef struct case_plan {
 } case_plan;
 
 /* The long ones first: they are in parallel. */
-static const case_plan plans[] = {
-    {CASE_INPUT, CONCERNS_INPUT, 1, true},       {CASE_STOP, CONCERNS_INPUT, 1, true},
-    {CASE_WALK, CONCERNS_MAPPING, 1, false},     {CASE_RESTLESS, CONCERNS_MAPPING, 3, false},
-    {CASE_ENGAGE, CONCERNS_MAPPING, 1, false},   {CASE_REPLAY, CONCERNS_MAPPING, 1, false},
-    {CASE_FACES, CONCERNS_MAPPING, 1, false},    {CASE_RESUME, CONCERNS_RESUME, 1, false},
-    {CASE_HANDS, CONCERNS_MAPPING, 1, false},    {CASE_STATE, CONCERNS_STATE, 1, false},
-    {CASE_DEADLINE, CONCERNS_MAPPING, 1, false}, {CASE_GROWTH, CONCERNS_MAPPING, 1, false},
-    {CASE_LIFE, CONCERNS_TYPE, 1, false},        {CASE_DESTROY_NULL, CONCERNS_TYPE, 1, false},
-    {CASE_ABSENT, CONCERNS_INPUT, 1, false},     {CASE_RECORDED, CONCERNS_RECORDED, 1, true},
-    {CASE_DEVICES, CONCERNS_DEVICES, 1, false},  {CASE_OUTPUT, CONCERNS_OUTPUT, 1, false},
-    {CASE_SUM, CONCERNS_MAPPING, 2, false}};
+static const case_plan plans[] = {{CASE_INPUT, CONCERNS_INPUT, 1, true},
+                                  {CASE_STOP, CONCERNS_INPUT, 1, true},
+                                  {CASE_WALK, CONCERNS_MAPPING, 1, false},
+                                  {CASE_RESTLESS, CONCERNS_MAPPING, 3, false},
+                                  {CASE_ENGAGE, CONCERNS_MAPPING, 1, false},
+                                  {CASE_REPLAY, CONCERNS_MAPPING, 1, false},
+                                  {CASE_FACES, CONCERNS_MAPPING, 1, false},
+                                  {CASE_RESUME, CONCERNS_RESUME, 1, false},
+                                  {CASE_HANDS, CONCERNS_MAPPING, 1, false},
+                                  {CASE_STATE, CONCERNS_STATE, 1, false},
+                                  {CASE_DEADLINE, CONCERNS_MAPPING, 1, false},
+                                  {CASE_GROWTH, CONCERNS_MAPPING, 1, false},
+                                  {CASE_LIFE, CONCERNS_TYPE, 1, false},
+                                  {CASE_DESTROY_NULL, CONCERNS_TYPE, 1, false},
+                                  {CASE_ABSENT, CONCERNS_INPUT, 1, false},
+                                  {CASE_RECORDED, CONCERNS_RECORDED, 1, true},
+                                  {CASE_DEVICES, CONCERNS_DEVICES, 1, false},
+                                  {CASE_OUTPUT, CONCERNS_OUTPUT, 1, false},
+                                  {CASE_FACE_OUTPUT, CONCERNS_FACE_OUTPUT, 1, false},
+                                  {CASE_SUM, CONCERNS_MAPPING, 2, false}};
 enum { PLANS = sizeof plans / sizeof *plans };
 
 typedef struct job {

@@ -16,7 +16,8 @@ enum {
     CONCERNS_OUTPUT = 64,
     CONCERNS_STATE = 128,
     CONCERNS_RESUME = 256,
-    CONCERNS_DEVICES = 512
+    CONCERNS_DEVICES = 512,
+    CONCERNS_FACE_OUTPUT = 1024
 };
 
 /* RULE(name, id, concerns, what plugin.h says) */
@@ -35,7 +36,7 @@ enum {
          "A type has create and destroy, and each interface all of its functions.")                \
     RULE(TYPE_INTERFACES, "type.interfaces", CONCERNS_TYPE,                                        \
          "Interfaces have ids \"domain.name/revision\" and end with id NULL; one is an input, "    \
-         "a mapping or an output.")                                                                \
+         "a mapping, an output or a face output.")                                                 \
     RULE(TYPE_CONST, "type.const", CONCERNS_TYPE, "A type is const data.")                         \
     RULE(PARAM_WORDS, "param.words", CONCERNS_PARAMS,                                              \
          "A parameter has a name, group, unit and help of one sentence.")                          \
@@ -170,6 +171,16 @@ enum {
          "write() passes a sample on; what the network does with it is no error.")                 \
     RULE(OUTPUT_WAIT, "output.wait", CONCERNS_OUTPUT, "write() never waits.")                      \
     RULE(OUTPUT_REOPEN, "output.reopen", CONCERNS_OUTPUT,                                          \
+         "close() gives back what open() took, and it can be opened again.")                       \
+    RULE(FACE_OUTPUT_ABSENT, "face_output.absent", CONCERNS_FACE_OUTPUT,                           \
+         "open() of a place that is none is an error that is explained in words.")                 \
+    RULE(FACE_OUTPUT_FACES, "face_output.faces", CONCERNS_FACE_OUTPUT,                             \
+         "begin() takes any face: without bones, contacts, shapes or weights too.")                \
+    RULE(FACE_OUTPUT_SEND, "face_output.send", CONCERNS_FACE_OUTPUT,                               \
+         "send() returns MRT_OK or MRT_TIMEOUT; that nobody is there is no error.")                \
+    RULE(FACE_OUTPUT_TIME, "face_output.time", CONCERNS_FACE_OUTPUT,                               \
+         "send() may take some milliseconds: a face that comes meanwhile is not sent.")            \
+    RULE(FACE_OUTPUT_REOPEN, "face_output.reopen", CONCERNS_FACE_OUTPUT,                           \
          "close() gives back what open() took, and it can be opened again.")
 
 typedef enum check_rule {

@@ -29,6 +29,7 @@
 #define CASE_STOP         "stop"
 #define CASE_DEVICES      "devices"
 #define CASE_OUTPUT       "output"
+#define CASE_FACE_OUTPUT  "face_output"
 
 /* The child gives up by itself after WATCH_LIMIT_S of wall time, and can say where; the parent ends
  * it after CASE_LIMIT_S. */

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every command that the README and the guide to exports show works as shown, from the top folder. (./test is what runs
+# Every command that the README and the guides to exports and outputs show works as shown, from the top folder. (./test is what runs
 # this.)
 source "$(dirname "$0")/lib.sh"
 cd "$SOURCE_DIR" || exit 1
@@ -12,6 +12,6 @@ while read -r line; do
     count=$((count + 1))
     echo "\$ $line"
     bash -c "$line" >"$scratch/log" 2>&1 || { fail "$line"; tail -n 5 "$scratch/log"; }
-done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md ui/exports.md)
+done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md ui/exports.md ui/outputs.md)
 [ $count -ge 3 ] || fail "only $count commands were found in the README"
 finish

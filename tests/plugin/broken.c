@@ -1,6 +1,7 @@
 /* One plugin per rule that it breaks: the build defines BROKEN as one of the names below. Each is a
- * mapping, an input and an output that is right but for that rule; broken_io.h has the latter two.
- * A name is the rule's id, or one of the old short names that tests/plugin/check.sh lists. */
+ * mapping, an input and outputs that are right but for that rule; broken_io.h has all but the
+ * first. A name is the rule's id, or one of the old short names that tests/plugin/check.sh lists.
+ */
 #include <marotte/plugin.h>
 
 #include <fcntl.h>
@@ -96,7 +97,12 @@ enum {
     BROKEN_OUTPUT_ABSENT,
     BROKEN_OUTPUT_WRITE,
     BROKEN_OUTPUT_WAIT,
-    BROKEN_OUTPUT_REOPEN
+    BROKEN_OUTPUT_REOPEN,
+    BROKEN_FACE_OUTPUT_ABSENT,
+    BROKEN_FACE_OUTPUT_FACES,
+    BROKEN_FACE_OUTPUT_SEND,
+    BROKEN_FACE_OUTPUT_TIME,
+    BROKEN_FACE_OUTPUT_REOPEN
 };
 #define BREAKS(rule) (BROKEN == BROKEN_##rule)
 
@@ -395,6 +401,7 @@ static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
                                            {MRT_INPUT, &input},
                                            {MRT_OUTPUT, &output},
                                            {MRT_DEVICES, &devices},
+                                           {MRT_FACE_OUTPUT, &face_output},
                                            {BREAKS(TYPE_INTERFACES) ? "devices" : NULL, &devices},
                                            {NULL, NULL}};
 

@@ -1,4 +1,4 @@
-/* broken_io.h - the input, the output and the list of devices of broken.c, which includes it. The
+/* broken_io.h - the input, the outputs and the list of devices of broken.c, which includes it. The
  * input is a record of 200 samples, 10 ms apart. */
 #ifndef TESTS_PLUGIN_BROKEN_IO_H
 #define TESTS_PLUGIN_BROKEN_IO_H
@@ -136,5 +136,47 @@ static void close_output(mrt_plugin *self)
 }
 
 static const mrt_output output = {open_output, write_output, close_output};
+
+/* ---- the face output ---- */
+
+static mrt_result open_face(mrt_plugin *self, const char *address, const double *values,
+                            mrt_face_wants *wants)
+{
+    (void)values;
+    wants->vertices = 1;
+    if (strchr(address, ' '))
+        return refuse(self, MRT_ERR_ARGUMENT,
+                      BREAKS(FACE_OUTPUT_ABSENT) ? "no"
+                                                 : "an address has no blanks: write HOST:PORT");
+    self->open_count += 1;
+    if (BREAKS(FACE_OUTPUT_REOPEN) && self->open_count > 1)
+        return refuse(self, MRT_ERR_IO, "it was open once, that is enough");
+    return MRT_OK;
+}
+
+static mrt_result begin_face(mrt_plugin *self, const mrt_face_names *names)
+{
+    if (BREAKS(FACE_OUTPUT_FACES) && names->bone_count == 0)
+        return refuse(self, MRT_ERR_UNSUPPORTED, "a face without bones is none");
+    return MRT_OK;
+}
+
+static mrt_result send_face(mrt_plugin *self, const double *values, const mrt_face_sample *sample)
+{
+    struct timespec span = {0, 30000000};
+    (void)values;
+    if (BREAKS(FACE_OUTPUT_TIME))
+        nanosleep(&span, NULL);
+    if (BREAKS(FACE_OUTPUT_SEND) && sample->number == 50)
+        return refuse(self, MRT_ERR_IO, "nobody listens");
+    return MRT_OK;
+}
+
+static void close_face(mrt_plugin *self)
+{
+    (void)self;
+}
+
+static const mrt_face_output face_output = {open_face, begin_face, send_face, close_face};
 
 #endif

@@ -51,5 +51,6 @@ void cases_recorded(const examination *e);
 void cases_stop(const examination *e);
 void cases_devices(const examination *e);
 void cases_output(const examination *e);
+void cases_face_output(const examination *e);
 
 #endif

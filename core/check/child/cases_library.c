@@ -81,9 +81,10 @@ static uint32_t types_concerns(const mrt_plugin_type *type)
     static const struct {
         const char *id;
         uint32_t concerns;
-    } known[] = {{MRT_MAPPING, CONCERNS_MAPPING}, {MRT_INPUT, CONCERNS_INPUT},
-                 {MRT_OUTPUT, CONCERNS_OUTPUT},   {MRT_STATE, CONCERNS_STATE},
-                 {MRT_RESUME, CONCERNS_RESUME},   {MRT_DEVICES, CONCERNS_DEVICES}};
+    } known[] = {{MRT_MAPPING, CONCERNS_MAPPING},        {MRT_INPUT, CONCERNS_INPUT},
+                 {MRT_OUTPUT, CONCERNS_OUTPUT},          {MRT_STATE, CONCERNS_STATE},
+                 {MRT_RESUME, CONCERNS_RESUME},          {MRT_DEVICES, CONCERNS_DEVICES},
+                 {MRT_FACE_OUTPUT, CONCERNS_FACE_OUTPUT}};
     uint32_t concerns = CONCERNS_TYPE;
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (types_interface(type, known[i].id))
@@ -214,8 +215,8 @@ static bool is_known(const char *id, size_t *out_functions)
     static const struct {
         const char *id;
         size_t functions;
-    } known[] = {{MRT_INPUT, 4},   {MRT_DEVICES, 2}, {MRT_OUTPUT, 3},
-                 {MRT_MAPPING, 4}, {MRT_STATE, 2},   {MRT_RESUME, 2}};
+    } known[] = {{MRT_INPUT, 4}, {MRT_DEVICES, 2}, {MRT_OUTPUT, 3},     {MRT_MAPPING, 4},
+                 {MRT_STATE, 2}, {MRT_RESUME, 2},  {MRT_FACE_OUTPUT, 4}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
         *out_functions = known[i].functions;
         if (strcmp(known[i].id, id) == 0)
@@ -250,9 +251,9 @@ static void judge_interfaces(const mrt_plugin_type *type)
         tell_failed(RULE_TYPE_INTERFACES, "no id is NULL among the first %d: the table has no end",
                     TYPES_INTERFACES_MAX);
     if (!types_interface(type, MRT_INPUT) && !types_interface(type, MRT_MAPPING) &&
-        !types_interface(type, MRT_OUTPUT))
-        tell_failed(RULE_TYPE_INTERFACES, "it is none of %s, %s, %s", MRT_INPUT, MRT_MAPPING,
-                    MRT_OUTPUT);
+        !types_interface(type, MRT_OUTPUT) && !types_interface(type, MRT_FACE_OUTPUT))
+        tell_failed(RULE_TYPE_INTERFACES, "it is none of %s, %s, %s, %s", MRT_INPUT, MRT_MAPPING,
+                    MRT_OUTPUT, MRT_FACE_OUTPUT);
 }
 
 /* ---- parameters ---- */

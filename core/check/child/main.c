@@ -30,7 +30,7 @@ static const case_entry cases[] = {
     {CASE_RESUME, cases_resume},     {CASE_ABSENT, cases_absent},
     {CASE_INPUT, cases_input},       {CASE_RECORDED, cases_recorded},
     {CASE_STOP, cases_stop},         {CASE_DEVICES, cases_devices},
-    {CASE_OUTPUT, cases_output},
+    {CASE_OUTPUT, cases_output},     {CASE_FACE_OUTPUT, cases_face_output},
 };
 
 static const char *address_of(const char *word)

@@ -9,6 +9,7 @@
  *                    that plays a take: may allocate, open files, take a few milliseconds;
  *            [input] a thread the host makes for one input: may block, until its deadline;
  *            [frame] the real-time thread: no allocation, lock, I/O, clock or unbounded loop;
+ *            [output] a thread the host makes for one face output;
  *            [any]   all of these, even at the same time (host services only).
  *          Two calls into one instance never overlap, whatever their marks and threads, and each
  *          sees what the one before did: plugins need no lock, and keep nothing by thread.
@@ -62,7 +63,7 @@ enum { MRT_LOG_DEBUG, MRT_LOG_INFO, MRT_LOG_WARNING, MRT_LOG_ERROR };
 typedef struct mrt_host {
     void *data;                                                                /* the host's own */
     void (*log)(const struct mrt_host *host, int32_t level, const char *text); /* [any] wait-free */
-    int64_t (*now_ns)(const struct mrt_host *host); /* [main] [input] monotonic */
+    int64_t (*now_ns)(const struct mrt_host *host); /* [main] [input] [output] monotonic */
     /* [input] Waits until the host's clock reaches time_ns; returns the time then. A host that
      * replays faster than life moves its clock instead of waiting: an input that paces itself with
      * this, and with nothing else, can be replayed at any speed. */
@@ -294,6 +295,55 @@ typedef struct mrt_mapping {
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
+/* ---- face output: the face itself, for other programs, while it is performed or played ---- */
+#define MRT_FACE_OUTPUT "marotte.face_output/1"
+typedef struct mrt_face_names { /* valid from begin until the next begin, or close */
+    const mrt_face *face;       /* contacts, degrees of freedom, bounds */
+    const char *const *bones;   /* "skull", "jaw", "eye.l" */
+    const int32_t *parents;     /* of each bone: an index; -1: it rides on nothing */
+    const mrt_vec3 *pivots;     /* of each bone, mm: what it turns about, at rest */
+    const char *const *shapes;  /* the head's own morph targets, as its file calls them */
+    /* What any face can be said in, whatever shapes it has: the 61 channels of Live Link Face in
+     * its order, which are ARKit's 52 ("EyeBlinkLeft" first) and 9 turns ("HeadYaw"); then others,
+     * told apart by name: VRM's expressions ("aa", "happy"), visemes. May be none. */
+    const char *const *weights;
+    uint32_t bone_count, shape_count, weight_count, vertex_count;
+} mrt_face_names;
+typedef struct mrt_bone_pose { /* from rest to now in the face frame: p becomes turn p + shift */
+    float turn[4];             /* quaternion x y z w */
+    mrt_vec3 shift;            /* mm */
+} mrt_bone_pose;
+typedef struct mrt_face_sample {
+    int64_t time_ns;            /* host clock: when what moved the face was measured; of a take that
+                                   plays: when this instant of it is due */
+    int64_t take_ns;            /* of a take: from its start; below 0: no take plays */
+    uint64_t number;            /* of the face: larger with each; the same: it is said once more */
+    const mrt_bone_pose *bones; /* counts and order as in mrt_face_names */
+    const float *dofs;          /* rad or mm, as posed: derived and limited ones too */
+    const mrt_vec3 *contacts;   /* mm: how far each is from where it rests */
+    const float *shapes;        /* 0..1 */
+    const float *weights;     /* 0..1; of turns rad: to the face's left, up, to its left shoulder */
+    const mrt_vec3 *vertices; /* mm, the mesh file's order; NULL: not asked for */
+} mrt_face_sample;
+typedef struct mrt_face_wants { /* what an output asks for; on entry: zeros */
+    double rate_hz;             /* at most so many faces a second, the newest; 0: each sample's */
+    double repeat_s;            /* a face that nothing moves is said again after so long; 0: 1 s */
+    uint32_t vertices;          /* 1: vertices too */
+} mrt_face_wants;
+typedef struct mrt_face_output {
+    /* [output] is a thread of its own, or the plugin's own process: it may take some milliseconds,
+     * and makes no frame wait: a face that comes meanwhile replaces the one before it. After an
+     * error of open or send the host closes, and opens again a second later. */
+    mrt_result (*open)(mrt_plugin *self, const char *address, const double *params,
+                       mrt_face_wants *wants); /* [output] "": the usual place */
+    mrt_result (*begin)(mrt_plugin *self, const mrt_face_names *names); /* [output] and for each
+                                                                           other face */
+    /* [output] Also looks for what the other side has sent. MRT_OK: it was sent; MRT_TIMEOUT:
+     * nobody is there who takes it. */
+    mrt_result (*send)(mrt_plugin *self, const double *params, const mrt_face_sample *sample);
+    void (*close)(mrt_plugin *self); /* [output] also when open has failed */
+} mrt_face_output;
+
 /* ---- state: what a person taught it and parameters cannot hold, such as poses or a calibration.
  * Kept with takes, shows and presets; reset() returns to what was loaded last ---- */
 #define MRT_STATE "marotte.state/1"
@@ -348,6 +398,11 @@ MRT_LAYOUT(mrt_face, 48, high, 36);
 MRT_LAYOUT(mrt_vector, 28, contact, 24);
 MRT_LAYOUT(mrt_pull, 1956, dof, 1828);
 MRT_LAYOUT(mrt_mapping, 32, process, 24);
+MRT_LAYOUT(mrt_face_names, 64, vertex_count, 60);
+MRT_LAYOUT(mrt_bone_pose, 28, shift, 16);
+MRT_LAYOUT(mrt_face_sample, 72, vertices, 64);
+MRT_LAYOUT(mrt_face_wants, 24, vertices, 16);
+MRT_LAYOUT(mrt_face_output, 32, close, 24);
 MRT_LAYOUT(mrt_state, 16, load, 8);
 MRT_LAYOUT(mrt_resume, 16, load, 8);
 #undef MRT_LAYOUT

@@ -108,7 +108,6 @@ static const isolate *isolate_of(const mrt_plugin_type *type)
 
 static const int64_t start_patience_ns = 5 * NS_PER_S;
 static const int64_t end_patience_ns = NS_PER_S / 5;
-static const int64_t slice_ns = 20 * NS_PER_MS;
 static const int64_t again_ns = 60 * NS_PER_S;
 enum { DEATH_MS = 20 };
 
@@ -117,27 +116,7 @@ static void say(const mrt_plugin *self, int32_t level, const char *text)
     self->host->log(self->host, level, text);
 }
 
-static bool has_ended(const isolate_process *link, int timeout_ms)
-{
-    struct pollfd end = {.fd = link->pidfd, .events = POLLIN};
-    return link->pidfd >= 0 && poll(&end, 1, timeout_ms) > 0;
-}
-
 /* ---- a child is started ---- */
-
-/* As ask_child, from the supervisor, but notices the child's end by itself. */
-static mrt_result ask(isolate_process *link, uint32_t kind, int64_t patience_ns)
-{
-    int64_t until_ns = clock_now_ns() + patience_ns;
-    mrt_result result = MRT_TIMEOUT;
-    isolate_process_ask(link, kind);
-    while (result == MRT_TIMEOUT && clock_now_ns() < until_ns) {
-        result = isolate_process_wait_until_ns(link, clock_now_ns() + slice_ns);
-        if (result == MRT_TIMEOUT && has_ended(link, 0))
-            isolate_process_tell_dead(link);
-    }
-    return result == MRT_OK ? link->block->result : MRT_ERR_IO;
-}
 
 static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *bytes, size_t size)
 {
@@ -145,7 +124,7 @@ static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *byt
         return MRT_ERR_ARGUMENT;
     memcpy(link->block->bytes, bytes, size);
     link->block->size = (uint32_t)size;
-    return ask(link, kind, start_patience_ns);
+    return isolate_process_call(link, kind, start_patience_ns);
 }
 
 static bool is_same_table(const mrt_plugin *self, const isolate_block *block)
@@ -158,7 +137,7 @@ static bool is_same_table(const mrt_plugin *self, const isolate_block *block)
 static mrt_result explain_start(mrt_plugin *self, error *err)
 {
     error how = {""};
-    bool died = has_ended(&self->link, 0);
+    bool died = isolate_process_has_ended(&self->link, 0);
     (void)error_set(err, MRT_ERR_UNSUPPORTED, "its process gave no answer");
     bool has_words = isolate_process_why(&self->link, err);
     isolate_process_end(&self->link, &how);
@@ -174,7 +153,7 @@ static mrt_result start(mrt_plugin *self, error *err)
     mrt_result result = isolate_process_start(&self->link, self->library, self->inner->id, err);
     if (result < 0)
         return result;
-    result = ask(&self->link, ISOLATE_CREATE, start_patience_ns);
+    result = isolate_process_call(&self->link, ISOLATE_CREATE, start_patience_ns);
     if (result < 0)
         return explain_start(self, err);
     isolate_process_drain(&self->link, self->host);
@@ -202,14 +181,14 @@ static mrt_result bring_up(mrt_plugin *self)
     if (result >= 0) {
         size_t size = isolate_face_put(link->block->bytes, ISOLATE_BYTES, self->face);
         link->block->size = (uint32_t)size;
-        result = ask(link, ISOLATE_ACTIVATE, start_patience_ns);
+        result = isolate_process_call(link, ISOLATE_ACTIVATE, start_patience_ns);
     }
     if (result >= 0)
-        result = ask(link, ISOLATE_RESET, start_patience_ns);
+        result = isolate_process_call(link, ISOLATE_RESET, start_patience_ns);
     if (result >= 0 && self->resume_size > 0 &&
         ask_with(link, ISOLATE_RESUME_LOAD, self->resume, self->resume_size) < 0) {
         self->resume_size = 0;
-        result = ask(link, ISOLATE_RESET, start_patience_ns);
+        result = isolate_process_call(link, ISOLATE_RESET, start_patience_ns);
     }
     isolate_process_drain(link, self->host);
     return result;
@@ -250,7 +229,7 @@ static void write_report(mrt_plugin *self, const char *reason)
 static void explain_end(mrt_plugin *self, error *out_reason)
 {
     error how = {""};
-    bool died = has_ended(&self->link, DEATH_MS);
+    bool died = isolate_process_has_ended(&self->link, DEATH_MS);
     end_child(self, &how);
     if (died && how.text[0])
         *out_reason = how;
@@ -329,8 +308,8 @@ static void ask_to_end(mrt_plugin *self)
 {
     uint32_t phase = atomic_load(&self->phase);
     bool answers = phase == ISOLATE_RUNNING || phase == ISOLATE_READY;
-    if (answers && self->link.block && !self->owed && !has_ended(&self->link, 0))
-        (void)ask(&self->link, ISOLATE_DESTROY, end_patience_ns);
+    if (answers && self->link.block && !self->owed && !isolate_process_has_ended(&self->link, 0))
+        (void)isolate_process_call(&self->link, ISOLATE_DESTROY, end_patience_ns);
     end_child(self, NULL);
 }
 

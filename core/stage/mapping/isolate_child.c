@@ -1,6 +1,6 @@
-/* marotte-pluginhost LIBRARY TYPE - one mapping in a process of its own: does what it is asked for
- * in the memory that it finds at ISOLATE_FD. Started by stage/isolate_process.c, of no use to
- * people; it ends with the program that has started it. */
+/* marotte-pluginhost LIBRARY TYPE - one mapping or face output in a process of its own: does what
+ * it is asked for in the memory that it finds at ISOLATE_FD. Started by stage/isolate_process.c, of
+ * no use to people; it ends with the program that has started it. */
 #include "base/program.h"
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"
@@ -28,9 +28,12 @@ typedef struct child {
     const mrt_mapping *mapping;
     const mrt_state *state;
     const mrt_resume *resume;
+    const mrt_face_output *output;
     mrt_plugin *self;
     mrt_host host;
     isolate_face face;
+    isolate_names names; /* of the face that the output was told last */
+    float *value;        /* of a sample of it */
     bool is_active;
 } child;
 
@@ -90,7 +93,8 @@ static bool find_type(child *self, const char *path, const char *id)
     error err = {""};
     const mrt_plugin_type *const *types = library_open(path, &err);
     for (; types && *types && (*types)->abi == MRT_ABI; ++types)
-        if (strcmp((*types)->id, id) == 0 && interface_of(*types, MRT_MAPPING))
+        if (strcmp((*types)->id, id) == 0 &&
+            (interface_of(*types, MRT_MAPPING) || interface_of(*types, MRT_FACE_OUTPUT)))
             self->type = *types;
     if (!self->type)
         say(self->block, MRT_LOG_ERROR,
@@ -103,6 +107,7 @@ static mrt_result create(child *self)
     self->mapping = interface_of(self->type, MRT_MAPPING);
     self->state = interface_of(self->type, MRT_STATE);
     self->resume = interface_of(self->type, MRT_RESUME);
+    self->output = interface_of(self->type, MRT_FACE_OUTPUT);
     self->host = (mrt_host){
         self, host_log, host_now_ns, host_wait_until_ns, host_request_restart, host_service};
     self->block->param_count = self->type->param_count;
@@ -151,11 +156,72 @@ static mrt_result process(child *self)
     return result;
 }
 
+/* ---- a face output ---- */
+
+static void forget_names(child *self)
+{
+    isolate_names_finish(&self->names);
+    free(self->value);
+    self->value = NULL;
+}
+
+static mrt_result begin(child *self)
+{
+    isolate_names old = self->names; /* the plugin has them until it is told others */
+    mrt_result result = isolate_names_take(&self->names, self->block->bytes, self->block->size);
+    float *value = result < 0
+                       ? NULL
+                       : calloc(isolate_sample_floats(&self->names.names, true) + 1, sizeof *value);
+    if (result >= 0 && !value)
+        result = MRT_ERR_MEMORY;
+    if (result >= 0)
+        result = self->output->begin(self->self, &self->names.names);
+    isolate_names_finish(&old);
+    free(self->value);
+    self->value = value;
+    return result;
+}
+
+static mrt_result send_sample(child *self)
+{
+    const isolate_block *block = self->block;
+    mrt_face_sample sample = {0};
+    if (!self->value)
+        return MRT_ERR_ARGUMENT;
+    mrt_result result =
+        isolate_sample_take(&sample, self->value, &self->names.names, block->bytes, block->size);
+    return result < 0 ? result : self->output->send(self->self, block->params, &sample);
+}
+
+static mrt_result answer_output(child *self)
+{
+    isolate_block *block = self->block;
+    switch (block->kind) {
+    case ISOLATE_OUTPUT_OPEN:
+        block->wants = (mrt_face_wants){0};
+        block->bytes[ISOLATE_BYTES - 1] = '\0';
+        return self->output->open(self->self, (const char *)block->bytes, block->params,
+                                  &block->wants);
+    case ISOLATE_OUTPUT_BEGIN:
+        return begin(self);
+    case ISOLATE_OUTPUT_SEND:
+        return send_sample(self);
+    default:
+        self->output->close(self->self);
+        forget_names(self);
+        return MRT_OK;
+    }
+}
+
 static mrt_result answer(child *self)
 {
     isolate_block *block = self->block;
     if (!self->self && block->kind != ISOLATE_CREATE)
         return MRT_ERR_ARGUMENT;
+    if (block->kind >= ISOLATE_OUTPUT_OPEN && block->kind <= ISOLATE_OUTPUT_CLOSE)
+        return self->output ? answer_output(self) : MRT_ERR_UNSUPPORTED;
+    if (!self->mapping && block->kind != ISOLATE_CREATE && block->kind != ISOLATE_DESTROY)
+        return MRT_ERR_UNSUPPORTED;
     switch (block->kind) {
     case ISOLATE_CREATE:
         return create(self);

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <linux/memfd.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -18,7 +19,7 @@
 
 extern char **environ;
 
-static const int64_t spin_ns = 5000;
+static const int64_t spin_ns = 5000, slice_ns = 20 * NS_PER_MS;
 
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
@@ -183,6 +184,25 @@ mrt_result isolate_process_wait_until_ns(isolate_process *self, int64_t time_ns)
     if (has_answered(block))
         return MRT_OK;
     return atomic_load(&block->is_dead) ? MRT_ERR_IO : MRT_TIMEOUT;
+}
+
+bool isolate_process_has_ended(const isolate_process *self, int timeout_ms)
+{
+    struct pollfd end = {.fd = self->pidfd, .events = POLLIN};
+    return self->pidfd >= 0 && poll(&end, 1, timeout_ms) > 0;
+}
+
+mrt_result isolate_process_call(isolate_process *self, uint32_t kind, int64_t patience_ns)
+{
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    mrt_result result = MRT_TIMEOUT;
+    isolate_process_ask(self, kind);
+    while (result == MRT_TIMEOUT && clock_now_ns() < until_ns) {
+        result = isolate_process_wait_until_ns(self, clock_now_ns() + slice_ns);
+        if (result == MRT_TIMEOUT && isolate_process_has_ended(self, 0))
+            isolate_process_tell_dead(self);
+    }
+    return result == MRT_OK ? self->block->result : MRT_ERR_IO;
 }
 
 int64_t isolate_process_cpu_ns(const isolate_process *self)

@@ -32,6 +32,10 @@ void isolate_process_ask(isolate_process *self, uint32_t kind);
 /* MRT_OK: it has answered, see block->result; MRT_TIMEOUT; MRT_ERR_IO: it has ended. Spins for some
  * microseconds before it sleeps. */
 mrt_result isolate_process_wait_until_ns(isolate_process *self, int64_t time_ns);
+/* [host] Asks and waits, and notices the child's end by itself. What it answered, or MRT_ERR_IO. */
+mrt_result isolate_process_call(isolate_process *self, uint32_t kind, int64_t patience_ns);
+/* [host] Waits for its end so long. */
+bool isolate_process_has_ended(const isolate_process *self, int timeout_ms);
 /* Processor time that it has used; 0 when that cannot be known. */
 int64_t isolate_process_cpu_ns(const isolate_process *self);
 

@@ -170,3 +170,140 @@ void isolate_face_finish(isolate_face *f)
     free(f->name);
     *f = (isolate_face){0};
 }
+
+/* ---- what a face output is told ---- */
+
+static uint32_t name_count(const mrt_face_names *n)
+{
+    return n->bone_count + n->shape_count + n->weight_count;
+}
+
+size_t isolate_names_put(void *bytes, size_t capacity, const mrt_face_names *names)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put_u32(&out, names->bone_count);
+    bytes_put_u32(&out, names->shape_count);
+    bytes_put_u32(&out, names->weight_count);
+    bytes_put_u32(&out, names->vertex_count);
+    for (uint32_t i = 0; i < names->bone_count; ++i) {
+        put_name(&out, names->bones[i]);
+        bytes_put(&out, &names->parents[i], sizeof names->parents[i]);
+        bytes_put(&out, &names->pivots[i], sizeof names->pivots[i]);
+    }
+    for (uint32_t i = 0; i < names->shape_count; ++i)
+        put_name(&out, names->shapes[i]);
+    for (uint32_t i = 0; i < names->weight_count; ++i)
+        put_name(&out, names->weights[i]);
+    void *rest = bytes && out.size < capacity ? (unsigned char *)bytes + out.size : NULL;
+    return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, names->face);
+}
+
+static mrt_result make_names(isolate_names *out)
+{
+    const mrt_face_names *n = &out->names;
+    if (n->bone_count > FACE_THINGS_MAX || n->shape_count > FACE_THINGS_MAX ||
+        n->weight_count > FACE_THINGS_MAX)
+        return MRT_ERR_FORMAT;
+    out->text = calloc((size_t)name_count(n) + 1, sizeof *out->text);
+    out->name = calloc((size_t)name_count(n) + 1, sizeof *out->name);
+    out->parent = calloc((size_t)n->bone_count + 1, sizeof *out->parent);
+    out->pivot = calloc((size_t)n->bone_count + 1, sizeof *out->pivot);
+    return out->text && out->name && out->parent && out->pivot ? MRT_OK : MRT_ERR_MEMORY;
+}
+
+mrt_result isolate_names_take(isolate_names *out, const void *bytes, size_t size)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    *out = (isolate_names){0};
+    mrt_face_names *n = &out->names;
+    n->bone_count = bytes_take_u32(&in);
+    n->shape_count = bytes_take_u32(&in);
+    n->weight_count = bytes_take_u32(&in);
+    n->vertex_count = bytes_take_u32(&in);
+    mrt_result result = make_names(out);
+    for (uint32_t i = 0; result >= 0 && i < name_count(n); ++i) {
+        out->text[i] = take_name(&in, out->name[i]);
+        if (i >= n->bone_count)
+            continue;
+        bytes_take(&in, &out->parent[i], sizeof out->parent[i]);
+        bytes_take(&in, &out->pivot[i], sizeof out->pivot[i]);
+        if (out->parent[i] < -1 || out->parent[i] >= (int32_t)n->bone_count)
+            result = MRT_ERR_FORMAT;
+    }
+    if (result >= 0 && in.failed)
+        result = MRT_ERR_FORMAT;
+    if (result >= 0)
+        result = isolate_face_take(&out->face, in.at, (size_t)(in.end - in.at));
+    n->face = &out->face.face;
+    n->parents = out->parent;
+    n->pivots = out->pivot;
+    n->bones = out->text;
+    n->shapes = out->text ? out->text + n->bone_count : NULL;
+    n->weights = out->text ? n->shapes + n->shape_count : NULL;
+    if (result < 0)
+        isolate_names_finish(out);
+    return result;
+}
+
+void isolate_names_finish(isolate_names *n)
+{
+    isolate_face_finish(&n->face);
+    free(n->text);
+    free(n->name);
+    free(n->parent);
+    free(n->pivot);
+    *n = (isolate_names){0};
+}
+
+enum { POSE_FLOATS = sizeof(mrt_bone_pose) / sizeof(float) };
+
+size_t isolate_sample_floats(const mrt_face_names *names, bool has_vertices)
+{
+    return POSE_FLOATS * (size_t)names->bone_count + names->face->dof_count +
+           3 * (size_t)names->face->contact_count + names->shape_count + names->weight_count +
+           (has_vertices ? 3 * (size_t)names->vertex_count : 0);
+}
+
+void isolate_sample_at(mrt_face_sample *sample, const mrt_face_names *names, const float *value,
+                       bool has_vertices)
+{
+    sample->bones = (const mrt_bone_pose *)(const void *)value;
+    value += POSE_FLOATS * (size_t)names->bone_count;
+    sample->dofs = value;
+    value += names->face->dof_count;
+    sample->contacts = (const mrt_vec3 *)(const void *)value;
+    value += 3 * (size_t)names->face->contact_count;
+    sample->shapes = value;
+    value += names->shape_count;
+    sample->weights = value;
+    value += names->weight_count;
+    sample->vertices = has_vertices ? (const mrt_vec3 *)(const void *)value : NULL;
+}
+
+size_t isolate_sample_put(void *bytes, size_t capacity, const mrt_face_names *names,
+                          const mrt_face_sample *sample)
+{
+    bytes_out out = {.data = bytes, .capacity = capacity};
+    size_t floats = isolate_sample_floats(names, sample->vertices != NULL);
+    bytes_put(&out, &sample->time_ns, sizeof sample->time_ns);
+    bytes_put(&out, &sample->take_ns, sizeof sample->take_ns);
+    bytes_put(&out, &sample->number, sizeof sample->number);
+    bytes_put(&out, sample->bones, floats * sizeof(float));
+    return out.size;
+}
+
+mrt_result isolate_sample_take(mrt_face_sample *out, float *value, const mrt_face_names *names,
+                               const void *bytes, size_t size)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    bytes_take(&in, &out->time_ns, sizeof out->time_ns);
+    bytes_take(&in, &out->take_ns, sizeof out->take_ns);
+    bytes_take(&in, &out->number, sizeof out->number);
+    size_t left = (size_t)(in.end - in.at);
+    bool has_vertices = left != isolate_sample_floats(names, false) * sizeof *value;
+    if (in.failed || left != isolate_sample_floats(names, has_vertices) * sizeof *value)
+        return MRT_ERR_FORMAT;
+    bytes_take(&in, value, left);
+    isolate_sample_at(out, names, value, has_vertices);
+    return MRT_OK;
+}

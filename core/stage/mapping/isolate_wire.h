@@ -8,7 +8,7 @@
 
 #include <stdatomic.h>
 
-enum { ISOLATE_FD = 3, ISOLATE_VERSION = 2 };
+enum { ISOLATE_FD = 3, ISOLATE_VERSION = 3 };
 enum { ISOLATE_PARAMS_MAX = 1024, ISOLATE_LOGS = 32, ISOLATE_LOG_TEXT = 240 };
 enum { ISOLATE_NAME = 64, ISOLATE_INPUT_NAME = 96, ISOLATE_BYTES = 1 << 20 };
 
@@ -22,7 +22,11 @@ enum {
     ISOLATE_STATE_SAVE, /* out: bytes, size; 0: it does not fit or cannot be said */
     ISOLATE_STATE_LOAD, /* in: bytes, size */
     ISOLATE_RESUME_SAVE,
-    ISOLATE_RESUME_LOAD
+    ISOLATE_RESUME_LOAD,
+    ISOLATE_OUTPUT_OPEN,  /* bytes: the address, 0-ended; out: wants */
+    ISOLATE_OUTPUT_BEGIN, /* bytes: the names */
+    ISOLATE_OUTPUT_SEND,  /* bytes: a sample of the face begun */
+    ISOLATE_OUTPUT_CLOSE
 };
 
 typedef struct isolate_log {
@@ -57,6 +61,7 @@ typedef struct isolate_block {
     double params[ISOLATE_PARAMS_MAX];
     isolate_input input[MRT_MAX_INPUTS];
     mrt_pull pull;
+    mrt_face_wants wants;
 
     _Atomic uint32_t log_count; /* ever said; the newest ISOLATE_LOGS are there */
     isolate_log log[ISOLATE_LOGS];
@@ -90,5 +95,33 @@ typedef struct isolate_face {
 } isolate_face;
 CHECKED mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size);
 void isolate_face_finish(isolate_face *f); /* zeroed is fine */
+
+/* ---- what a face output is told, as bytes ---- */
+
+size_t isolate_names_put(void *bytes, size_t capacity, const mrt_face_names *names);
+/* What names from bytes point to; isolate_names_finish frees it. */
+typedef struct isolate_names {
+    mrt_face_names names;
+    isolate_face face;
+    const char **text; /* of bones, shapes, weights */
+    char (*name)[ISOLATE_NAME];
+    int32_t *parent;
+    mrt_vec3 *pivot;
+} isolate_names;
+CHECKED mrt_result isolate_names_take(isolate_names *out, const void *bytes, size_t size);
+void isolate_names_finish(isolate_names *n); /* zeroed is fine */
+
+/* A sample's values lie one behind the other, in the order of mrt_face_sample. So many; the
+ * vertices, which come last, if they are asked for. */
+size_t isolate_sample_floats(const mrt_face_names *names, bool has_vertices);
+/* Points a sample at its values; its times and its number stay. */
+void isolate_sample_at(mrt_face_sample *sample, const mrt_face_names *names, const float *value,
+                       bool has_vertices);
+/* Of a sample whose values lie so. Returns the size; at most `capacity` are written. */
+size_t isolate_sample_put(void *bytes, size_t capacity, const mrt_face_names *names,
+                          const mrt_face_sample *sample);
+/* value: isolate_sample_floats with vertices; `out` points there. */
+CHECKED mrt_result isolate_sample_take(mrt_face_sample *out, float *value,
+                                       const mrt_face_names *names, const void *bytes, size_t size);
 
 #endif

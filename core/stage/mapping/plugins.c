@@ -76,9 +76,10 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     const mrt_state *state = plugin_interface(type, MRT_STATE);
     const mrt_devices *devices = plugin_interface(type, MRT_DEVICES);
     const mrt_output *output = plugin_interface(type, MRT_OUTPUT);
-    if (!input && !mapping && !output)
-        return error_set(err, MRT_ERR_FORMAT, "%s: answers none of %s, %s, %s", type->id, MRT_INPUT,
-                         MRT_MAPPING, MRT_OUTPUT);
+    const mrt_face_output *face = plugin_interface(type, MRT_FACE_OUTPUT);
+    if (!input && !mapping && !output && !face)
+        return error_set(err, MRT_ERR_FORMAT, "%s: answers none of %s, %s, %s, %s", type->id,
+                         MRT_INPUT, MRT_MAPPING, MRT_OUTPUT, MRT_FACE_OUTPUT);
     if (input && (!input->open || !input->channels || !input->read || !input->close))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_INPUT);
     if (mapping &&
@@ -90,6 +91,8 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_DEVICES);
     if (output && (!output->open || !output->write || !output->close))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_OUTPUT);
+    if (face && (!face->open || !face->begin || !face->send || !face->close))
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_FACE_OUTPUT);
     return MRT_OK;
 }
 
@@ -388,9 +391,10 @@ static void name_all(const plugin_list *list, const char *interface_id, char *ou
 
 static const char *kind_of(const char *interface_id)
 {
-    return strcmp(interface_id, MRT_INPUT) == 0    ? "input"
-           : strcmp(interface_id, MRT_OUTPUT) == 0 ? "output"
-                                                   : "mapping";
+    return strcmp(interface_id, MRT_INPUT) == 0         ? "input"
+           : strcmp(interface_id, MRT_OUTPUT) == 0      ? "output"
+           : strcmp(interface_id, MRT_FACE_OUTPUT) == 0 ? "face output"
+                                                        : "mapping";
 }
 
 mrt_result plugin_list_find(const plugin_list *list, const char *name, const char *interface_id,

@@ -1,0 +1,208 @@
+#include "stage/mapping/isolate_output.h"
+#include "base/clock.h"
+#include "stage/mapping/isolate_process.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int64_t start_patience_ns = 5 * NS_PER_S, hang_ns = NS_PER_S;
+enum { DEATH_MS = 20 };
+
+struct isolate_output {
+    mrt_plugin_type type; /* first: types are found by it */
+    const mrt_plugin_type *inner;
+    char *library;
+    mrt_interface interfaces[2];
+};
+
+struct mrt_plugin {
+    const mrt_host *host;
+    const isolate_output *of;
+    isolate_process link; /* block NULL: there is none */
+    isolate_names names;  /* as the process has been told them */
+    bool is_told_large;
+};
+
+/* Ends the process, and says why it did not answer. */
+static mrt_result give_up(mrt_plugin *self, const char *otherwise)
+{
+    error how = {""}, text = {""};
+    bool has_ended = isolate_process_has_ended(&self->link, DEATH_MS);
+    isolate_process_drain(&self->link, self->host);
+    isolate_process_end(&self->link, &how);
+    isolate_process_finish(&self->link);
+    (void)error_set(&text, MRT_ERR_IO, "its process %s", has_ended ? how.text : otherwise);
+    self->host->log(self->host, MRT_LOG_ERROR, text.text);
+    return MRT_ERR_IO;
+}
+
+/* MRT_ERR_IO with no process left: it crashed, or hung. */
+static mrt_result call(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
+{
+    mrt_result result = isolate_process_call(&self->link, kind, patience_ns);
+    const isolate_block *block = self->link.block;
+    if (result == MRT_ERR_IO && atomic_load(&block->answered) != atomic_load(&block->asked))
+        return give_up(self, "hangs");
+    isolate_process_drain(&self->link, self->host);
+    return result;
+}
+
+static bool is_same_table(const mrt_plugin *self)
+{
+    const mrt_plugin_type *inner = self->of->inner;
+    return self->link.block->param_count == inner->param_count &&
+           self->link.block->param_sum == isolate_param_sum(inner);
+}
+
+static void put_params(mrt_plugin *self, const double *params)
+{
+    memcpy(self->link.block->params, params,
+           self->of->inner->param_count * sizeof *self->link.block->params);
+}
+
+static mrt_result start(mrt_plugin *self)
+{
+    error err = {""};
+    mrt_result result =
+        isolate_process_start(&self->link, self->of->library, self->of->inner->id, &err);
+    if (result < 0) {
+        self->host->log(self->host, MRT_LOG_ERROR, err.text);
+        return result;
+    }
+    result = call(self, ISOLATE_CREATE, start_patience_ns);
+    if (result < 0 || is_same_table(self))
+        return result;
+    self->host->log(self->host, MRT_LOG_ERROR,
+                    "its library has changed: its parameters are others; open it anew");
+    return MRT_ERR_FORMAT;
+}
+
+static void end(mrt_plugin *self)
+{
+    isolate_process_end(&self->link, NULL);
+    isolate_process_finish(&self->link);
+    isolate_names_finish(&self->names);
+}
+
+/* ---- the interface ---- */
+
+static mrt_result open(mrt_plugin *self, const char *address, const double *params,
+                       mrt_face_wants *wants)
+{
+    end(self);
+    size_t size = strlen(address) + 1;
+    mrt_result result = size > ISOLATE_BYTES ? MRT_ERR_ARGUMENT : start(self);
+    if (result < 0)
+        return result;
+    memcpy(self->link.block->bytes, address, size);
+    put_params(self, params);
+    result = call(self, ISOLATE_OUTPUT_OPEN, start_patience_ns);
+    if (self->link.block)
+        *wants = self->link.block->wants;
+    return result;
+}
+
+static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
+{
+    if (!self->link.block)
+        return MRT_ERR_IO;
+    isolate_block *block = self->link.block;
+    size_t size = isolate_names_put(block->bytes, ISOLATE_BYTES, names);
+    isolate_names_finish(&self->names);
+    if (size > ISOLATE_BYTES || isolate_names_take(&self->names, block->bytes, size) < 0) {
+        self->host->log(self->host, MRT_LOG_ERROR, "the face has too many names");
+        return MRT_ERR_UNSUPPORTED;
+    }
+    block->size = (uint32_t)size;
+    return call(self, ISOLATE_OUTPUT_BEGIN, start_patience_ns);
+}
+
+static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+{
+    if (!self->link.block)
+        return MRT_ERR_IO;
+    isolate_block *block = self->link.block;
+    mrt_face_sample as = *sample;
+    size_t size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
+    if (size > ISOLATE_BYTES) {
+        if (!self->is_told_large)
+            self->host->log(self->host, MRT_LOG_WARNING,
+                            "the face has too many vertices for a process of its own: they are "
+                            "left out");
+        self->is_told_large = true;
+        as.vertices = NULL;
+        size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
+    }
+    block->size = (uint32_t)size;
+    put_params(self, params);
+    return call(self, ISOLATE_OUTPUT_SEND, hang_ns);
+}
+
+static void close(mrt_plugin *self)
+{
+    if (self->link.block && call(self, ISOLATE_OUTPUT_CLOSE, hang_ns) >= 0)
+        (void)call(self, ISOLATE_DESTROY, hang_ns);
+    end(self);
+}
+
+/* ---- made and unmade ---- */
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    const instance *made = host->data; /* this host is always ours */
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->of = (const isolate_output *)(const void *)made->type;
+    self->link.pidfd = -1;
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    end(self);
+    free(self);
+}
+
+static const mrt_face_output functions = {open, begin, send, close};
+
+mrt_result isolate_output_create(isolate_output **out, const mrt_plugin_type *inner,
+                                 const char *library, error *err)
+{
+    *out = NULL;
+    if (inner->param_count > ISOLATE_PARAMS_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s has too many parameters", inner->id);
+    isolate_output *self = calloc(1, sizeof *self);
+    char *path = strdup(library);
+    if (!self || !path) {
+        free(self);
+        free(path);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to isolate %s", inner->id);
+    }
+    self->inner = inner;
+    self->library = path;
+    self->interfaces[0] = (mrt_interface){MRT_FACE_OUTPUT, &functions};
+    self->type = *inner;
+    self->type.interfaces = self->interfaces;
+    self->type.create = create;
+    self->type.destroy = destroy;
+    *out = self;
+    return MRT_OK;
+}
+
+void isolate_output_destroy(isolate_output *self)
+{
+    if (!self)
+        return;
+    free(self->library);
+    free(self);
+}
+
+const mrt_plugin_type *isolate_output_type(const isolate_output *self)
+{
+    return &self->type;
+}

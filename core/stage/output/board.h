@@ -1,0 +1,45 @@
+/* stage/output/board.h - a face on its way out: its names, and a slot into which who performs it
+ * puts its newest values. Made for one face on [main]; filled by [frame] without waiting; taken by
+ * the thread of outputs.h, which says it in weights (face/face_weights.h). Leaves out where it
+ * goes. */
+#ifndef MAROTTE_STAGE_OUTPUT_BOARD_H
+#define MAROTTE_STAGE_OUTPUT_BOARD_H
+#include "base/slot.h"
+#include "face/face_weights.h"
+#include "stage/mapping/isolate_wire.h"
+#include "stage/perform/composer.h"
+
+typedef struct board_face { /* one of three */
+    int64_t time_ns, take_ns;
+    uint64_t number;
+    bool has_vertices;
+    float *value; /* as isolate_sample_floats, vertices included */
+} board_face;
+
+typedef struct face_board {
+    publish_slot slot;
+    isolate_names of; /* its own copy */
+    board_face face[3];
+    uint64_t number;
+    _Atomic uint32_t references;
+    const face_file *file;
+    face_weights *weights; /* [taker] NULL: none yet, or none can be made */
+    bool has_tried;        /* to make them */
+    double residual_mm;    /* of the face taken last, face_said */
+} face_board;
+
+/* [main] With one reference. The composer may go before it; the file must be there as long as faces
+ * are taken. */
+CHECKED mrt_result face_board_create(face_board **out, composer *of, const face_file *file,
+                                     error *err);
+face_board *face_board_keep(face_board *self); /* [any] one reference more */
+void face_board_drop(face_board *self);        /* [any but frame] NULL is fine */
+
+/* [frame] What the composer shows, drawn; a face like the one that it was made for. */
+void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t take_ns,
+                     bool with_vertices);
+/* [taker] The newest, said in weights; NULL: none since the last call. Until the next call. The
+ * first takes some 100 ms more: what the weights are found with is made. */
+const board_face *face_board_take(face_board *self);
+
+#endif

@@ -1,0 +1,574 @@
+#include "stage/output/outputs.h"
+#include "base/clock.h"
+#include "stage/input/spec.h"
+#include "stage/input/wake.h"
+#include "stage/mapping/isolate_output.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const int64_t retry_ns = NS_PER_S, repeat_default_ns = NS_PER_S;
+static const int64_t watch_ns = NS_PER_S / 2; /* how often a library is looked at */
+enum { LATENCIES = 4096 };
+
+typedef struct latest { /* a face, copied out of its board */
+    int64_t time_ns, take_ns;
+    uint64_t number;
+    bool has_vertices;
+    float *value;
+    size_t capacity; /* floats */
+} latest;
+
+typedef struct library_stamp {
+    int64_t time_ns, size;
+    uint64_t file;
+} library_stamp;
+
+typedef struct output { /* its thread's, but for what is marked */
+    outputs *of;
+    instance plugin;
+    isolate_output *isolated; /* NULL: it runs here */
+    const mrt_face_output *functions;
+    plugin_spec spec;
+    char *text;
+    const char *library;
+    library_stamp built;
+    pthread_t thread;
+    wake signal;
+    _Atomic bool stop;
+
+    bool is_open;
+    int64_t retry_at_ns;
+    face_board *begun; /* whose names the plugin has; kept */
+    mrt_face_wants wants;
+    latest now;
+    uint64_t sent_number;
+    bool has_face, is_fresh;
+    int64_t sent_ns, due_ns, watched_ns;
+
+    _Atomic bool wants_vertices; /* [any] */
+    pthread_mutex_t mutex;       /* guards what follows */
+    output_state state;
+    char trouble[200];
+    uint64_t sent, replaced;
+    int64_t second_ns; /* when `in_second` began to be counted */
+    uint32_t in_second;
+    double rate_hz;
+    float latency_ms[LATENCIES]; /* a ring */
+    uint64_t latency_count;
+} output;
+
+struct outputs {
+    outputs_settings settings;
+    output *one[OUTPUTS_MAX]; /* [main], and under mutex */
+    uint32_t count;
+    _Atomic bool are_wanted, want_vertices; /* read by [frame] */
+    wake signal;                            /* of the thread that takes */
+    _Atomic bool stop;
+    pthread_t thread;
+    bool has_thread;
+    pthread_mutex_t taking; /* held while a face is taken: its file is needed; before mutex */
+    pthread_mutex_t mutex;  /* guards one, count, board and newest; never held by [frame] */
+    double residual_mm;     /* under it: of the newest */
+    face_board *board;      /* kept; NULL: none */
+    latest newest;          /* of that board; number 0: none */
+    latest taken;           /* the taking thread's */
+};
+
+/* ---- faces copied ---- */
+
+static bool make_room(latest *self, size_t floats)
+{
+    if (floats <= self->capacity)
+        return true;
+    float *larger = realloc(self->value, floats * sizeof *larger);
+    if (!larger)
+        return false;
+    self->value = larger;
+    self->capacity = floats;
+    return true;
+}
+
+static bool copy_face(latest *out, const mrt_face_names *names, const latest *from)
+{
+    size_t floats = isolate_sample_floats(names, from->has_vertices);
+    if (!make_room(out, floats))
+        return false;
+    memcpy(out->value, from->value, floats * sizeof *out->value);
+    out->time_ns = from->time_ns;
+    out->take_ns = from->take_ns;
+    out->number = from->number;
+    out->has_vertices = from->has_vertices;
+    return true;
+}
+
+/* ---- the thread that takes ---- */
+
+/* The newest face of the board, to where the outputs look; its buffer is swapped under the mutex.
+ */
+static bool take_face(outputs *self, face_board *board)
+{
+    const board_face *from = face_board_take(board);
+    if (!from)
+        return false;
+    const latest as = {.time_ns = from->time_ns,
+                       .take_ns = from->take_ns,
+                       .number = from->number,
+                       .has_vertices = from->has_vertices && atomic_load(&self->want_vertices),
+                       .value = from->value};
+    if (!copy_face(&self->taken, &board->of.names, &as))
+        return false;
+    pthread_mutex_lock(&self->mutex);
+    latest before = self->newest;
+    self->newest = self->taken;
+    self->taken = before;
+    self->residual_mm = board->residual_mm;
+    for (uint32_t i = 0; i < self->count; ++i)
+        wake_signal(&self->one[i]->signal);
+    pthread_mutex_unlock(&self->mutex);
+    return true;
+}
+
+static void *take(void *data)
+{
+    outputs *self = data;
+    while (!atomic_load(&self->stop)) {
+        uint32_t seen = wake_seen(&self->signal);
+        pthread_mutex_lock(&self->taking);
+        bool has_taken = self->board && take_face(self, self->board);
+        pthread_mutex_unlock(&self->taking);
+        if (!has_taken)
+            wake_wait_until_ns(&self->signal, seen, clock_now_ns() + NS_PER_S);
+    }
+    return NULL;
+}
+
+/* ---- an output's thread: what it tells ---- */
+
+static void tell(output *self, output_state state, const char *trouble)
+{
+    bool is_news = false;
+    pthread_mutex_lock(&self->mutex);
+    output_state before = self->state;
+    self->state = state;
+    if (state == OUTPUT_FAILED)
+        is_news = strcmp(self->trouble, trouble) != 0;
+    (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
+    pthread_mutex_unlock(&self->mutex);
+    if (is_news)
+        log_pushf(self->of->settings.log, MRT_LOG_WARNING, self->text, "%s; it is tried again",
+                  trouble);
+    else if (before == OUTPUT_FAILED && state == OUTPUT_SENDS)
+        log_push(self->of->settings.log, MRT_LOG_INFO, self->text, "sends again");
+}
+
+static void count_sent(output *self, bool is_new, int64_t now_ns)
+{
+    pthread_mutex_lock(&self->mutex);
+    self->sent += 1;
+    self->in_second += 1;
+    if (now_ns - self->second_ns >= NS_PER_S) {
+        self->rate_hz = (double)self->in_second * 1e9 / (double)(now_ns - self->second_ns);
+        self->second_ns = now_ns;
+        self->in_second = 0;
+    }
+    if (is_new)
+        self->latency_ms[self->latency_count++ % LATENCIES] =
+            (float)((double)(now_ns - self->now.time_ns) / 1e6);
+    pthread_mutex_unlock(&self->mutex);
+}
+
+/* ---- opened, closed, opened again ---- */
+
+static library_stamp stamp_of(const char *path)
+{
+    struct stat status;
+    if (!path || stat(path, &status) != 0)
+        return (library_stamp){0};
+    return (library_stamp){(int64_t)status.st_mtim.tv_sec * NS_PER_S + status.st_mtim.tv_nsec,
+                           (int64_t)status.st_size, (uint64_t)status.st_ino};
+}
+
+static bool is_rebuilt(output *self, int64_t now_ns)
+{
+    if (!self->isolated || now_ns - self->watched_ns < watch_ns)
+        return false;
+    self->watched_ns = now_ns;
+    const library_stamp now = stamp_of(self->library);
+    return now.size > 0 && (now.time_ns != self->built.time_ns || now.size != self->built.size ||
+                            now.file != self->built.file);
+}
+
+static void close_output(output *self)
+{
+    self->functions->close(self->plugin.self);
+    self->is_open = false;
+    face_board_drop(self->begun);
+    self->begun = NULL;
+}
+
+static void fail(output *self, const char *why)
+{
+    close_output(self);
+    self->retry_at_ns = clock_now_ns() + retry_ns;
+    tell(self, OUTPUT_FAILED, why[0] ? why : "it failed, and did not say why");
+}
+
+static double within(double value, double most)
+{
+    return value > 0.0 && value < most ? value : 0.0;
+}
+
+static void open_output(output *self)
+{
+    error why = {""};
+    self->wants = (mrt_face_wants){0};
+    self->built = stamp_of(self->library);
+    instance_latch(&self->plugin);
+    instance_listen(&self->plugin, &why, NULL);
+    mrt_result result = self->functions->open(self->plugin.self, self->spec.address,
+                                              self->plugin.params, &self->wants);
+    instance_listen_end(&self->plugin);
+    self->wants.rate_hz = within(self->wants.rate_hz, 10000.0);
+    self->wants.repeat_s = within(self->wants.repeat_s, 3600.0);
+    atomic_store(&self->wants_vertices, self->wants.vertices != 0);
+    if (self->wants.vertices)
+        atomic_store(&self->of->want_vertices, true);
+    self->is_open = true;
+    if (result < 0)
+        fail(self, why.text);
+}
+
+/* The names of the face that is shown now, if the plugin has others. False: there is no face, or it
+ * failed. */
+static bool begin(output *self, face_board *board)
+{
+    error why = {""};
+    if (board == self->begun)
+        return true;
+    instance_listen(&self->plugin, &why, NULL);
+    mrt_result result = self->functions->begin(self->plugin.self, &board->of.names);
+    instance_listen_end(&self->plugin);
+    if (result < 0) {
+        fail(self, why.text);
+        return false;
+    }
+    face_board_drop(self->begun);
+    self->begun = face_board_keep(board);
+    return true;
+}
+
+static void send_face(output *self)
+{
+    error why = {""};
+    bool is_new = self->is_fresh && self->now.number != self->sent_number;
+    mrt_face_sample sample = {
+        .time_ns = self->now.time_ns, .take_ns = self->now.take_ns, .number = self->now.number};
+    isolate_sample_at(&sample, &self->begun->of.names, self->now.value, self->now.has_vertices);
+    instance_latch(&self->plugin);
+    instance_listen(&self->plugin, &why, NULL);
+    mrt_result result = self->functions->send(self->plugin.self, self->plugin.params, &sample);
+    instance_listen_end(&self->plugin);
+    int64_t now_ns = clock_now_ns();
+    self->is_fresh = false;
+    self->sent_number = self->now.number;
+    self->sent_ns = now_ns;
+    if (result < 0) {
+        fail(self, why.text);
+        return;
+    }
+    count_sent(self, is_new, now_ns);
+    tell(self, result == MRT_TIMEOUT ? OUTPUT_UNHEARD : OUTPUT_SENDS, "");
+}
+
+/* ---- when ---- */
+
+/* Takes over the newest face, if it is another one; its board is given, kept. */
+static face_board *look(output *self)
+{
+    outputs *of = self->of;
+    pthread_mutex_lock(&of->mutex);
+    face_board *board = of->board && of->newest.number > 0 ? face_board_keep(of->board) : NULL;
+    bool is_other = board && (board != self->begun || of->newest.number != self->now.number);
+    if (is_other && !copy_face(&self->now, &board->of.names, &of->newest)) {
+        face_board_drop(board);
+        board = NULL;
+    } else if (is_other) {
+        pthread_mutex_lock(&self->mutex);
+        self->replaced += self->is_fresh;
+        pthread_mutex_unlock(&self->mutex);
+        self->is_fresh = true;
+    }
+    pthread_mutex_unlock(&of->mutex);
+    return board;
+}
+
+/* When the face that is there is to be sent. */
+static int64_t due_at(const output *self)
+{
+    int64_t repeat_ns =
+        self->wants.repeat_s > 0.0 ? (int64_t)(self->wants.repeat_s * 1e9) : repeat_default_ns;
+    return self->is_fresh ? self->due_ns : self->sent_ns + repeat_ns;
+}
+
+/* At a rate the grid stays, unless it has been left behind. */
+static void plan(output *self, int64_t now_ns)
+{
+    int64_t period_ns = self->wants.rate_hz > 0.0 ? (int64_t)(1e9 / self->wants.rate_hz) : 0;
+    self->due_ns =
+        now_ns - self->due_ns > period_ns ? now_ns + period_ns : self->due_ns + period_ns;
+}
+
+/* Returns until when nothing is to be done. */
+static int64_t turn(output *self)
+{
+    int64_t now_ns = clock_now_ns();
+    if (self->is_open && is_rebuilt(self, now_ns)) {
+        log_push(self->of->settings.log, MRT_LOG_INFO, self->text, "was built anew, and is taken");
+        close_output(self);
+        self->retry_at_ns = now_ns;
+    }
+    if (!self->is_open && now_ns < self->retry_at_ns)
+        return self->retry_at_ns;
+    if (!self->is_open)
+        open_output(self);
+    if (!self->is_open)
+        return self->retry_at_ns;
+    face_board *board = look(self);
+    bool has_face = board && begin(self, board);
+    face_board_drop(board);
+    if (!has_face)
+        return self->is_open ? now_ns + watch_ns : self->retry_at_ns;
+    int64_t due_ns = due_at(self);
+    now_ns = clock_now_ns();
+    if (now_ns >= due_ns) {
+        bool was_fresh = self->is_fresh;
+        send_face(self);
+        if (was_fresh)
+            plan(self, now_ns);
+        return now_ns; /* another face may have come */
+    }
+    return due_ns < now_ns + watch_ns ? due_ns : now_ns + watch_ns;
+}
+
+static void *run(void *data)
+{
+    output *self = data;
+    while (!atomic_load(&self->stop)) {
+        uint32_t seen = wake_seen(&self->signal);
+        int64_t until_ns = turn(self);
+        if (!atomic_load(&self->stop) && until_ns > clock_now_ns())
+            wake_wait_until_ns(&self->signal, seen, until_ns);
+    }
+    if (self->is_open)
+        close_output(self);
+    return NULL;
+}
+
+/* ---- [main] ---- */
+
+static bool is_to_be_isolated(const outputs *self, const char *library)
+{
+    if (self->settings.isolation == OUTPUTS_ISOLATE_FOREIGN)
+        return library && !plugin_is_shipped(library);
+    return library && self->settings.isolation == OUTPUTS_ISOLATE_ALL;
+}
+
+static void free_output(output *self)
+{
+    instance_destroy(&self->plugin);
+    isolate_output_destroy(self->isolated);
+    face_board_drop(self->begun);
+    spec_finish(&self->spec);
+    pthread_mutex_destroy(&self->mutex);
+    free(self->now.value);
+    free(self->text);
+    free(self);
+}
+
+static mrt_result prepare(output *self, error *err)
+{
+    const outputs *of = self->of;
+    const mrt_plugin_type *type;
+    mrt_result result =
+        plugin_list_find(of->settings.plugins, self->spec.plugin, MRT_FACE_OUTPUT, &type, err);
+    if (result < 0)
+        return result;
+    self->library = plugin_list_path_of(of->settings.plugins, type);
+    if (is_to_be_isolated(of, self->library)) {
+        result = isolate_output_create(&self->isolated, type, self->library, err);
+        if (result < 0)
+            return result;
+        type = isolate_output_type(self->isolated);
+    }
+    self->functions = plugin_interface(type, MRT_FACE_OUTPUT);
+    result = instance_create(&self->plugin, type, CLOCK_REAL, of->settings.log, err);
+    return result < 0 ? result : instance_set_list(&self->plugin, self->spec.params, err);
+}
+
+static void note_wants(outputs *self)
+{
+    bool want_vertices = false;
+    for (uint32_t i = 0; i < self->count; ++i)
+        want_vertices |= atomic_load(&self->one[i]->wants_vertices);
+    atomic_store(&self->want_vertices, want_vertices);
+    atomic_store(&self->are_wanted, self->count > 0);
+}
+
+mrt_result outputs_add(outputs *self, const char *text, error *err)
+{
+    if (self->count == OUTPUTS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "at most %d outputs are possible", OUTPUTS_MAX);
+    output *made = calloc(1, sizeof *made);
+    if (!made)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for an output");
+    made->of = self;
+    pthread_mutex_init(&made->mutex, NULL);
+    wake_init(&made->signal);
+    made->text = strdup(text);
+    mrt_result result = MRT_OK;
+    if (!made->text || !spec_read(&made->spec, text))
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "output \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+    if (result >= 0)
+        result = prepare(made, err);
+    if (result >= 0 && pthread_create(&made->thread, NULL, run, made) != 0)
+        result = error_set(err, MRT_ERR_MEMORY, "no thread for an output");
+    if (result < 0) {
+        free_output(made);
+        return result;
+    }
+    pthread_mutex_lock(&self->mutex);
+    self->one[self->count++] = made;
+    note_wants(self);
+    pthread_mutex_unlock(&self->mutex);
+    return MRT_OK;
+}
+
+void outputs_remove(outputs *self, uint32_t index)
+{
+    if (index >= self->count)
+        return;
+    output *gone = self->one[index];
+    pthread_mutex_lock(&self->mutex);
+    self->count -= 1;
+    for (uint32_t i = index; i < self->count; ++i)
+        self->one[i] = self->one[i + 1];
+    note_wants(self);
+    pthread_mutex_unlock(&self->mutex);
+    atomic_store(&gone->stop, true);
+    instance_stop_waiting(&gone->plugin);
+    wake_signal(&gone->signal);
+    pthread_join(gone->thread, NULL);
+    free_output(gone);
+}
+
+uint32_t outputs_count(const outputs *self)
+{
+    return self->count;
+}
+
+void outputs_show(outputs *self, face_board *board)
+{
+    pthread_mutex_lock(&self->taking);
+    pthread_mutex_lock(&self->mutex);
+    face_board *before = self->board;
+    self->board = board ? face_board_keep(board) : NULL;
+    self->newest.number = 0;
+    pthread_mutex_unlock(&self->mutex);
+    pthread_mutex_unlock(&self->taking);
+    face_board_drop(before);
+}
+
+double outputs_residual_mm(outputs *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    double residual_mm = self->newest.number > 0 ? self->residual_mm : 0.0;
+    pthread_mutex_unlock(&self->mutex);
+    return residual_mm;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+void outputs_status(outputs *self, uint32_t index, output_status *out)
+{
+    float sorted[LATENCIES];
+    output *of = self->one[index];
+    pthread_mutex_lock(&of->mutex);
+    uint32_t count = of->latency_count < LATENCIES ? (uint32_t)of->latency_count : LATENCIES;
+    *out = (output_status){.state = of->state,
+                           .text = of->text,
+                           .name = of->plugin.type->name,
+                           .is_isolated = of->isolated != NULL,
+                           .sent = of->sent,
+                           .replaced = of->replaced,
+                           .rate_hz =
+                               clock_now_ns() - of->second_ns < 3 * NS_PER_S ? of->rate_hz : 0.0};
+    memcpy(out->trouble, of->trouble, sizeof out->trouble);
+    memcpy(sorted, of->latency_ms, count * sizeof *sorted);
+    pthread_mutex_unlock(&of->mutex);
+    if (count == 0)
+        return;
+    qsort(sorted, count, sizeof *sorted, by_size);
+    out->p50_ms = (double)sorted[count / 2];
+    out->p99_ms = (double)sorted[(uint32_t)((double)(count - 1) * 0.99)];
+}
+
+mrt_result outputs_create(outputs **out, const outputs_settings *settings, error *err)
+{
+    *out = NULL;
+    outputs *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for outputs");
+    self->settings = *settings;
+    wake_init(&self->signal);
+    pthread_mutex_init(&self->mutex, NULL);
+    pthread_mutex_init(&self->taking, NULL);
+    if (pthread_create(&self->thread, NULL, take, self) != 0) {
+        outputs_destroy(self);
+        return error_set(err, MRT_ERR_MEMORY, "no thread for outputs");
+    }
+    self->has_thread = true;
+    *out = self;
+    return MRT_OK;
+}
+
+void outputs_destroy(outputs *self)
+{
+    if (!self)
+        return;
+    while (self->count > 0)
+        outputs_remove(self, self->count - 1);
+    atomic_store(&self->stop, true);
+    wake_signal(&self->signal);
+    if (self->has_thread)
+        pthread_join(self->thread, NULL);
+    face_board_drop(self->board);
+    pthread_mutex_destroy(&self->mutex);
+    pthread_mutex_destroy(&self->taking);
+    free(self->newest.value);
+    free(self->taken.value);
+    free(self);
+}
+
+/* ---- [frame] ---- */
+
+bool outputs_are_wanted(const outputs *self)
+{
+    return self && atomic_load(&self->are_wanted);
+}
+
+void outputs_publish(outputs *self, face_board *board, composer *of, int64_t time_ns,
+                     int64_t take_ns)
+{
+    face_board_fill(board, of, time_ns, take_ns, atomic_load(&self->want_vertices));
+    wake_signal(&self->signal);
+}

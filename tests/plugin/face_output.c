@@ -1,0 +1,567 @@
+/* Faces that go out: that the newest wins and nobody waits, in the program and in a process of its
+ * own; plugins that crash, hang and fail come back; and the bytes of each protocol, read here as
+ * its specification says, without the writer's code. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/clock.h"
+#include "stage/output/outputs.h"
+#include "unit/composer_scene.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#define TROUBLED       BUILD_DIR "/tests/plugin/troubled_output.so"
+#define TROUBLED_LATER BUILD_DIR "/tests/plugin/troubled_output_later.so"
+static const int64_t patience_ns =
+    60 * NS_PER_S; /* of a busy machine; nobody waits for it to end */
+static char folder[] = "/tmp/marotte-output-XXXXXX";
+
+/* ---- a face that is performed, its outputs, and who listens ---- */
+
+typedef struct stand {
+    desk desk;
+    mrt_pull *pull;
+    plugin_list plugins;
+    log_queue *log;
+    face_board *board;
+    outputs *outputs;
+    uint64_t published;
+} stand;
+
+static void stand_up(stand *s, const char *face_name, outputs_isolation isolation)
+{
+    error err = {""};
+    *s = (stand){.log = log_queue_create()};
+    desk_set_up(&s->desk, face_name);
+    s->pull = desk_add_part(&s->desk, 0, 0);
+    const outputs_settings settings = {&s->plugins, s->log, isolation};
+    scene_must(face_board_create(&s->board, s->desk.composer, &s->desk.file, &err), &err);
+    scene_must(outputs_create(&s->outputs, &settings, &err), &err);
+    outputs_show(s->outputs, s->board);
+}
+
+static void lie_down(stand *s)
+{
+    outputs_destroy(s->outputs);
+    face_board_drop(s->board);
+    plugin_list_destroy(&s->plugins);
+    desk_tear_down(&s->desk);
+    log_queue_destroy(s->log);
+}
+
+/* path: of the library; its plugin is added as "NAME:PORT,params". */
+static void add(stand *s, const char *path, int port, const char *params)
+{
+    char text[1200], *spec = NULL;
+    error err = {""};
+    (void)snprintf(text, sizeof text, "%s:%d,%s", path, port, params);
+    scene_must(plugin_list_choose_spec(&s->plugins, text, MRT_FACE_OUTPUT, &spec, &err), &err);
+    scene_must(outputs_add(s->outputs, spec, &err), &err);
+    free(spec);
+}
+
+static void publish(stand *s)
+{
+    desk_move(&s->desk);
+    composer_draw(s->desk.composer);
+    outputs_publish(s->outputs, s->board, s->desk.composer, clock_now_ns(), -1);
+    s->published += 1;
+}
+
+static output_status status_of(stand *s, uint32_t index)
+{
+    output_status out;
+    outputs_status(s->outputs, index, &out);
+    return out;
+}
+
+static int listen_somewhere(int *out_port)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET};
+    socklen_t size = sizeof at;
+    int fd = socket(AF_INET, SOCK_DGRAM, 0), room = 4 << 20;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    assert_true(fd >= 0);
+    (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+    assert_int_equal(bind(fd, (struct sockaddr *)&at, sizeof at), 0);
+    assert_int_equal(getsockname(fd, (struct sockaddr *)&at, &size), 0);
+    *out_port = ntohs(at.sin_port);
+    return fd;
+}
+
+/* One datagram; 0: none within so many ms. */
+static size_t hear(int fd, void *out, size_t capacity, int wait_ms)
+{
+    struct pollfd wanted = {fd, POLLIN, 0};
+    if (poll(&wanted, 1, wait_ms) <= 0)
+        return 0;
+    ssize_t size = recv(fd, out, capacity, 0);
+    return size > 0 ? (size_t)size : 0;
+}
+
+/* Publishes until the listener has heard "VERSION NUMBER ..." of that version, and of a face after
+ * `after`; returns the number. */
+static uint64_t hear_number(stand *s, int fd, int version, uint64_t after)
+{
+    char text[256];
+    for (int64_t until_ns = clock_now_ns() + patience_ns; clock_now_ns() < until_ns;) {
+        int heard = 0;
+        unsigned long long number = 0;
+        publish(s);
+        size_t size = hear(fd, text, sizeof text - 1, 10);
+        text[size] = '\0';
+        if (size > 0 && sscanf(text, "%d %llu", &heard, &number) == 2 && heard == version &&
+            number > after)
+            return number;
+    }
+    fail_msg("nothing was heard of version %d after face %ju", version, (uintmax_t)after);
+    return 0;
+}
+
+/* ---- in the program and in a process ---- */
+
+static void what_is_published_arrives_and_the_newest_wins(void **state)
+{
+    (void)state;
+    static const outputs_isolation how[] = {OUTPUTS_ISOLATE_NONE, OUTPUTS_ISOLATE_ALL};
+    for (int i = 0; i < 2; ++i) {
+        stand s;
+        int port, fd = listen_somewhere(&port);
+        char text[64] = "";
+        stand_up(&s, "plane", how[i]);
+        add(&s, TROUBLED, port, "slow=20");
+        (void)hear_number(&s, fd, 1, 0);
+        for (int n = 0; n < 400; ++n)
+            publish(&s);
+        uint64_t last = s.published, heard = 0, count = 0, number = 0;
+        while (heard < last && hear(fd, text, sizeof text - 1, 20000) > 0) {
+            int version, has_vertices;
+            assert_int_equal(
+                sscanf(text, "%d %ju %d", &version, (uintmax_t *)&number, &has_vertices), 3);
+            assert_true(number >= heard); /* in order */
+            assert_int_equal(has_vertices, 1);
+            heard = number;
+            count += 1;
+        }
+        assert_int_equal(heard, last); /* the newest is never left out */
+        assert_true(count < 400);      /* the others are, by one that is slow */
+        assert_int_equal(status_of(&s, 0).is_isolated, i);
+        lie_down(&s);
+        close(fd);
+    }
+}
+
+/* Each crash, hang and error is said, and it goes on with the next face. */
+static void what_crashes_hangs_or_fails_comes_back(void **state)
+{
+    (void)state;
+    static const char *const trouble[] = {"trouble=1", "trouble=2", "trouble=3"};
+    static const char *const said[] = {"signal 6", "hangs", "it is broken"};
+    for (int i = 0; i < 3; ++i) {
+        stand s;
+        int port, fd = listen_somewhere(&port);
+        stand_up(&s, "plane", OUTPUTS_ISOLATE_ALL);
+        add(&s, TROUBLED, port, trouble[i]);
+        uint64_t at = 0;
+        bool has_said = false;
+        while (!has_said) {
+            at = hear_number(&s, fd, 1, at);
+            log_record line;
+            while (log_pop(s.log, &line))
+                has_said |= strstr(line.text, said[i]) != NULL;
+        }
+        (void)hear_number(&s, fd, 1, s.published);
+        lie_down(&s);
+        close(fd);
+    }
+}
+
+static void what_cannot_be_opened_is_said_once_and_costs_nobody_anything(void **state)
+{
+    (void)state;
+    stand s;
+    int port, fd = listen_somewhere(&port), lines = 0;
+    log_record line;
+    stand_up(&s, "plane", OUTPUTS_ISOLATE_NONE);
+    add(&s, TROUBLED, port, "trouble=4");
+    add(&s, TROUBLED, port, "");
+    (void)hear_number(&s, fd, 1, 0);
+    int64_t until_ns = clock_now_ns() + 3 * NS_PER_S; /* it is tried about three times */
+    while (clock_now_ns() < until_ns)
+        (void)hear_number(&s, fd, 1, s.published);
+    while (log_pop(s.log, &line))
+        lines += strstr(line.text, "the door is locked") != NULL;
+    assert_int_equal(lines, 1);
+    assert_int_equal(status_of(&s, 0).state, OUTPUT_FAILED);
+    assert_string_equal(status_of(&s, 0).trouble, "the door is locked");
+    assert_int_equal(status_of(&s, 1).state, OUTPUT_SENDS);
+    lie_down(&s);
+    close(fd);
+}
+
+static void copy_file(const char *from, const char *to)
+{
+    char command[2100];
+    (void)snprintf(command, sizeof command, "cp '%s' '%s.new' && mv '%s.new' '%s'", from, to, to,
+                   to);
+    assert_int_equal(system(command), 0);
+}
+
+static void a_library_that_was_built_anew_is_taken(void **state)
+{
+    (void)state;
+    stand s;
+    int port, fd = listen_somewhere(&port);
+    char library[128];
+    (void)snprintf(library, sizeof library, "%s/changing.so", folder);
+    copy_file(TROUBLED, library);
+    stand_up(&s, "plane", OUTPUTS_ISOLATE_FOREIGN);
+    add(&s, library, port, "");
+    (void)hear_number(&s, fd, 1, 0);
+    copy_file(TROUBLED_LATER, library);
+    (void)hear_number(&s, fd, 2, 0);
+    assert_true(unlink(library) == 0);
+    lie_down(&s);
+    close(fd);
+}
+
+static void another_face_is_begun_with_its_own_names(void **state)
+{
+    (void)state;
+    error err = {""};
+    stand s, other;
+    int port, fd = listen_somewhere(&port);
+    stand_up(&s, "plane", OUTPUTS_ISOLATE_ALL);
+    stand_up(&other, "puppet", OUTPUTS_ISOLATE_NONE);
+    add(&s, TROUBLED, port, "");
+    (void)hear_number(&s, fd, 1, 5);
+    outputs_show(s.outputs, other.board);
+    desk_move(&other.desk);
+    composer_draw(other.desk.composer);
+    char text[64] = "";
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    unsigned long long number = 0;
+    do { /* the puppet's board counts from 1 */
+        outputs_publish(s.outputs, other.board, other.desk.composer, clock_now_ns(), 7);
+        size_t size = hear(fd, text, sizeof text - 1, 1000);
+        text[size] = '\0';
+        assert_true(clock_now_ns() < until_ns);
+    } while (sscanf(text, "1 %llu", &number) != 1 || number >= 5);
+    /* A face that is not the board's is left out. */
+    outputs_publish(s.outputs, s.board, other.desk.composer, clock_now_ns(), -1);
+    outputs_show(s.outputs, NULL);
+    (void)err;
+    lie_down(&s);
+    lie_down(&other);
+    close(fd);
+}
+
+static void unknown_ones_and_a_ninth_are_refused_in_words(void **state)
+{
+    (void)state;
+    stand s;
+    error err = {""};
+    stand_up(&s, "plane", OUTPUTS_ISOLATE_NONE);
+    assert_true(outputs_add(s.outputs, "nobody:1", &err) < 0);
+    assert_non_null(strstr(err.text, "there is no face output plugin \"nobody\""));
+    add(&s, TROUBLED, 9, "");
+    assert_true(outputs_add(s.outputs, "troubled_output:9,colour=3", &err) < 0);
+    assert_non_null(strstr(err.text, "colour"));
+    for (int i = 1; i < OUTPUTS_MAX; ++i)
+        scene_must(outputs_add(s.outputs, "troubled_output:9", &err), &err);
+    assert_true(outputs_add(s.outputs, "troubled_output:9", &err) < 0);
+    outputs_remove(s.outputs, 3);
+    assert_int_equal(outputs_count(s.outputs), OUTPUTS_MAX - 1);
+    lie_down(&s);
+}
+
+/* ---- OSC 1.0, as the specification has it: big endian, everything padded to four bytes ---- */
+
+typedef struct osc_said {
+    char address[64], types[512], name[64];
+    float number[8]; /* of an f or i behind the name */
+    uint32_t numbers;
+    const unsigned char *at;
+    size_t size;
+} osc_said;
+
+enum { SAID_MAX = 1024 };
+typedef struct osc_frame { /* all messages of one face */
+    osc_said said[SAID_MAX];
+    uint32_t count, bundles;
+    size_t largest;
+} osc_frame;
+
+static uint32_t big_endian(const unsigned char *at)
+{
+    return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
+}
+
+static size_t padded(size_t size)
+{
+    return (size + 4) / 4 * 4; /* a text ends with one to four zeros */
+}
+
+static void read_osc_message(osc_said *out, const unsigned char *at, size_t size)
+{
+    *out = (osc_said){.at = at, .size = size};
+    assert_int_equal(size % 4, 0);
+    size_t used = padded(strlen((const char *)at));
+    (void)snprintf(out->address, sizeof out->address, "%s", (const char *)at);
+    assert_int_equal(at[used], ',');
+    const char *types = (const char *)at + used;
+    (void)snprintf(out->types, sizeof out->types, "%s", types);
+    used += padded(strlen(types));
+    for (const char *t = types + 1; *t; ++t) {
+        if (*t == 's') {
+            if (!out->name[0])
+                (void)snprintf(out->name, sizeof out->name, "%s", (const char *)at + used);
+            used += padded(strlen((const char *)at + used));
+            continue;
+        }
+        assert_true(*t == 'f' || *t == 'i');
+        uint32_t word = big_endian(at + used);
+        float value;
+        memcpy(&value, &word, sizeof value);
+        if (out->numbers < 8)
+            out->number[out->numbers++] = *t == 'f' ? value : (float)(int32_t)word;
+        used += 4;
+    }
+    assert_int_equal(used, size);
+}
+
+static void read_osc_bundle(osc_frame *out, const unsigned char *at, size_t size)
+{
+    assert_true(size < 1500 - 28); /* with the heads of IP and UDP */
+    assert_memory_equal(at, "#bundle", 8);
+    out->bundles += 1;
+    out->largest = size > out->largest ? size : out->largest;
+    for (size_t used = 16; used < size;) {
+        uint32_t length = big_endian(at + used);
+        assert_true(out->count < SAID_MAX && used + 4 + length <= size);
+        read_osc_message(&out->said[out->count++], at + used + 4, length);
+        used += 4 + length;
+    }
+}
+
+static const osc_said *osc_find(const osc_frame *of, const char *address, const char *name)
+{
+    for (uint32_t i = 0; i < of->count; ++i)
+        if (strcmp(of->said[i].address, address) == 0 &&
+            (!name || strcmp(of->said[i].name, name) == 0))
+            return &of->said[i];
+    return NULL;
+}
+
+/* The puppet with its jaw half open, its head turned and a smile. */
+static void make_a_face(stand *s)
+{
+    const mrt_face *about = composer_about(s->desk.composer);
+    desk_hold_contact(&s->desk, s->pull, "mouth.corner.l", 5.0f, 7.0f, -2.0f);
+    desk_hold_contact(&s->desk, s->pull, "mouth.corner.r", -5.0f, 7.0f, -2.0f);
+    for (uint32_t i = 0; i < about->dof_count; ++i) {
+        if (strcmp(about->dofs[i].name, "jaw.open") == 0)
+            s->pull->dof[i] = 0.3f;
+        if (strcmp(about->dofs[i].name, "skull.turn") == 0)
+            s->pull->dof[i] = 0.4f; /* to its left */
+        if (strcmp(about->dofs[i].name, "eye.l.pitch") == 0)
+            s->pull->dof[i] = 0.2f; /* up */
+        if (strcmp(about->dofs[i].name, "lid_upper.l.close") == 0)
+            s->pull->dof[i] = 0.5f;
+    }
+}
+
+/* A whole face: from a message at `first` up to one at `last`. */
+static void hear_frame(stand *s, int fd, osc_frame *out, const char *first, const char *last)
+{
+    static unsigned char packets[64][2048];
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    int n = 0;
+    for (bool has_begun = false; clock_now_ns() < until_ns;) {
+        if (!has_begun)
+            publish(s);
+        size_t size = hear(fd, packets[n], sizeof packets[0], 200);
+        if (size == 0)
+            continue;
+        osc_frame one = {.count = 0};
+        read_osc_bundle(&one, packets[n], size);
+        if (strcmp(one.said[0].address, first) == 0 && (!has_begun || strcmp(first, last) != 0)) {
+            *out = (osc_frame){.count = 0};
+            has_begun = true;
+        }
+        if (!has_begun)
+            continue;
+        read_osc_bundle(out, packets[n], size);
+        n += 1;
+        assert_true(n < 64);
+        if (strcmp(out->said[out->count - 1].address, last) == 0)
+            return;
+    }
+    fail_msg("no whole face was heard");
+}
+
+static void shipped(char out[1024], const char *name)
+{
+    (void)snprintf(out, 1024, "%s/plugins/%s.so", BUILD_DIR, name);
+}
+
+static void expect_near(float got, double expected, double within, const char *what)
+{
+    if (!(fabs((double)got - expected) <= within))
+        fail_msg("%s is %g instead of %g", what, (double)got, expected);
+}
+
+static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **state)
+{
+    (void)state;
+    static osc_frame frame;
+    stand s;
+    char path[1024];
+    int port, fd = listen_somewhere(&port);
+    shipped(path, "vmc");
+    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    make_a_face(&s);
+    add(&s, path, port, "");
+    hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
+    assert_true(frame.bundles >= 2);
+    assert_string_equal(frame.said[0].types, ",i");
+    expect_near(frame.said[0].number[0], 1, 0, "OK");
+    assert_string_equal(osc_find(&frame, "/VMC/Ext/T", NULL)->types, ",f");
+    const osc_said *head = osc_find(&frame, "/VMC/Ext/Bone/Pos", "Head");
+    assert_non_null(head);
+    assert_string_equal(head->types, ",sfffffff");
+    /* Unity is left-handed: a turn about +y goes to the right there, and this one is to the left.
+     */
+    expect_near(head->number[4], -sin(0.2), 1e-3, "the head's y");
+    expect_near(head->number[6], cos(0.2), 1e-3, "the head's w");
+    const osc_said *eye = osc_find(&frame, "/VMC/Ext/Bone/Pos", "LeftEye");
+    assert_non_null(eye); /* about the head, whose turn is not in it; about -x: up */
+    expect_near(eye->number[3], -sin(0.1), 1e-3, "the eye's x");
+    expect_near(eye->number[4], 0, 1e-3, "the eye's y");
+    assert_null(osc_find(&frame, "/VMC/Ext/Bone/Pos", "Jaw"));
+    assert_null(osc_find(&frame, "/VMC/Ext/Bone/Pos", "Hips"));
+    uint32_t blends = 0;
+    for (uint32_t i = 0; i < frame.count; ++i)
+        if (strcmp(frame.said[i].address, "/VMC/Ext/Blend/Val") == 0) {
+            blends += 1;
+            assert_string_equal(frame.said[i].types, ",sf");
+            assert_true(frame.said[i].number[0] >= 0.0f && frame.said[i].number[0] <= 1.0f);
+        }
+    assert_int_equal(blends, 52 + 13);
+    static const char *const some[] = {"EyeBlinkLeft", "TongueOut", "BrowInnerUp", "A",
+                                       "Blink_R",      "Joy",       "JawOpen"};
+    for (size_t i = 0; i < sizeof some / sizeof *some; ++i)
+        if (!osc_find(&frame, "/VMC/Ext/Blend/Val", some[i]))
+            fail_msg("no %s", some[i]);
+    lie_down(&s);
+
+    stand_up(&s, "puppet", OUTPUTS_ISOLATE_ALL);
+    add(&s, path, port, "role=performer,names=presets,jaw=on");
+    hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
+    assert_string_equal(osc_find(&frame, "/VMC/Ext/Root/Pos", "root")->types, ",sfffffff");
+    uint32_t bone_count = 0;
+    for (uint32_t i = 0; i < frame.count; ++i)
+        bone_count += strcmp(frame.said[i].address, "/VMC/Ext/Bone/Pos") == 0;
+    assert_int_equal(bone_count, 55);
+    assert_non_null(osc_find(&frame, "/VMC/Ext/Bone/Pos", "RightLittleDistal"));
+    assert_null(osc_find(&frame, "/VMC/Ext/Blend/Val", "EyeBlinkLeft"));
+    lie_down(&s);
+    close(fd);
+}
+
+static void face_osc_says_named_numbers(void **state)
+{
+    (void)state;
+    static osc_frame frame;
+    stand s;
+    char path[1024];
+    int port, fd = listen_somewhere(&port);
+    shipped(path, "face_osc");
+    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    make_a_face(&s);
+    add(&s, path, port, "weights=off,contacts=off,shapes=off");
+    hear_frame(&s, fd, &frame, "/marotte/1/face", "/marotte/1/face");
+    const mrt_face *about = composer_about(s.desk.composer);
+    const osc_said *all = &frame.said[0];
+    assert_int_equal(frame.count, 1);
+    assert_int_equal(strlen(all->types), 1 + 2 * about->dof_count);
+    assert_string_equal(all->name, about->dofs[0].name); /* skull.turn */
+    expect_near(all->number[0], 0.4, 0.01, all->name);
+    lie_down(&s);
+    close(fd);
+}
+
+/* ---- how late, how many ---- */
+
+static void nothing_is_lost_on_loopback_and_it_is_soon_there(void **state)
+{
+    (void)state;
+    enum { FACES = 300 };
+    stand s;
+    char path[1024];
+    unsigned char packet[2048];
+    int port, fd = listen_somewhere(&port);
+    uint32_t heard = 0;
+    shipped(path, "vmc");
+    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    make_a_face(&s);
+    add(&s, path, port, "names=presets");
+    static osc_frame frame;
+    hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
+    while (hear(fd, packet, sizeof packet, 50) > 0)
+        ;
+    uint64_t before = status_of(&s, 0).sent;
+    int64_t next_ns = clock_now_ns();
+    for (int i = 0; i < FACES; ++i) {
+        publish(&s);
+        next_ns += NS_PER_S / 150;
+        clock_sleep_until_ns(next_ns);
+    }
+    while (hear(fd, packet, sizeof packet, 2000) > 0 && heard < status_of(&s, 0).sent - before)
+        heard += 1;
+    output_status now = status_of(&s, 0);
+    printf("vmc at 150 Hz: %ju sent, %u heard, %ju replaced; sample to sent p50 %.2f ms, p99 %.2f "
+           "ms\n",
+           (uintmax_t)(now.sent - before), heard, (uintmax_t)now.replaced, now.p50_ms, now.p99_ms);
+    assert_true(heard >= now.sent - before - 4); /* those on their way when it was asked */
+    assert_true(now.p50_ms < 50.0);              /* of a machine that does other things */
+    lie_down(&s);
+    close(fd);
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    return rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_published_arrives_and_the_newest_wins),
+        cmocka_unit_test(what_crashes_hangs_or_fails_comes_back),
+        cmocka_unit_test(what_cannot_be_opened_is_said_once_and_costs_nobody_anything),
+        cmocka_unit_test(a_library_that_was_built_anew_is_taken),
+        cmocka_unit_test(another_face_is_begun_with_its_own_names),
+        cmocka_unit_test(unknown_ones_and_a_ninth_are_refused_in_words),
+        cmocka_unit_test(vmc_says_bones_and_blend_shapes_as_the_protocol_has_them),
+        cmocka_unit_test(face_osc_says_named_numbers),
+        cmocka_unit_test(nothing_is_lost_on_loopback_and_it_is_soon_there),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
