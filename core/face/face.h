@@ -95,6 +95,9 @@ void face_reset(face *f);
 
 /* 0: clay, and the bits of a face without shapes; 1 to begin with. Between frames. */
 void face_set_shapes(face *f, double amount);
+/* How many of a mesh's targets a face takes: the first ones; none where that is beyond 1 GiB. */
+enum { FACE_SHAPES_MAX = 320 };
+uint32_t face_shapes_of(const mesh *m);
 /* Those that move something; the names are the mesh's. */
 uint32_t face_shape_count(const face *f);
 const char *face_shape_name(const face *f, uint32_t index);

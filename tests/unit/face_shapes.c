@@ -466,6 +466,18 @@ static void three_hundred_shapes_work(void **state)
     face_destroy(s.scene.face);
 }
 
+/* 500 small ones and 300 of a million vertices: the first 320, and none. */
+static void too_many_shapes_are_left_out(void **state)
+{
+    (void)state;
+    mesh few = {.vertex_count = 1000, .target_count = 200};
+    mesh many = {.vertex_count = 1000, .target_count = 500};
+    mesh large = {.vertex_count = 1000000, .target_count = 300};
+    assert_int_equal(face_shapes_of(&few), 200);
+    assert_int_equal(face_shapes_of(&many), FACE_SHAPES_MAX);
+    assert_int_equal(face_shapes_of(&large), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -482,6 +494,7 @@ int main(void)
         cmocka_unit_test(nothing_jumps_when_it_takes_hold_anew),
         cmocka_unit_test(frames_with_shapes_allocate_nothing),
         cmocka_unit_test(three_hundred_shapes_work),
+        cmocka_unit_test(too_many_shapes_are_left_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

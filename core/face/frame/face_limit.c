@@ -139,6 +139,13 @@ static void measure_rest(face *f)
     }
 }
 
+static void measure_still(face *f)
+{
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        for (size_t slot = 0; slot < f->rest.padded_count && !f->bones.moves[b]; ++slot)
+            f->limit.still[slot] += f->field[b].weight[slot];
+}
+
 /* The blocks of each group's corners, each once. */
 static void list_blocks(face *f)
 {
@@ -203,6 +210,7 @@ mrt_result face_limit_create(face *f, error *err)
                          f->skin_count);
     measure_rest(f);
     measure_turns(f);
+    measure_still(f);
     list_blocks(f);
     free(f->shapes.longest);
     f->shapes.longest = NULL;

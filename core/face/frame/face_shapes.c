@@ -34,8 +34,9 @@ static const float strain_most = 0.6f;   /* of a shape alone; above 1 it may fol
 static const double ridge_blind = 0.05, ridge_seeing = 0.02; /* lambda_k */
 static const double few_mm = 0.02;
 /* Of the square of where the contacts go that a shape moves, what the shapes leave over: it is
- * believed wholly, and not at all. */
-static const double trusted_from = 0.02, trusted_to = 0.3;
+ * believed wholly, and not at all: where many contacts speak of it, and where one does, which many
+ * shapes could explain. */
+static const double trusted_from = 0.005, trusted_to = 0.15, trusted_alone = 0.01;
 static const uint64_t bytes_most = UINT64_C(1) << 30;
 
 /* ---- made ---- */
@@ -560,22 +561,24 @@ static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
            s->low && s->high && s->given && s->strain && s->scratch && s->y && s->left;
 }
 
+uint32_t face_shapes_of(const mesh *m)
+{
+    uint32_t count = m->target_count < FACE_SHAPES_MAX ? m->target_count : FACE_SHAPES_MAX;
+    /* a column on two carriers, its part of the limits, and the shape itself while it is learnt */
+    uint64_t bytes = (uint64_t)count * m->vertex_count * 3 * sizeof(float) * 3;
+    return bytes > bytes_most ? 0 : count;
+}
+
 mrt_result face_shapes_create(face *f, const mesh *m, error *err)
 {
     face_shapes *s = &f->shapes;
     learning l = {.f = f, .m = m};
-    uint32_t count = m->target_count < FACE_SHAPES_MAX ? m->target_count : FACE_SHAPES_MAX;
+    uint32_t count = face_shapes_of(m);
     size_t each = (size_t)3 * f->rest.padded_count;
-    /* a column on two carriers, its part of the limits, and the shape itself while it is learnt */
-    uint64_t bytes = (uint64_t)count * each * sizeof(float) * 3;
     s->amount = 1.0;
     s->derived = NOT_KNOWN;
     if (!f->wants_shapes || !f->rig || count == 0)
         return MRT_OK;
-    if (bytes > bytes_most) {
-        s->is_too_large = true;
-        return MRT_OK;
-    }
     s->learnt = malloc(count * each * sizeof *s->learnt);
     s->longest = calloc((size_t)f->skin_count + 1, sizeof *s->longest);
     if (!s->learnt || !s->longest || !make_room(s, count, f->control_capacity) ||
@@ -858,18 +861,21 @@ static void trust_shapes(face *f)
             s->left[r] -= s->weight[i] * s->whole[i * stride + r];
     for (uint32_t i = 0; i < s->count; ++i) {
         const double *a = s->whole + i * stride;
-        double asked = 0.0, left = 0.0;
+        double asked = 0.0, left = 0.0, sum = 0.0, square = 0.0;
         if (!(s->weight[i] > s->low[i]))
             continue;
         for (size_t r = 0; r < count; r += 3) {
             double size = a[r] * a[r] + a[r + 1] * a[r + 1] + a[r + 2] * a[r + 2];
+            sum += size;
+            square += size * size;
             for (size_t axis = r; axis < r + 3; ++axis) {
                 asked += size * s->y[axis] * s->y[axis];
                 left += size * s->left[axis] * s->left[axis];
             }
         }
-        double part =
-            asked > 0.0 ? (left / asked - trusted_from) / (trusted_to - trusted_from) : 1.0;
+        double alone = sum > 0.0 ? square / (sum * sum) : 1.0; /* 1 over how many speak of it */
+        double to = trusted_to + alone * (trusted_alone - trusted_to);
+        double part = asked > 0.0 ? (left / asked - trusted_from) / (to - trusted_from) : 1.0;
         part = part < 0.0 ? 0.0 : (part > 1.0 ? 1.0 : part);
         double trust = 1.0 - part * part * (3.0 - 2.0 * part);
         s->weight[i] = s->low[i] + trust * (s->weight[i] - s->low[i]);

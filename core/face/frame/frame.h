@@ -100,8 +100,7 @@ typedef struct face_shapes {
     face_shape *shape;
     face_shape_part *part;
     uint32_t count, part_count;
-    bool is_too_large; /* left out: more memory than a face may have */
-    double amount;     /* 0..1: 0 is clay */
+    double amount; /* 0..1: 0 is clay */
     double dof_mm[MRT_MAX_DOFS];
     bool covers[MRT_MAX_DOFS];   /* some shape moves it */
     bool derives[RIG_BONES_MAX]; /* skin rides on it: pulls may say where it is */
@@ -203,7 +202,6 @@ CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, cons
 
 /* ---- face_shapes.c: with no shapes all of these do nothing ---- */
 
-enum { FACE_SHAPES_MAX = 320 };
 /* Before there are columns; and when there are. */
 CHECKED mrt_result face_shapes_create(face *f, const mesh *m, error *err);
 void face_shapes_fill(face *f);

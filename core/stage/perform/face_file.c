@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "csrbf/points.h"
+#include "face/face.h"
 #include "face/face_weights.h"
 #include "face/rig_check.h"
 #include "io/openmesh.h"
@@ -104,6 +105,21 @@ static void find_focus(face_file *f)
     bind_marks_destroy(&marks);
 }
 
+static void say_shapes_left(face_file *f)
+{
+    uint32_t count = f->mesh.target_count, taken = face_shapes_of(&f->mesh);
+    if (!f->rig || taken == count)
+        return;
+    if (taken > 0)
+        mesh_note(&f->mesh, "%s: of its %u shapes the first %u are used", f->rig->mesh_path, count,
+                  taken);
+    else
+        mesh_note(&f->mesh,
+                  "%s: its %u shapes of %u vertices would need more than 1 GiB: they are left out, "
+                  "and it performs as clay",
+                  f->rig->mesh_path, count, f->mesh.vertex_count);
+}
+
 static mrt_result join_notes(face_file *f, error *err)
 {
     const char *from_rig = f->rig && f->rig->note ? f->rig->note : "";
@@ -133,6 +149,8 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
         result = validate(out, path, err);
     if (result >= 0 && out->rig)
         find_focus(out);
+    if (result >= 0)
+        say_shapes_left(out);
     if (result >= 0)
         result = join_notes(out, err);
     if (result < 0)
