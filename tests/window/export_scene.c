@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "base/file.h"
 #include "scene.h"
 
 static bool has_recorded(scene *s, void *data)
@@ -26,7 +27,7 @@ static bool are_exports(scene *s, void *data)
     return app_exports_going(s->app) == *(uint32_t *)data;
 }
 
-static void open_with_a_take(scene *s)
+static void open_with_a_hand(scene *s)
 {
     static char hand[512];
     static const char *const inputs[] = {hand};
@@ -36,10 +37,20 @@ static void open_with_a_take(scene *s)
     scene_open_with(s, &options);
     scene_let_cut(s, "/tmp/");
     scene_let_cut(s, "demo_hand");
+}
+
+static void record_a_take(scene *s)
+{
     scene_do(s, ACTION_RECORD);
     assert_true(scene_until(s, has_recorded, NULL));
     scene_do(s, ACTION_RECORD);
     assert_true(scene_until(s, has_take, NULL));
+}
+
+static void open_with_a_take(scene *s)
+{
+    open_with_a_hand(s);
+    record_a_take(s);
 }
 
 static void ask_for_an_export(scene *s, const char *format)
@@ -138,9 +149,48 @@ static void an_export_is_given_up_with_the_program(void **state)
     scene_close(&s);
 }
 
+static bool has_in_file(const char *path, const char *word)
+{
+    error err = {0};
+    file_bytes got;
+    bool has = false;
+    if (file_read(&got, path, 1 << 30, &err) < 0)
+        fail_msg("%s", err.text);
+    for (size_t i = 0; i + strlen(word) <= got.size && !has; ++i)
+        has = memcmp(got.data + i, word, strlen(word)) == 0;
+    file_bytes_finish(&got);
+    return has;
+}
+
+/* A pinch of clay before, and the curves of what is performed then have their names. */
+static void clay_leaves_the_curves_their_names(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t none = 0;
+    char path[160];
+    open_with_a_hand(&s);
+    scene_frames(&s, 30);
+    scene_modifiers(&s, UI_CONTROL, true);
+    scene_drag(&s, 460.0f, 260.0f, 480.0f, 300.0f, 12);
+    scene_modifiers(&s, UI_CONTROL, false);
+    scene_frames(&s, 30);
+    scene_picture(&s, "export_clay");
+    record_a_take(&s);
+    scene_do(&s, ACTION_EXPORT);
+    scene_click_word(&s, "Export");
+    assert_true(scene_until(&s, are_exports, &none));
+    (void)snprintf(path, sizeof path, "%s/night_1.glb", s.folder);
+    assert_true(has_in_file(path, "jaw.open"));
+    assert_true(has_in_file(path, "mouth.corner.l"));
+    assert_false(has_in_file(path, "component1"));
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clay_leaves_the_curves_their_names),
         cmocka_unit_test(what_is_there_is_replaced_when_asked_twice),
         cmocka_unit_test(what_goes_on_is_seen_and_cancelled),
         cmocka_unit_test(quitting_asks_about_an_export_that_goes_on),
