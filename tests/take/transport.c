@@ -67,6 +67,19 @@ static void speeds_outside_a_tenth_to_four_are_refused(void **state)
     assert_int_equal(transport_at(&t, S).at_ns, S / 10);
 }
 
+/* Whoever stands at the range's end and plays wants to hear the range. */
+static void a_loop_that_is_played_from_its_end_begins_at_its_start(void **state)
+{
+    (void)state;
+    transport t;
+    transport_init(&t, 10 * S);
+    assert_true(transport_set_loop(&t, 0, 2 * S, 5 * S));
+    transport_seek(&t, 0, 5 * S);
+    transport_play(&t, 0);
+    assert_int_equal(transport_at(&t, S).at_ns, 3 * S);
+    assert_int_equal(transport_at(&t, 4 * S).at_ns, 3 * S);
+}
+
 static void a_loop_goes_back_exactly_and_counts_its_passes(void **state)
 {
     (void)state;
@@ -126,6 +139,7 @@ int main(void)
         cmocka_unit_test(no_change_makes_it_jump),
         cmocka_unit_test(speeds_outside_a_tenth_to_four_are_refused),
         cmocka_unit_test(a_loop_goes_back_exactly_and_counts_its_passes),
+        cmocka_unit_test(a_loop_that_is_played_from_its_end_begins_at_its_start),
         cmocka_unit_test(when_is_the_inverse_of_at),
         cmocka_unit_test(steps_stop_on_the_starts_of_frames),
     };

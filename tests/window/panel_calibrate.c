@@ -139,6 +139,13 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
     stand_key(s, UI_KEY_ENTER);
     stand_check_words(s, NULL);
     stand_picture(s, "panel_calibrate_result");
+    stand_key(s, UI_KEY_ESCAPE);
+    stand_settle(s);
+    assert_true(stand_shows(s, "10 poses were taken. Nothing of them is kept yet."));
+    stand_picture(s, "panel_calibrate_giving_up");
+    stand_key(s, UI_KEY_ESCAPE);
+    stand_settle(s);
+    assert_true(stand_shows(s, "All poses are done."));
     stand_click(s, "Save and use");
     assert_false(stand_shows(s, "All poses are done."));
     assert_int_equal(s->tapped, UINT32_MAX);

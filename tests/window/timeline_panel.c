@@ -342,6 +342,21 @@ static void while_it_plays_the_page_turns(void **state)
 
 /* ---- takes ---- */
 
+static void pass_half_a_second(stand *s)
+{
+    for (int i = 0; i < 40; ++i)
+        stand_frame(s);
+}
+
+static void right_click(stand *s, float x, float y)
+{
+    stand_move(s, x, y);
+    stand_settle(s);
+    stand_button(s, 1, true);
+    stand_button(s, 1, false);
+    stand_settle(s);
+}
+
 static void stars_are_given_with_a_click(void **state)
 {
     (void)state;
@@ -353,11 +368,78 @@ static void stars_are_given_with_a_click(void **state)
     float y = word->where.y + 8.0f;
     float right = 250.0f - 8.0f - 8.0f - 50.0f - 4.0f; /* of the stars */
     stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
+    pass_half_a_second(s);
     assert_int_equal(s->rated_id, 4);
     assert_int_equal(s->rated, 4);
     assert_int_equal(s->line[3].rating, 4);
     stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
+    pass_half_a_second(s);
     assert_int_equal(s->line[3].rating, 3);
+    stand_close(s);
+}
+
+/* Where the stars are, too. */
+static void a_double_click_on_a_star_rates_nothing(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    stand_settle(s);
+    const uint32_t before = s->line[3].rating;
+    const float y = stand_word(s, "1/a 4 again")->where.y + 8.0f;
+    stand_double_click(s, 250.0f - 8.0f - 8.0f - 50.0f - 4.0f - 60.0f + 3.5f * 12.0f, y);
+    pass_half_a_second(s);
+    assert_int_equal(s->done, ACTION_COUNT); /* it was shown */
+    assert_int_equal(s->rated, 0);
+    assert_int_equal(s->line[3].rating, before);
+    stand_close(s);
+}
+
+static void a_click_chooses_a_take_for_the_keys(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    stand_settle(s);
+    const ui_word *word = stand_word(s, "1/a 2");
+    assert_non_null(word);
+    stand_click(s, word->where.x + 8.0f, word->where.y + 8.0f);
+    assert_int_equal(s->selected_id, 2);
+    assert_true(s->choice.is_take);
+    stand_click(s, stand_x(s, 2.0), stand_y(s, 1)); /* of the timeline something else is chosen */
+    assert_false(s->choice.is_take);
+    stand_close(s);
+}
+
+static void the_strip_of_what_was_always_recorded_is_a_click_away(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    stand_settle(s);
+    stand_click_word(s, "Always recorded");
+    assert_int_equal(s->rated_id, 0);
+    assert_int_equal(s->done, ACTION_COUNT);
+    stand_check_words(s);
+    stand_picture(s, "back");
+    stand_close(s);
+}
+
+/* A second right click beside an open menu is about what is there; Escape closes the menu. */
+static void a_menu_is_that_of_what_was_clicked_last(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_settle(s);
+    right_click(s, stand_x(s, 2.0), stand_y(s, 1));
+    assert_non_null(stand_word(s, "Speed, gain, fades \u2026"));
+    right_click(s, 250.0f + 30.0f, stand_y(s, 1)); /* the header of the layer */
+    assert_null(stand_word(s, "Speed, gain, fades \u2026"));
+    assert_non_null(stand_word(s, "Name and parts \u2026"));
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_settle(s);
+    assert_null(stand_word(s, "Name and parts \u2026"));
     stand_close(s);
 }
 
@@ -438,6 +520,10 @@ int main(void)
         cmocka_unit_test(the_wheel_zooms_about_the_pointer_and_shift_pans),
         cmocka_unit_test(while_it_plays_the_page_turns),
         cmocka_unit_test(stars_are_given_with_a_click),
+        cmocka_unit_test(a_double_click_on_a_star_rates_nothing),
+        cmocka_unit_test(a_click_chooses_a_take_for_the_keys),
+        cmocka_unit_test(the_strip_of_what_was_always_recorded_is_a_click_away),
+        cmocka_unit_test(a_menu_is_that_of_what_was_clicked_last),
         cmocka_unit_test(a_double_click_shows_a_take),
         cmocka_unit_test(takes_are_found_by_words_stars_and_fate),
         cmocka_unit_test(a_swipe_over_the_journal_keeps_that_span),

@@ -223,6 +223,7 @@ static void the_show_that_is_open_is_opened_again_and_records_on(void **state)
     scene s;
     open_hand(&s, 1.0f);
     record_one(&s);
+    assert_true(scene_until(&s, is_chosen, NULL));
     const int64_t chosen = app_take_id(s.app);
     scene_click_word(&s, "night");
     const ui_word *file = scene_word(&s, "night.marotte");
@@ -244,6 +245,82 @@ static void the_show_that_is_open_is_opened_again_and_records_on(void **state)
     scene_close(&s);
 }
 
+static bool plays_the_chosen(scene *s, void *data)
+{
+    (void)data;
+    return app_is_take_shown(s->app) && live_transport(app_live(s->app))->is_playing;
+}
+
+static bool is_performed(scene *s, void *data)
+{
+    (void)data;
+    return app_view(s->app)->mode == LIVE_PERFORMS;
+}
+
+/* The large one of the strip; the ruler says instants too. */
+static bool is_clock_at_start(scene *s)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (words[i].where.height > 24.0f && strchr(words[i].text, ':'))
+            return strcmp(words[i].text, "00:00:00:00") == 0;
+    fail_msg("there is no clock");
+    return false;
+}
+
+/* Of a take that is beside: neither its instant nor its end is that of what is performed. */
+static void the_clock_is_that_of_what_is_recorded_and_then_of_the_take(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t two = 2;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    app_seek(s.app, NS_PER_S);
+    scene_frames(&s, 3);
+    assert_false(is_clock_at_start(&s));
+    scene_do(&s, ACTION_LIVE);
+    assert_true(scene_until(&s, is_performed, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    assert_false(is_clock_at_start(&s));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_take, &two));
+    assert_true(scene_until(&s, is_chosen, NULL));
+    scene_frames(&s, 3);
+    assert_true(is_clock_at_start(&s)); /* it is at its start */
+    scene_close(&s);
+}
+
+static void a_click_in_the_list_chooses_what_space_plays_and_del_deletes(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    assert_true(scene_until(&s, is_chosen, NULL));
+    scene_click_word(&s, "Always recorded");
+    assert_null(app_take(s.app));
+    scene_click_word(&s, "1");
+    assert_non_null(app_take(s.app));
+    assert_int_equal(app_view(s.app)->mode, LIVE_PERFORMS);
+    scene_do(&s, ACTION_LIVE); /* live again already: back to what was always recorded */
+    assert_null(app_take(s.app));
+    scene_click_word(&s, "1");
+    scene_do(&s, ACTION_PLAY);
+    assert_true(scene_until(&s, plays_the_chosen, NULL));
+    scene_do(&s, ACTION_PLAY);
+    scene_click_word(&s, "1");
+    scene_do(&s, ACTION_REMOVE);
+    assert_true(app_take(s.app)->is_deleted);
+    scene_picture(&s, "timeline_scene_deleted");
+    scene_do(&s, ACTION_UNDO);
+    assert_false(app_take(s.app)->is_deleted);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -251,6 +328,8 @@ int main(void)
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
+        cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),
+        cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),
         cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),
         cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),

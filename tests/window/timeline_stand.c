@@ -40,6 +40,13 @@ live *app_live(app *self)
     return &the_stage;
 }
 
+const live_view *app_view(const app *self)
+{
+    static const live_view performs = {.mode = LIVE_PERFORMS};
+    (void)self;
+    return &performs;
+}
+
 const live_status *app_status(const app *self)
 {
     (void)self;
@@ -96,6 +103,19 @@ mrt_result app_choose_take(app *self, int64_t id)
     here->rated_id = id;
     here->done = ACTION_COUNT;
     return MRT_OK;
+}
+
+mrt_result app_select_take(app *self, int64_t id)
+{
+    (void)self;
+    here->selected_id = id;
+    return MRT_OK;
+}
+
+bool app_is_take_shown(const app *self)
+{
+    (void)self;
+    return here->take.id != 0;
 }
 
 const take *app_take(const app *self)

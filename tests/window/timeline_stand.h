@@ -22,6 +22,7 @@ typedef struct stand {
     uint32_t did_count;
     error refused;           /* of the last edit that was not possible */
     int64_t duplicated;      /* the last take that was */
+    int64_t selected_id;     /* with a click in the list */
     int64_t rated, rated_id; /* the last take that was edited from the list */
     action done, asked;
     live_status status;

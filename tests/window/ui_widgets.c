@@ -226,6 +226,12 @@ static void a_choice_is_made_in_its_list(void **state)
     settle(&b);
     click_word(&b, "C4");
     assert_int_equal(b.choice, 2);
+    click_word(&b, "C4");
+    assert_non_null(word(&b, "C2"));
+    key(&b, UI_KEY_ESCAPE); /* closes the list, and no more */
+    settle(&b);
+    assert_null(word(&b, "C2"));
+    assert_int_equal(b.choice, 2);
     close_bench(&b);
 }
 

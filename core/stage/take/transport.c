@@ -67,8 +67,10 @@ static void hold(transport *self, int64_t clock_ns)
 void transport_play(transport *self, int64_t clock_ns)
 {
     hold(self, clock_ns);
-    if (self->stops_at_end && self->at_ns >= self->end_ns && !loops_from(self, self->at_ns))
-        self->at_ns = self->is_looping ? self->loop_in_ns : 0;
+    if (self->is_looping && self->at_ns >= self->loop_out_ns)
+        self->at_ns = self->loop_in_ns;
+    else if (self->stops_at_end && self->at_ns >= self->end_ns)
+        self->at_ns = 0;
     self->is_playing = true;
 }
 

@@ -30,7 +30,8 @@ transport_position transport_at(const transport *self, int64_t clock_ns);
 /* When the clock will be at a later position of this pass; INT64_MAX: never. */
 int64_t transport_when(const transport *self, int64_t at_ns);
 
-void transport_play(transport *self, int64_t clock_ns); /* at the end: from the start */
+/* At the end: from the start; behind a loop: from the loop's. */
+void transport_play(transport *self, int64_t clock_ns);
 void transport_pause(transport *self, int64_t clock_ns);
 void transport_seek(transport *self, int64_t clock_ns, int64_t at_ns); /* into 0..end */
 /* False, and nothing changes: not TRANSPORT_SPEED_MIN..MAX. */

@@ -103,7 +103,10 @@ uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; 
                                                                             next update */
 int64_t app_take_id(const app *self);                           /* 0: none */
 CHECKED mrt_result app_choose_take(app *self, int64_t id);      /* 0: none; shows it on the stage */
-const take *app_take(const app *self); /* NULL: none; until the next edit */
+/* In the list; on the stage too if a take is there, else the live hands stay. */
+CHECKED mrt_result app_select_take(app *self, int64_t id);
+bool app_is_take_shown(const app *self); /* the chosen one is on the stage; else it stands at 0 */
+const take *app_take(const app *self);   /* NULL: none; until the next edit */
 /* Makes a take of what was performed between two instants of the host's clock; it is chosen in the
  * list once all of it is in the show. */
 void app_keep(app *self, int64_t from_ns, int64_t to_ns);
@@ -153,6 +156,7 @@ const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
 typedef struct app_choice {
     uint32_t layer, clip; /* ids; 0: none */
     int32_t marker;       /* -1: none */
+    bool is_take;         /* the take itself, in the list: for remove */
     uint32_t armed;       /* layer that recording over the take goes into (live_over.into_layer); 0:
                              a new one */
 } app_choice;

@@ -1028,7 +1028,9 @@ static const char *why_not(app *self, action of)
     case ACTION_MARK:
         return self->view->mode == LIVE_PERFORMS ? why_no_record(self) : app_edit_why_not(self, of);
     case ACTION_LIVE:
-        return self->view->mode == LIVE_PERFORMS ? "the live hands are on the stage" : NULL;
+        return self->view->mode == LIVE_PERFORMS && !self->chosen
+                   ? "the live hands are on the stage"
+                   : NULL;
     case ACTION_SOUND_ARM:
         return self->status.is_recording ? "a take is being recorded: end it first" : NULL;
     case ACTION_UNDO:
@@ -1089,7 +1091,10 @@ static void do_performance(app *self, action of)
         live_rezero(self->live);
         break;
     case ACTION_LIVE:
-        live_show_hands(self->live);
+        if (self->view->mode == LIVE_PERFORMS)
+            app_reported(app_choose_take(self, 0));
+        else
+            live_show_hands(self->live);
         break;
     case ACTION_HAND_KEYS:
         self->has_hand_keys = !self->has_hand_keys;

@@ -70,9 +70,6 @@ static void app_undo_note_copy(app *self, int64_t of, const char *words)
     put(self, &step);
 }
 
-/* In the list, and on the stage if the chosen one is. */
-static mrt_result app_choose_instead(app *self, int64_t id);
-
 /* After each change of the chosen take: the list and the stage follow. */
 static void app_take_changed(app *self);
 
@@ -88,7 +85,7 @@ static mrt_result go(app *self, const app_done *step, int64_t head)
     result = history_go(self->history, head, &err);
     app_take_changed(self);
     if (result >= 0 && step->copied_from && head == step->head_before)
-        result = app_choose_instead(self, step->copied_from);
+        result = app_select_take(self, step->copied_from);
     return app_report(self, result, &err);
 }
 
@@ -512,10 +509,20 @@ mrt_result app_choose_take(app *self, int64_t id)
     return app_show_chosen(self);
 }
 
-static mrt_result app_choose_instead(app *self, int64_t id)
+bool app_is_take_shown(const app *self)
 {
-    const int64_t shown = live_shown_take(self->live);
-    return shown && shown == self->chosen ? app_choose_take(self, id) : app_pick_take(self, id);
+    return self->chosen && live_shown_take(self->live) == self->chosen;
+}
+
+mrt_result app_select_take(app *self, int64_t id)
+{
+    return app_is_take_shown(self) ? app_choose_take(self, id) : app_pick_take(self, id);
+}
+
+/* Of the chosen take. */
+static int64_t head_ns(const app *self)
+{
+    return app_is_take_shown(self) ? live_position(self->live).at_ns : 0;
 }
 
 mrt_result app_duplicate_take(app *self, int64_t id)
@@ -531,7 +538,7 @@ mrt_result app_duplicate_take(app *self, int64_t id)
     if (result < 0)
         return app_report(self, result, &err);
     self->takes_are_stale = true;
-    result = app_choose_instead(self, copy);
+    result = app_select_take(self, copy);
     if (result >= 0)
         app_undo_note_copy(self, id, words);
     return result;
@@ -729,7 +736,7 @@ void app_mark(app *self)
     }
     edit e;
     edit_init(&e, EDIT_MARKER_ADD);
-    e.at_ns = live_position(self->live).at_ns;
+    e.at_ns = head_ns(self);
     app_reported(app_edit(self, &e));
     edit_finish(&e);
 }
@@ -1048,7 +1055,7 @@ static bool is_within(const take_clip *clip, const take_layer *lane, int64_t at_
 static const char *why_no_split(const app *self)
 {
     const take_layer *lane = NULL;
-    const int64_t at_ns = live_position(self->live).at_ns;
+    const int64_t at_ns = head_ns(self);
     const take_clip *clip = clip_at(self, at_ns, &lane);
     if (!clip)
         return "choose a clip of the timeline";
@@ -1059,7 +1066,7 @@ static const char *why_no_trim(const app *self)
 {
     const take_layer *lane = NULL;
     const take *t = app_take(self);
-    const int64_t at_ns = live_position(self->live).at_ns;
+    const int64_t at_ns = head_ns(self);
     if (self->choice.clip) {
         const take_clip *clip = clip_of(t, self->choice.clip, &lane);
         return clip && is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
@@ -1083,9 +1090,9 @@ const char *app_edit_why_not(app *self, action of)
     case ACTION_TRIM_END:
         return why_no_trim(self);
     case ACTION_REMOVE:
-        return choice->clip || choice->layer || choice->marker >= 0
+        return choice->clip || choice->layer || choice->marker >= 0 || choice->is_take
                    ? NULL
-                   : "choose a clip, a layer or a marker of the timeline";
+                   : "choose a take of the list, or a clip, a layer or a marker of the timeline";
     case ACTION_MUTE:
         return choice->clip || choice->layer ? NULL : "choose a clip or a layer of the timeline";
     case ACTION_SOLO:
@@ -1100,7 +1107,7 @@ const char *app_edit_why_not(app *self, action of)
 static bool make_split(const app *self, edit *out)
 {
     const take_layer *lane = NULL;
-    const int64_t at_ns = live_position(self->live).at_ns;
+    const int64_t at_ns = head_ns(self);
     const take_clip *clip = clip_at(self, at_ns, &lane);
     if (!clip)
         return false;
@@ -1112,7 +1119,7 @@ static bool make_split(const app *self, edit *out)
 
 static bool make_trim(const app *self, edit *out, bool is_end)
 {
-    const int64_t at_ns = live_position(self->live).at_ns;
+    const int64_t at_ns = head_ns(self);
     const take *t = app_take(self);
     if (self->choice.clip) {
         edit_init(out, EDIT_CLIP_TRIM);
@@ -1129,9 +1136,12 @@ static bool make_trim(const app *self, edit *out, bool is_end)
 static bool make_remove(const app *self, edit *out)
 {
     const app_choice *choice = &self->choice;
-    edit_init(out, choice->marker >= 0 ? EDIT_MARKER_REMOVE
-                   : choice->clip      ? EDIT_CLIP_REMOVE
-                                       : EDIT_LAYER_REMOVE);
+    edit_init(out, choice->is_take       ? EDIT_TAKE_DELETE
+                   : choice->marker >= 0 ? EDIT_MARKER_REMOVE
+                   : choice->clip        ? EDIT_CLIP_REMOVE
+                                         : EDIT_LAYER_REMOVE);
+    if (choice->is_take)
+        return true;
     if (choice->marker >= 0)
         out->marker = (uint32_t)choice->marker;
     else if (choice->clip)
@@ -1197,7 +1207,7 @@ static bool make(const app *self, action of, edit *out)
 void app_edit_do(app *self, action of)
 {
     edit e = {0};
-    if (make(self, of, &e))
-        app_reported(app_edit(self, &e));
+    if (make(self, of, &e) && app_edit(self, &e) >= 0 && e.kind == EDIT_TAKE_DELETE)
+        app_say(self, MRT_LOG_INFO, "the take is among the deleted ones: undo brings it back");
     edit_finish(&e);
 }

@@ -53,6 +53,7 @@ struct ui {
     uint32_t surface_below[UI_POPUPS_MAX];
     int popup_depth;
     bool has_dialog, had_dialog; /* drawn in this frame; in the one before */
+    bool has_menu;               /* a menu or a drop-down was open as the frame began: Esc is its */
     ImGuiID dialog_wanted;
     float next_width; /* pixels; of the next widget */
     int disabled_depth;
@@ -514,7 +515,7 @@ static bool has_keys(const ui *self)
 
 bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers)
 {
-    if (key >= UI_KEY_COUNT || !has_keys(self))
+    if (key >= UI_KEY_COUNT || !has_keys(self) || (key == UI_KEY_ESCAPE && self->has_menu))
         return false;
     if (key == '/' && modifiers == UI_SHIFT && self->input->pressed['?'])
         return true;
@@ -846,13 +847,49 @@ void ui_hint(ui *self, const char *text)
 
 /* ---- menus ---- */
 
+static ImGuiWindow *innermost_popup(void)
+{
+    const ImVector<ImGuiPopupData> &open = GImGui->OpenPopupStack;
+    return open.Size > 0 ? open.back().Window : nullptr;
+}
+
+/* A menu or a drop-down, not a question. */
+static bool has_menu(void)
+{
+    const ImGuiWindow *popup = innermost_popup();
+    return popup && !(popup->Flags & ImGuiWindowFlags_Modal);
+}
+
+/* After ImGui's new frame. A right click beside a menu closes it at once, and is a click on what is
+ * there: ImGui would close it at the frame's end, and open the next one for what was clicked
+ * before. */
+static void close_menus(ui *self)
+{
+    self->has_menu = has_menu();
+    if (!self->has_menu || !ImGui::IsMouseClicked(1))
+        return;
+    ImGuiWindow *hovered = GImGui->HoveredWindow, *modal = ImGui::GetTopMostPopupModal();
+    const bool is_above = hovered && (!modal || ImGui::IsWindowAbove(hovered, modal));
+    ImGui::ClosePopupsOverWindow(is_above ? hovered : modal, true);
+}
+
+/* Within the menu. */
+static void close_with_escape(const ui *self)
+{
+    if (self->has_menu && self->input->pressed[UI_KEY_ESCAPE] &&
+        innermost_popup() == ImGui::GetCurrentWindow())
+        ImGui::CloseCurrentPopup();
+}
+
 bool ui_menu_begin(ui *self, const char *id)
 {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
     const bool is_open = ImGui::BeginPopupContextItem(id);
     ImGui::PopStyleVar();
-    if (is_open)
+    if (is_open) {
         ui_enter_popup(self);
+        close_with_escape(self);
+    }
     return is_open;
 }
 
@@ -1024,6 +1061,7 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
     ImGui::PopStyleVar();
     if (is_open) {
         ui_enter_popup(self);
+        close_with_escape(self);
         for (uint32_t i = 0; i < count; ++i) {
             ImGui::PushID(static_cast<int>(i));
             if (ui_row(self, items[i], i == *index) != UI_ROW_NONE) {
@@ -1605,6 +1643,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     ui_notes_begin(self->notes);
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();
+    close_menus(self);
     if (self->command != UI_KEY_NONE)
         ImGui::ClearActiveID();
 }

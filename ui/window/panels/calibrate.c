@@ -226,6 +226,7 @@ struct calibrate_panel {
     uint32_t index;
     calibrate_guide guide;
     bool is_asked, is_away;
+    bool gives_up; /* it was to be closed: whether the poses are to be given up is asked */
     char name[CALIBRATION_NAME], length[16];
     char trouble[1024];
     char *kept;
@@ -270,7 +271,7 @@ bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, 
     self->glove = glove;
     self->index = index;
     self->is_asked = true;
-    self->is_away = false;
+    self->is_away = self->gives_up = false;
     self->trouble[0] = '\0';
     (void)snprintf(self->name, sizeof self->name, "%s hand", side_word[side]);
     live_tap(app_live(self->app), index);
@@ -535,6 +536,7 @@ static void keep(calibrate_panel *self, ui *on)
     self->kept = path;
     self->kept_side = self->guide.glove.side;
     self->has_kept = true;
+    leave(self);
     ui_dialog_close(on);
 }
 
@@ -608,6 +610,46 @@ static void draw_without_result(calibrate_panel *self, ui *on)
         ui_dialog_close(on);
 }
 
+/* Whoever closes it, by Escape or by Cancel, may not have meant it: poses take a while to make. */
+
+enum { ASKED_FROM = 3 };
+
+static uint32_t taken(const calibrate_panel *self)
+{
+    uint32_t count = 0;
+    for (int step = 0; step < GUIDE_STEPS; ++step)
+        count += guide_has(self->guide.guide, (guide_step)step);
+    return count;
+}
+
+/* Escape is "Stay" here. */
+static void draw_giving_up(calibrate_panel *self, ui *on)
+{
+    char words[80];
+    (void)snprintf(words, sizeof words, "%u poses were taken. Nothing of them is kept yet.",
+                   taken(self));
+    ui_text_wrapped(on, UI_STYLE_BODY, words);
+    ui_space(on, 8.0f);
+    if (ui_button(on, "Go on", UI_ACCENT) || ui_pressed(on, UI_KEY_ENTER, 0))
+        self->gives_up = false;
+    ui_same_line(on);
+    if (ui_button(on, "Give them up", UI_PLAIN)) {
+        leave(self);
+        ui_dialog_close(on);
+    }
+}
+
+/* It is not open any more. */
+static void was_closed(calibrate_panel *self)
+{
+    if (!self->gives_up && taken(self) < ASKED_FROM) {
+        leave(self);
+        return;
+    }
+    self->gives_up = !self->gives_up;
+    self->is_asked = true;
+}
+
 void calibrate_panel_draw(calibrate_panel *self, ui *on)
 {
     char title[160];
@@ -621,10 +663,12 @@ void calibrate_panel_draw(calibrate_panel *self, ui *on)
                    side_word[self->guide.glove.side], input_name(self->glove));
     if (!ui_dialog_begin(on, dialog, title, width)) {
         if (!was_asked)
-            leave(self);
+            was_closed(self);
         return;
     }
-    if (self->guide.result)
+    if (self->gives_up)
+        draw_giving_up(self, on);
+    else if (self->guide.result)
         draw_result(self, on);
     else if (guide_current(self->guide.guide) < GUIDE_STEPS)
         draw_poses(self, on);

@@ -73,6 +73,7 @@ static void choose(panel *self, timeline_hit hit)
     choice->layer = hit.layer;
     choice->clip = hit.clip;
     choice->marker = hit.part == TIMELINE_MARKER ? hit.marker : -1;
+    choice->is_take = false;
 }
 
 static void scrub(panel *self, int64_t at_ns)

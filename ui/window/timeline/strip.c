@@ -188,8 +188,10 @@ static void put_word_with_room(pen *p, action of, const char *word)
 static void put_time(pen *p)
 {
     const live_status *status = app_status(p->self->app);
-    const take *t = app_take(p->self->app);
-    timeline_code code = timeline_code_now(p->self);
+    /* What is performed is on the clock, whatever take is chosen beside it. */
+    const bool is_live = status->is_recording && app_view(p->self->app)->mode == LIVE_PERFORMS;
+    const take *t = is_live ? NULL : app_take(p->self->app);
+    timeline_code code = timeline_code_of(t);
     char words[TIMECODE_TEXT];
     uint32_t ink = status->is_recording ? THEME_RECORD : t ? THEME_TEXT : THEME_DIM;
     int64_t at_ns = t ? timeline_head_ns(p->self) : status->recorded_ns;

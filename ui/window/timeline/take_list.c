@@ -144,7 +144,7 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectan
     timeline_takes_duration(time, sizeof time, line->duration_ns);
     if (is_chosen)
         ui_draw_box(on, where, THEME_RAISED, 0.0f);
-    else if (is_hovered || self->takes_marked == line->id)
+    else if (is_hovered)
         ui_draw_box(on, where, 0x25292effu, 0.0f);
     if (is_chosen)
         ui_draw_box(on, (ui_rectangle){where.x, where.y, 3.0f, where.height}, THEME_ACCENT, 0.0f);
@@ -154,7 +154,9 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectan
     }
     float width = ui_text_width(on, UI_STYLE_NUMBER, time);
     ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
-    float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, line->rating, is_hovered);
+    const uint32_t rating =
+        self->rates.take == line->id ? self->rates.rating : line->rating; /* as it is clicked */
+    float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, rating, is_hovered);
     ui_draw_text(on, x, y, is_chosen ? UI_STYLE_STRONG : UI_STYLE_BODY,
                  is_chosen          ? THEME_ACCENT
                  : line->is_deleted ? THEME_DIM
@@ -173,17 +175,39 @@ static void edit_take(panel *self, int64_t id, edit *e)
     edit_finish(e);
 }
 
+/* Longer than between the clicks of a double click (ui.h). */
+#define RATES_AFTER_S 0.35
+
 static void rate(panel *self, const app_take_line *line, uint32_t stars)
 {
+    self->rates.take = line->id;
+    self->rates.rating = stars == line->rating ? stars - 1 : stars;
+    self->rates.wait_s = RATES_AFTER_S;
+}
+
+void timeline_takes_update(panel *self, double dt_s)
+{
     edit e;
+    self->rates.wait_s -= dt_s;
+    if (!self->rates.take || self->rates.wait_s > 0.0)
+        return;
     edit_init(&e, EDIT_TAKE_RATE);
-    e.rating = stars == line->rating ? stars - 1 : stars;
-    edit_take(self, line->id, &e);
+    e.rating = self->rates.rating;
+    edit_take(self, self->rates.take, &e);
+    self->rates.take = 0;
 }
 
 static void choose_take(panel *self, int64_t id)
 {
     (void)!app_choose_take(self->app, id); /* says itself why it failed */
+}
+
+/* Space and Del are about the take then. */
+static void select_take(panel *self, int64_t id)
+{
+    (void)!app_select_take(self->app, id);
+    app_choice *choice = app_chosen(self->app);
+    *choice = (app_choice){.marker = -1, .armed = choice->armed, .is_take = true};
 }
 
 /* 1 .. 5: on a star. */
@@ -199,11 +223,14 @@ static void click_line(panel *self, const app_take_line *line, const ui_canvas *
                        ui_rectangle where)
 {
     uint32_t star = star_at(where, canvas->where.x + canvas->x);
-    self->takes_marked = line->id;
-    if (canvas->is_double_clicked && !star && !line->is_deleted)
+    const bool is_click = canvas->is_pressed && canvas->button == 0 && !line->is_recording;
+    if (canvas->is_double_clicked && canvas->button == 0 && !line->is_deleted) {
+        self->rates.take = 0;
         choose_take(self, line->id);
-    else if (canvas->is_pressed && canvas->button == 0 && star && !line->is_recording)
+    } else if (is_click && star)
         rate(self, line, star);
+    else if (is_click && !line->is_deleted)
+        select_take(self, line->id);
     else if (canvas->is_pressed && canvas->button == 1)
         self->takes_menu = line->id;
 }
@@ -285,7 +312,9 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
         paint_line(self, on, of, where, hovered == (int64_t)i);
         if (hovered != (int64_t)i)
             continue;
-        self->hint = of->note[0] ? of->note : "A double click shows it, a right click does more.";
+        self->hint = of->note[0] ? of->note
+                                 : "A click chooses it: Space plays it, Del deletes it. A double "
+                                   "click shows it, a right click does more.";
         if (canvas->is_pressed || canvas->is_double_clicked)
             click_line(self, of, canvas, where);
     }
@@ -464,15 +493,27 @@ static void put_filter(panel *self, ui *on, uint32_t count)
     (void)ui_input(on, "##search", "Search", self->takes.words, sizeof self->takes.words);
 }
 
+#define BACK_HEIGHT 32.0f
+
+/* Back to what is seen while no take is chosen. */
+static void put_back(panel *self, ui *on)
+{
+    if (ui_row(on, "Always recorded", false) != UI_ROW_NONE)
+        choose_take(self, 0);
+    ui_hint(on, "The strip of the last half hour, in place of the take: swipe over it, and that "
+                "span becomes a take. L, twice, does the same.");
+}
+
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
 {
     const app_take_line *line;
     uint32_t count = app_takes(self->app, &line);
+    const bool has_back = app_take(self->app) && !app_status(self->app)->is_recording;
     ui_canvas canvas;
     ui_panel_begin(on, "timeline_takes", where, UI_GROUND_PANEL);
     put_filter(self, on, count);
     (void)timeline_takes_look(&self->takes, line, count);
-    ui_canvas_begin(on, "takes", 0.0f, 0.0f, &canvas);
+    ui_canvas_begin(on, "takes", 0.0f, has_back ? -BACK_HEIGHT : 0.0f, &canvas);
     ui_draw_box(on, canvas.where, THEME_WELL, 4.0f);
     if (canvas.is_hovered)
         self->takes_scroll -= canvas.wheel_y * 2.0f * ROW_HEIGHT;
@@ -482,5 +523,7 @@ void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
     ui_canvas_end(on);
     menu(self, on, line, count);
     ui_hint(on, self->hint);
+    if (has_back)
+        put_back(self, on);
     ui_panel_end(on);
 }

@@ -181,12 +181,13 @@ timeline_code timeline_code_now(const panel *self)
 
 int64_t timeline_head_ns(const panel *self)
 {
-    return live_position(app_live(self->app)).at_ns;
+    return app_is_take_shown(self->app) ? live_position(app_live(self->app)).at_ns : 0;
 }
 
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
 {
-    const transport *move = live_transport(app_live(self->app));
+    const transport *move =
+        app_is_take_shown(self->app) ? live_transport(app_live(self->app)) : NULL;
     *out_in_ns = move ? move->loop_in_ns : 0;
     *out_out_ns = move ? move->loop_out_ns : 0;
     if (self->gesture == GESTURE_RANGE) {
@@ -479,7 +480,7 @@ static void update(panel *self, double dt_s)
     live *stage = app_live(self->app);
     int64_t now_ns = clock_now_ns();
     uint32_t count = live_input_count(stage);
-    (void)dt_s;
+    timeline_takes_update(self, dt_s);
     for (uint32_t i = 0; i < count && i < JOURNAL_LANES; ++i) {
         mrt_sample sample;
         uint32_t channel_count;

@@ -117,7 +117,13 @@ struct panel {
     /* takes */
     timeline_takes takes;
     float takes_scroll;
-    int64_t takes_menu, takes_marked, takes_shown; /* ids; shown: kept in sight */
+    int64_t takes_menu, takes_shown; /* ids; shown: kept in sight */
+    /* A star that was clicked: it is meant unless a second click, which shows the take, follows. */
+    struct {
+        int64_t take; /* 0: none */
+        uint32_t rating;
+        double wait_s;
+    } rates;
     /* questions */
     uint32_t asked_layer, asked_clip;
     int32_t asked_marker;
@@ -180,6 +186,7 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
 
 /* take_list.c */
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where);
+void timeline_takes_update(panel *self, double dt_s);
 void timeline_takes_dialog(panel *self, ui *on);
 
 #endif
