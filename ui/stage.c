@@ -46,6 +46,7 @@ enum {
     OPTION_FACE = 256,
     OPTION_MAP,
     OPTION_INPUT,
+    OPTION_REMOTE,
     OPTION_SIZE,
     OPTION_SCALE,
     OPTION_HIDDEN,
@@ -59,6 +60,7 @@ enum {
 static const struct option long_options[] = {{"face", required_argument, NULL, OPTION_FACE},
                                              {"map", required_argument, NULL, OPTION_MAP},
                                              {"input", required_argument, NULL, OPTION_INPUT},
+                                             {"remote", required_argument, NULL, OPTION_REMOTE},
                                              {"size", required_argument, NULL, OPTION_SIZE},
                                              {"scale", required_argument, NULL, OPTION_SCALE},
                                              {"hidden", no_argument, NULL, OPTION_HIDDEN},
@@ -106,6 +108,9 @@ static int read_option(stage_options *out, int option, const char *value)
             return command_usage(&command_stage, "at most %d inputs", INPUTS_MAX);
         out->input[out->app.input_count++] = value;
         out->app.inputs = out->input;
+        return COMMAND_DONE;
+    case OPTION_REMOTE:
+        out->app.remote = value;
         return COMMAND_DONE;
     case OPTION_SIZE:
         return read_size(value, out) ? COMMAND_DONE
@@ -352,6 +357,8 @@ static void print_help(FILE *to)
           "  --map SPEC       who performs: one_hand,smile=8 (the last one)\n"
           "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
           "                   (those of last time, or what is plugged in)\n"
+          "  --remote [HOST:]PORT  a phone, a Stream Deck or a script may record, mark, pose:\n"
+          "                   OSC and WebSocket (as last time; at first off)\n"
           "  --size WxH       of the window, in points (as it was left)\n"
           "  --settings FILE  instead of $XDG_CONFIG_HOME/marotte/window.json; \"\": none\n"
           "                   (with --hidden: none)\n"

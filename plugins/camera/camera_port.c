@@ -38,7 +38,7 @@ typedef struct connection {
     connection_state state;
     int socket, file; /* file: -1, or what is sent after `out` */
     int64_t until_ns; /* it must have got on by then; not for PAGE */
-    unsigned char in[CAMERA_HEAD_MAX], out[OUT_MAX];
+    unsigned char in[WEB_HEAD_MAX], out[OUT_MAX];
     size_t in_size, out_size, out_sent;
     const unsigned char *body; /* after `out`, if there is no file */
     size_t body_size, body_sent;
@@ -191,7 +191,7 @@ static bool send_frame(connection *c, int opcode, const void *payload, size_t si
         c->out_sent = c->out_size = 0;
     if (c->out_size + size + 4 > sizeof c->out)
         return false;
-    c->out_size += camera_frame_write(c->out + c->out_size, opcode, payload, size);
+    c->out_size += web_frame_write(c->out + c->out_size, opcode, payload, size);
     return true;
 }
 
@@ -203,7 +203,7 @@ static bool send_state(camera_port *self, connection *c)
         hands += l->hands_wanted;
     int length = snprintf(text, sizeof text, "{\"type\":\"state\",\"hands\":%u,\"package\":%s}",
                           hands > 2 ? 2 : hands, has_package(self) ? "true" : "false");
-    return send_frame(c, CAMERA_TEXT, text, (size_t)length);
+    return send_frame(c, WEB_TEXT, text, (size_t)length);
 }
 
 static void send_all(camera_port *self, connection *c, int64_t now_ns);
@@ -219,20 +219,20 @@ static void part_with_page(camera_port *self, int64_t now_ns)
     self->page = -1;
     old->is_ending = true;
     old->until_ns = now_ns + request_span_ns;
-    if (!send_frame(old, CAMERA_TEXT, bye, sizeof bye - 1) ||
-        !send_frame(old, CAMERA_CLOSE, normal, sizeof normal))
+    if (!send_frame(old, WEB_TEXT, bye, sizeof bye - 1) ||
+        !send_frame(old, WEB_CLOSE, normal, sizeof normal))
         drop(self, old);
     else
         send_all(self, old, now_ns);
 }
 
-static void begin_page(camera_port *self, connection *c, const camera_request *request,
-                       int64_t now_ns, const mrt_host *host)
+static void begin_page(camera_port *self, connection *c, const web_request *request, int64_t now_ns,
+                       const mrt_host *host)
 {
-    char accept[CAMERA_ACCEPT];
+    char accept[WEB_ACCEPT];
     const int on = 1;
     part_with_page(self, now_ns);
-    camera_accept_key(request->key, accept);
+    web_accept_key(request->key, accept);
     c->state = PAGE;
     c->is_ending = false;
     c->out_sent = 0;
@@ -270,18 +270,18 @@ static void hear(camera_port *self, const camera_message *message, int64_t now_n
 }
 
 /* False: it is to be closed with this code. */
-static bool take_frame(camera_port *self, connection *c, const camera_frame *frame, int64_t now_ns,
+static bool take_frame(camera_port *self, connection *c, const web_frame *frame, int64_t now_ns,
                        int *out_code)
 {
     camera_message message;
     *out_code = 1000;
-    if (frame->opcode == CAMERA_CLOSE)
+    if (frame->opcode == WEB_CLOSE)
         return false;
-    if (frame->opcode == CAMERA_PONG)
+    if (frame->opcode == WEB_PONG)
         return true;
-    if (frame->opcode == CAMERA_PING)
-        return send_frame(c, CAMERA_PONG, frame->payload, frame->size);
-    if (frame->opcode == CAMERA_TEXT) /* hello, and asked again while the package is missing */
+    if (frame->opcode == WEB_PING)
+        return send_frame(c, WEB_PONG, frame->payload, frame->size);
+    if (frame->opcode == WEB_TEXT) /* hello, and asked again while the package is missing */
         return send_state(self, c);
     *out_code = 1003;
     trace_received(&self->trace, now_ns, frame->payload, frame->size);
@@ -294,7 +294,7 @@ static bool take_frame(camera_port *self, connection *c, const camera_frame *fra
     unsigned char answer[CAMERA_ANSWER_SIZE];
     (void)clock_map_to_host(&self->clock, message.time_ns, now_ns);
     camera_answer_write(answer, message.time_ms, now_ns);
-    return send_frame(c, CAMERA_BINARY, answer, sizeof answer);
+    return send_frame(c, WEB_BINARY, answer, sizeof answer);
 }
 
 static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
@@ -310,7 +310,7 @@ static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
     }
     c->is_ending = true;
     c->until_ns = now_ns + request_span_ns;
-    if (!send_frame(c, CAMERA_CLOSE, bytes, sizeof bytes))
+    if (!send_frame(c, WEB_CLOSE, bytes, sizeof bytes))
         drop(self, c);
 }
 
@@ -318,8 +318,8 @@ static void take_from_page(camera_port *self, connection *c, int64_t now_ns, con
 {
     size_t used = 0;
     while (c->state == PAGE && !c->is_ending) {
-        camera_frame frame;
-        int code, size = camera_frame_parse(&frame, c->in + used, c->in_size - used);
+        web_frame frame;
+        int code, size = web_frame_parse(&frame, c->in + used, c->in_size - used);
         if (size == 0)
             break;
         if (size < 0) {
@@ -338,9 +338,9 @@ static void take_from_page(camera_port *self, connection *c, int64_t now_ns, con
 
 static void take_request(camera_port *self, connection *c, int64_t now_ns, const mrt_host *host)
 {
-    camera_request request;
+    web_request request;
     const char *name;
-    int size = camera_request_parse(&request, c->in, c->in_size);
+    int size = web_request_parse(&request, c->in, c->in_size, CAMERA_PROTOCOL);
     if (size == 0)
         return;
     if (size < 0) {

@@ -287,7 +287,7 @@ static int close_code(int fd)
     ssize_t got;
     while ((got = recv(fd, bytes, sizeof bytes, 0)) > 0)
         for (ssize_t at = 0; at + 3 < got; at += 2 + (bytes[at + 1] & 0x7f))
-            if ((bytes[at] & 15) == CAMERA_CLOSE)
+            if ((bytes[at] & 15) == WEB_CLOSE)
                 code = bytes[at + 2] << 8 | bytes[at + 3];
     close(fd);
     return code;
@@ -344,12 +344,12 @@ static size_t begin_message(unsigned char *out, double time_ms, uint32_t hands)
 
 static void show(int fd, double time_ms, uint32_t side, float index_rad)
 {
-    unsigned char message[CAMERA_MESSAGE_MAX];
+    unsigned char message[WEB_MESSAGE_MAX];
     mrt_vec3 joint[MRT_JOINTS];
     pose(side, index_rad, joint);
     size_t at = begin_message(message, time_ms, 1);
     at += put_hand(message + at, side, joint);
-    say_frame(fd, CAMERA_BINARY, message, at);
+    say_frame(fd, WEB_BINARY, message, at);
 }
 
 static double page_ms(void) /* the page's clock: of an epoch of its own */
@@ -362,7 +362,7 @@ static void ping(int fd)
     unsigned char message[9] = {CAMERA_ASKED};
     const double time_ms = page_ms();
     (void)put(message + 1, &time_ms, 8);
-    say_frame(fd, CAMERA_BINARY, message, sizeof message);
+    say_frame(fd, WEB_BINARY, message, sizeof message);
 }
 
 enum { LEFT, RIGHT, EITHER };
@@ -403,7 +403,7 @@ static void who_is_not_the_page_gets_nothing(void **state)
     char foreign[512];
     (void)snprintf(foreign, sizeof foreign, "Origin: http://127.0.0.1:1\r\n%s", upgrade);
     assert_int_equal(ask("GET /%T/socket", own_host, foreign), 403);
-    char endless[CAMERA_HEAD_MAX + 200];
+    char endless[WEB_HEAD_MAX + 200];
     memset(endless, 'a', sizeof endless);
     memcpy(endless, "GET /", 5);
     endless[sizeof endless - 1] = '\0';
@@ -451,9 +451,9 @@ static void frames_that_nobody_sends_end_the_connection(void **state)
         say(fd, of[i].bytes, of[i].size);
         assert_int_equal(close_code(fd), of[i].code);
     }
-    unsigned char message[CAMERA_MESSAGE_MAX] = {7};
+    unsigned char message[WEB_MESSAGE_MAX] = {7};
     int fd = page();
-    say_frame(fd, CAMERA_BINARY, message, 20); /* no message of ours */
+    say_frame(fd, WEB_BINARY, message, 20); /* no message of ours */
     assert_int_equal(close_code(fd), 1003);
     mrt_vec3 joint[MRT_JOINTS];
     pose(MRT_RIGHT, 0.3f, joint);
@@ -461,7 +461,7 @@ static void frames_that_nobody_sends_end_the_connection(void **state)
     size_t size = begin_message(message, 1.0, 1);
     size += put_hand(message + size, MRT_RIGHT, joint);
     fd = page();
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     assert_int_equal(close_code(fd), 1003);
     assert_int_equal(atomic_load(&a.samples), 0);
     attendant_end(&a);
@@ -518,20 +518,20 @@ static void what_is_no_hand_is_held(void **state)
     node n;
     mrt_sample sample;
     attendant a;
-    unsigned char message[CAMERA_MESSAGE_MAX];
+    unsigned char message[WEB_MESSAGE_MAX];
     mrt_vec3 joint[MRT_JOINTS];
     node_open(&n, RIGHT);
     attendant_begin(&a, &n);
     int fd = page();
     attendant_end(&a);
     size_t size = begin_message(message, page_ms(), 0); /* no hand */
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     assert_int_equal(node_read(&n, 50 * NS_IN_MS, &sample), MRT_TIMEOUT);
     for (int i = 0; i < MRT_JOINTS; ++i) /* none that bends */
         joint[i] = (mrt_vec3){(float)(i * 7 % 5), (float)(i * 3 % 11), (float)(i * 5 % 7)};
     size = begin_message(message, page_ms(), 1);
     size += put_hand(message + size, MRT_RIGHT, joint);
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     assert_int_equal(node_read(&n, 50 * NS_IN_MS, &sample), MRT_TIMEOUT);
     show(fd, page_ms(), MRT_LEFT, 0.4f); /* the other one */
     assert_int_equal(node_read(&n, 50 * NS_IN_MS, &sample), MRT_TIMEOUT);
@@ -549,7 +549,7 @@ static void few_pictures_are_no_gaps(void **state)
     node n;
     mrt_sample sample, before = {.time_ns = 0};
     attendant a;
-    unsigned char message[CAMERA_MESSAGE_MAX];
+    unsigned char message[WEB_MESSAGE_MAX];
     node_open(&n, RIGHT);
     attendant_begin(&a, &n);
     int fd = page();
@@ -574,7 +574,7 @@ static void few_pictures_are_no_gaps(void **state)
     assert_int_equal(count, 1 + 3 * 4);
     /* A picture without the hand between two with it: a gap, as it should be. */
     size_t size = begin_message(message, start_ms + 1100.0, 0);
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     show(fd, start_ms + 1400.0, MRT_RIGHT, 0.3f);
     assert_int_equal(node_read(&n, 2 * NS_IN_S, &sample), MRT_OK);
     assert_true(sample.time_ns - before.time_ns > 300 * NS_IN_MS);
@@ -599,12 +599,12 @@ static void either_hand_performs_as_a_right_one(void **state)
     show(fd, page_ms(), MRT_RIGHT, 0.2f); /* at once: held, so that it is eased over */
     assert_int_equal(node_read(&n, 50 * NS_IN_MS, &sample), MRT_TIMEOUT);
     /* A page that takes the hand for the other one is not believed. */
-    unsigned char message[CAMERA_MESSAGE_MAX];
+    unsigned char message[WEB_MESSAGE_MAX];
     mrt_vec3 joint[MRT_JOINTS];
     pose(MRT_LEFT, 0.9f, joint);
     size_t size = begin_message(message, page_ms(), 1);
     size += put_hand(message + size, MRT_RIGHT, joint);
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     assert_int_equal(node_read(&n, 2 * NS_IN_S, &sample), MRT_OK);
     assert_float_equal(sample.value[4], 0.9, 0.02);
     close(fd);
@@ -617,7 +617,7 @@ static void two_hands_share_the_port(void **state)
     node left, right;
     mrt_sample sample;
     attendant a;
-    unsigned char message[CAMERA_MESSAGE_MAX];
+    unsigned char message[WEB_MESSAGE_MAX];
     mrt_vec3 joint[MRT_JOINTS];
     node_open(&left, LEFT);
     node_open(&right, RIGHT);
@@ -629,7 +629,7 @@ static void two_hands_share_the_port(void **state)
     size += put_hand(message + size, MRT_LEFT, joint);
     pose(MRT_RIGHT, 0.8f, joint);
     size += put_hand(message + size, MRT_RIGHT, joint);
-    say_frame(fd, CAMERA_BINARY, message, size);
+    say_frame(fd, WEB_BINARY, message, size);
     assert_int_equal(node_read(&right, 2 * NS_IN_S, &sample), MRT_OK);
     assert_float_equal(sample.value[4], 0.8, 0.02);
     assert_int_equal(node_read(&left, 2 * NS_IN_S, &sample), MRT_OK);

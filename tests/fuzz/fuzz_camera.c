@@ -16,10 +16,10 @@ static void check(bool is_true)
 static void take_request(const unsigned char *bytes, size_t size)
 {
     static const char token[] = "0123456789abcdef0123456789abcdef";
-    camera_request request;
+    web_request request;
     const char *name;
-    char accept[CAMERA_ACCEPT];
-    int used = camera_request_parse(&request, bytes, size);
+    char accept[WEB_ACCEPT];
+    int used = web_request_parse(&request, bytes, size, CAMERA_PROTOCOL);
     check(used <= (int)size && (used > 0 || used > -600));
     if (used <= 0)
         return;
@@ -28,8 +28,8 @@ static void take_request(const unsigned char *bytes, size_t size)
     check(status >= 400 || strcmp(request.host, "127.0.0.1:9130") == 0);
     check(status != 101 || strcmp(request.origin, "http://127.0.0.1:9130") == 0);
     check(name >= request.path || name[0] == '\0');
-    camera_accept_key(request.key, accept);
-    check(strlen(accept) == CAMERA_ACCEPT - 1);
+    web_accept_key(request.key, accept);
+    check(strlen(accept) == WEB_ACCEPT - 1);
 }
 
 static void take_message(const unsigned char *bytes, size_t size)
@@ -49,10 +49,10 @@ static void take_message(const unsigned char *bytes, size_t size)
 
 static void take_frames(unsigned char *bytes, size_t size)
 {
-    camera_frame frame;
+    web_frame frame;
     int used;
-    while ((used = camera_frame_parse(&frame, bytes, size)) > 0) {
-        check((size_t)used <= size && frame.size <= CAMERA_MESSAGE_MAX);
+    while ((used = web_frame_parse(&frame, bytes, size)) > 0) {
+        check((size_t)used <= size && frame.size <= WEB_MESSAGE_MAX);
         check(frame.payload + frame.size <= bytes + used);
         take_message(frame.payload, frame.size);
         bytes += used;

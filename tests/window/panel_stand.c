@@ -79,6 +79,26 @@ void app_set_patch(app *self, const patch *p)
     here->patch = *p;
 }
 
+app_remote_status app_remote_now(const app *self)
+{
+    (void)self;
+    return (app_remote_status){.place = here->remote, .trouble = "", .last = ""};
+}
+
+void app_set_remote(app *self, const char *place)
+{
+    (void)self;
+    (void)snprintf(here->remote, sizeof here->remote, "%s", place);
+}
+
+bool app_take_preset(app *self, char *out, size_t capacity)
+{
+    (void)self;
+    (void)snprintf(out, capacity, "%s", here->preset);
+    here->preset[0] = '\0';
+    return out[0] != '\0';
+}
+
 app_patch_aim *app_patch_aimed(app *self)
 {
     (void)self;

@@ -43,6 +43,8 @@ typedef struct stand {
     uint32_t solver_count;
     patch patch;
     app_patch_aim aim;
+    /* from afar */
+    char remote[APP_REMOTE_PLACE], preset[64];
     /* undo */
     app_step step[STAND_STEPS];
     uint32_t step_count;

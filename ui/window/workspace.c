@@ -1185,6 +1185,7 @@ bool workspace_frame(workspace *self)
     const int64_t began_ns = clock_now_ns();
     ui_begin(self->ui, &self->screen);
     app_update(self->app, self->screen.dt_s);
+    window_stay_awake(self->window, app_remote_now(self->app).is_listening);
     workspace_dispatch_keys(self);
     take_requests(self);
     workspace_update_news(self, self->screen.dt_s);

@@ -20,6 +20,7 @@ typedef struct app_options {
     const char *const *inputs; /* NULL: what is plugged in */
     uint32_t input_count;
     const char *settings_path;  /* NULL: the user's; "": none is read or written */
+    const char *remote;         /* "[HOST:]PORT"; NULL: as last time (remote.h) */
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
 } app_options;
@@ -88,6 +89,25 @@ typedef struct app_patch_aim {
     char target[PATCH_NAME];
 } app_patch_aim;
 app_patch_aim *app_patch_aimed(app *self);
+
+/* ---- from afar ---- */
+
+enum { APP_REMOTE_PLACE = 160 };
+typedef struct app_remote_status {
+    const char *place; /* "": off */
+    bool is_listening;
+    const char *trouble; /* why it does not; "" */
+    uint32_t clients;    /* WebSockets */
+    const char *last;    /* what was done last, and what came of it; "" */
+} app_remote_status;
+app_remote_status app_remote_now(const app *self); /* texts until the next frame */
+void app_set_remote(app *self, const char *place); /* "[HOST:]PORT", "": off; kept */
+struct expressions *app_expressions(app *self);    /* expressions.h */
+/* As a pedal says it: record only begins, stop only ends. False: it is so already. */
+bool app_press(app *self, patch_action of);
+/* A preset of the mapping that performs, for the mapping panel, which takes it: true once. */
+void app_ask_preset(app *self, const char *name);
+bool app_take_preset(app *self, char *out, size_t capacity);
 
 /* ---- the take that is chosen ---- */
 

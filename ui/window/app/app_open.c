@@ -682,16 +682,24 @@ app_patch_aim *app_patch_aimed(app *self)
     return &self->patch_aim;
 }
 
-static void obey_presses(app *self)
+bool app_press(app *self, patch_action of)
 {
     static const action does[PATCH_ACTIONS] = {
         [PATCH_RECORD] = ACTION_RECORD, [PATCH_STOP] = ACTION_RECORD, [PATCH_MARK] = ACTION_MARK};
+    live_status_of(self->live, &self->status); /* another press may have been in this frame */
+    const bool is_wanted = of == PATCH_MARK || (of == PATCH_STOP) == self->status.is_recording;
+    if (is_wanted)
+        app_do(self, does[of]);
+    return is_wanted;
+}
+
+static void obey_presses(app *self)
+{
     for (int i = 0; i < PATCH_ACTIONS; ++i) {
-        bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
-        bool is_wanted = i == PATCH_MARK || (i == PATCH_STOP) == self->status.is_recording;
+        const bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
         self->patch_pressed[i] = self->status.patch_pressed[i];
-        if (is_new && is_wanted)
-            app_do(self, does[i]);
+        if (is_new)
+            (void)app_press(self, (patch_action)i);
     }
 }
 
@@ -701,11 +709,54 @@ static void app_patch_update(app *self)
     obey_presses(self);
     if (!self->patch_waits || self->status.is_recording)
         return;
-    mrt_result result = live_set_patch(self->live, &self->patch, &err);
+    patch whole = self->patch;
+    expressions_connect(self->expressions, &whole);
+    mrt_result result = live_set_patch(self->live, &whole, &err);
     if (result == MRT_HOLD)
         return;
     self->patch_waits = false;
     (void)app_report(self, result, &err);
+}
+
+/* ---- from afar ---- */
+
+static const char remote_key[] = "remote.place";
+
+struct expressions *app_expressions(app *self)
+{
+    return self->expressions;
+}
+
+void app_ask_preset(app *self, const char *name)
+{
+    (void)snprintf(self->preset_asked, sizeof self->preset_asked, "%s", name);
+}
+
+bool app_take_preset(app *self, char *out, size_t capacity)
+{
+    (void)snprintf(out, capacity, "%s", self->preset_asked);
+    self->preset_asked[0] = '\0';
+    return out[0] != '\0';
+}
+
+app_remote_status app_remote_now(const app *self)
+{
+    return remote_status_of(self->remote);
+}
+
+void app_set_remote(app *self, const char *place)
+{
+    error err = {""};
+    if (app_report(self, remote_listen(self->remote, place, &err), &err) >= 0)
+        settings_set_text(self->settings, remote_key, place[0] ? place : NULL);
+}
+
+static mrt_result start_remote(app *self, const char *wanted, error *err)
+{
+    const char *place = wanted ? wanted : settings_text(self->settings, remote_key, "");
+    error ignored;
+    const mrt_result result = remote_listen(self->remote, place, wanted ? err : &ignored);
+    return wanted ? result : MRT_OK;
 }
 
 /* ---- life ---- */
@@ -720,8 +771,11 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->log = log_queue_create();
     self->news = news_list_create();
     self->exports = exporter_create();
+    self->expressions = expressions_create(self);
+    self->remote = remote_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
-    if (!self->log || !self->news || !self->exports || !self->inputs)
+    if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
+        !self->remote)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         app_say(self, MRT_LOG_WARNING, "%s", note);
@@ -743,6 +797,8 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     mrt_result result = make_parts(self, options, err);
     if (result >= 0)
         result = app_open_first(self, options, err);
+    if (result >= 0)
+        result = start_remote(self, options->remote, err);
     if (result < 0) {
         app_destroy(self);
         return result;
@@ -771,11 +827,13 @@ void app_destroy(app *self)
         return;
     if (self->keeps_settings)
         app_keep_settings_now(self);
+    remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
     end_live(self);
+    expressions_destroy(self->expressions);
     app_close_show(self, self->show);
     face_file_destroy(self->face);
     free(self->face);
@@ -830,7 +888,9 @@ void app_update(app *self, double dt_s)
         self->view = newest;
     live_status_of(self->live, &self->status);
     app_record_update(self);
+    self->patch_waits |= expressions_update(self->expressions, dt_s);
     app_patch_update(self);
+    remote_update(self->remote, dt_s);
     report_exports(self);
     app_undo_update(self);
     app_takes_update(self, dt_s);
@@ -1070,7 +1130,8 @@ static void arm_sound(app *self)
         (void)app_report(self, live_arm_sound(self->live, 1, &err), &err);
 }
 
-#define KEEP_NS (30 * NS_PER_S)
+#define KEEP_NS        (30 * NS_PER_S)
+#define NEUTRAL_FADE_S 0.25 /* as the stage's own */
 
 static void do_performance(app *self, action of)
 {
@@ -1086,6 +1147,7 @@ static void do_performance(app *self, action of)
         break;
     case ACTION_NEUTRAL:
         live_neutral(self->live);
+        expressions_release(self->expressions, NEUTRAL_FADE_S);
         break;
     case ACTION_REZERO:
         live_rezero(self->live);

@@ -5,6 +5,9 @@
 #define MAROTTE_UI_WINDOW_APP_APP_SHARED_H
 #include "window/app/app.h"
 #include "window/app/exporter.h"
+#include "window/app/expressions.h"
+#include "window/app/presets.h"
+#include "window/app/remote.h"
 
 #include "take/edit_store.h"
 
@@ -47,6 +50,10 @@ struct app {
     bool patch_waits; /* it is not on the stage yet */
     app_patch_aim patch_aim;
     uint32_t patch_pressed[PATCH_ACTIONS]; /* that were obeyed */
+
+    expressions *expressions;
+    remote *remote;
+    char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */
     app_take_line *line;

@@ -37,6 +37,7 @@ typedef struct window_type {
 struct window { /* the first member of either */
     const window_type *type;
     uint32_t width_px, height_px;
+    bool is_awaited; /* although nobody sees it */
 };
 
 /* A framebuffer that a frame is drawn into: it can be read whatever a display does with its own. */
@@ -283,6 +284,11 @@ void window_set_title(window *self, const char *title)
 {
     if (self->type->set_title)
         self->type->set_title(self, title);
+}
+
+void window_stay_awake(window *self, bool is_awaited)
+{
+    self->is_awaited = is_awaited;
 }
 
 uint32_t window_width_px(const window *self)
@@ -790,7 +796,8 @@ static int64_t refresh_ns(void)
 /* Where nothing else keeps the pace: a display without a refresh, a window that is put away. */
 static void keep_pace(glfw_window *self)
 {
-    const int64_t frame_ns = self->is_iconified ? HIDDEN_FRAME_NS : self->frame_ns;
+    const bool is_idle = self->is_iconified && !self->base.is_awaited;
+    const int64_t frame_ns = is_idle ? HIDDEN_FRAME_NS : self->frame_ns;
     const int64_t next_ns = self->began_ns + frame_ns * 9 / 10;
     if (clock_now_ns() < next_ns)
         clock_sleep_until_ns(next_ns);
@@ -869,7 +876,8 @@ static void glfw_end(window *base, ui *from)
     glfwSetWindowShouldClose(self->glfw, GLFW_FALSE); /* the workspace has heard it */
     show_sheet(self);
     gl_end_scene();
-    glfwSwapBuffers(self->glfw);
+    if (!self->is_iconified) /* some drivers wait a second for what nobody sees */
+        glfwSwapBuffers(self->glfw);
 }
 
 static mrt_result glfw_picture(window *base, const char *png_path, error *err)

@@ -21,6 +21,8 @@ void window_end(window *self, ui *from);
 /* RGBA, rows from the top, of what was shown last; to be freed. */
 CHECKED mrt_result window_picture(window *self, const char *png_path, error *err);
 void window_set_title(window *self, const char *title);
+/* Whether frames come at their full rate while it is put away: somebody afar waits for them. */
+void window_stay_awake(window *self, bool is_awaited);
 uint32_t window_width_px(const window *self);
 uint32_t window_height_px(const window *self);
 

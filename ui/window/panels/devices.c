@@ -40,10 +40,11 @@ typedef struct devices_panel {
     char path[DEVICES_PATH], osc[128];
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
-    bool repeats;          /* a recording begins again at its end */
-    bool shows_page;       /* the camera's, as soon as it is open */
-    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
-    rezero_counts rezeros; /* as of the frame before */
+    bool repeats;                  /* a recording begins again at its end */
+    bool shows_page;               /* the camera's, as soon as it is open */
+    char remote[APP_REMOTE_PLACE]; /* the place that is typed */
+    char trouble[1024];            /* why the last thing that was asked for did not happen; "" */
+    rezero_counts rezeros;         /* as of the frame before */
     bool was_refused;
 } devices_panel;
 
@@ -921,6 +922,35 @@ static void draw_rezero(devices_panel *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_WARNING, self->rezeros.refusal.text);
 }
 
+/* ---- from afar ---- */
+
+static void draw_remote(devices_panel *self, ui *on)
+{
+    static const char usual[] = "9110";
+    const app_remote_status now = app_remote_now(self->app);
+    bool is_on = now.place[0] != '\0';
+    char line[96];
+    if (!ui_section(on, "Remote control", false))
+        return;
+    if (ui_check(on, "A phone, a Stream Deck or a script may perform along", &is_on))
+        app_set_remote(self->app, !is_on ? "" : self->remote[0] ? self->remote : usual);
+    ui_hint(on, "Record, stop, mark, keep, neutral, presets and expressions by OSC and WebSocket: "
+                "the keyboard stays with whoever has it.");
+    ui_width(on, -1.0f);
+    if (ui_input(on, "##remote", "port, or 0.0.0.0:9110 for the whole network", self->remote,
+                 sizeof self->remote) &&
+        is_on)
+        app_set_remote(self->app, self->remote[0] ? self->remote : usual);
+    if (now.trouble[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, now.trouble);
+    else if (now.is_listening) {
+        (void)snprintf(line, sizeof line, "listening; %u connected by WebSocket", now.clients);
+        ui_text_wrapped(on, UI_STYLE_DIM, line);
+    }
+    if (is_on && now.last[0])
+        ui_text_wrapped(on, UI_STYLE_DIM, now.last);
+}
+
 /* ---- the panel ---- */
 
 /* What was opened beside the window, or closed: what is plugged in is looked at anew. */
@@ -995,6 +1025,7 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
     ui_space(on, 6.0f);
     ui_rule(on);
     devices_open_draw(self, on);
+    draw_remote(self, on);
     ui_scroll_end(on);
     calibrate_panel_draw(self->calibrate, on);
     ui_panel_end(on);
@@ -1040,6 +1071,7 @@ static panel *create(app *of)
         return NULL;
     }
     use_settings(&self->of);
+    (void)snprintf(self->of.remote, sizeof self->of.remote, "%s", app_remote_now(of).place);
     self->of.rezeros = app_status(of)->rezeros;
     return self;
 }

@@ -1309,7 +1309,11 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
 static void update(panel *self_, double dt_s)
 {
     mapping_panel *self = &self_->of;
-    mapping_learn_update(self, follow_mapping(self), dt_s);
+    char preset[PRESET_NAME];
+    instance *mapping = follow_mapping(self);
+    mapping_learn_update(self, mapping, dt_s);
+    if (app_take_preset(self->app, preset, sizeof preset) && mapping)
+        use(self, mapping, preset);
     self->was_drawn = false;
 }
 
