@@ -650,9 +650,9 @@ void recording_tell_surface(const recording *self, facts *told)
     facts_number(told, "min_determinant", "least determinant",
                  fmin(self->min_determinant, self->min_step_determinant), 3, "");
     facts_number(told, "stretch", "greatest stretch", worst->stretch, 2,
-                 "of an edge: its length over that at rest");
+                 "of an edge: its length over that at rest, or in an own shape");
     facts_number(told, "bend_deg", "greatest bend", worst->bend_deg, 1,
-                 "degrees of an edge, beyond what it has at rest");
+                 "degrees of an edge, beyond what it has there");
     facts_number(told, "bent_edges", "bent edges", worst->bent_count, 0,
                  "beyond 120 degrees, but not at rest, in the worst frame");
     facts_number(told, "inside_out", "inside out", worst->inside_out_count, 0,

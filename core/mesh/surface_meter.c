@@ -19,10 +19,15 @@ typedef struct surface_normal { /* unit, or 0: squashed to nothing */
     float area; /* twice the triangle's */
 } surface_normal;
 
+typedef struct surface_made { /* of an edge, in all shapes that were learnt and at rest */
+    float inverse_square, cosine, sine;
+} surface_made;
+
 struct surface_meter {
     uint32_t vertex_count, triangle_count, edge_count;
     uint32_t *corner; /* triangle_count by 3 */
     surface_edge *edge;
+    surface_made *made;     /* edge_count; NULL: no shape was learnt */
     uint32_t *number;       /* of each triangle that was given; UINT32_MAX: left out */
     uint32_t (*edge_of)[3]; /* triangle_count */
     float *sharpest;        /* triangle_count: the least cosine of its edges at rest */
@@ -185,12 +190,40 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
     return MRT_OK;
 }
 
+mrt_result surface_meter_learn(surface_meter *self, const float *const at[3], error *err)
+{
+    if (!self->made) {
+        self->made = malloc(((size_t)self->edge_count + 1) * sizeof *self->made);
+        if (!self->made)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for %u edges", self->edge_count);
+        for (uint32_t i = 0; i < self->edge_count; ++i) {
+            const surface_edge *e = &self->edge[i];
+            self->made[i] = (surface_made){e->inverse_square, e->cosine, e->sine};
+        }
+    }
+    for (uint32_t t = 0; t < self->triangle_count; ++t)
+        self->normal[t] = normal_of(at, self->corner + (size_t)3 * t);
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        surface_made *made = &self->made[i];
+        float square = square_of(at, self->edge[i].end);
+        float cosine = fmaxf(cosine_of(self, &self->edge[i]), -1.0f);
+        if (square * made->inverse_square > 1.0f)
+            made->inverse_square = 1.0f / square;
+        if (cosine < made->cosine) {
+            made->cosine = cosine;
+            made->sine = sqrtf(1.0f - cosine * cosine);
+        }
+    }
+    return MRT_OK;
+}
+
 void surface_meter_destroy(surface_meter *self)
 {
     if (!self)
         return;
     free(self->corner);
     free(self->edge);
+    free(self->made);
     free(self->normal);
     free(self->inverse_area);
     free(self->number);
@@ -202,12 +235,12 @@ void surface_meter_destroy(surface_meter *self)
 
 /* ---- measured ---- */
 
-/* The cosine of how far an edge is bent beyond rest; 1 where it is not. */
-static float cosine_beyond_rest(const surface_edge *e, float cosine)
+/* The cosine of how far an edge is bent beyond an angle; 1 where it is not. */
+static float cosine_beyond(float angle_cosine, float angle_sine, float cosine)
 {
     float c = cosine > 1.0f ? 1.0f : cosine < -1.0f ? -1.0f : cosine;
-    float beyond = c * e->cosine + sqrtf(1.0f - c * c) * e->sine;
-    return c < e->cosine ? beyond : 1.0f;
+    float beyond = c * angle_cosine + sqrtf(1.0f - c * c) * angle_sine;
+    return c < angle_cosine ? beyond : 1.0f;
 }
 
 void surface_meter_measure(surface_meter *self, surface_state *out, const float *const at[3])
@@ -222,12 +255,15 @@ void surface_meter_measure(surface_meter *self, surface_state *out, const float 
     memset(self->against, 0, self->triangle_count);
     for (uint32_t i = 0; i < self->edge_count; ++i) {
         const surface_edge *e = &self->edge[i];
-        float stretched = square_of(at, e->end) * e->inverse_square;
-        float cosine = cosine_of(self, e), beyond = cosine_beyond_rest(e, cosine);
-        bool is_against = (cosine < 0.0f) & (e->cosine >= 0.0f);
+        const surface_made rest = {e->inverse_square, e->cosine, e->sine};
+        const surface_made *made = self->made ? &self->made[i] : &rest;
+        float stretched = square_of(at, e->end) * made->inverse_square;
+        float cosine = cosine_of(self, e);
+        float beyond = cosine_beyond(made->cosine, made->sine, cosine);
+        bool is_against = (cosine < 0.0f) & (made->cosine >= 0.0f);
         longest = stretched > longest ? stretched : longest;
         sharpest = beyond < sharpest ? beyond : sharpest;
-        out->bent_count += (cosine < bent) & (e->cosine >= bent) & (beyond < crease);
+        out->bent_count += (cosine < bent) & (made->cosine >= bent) & (beyond < crease);
         self->against[e->triangle[0]] += is_against;
         self->against[e->triangle[1]] += is_against;
     }
@@ -306,8 +342,9 @@ static float yield_stretch(const surface_edge *e, const yield_limits *l,
 /* Of an edge that is bent by so much: 1 at the limit. */
 static float bend_of(const surface_edge *e, const yield_limits *l, float cosine)
 {
-    return e->cosine < l->crease_cosine ? (1.0f - cosine_beyond_rest(e, cosine)) * l->crease
-                                        : (1.0f - cosine) * l->bend;
+    return e->cosine < l->crease_cosine
+               ? (1.0f - cosine_beyond(e->cosine, e->sine, cosine)) * l->crease
+               : (1.0f - cosine) * l->bend;
 }
 
 static float yield_bend(const surface_meter *self, const surface_edge *e, const yield_limits *l,

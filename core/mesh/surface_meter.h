@@ -16,14 +16,19 @@ CHECKED mrt_result surface_meter_create(surface_meter **out, const float *const 
                                         uint32_t triangle_count, error *err);
 void surface_meter_destroy(surface_meter *self); /* NULL is fine */
 
+/* at: as `rest`, in a shape that the surface is made to take too: what is stretched and bent there
+ * is no fault of who brings it there, and counts as what is at rest, for surface_meter_measure. */
+CHECKED mrt_result surface_meter_learn(surface_meter *self, const float *const at[3], error *err);
+
 /* An edge is bent by the angle between the normals of its two triangles. Sharp creases that a mesh
  * has at rest may be a little sharper. */
 #define SURFACE_BENT_DEG   120.0
 #define SURFACE_CREASE_DEG 30.0
 
 typedef struct surface_state {
-    double stretch;      /* of the edge that is stretched most: its length over that at rest */
-    double bend_deg;     /* of the edge that is bent most: beyond what it is at rest */
+    double stretch;      /* of the edge that is stretched most: its length over that at rest, or
+                            in a shape that was learnt */
+    double bend_deg;     /* of the edge that is bent most: beyond what it is there */
     uint32_t bent_count; /* edges bent by more than SURFACE_BENT_DEG, but not at rest, and by more
                             than SURFACE_CREASE_DEG beyond what they are at rest */
     uint32_t inside_out_count; /* triangles bent by more than 90 degrees at two edges or more, but

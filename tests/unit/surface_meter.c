@@ -137,6 +137,40 @@ static void what_is_bent_at_rest_does_not_count(void **state)
     surface_meter_destroy(s.surface);
 }
 
+/* A shape draws the sheet to three times its length and folds it along a row by 150 degrees. */
+static void what_a_shape_makes_counts_as_what_is_at_rest(void **state)
+{
+    (void)state;
+    static sheet s, rest;
+    const double turn = 150.0 * 3.14159265358979323846 / 180.0;
+    sheet_create(&s);
+    sheet_create(&rest);
+    for (uint32_t i = 0; i < VERTICES; ++i) {
+        double beyond = fmax((double)s.y[i] - 5.0, 0.0);
+        s.x[i] *= 3.0f;
+        s.y[i] = (float)(fmin((double)s.y[i], 5.0) + beyond * cos(turn));
+        s.z[i] = (float)(beyond * sin(turn));
+    }
+    surface_state now = judged(&s);
+    assert_true(now.bent_count > 0 && now.stretch > 2.9 && now.bend_deg > 149.0);
+    const float *const made[3] = {s.x, s.y, s.z};
+    assert_true(surface_meter_learn(s.surface, made, NULL) >= 0);
+    now = judged(&s);
+    assert_true(now.stretch < 1.0001 && now.bend_deg < 0.1);
+    assert_int_equal(now.bent_count + now.inside_out_count, 0);
+    for (uint32_t i = 0; i < VERTICES; ++i)
+        s.x[i] *= 2.0f;
+    now = judged(&s);
+    assert_true(now.stretch > 1.9 && now.stretch < 2.0001);
+    memcpy(s.x, rest.x, sizeof s.x);
+    memcpy(s.y, rest.y, sizeof s.y);
+    memcpy(s.z, rest.z, sizeof s.z);
+    now = judged(&s);
+    assert_true(now.stretch < 1.0001 && now.bend_deg < 0.1);
+    surface_meter_destroy(s.surface);
+    surface_meter_destroy(rest.surface);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -145,6 +179,7 @@ int main(void)
         cmocka_unit_test(a_sheet_bent_along_a_row_is_bent_at_that_row),
         cmocka_unit_test(a_vertex_pushed_through_its_ring_turns_triangles_inside_out),
         cmocka_unit_test(what_is_bent_at_rest_does_not_count),
+        cmocka_unit_test(what_a_shape_makes_counts_as_what_is_at_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

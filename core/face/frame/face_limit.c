@@ -43,6 +43,8 @@ static const double strain_most = 8.0;
 static const float of_seen = 0.0524078f; /* 1 over that of 87 degrees */
 static const angle_turn tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
+/* Shapes that meet may stretch an edge by so much more than each of them does. */
+static const float made_stretch = 1.5f;
 static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room */
 
 enum { PARTINGS = 4 };
@@ -131,10 +133,8 @@ static void measure_rest(face *f)
             double a[3], b[3];
             points_at(a, &f->rest, corner[e]);
             points_at(b, &f->rest, corner[e == 2 ? 0 : e + 1]);
-            double length = vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
-            if (f->shapes.longest) /* as it is made to be, it is not torn */
-                length = fmax(length, (double)f->shapes.longest[t][e]);
-            f->limit.longest[t][e] = (float)length;
+            f->limit.longest[t][e] =
+                (float)vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
         }
     }
 }
@@ -212,7 +212,7 @@ mrt_result face_limit_create(face *f, error *err)
     measure_turns(f);
     measure_still(f);
     list_blocks(f);
-    free(f->shapes.longest);
+    l->made = f->shapes.longest;
     f->shapes.longest = NULL;
     return MRT_OK;
 }
@@ -241,6 +241,7 @@ void face_limit_destroy(face *f)
     free(l->steepest);
     free(l->is_changed);
     free(l->longest);
+    free(l->made);
     free(l->pose_weight);
     free(l->asked);
     free(l->centre);
@@ -809,7 +810,10 @@ static float stretch_strain(const face *f, size_t t, float stretch)
     float worst = 0.0f;
     for (size_t e = 0; e < 3; ++e) {
         uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
-        float longest = stretch * l->longest[t][e], least = room_least * longest;
+        float longest = stretch * l->longest[t][e];
+        if (is_shaped(f)) /* as it is made to be it is not torn */
+            longest = fmaxf(longest, made_stretch * l->made[t][e]);
+        float least = room_least * longest;
         float room = longest - length_of(l->posed[a], l->posed[b]);
         float strain = length_of(l->added[a], l->added[b]) / (room > least ? room : least);
         worst = strain > worst ? strain : worst;

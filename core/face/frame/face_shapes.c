@@ -344,20 +344,25 @@ static void ease_folds(learning *l)
     }
 }
 
-/* How long the edges are in it. */
-static void note_edges(learning *l)
+/* How long the edges are in it, and as what it is judged: f->before is scratch. */
+static mrt_result note_edges(learning *l, error *err)
 {
-    const face *f = l->f;
+    face *f = l->f;
+    float *const at[3] = {f->before.x, f->before.y, f->before.z};
+    for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+        for (int axis = 0; axis < 3; ++axis)
+            at[axis][slot] = l->posed[slot][axis] + l->row[slot][axis];
     for (size_t t = 0; t < f->skin_count; ++t)
         for (size_t e = 0; e < 3; ++e) {
             uint32_t a = f->skin[3 * t + e], b = f->skin[3 * t + (e == 2 ? 0 : e + 1)];
             float sum = 0.0f, *longest = &f->shapes.longest[t][e];
             for (int axis = 0; axis < 3; ++axis) {
-                float d = l->posed[b][axis] + l->row[b][axis] - l->posed[a][axis] - l->row[a][axis];
+                float d = at[axis][b] - at[axis][a];
                 sum += d * d;
             }
             *longest = fmaxf(*longest, sqrtf(sum));
         }
+    return surface_meter_learn(f->surface_meter, (const float *const *)at, err);
 }
 
 /* ---- which shapes there are ---- */
@@ -475,7 +480,7 @@ static bool reaches_carrier(const learning *l, uint32_t carrier)
     return false;
 }
 
-static bool learn_shape(learning *l, uint32_t target, float *kept)
+static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *err)
 {
     face *f = l->f;
     face_shapes *s = &f->shapes;
@@ -490,14 +495,16 @@ static bool learn_shape(learning *l, uint32_t target, float *kept)
     one->purity = take_bones_out(l, pose);
     turn_normals(l, pose);
     ease_folds(l);
-    note_edges(l);
+    mrt_result result = note_edges(l, err);
+    if (result < 0)
+        return result;
     carry_back(l, pose);
     float greatest = 0.0f;
     for (size_t slot = 0; slot < f->rest.count; ++slot)
         for (int axis = 0; axis < 3; ++axis)
             greatest = fmaxf(greatest, fabsf(l->row[slot][axis]));
     if (!((double)greatest > least_mm) && one->bones == 0)
-        return false;
+        return MRT_OK;
     for (uint32_t carrier = 0; carrier < CARRIERS; ++carrier)
         if ((carrier == STILL || carrier < f->bone_count) && reaches_carrier(l, carrier)) {
             s->part[s->part_count] = (face_shape_part){s->count, carrier, 3 * s->part_count};
@@ -506,7 +513,7 @@ static bool learn_shape(learning *l, uint32_t target, float *kept)
     for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
         memcpy(kept + 3 * slot, l->row[slot], 3 * sizeof *kept);
     s->count += 1;
-    return true;
+    return MRT_OK;
 }
 
 static void forget_learning(learning *l)
@@ -590,9 +597,12 @@ mrt_result face_shapes_create(face *f, const mesh *m, error *err)
     for (uint32_t bone = 0; bone < f->bone_count; ++bone)
         s->derives[bone] = dofs_of(&f->bones, bone) > 0 && carries_skin(f, bone) &&
                            f->rig->bone[bone].kind != BONE_FIXED;
-    for (uint32_t t = 0; t < count; ++t)
-        (void)learn_shape(&l, t, s->learnt + s->count * each);
+    mrt_result result = MRT_OK;
+    for (uint32_t t = 0; t < count && result >= 0; ++t)
+        result = learn_shape(&l, t, s->learnt + s->count * each, err);
     forget_learning(&l);
+    if (result < 0)
+        return result;
     for (uint32_t i = 0; i < s->count; ++i)
         s->speaks_of |= s->shape[i].bones;
     for (uint32_t i = 0; i < s->count; ++i)

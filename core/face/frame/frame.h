@@ -68,9 +68,9 @@ typedef struct face_limit {
     uint8_t *is_changed;                  /* of each block: by a step */
     uint8_t *is_posed, *is_added;         /* `posed` is that of the pose, `added` of the pulls */
     float (*step)[4];                     /* of each vertex: what clay was to move by */
-    float (*longest)[3];                  /* of each triangle of skin: its edges at rest, or in
-                                             one of its own shapes */
-    double *pose_weight;                  /* column capacity by 3 */
+    float (*longest)[3];                  /* of each triangle of skin: its edges at rest, mm */
+    float (*made)[3];    /* likewise, in any of its own shapes; NULL: it has none */
+    double *pose_weight; /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
     points shown_before, shown_after; /* clay, before and after a step */
     float *share;                     /* of each vertex: of a step of clay */

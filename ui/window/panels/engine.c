@@ -286,7 +286,8 @@ static void draw_meters(ui *on, const live_view *view)
     const surface_state *skin = &view->skin;
     (void)snprintf(words, sizeof words, "%.2f times", skin->stretch);
     ui_fact(on, "Stretch", column, UI_STYLE_BODY, words);
-    ui_hint(on, "The edge that is stretched most: its length over that at rest.");
+    ui_hint(on, "The edge that is stretched most: its length over that at rest, or in one of the "
+                "head's own shapes.");
     (void)snprintf(words, sizeof words, "%.0f degrees", skin->bend_deg);
     ui_fact(on, "Bend", column, skin->bent_count > 0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
     ui_hint(on, "The edge that is bent most, beyond what it is at rest.");
