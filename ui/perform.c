@@ -231,8 +231,10 @@ static mrt_result on_step(void *data, const sample_step *s, error *err)
     performer_step(self->performer, s);
     if (self->record.recorder)
         recorder_performed(self->record.recorder, s);
-    if (perform_outputs_draw(&self->outputs, self->performer))
+    if (perform_outputs_are_due(&self->outputs)) {
+        perform_outputs_draw(&self->outputs, self->performer);
         perform_outputs_show(&self->outputs, s->time_ns, -1);
+    }
     obey_presses(self, s->time_ns);
     return MRT_OK;
 }

@@ -346,22 +346,25 @@ mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, u
             result = outputs_add(out->outputs, spec, err);
         free(spec);
     }
-    if (result >= 0)
-        outputs_show(out->outputs, out->board);
-    return result;
+    if (result < 0)
+        return result;
+    face_board_prepare(out->board);
+    outputs_show(out->outputs, out->board);
+    return MRT_OK;
 }
 
-bool perform_outputs_draw(perform_outputs *self, performer *p)
+bool perform_outputs_are_due(const perform_outputs *self)
 {
-    int64_t now_ns = clock_now_ns();
     int64_t apart_ns = 3 * self->draw_ns > least_apart_ns ? 3 * self->draw_ns : least_apart_ns;
-    if (!outputs_are_wanted(self->outputs) || now_ns - self->drawn_ns < apart_ns)
-        return false;
+    return outputs_are_wanted(self->outputs) && clock_now_ns() - self->drawn_ns >= apart_ns;
+}
+
+void perform_outputs_draw(perform_outputs *self, performer *p)
+{
+    self->drawn_ns = clock_now_ns();
     performer_draw(p);
     self->drawn = p;
-    self->drawn_ns = now_ns;
-    self->draw_ns = clock_now_ns() - now_ns;
-    return true;
+    self->draw_ns = clock_now_ns() - self->drawn_ns;
 }
 
 void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns)

@@ -90,8 +90,9 @@ typedef struct perform_outputs { /* zeroed: none */
 CHECKED mrt_result perform_outputs_open(perform_outputs *out, const char *const *text,
                                         uint32_t count, const perform_mapping_settings *with,
                                         composer *of, const face_file *file, error *err);
-/* Whether the face as it is now is drawn, to be shown: not when the last one was just now. */
-bool perform_outputs_draw(perform_outputs *self, performer *p);
+/* Live: whether the face as it is now is to be drawn and shown, and not too soon after the last. */
+bool perform_outputs_are_due(const perform_outputs *self);
+void perform_outputs_draw(perform_outputs *self, performer *p);
 /* The face that was drawn; time_ns and take_ns as in mrt_face_sample. */
 void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns);
 void perform_outputs_report(const perform_outputs *self, facts *told);

@@ -8,14 +8,18 @@
 
 #include <stdio.h>
 
-static const int64_t ahead_ns = 200 * NS_PER_MS; /* before its first instant is due */
-static const int64_t slice_ns = 100 * NS_PER_MS; /* after which a signal is answered */
+static const int64_t ahead_ns = 200 * NS_PER_MS;     /* before its first instant is due */
+static const int64_t slice_ns = 100 * NS_PER_MS;     /* after which a signal is answered */
+static const int64_t least_apart_ns = 4 * NS_PER_MS; /* of the take: two that are shown */
+/* Later than this it is left out, unless for so long none was shown. */
+static const int64_t late_ns = 10 * NS_PER_MS, pause_ns = 50 * NS_PER_MS;
 
 typedef struct playing {
     take_call *call;
     take_stage stage;
     perform_outputs outputs;
     int64_t in_ns, out_ns, begun_ns; /* begun: of the host's clock, when in_ns is due */
+    int64_t shown_at_ns;             /* of the take */
 } playing;
 
 static mrt_result take_range(playing *self, error *err)
@@ -43,6 +47,14 @@ static mrt_result open_outputs(playing *self, error *err)
                                 performer_composer(p), &self->stage.face, err);
 }
 
+/* A machine that is too slow for all of them leaves instants out; the others keep their time. */
+static bool is_wanted(const playing *self, int64_t at_ns)
+{
+    int64_t late_by_ns = clock_now_ns() - (self->begun_ns + (at_ns - self->in_ns));
+    return at_ns - self->shown_at_ns >= least_apart_ns &&
+           (late_by_ns < late_ns || at_ns - self->shown_at_ns >= pause_ns);
+}
+
 /* The instant that the sequencer stands at is shown when it is due: it is found before that. */
 static void show_when_due(playing *self, int64_t at_ns)
 {
@@ -62,12 +74,16 @@ static mrt_result play(playing *self, error *err)
     sequencer *s = self->stage.sequencer;
     mrt_result result = sequencer_seek(s, self->in_ns, err);
     self->begun_ns = clock_now_ns() + ahead_ns;
+    self->shown_at_ns = self->in_ns - pause_ns;
     while (result >= 0 && result != MRT_END && !cancel_is_asked()) {
         int64_t at_ns = sequencer_now_ns(s) > self->in_ns ? sequencer_now_ns(s) : self->in_ns;
         if (at_ns > self->out_ns)
             break;
-        if (perform_outputs_draw(&self->outputs, sequencer_performer(s)))
+        if (is_wanted(self, at_ns)) {
+            perform_outputs_draw(&self->outputs, sequencer_performer(s));
             show_when_due(self, at_ns);
+            self->shown_at_ns = at_ns;
+        }
         result = sequencer_step(s, err);
         if (result >= 0 && sequencer_check(s, err) < 0)
             result = MRT_ERR_FORMAT;

@@ -832,9 +832,10 @@ static void help_draw(workspace *self, ui_rectangle where)
 static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
     [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
+    [APP_OUTPUT] = &panel_output,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",
-                                                   "Engine",  "Log",     "Patch"};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig", "Engine",
+                                                   "Log",     "Patch",   "Send"};
 
 /* ---- life ---- */
 

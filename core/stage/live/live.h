@@ -12,6 +12,7 @@
 #include "stage/input/input.h"
 #include "stage/live/live_view.h"
 #include "stage/mapping/isolate.h"
+#include "stage/output/outputs.h"
 #include "stage/perform/face_file.h"
 #include "stage/perform/performer.h"
 #include "stage/perform/pointer.h"
@@ -109,6 +110,10 @@ const char *live_calibration(const live *self, uint32_t side); /* the path; NULL
 void live_rezero(live *self); /* both hands, those that are still; status.rezeros says */
 /* A pedal whose press re-zeroes, 1..4; 0: none. */
 void live_set_rezero_pedal(live *self, uint32_t pedal);
+
+/* ---- outputs: what is seen on the stage is sent, live hands and takes alike ---- */
+
+outputs *live_outputs(live *self); /* to add, remove and look at; until live_stop */
 
 /* ---- the pointer: rest and at in mm, as pointer.h ---- */
 

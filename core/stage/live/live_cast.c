@@ -51,6 +51,7 @@ void live_scene_destroy(live_scene *scene)
         live_scene *before = scene->before;
         performer_destroy(scene->performer);
         live_board_destroy(&scene->board);
+        face_board_drop(scene->outgoing);
         take_performance_finish(&scene->face);
         free(scene->path);
         free(scene);
@@ -105,6 +106,9 @@ mrt_result live_scene_create(live *self, const face_file *file, const char *path
         lend_binding(scene);
     if (result >= 0)
         result = live_board_create(&scene->board, performer_composer(scene->performer), err);
+    if (result >= 0)
+        result =
+            face_board_create(&scene->outgoing, performer_composer(scene->performer), file, err);
     if (result < 0) {
         live_scene_destroy(scene);
         return result;
@@ -504,6 +508,7 @@ static mrt_result set_scene(live *self, const face_file *file, const char *path,
     live_mapping_role *old_role = self->role;
     self->scene = scene;
     self->role = role;
+    outputs_show(self->outputs, scene->outgoing);
     live_cast_dismiss(self, &c);
     retire(self, old_scene, old_role);
     live_cast_watch(self);

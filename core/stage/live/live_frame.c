@@ -365,9 +365,27 @@ static void note_frame(live_stage *stage)
     now->frame_ms[at] = (float)sum;
 }
 
+/* To the outputs. Of a take, with its own time: when this instant of it was due. */
+static void send_on(live_stage *stage, performer *shown, int64_t now_ns)
+{
+    int64_t time_ns = stage->sample_ns, take_ns = -1;
+    if (!outputs_are_wanted(stage->outputs))
+        return;
+    if (stage->mode != LIVE_PERFORMS && stage->timeline) {
+        const transport *motion = live_time_motion(stage);
+        take_ns = sequencer_now_ns(stage->timeline->sequencer);
+        double late_ns = (double)(transport_at(motion, now_ns).at_ns - take_ns);
+        bool is_late = motion->is_playing && late_ns > 0.0 && late_ns < 1e9;
+        time_ns = is_late ? now_ns - (int64_t)(late_ns / motion->speed) : now_ns;
+    }
+    outputs_publish(stage->outputs, stage->scene->outgoing, performer_composer(shown), time_ns,
+                    take_ns);
+}
+
 void live_frame_publish(live_stage *stage)
 {
     int64_t at_ns = clock_now_ns(), now_ns = at_ns;
+    bool was_dirty = stage->is_dirty;
     performer *shown = live_time_shown(stage, now_ns);
     if (!shown)
         return;
@@ -381,6 +399,8 @@ void live_frame_publish(live_stage *stage)
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
     live_board_publish(board);
+    if (was_dirty || stage->mode != LIVE_PERFORMS)
+        send_on(stage, shown, now_ns);
     stage->step_ms[LIVE_STEP_PUBLISH] += ms_since(&at_ns);
     note_frame(stage);
 }

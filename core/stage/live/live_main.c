@@ -95,6 +95,7 @@ static mrt_result set_stage(live *self, error *err)
         return result;
     self->stage.scene = self->scene;
     self->stage.role = self->role;
+    outputs_show(self->outputs, self->scene->outgoing);
     live_frame_publish(&self->stage);
     live_frame_pulse(&self->stage);
     live_cast_watch(self);
@@ -114,6 +115,10 @@ mrt_result live_start(live **out, const live_settings *settings, error *err)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the samples of an input");
     if (result >= 0)
         result = open_pointer(self, err);
+    const outputs_settings sent = {.plugins = settings->plugins, .log = settings->log};
+    if (result >= 0)
+        result = outputs_create(&self->outputs, &sent, err);
+    self->stage.outputs = self->outputs;
     if (result >= 0)
         result = set_stage(self, err);
     error why = {""};
@@ -171,11 +176,17 @@ mrt_result live_stop(live *self, error *err)
         live_take_drop(self);
     live_take_finish(self);
     live_sound_drop(self);
+    outputs_destroy(self->outputs);
     destroy_cast(self);
     destroy_inputs(self);
     player_destroy(self->stage.loop);
     free(self);
     return result;
+}
+
+outputs *live_outputs(live *self)
+{
+    return self->outputs;
 }
 
 /* ---- seen ---- */

@@ -9,6 +9,7 @@
 #include "stage/live/live_board.h"
 #include "stage/live/live_mapping.h"
 #include "stage/mapping/taught.h"
+#include "stage/output/outputs.h"
 #include "stage/perform/player.h"
 #include "stage/take/recorder.h"
 #include "stage/take/sequencer.h"
@@ -33,6 +34,7 @@ typedef struct live_scene {
     csrbf_settings solver; /* radius 0: all of it is the rig's */
     performer *performer;
     live_board board;
+    face_board *outgoing;  /* to the outputs */
     take_performance face; /* what it is recorded as: for its hashes */
     struct live_scene *before;
 } live_scene;
@@ -85,6 +87,7 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     reload *reload;     /* of the role; NULL: it is not watched */
     recorder *recorder; /* NULL: nothing is recorded */
     log_queue *log;
+    outputs *outputs;
     live_sample_board *heard[PLAYER_INPUTS_MAX]; /* by the player's index; 0: NULL */
     uint32_t input_count;
     mrt_sample pointed; /* the pointer's last sample */
@@ -145,7 +148,8 @@ struct live {
 
     csrbf_settings own_solver; /* radius 0: the rig's */
     bool has_own_solver;       /* false: all of it is the rig's */
-    tap *tap;                  /* by live's index of inputs */
+    outputs *outputs;
+    tap *tap; /* by live's index of inputs */
     feed *pointer_feed;
     input *pointer;
     float pointed[POINTER_CHANNELS];

@@ -206,7 +206,7 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
 
 /* ---- [taker] ---- */
 
-static void make_weights(face_board *self)
+void face_board_prepare(face_board *self)
 {
     error ignored = {""}; /* what cannot be said is 0 */
     if (!self->has_tried && self->of.names.weight_count > 0 &&
@@ -245,7 +245,7 @@ const board_face *face_board_take(face_board *self)
     if (!slot_take(&self->slot))
         return NULL;
     const board_face *from = &self->face[slot_front(&self->slot)];
-    make_weights(self);
+    face_board_prepare(self);
     if (self->of.names.weight_count > 0)
         say_weights(self, from);
     return from;

@@ -35,6 +35,9 @@ CHECKED mrt_result face_board_create(face_board **out, composer *of, const face_
 face_board *face_board_keep(face_board *self); /* [any] one reference more */
 void face_board_drop(face_board *self);        /* [any but frame] NULL is fine */
 
+/* [main] Before it is shown: what weights are found with is made now, not with its first face. */
+void face_board_prepare(face_board *self);
+
 /* [frame] What the composer shows, drawn; a face like the one that it was made for. */
 void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t take_ns,
                      bool with_vertices);

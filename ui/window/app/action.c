@@ -142,6 +142,8 @@ static const action_entry entries[ACTION_COUNT] = {
                           "What the program had to say.", UI_KEY_F1 + 5, 0},
     [ACTION_PANEL_PATCH] = {ACTION_PANEL_PATCH, ACTION_PROGRAM, "panel_patch", "Patch",
                             "Which faders, sticks and shapes move what.", UI_KEY_F1 + 2, UI_SHIFT},
+    [ACTION_PANEL_OUTPUT] = {ACTION_PANEL_OUTPUT, ACTION_PROGRAM, "panel_output", "Send",
+                             "Which programs get the face, live.", UI_KEY_F1 + 1, UI_SHIFT},
     [ACTION_TIMELINE] = {ACTION_TIMELINE, ACTION_PROGRAM, "timeline", "Timeline",
                          "Shows the timeline, or puts it away.", UI_KEY_F1 + 6, 0},
     [ACTION_TIMELINE_FIT] = {ACTION_TIMELINE_FIT, ACTION_PROGRAM, "timeline_fit",

@@ -73,6 +73,7 @@ typedef enum action {
     ACTION_PANEL_ENGINE,  /* F5 */
     ACTION_PANEL_LOG,     /* F6 */
     ACTION_PANEL_PATCH,   /* Shift+F3 */
+    ACTION_PANEL_OUTPUT,  /* Shift+F2 */
     ACTION_TIMELINE,      /* F7: shown or not */
     ACTION_TIMELINE_FIT,  /* Shift+Z */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */

@@ -75,6 +75,13 @@ void app_cancel_export(app *self, uint32_t index);
 const csrbf_settings *app_solver(const app *self);
 CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
 
+/* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
+
+/* "vmc:192.168.1.20:39540,names=arkit". What is wrong is in the news, and by app_output_trouble. */
+CHECKED mrt_result app_add_output(app *self, const char *text);
+void app_remove_output(app *self, uint32_t index);
+const char *app_output_trouble(const app *self); /* why the last one was not added; "" it was */
+
 /* ---- the patch ---- */
 
 /* As it is wanted: on the stage a moment later, behind a take that is being recorded. Kept between
@@ -212,6 +219,7 @@ typedef enum app_panel {
     APP_ENGINE,
     APP_LOG,
     APP_PATCH,
+    APP_OUTPUT,
     APP_PANELS
 } app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */

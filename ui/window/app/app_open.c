@@ -632,6 +632,8 @@ void app_say(app *self, int32_t level, const char *format, ...)
     news_list_add(self->news, level, "stage", text);
 }
 
+static void open_outputs(app *self);
+
 /* ---- the patch ---- */
 
 static bool patch_path(const app *self, char *out, size_t capacity)
@@ -806,6 +808,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     self->keeps_settings = true;
     self->takes_are_stale = true;
     app_patch_read(self);
+    open_outputs(self);
     app_update(self, 0.0);
     *out = self;
     return MRT_OK;
@@ -927,6 +930,59 @@ void app_give_up_opening(app *self, uint64_t id)
 const char *app_opening_trouble(const app *self)
 {
     return self->input_trouble.text;
+}
+
+/* ---- outputs ---- */
+
+static void keep_outputs(app *self)
+{
+    outputs *of = live_outputs(self->live);
+    char key[24];
+    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
+        output_status now = {.text = NULL};
+        if (i < outputs_count(of))
+            outputs_status(of, i, &now);
+        (void)snprintf(key, sizeof key, "outputs.%u", i);
+        settings_set_text(self->settings, key, now.text);
+    }
+}
+
+/* As they were when the program ended: what they name is looked up among what is loaded. */
+static void open_outputs(app *self)
+{
+    char key[24];
+    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
+        error err = {""};
+        (void)snprintf(key, sizeof key, "outputs.%u", i);
+        const char *text = settings_text(self->settings, key, NULL);
+        if (text)
+            (void)app_report(self, outputs_add(live_outputs(self->live), text, &err), &err);
+    }
+}
+
+mrt_result app_add_output(app *self, const char *text)
+{
+    char *spec;
+    self->output_trouble = (error){""};
+    mrt_result result = plugin_list_choose_spec(&self->plugins, text, MRT_FACE_OUTPUT, &spec,
+                                                &self->output_trouble);
+    if (result >= 0)
+        result = outputs_add(live_outputs(self->live), spec, &self->output_trouble);
+    free(spec);
+    if (result >= 0)
+        keep_outputs(self);
+    return app_report(self, result, &self->output_trouble);
+}
+
+void app_remove_output(app *self, uint32_t index)
+{
+    outputs_remove(live_outputs(self->live), index);
+    keep_outputs(self);
+}
+
+const char *app_output_trouble(const app *self)
+{
+    return self->output_trouble.text;
 }
 
 /* ---- what there is ---- */
@@ -1209,7 +1265,7 @@ static void do_look(app *self, action of)
             looks->is_face_only = false;
     } else if (of == ACTION_HEAT_NEXT) {
         looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
-    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_PATCH) {
+    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_OUTPUT) {
         looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
         looks->is_face_only = false;
     } else if (of == ACTION_QUIT) {

@@ -93,7 +93,7 @@ struct app {
     bool settings_failed; /* it was said */
 
     input_opener *inputs; /* that are being opened */
-    error input_trouble;
+    error input_trouble, output_trouble;
     exporter *exports;
     uint32_t exports_failed;
 };

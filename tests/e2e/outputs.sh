@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# The face goes out: over VMC to liblo's oscdump and to the Blender add-on, live, from a take in its own time, and from the
+# stage; and what is wrong with an output is said.
+source "$(dirname "$0")/lib.sh"
+cd "$scratch" || exit 1
+show=$scratch/a.marotte
+port=$((20000 + $$ % 20000))
+listeners=()
+trap 'kill "${listeners[@]}" 2>/dev/null; rm -rf "$scratch"' EXIT
+
+# ---- what is wrong ----
+perform=("$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map one_hand)
+refused 1 'there is no face output plugin "nobody" (there are: ' "${perform[@]}" --output nobody
+refused 1 'has no parameter "colour"' "${perform[@]}" --output vmc,colour=3
+refused 2 'at most 8 outputs' "${perform[@]}" $(printf -- '--output vmc %.0s' 1 2 3 4 5 6 7 8 9)
+refused 2 'say SHOW TAKE' "$MAROTTE" take play "$show"
+"${perform[@]}" --output vmc:nowhere.invalid:1 --output vmc:here --output "vmc:127.0.0.1:$port" --record "$show" >said 2>stderr ||
+    fail "bad places end a performance: $(cat stderr)"
+grep -q 'vmc:nowhere.invalid:1: failed: ' said || fail "$(cat said)"
+grep -q 'vmc:here: failed: "here" is no address to send to' said || fail "$(cat said)"
+[ "$(grep -c 'it is tried again' stderr)" -eq 2 ] || fail "not one line each: $(cat stderr)"
+"$MAROTTE" take play "$show" last --output vmc:here --in 5 >said 2>stderr && fail "--in beyond the take"
+grep -q 'is no range of take' stderr || fail "$(cat stderr)"
+
+# ---- heard by others ----
+if command -v oscdump >/dev/null; then
+    oscdump -L "$port" >heard 2>oscdump.log &
+    listeners+=($!)
+    sleep 0.2
+    # Again until it listens: oscdump does not say when it does.
+    for try in 1 2 3 4 5; do
+        "$MAROTTE" take play "$show" last --output "vmc:127.0.0.1:$port,names=arkit" >said 2>stderr || fail "take play: $(cat stderr)"
+        [ -s heard ] && break
+    done
+    grep -q 'vmc.*: sent, [0-9]* faces' said || fail "$(cat said)"
+    [ "$(awk '$2 == "/VMC/Ext/Blend/Val" { print $4 }' heard | sort -u | wc -l)" -eq 52 ] || fail "not the 52 names"
+    grep -q '/VMC/Ext/OK i 1' heard && grep -q '/VMC/Ext/Bone/Pos sfffffff "Head"' heard && grep -q '/VMC/Ext/Blend/Apply' heard ||
+        fail "not a whole face: $(head -5 heard)"
+    # The take's own time: 100 samples a second, its last at 1 s.
+    awk '$2 == "/VMC/Ext/T" { if ($4 < last - 1e-6 && last < 0.9) bad = 1; last = $4 } END { exit !(last > 0.98 && last < 1.001 && !bad) }' heard ||
+        fail "not the take's time: $(grep '/VMC/Ext/T' heard | tail -3)"
+
+    # The stage starts with what was open when it ended.
+    printf 'do panel_output\nframes 3\npress Add\nframes 3\n' >script
+    stage=("$MAROTTE" "$scratch/stage.marotte" --hidden --settings "$scratch/window.json" --face "$puppet" --map one_hand --size 1200x760)
+    timeout 120 "${stage[@]}" --script script >said 2>stderr || fail "the panel: $(tail -2 stderr)"
+    grep -q '"0": "org.marotte.' window.json || fail "the output is not kept: $(cat window.json)"
+    sed -i "s/\"0\": \"org.marotte[^\"]*\"/\"0\": \"org.marotte.vmc:127.0.0.1:$port\"/" window.json
+    : >heard
+    printf 'wait 3\n' >script
+    timeout 120 "${stage[@]}" --script script >said 2>stderr || fail "the stage: $(tail -2 stderr)"
+    grep -q '/VMC/Ext/Blend/Apply' heard || fail "the stage does not send what was open"
+    kill "${listeners[@]}"
+    listeners=()
+else
+    echo "SKIPPED: oscdump (liblo-tools) is not installed"
+fi
+
+# ---- the Blender add-on hears both ----
+if command -v blender >/dev/null; then
+    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=3" --map one_hand --record "$show" >said 2>stderr || fail "$(cat stderr)"
+    for by in "vmc names=all" "face_osc contacts=off"; do
+        read -r name with <<<"$by"
+        rm -f port
+        blender -b --factory-startup -noaudio --python-exit-code 1 -P "$SOURCE_DIR/tests/e2e/blender_live.py" -- port >blender.log 2>&1 &
+        blender=$!
+        listeners+=("$blender")
+        for _ in $(seq 600); do [ -s port ] && break; sleep 0.1; done
+        [ -s port ] || { fail "Blender does not listen: $(tail -3 blender.log)"; break; }
+        "$MAROTTE" take play "$show" last --output "$name:127.0.0.1:$(cat port),$with" >said 2>stderr || fail "$(cat stderr)"
+        wait "$blender" || fail "$name: $(tail -4 blender.log)"
+        grep "^heard: " blender.log
+    done
+    listeners=()
+else
+    echo "SKIPPED: Blender is not installed"
+fi
+finish
