@@ -72,6 +72,29 @@ static void a_head_that_looks_away_is_turned_round(void **state)
     mesh_destroy(&original);
 }
 
+static void a_head_that_looks_aside_is_turned(void **state)
+{
+    (void)state;
+    static const struct {
+        int axis[3];
+        float sign[3];
+        mesh_axis up, forward;
+    } row[] = {{{2, 1, 0}, {-1, 1, 1}, MESH_AXIS_Y, MESH_AXIS_X},
+               {{2, 1, 0}, {1, 1, -1}, MESH_AXIS_Y, MESH_AXIS_MINUS_X},
+               {{0, 2, 1}, {-1, 1, 1}, MESH_AXIS_Z, MESH_AXIS_Y}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; ++i) {
+        mesh original = read_moai(), m = read_moai();
+        error err;
+        put_into(&m, row[i].axis, row[i].sign, 0.1f);
+        assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 0.0, &err), MRT_OK);
+        assert_int_equal(m.up, row[i].up);
+        assert_int_equal(m.forward, row[i].forward);
+        assert_same_shape(&original, &m, 0.001);
+        mesh_destroy(&m);
+        mesh_destroy(&original);
+    }
+}
+
 static void what_is_said_holds(void **state)
 {
     (void)state;
@@ -235,6 +258,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_head_with_z_upwards_is_turned),
         cmocka_unit_test(a_head_that_looks_away_is_turned_round),
+        cmocka_unit_test(a_head_that_looks_aside_is_turned),
         cmocka_unit_test(what_is_said_holds),
         cmocka_unit_test(one_axis_brings_the_other),
         cmocka_unit_test(a_skeleton_says_where_a_face_looks),

@@ -100,19 +100,20 @@ static void add_ring(mesh *m, double x, double y, double z, double radius)
         }
 }
 
-/* Rims of spectacles are as far from their middle all around as a ball's skin is. */
-static void spectacles_are_no_eyes(void **state)
+/* The puppet's bare surface, all of its parts and materials of one name. */
+static void read_puppet(mesh *m, const char *name)
 {
-    (void)state;
-    drafted d = {.confirm = NULL};
     error err = {""};
-    mesh *m = &d.file.mesh;
     if (mesh_file_read(m, SOURCE_DIR "/rigs/puppet/puppet.glb", NULL, &err) < 0)
         fail_msg("%s", err.text);
-    for (uint32_t i = 0; i < m->part_count; ++i)
-        m->part[i].name[0] = '\0';
-    for (uint32_t i = 0; i < m->material_count; ++i)
-        m->material[i].name[0] = '\0';
+    for (uint32_t i = 0; i < m->part_count; ++i) {
+        free(m->part[i].name);
+        m->part[i].name = strdup(name);
+    }
+    for (uint32_t i = 0; i < m->material_count; ++i) {
+        free(m->material[i].name);
+        m->material[i].name = strdup(name);
+    }
     free(m->normal);
     free(m->uv);
     free(m->colour);
@@ -125,6 +126,16 @@ static void spectacles_are_no_eyes(void **state)
         free(m->attribute[i].value);
     }
     m->attribute_count = 0;
+}
+
+/* Rims of spectacles are as far from their middle all around as a ball's skin is. */
+static void spectacles_are_no_eyes(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    error err = {""};
+    mesh *m = &d.file.mesh;
+    read_puppet(m, "");
     uint32_t rims = m->vertex_count;
     add_ring(m, 37.5, 68.0, 100.0, 32.0);
     add_ring(m, -37.5, 68.0, 100.0, 32.0);
@@ -140,6 +151,101 @@ static void spectacles_are_no_eyes(void **state)
     assert_true(b.mobility[rims] <= 0.0f &&
                 b.weight[(size_t)skull * b.vertex_count + rims] >= 1.0f);
     binding_destroy(&b);
+    finish(&d);
+}
+
+static void draft_of(drafted *d)
+{
+    error err = {""};
+    if (openmesh_topology(&d->file.topology, &d->file.mesh, &err) < 0 ||
+        rig_draft_make(&d->rig, &d->confirm, &d->file.mesh, &d->file.topology, "puppet.glb", NULL,
+                       0, &err) < 0)
+        fail_msg("%s", err.text);
+}
+
+static void assert_is_the_puppets_face(const drafted *d)
+{
+    uint32_t eye = rig_find_bone(&d->rig, "eye.l");
+    assert_int_not_equal(eye, RIG_NONE);
+    assert_within(d->rig.bone[eye].centre, (vec3){37.5, 68.0, 62.0}, 4.0);
+    assert_true(contact_position(d, "nose.tip").y < 68.0);
+    assert_true(contact_position(d, "chin").y < contact_position(d, "nose.tip").y - 30.0);
+}
+
+/* Whoever joins meshes keeps the name of one of them. */
+static void one_name_for_all_says_nothing(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"eye_left", "hair", "teeth"};
+    for (int i = 0; i < 3; ++i) {
+        drafted d = {.confirm = NULL};
+        read_puppet(&d.file.mesh, name[i]);
+        draft_of(&d);
+        assert_is_the_puppets_face(&d);
+        finish(&d);
+    }
+}
+
+/* A hat without a name, seen from the front as large as the face. */
+static void a_hat_is_no_face(void **state)
+{
+    (void)state;
+    enum { LONG = 40, ROWS = 20 };
+    const double pi = 3.14159265358979323846;
+    drafted d = {.confirm = NULL};
+    mesh *m = &d.file.mesh;
+    read_puppet(m, "");
+    uint32_t first = m->vertex_count;
+    m->position = realloc(m->position, ((size_t)first + LONG * ROWS) * 3 * sizeof *m->position);
+    m->triangle = realloc(m->triangle,
+                          ((size_t)m->triangle_count + 2 * LONG * ROWS) * 3 * sizeof *m->triangle);
+    assert_non_null(m->position);
+    assert_non_null(m->triangle);
+    for (uint32_t row = 0; row < ROWS; ++row)
+        for (uint32_t i = 0; i < LONG; ++i) {
+            double a = 2.0 * pi * i / LONG, b = 0.5 * pi * row / ROWS;
+            float *p = m->position + 3 * (size_t)m->vertex_count++;
+            p[0] = (float)(150.0 * cos(b) * sin(a));
+            p[1] = (float)(105.0 + 220.0 * sin(b));
+            p[2] = (float)(150.0 * cos(b) * cos(a));
+            uint32_t next = first + row * LONG + (i + 1) % LONG, at = first + row * LONG + i;
+            const uint32_t corner[6] = {at, next, next + LONG, at, next + LONG, at + LONG};
+            if (row + 1 == ROWS)
+                continue;
+            memcpy(m->triangle + 3 * (size_t)m->triangle_count, corner, sizeof corner);
+            m->triangle_count += 2;
+            m->part[m->part_count - 1].triangle_count += 2;
+        }
+    draft_of(&d);
+    assert_is_the_puppets_face(&d);
+    finish(&d);
+}
+
+/* The front of the Moai alone, as a mask of a face is: its jaw turns far behind it. */
+static void a_mask_has_a_jaw(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    error err = {""};
+    mesh *m = &d.file.mesh;
+    if (mesh_file_read(m, SOURCE_DIR "/rigs/moai/moai.glb", NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        const uint32_t *corner = m->triangle + (size_t)i * 3;
+        bool is_in_front = true;
+        for (int k = 0; k < 3; ++k)
+            is_in_front = is_in_front && m->position[(size_t)corner[k] * 3 + 2] > 15.0f;
+        if (is_in_front)
+            memmove(m->triangle + 3 * (size_t)kept++, corner, 3 * sizeof *corner);
+    }
+    assert_in_range(kept, m->triangle_count / 5, m->triangle_count * 4 / 5);
+    m->triangle_count = kept;
+    m->part_count = 0;
+    draft_of(&d);
+    uint32_t jaw = rig_find_bone(&d.rig, "jaw");
+    assert_int_not_equal(jaw, RIG_NONE);
+    assert_true(contact_position(&d, "nose.tip").z - d.rig.bone[jaw].hinge_left.z > 80.0);
     finish(&d);
 }
 
@@ -368,6 +474,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_are_understood_by_name),
         cmocka_unit_test(spectacles_are_no_eyes),
+        cmocka_unit_test(one_name_for_all_says_nothing),
+        cmocka_unit_test(a_hat_is_no_face),
+        cmocka_unit_test(a_mask_has_a_jaw),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),

@@ -400,14 +400,24 @@ static mrt_result measure_pieces(rig_anatomy *a, const mesh *m, const topology *
     return MRT_OK;
 }
 
+/* A name that all parts have tells none from the others: joined meshes keep that of one of them. */
 static const char *name_of(const mesh *m, const anatomy_piece *p)
 {
-    return p->part < m->part_count ? m->part[p->part].name : "";
+    for (uint32_t i = 0; p->part < m->part_count && i < m->part_count; ++i)
+        if (strcmp(m->part[i].name, m->part[p->part].name) != 0)
+            return m->part[p->part].name;
+    return "";
 }
 
 static const char *material_of(const mesh *m, const anatomy_piece *p)
 {
-    return p->part < m->part_count ? m->material[m->part[p->part].material].name : "";
+    if (p->part >= m->part_count)
+        return "";
+    const char *own = m->material[m->part[p->part].material].name;
+    for (uint32_t i = 0; i < m->part_count; ++i)
+        if (strcmp(m->material[m->part[i].material].name, own) != 0)
+            return own;
+    return "";
 }
 
 /* A piece by one of its names. */
@@ -421,6 +431,49 @@ static void count_head(rig_anatomy *a, const mesh *m)
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         if (mesh_point(m, v) == v && a->is_head[v])
             a->piece[a->of_vertex[v]].head_count += 1;
+}
+
+static bool is_mostly_head(const anatomy_piece *p)
+{
+    return 2 * p->head_count > p->point_count;
+}
+
+/* ---- balls ---- */
+
+/* The sphere through a piece in the sense of least squares: |p|^2 = 2 c p + k. Returns the mean
+ * miss over the radius; infinite: none. */
+static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
+                         const mesh *m)
+{
+    const anatomy_piece *p = &a->piece[piece];
+    const uint32_t *member = a->member + p->first_member;
+    double n[4][5] = {{0}}, miss = 0.0;
+    for (uint32_t k = 0; k < p->point_count; ++k) {
+        vec3 d = vec3_sub(rig_mirror_position(m, member[k]), p->mean);
+        double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 5; ++j)
+                n[i][j] += row[i] * row[j];
+    }
+    for (int i = 0; i < 4; ++i) { /* it is symmetric and positive, or the piece is flat */
+        if (!(n[i][i] > 1e-9))
+            return (double)INFINITY;
+        for (int k = 0; k < 4; ++k) {
+            double part = k == i ? 0.0 : n[k][i] / n[i][i];
+            for (int j = 0; j < 5; ++j)
+                n[k][j] -= part * n[i][j];
+        }
+    }
+    vec3 c = {n[0][4] / n[0][0], n[1][4] / n[1][1], n[2][4] / n[2][2]};
+    double square = n[3][4] / n[3][3] + vec3_dot(c, c);
+    if (!(square > 0.0))
+        return (double)INFINITY;
+    *out_centre = vec3_add(p->mean, c);
+    *out_radius = sqrt(square);
+    for (uint32_t k = 0; k < p->point_count; ++k)
+        miss += fabs(vec3_length(vec3_sub(rig_mirror_position(m, member[k]), *out_centre)) -
+                     *out_radius);
+    return miss / p->point_count / *out_radius;
 }
 
 /* ---- the face: the piece that is seen most from the front ---- */
@@ -464,6 +517,50 @@ static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
            !sounds(m, p, sounds_like_teeth);
 }
 
+/* Points of a piece within reach_mm of a place. */
+static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_piece *p, vec3 place,
+                           double reach_mm)
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < p->point_count; ++k)
+        count += vec3_length(vec3_sub(rig_mirror_position(m, a->member[p->first_member + k]),
+                                      place)) < reach_mm;
+    return count;
+}
+
+/* Skin that holds a pair of eyeballs, one beside the other, is seen four times: hats and hair may
+ * be larger. */
+static void prefer_sockets(double *seen, const rig_anatomy *a, const mesh *m, double height)
+{
+    enum { BALLS_MAX = 64, NEAR_LEAST = 4 };
+    anatomy_eye ball[BALLS_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < a->piece_count && count < BALLS_MAX; ++i) {
+        const anatomy_piece *p = &a->piece[i];
+        vec3 d = vec3_sub(p->high, p->low);
+        if (p->point_count >= 20 && is_mostly_head(p) && d.x < 1.4 * d.y && d.y < 1.4 * d.x &&
+            d.z > 0.25 * d.x && d.x < 0.35 * height && d.x > 0.02 * height &&
+            fit_sphere(&ball[count].centre, &ball[count].radius_mm, a, i, m) < 0.12)
+            count += 1;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        for (uint32_t j = 0; j < count; ++j) {
+            vec3 apart = vec3_sub(ball[i].centre, ball[j].centre);
+            double radius = ball[i].radius_mm;
+            if (!(apart.x > 1.5 * radius) || apart.x > 8.0 * radius ||
+                hypot(apart.y, apart.z) > 0.3 * radius ||
+                fabs(ball[j].radius_mm - radius) > 0.2 * radius)
+                continue;
+            for (uint32_t k = 0; k < a->piece_count; ++k)
+                if (seen[k] > 0.0 &&
+                    count_near(a, m, &a->piece[k], ball[i].centre, 1.5 * radius) >= NEAR_LEAST &&
+                    count_near(a, m, &a->piece[k], ball[j].centre, 1.5 * radius) >= NEAR_LEAST)
+                    seen[k] = fabs(seen[k]) * -4.0;
+        }
+    for (uint32_t k = 0; k < a->piece_count; ++k)
+        seen[k] = fabs(seen[k]);
+}
+
 static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
 {
     front_view *f = calloc(1, sizeof *f);
@@ -491,6 +588,8 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
     }
     for (size_t i = 0; has_memory && i < PIXELS * PIXELS; ++i)
         seen[f->piece[i]] += 1.0;
+    if (has_memory && found)
+        prefer_sockets(seen, a, m, f->high.y - f->low.y);
     for (uint32_t i = 0; has_memory && i < a->piece_count; ++i) {
         if (anatomy_has_word(name_of(m, &a->piece[i]), WORDS("head", "face")))
             seen[i] *= 4.0;
@@ -512,50 +611,7 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
     return MRT_OK;
 }
 
-/* ---- balls ---- */
-
-/* The sphere through a piece in the sense of least squares: |p|^2 = 2 c p + k. Returns the mean
- * miss over the radius; infinite: none. */
-static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
-                         const mesh *m)
-{
-    const anatomy_piece *p = &a->piece[piece];
-    const uint32_t *member = a->member + p->first_member;
-    double n[4][5] = {{0}}, miss = 0.0;
-    for (uint32_t k = 0; k < p->point_count; ++k) {
-        vec3 d = vec3_sub(rig_mirror_position(m, member[k]), p->mean);
-        double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 5; ++j)
-                n[i][j] += row[i] * row[j];
-    }
-    for (int i = 0; i < 4; ++i) { /* it is symmetric and positive, or the piece is flat */
-        if (!(n[i][i] > 1e-9))
-            return (double)INFINITY;
-        for (int k = 0; k < 4; ++k) {
-            double part = k == i ? 0.0 : n[k][i] / n[i][i];
-            for (int j = 0; j < 5; ++j)
-                n[k][j] -= part * n[i][j];
-        }
-    }
-    vec3 c = {n[0][4] / n[0][0], n[1][4] / n[1][1], n[2][4] / n[2][2]};
-    double square = n[3][4] / n[3][3] + vec3_dot(c, c);
-    if (!(square > 0.0))
-        return (double)INFINITY;
-    *out_centre = vec3_add(p->mean, c);
-    *out_radius = sqrt(square);
-    for (uint32_t k = 0; k < p->point_count; ++k)
-        miss += fabs(vec3_length(vec3_sub(rig_mirror_position(m, member[k]), *out_centre)) -
-                     *out_radius);
-    return miss / p->point_count / *out_radius;
-}
-
 /* ---- what the other pieces are ---- */
-
-static bool is_mostly_head(const anatomy_piece *p)
-{
-    return 2 * p->head_count > p->point_count;
-}
 
 static void say(anatomy_piece *p, piece_kind kind, anatomy_source source)
 {
@@ -739,6 +795,40 @@ static void find_others(rig_anatomy *a, const mesh *m)
     }
 }
 
+/* Clothes cut the head off too high: where the face is a piece that ends in its own neck, all of
+ * it is the head, and of other pieces what lies above the narrowest place of that neck. */
+static void give_back_neck(rig_anatomy *a, const mesh *m)
+{
+    const anatomy_piece *face = &a->piece[a->face];
+    vec3 size = vec3_sub(face->high, face->low);
+    if (!a->has_body || a->head_count > 1 || size.y > 2.2 * size.z ||
+        face->head_count == face->point_count)
+        return;
+    rows *r = malloc(sizeof *r);
+    if (!r)
+        return;
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        a->is_face[v] = a->of_vertex[v] == a->face;
+    fill_rows(r, m, a->is_face, face->low, face->high);
+    if (find_shoulders(r) < 0) {
+        int neck = ROWS / 2;
+        for (int row = neck; row >= 0 && width_at(r, row) < 1.25 * width_at(r, neck); --row)
+            if (width_at(r, row) > 0.0 && width_at(r, row) < width_at(r, neck))
+                neck = row;
+        double y = r->low_y + neck * r->row_mm;
+        a->neck = (vec3){0.5 * (r->low_x[neck] + r->high_x[neck]), y,
+                         0.6 * r->low_z[neck] + 0.4 * r->high_z[neck]};
+        for (uint32_t v = 0; v < m->vertex_count; ++v)
+            a->is_head[v] = a->is_face[v] || rig_mirror_position(m, v).y >= y;
+        for (uint32_t i = 0; i < a->piece_count; ++i)
+            a->piece[i].head_count = 0;
+        count_head(a, m);
+    }
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        a->is_face[v] &= a->is_head[v];
+    free(r);
+}
+
 /* ---- is there a slit between the lips? ---- */
 
 static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, error *err)
@@ -878,6 +968,8 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         count_head(out, m);
         result = find_face(out, m, err);
     }
+    if (result >= 0 && out->source == BY_SHAPE)
+        give_back_neck(out, m);
     if (result >= 0) {
         mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
         out->has_face = measured >= 0;

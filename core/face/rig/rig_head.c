@@ -417,8 +417,19 @@ static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
     return found;
 }
 
+/* A mask has no back: its cut is one line. */
+static bool is_mask(const profile *p)
+{
+    int rows = 0, thin = 0;
+    for (int row = 0; row < ROWS; ++row) {
+        rows += isfinite(p->front[row]);
+        thin += p->front[row] - p->back[row] < 0.1 * ROWS * p->row_mm;
+    }
+    return 10 * thin > 8 * rows;
+}
+
 static void measure_profile(rig_head *out, profile p[3], const mesh *m, const uint8_t *is_face,
-                            int nose, int chin)
+                            int nose, int chin, double least_depth)
 {
     int span = nose - chin, mouth = find_mouth(p, nose, chin, &out->mouth_depth);
     double lips_y;
@@ -442,6 +453,7 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
         out->back_z = fmin(out->back_z, p->back[row]);
     for (int row = chin; row < ROWS; ++row)
         out->top_y = isfinite(p->front[row]) ? row_y(p, row) : out->top_y;
+    out->back_z = fmin(out->back_z, out->nose.z - least_depth);
     bounds box = {{0, 0, 0}, {0, 0, 0}};
     (void)bounds_of(&box, m, is_face);
     out->half_width = measure_half_width(m, is_face, out, 0.5 * (box.high.x - box.low.x));
@@ -471,11 +483,13 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
     cut_profile(&p[1], m, is_face, x - beside, box.low.y, box.high.y);
     cut_profile(&p[2], m, is_face, x + beside, box.low.y, box.high.y);
     int nose = find_nose(&p[0], &p[1], &p[2]);
-    int chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * (box.high.z - box.low.z));
+    /* The head that a mask is worn on is as deep as 1.2 of what is from chin to hairline. */
+    double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
+    int chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * fmax(box.high.z - box.low.z, least_depth));
     bool is_found = nose - chin >= ROWS / 20;
     out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
     if (is_found)
-        measure_profile(out, p, m, is_face, nose, chin);
+        measure_profile(out, p, m, is_face, nose, chin, least_depth);
     free(p);
     if (is_found && out->half_width > 0.0)
         return MRT_OK;

@@ -178,8 +178,44 @@ static void find_detail(double out[3], const mesh *m, const float low[3], const 
     }
 }
 
+/* Of rows of height, y upwards, how far their middles in x and in z wander, in parts of the size: a
+ * head is alike left and right, and not before and behind. */
+static void find_wander(double out[2], const mesh *m, const float low[3], const double size[3])
+{
+    enum { ROWS = 48 };
+    double from[2][ROWS], to[2][ROWS], mean[2] = {0}, square[2] = {0};
+    int count = 0;
+    for (int row = 0; row < ROWS; ++row)
+        for (int i = 0; i < 2; ++i) {
+            from[i][row] = (double)INFINITY;
+            to[i][row] = -(double)INFINITY;
+        }
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const float *p = m->position + (size_t)v * 3;
+        int row = (int)(((double)p[1] - (double)low[1]) / size[1] * ROWS);
+        row = row < ROWS ? row : ROWS - 1;
+        for (int i = 0; i < 2; ++i) {
+            from[i][row] = fmin(from[i][row], (double)p[2 * i]);
+            to[i][row] = fmax(to[i][row], (double)p[2 * i]);
+        }
+    }
+    for (int row = 0; row < ROWS; ++row) {
+        if (!isfinite(from[0][row]))
+            continue;
+        count += 1;
+        for (int i = 0; i < 2; ++i) {
+            double middle = 0.5 * (from[i][row] + to[i][row]) - (double)low[2 * i];
+            mean[i] += middle;
+            square[i] += middle * middle;
+        }
+    }
+    for (int i = 0; i < 2; ++i)
+        out[i] = sqrt(fmax(square[i] / count - mean[i] * mean[i] / ((double)count * count), 0.0)) /
+                 size[2 * i];
+}
+
 /* Only what is clear: a head that has its features where glTF and most others have the back of the
- * head, or where a modeller with z upwards has the face; a body that is tall along z. */
+ * head or an ear, or where a modeller with z upwards has the face; a body that is tall along z. */
 static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
 {
     enum { TRIANGLES_MIN = 300 };
@@ -197,13 +233,22 @@ static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forwa
     bool is_tall_in_z = size[2] > 2.2 * size[1] && size[2] > 0.8 * size[0];
     bool has_face_in_y =
         -detail[1] > 0.1 && -detail[1] > 2.0 * fabs(detail[2]) && size[1] < 2.2 * size[2];
-    if (is_even && (is_tall_in_z || has_face_in_y)) {
+    bool lies_on_back = fabs(detail[1]) > 0.05 && fabs(detail[1]) > 1.1 * fabs(detail[2]) &&
+                        size[2] > 1.1 * size[1]; /* higher in z than deep in y */
+    if (is_even && (is_tall_in_z || has_face_in_y || lies_on_back)) {
         *out_up = MESH_AXIS_Z;
-        *out_forward = MESH_AXIS_MINUS_Y;
+        *out_forward = lies_on_back && detail[1] > 0.0 ? MESH_AXIS_Y : MESH_AXIS_MINUS_Y;
         return true;
     }
     if (is_even && -detail[2] > 0.08 && -detail[2] > fabs(detail[1])) {
         *out_forward = MESH_AXIS_MINUS_Z;
+        return true;
+    }
+    double wander[2];
+    find_wander(wander, m, low, size);
+    bool is_head = size[1] < 2.6 * size[0] && size[1] < 2.6 * size[2];
+    if (is_head && wander[0] > 0.03 && wander[0] > 3.0 * wander[1] && fabs(detail[0]) > 0.05) {
+        *out_forward = detail[0] > 0.0 ? MESH_AXIS_X : MESH_AXIS_MINUS_X;
         return true;
     }
     return false;
