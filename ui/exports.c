@@ -51,6 +51,14 @@ static bool exports_is_video(exports_format format)
     return format == EXPORTS_MP4 || format == EXPORTS_FOLDER;
 }
 
+bool exports_need_names(const exports_file *file, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (file[i].format == EXPORTS_LIVELINK || file[i].format == EXPORTS_VRMA)
+            return true;
+    return false;
+}
+
 bool exports_need_clip(const exports_file *file, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
@@ -328,22 +336,22 @@ static mrt_result write_livelink(const char *path, const clip *frames,
                                  const exports_settings *settings, const export_progress *steps,
                                  facts *told, error *err)
 {
-    arkit_map map;
+    const clip_arkit *arkit = clip_arkit_of(frames);
     char missing[2048] = "";
     size_t used = 0;
     (void)settings;
-    arkit_map_find(&map, frames);
     for (uint32_t i = 0; i < ARKIT_SHAPES && used < sizeof missing; ++i)
-        if (map.of[i].curve == UINT32_MAX)
+        if (!arkit->is_said[i])
             used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s",
                                      used > 0 ? " " : "", arkit_name[i]);
-    if (map.shape_count + map.turn_count == 0)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: nothing of this face is a shape of ARKit by its name, and it has no "
-                         "jaw, lids or eyes",
-                         path);
-    facts_number(told, "arkit_shapes", "ARKit shapes", map.shape_count, 0, "of 52");
-    facts_number(told, "arkit_turns", "  turns", map.turn_count, 0, "of 9, of head and eyes");
+    if (arkit->shape_count + arkit->turn_count == 0)
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "%s: no shape or pose of this face is called as one of ARKit's, and it has no "
+            "head or eyes that turn",
+            path);
+    facts_number(told, "arkit_shapes", "ARKit shapes", arkit->shape_count, 0, "of 52");
+    facts_number(told, "arkit_turns", "  turns", arkit->turn_count, 0, "of 9, of head and eyes");
     if (used > 0)
         facts_text(told, "arkit_missing", "  always 0", missing);
     return livelink_write(path, frames, steps, err);

@@ -31,6 +31,8 @@ extern const char exports_names[];
 /* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);
 bool exports_need_clip(const exports_file *file, uint32_t count);
+/* What the frames are in ARKit's names. */
+bool exports_need_names(const exports_file *file, uint32_t count);
 
 /* A file that cannot be written is better known before an hour of performing. */
 CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error *err);

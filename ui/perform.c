@@ -138,11 +138,8 @@ static mrt_result prepare(performance *self, error *err)
             perform_outputs_open(&self->outputs, options->output, options->output_count, &apart,
                                  performer_composer(self->performer), &self->face, err);
     if (result >= 0)
-        result = recording_create(&self->recording, &self->face.mesh, options->fps,
-                                  exports_need_clip(options->exports, options->export_count)
-                                      ? RECORDING_KEEPS
-                                      : RECORDING_MEASURES,
-                                  err);
+        result = recording_create(&self->recording, &self->face, options->fps,
+                                  recording_use_of(options->exports, options->export_count), err);
     if (result >= 0)
         result = open_videos(self, err);
     const perform_record_of of = {.plugins = &self->plugins,

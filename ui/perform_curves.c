@@ -285,10 +285,8 @@ static mrt_result prepare(curve_performance *self, error *err)
     if (result >= 0)
         result = find_rate(self, err);
     if (result >= 0)
-        result = recording_create(
-            &self->recording, &self->face.mesh, self->fps,
-            exports_need_clip(o->exports, o->export_count) ? RECORDING_KEEPS : RECORDING_MEASURES,
-            err);
+        result = recording_create(&self->recording, &self->face, self->fps,
+                                  recording_use_of(o->exports, o->export_count), err);
     video_settings settings = {.mesh = &self->face.mesh, .pace = VIDEO_EVERY_FRAME, .timecode = ""};
     if (result >= 0)
         result = timecode_rate_of(&settings.rate, self->fps, err);

@@ -1,14 +1,34 @@
 #include "recording.h"
-#include "io/arkit.h"
+
+#include "face/face_weights.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
+recording_use recording_use_of(const exports_file *file, uint32_t count)
+{
+    if (exports_need_names(file, count))
+        return RECORDING_SAYS;
+    return exports_need_clip(file, count) ? RECORDING_KEEPS : RECORDING_MEASURES;
+}
+
+static mrt_result prepare_names(recording *self, const face_file *of, error *err)
+{
+    bool is_said[ARKIT_CHANNELS];
+    mrt_result result = face_file_weights(&self->weights, of, err);
+    for (uint32_t i = 0; i < ARKIT_CHANNELS && result >= 0; ++i)
+        is_said[i] = face_weights_source(self->weights, i) != FACE_NAME_NONE;
+    if (result >= 0)
+        clip_set_arkit(self->clip, is_said);
+    return result;
+}
+
+mrt_result recording_create(recording *out, const face_file *of, double fps, recording_use use,
                             error *err)
 {
+    const mesh *m = &of->mesh;
     *out = (recording){.mesh = m, .min_determinant = 1.0, .min_step_determinant = 1.0};
     if (use == RECORDING_MEASURES)
         return MRT_OK;
@@ -16,10 +36,13 @@ mrt_result recording_create(recording *out, const mesh *m, double fps, recording
     if (!out->clip)
         return MRT_ERR_IO;
     out->rows = malloc((size_t)m->vertex_count * 3 * sizeof *out->rows);
-    if (out->rows)
-        return MRT_OK;
-    recording_destroy(out);
-    return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
+    mrt_result result =
+        out->rows ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
+    if (result >= 0 && use == RECORDING_SAYS)
+        result = prepare_names(out, of, err);
+    if (result < 0)
+        recording_destroy(out);
+    return result;
 }
 
 static void pull_finish(clip_pull *pull)
@@ -34,6 +57,7 @@ void recording_destroy(recording *self)
     if (!self)
         return;
     clip_destroy(self->clip);
+    face_weights_destroy(self->weights);
     free(self->rows);
     free(self->column);
     free(self->scale);
@@ -232,48 +256,6 @@ static mrt_result add_shape_curves(recording *self, const face *f, error *err)
     return result;
 }
 
-/* Poses of the rig that are called as ARKit's shapes. */
-static bool is_arkit_pose(const rig_pose *pose)
-{
-    return arkit_find(pose->name) < ARKIT_SHAPES;
-}
-
-static mrt_result add_pose_curves(recording *self, const rig *r, error *err)
-{
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; r && i < r->pose_count && result >= 0; ++i) {
-        char name[128], unit[] = "";
-        (void)snprintf(name, sizeof name, "%s", r->pose[i].name);
-        if (is_arkit_pose(&r->pose[i]))
-            result = clip_add_curve(self->clip,
-                                    &(clip_curve){.name = name, .unit = unit, .max = 1.0}, err);
-    }
-    return result;
-}
-
-/* How much of a pose a frame is: along what the pose itself moves, 0..1. A turn of a degree of
- * freedom over its range counts as 10 mm. value: the degrees of freedom, then the contacts. */
-static double part_of_pose(const rig_pose *pose, const bones *b, const double *value)
-{
-    double along = 0.0, whole = 0.0;
-    for (uint32_t i = 0; i < pose->dof_count; ++i)
-        for (uint32_t d = 0; d < b->dof_count; ++d) {
-            double scale = 10.0 / fmax((double)b->dof[d].max - (double)b->dof[d].min, 1e-6);
-            if (strcmp(b->dof[d].name, pose->dof_name[i]) != 0)
-                continue;
-            along += scale * scale * pose->dof_value[i] * value[d];
-            whole += scale * scale * pose->dof_value[i] * pose->dof_value[i];
-        }
-    for (uint32_t i = 0; i < pose->pull_count; ++i) {
-        const double *way = value + b->dof_count + (size_t)3 * pose->pull_contact[i];
-        vec3 to = pose->pull_mm[i];
-        whole += vec3_dot(to, to);
-        if (!isnan(way[0]))
-            along += to.x * way[0] + to.y * way[1] + to.z * way[2];
-    }
-    return whole > 0.0 ? fmin(fmax(along / whole, 0.0), 1.0) : 0.0;
-}
-
 /* How the face is held: of the engagement and the field, as numbers. */
 static const char *const solver_curve[] = {"solver.anchor",     "solver.commit",
                                            "solver.radius",     "solver.kernel",
@@ -342,9 +324,6 @@ static mrt_result add_curves(recording *self, const face *f, error *err)
         result = add_contact_curves(self, &contact[i], err);
     if (result >= 0)
         result = add_shape_curves(self, f, err);
-    self->first_pose = clip_curve_count(self->clip);
-    if (result >= 0)
-        result = add_pose_curves(self, face_bones(f)->rig, err);
     for (size_t i = 0; i < SOLVER_CURVES && result >= 0; ++i) {
         char name[32], unit[] = "";
         (void)snprintf(name, sizeof name, "%s", solver_curve[i]);
@@ -444,11 +423,6 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
     }
     for (uint32_t i = 0; i < face_shape_count(f); ++i)
         value[self->first_shape + i] = face_shape_weight(f, i);
-    const rig *r = face_bones(f)->rig;
-    double *pose = value + self->first_pose;
-    for (uint32_t i = 0; r && i < r->pose_count; ++i)
-        if (is_arkit_pose(&r->pose[i]))
-            *pose++ = part_of_pose(&r->pose[i], face_bones(f), value);
     if (asked_count > 0)
         put_solver(value + count - SOLVER_CURVES, from);
     for (uint32_t k = 0; k < self->pull_count; ++k)
@@ -458,6 +432,17 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
     if (result >= 0)
         result = add_pose(self, f, err);
     return result < 0 ? result : clip_add_controls(self->clip, free_point, free_count, err);
+}
+
+/* What the frame that was added last is in names. */
+static mrt_result add_said(recording *self, const face *f, error *err)
+{
+    if (!self->weights)
+        return MRT_OK;
+    points_to_rows(self->rows, face_shown(f), face_order(f));
+    const face_said *said = face_weights_solve(self->weights, self->rows, face_metered(f)->dof);
+    self->residual_mm = fmax(self->residual_mm, said->residual_mm);
+    return clip_add_arkit(self->clip, said->arkit, err);
 }
 
 /* ---- frames ---- */
@@ -585,7 +570,9 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
     }
     if (result >= 0)
         result = is_exact ? add_anchored(self, now, err) : add_free(self, f, err);
-    return result < 0 ? result : add_named(self, from, now, err);
+    if (result >= 0)
+        result = add_named(self, from, now, err);
+    return result < 0 ? result : add_said(self, f, err);
 }
 
 /* The composer counts since its face was there: what is told last is the whole. */
@@ -661,4 +648,7 @@ void recording_tell_surface(const recording *self, facts *told)
                  "mm at most, where the skin would fold or tear");
     if (self->held_frames)
         facts_number(told, "held_frames", "held back in", self->held_frames, 0, "frames");
+    if (self->weights)
+        facts_number(told, "arkit_residual_mm", "beyond ARKit's shapes", self->residual_mm, 2,
+                     "mm, root mean square over the face, in the worst frame");
 }

@@ -3,12 +3,13 @@
  * frames; nothing here counts as frame time. [main] */
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
-#include "facts.h"
+#include "exports.h"
 #include "io/clip.h"
 #include "stage/perform/performer.h"
 
 typedef enum recording_use {
     RECORDING_KEEPS = 0,
+    RECORDING_SAYS,    /* and what its frames are in ARKit's names */
     RECORDING_MEASURES /* no clip is needed: memory does not grow with what the frames show */
 } recording_use;
 
@@ -30,7 +31,8 @@ typedef struct recording {
     bool has_curves;     /* the face has been asked for them */
     uint32_t bone[RIG_BONES_MAX], bone_count; /* of the rig's, those that turn */
     uint32_t first_shape;                     /* of the curves: those of the head\'s own shapes */
-    uint32_t first_pose;                      /* of the curves: those of poses */
+    struct face_weights *weights;             /* NULL: nothing is said in names */
+    double residual_mm;                       /* of these, in the worst frame */
     double *value;                            /* scratch: one for each curve of the clip */
     float *work_ms;                           /* per frame */
     uint32_t frame_count, frame_capacity;
@@ -46,8 +48,12 @@ typedef struct recording {
     uint32_t inexact_frames; /* anchored, but kept as vertices: the projection was at work */
 } recording;
 
-CHECKED mrt_result recording_create(recording *out, const mesh *m, double fps, recording_use use,
-                                    error *err);
+/* What these files need of one. */
+recording_use recording_use_of(const exports_file *file, uint32_t count);
+
+/* The face's file must outlive it. */
+CHECKED mrt_result recording_create(recording *out, const face_file *of, double fps,
+                                    recording_use use, error *err);
 void recording_destroy(recording *self);
 
 /* Takes the face shown as the next frame, and the hands that perform it: of each side the uppermost

@@ -263,6 +263,7 @@ typedef struct showing {
     rigpicture_view view[RIGPICTURE_VIEWS_MAX];
     uint32_t view_count; /* 0: from the usual sides */
     bool has_poses;      /* --poses: them instead of the rig */
+    const char *only;    /* of these names, commas between; NULL: all */
     video_look look;     /* its size */
 } showing;
 
@@ -285,6 +286,8 @@ static bool read_show_options(showing *s, int argc, char **argv)
             s->out_path = argv[++i];
         } else if (strcmp(argv[i], "--poses") == 0) {
             s->has_poses = true;
+        } else if (strcmp(argv[i], "--only") == 0 && has_value) {
+            s->only = argv[++i];
         } else if (strcmp(argv[i], "--size") == 0 && has_value) {
             if (!video_look_size(&s->look, argv[++i]))
                 return false;
@@ -302,7 +305,7 @@ static bool read_show_options(showing *s, int argc, char **argv)
             return false;
         }
     }
-    return s->path && (s->out_path || s->has_poses);
+    return s->path && (s->out_path || s->has_poses) && (!s->only || s->has_poses);
 }
 
 /* ---- the rig ---- */
@@ -339,9 +342,31 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
 
 /* ---- its poses ---- */
 
-static mrt_result print_poses(rig_poses_stage *stage, rigportraits_frame *frame, error *err)
+/* The poses that are asked for come first, in the order of the names. Returns how many. */
+static mrt_result choose_poses(uint32_t *out_count, const showing *s, rig *r, error *err)
 {
-    for (uint32_t i = 0; i < stage->rig->pose_count; ++i) {
+    *out_count = s->only ? 0 : r->pose_count;
+    for (const char *at = s->only; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        size_t length = strcspn(at, ",");
+        uint32_t found = *out_count;
+        while (found < r->pose_count && (strlen(r->pose[found].name) != length ||
+                                         strncmp(r->pose[found].name, at, length) != 0))
+            found += 1;
+        if (found == r->pose_count)
+            return error_set(err, MRT_ERR_ARGUMENT, "%s: $.poses has no \"%.*s\"", s->path,
+                             (int)length, at);
+        rig_pose kept = r->pose[*out_count];
+        r->pose[*out_count] = r->pose[found];
+        r->pose[found] = kept;
+        *out_count += 1;
+    }
+    return MRT_OK;
+}
+
+static mrt_result print_poses(rig_poses_stage *stage, uint32_t count, rigportraits_frame *frame,
+                              error *err)
+{
+    for (uint32_t i = 0; i < count; ++i) {
         mrt_result result = rig_poses_show(stage, i, err);
         if (result < 0)
             return result;
@@ -357,39 +382,42 @@ static mrt_result print_poses(rig_poses_stage *stage, rigportraits_frame *frame,
     return MRT_OK;
 }
 
-static mrt_result draw_poses(const showing *s, rig_poses_stage *stage,
+static mrt_result draw_poses(const showing *s, rig_poses_stage *stage, uint32_t count,
                              const rigportraits_frame *frame, error *err)
 {
     char title[256], typed[1024];
+    uint32_t drawn = count < RIGPORTRAITS_MAX ? count : RIGPORTRAITS_MAX;
     command_typed(typed, sizeof typed);
-    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, stage->rig->pose_count);
+    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, count);
     const rigportraits_about about = {title, typed, s->look.width, s->look.height};
-    mrt_result result = rigportraits_write(s->out_path, stage, frame, &about, err);
+    mrt_result result = rigportraits_write(s->out_path, stage, drawn, frame, &about, err);
     if (result < 0)
         return result;
-    if (stage->rig->pose_count > RIGPORTRAITS_MAX)
-        terminal_print("wrote %s: the first %d of %u poses\n", s->out_path, RIGPORTRAITS_MAX,
-                       stage->rig->pose_count);
+    if (count > drawn)
+        terminal_print("wrote %s: the first %d of %u poses\n", s->out_path, drawn, count);
     else
-        terminal_print("wrote %s: %u poses\n", s->out_path, stage->rig->pose_count);
+        terminal_print("wrote %s: %u poses\n", s->out_path, count);
     return result;
 }
 
 static mrt_result show_poses(const showing *s, const face_file *f, error *err)
 {
     rig_poses_stage stage;
+    uint32_t count;
     if (f->rig->pose_count == 0)
         return error_set(
             err, MRT_ERR_ARGUMENT,
             "%s: $.poses is empty: no poses to show; write some, as rigs/README.md says", s->path);
-    mrt_result result = rig_poses_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
+    mrt_result result = choose_poses(&count, s, f->rig, err);
+    if (result >= 0)
+        result = rig_poses_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
     if (result < 0)
         return result;
     rigportraits_frame frame =
         rigportraits_frame_empty(s->view_count > 0 ? s->view[0] : rigportraits_usual_view());
-    result = print_poses(&stage, &frame, err);
+    result = print_poses(&stage, count, &frame, err);
     if (result >= 0 && s->out_path)
-        result = draw_poses(s, &stage, &frame, err);
+        result = draw_poses(s, &stage, count, &frame, err);
     rig_poses_stage_finish(&stage);
     return result;
 }
@@ -417,7 +445,7 @@ static int rigshow_run(int argc, char **argv)
         return command_usage(
             &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
                           "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
-                          "poses (then --out may be left away)");
+                          "poses (then --out may be left away; --only NAME,NAME: of these)");
     return show(&s, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }
 
@@ -453,7 +481,8 @@ const command command_rig = {
         "the\n"
         "  jaw. --yaw and --pitch: one view from there instead; yaw goes to the subject's left.\n"
         "\n"
-        "marotte rig show FILE.rig.json --poses [--out PICTURE.png] [--yaw DEGREES] [--pitch "
+        "marotte rig show FILE.rig.json --poses [--only NAME,NAME...] [--out PICTURE.png] [--yaw "
+        "DEGREES] [--pitch "
         "DEGREES]\n"
         "                [--size WxH]\n"
         "  The rig's poses, a line each: the least determinant (above 0: no fold), how deep skin\n"

@@ -468,9 +468,14 @@ rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t 
     uint32_t usual = count < RIGPORTRAITS_COLUMNS ? count : RIGPORTRAITS_COLUMNS;
     if (width == 0) {
         uint32_t rows = (count + usual - 1) / usual;
-        g.width = usual * RIGPORTRAITS_WIDTH;
+        if (count > RIGPORTRAITS_FEW) {
+            rows = (count + RIGPORTRAITS_COLUMNS_OF_MANY - 1) / RIGPORTRAITS_COLUMNS_OF_MANY;
+            usual = RIGPORTRAITS_COLUMNS_OF_MANY;
+        }
+        uint32_t part = count > RIGPORTRAITS_FEW ? 2 : 1;
+        g.width = usual * RIGPORTRAITS_WIDTH / part;
         g.header = RIGPORTRAITS_HEADER;
-        g.height = g.header + rows * (RIGPORTRAITS_HEIGHT + RIGPORTRAITS_CAPTION);
+        g.height = g.header + rows * (RIGPORTRAITS_HEIGHT + RIGPORTRAITS_CAPTION) / part;
         return lay_out_columns(g, count, usual);
     }
     float header = fminf(RIGPORTRAITS_HEADER * (float)width / (4.0f * RIGPORTRAITS_WIDTH),
@@ -520,13 +525,10 @@ static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rig_po
     return MRT_OK;
 }
 
-mrt_result rigportraits_write(const char *path, rig_poses_stage *stage,
+mrt_result rigportraits_write(const char *path, rig_poses_stage *stage, uint32_t count,
                               const rigportraits_frame *frame, const rigportraits_about *about,
                               error *err)
 {
-    uint32_t count = stage->rig->pose_count;
-    if (count > RIGPORTRAITS_MAX)
-        count = RIGPORTRAITS_MAX;
     const rigportraits_grid g = rigportraits_lay_out(count, about->width, about->height);
     draw_camera camera = rigportraits_frame_camera(frame);
     offscreen e;

@@ -42,9 +42,12 @@ rigpicture_colour rigpicture_bone_colour(const rig *r, uint32_t bone);
 
 /* ---- portraits of its poses ---- */
 
-enum { /* at most so many, usually so many side by side; pixels */
-       RIGPORTRAITS_MAX = 32,
+enum { /* at most so many, usually so many side by side, of more than a few at half the size; pixels
+        */
+       RIGPORTRAITS_MAX = 128,
        RIGPORTRAITS_COLUMNS = 4,
+       RIGPORTRAITS_FEW = 24,
+       RIGPORTRAITS_COLUMNS_OF_MANY = 9,
        RIGPORTRAITS_WIDTH = 400,
        RIGPORTRAITS_HEIGHT = 480,
        RIGPORTRAITS_CAPTION = 44,
@@ -78,8 +81,9 @@ typedef struct rigportraits_grid {
 } rigportraits_grid;
 rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t height);
 
-/* Writes the first RIGPORTRAITS_MAX poses of the stage's rig as a PNG; frame: of all of them. */
-CHECKED mrt_result rigportraits_write(const char *path, rig_poses_stage *stage,
+/* Writes the first `count` poses (RIGPORTRAITS_MAX at most) of the stage's rig as a PNG; frame: of
+ * all of them. */
+CHECKED mrt_result rigportraits_write(const char *path, rig_poses_stage *stage, uint32_t count,
                                       const rigportraits_frame *frame,
                                       const rigportraits_about *about, error *err);
 

@@ -212,11 +212,8 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
                                  .height = look->is_sized ? look->height : 0};
     mrt_result result = read_settings(call, &settings, err);
     if (result >= 0)
-        result = recording_create(&into.measured, &stage->face.mesh, timecode_fps(frames->rate),
-                                  exports_need_clip(call->exports, call->export_count)
-                                      ? RECORDING_KEEPS
-                                      : RECORDING_MEASURES,
-                                  err);
+        result = recording_create(&into.measured, &stage->face, timecode_fps(frames->rate),
+                                  recording_use_of(call->exports, call->export_count), err);
     if (result >= 0)
         result = play_frames(call, stage, frames, &into, err);
     if (result >= 0)

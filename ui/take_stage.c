@@ -9,6 +9,7 @@
 #include "take/own.h"
 #include "take/pack.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,6 +39,39 @@ static mrt_result hash_rig(char out[TAKE_HASH], const char *path, error *err)
     return MRT_OK;
 }
 
+static json_t *pose_named(json_t *poses, const char *name)
+{
+    for (size_t i = 0; name && i < json_array_size(poses); ++i) {
+        json_t *one = json_array_get(poses, i);
+        const char *is = json_string_value(json_object_get(one, "name"));
+        if (is && strcmp(is, name) == 0)
+            return one;
+    }
+    return NULL;
+}
+
+/* A rig that has more poses than then performs what it did. */
+static bool has_only_more_poses(const char *then, const char *path)
+{
+    json_error_t ignored;
+    json_t *was = json_loads(then, 0, &ignored), *is = json_load_file(path, 0, &ignored);
+    json_t *old = json_incref(json_object_get(was, "poses"));
+    json_t *now = json_incref(json_object_get(is, "poses"));
+    (void)json_object_del(was, "poses");
+    (void)json_object_del(is, "poses");
+    bool is_same = was && is && json_equal(was, is);
+    for (size_t i = 0; is_same && i < json_array_size(old); ++i) {
+        json_t *pose = json_array_get(old, i);
+        const char *name = json_string_value(json_object_get(pose, "name"));
+        is_same = json_equal(pose, pose_named(now, name));
+    }
+    json_decref(old);
+    json_decref(now);
+    json_decref(was);
+    json_decref(is);
+    return is_same;
+}
+
 /* What of the performance's hashes does not fit the file. */
 static mrt_result compare(const char *path, const take_performance *p, const rig *r,
                           error *out_change, error *err)
@@ -48,7 +82,8 @@ static mrt_result compare(const char *path, const take_performance *p, const rig
     out_change->text[0] = '\0';
     if (r)
         result = hash_rig(now, path, err);
-    if (result >= 0 && strcmp(now, p->rig_hash) != 0)
+    if (result >= 0 && strcmp(now, p->rig_hash) != 0 &&
+        !(p->rig_json && has_only_more_poses(p->rig_json, path)))
         (void)error_set(out_change, MRT_OK, "%s", path);
     if (result >= 0)
         result = hash_file(now, mesh_path, err);

@@ -39,7 +39,7 @@ typedef enum face_name_source {
     FACE_NAME_NONE = 0, /* nothing says it: always 0 */
     FACE_NAME_SHAPE,    /* the mesh's own */
     FACE_NAME_POSE,     /* of the rig */
-    FACE_NAME_BONES     /* of the eyes */
+    FACE_NAME_BONES     /* of the head and the eyes */
 } face_name_source;
 
 typedef struct face_weights face_weights;
@@ -58,6 +58,7 @@ const face_said *face_weights_solve(face_weights *self, const float *position, c
 /* Forgets the call before. */
 void face_weights_reset(face_weights *self);
 
-face_name_source face_weights_source(const face_weights *self, uint32_t arkit);
+/* Of an ARKit channel; turns are of bones. */
+face_name_source face_weights_source(const face_weights *self, uint32_t channel);
 
 #endif

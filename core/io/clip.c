@@ -16,8 +16,8 @@ typedef struct clip_frame {
     uint32_t control_count;
     int32_t pull_segment;             /* -1: nothing is pulled */
     size_t first_value, first_pulled; /* index into clip.number */
-    size_t first_pose;
-    bool has_values, has_pose;
+    size_t first_pose, first_arkit;
+    bool has_values, has_pose, has_arkit;
     size_t first_joint[2]; /* of its hands, left and right, index into clip.number */
     bool has_hand[2];
     uint64_t free_index; /* of a free frame, in the temporary file */
@@ -27,6 +27,7 @@ struct clip {
     const mesh *mesh;
     double fps;
     clip_start start;
+    clip_arkit arkit;
     char *directory; /* "": the system's */
     clip_segment *segment;
     uint32_t segment_count, segment_capacity;
@@ -432,6 +433,31 @@ mrt_result clip_add_pose(clip *c, const double *pose, error *err)
     return MRT_OK;
 }
 
+void clip_set_arkit(clip *c, const bool is_said[ARKIT_CHANNELS])
+{
+    assert(c->frame_count == 0);
+    c->arkit = (clip_arkit){.shape_count = 0};
+    for (uint32_t i = 0; i < ARKIT_CHANNELS; ++i) {
+        c->arkit.is_said[i] = is_said[i];
+        c->arkit.shape_count += is_said[i] && i < ARKIT_SHAPES;
+        c->arkit.turn_count += is_said[i] && i >= ARKIT_SHAPES;
+    }
+}
+
+mrt_result clip_add_arkit(clip *c, const double value[ARKIT_CHANNELS], error *err)
+{
+    assert(c->frame_count > 0);
+    clip_frame *frame = &c->frame[c->frame_count - 1];
+    mrt_result result = check_numbers(c, value, ARKIT_CHANNELS, 1, "ARKit's channel", err);
+    if (result == MRT_OK)
+        result = reserve_numbers(c, ARKIT_CHANNELS, err);
+    if (result < 0)
+        return result;
+    frame->first_arkit = push_numbers(c, value, ARKIT_CHANNELS);
+    frame->has_arkit = true;
+    return MRT_OK;
+}
+
 mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
 {
     if (c->segment_count == 0)
@@ -636,6 +662,17 @@ const clip_bone *clip_bone_at(const clip *c, uint32_t bone)
 {
     assert(bone < c->bone_count);
     return &c->bone[bone];
+}
+
+const clip_arkit *clip_arkit_of(const clip *c)
+{
+    return &c->arkit;
+}
+
+const double *clip_arkit_values(const clip *c, uint32_t frame)
+{
+    assert(frame < c->frame_count);
+    return c->frame[frame].has_arkit ? c->number + c->frame[frame].first_arkit : NULL;
 }
 
 const double *clip_pose(const clip *c, uint32_t frame)

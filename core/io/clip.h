@@ -7,6 +7,7 @@
  * are in the mesh's (file) order, mm. What is not finite is refused. One thread at a time. */
 #ifndef MAROTTE_IO_CLIP_H
 #define MAROTTE_IO_CLIP_H
+#include "mesh/arkit.h"
 #include "mesh/mesh.h"
 
 typedef struct clip_segment { /* an anchored engagement */
@@ -83,6 +84,15 @@ CHECKED mrt_result clip_add_named(clip *c, const double *value, const double *pu
  * where its centre is, mm. */
 CHECKED mrt_result clip_add_pose(clip *c, const double *pose, error *err);
 
+/* What the frames say in ARKit's names (mesh/arkit.h): before the first frame, which of the
+ * channels anything says; of the frame that was added last, all of them: shapes 0..1, turns rad. */
+typedef struct clip_arkit {
+    bool is_said[ARKIT_CHANNELS];
+    uint32_t shape_count, turn_count; /* that are */
+} clip_arkit;
+void clip_set_arkit(clip *c, const bool is_said[ARKIT_CHANNELS]);
+CHECKED mrt_result clip_add_arkit(clip *c, const double value[ARKIT_CHANNELS], error *err);
+
 const mesh *clip_mesh(const clip *c);
 double clip_fps(const clip *c);
 void clip_set_start(clip *c, const clip_start *start);
@@ -111,6 +121,9 @@ uint32_t clip_bone_count(const clip *c);
 const clip_bone *clip_bone_at(const clip *c, uint32_t bone);
 /* 7 for each bone, NULL: the frame has none; until the clip changes. */
 const double *clip_pose(const clip *c, uint32_t frame);
+const clip_arkit *clip_arkit_of(const clip *c);
+/* ARKIT_CHANNELS values, NULL: the frame has none; until the clip changes. */
+const double *clip_arkit_values(const clip *c, uint32_t frame);
 /* How much of at_max (> 0) or at_min (< 0) a value shows: -1..1. */
 double clip_curve_part(const clip_curve *curve, double value);
 /* The pulls of a frame (pull_count of the segment, by 3), NULL without any; until the clip changes.

@@ -12,6 +12,7 @@
 enum { ROWS_MAX = 3 * FACE_WEIGHTS_POINTS + MRT_MAX_DOFS, TERMS = 8 };
 static const double ridge_part = 1e-4; /* of what a shape is by itself */
 static const double ridge_mm = 0.01;   /* root mean square over the points */
+static const double few_part = 0.005;  /* likewise: so much of a weight is the price of using it */
 static const double dof_points = 20.0; /* a degree of freedom counts as so many points */
 static const double look_rad = 0.5236; /* of an eye that looks all the way, where no pose says */
 static const double least_mm = 0.02;   /* of a shape that does something */
@@ -84,7 +85,7 @@ typedef struct shape_set {
     uint32_t count;
     double *column; /* row_count by count */
     double *h;      /* count by count, with the ridge */
-    double *b, *low, *high, *weight, *scratch;
+    double *few, *b, *low, *high, *weight, *scratch;
     bool *is_there;
 } shape_set;
 
@@ -107,7 +108,7 @@ struct face_weights {
     double dof_scale[MRT_MAX_DOFS];                /* of each of these rows */
     double y[ROWS_MAX];
     rigid pose[RIG_BONES_MAX]; /* of the frame */
-    face_name_source source[ARKIT_SHAPES];
+    face_name_source source[ARKIT_CHANNELS];
     shape_set arkit, expressions, visemes;
     uint32_t jaw_open, mouth_close;
     uint32_t head; /* bone; RIG_NONE */
@@ -352,11 +353,12 @@ static bool set_create(shape_set *out, uint32_t count, uint32_t rows)
     out->count = count;
     out->column = calloc((size_t)rows * count + 1, sizeof *out->column);
     out->h = calloc((size_t)count * count, sizeof *out->h);
-    out->b = calloc((size_t)4 * count, sizeof *out->b);
+    out->few = calloc((size_t)5 * count, sizeof *out->few);
     out->scratch = calloc(SHAPE_SOLVE_SCRATCH(count), sizeof *out->scratch);
     out->is_there = calloc(count, sizeof *out->is_there);
-    if (!out->column || !out->h || !out->b || !out->scratch || !out->is_there)
+    if (!out->column || !out->h || !out->few || !out->scratch || !out->is_there)
         return false;
+    out->b = out->few + count;
     out->low = out->b + count;
     out->high = out->low + count;
     out->weight = out->high + count;
@@ -367,7 +369,7 @@ static void set_destroy(shape_set *s)
 {
     free(s->column);
     free(s->h);
-    free(s->b);
+    free(s->few);
     free(s->scratch);
     free(s->is_there);
 }
@@ -403,7 +405,7 @@ static void fill_sum(shape_set *to, uint32_t at, const face_weights *self, const
     }
 }
 
-static void set_finish(shape_set *s, const face_weights *self)
+static void set_finish(shape_set *s, const face_weights *self, double price)
 {
     uint32_t n = s->count;
     for (size_t r = 0; r < self->row_count; ++r)
@@ -413,6 +415,7 @@ static void set_finish(shape_set *s, const face_weights *self)
     for (uint32_t i = 0; i < n; ++i) {
         double *own = &s->h[(size_t)i * n + i];
         s->is_there[i] = *own > least_mm * least_mm * self->point_count;
+        s->few[i] = price * *own;
         *own += ridge_part * *own + 3.0 * self->point_count * ridge_mm * ridge_mm;
         s->high[i] = s->is_there[i] ? 1.0 : 0.0;
     }
@@ -435,9 +438,9 @@ static mrt_result fill_sets(making *k, error *err)
             fill_column(&self->visemes, i, self, &k->of[VISEME_MEANING + i]);
         else
             fill_sum(&self->visemes, i, self, viseme_sum[i]);
-    set_finish(&self->arkit, self);
-    set_finish(&self->expressions, self);
-    set_finish(&self->visemes, self);
+    set_finish(&self->arkit, self, few_part);
+    set_finish(&self->expressions, self, 0.0);
+    set_finish(&self->visemes, self, 0.0);
     return MRT_OK;
 }
 
@@ -471,6 +474,16 @@ static void find_eyes(making *k)
             e->look[way] = arkit_find(looks[side][way]);
         e->blink = arkit_find(side == 0 ? "eyeBlinkLeft" : "eyeBlinkRight");
     }
+}
+
+/* Yaw, pitch and, of the head, roll. */
+static void find_turns(face_weights *self)
+{
+    const uint32_t bone[3] = {self->head, self->eye[0].bone, self->eye[1].bone};
+    for (uint32_t i = 0; i < 3; ++i)
+        for (uint32_t turn = 0; turn < (i == 0 ? 3u : 2u); ++turn)
+            if (bone[i] != RIG_NONE && self->bones.moves[bone[i]])
+                self->source[ARKIT_SHAPES + 3 * i + turn] = FACE_NAME_BONES;
 }
 
 /* How far an eye goes that looks all the way. */
@@ -524,6 +537,7 @@ static mrt_result make(making *k, error *err)
     if (result < 0)
         return result;
     find_eyes(k);
+    find_turns(k->self);
     add_targets(k);
     add_own_shapes(k);
     result = add_poses(k, face_bones(k->f)->rig, err);
@@ -575,9 +589,9 @@ void face_weights_destroy(face_weights *self)
     free(self);
 }
 
-face_name_source face_weights_source(const face_weights *self, uint32_t arkit)
+face_name_source face_weights_source(const face_weights *self, uint32_t channel)
 {
-    return arkit < ARKIT_SHAPES ? self->source[arkit] : FACE_NAME_NONE;
+    return channel < ARKIT_CHANNELS ? self->source[channel] : FACE_NAME_NONE;
 }
 
 /* ---- a frame ---- */
@@ -642,7 +656,7 @@ static void read_head(face_weights *self)
 static void solve_set(shape_set *s, const face_weights *self)
 {
     for (uint32_t i = 0; i < s->count; ++i)
-        s->b[i] = 0.0;
+        s->b[i] = -s->few[i];
     for (size_t r = 0; r < self->row_count; ++r) {
         const double *row = s->column + r * s->count, y = self->y[r];
         for (uint32_t i = 0; i < s->count; ++i)

@@ -78,14 +78,12 @@ void add_bone(vrma &to, const char *called, const char *human, size_t node)
 }
 
 /* Weights are the x of a node of their own. */
-void add_expression(vrma &to, ordered_json &among, const std::string &name, const arkit_map &map,
-                    uint32_t channel)
+void add_expression(vrma &to, ordered_json &among, const std::string &name, uint32_t channel)
 {
     std::vector<float> value;
-    double of[ARKIT_CHANNELS];
     for (uint32_t frame = 0; frame < clip_frame_count(to.source); ++frame) {
-        arkit_values(of, &map, to.source, frame);
-        value.insert(value.end(), {static_cast<float>(of[channel]), 0.0f, 0.0f});
+        const double *of = clip_arkit_values(to.source, frame);
+        value.insert(value.end(), {of ? static_cast<float>(of[channel]) : 0.0f, 0.0f, 0.0f});
     }
     size_t node = add_node(to, name, 0.0, SIZE_MAX);
     among[name] = {{"node", node}};
@@ -98,15 +96,13 @@ void add_expressions(vrma &to)
         const char *arkit, *preset;
     } presets[] = {
         {"JawOpen", "aa"}, {"EyeBlinkLeft", "blinkLeft"}, {"EyeBlinkRight", "blinkRight"}};
-    arkit_map map;
-    arkit_map_find(&map, to.source);
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i) {
-        if (map.of[i].curve == UINT32_MAX)
+        if (!clip_arkit_of(to.source)->is_said[i])
             continue;
         for (const auto &preset : presets)
             if (std::strcmp(arkit_name[i], preset.arkit) == 0)
-                add_expression(to, to.presets, preset.preset, map, i);
-        add_expression(to, to.customs, arkit_name[i], map, i);
+                add_expression(to, to.presets, preset.preset, i);
+        add_expression(to, to.customs, arkit_name[i], i);
     }
 }
 

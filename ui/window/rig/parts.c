@@ -342,6 +342,14 @@ static void draw_chosen(rig_panel *self, ui *on, const rig *r)
 /* a section of the parts */
 static void rig_panel_draw_poses(rig_panel *self, ui *on)
 {
+    const char *why = why_not(self);
+    ui_disabled_begin(on, why != NULL);
+    if (ui_button(on, "Add the shape on the stage", UI_PLAIN))
+        add_pose(self);
+    ui_disabled_end(on);
+    ui_hint(on, why ? why : "Bones as they are turned, contacts where they are, become a pose.");
+    if (self->parting.pose != RIG_NONE)
+        draw_chosen(self, on, rig_model_rig(self->model));
     const rig *r = rig_model_rig(self->model);
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         char label[UNDO_WORDS];
@@ -351,14 +359,6 @@ static void rig_panel_draw_poses(rig_panel *self, ui *on)
     }
     if (r->pose_count == 0)
         ui_text_wrapped(on, UI_STYLE_DIM, "None yet.");
-    if (self->parting.pose != RIG_NONE)
-        draw_chosen(self, on, rig_model_rig(self->model));
-    const char *why = why_not(self);
-    ui_disabled_begin(on, why != NULL);
-    if (ui_button(on, "Add the shape on the stage", UI_PLAIN))
-        add_pose(self);
-    ui_disabled_end(on);
-    ui_hint(on, why ? why : "Bones as they are turned, contacts where they are, become a pose.");
 }
 
 /* ---- bones, ellipsoids, poses: the tab ---- */
