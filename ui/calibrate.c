@@ -1,4 +1,5 @@
-/* `marotte calibrate`: a glove, the guide (hand/guide.h), and a person at a terminal or a script.
+/* `marotte calibrate`: a glove or a bare hand, the guide (hand/guide.h), and a person at a terminal
+ * or a script.
  */
 #include "command.h"
 #include "facts.h"
@@ -29,6 +30,7 @@ typedef struct calibrate_screen {
     int line_count; /* of the block that stands on the terminal; 0: none */
     uint32_t sensors;
     float raw_min, raw_max; /* of the bars */
+    float shown;            /* what a raw value is multiplied with: rad are shown in degrees */
     char news[512];
     bool is_away;
 } calibrate_screen;
@@ -45,13 +47,16 @@ typedef struct calibrate_guide_options {
 enum { BAR_WIDTH = 18, COLUMNS = 2, WIDTH = 78 };
 
 static void calibrate_screen_begin(calibrate_screen *self, FILE *stream, bool has_keys,
-                                   uint32_t sensors)
+                                   const glove_channels *glove)
 {
+    const bool is_bare = glove->input[0] != '\0';
     *self = (calibrate_screen){.stream = stream,
                                .is_terminal = isatty(fileno(stream)) == 1,
                                .has_keys = has_keys,
-                               .sensors = sensors,
-                               .raw_max = 255.0f};
+                               .sensors = glove->sensors,
+                               .raw_min = is_bare ? glove->low : 0.0f,
+                               .raw_max = is_bare ? glove->high : 255.0f,
+                               .shown = is_bare ? 57.29578f : 1.0f};
 }
 
 /* The step that begins now. */
@@ -60,8 +65,9 @@ static void calibrate_screen_step(calibrate_screen *self, const guide *of)
     guide_step step = guide_current(of);
     if (self->is_terminal || step == GUIDE_STEPS)
         return;
-    fprintf(self->stream, "step %d of %d, %s: %s\n", (int)step + 1, GUIDE_STEPS,
-            guide_step_name[step], guide_step_words[step]);
+    int count, number = guide_number(of, &count);
+    fprintf(self->stream, "step %d of %d, %s: %s\n", number, count, guide_step_name[step],
+            guide_words(of));
     fflush(self->stream);
 }
 
@@ -117,7 +123,8 @@ static void draw_bar(calibrate_screen *self, int sensor, float raw, float low, f
     for (int i = 0; i < BAR_WIDTH; ++i)
         bar[i] = i == now ? '#' : i >= first && i <= last ? '-' : '.';
     bar[BAR_WIDTH] = '\0';
-    fprintf(self->stream, "%-11s [%s] %4.0f", sensor_table[sensor].name, bar, (double)raw);
+    fprintf(self->stream, "%-11s [%s] %4.0f", sensor_table[sensor].name, bar,
+            (double)(raw * self->shown));
 }
 
 static void draw_bars(calibrate_screen *self, const guide *of, const float *raw)
@@ -148,11 +155,11 @@ static void calibrate_screen_draw(calibrate_screen *self, const guide *of, const
         fprintf(self->stream, "\033[%dA\r", self->line_count);
     self->line_count = 0;
     guide_step step = guide_current(of);
-    const char *words = step < GUIDE_STEPS ? guide_step_words[step] : "";
+    const char *words = guide_words(of);
     const char *waits =
-        self->is_away ? "the glove is away: waiting for it" : guide_wait_words[guide_waiting(of)];
-    int number = (int)step + (step < GUIDE_STEPS);
-    fprintf(self->stream, "step %d of %d: %s (%s)", number, GUIDE_STEPS,
+        self->is_away ? "the hand is away: waiting for it" : guide_wait_words[guide_waiting(of)];
+    int count, number = guide_number(of, &count);
+    fprintf(self->stream, "step %d of %d: %s (%s)", number, count,
             step < GUIDE_STEPS ? guide_step_name[step] : "done", waits);
     end_line(self);
     draw_words(self, words);
@@ -187,6 +194,7 @@ typedef struct guiding {
     glove_channels glove;
     guide *guide;
     calibrate_screen screen;
+    double still_s;
     bool is_saved, is_quit;
     float raw[MRT_ANGLES];
     int64_t heard_ns, drawn_ns; /* host clock: of the last sample, of the last drawing */
@@ -307,7 +315,7 @@ static mrt_result follow_keys(guiding *self, error *err)
         if (key == '\n' && step == GUIDE_STEPS) {
             self->is_saved = true;
         } else if (key == '\n' && self->screen.is_away) {
-            calibrate_screen_news(&self->screen, "not taken: the glove is away");
+            calibrate_screen_news(&self->screen, "not taken: the hand is away");
         } else if (key == '\n') {
             result = follow_news(self, guide_next(self->guide), step, err);
         } else if (key == 's') {
@@ -338,10 +346,10 @@ static void follow_incidents(guiding *self)
     while (input_take_incident(self->input, &incident)) {
         self->screen.is_away = incident.kind == INPUT_WENT;
         if (incident.kind == INPUT_WENT)
-            calibrate_screen_news(&self->screen, "the glove is away: waiting for it%s%s",
+            calibrate_screen_news(&self->screen, "the hand is away: waiting for it%s%s",
                                   incident.text[0] ? ": " : "", incident.text);
         else
-            calibrate_screen_news(&self->screen, "the glove is back");
+            calibrate_screen_news(&self->screen, "the hand is back");
     }
 }
 
@@ -367,13 +375,14 @@ static mrt_result say_over(const guiding *self, error *err)
 {
     guide_step step = guide_current(self->guide);
     const char *name = input_name(self->input);
+    int count, number = guide_number(self->guide, &count);
     if (input_state_of(self->input) == INPUT_FAILED)
-        return error_set(err, MRT_ERR_IO, "%s: the input failed in step %d of %d, %s", name,
-                         (int)step + 1, GUIDE_STEPS, guide_step_name[step]);
+        return error_set(err, MRT_ERR_IO, "%s: the input failed in step %d of %d, %s", name, number,
+                         count, guide_step_name[step]);
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: is over in step %d of %d, %s: that pose does not come, or is not held "
-                     "still for 0.7 s",
-                     name, (int)step + 1, GUIDE_STEPS, guide_step_name[step]);
+                     "still for %.1f s",
+                     name, number, count, guide_step_name[step], self->still_s);
 }
 
 /* Done: by itself in a script, by Enter where a person may want to repeat. */
@@ -427,42 +436,47 @@ static mrt_result guide_person(guiding *self, error *err)
 
 static mrt_result prepare(guiding *self, error *err)
 {
+    cancel_on_signals(CANCEL_WAITS, NULL);
     self->log = log_queue_create();
     if (!self->log)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
     mrt_result result = open_glove(self, err);
     if (result < 0)
         return result;
-    guide_settings settings = guide_settings_usual(self->glove.side, self->glove.sensors);
+    const glove_channels *glove = &self->glove;
+    guide_settings settings = glove->input[0]
+                                  ? guide_settings_bare(glove->side, glove->sensors, glove->input)
+                                  : guide_settings_usual(glove->side, glove->sensors);
+    self->still_s = settings.still_s;
     settings.timeout_s = self->options->timeout_s;
     self->guide = guide_create(&settings);
     if (!self->guide)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
     FILE *screen = self->options->screen;
-    calibrate_screen_begin(&self->screen, screen, keys_begin(), self->glove.sensors);
+    calibrate_screen_begin(&self->screen, screen, keys_begin(), glove);
     return MRT_OK;
 }
 
 /* Guides through every pose. `out` lacks name, date and hand length. */
-static mrt_result calibrate_guide_run(calibration_file *out, guide_judgement *out_judgement,
-                                      const calibrate_guide_options *options, error *err)
+static mrt_result calibrate_guide_run(guiding *self, calibration_file *out,
+                                      guide_judgement *out_judgement, error *err)
 {
-    guiding self = {.options = options};
-    cancel_on_signals(CANCEL_WAITS, NULL);
-    mrt_result result = prepare(&self, err);
+    mrt_result result = guide_person(self, err);
     if (result >= 0)
-        result = guide_person(&self, err);
+        result = guide_result(self->guide, out, err);
     if (result >= 0)
-        result = guide_result(self.guide, out, err);
-    if (result >= 0)
-        guide_judge(out_judgement, self.guide, out);
-    keys_end();
-    guide_destroy(self.guide);
-    input_destroy(self.input);
-    plugin_list_destroy(&self.plugins);
-    print_log(&self);
-    log_queue_destroy(self.log);
+        guide_judge(out_judgement, self->guide, out);
     return result;
+}
+
+static void finish(guiding *self)
+{
+    keys_end();
+    guide_destroy(self->guide);
+    input_destroy(self->input);
+    plugin_list_destroy(&self->plugins);
+    print_log(self);
+    log_queue_destroy(self->log);
 }
 
 /* ---- the command ---- */
@@ -631,8 +645,11 @@ static void report_sensor(const calibration_file *file, int index, facts *told)
     (void)snprintf(text, sizeof text, "%-11s %-8s", sensor_table[index].name,
                    calibration_source_name[sensor->source]);
     if (sensor->has_range) {
-        (void)snprintf(part, sizeof part, " %3.0f..%3.0f counts %4.0f..%3.0f deg",
-                       (double)sensor->raw_range[0], (double)sensor->raw_range[1],
+        const bool is_bare = file->input[0] != '\0';
+        const double shown = is_bare ? DEGREES_PER_RADIAN : 1.0;
+        (void)snprintf(part, sizeof part, " %3.0f..%3.0f %s %4.0f..%3.0f deg",
+                       shown * (double)sensor->raw_range[0], shown * (double)sensor->raw_range[1],
+                       is_bare ? "deg seen," : "counts",
                        (double)sensor->rad_range[0] * DEGREES_PER_RADIAN,
                        (double)sensor->rad_range[1] * DEGREES_PER_RADIAN);
         append(text, sizeof text, part);
@@ -674,6 +691,8 @@ static void report(const calibration_file *file, const guide_judgement *judgemen
     facts_text(told, "name", "name", file->name);
     facts_text(told, "date", "date", file->date);
     facts_text(told, "hand", "hand", side_name[file->side]);
+    if (file->input[0])
+        facts_text(told, "input", "seen by", file->input);
     if (file->hand_length_mm > 0)
         facts_number(told, "hand_length_mm", "hand length", file->hand_length_mm, 1, "mm");
     facts_number(told, "sensor_count", "sensors", calibration_file_sensor_count(file), 0, "");
@@ -682,7 +701,7 @@ static void report(const calibration_file *file, const guide_judgement *judgemen
     facts_number(told, "sensors_imported", "  imported", sensors_of(file, CALIBRATION_IMPORTED), 0,
                  "");
     facts_number(told, "sensors_zeroed", "  zero measured", sensors_of(file, CALIBRATION_ZEROED), 0,
-                 "with the shipped gain");
+                 file->input[0] ? "else as seen" : "with the shipped gain");
     facts_number(told, "sensors_shipped", "  shipped", sensors_of(file, CALIBRATION_SHIPPED), 0,
                  "");
     int worst = worst_sensor(file);
@@ -715,31 +734,20 @@ static mrt_result import(calibration_file *out, guide_judgement *out_judgement,
     return result;
 }
 
-static mrt_result make(calibration_file *out, guide_judgement *out_judgement,
-                       const calibrate_options *options, error *err)
-{
-    if (options->virtualhand)
-        return import(out, out_judgement, options, err);
-    bool is_script = isatty(STDIN_FILENO) != 1;
-    calibrate_guide_options guided = {.input = &options->input,
-                                      .side = options->side,
-                                      .timeout_s = options->timeout_s,
-                                      .screen = options->is_json ? stderr : stdout};
-    if (!(guided.timeout_s > 0) && is_script)
-        guided.timeout_s = SCRIPT_TIMEOUT_S;
-    return calibrate_guide_run(out, out_judgement, &guided, err);
-}
-
 /* old: what was at `path`; made: a scratch. */
-static mrt_result make_and_write(const calibrate_options *options, const char *path,
-                                 calibration_file *old, calibration_file *made, facts *told,
-                                 error *err)
+static mrt_result make_and_write(const calibrate_options *options, guiding *guided,
+                                 const char *path, calibration_file *old, calibration_file *made,
+                                 facts *told, error *err)
 {
     guide_judgement judgement;
     mrt_result result = calibration_keep_old(old, path, err);
     if (result < 0)
         return result;
-    result = make(made, &judgement, options, err);
+    result = options->virtualhand ? import(made, &judgement, options, err)
+                                  : calibrate_guide_run(guided, made, &judgement, err);
+    if (result >= 0) {
+        result = calibration_keep_fits(made, old, path, err);
+    }
     if (result >= 0) {
         calibration_keep_sign(made, old, options->name, options->hand_length_mm);
         print_note(old->note);
@@ -757,15 +765,26 @@ static mrt_result make_and_write(const calibrate_options *options, const char *p
 static mrt_result calibrate(const calibrate_options *options, facts *told, error *err)
 {
     char *placed = NULL;
+    bool is_script = isatty(STDIN_FILENO) != 1;
+    calibrate_guide_options how = {.input = &options->input,
+                                   .side = options->side,
+                                   .timeout_s = options->timeout_s,
+                                   .screen = options->is_json ? stderr : stdout};
+    if (!(how.timeout_s > 0) && is_script)
+        how.timeout_s = SCRIPT_TIMEOUT_S;
+    guiding guided = {.options = &how};
     mrt_result result = MRT_OK;
-    if (!options->out)
-        result = calibration_folder_place(&placed, options->name, err);
+    if (!options->virtualhand)
+        result = prepare(&guided, err);
+    if (result >= 0 && !options->out)
+        result = calibration_folder_place(&placed, options->name, guided.glove.input, err);
     calibration_file *scratch = calloc(2, sizeof *scratch);
     if (result >= 0 && !scratch)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
     if (result >= 0)
-        result = make_and_write(options, options->out ? options->out : placed, &scratch[0],
+        result = make_and_write(options, &guided, options->out ? options->out : placed, &scratch[0],
                                 &scratch[1], told, err);
+    finish(&guided);
     free(scratch);
     free(placed);
     return result;
@@ -811,20 +830,24 @@ static int run(int argc, char **argv)
 
 const command command_calibrate = {
     .name = "calibrate",
-    .summary = "guides through the calibration of a glove, shows or imports one",
+    .summary = "guides through the calibration of a glove or a bare hand, shows or imports one",
     .help =
         "marotte calibrate --input PLUGIN[:ADDRESS][,key=value] [--out FILE.json] [--name NAME]\n"
         "                  [--hand left|right] [--hand-length MM] [--timeout S] [--json]\n"
         "marotte calibrate --from-virtualhand FILE.cal [--out FILE.json] [--name NAME] ...\n"
         "marotte calibrate --show FILE.json [--json]\n"
         "\n"
-        "Ten poses, a minute and a half: each is taken once the hand has moved into it and holds\n"
-        "still. The file is written when all are done; until then what was there stays.\n"
+        "Of a glove ten poses, a minute and a half; of a hand that a camera, a headset or a VMC\n"
+        "sender reads flat, fist and spread, ten seconds. Each is taken once the hand has moved\n"
+        "into it and holds still. The file is written when all are done; until then what was\n"
+        "there stays.\n"
         "\n"
-        "  --input SPEC       the glove, as for marotte perform\n"
-        "  --out FILE         where the calibration goes (the folder below, NAME.json)\n"
+        "  --input SPEC       the glove or the hand, as for marotte perform: cyberglove, camera,\n"
+        "                     openxr, osc:0.0.0.0:39539\n"
+        "  --out FILE         where the calibration goes (the folder below, NAME.json; of a bare\n"
+        "                     hand \"NAME, camera.json\" and so on)\n"
         "  --name NAME        of the person\n"
-        "  --hand SIDE        of a glove that could be either\n"
+        "  --hand SIDE        of a glove or sender that could be either\n"
         "  --hand-length MM   wrist to middle fingertip, for mappings\n"
         "  --timeout S        give up when no pose is taken for so long (at a terminal: never;\n"
         "                     in a script 60)\n"
@@ -835,7 +858,7 @@ const command command_calibrate = {
         "Keys: Enter takes the pose now, r repeats the last one, s skips, q quits. At the end "
         "each\n"
         "sensor is judged: what is wrong is said with the pose that mends it, which r repeats.\n"
-        "marotte perform uses the newest calibration of each hand in\n"
+        "marotte perform uses the newest calibration of each hand and kind of input in\n"
         "$XDG_CONFIG_HOME/marotte/calibrations (~/.config/marotte/calibrations), or "
         "--calibration.\n",
     .run = run,

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "exports.h"
 #include "hand/calibration_folder.h"
+#include "stage/input/glove_channels.h"
 #include "stage/mapping/taught.h"
 #include "stage/take/kept_solver.h"
 #include "take/edit_store.h"
@@ -20,24 +21,27 @@ static const char *const side_name[2] = {"left", "right"};
 
 /* ---- which calibration ---- */
 
-static bool is_in_counts(const input *from, uint32_t side)
+/* Which kind of calibration this hand wants (hand_calibration): "" of a glove that gives counts,
+ * before any bare hand's. False: none. A recording in rad is performed as it was recorded. */
+static bool is_wanted(char out[HAND_INPUT], input *const *inputs, uint32_t input_count,
+                      uint32_t side)
 {
-    uint32_t count;
-    const mrt_channel *channel = input_channels(from, &count);
-    for (uint32_t i = 0; i < count; ++i)
-        if (channel[i].hand == side && channel[i].semantic >= MRT_CH_ANGLE &&
-            channel[i].semantic < MRT_CH_ANGLE + MRT_ANGLES &&
-            strcmp(channel[i].unit, "count") == 0)
+    bool is_bare = false;
+    for (uint32_t i = 0; i < input_count; ++i) {
+        uint32_t count;
+        const mrt_channel *channel = input_channels(inputs[i], &count);
+        const mrt_input *functions = plugin_interface(input_plugin(inputs[i]), MRT_INPUT);
+        const glove_channels_kind kind = glove_channels_of(channel, count, side);
+        if (kind == GLOVE_CHANNELS_COUNT) {
+            out[0] = '\0';
             return true;
-    return false;
-}
-
-static bool needs_calibration(input *const *inputs, uint32_t input_count, uint32_t side)
-{
-    for (uint32_t i = 0; i < input_count; ++i)
-        if (is_in_counts(inputs[i], side))
-            return true;
-    return false;
+        }
+        if (kind != GLOVE_CHANNELS_RAD || is_bare || functions->flags & MRT_INPUT_RECORDED)
+            continue;
+        glove_channels_input(out, input_name(inputs[i]));
+        is_bare = true;
+    }
+    return is_bare;
 }
 
 static void print_lines(const char *text)
@@ -82,12 +86,12 @@ static mrt_result choose_named(perform_hands *self, const char *path, calibratio
     return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
 }
 
-static mrt_result choose_newest(perform_hands *self, uint32_t side, calibration_file *file,
-                                error *err)
+static mrt_result choose_newest(perform_hands *self, uint32_t side, const char *of,
+                                calibration_file *file, error *err)
 {
     char *path;
     error note;
-    mrt_result result = calibration_folder_newest(file, &path, side, &note, err);
+    mrt_result result = calibration_folder_newest(file, &path, side, of, &note, err);
     if (result < 0)
         return result;
     if (note.text[0])
@@ -109,17 +113,24 @@ static mrt_result choose(perform_hands *self, const perform_options *options, in
     for (uint32_t i = 0; !has_none && i < options->calibration_count && result >= 0; ++i)
         result = choose_named(self, options->calibration[i], file, err);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
-        bool is_needed = needs_calibration(inputs, input_count, side);
-        if (self->path[side] && !is_needed)
-            fprintf(stderr, "note: %s: not used: no glove gives counts of a %s hand\n",
-                    self->path[side], side_name[side]);
+        char of[HAND_INPUT];
+        bool is_needed = is_wanted(of, inputs, input_count, side);
+        if (self->path[side] && !(is_needed && strcmp(of, self->use[side].input) == 0))
+            fprintf(stderr, "note: %s: not used: no %s gives a %s hand\n", self->path[side],
+                    self->use[side].input[0] ? self->use[side].input : "glove in counts",
+                    side_name[side]);
         if (is_needed && !self->path[side] && !has_none)
-            result = choose_newest(self, side, file, err);
-        if (result >= 0 && is_needed && !self->path[side])
+            result = choose_newest(self, side, of, file, err);
+        if (result >= 0 && is_needed && !self->path[side] && !of[0])
             fprintf(stderr,
                     "note: %s hand not calibrated: shipped defaults; marotte calibrate --input "
                     "PLUGIN:ADDRESS --name NAME --hand %s\n",
                     side_name[side], side_name[side]);
+        if (result >= 0 && is_needed && !self->path[side] && of[0])
+            fprintf(stderr,
+                    "note: %s hand as %s sees it: ten seconds make it yours, marotte calibrate "
+                    "--input %s --name NAME\n",
+                    side_name[side], of, of);
     }
     return result;
 }

@@ -337,14 +337,16 @@ static mrt_result read_sensors(calibration_file *out, const json_place *root, er
 
 static mrt_result read_root(calibration_file *out, const json_place *root, error *err)
 {
-    static const char *const known[] = {"marotte_calibration", "name",           "date",    "hand",
-                                        "sensor_count",        "hand_length_mm", "sensors", NULL};
+    static const char *const known[] = {
+        "marotte_calibration", "name",           "date",    "hand", "input",
+        "sensor_count",        "hand_length_mm", "sensors", NULL};
     mrt_result result = json_place_object(root, "an object, a calibration", err);
     if (result < 0)
         return result;
     json_place version_at = json_place_member(root, "marotte_calibration");
     json_place name_at = json_place_member(root, "name"), date_at = json_place_member(root, "date");
     json_place hand_at = json_place_member(root, "hand");
+    json_place input_at = json_place_member(root, "input");
     if (!json_is_integer(version_at.value) || json_integer_value(version_at.value) != 1)
         return json_place_unexpected(err, &version_at, "1, the version of the file");
     if (name_at.value)
@@ -353,6 +355,8 @@ static mrt_result read_root(calibration_file *out, const json_place *root, error
         result = json_place_text(out->date, sizeof out->date, &date_at, err);
     if (result >= 0)
         result = json_place_choice(&out->side, &hand_at, side_name, 2, err);
+    if (result >= 0 && input_at.value)
+        result = json_place_text(out->input, sizeof out->input, &input_at, err);
     bool has_length = false;
     if (result >= 0)
         result = read_optional(&out->hand_length_mm, &has_length, root, "hand_length_mm",
@@ -410,14 +414,18 @@ uint32_t calibration_file_sensor_count(const calibration_file *file)
 
 void calibration_file_use(const calibration_file *file, hand_calibration *out)
 {
-    hand_calibration_default(out);
+    if (file->input[0])
+        hand_calibration_identity(out);
+    else
+        hand_calibration_default(out);
+    memcpy(out->input, file->input, sizeof out->input);
     for (int i = 0; i < MRT_ANGLES; ++i) {
         if (file->sensor[i].table.count == 0)
             continue;
         out->sensor[i] = file->sensor[i].table;
         out->neutral_rad[i] = file->sensor[i].neutral_rad;
     }
-    for (int finger = 0; finger < SENSOR_DISTAL_COUNT; ++finger) {
+    for (int finger = 0; finger < SENSOR_DISTAL_COUNT && !file->input[0]; ++finger) {
         int distal = sensor_distal[finger];
         out->has_distal[finger] = file->sensor[distal].table.count > 0;
         if (!out->has_distal[finger])
@@ -510,6 +518,10 @@ static void set_file(json_writer *writer, json_t *root, const calibration_file *
     set(writer, root, "name", json_string(file->name));
     set(writer, root, "date", json_string(file->date));
     set(writer, root, "hand", json_string(file->side == MRT_LEFT ? "left" : "right"));
+    if (file->input[0])
+        set(writer, root, "input", json_string(file->input));
+    else
+        unset(root, "input");
     set(writer, root, "sensor_count",
         json_integer((json_int_t)calibration_file_sensor_count(file)));
     if (file->hand_length_mm > 0)

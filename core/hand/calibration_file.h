@@ -4,6 +4,7 @@
  *
  *   { "marotte_calibration": 1, "name": "anna", "date": "2026-03-01T18:00:00Z", "hand": "right",
  *     "sensor_count": 18, "hand_length_mm": 182,          // wrist to middle fingertip; optional
+ *     "input": "camera",                                  // a bare hand's: raw is rad; optional
  *     "sensors": { "index.mpj": {                         // names as in logs (sensor.h)
  *         "source": "measured",                           // calibration_source
  *         "points": [[62, 0], [148, 1.571]],              // 2..16 of (raw, rad), raw ascending
@@ -12,7 +13,8 @@
  *         "residual_rad": 0.03,                           // optional
  *         "cross_talk": { "middle.mpj": 0.21 } } } }      // rad that those move per rad of this
  *
- * A sensor that the glove lacks has no entry. Keys that this version does not know are kept. */
+ * A sensor that the glove lacks has no entry, nor one of a bare hand that is taken as it is. Keys
+ * that this version does not know are kept. */
 #ifndef MAROTTE_HAND_CALIBRATION_FILE_H
 #define MAROTTE_HAND_CALIBRATION_FILE_H
 #include "hand/hand.h"
@@ -43,6 +45,7 @@ typedef struct calibration_file {
     char name[CALIBRATION_NAME]; /* the person, or "" */
     char date[CALIBRATION_DATE]; /* "2026-03-01T18:00:00Z", or "" */
     uint32_t side;               /* MRT_LEFT, MRT_RIGHT */
+    char input[HAND_INPUT];      /* as in hand_calibration */
     double hand_length_mm;       /* 0: not known */
     calibration_sensor sensor[MRT_ANGLES];
     char note[CALIBRATION_NOTE]; /* lines about what was read but not understood; "" none */
@@ -65,7 +68,7 @@ CHECKED mrt_result calibration_file_write(const calibration_file *file, const ch
 char *calibration_file_text(const calibration_file *file);
 
 uint32_t calibration_file_sensor_count(const calibration_file *file);
-/* For a glove that gives counts; sensors that the file lacks have the shipped defaults. */
+/* Sensors that the file lacks: of a glove the shipped defaults, of a bare hand as it says them. */
 void calibration_file_use(const calibration_file *file, hand_calibration *out);
 
 /* Appends a line; beyond the note's size nothing more. */

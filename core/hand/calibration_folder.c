@@ -46,7 +46,8 @@ static bool is_file_name(const char *name)
     return true;
 }
 
-mrt_result calibration_folder_place(char **out_path, const char *name, error *err)
+mrt_result calibration_folder_place(char **out_path, const char *name, const char *input,
+                                    error *err)
 {
     *out_path = NULL;
     if (!is_file_name(name))
@@ -60,6 +61,9 @@ mrt_result calibration_folder_place(char **out_path, const char *name, error *er
                          "neither XDG_CONFIG_HOME nor HOME says where calibrations are kept");
     mrt_result result = file_make_folders(folder, err);
     char *base = joined(folder, "/", name);
+    *out_path = base ? joined(base, input[0] ? ", " : "", input[0] ? input : "") : NULL;
+    free(base);
+    base = *out_path;
     *out_path = base ? joined(base, ".json", "") : NULL;
     if (result >= 0 && !*out_path)
         result = error_set(err, MRT_ERR_MEMORY, "no memory");
@@ -92,7 +96,8 @@ typedef struct found {
 } found;
 
 /* Takes `path`. */
-static mrt_result consider(found *best, char *path, uint32_t side, error *out_note, error *err)
+static mrt_result consider(found *best, char *path, uint32_t side, const char *input,
+                           error *out_note, error *err)
 {
     calibration_file *file = malloc(sizeof *file);
     if (!file) {
@@ -104,7 +109,7 @@ static mrt_result consider(found *best, char *path, uint32_t side, error *out_no
         if (!out_note->text[0])
             *out_note = why;
         free(path);
-    } else if (file->side == side &&
+    } else if (file->side == side && strcmp(file->input, input) == 0 &&
                (!best->path || is_newer(file, path, best->file, best->path))) {
         if (best->path)
             calibration_file_finish(best->file);
@@ -120,7 +125,7 @@ static mrt_result consider(found *best, char *path, uint32_t side, error *out_no
 }
 
 mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uint32_t side,
-                                     error *out_note, error *err)
+                                     const char *input, error *out_note, error *err)
 {
     *out_path = NULL;
     out_note->text[0] = '\0';
@@ -140,7 +145,7 @@ mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uin
         if (!is_json(entry->d_name))
             continue;
         char *path = joined(folder, "/", entry->d_name);
-        result = path ? consider(&best, path, side, out_note, err)
+        result = path ? consider(&best, path, side, input, out_note, err)
                       : error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
     }
     closedir(directory);
@@ -177,6 +182,7 @@ static void describe(calibration_entry *out, const calibration_file *file, const
     (void)snprintf(out->label, sizeof out->label, "%s%s%.10s", name, file->date[0] ? ", " : "",
                    file->date);
     out->side = file->side;
+    memcpy(out->input, file->input, sizeof out->input);
 }
 
 /* Takes `path`. */
@@ -258,6 +264,20 @@ mrt_result calibration_keep_old(calibration_file *out, const char *path, error *
     if (result < 0)
         error_prefix(err, "not overwritten, since it is no calibration (choose another name)");
     return result;
+}
+
+mrt_result calibration_keep_fits(const calibration_file *made, const calibration_file *old,
+                                 const char *path, error *err)
+{
+    if (calibration_file_sensor_count(old) == 0)
+        return MRT_OK;
+    if (old->side != made->side)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: is a calibration of the other hand: choose another name", path);
+    if (strcmp(old->input, made->input) != 0)
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: is a calibration of %s: choose another name",
+                         path, old->input[0] ? old->input : "a glove");
+    return MRT_OK;
 }
 
 void calibration_keep_sign(calibration_file *made, const calibration_file *old, const char *name,

@@ -21,7 +21,11 @@ typedef struct hand_table {
     float raw[HAND_TABLE_MAX], rad[HAND_TABLE_MAX]; /* raw strictly ascending */
 } hand_table;
 
+enum { HAND_INPUT = 32 };
 typedef struct hand_calibration {
+    /* Whose angles in rad it is made from, "camera": the first word of the input's name (input.h).
+     * "": from the counts of a glove. */
+    char input[HAND_INPUT];
     hand_table sensor[MRT_ANGLES];
     /* false: the distal joint (index..little) is estimated from the middle one. Both functions
      * below say true: who knows that the glove has 18 sensors says otherwise. */

@@ -66,8 +66,7 @@ grep -q 'middle finger, middle joint: reads 98 degrees' "$scratch/nonsense.txt" 
     fail "a residual of 98 degrees is not said"
 
 # What cannot be calibrated.
-refused 1 "gives angles in rad: it is calibrated already" "$MAROTTE" calibrate \
-    --input "log:$demo" --out "$scratch/out/a.json"
+refused 1 "of 3, fingers spread: that pose does not come" "$MAROTTE" calibrate --input "log:$demo" --out "$scratch/out/a.json"
 refused 1 "is of a right hand, not of a left one" "$MAROTTE" calibrate \
     --input "log:$glove" --hand left --out "$scratch/out/a.json"
 refused 1 "none.csv" "$MAROTTE" calibrate --input "log:$scratch/none.csv" \
@@ -106,6 +105,37 @@ refused 1 "other.json: \$.marotte_calibration" "$MAROTTE" perform --face "$moai"
 "$MAROTTE" perform --face "$moai" --input "log:$demo,end=1" --map anchored 2>"$scratch/rad.err" \
     >/dev/null || fail "perform in rad"
 [ -s "$scratch/rad.err" ] && fail "a log in rad speaks of calibrations: $(cat "$scratch/rad.err")"
+
+# A bare hand: flat, fist and spread, as a camera sees them: bent by 8 degrees when straight, and too little.
+awk 'function row(t, bend, spread) {
+    printf "%.3f,%.4f,%.4f,%.4f,%.4f,%.4f\n", t, 0.14 + 0.7 * bend, 0.14 + 0.7 * bend, 0.1 + 0.6 * bend,
+        0.02 + 0.5 * spread, 0.1 + 0.4 * bend }
+BEGIN { print "time_s,right.index.mpj,right.middle.mpj,right.ring.mpj,right.middle.abd,right.thumb.mpj"; print "unit,rad,rad,rad,rad,rad"
+    for (i = 0; i < 240; ++i) { t = i / 30
+        row(t, t < 2 ? 0 : t < 2.6 ? (t - 2) / 0.6 * 1.57 : t < 5 ? 1.57 : t < 5.6 ? (5.6 - t) / 0.6 * 1.57 : 0,
+            t < 5 ? 0 : t < 5.6 ? (t - 5) / 0.6 * 0.3 : 0.3) } }' >"$scratch/bare.csv"
+calibrate --input "log:$scratch/bare.csv" --name anna </dev/null >"$scratch/bare.txt" || fail "a bare hand"
+[ "$(grep -c '^step [123] of 3, ' "$scratch/bare.txt")" -eq 3 ] || fail "not three poses: $(cat "$scratch/bare.txt")"
+bare=$XDG_CONFIG_HOME/marotte/calibrations/anna,\ log.json
+grep -q '"input": "log"' "$bare" || fail "a bare hand's calibration does not say whose angles it reads"
+grep -q '"index.mpj": {"source": "measured", "points": .*\[0.14, 0.0\]' "$bare" || fail "flat is no 0: $(cat "$bare")"
+perform_bare() {
+    "$MAROTTE" perform --face "$moai" --input "log:$scratch/$1" --map anchored --export "$scratch/bare.$2.csv" \
+        "${@:3}" >"$scratch/bare.txt" 2>"$scratch/bare.err" || fail "perform $2: $(cat "$scratch/bare.err")"
+}
+perform_bare bare.csv seen
+grep -q 'calibrat' "$scratch/bare.err" && fail "a recording in rad speaks of calibrations: $(cat "$scratch/bare.err")"
+perform_bare bare.csv mine --calibration "$bare" --record "$scratch/bare.marotte" --export "$scratch/bare.mine.pc2"
+cmp -s "$scratch/bare.seen.csv" "$scratch/bare.mine.csv" && fail "a bare hand's calibration changes nothing"
+"$MAROTTE" take export "$scratch/bare.marotte" last --export "$scratch/bare.take.pc2" >/dev/null 2>&1 || fail "the take"
+cmp "$scratch/bare.mine.pc2" "$scratch/bare.take.pc2" || fail "the take is read with another calibration"
+# A glove is not read with it, nor the bare hand with a glove's.
+perform not_mine --calibration "$bare"
+cmp "$scratch/not_mine.csv" "$scratch/shipped.csv" || fail "counts are read as if they were angles"
+grep -q 'not used: no log gives a right hand' "$scratch/not_mine.err" || fail "$(cat "$scratch/not_mine.err")"
+perform_bare bare.csv glove --calibration "$scratch/broken.json"
+cmp "$scratch/bare.glove.csv" "$scratch/bare.seen.csv" || fail "angles are read as if they were counts"
+refused 1 "is a calibration of a glove: choose another name" "$MAROTTE" calibrate --input "log:$scratch/bare.csv" --out "$user"
 
 # A pedal in the log re-zeroes, the same in every replay; while the hand moves it is refused.
 awk -F, -v OFS=, 'NR == 1 { print $0, "pedal.1"; next } NR == 2 { print $0, "1"; next }

@@ -174,16 +174,17 @@ static int remove_folder(void **state)
     return system(command);
 }
 
-static void keep(const char *name, const char *date, uint32_t side)
+static void keep(const char *name, const char *date, uint32_t side, const char *input)
 {
     calibration_file file;
     error err = {""};
     char *path;
-    assert_int_equal(calibration_folder_place(&path, name, &err), MRT_OK);
+    assert_int_equal(calibration_folder_place(&path, name, input, &err), MRT_OK);
     assert_non_null(strstr(path, "/marotte/calibrations/"));
     assert_int_equal(parse(&file, good, &err), MRT_OK);
     (void)snprintf(file.name, sizeof file.name, "%s", name);
     (void)snprintf(file.date, sizeof file.date, "%s", date);
+    (void)snprintf(file.input, sizeof file.input, "%s", input);
     file.side = side;
     assert_int_equal(calibration_file_write(&file, path, &err), MRT_OK);
     calibration_file_finish(&file);
@@ -196,18 +197,35 @@ static void newest_of_a_side_is_by_date(void **state)
     calibration_file file;
     error err = {""}, note;
     char *path;
-    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, &note, &err), MRT_END);
+    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, "", &note, &err), MRT_END);
     assert_null(path);
-    keep("b", "2026-03-02T00:00:00Z", MRT_LEFT);
-    keep("a", "2026-03-03T00:00:00Z", MRT_LEFT);
-    keep("c", "2026-03-01T00:00:00Z", MRT_LEFT);
-    keep("z", "2027-01-01T00:00:00Z", MRT_RIGHT);
-    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, &note, &err), MRT_OK);
+    keep("b", "2026-03-02T00:00:00Z", MRT_LEFT, "");
+    keep("a", "2026-03-03T00:00:00Z", MRT_LEFT, "");
+    keep("c", "2026-03-01T00:00:00Z", MRT_LEFT, "");
+    keep("z", "2027-01-01T00:00:00Z", MRT_RIGHT, "");
+    keep("a", "2027-02-01T00:00:00Z", MRT_LEFT, "camera");
+    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, "", &note, &err), MRT_OK);
     assert_string_equal(file.name, "a");
     assert_non_null(strstr(path, "/a.json"));
     assert_string_equal(note.text, "");
     free(path);
     calibration_file_finish(&file);
+    /* the same person's hand before a camera */
+    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, "camera", &note, &err),
+                     MRT_OK);
+    assert_non_null(strstr(path, "/a, camera.json"));
+    assert_string_equal(file.input, "camera");
+    calibration_file other = file, glove = file;
+    assert_int_equal(calibration_keep_fits(&other, &file, path, &err), MRT_OK);
+    other.side = MRT_RIGHT;
+    assert_int_equal(calibration_keep_fits(&other, &file, path, &err), MRT_ERR_ARGUMENT);
+    glove.input[0] = '\0';
+    assert_int_equal(calibration_keep_fits(&glove, &file, path, &err), MRT_ERR_ARGUMENT);
+    assert_non_null(strstr(err.text, "of camera"));
+    free(path);
+    calibration_file_finish(&file);
+    assert_int_equal(calibration_folder_newest(&file, &path, MRT_LEFT, "openxr", &note, &err),
+                     MRT_END);
 }
 
 static void a_damaged_file_in_the_folder_is_named_and_left_out(void **state)
@@ -220,7 +238,7 @@ static void a_damaged_file_in_the_folder_is_named_and_left_out(void **state)
     FILE *stream = fopen(damaged, "w");
     assert_non_null(stream);
     assert_true(fputs("{", stream) >= 0 && fclose(stream) == 0);
-    assert_int_equal(calibration_folder_newest(&file, &path, MRT_RIGHT, &note, &err), MRT_OK);
+    assert_int_equal(calibration_folder_newest(&file, &path, MRT_RIGHT, "", &note, &err), MRT_OK);
     assert_string_equal(file.name, "z");
     assert_non_null(strstr(note.text, "damaged.json"));
     free(path);
@@ -243,7 +261,7 @@ static void names_cannot_leave_the_folder(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         error err = {""};
         char *path;
-        assert_int_equal(calibration_folder_place(&path, bad[i], &err), MRT_ERR_ARGUMENT);
+        assert_int_equal(calibration_folder_place(&path, bad[i], "", &err), MRT_ERR_ARGUMENT);
         assert_null(path);
         assert_non_null(strstr(err.text, "1 to 63 letters"));
     }

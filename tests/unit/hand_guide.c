@@ -311,6 +311,161 @@ static void values_that_are_no_numbers_are_ignored(void **state)
     guide_destroy(NULL);
 }
 
+/* ---- a bare hand, as a camera sees it: 30 times a second, in rad ---- */
+
+static const double rad_per_degree = 0.017453292519943295;
+
+typedef struct seen {
+    guide *guide;
+    int64_t time_ns;
+    uint32_t noise;
+    double pose[MRT_ANGLES]; /* degrees, where the hand is */
+    guide_news news;         /* the last that was not GUIDE_NOTHING */
+} seen;
+
+/* Flexions as 6 degrees and 0.75 of what they are, spreads as 2 degrees and 0.6. */
+static double as_seen(int sensor, double degrees)
+{
+    bool is_spread = sensor_table[sensor].kind == SENSOR_SPREAD;
+    return rad_per_degree * (is_spread ? 2.0 + 0.6 * degrees : 6.0 + 0.75 * degrees);
+}
+
+static void look(seen *s)
+{
+    float raw[MRT_ANGLES];
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        s->noise = s->noise * 1664525u + 1013904223u;
+        double jitter = (double)(s->noise >> 24) / 256.0 - 0.5; /* within 2.5 degrees */
+        raw[i] = (float)(as_seen(i, s->pose[i]) + 5.0 * rad_per_degree * jitter);
+    }
+    guide_news news = guide_sample(s->guide, raw, s->time_ns);
+    s->time_ns += 33333333;
+    s->news = news == GUIDE_NOTHING ? s->news : news;
+}
+
+/* Half a second of moving there, then until that is taken or refused; at most 4 s. */
+static guide_news show(seen *s, const double *to)
+{
+    double from[MRT_ANGLES];
+    memcpy(from, s->pose, sizeof from);
+    s->news = GUIDE_NOTHING;
+    for (int k = 1; k <= 120 && s->news == GUIDE_NOTHING; ++k) {
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            s->pose[i] = from[i] + (to[i] - from[i]) * (k < 15 ? k : 15) / 15.0;
+        look(s);
+    }
+    return s->news;
+}
+
+static seen bare(void)
+{
+    guide_settings settings = guide_settings_bare(MRT_RIGHT, ALL_22, "camera");
+    seen out = {.guide = guide_create(&settings), .noise = 1, .time_ns = 7000000000};
+    assert_non_null(out.guide);
+    return out;
+}
+
+static void a_bare_hand_takes_three_poses_and_ten_seconds(void **state)
+{
+    (void)state;
+    static const guide_step steps[] = {GUIDE_FLAT, GUIDE_FIST, GUIDE_SPREAD};
+    seen s = bare();
+    double pose[MRT_ANGLES];
+    calibration_file file;
+    hand_calibration use;
+    guide_judgement judgement;
+    error err = {""};
+    int of, asked = 0;
+    for (guide_step step = 0; step < GUIDE_STEPS; ++step)
+        asked += guide_asks(s.guide, step);
+    assert_int_equal(asked, 3);
+    for (int k = 0; k < 3; ++k) {
+        assert_int_equal(guide_current(s.guide), steps[k]);
+        assert_int_equal(guide_number(s.guide, &of), k + 1);
+        assert_int_equal(of, 3);
+        assert_true(strlen(guide_words(s.guide)) > 20);
+        pose_of(pose, steps[k]);
+        assert_int_equal(show(&s, pose), GUIDE_TAKEN);
+    }
+    assert_true(s.time_ns - 7000000000 < 10000000000);
+    assert_string_equal(guide_words(s.guide), "");
+    assert_int_equal(guide_result(s.guide, &file, &err), MRT_OK);
+    guide_judge(&judgement, s.guide, &file);
+    assert_int_equal(judgement.flaw_count, 0);
+    assert_int_equal(judgement.left_out, 0);
+    assert_string_equal(file.input, "camera");
+    calibration_file_use(&file, &use);
+    assert_string_equal(use.input, "camera");
+    float raw[MRT_ANGLES], angle_rad[MRT_ANGLES];
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        raw[i] = (float)as_seen(i, 40.0);
+    hand_calibrate(&use, raw, angle_rad);
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const sensor_facts *facts = &sensor_table[i];
+        bool is_measured =
+            facts->kind == SENSOR_SPREAD || (facts->finger > 0 && facts->kind != SENSOR_ROLL);
+        const float end_deg = fminf(facts->high_deg + 15.0f, 40.0f);
+        const float read_deg = angle_rad[i] / (float)rad_per_degree;
+        if (is_measured) /* seen as 36 degrees, it is 40 again */
+            assert_float_equal(read_deg, end_deg, 4.0f);
+        else if (i == SENSOR_THUMB_ROLL)
+            assert_true(angle_rad[i] == raw[i]);
+        else /* its zero is known */
+            assert_float_equal(read_deg, 30.0f, 2.5f);
+    }
+    guide_destroy(s.guide);
+}
+
+static void a_bent_hand_is_not_taken_for_a_flat_one(void **state)
+{
+    (void)state;
+    seen s = bare();
+    double pose[MRT_ANGLES];
+    pose_of(pose, GUIDE_RELAXED); /* on the mouse */
+    set_finger(pose, 2, 40, 40, 20);
+    assert_int_equal(show(&s, pose), GUIDE_REFUSED);
+    assert_int_equal(guide_current(s.guide), GUIDE_FLAT);
+    pose_of(pose, GUIDE_FLAT);
+    assert_int_equal(show(&s, pose), GUIDE_TAKEN);
+    pose_of(pose, GUIDE_INDEX_ALONE); /* no fist */
+    assert_int_equal(show(&s, pose), GUIDE_REFUSED);
+    pose_of(pose, GUIDE_FIST);
+    assert_int_equal(show(&s, pose), GUIDE_TAKEN);
+    pose_of(pose, GUIDE_FLAT); /* open, but not spread */
+    assert_int_equal(show(&s, pose), GUIDE_REFUSED);
+    guide_repeat(s.guide);
+    assert_int_equal(guide_current(s.guide), GUIDE_FIST);
+    guide_repeat(s.guide);
+    assert_int_equal(guide_current(s.guide), GUIDE_FLAT);
+    guide_repeat(s.guide);
+    assert_int_equal(guide_current(s.guide), GUIDE_FLAT);
+    guide_destroy(s.guide);
+}
+
+static void a_joint_that_is_not_seen_stays_as_it_is(void **state)
+{
+    (void)state;
+    seen s = bare();
+    double pose[MRT_ANGLES];
+    calibration_file file;
+    guide_judgement judgement;
+    char words[200];
+    error err = {""};
+    static const guide_step steps[] = {GUIDE_FLAT, GUIDE_FIST, GUIDE_SPREAD};
+    for (int k = 0; k < 3; ++k) {
+        pose_of(pose, steps[k]);
+        pose[17] = steps[k] == GUIDE_FIST ? 5 : pose[17]; /* the little finger's end joint */
+        assert_int_equal(show(&s, pose), GUIDE_TAKEN);
+    }
+    assert_int_equal(guide_result(s.guide, &file, &err), MRT_OK);
+    assert_int_equal(file.sensor[17].source, CALIBRATION_ZEROED);
+    guide_judge(&judgement, s.guide, &file);
+    assert_int_equal(judgement.flaw_count, 1);
+    guide_flaw_text(&judgement.flaw[0], words, sizeof words);
+    assert_non_null(strstr(words, "little finger, end joint: hardly moved, so it stays as it is"));
+    guide_destroy(s.guide);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -329,6 +484,9 @@ int main(void)
         cmocka_unit_test(a_step_without_a_pose_times_out_and_says_why),
         cmocka_unit_test(a_device_that_is_away_costs_no_time_and_no_pose),
         cmocka_unit_test(values_that_are_no_numbers_are_ignored),
+        cmocka_unit_test(a_bare_hand_takes_three_poses_and_ten_seconds),
+        cmocka_unit_test(a_bent_hand_is_not_taken_for_a_flat_one),
+        cmocka_unit_test(a_joint_that_is_not_seen_stays_as_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* The calibration of a glove, from the first pose to the file that is used. The glove's
+/* The calibration of a glove and of a bare hand, from the first pose to the file that is used. The
  * samples are the test's, in their own time: nothing waits. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +31,7 @@ typedef struct fixture {
     double pose[MRT_ANGLES]; /* degrees, where the hand is now */
 } fixture;
 
-/* ---- a glove: raw = zero + counts * degrees ---- */
+/* ---- a glove: raw = zero + counts * degrees; a bare hand: too little of what it does ---- */
 
 static void give(fixture *d)
 {
@@ -47,7 +47,9 @@ static void give(fixture *d)
         double zero = is_spread ? 190.0 - i : 60.0 + i, gain = is_spread ? -1.9 : 1.1;
         d->noise = d->noise * 1664525u + 1013904223u;
         double jitter = (double)(d->noise >> 24) / 256.0 - 0.5;
-        sample.value[c] = (float)floor(zero + gain * d->pose[i] + 0.5 + jitter);
+        sample.value[c] = strcmp(channel[c].unit, "rad") == 0
+                              ? (float)(0.0174533 * (4.0 + 0.7 * d->pose[i] + 3.0 * jitter))
+                              : (float)floor(zero + gain * d->pose[i] + 0.5 + jitter);
     }
     d->time_ns += period_ns;
     assert_true(s->tap_count < 4096);
@@ -105,6 +107,25 @@ static void open_fixture_behind(fixture *d, float scale, const char *other)
     assert_int_equal(d->stand.tapped, d->glove);
 }
 
+/* Of the fingers of a sender. */
+static void open_bare_fixture(fixture *d)
+{
+    char text[64];
+    memset(d, 0, sizeof *d);
+    d->time_ns = 5000000000;
+    d->noise = 1;
+    (void)snprintf(d->root, sizeof d->root, "/tmp/panel_calibrate_XXXXXX");
+    assert_non_null(mkdtemp(d->root));
+    setenv("XDG_CONFIG_HOME", d->root, 1);
+    stand_open(&d->stand, &panel_devices, 1.0f);
+    stand_plugin(&d->stand, "plugins/osc");
+    (void)snprintf(text, sizeof text, "osc:127.0.0.1:%d", 20000 + (int)(getpid() % 20000));
+    stand_input(&d->stand, text);
+    stand_wait_for(&d->stand, "Calibrate\xe2\x80\xa6");
+    stand_click(&d->stand, "Calibrate\xe2\x80\xa6");
+    assert_true(stand_shows(&d->stand, "Calibrate the right hand"));
+}
+
 static void open_fixture(fixture *d, float scale)
 {
     open_fixture_behind(d, scale, NULL);
@@ -158,6 +179,34 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
     calibration_file_finish(file);
     free(file);
     stand_wait_for(s, "anna, ");
+    close_fixture(&d);
+}
+
+static void a_bare_hand_is_calibrated_by_three_poses(void **state)
+{
+    (void)state;
+    static const guide_step steps[] = {GUIDE_FLAT, GUIDE_FIST, GUIDE_SPREAD};
+    fixture d;
+    open_bare_fixture(&d);
+    stand *s = &d.stand;
+    for (int k = 0; k < 3; ++k) {
+        char words[32];
+        (void)snprintf(words, sizeof words, "pose %d of 3", k + 1);
+        assert_true(stand_shows(s, words));
+        perform(&d, steps[k], 1.5);
+        if (k == 0) {
+            assert_true(stand_shows(s, "Make a tight fist, the thumb outside."));
+            stand_check_words(s, NULL);
+            stand_picture(s, "panel_calibrate_bare");
+        }
+    }
+    assert_true(stand_shows(s, "All poses are done."));
+    assert_true(stand_shows(s, "Every joint is seen where the poses say that it is."));
+    stand_check_words(s, NULL);
+    stand_click(s, "Save and use");
+    assert_non_null(
+        strstr(s->calibration[MRT_RIGHT], "/marotte/calibrations/right hand, osc.json"));
+    stand_wait_for(s, "right hand, 20");
     close_fixture(&d);
 }
 
@@ -269,6 +318,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ten_poses_become_a_calibration_that_is_used),
+        cmocka_unit_test(a_bare_hand_is_calibrated_by_three_poses),
         cmocka_unit_test(what_is_nonsense_is_said_with_the_pose_that_mends_it),
         cmocka_unit_test(buttons_take_skip_and_go_back),
         cmocka_unit_test(escape_leaves_and_keeps_nothing),

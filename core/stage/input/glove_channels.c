@@ -1,6 +1,7 @@
 #include "stage/input/glove_channels.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static bool is_angle(const mrt_channel *channel)
@@ -12,23 +13,29 @@ static bool is_angle(const mrt_channel *channel)
 static bool has_side(const mrt_channel *channel, uint32_t count, uint32_t side, const char *unit)
 {
     for (uint32_t i = 0; i < count; ++i)
-        if (is_angle(&channel[i]) && channel[i].hand == side &&
-            (!unit || strcmp(channel[i].unit, unit) == 0))
+        if (is_angle(&channel[i]) && channel[i].hand == side && strcmp(channel[i].unit, unit) == 0)
             return true;
     return false;
 }
 
-bool glove_channels_has(const mrt_channel *channel, uint32_t count, uint32_t side)
+glove_channels_kind glove_channels_of(const mrt_channel *channel, uint32_t count, uint32_t side)
 {
-    return has_side(channel, count, side, "count");
+    if (has_side(channel, count, side, "count"))
+        return GLOVE_CHANNELS_COUNT;
+    return has_side(channel, count, side, "rad") ? GLOVE_CHANNELS_RAD : GLOVE_CHANNELS_NONE;
+}
+
+void glove_channels_input(char out[HAND_INPUT], const char *name)
+{
+    (void)snprintf(out, HAND_INPUT, "%.*s", (int)strcspn(name, " "), name);
 }
 
 static mrt_result choose_side(uint32_t *out, const mrt_channel *channel, uint32_t count,
                               uint32_t side, const char *name, error *err)
 {
     static const char *const side_name[2] = {"left", "right"};
-    bool has[2] = {has_side(channel, count, MRT_LEFT, NULL),
-                   has_side(channel, count, MRT_RIGHT, NULL)};
+    bool has[2] = {glove_channels_of(channel, count, MRT_LEFT) != GLOVE_CHANNELS_NONE,
+                   glove_channels_of(channel, count, MRT_RIGHT) != GLOVE_CHANNELS_NONE};
     if (!has[0] && !has[1])
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: measures no hand", name);
     if (side > MRT_RIGHT && has[0] && has[1])
@@ -38,11 +45,6 @@ static mrt_result choose_side(uint32_t *out, const mrt_channel *channel, uint32_
         return error_set(err, MRT_ERR_ARGUMENT, "%s: is of a %s hand, not of a %s one", name,
                          side_name[1 - side], side_name[side]);
     *out = side <= MRT_RIGHT ? side : has[MRT_LEFT] ? MRT_LEFT : MRT_RIGHT;
-    if (!has_side(channel, count, *out, "count"))
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: gives angles in rad: it is calibrated already. A calibration is made "
-                         "from a glove, or from a log in counts",
-                         name);
     return MRT_OK;
 }
 
@@ -53,11 +55,14 @@ mrt_result glove_channels_find(glove_channels *out, const mrt_channel *channel, 
     mrt_result result = choose_side(&out->side, channel, count, side, name, err);
     if (result < 0)
         return result;
+    const bool is_bare = glove_channels_of(channel, count, out->side) == GLOVE_CHANNELS_RAD;
+    if (is_bare)
+        glove_channels_input(out->input, name);
     for (int i = 0; i < MRT_ANGLES; ++i)
         out->channel_of[i] = -1;
     for (uint32_t i = 0; i < count; ++i) {
         if (!is_angle(&channel[i]) || channel[i].hand != out->side ||
-            strcmp(channel[i].unit, "count") != 0)
+            strcmp(channel[i].unit, is_bare ? "rad" : "count") != 0)
             continue;
         out->low = out->sensors ? fminf(out->low, channel[i].min) : channel[i].min;
         out->high = out->sensors ? fmaxf(out->high, channel[i].max) : channel[i].max;

@@ -158,10 +158,20 @@ void channel_route_call(channel_route *route, const char *name)
     snprintf(route->name, sizeof route->name, "%s", name ? name : "");
 }
 
+/* Counts by a glove's, rad by one of that kind of input. */
+static bool is_made_for(const channel_route *route, uint32_t side, const hand_calibration *of)
+{
+    const size_t length = strlen(of->input);
+    if (route->in_counts[side] || length == 0)
+        return route->in_counts[side] && length == 0;
+    return strncmp(route->name, of->input, length) == 0 &&
+           (route->name[length] == '\0' || route->name[length] == ' ');
+}
+
 void channel_route_calibrate(channel_route *route, uint32_t side,
                              const hand_calibration *calibration)
 {
-    if (!calibration || side > MRT_RIGHT || !route->in_counts[side])
+    if (!calibration || side > MRT_RIGHT || !is_made_for(route, side, calibration))
         return;
     route->calibration[side] = *calibration;
     /* What neither the glove measures nor the calibration knows is estimated. */

@@ -33,10 +33,11 @@ typedef struct channel_route {
     bool has_distal[2][4];           /* of the fingers index .. little */
     hand_calibration calibration[2]; /* left, right */
 } channel_route;
-/* For counts the shipped defaults, for rad none: by the unit. The route must not move. */
+/* For counts the shipped defaults, for rad as it is: by the unit. The route must not move. */
 void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t count);
 void channel_route_call(channel_route *route, const char *name);
-/* Takes a user's calibration instead of the defaults; NULL: leaves it. Rad stays as it is. */
+/* Takes a user's calibration instead of the defaults, if it is made for such an input; NULL: leaves
+ * it. After channel_route_call. */
 void channel_route_calibrate(channel_route *route, uint32_t side,
                              const hand_calibration *calibration);
 

@@ -47,8 +47,11 @@ static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel 
     mrt_result result = glove_channels_find(&out->glove, channel, count, side, name, err);
     if (result < 0)
         return result;
-    guide_settings usual = guide_settings_usual(out->glove.side, out->glove.sensors);
-    out->guide = guide_create(&usual);
+    const glove_channels *glove = &out->glove;
+    guide_settings how = glove->input[0]
+                             ? guide_settings_bare(glove->side, glove->sensors, glove->input)
+                             : guide_settings_usual(glove->side, glove->sensors);
+    out->guide = guide_create(&how);
     return out->guide ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
 }
 
@@ -188,22 +191,16 @@ static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
     calibration_file *old = calloc(1, sizeof *old);
     if (!old)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
-    mrt_result result = calibration_folder_place(out_path, name, err);
+    mrt_result result = calibration_folder_place(out_path, name, self->result->input, err);
     if (result >= 0)
         result = calibration_keep_old(old, *out_path, err);
-    bool is_other =
-        result >= 0 && calibration_file_sensor_count(old) > 0 && old->side != self->result->side;
-    if (is_other) {
-        result = error_set(err, MRT_ERR_ARGUMENT,
-                           "\"%s\" is the name of a calibration of the other hand: choose another",
-                           name);
-        calibration_file_finish(old);
-    }
+    if (result >= 0)
+        result = calibration_keep_fits(self->result, old, *out_path, err);
     if (result >= 0) {
         calibration_keep_sign(self->result, old, name, hand_length_mm);
         result = calibration_keep_write(self->result, old, *out_path, err);
-        calibration_file_finish(old);
     }
+    calibration_file_finish(old);
     free(old);
     if (result < 0) {
         free(*out_path);
@@ -324,7 +321,7 @@ void calibrate_panel_update(calibrate_panel *self)
     self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
     if (has_other_channels(self)) {
         (void)snprintf(self->trouble, sizeof self->trouble,
-                       "The glove has other sensors than at the beginning: close this and begin "
+                       "The input has other sensors than at the beginning: close this and begin "
                        "again.");
         return;
     }
@@ -342,8 +339,11 @@ static void draw_steps(const calibrate_panel *self, ui *on)
     char words[64];
     ui_canvas_begin(on, "steps", 0.0f, 20.0f, &at);
     float y = at.where.y + 10.0f;
+    int count, number = guide_number(self->guide.guide, &count), place = 0;
     for (int step = 0; step < GUIDE_STEPS; ++step) {
-        float x = at.where.x + 8.0f + gap * (float)step;
+        if (!guide_asks(self->guide.guide, (guide_step)step))
+            continue;
+        float x = at.where.x + 8.0f + gap * (float)place++;
         if (step == (int)now)
             ui_draw_ring(on, x, y, radius + 1.0f, THEME_ACCENT, 2.0f);
         else if (guide_has(self->guide.guide, (guide_step)step))
@@ -352,8 +352,8 @@ static void draw_steps(const calibrate_panel *self, ui *on)
             ui_draw_ring(on, x, y, radius - 1.0f, THEME_DIM, 1.0f);
     }
     if (now < GUIDE_STEPS) {
-        (void)snprintf(words, sizeof words, "pose %d of %d", (int)now + 1, GUIDE_STEPS);
-        ui_draw_text(on, at.where.x + gap * GUIDE_STEPS + 8.0f, at.where.y + 2.0f, UI_STYLE_DIM,
+        (void)snprintf(words, sizeof words, "pose %d of %d", number, count);
+        ui_draw_text(on, at.where.x + gap * (float)count + 8.0f, at.where.y + 2.0f, UI_STYLE_DIM,
                      THEME_DIM, 0.0f, words);
     }
     ui_canvas_end(on);
@@ -384,7 +384,8 @@ static void draw_bar(const calibrate_guide *of, ui *on, int sensor, ui_rectangle
     ui_draw_box(
         on, (ui_rectangle){bar.x + now * (bar.width - 3.0f), bar.y - 1.0f, 3.0f, bar.height + 2.0f},
         THEME_ACCENT, 1.0f);
-    (void)snprintf(words, sizeof words, "%.0f", (double)of->raw[sensor]);
+    const double shown = of->glove.input[0] ? degrees_per_rad : 1.0;
+    (void)snprintf(words, sizeof words, "%.0f", shown * (double)of->raw[sensor]);
     ui_draw_text(on, at.x + at.width - ui_text_width(on, UI_STYLE_BODY, words), at.y, UI_STYLE_BODY,
                  THEME_TEXT, 0.0f, words);
 }
@@ -427,7 +428,7 @@ static void draw_news(const calibrate_panel *self, ui *on)
 static void draw_words(const calibrate_panel *self, ui *on)
 {
     guide_step step = guide_current(self->guide.guide);
-    const char *waits = self->is_away ? "the glove is away: waiting for it"
+    const char *waits = self->is_away ? "the hand is away: waiting for it"
                                       : guide_wait_words[guide_waiting(self->guide.guide)];
     char name[64];
     (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
@@ -435,7 +436,7 @@ static void draw_words(const calibrate_panel *self, ui *on)
         name[0] = (char)(name[0] - 'a' + 'A');
     ui_text(on, UI_STYLE_TITLE, name);
     ui_scroll_begin(on, "words", 0.0f, 40.0f);
-    ui_text_wrapped(on, UI_STYLE_BODY, guide_step_words[step]);
+    ui_text_wrapped(on, UI_STYLE_BODY, guide_words(self->guide.guide));
     ui_scroll_end(on);
     ui_text(on, self->is_away ? UI_STYLE_WARNING : UI_STYLE_STRONG, waits);
 }
@@ -492,7 +493,8 @@ static void draw_summary(const calibration_file *file, ui *on)
             (worst < 0 || sensor->residual_rad > file->sensor[worst].residual_rad))
             worst = i;
     }
-    (void)snprintf(words, sizeof words, "%d measured, %d with the shipped gain", measured, shipped);
+    (void)snprintf(words, sizeof words, "%d measured, %d %s", measured, shipped,
+                   file->input[0] ? "else as they are seen" : "with the shipped gain");
     ui_fact(on, "Sensors", 130.0f, UI_STYLE_BODY, words);
     if (worst < 0)
         return;
@@ -508,7 +510,10 @@ static void draw_findings(const calibrate_panel *self, ui *on)
     uint32_t count = calibrate_guide_findings(&self->guide, finding, FINDINGS);
     ui_scroll_begin(on, "findings", 0.0f, 132.0f);
     if (count == 0)
-        ui_text(on, UI_STYLE_GOOD, "Every sensor says the same of the same pose, and alone.");
+        ui_text(on, UI_STYLE_GOOD,
+                self->guide.glove.input[0]
+                    ? "Every joint is seen where the poses say that it is."
+                    : "Every sensor says the same of the same pose, and alone.");
     for (uint32_t i = 0; i < count; ++i)
         ui_text_wrapped(on, finding[i].is_warning ? UI_STYLE_WARNING : UI_STYLE_DIM,
                         finding[i].text);

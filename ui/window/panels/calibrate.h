@@ -1,6 +1,6 @@
-/* window/panels/calibrate.h - the guided calibration of a glove as a dialog over the workspace: ten
- * poses with words and live bars, then how well it fits, a name, and it is used at once. Part of
- * the devices panel. [main] */
+/* window/panels/calibrate.h - the guided calibration of a glove or a bare hand as a dialog over the
+ * workspace: its poses with words and live bars, then how well it fits, a name, and it is used at
+ * once. Part of the devices panel. [main] */
 #ifndef MAROTTE_UI_WINDOW_PANELS_CALIBRATE_H
 #define MAROTTE_UI_WINDOW_PANELS_CALIBRATE_H
 #include "window/app/app.h"

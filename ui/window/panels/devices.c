@@ -482,17 +482,22 @@ static const char *base_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32_t side)
+/* seen_by: as hand_calibration's input. */
+static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32_t side,
+                             const char *seen_by)
 {
-    const char *items[CALIBRATIONS_MAX + 2] = {"as shipped"};
+    const char *items[CALIBRATIONS_MAX + 2] = {seen_by[0] ? "as it is seen" : "as shipped"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(app_live(self->app), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
     for (uint32_t i = 0; i < self->snapshot.calibrations->count && count <= CALIBRATIONS_MAX; ++i) {
         const calibration_entry *entry = &self->snapshot.calibrations->entry[i];
-        if (entry->side != side)
+        const bool is_used = used && strcmp(used, entry->path) == 0;
+        if (entry->side != side || strcmp(entry->input, seen_by) != 0) {
+            chosen = is_used ? 0 : chosen; /* by an input of another kind */
             continue;
-        if (used && strcmp(used, entry->path) == 0)
+        }
+        if (is_used)
             chosen = count;
         items[count] = entry->label;
         paths[count++] = entry->path;
@@ -513,7 +518,8 @@ static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32
         if (!calibrate_panel_open(self->calibrate, index, side, &why))
             devices_panel_say(self, why.text);
     }
-    ui_hint(on, "Ten poses, a minute and a half.");
+    ui_hint(on,
+            seen_by[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
     ui_id_end(on);
 }
 
@@ -600,6 +606,12 @@ static bool is_made(const devices_panel *self, const input *of)
     return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
 }
 
+static bool is_recorded(const input *of)
+{
+    const mrt_input *functions = plugin_interface(input_plugin(of), MRT_INPUT);
+    return functions->flags & MRT_INPUT_RECORDED;
+}
+
 /* ---- the camera ---- */
 
 static bool is_camera(const input *of)
@@ -672,9 +684,15 @@ static bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
     draw_strip(on, channels, count, has_sample ? &sample : NULL);
     if (is_camera(of))
         draw_camera_card(self, on, live_input_text(stage, index));
-    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
-        if (glove_channels_has(channels, count, side))
-            draw_calibration(self, on, index, side);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        const glove_channels_kind kind = glove_channels_of(channels, count, side);
+        char seen_by[HAND_INPUT] = "";
+        if (kind == GLOVE_CHANNELS_RAD)
+            glove_channels_input(seen_by, input_name(of));
+        if (kind == GLOVE_CHANNELS_COUNT ||
+            (kind == GLOVE_CHANNELS_RAD && !is_recorded(of) && !is_made(self, of)))
+            draw_calibration(self, on, index, side, seen_by);
+    }
     if (ui_section(on, "Details", false))
         draw_details(on, &health, channels, count);
     if (has_params(input_plugin(of)) && ui_section(on, "Settings", false))
