@@ -205,6 +205,7 @@ static mrt_result draft(const drafting *d, error *err)
     rig r;
     char *confirm = NULL;
     uint32_t *chain = NULL, chain_count = 0;
+    error poseless = {""}; /* why it has no poses of the puppet's */
     mrt_result result = face_file_read(&f, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
     if (result < 0)
         return result;
@@ -217,12 +218,18 @@ static mrt_result draft(const drafting *d, error *err)
                                 chain_count, err);
     if (result >= 0) {
         keep_frame(&r, &f.mesh, d->mesh_path);
+        const uint32_t first = r.pose_count;
+        if (face_file_carry_poses(&r, &f.mesh, &poseless) < 0 ||
+            rig_poses_ease(&r, first, &f.mesh, &f.topology, &poseless) < 0)
+            while (r.pose_count > first)
+                rig_poses_finish(&r.pose[--r.pose_count]);
         result = rig_write(&r, d->out_path, err);
         rig_destroy(&r);
     }
     if (result >= 0) {
         terminal_print("wrote    %s\n", d->out_path);
         print_lines("note     ", f.note);
+        print_lines("note     ", poseless.text);
         if (d->cuts_mouth && !chain)
             print_lines("note     ", "mouth: lips that part are there already: nothing was cut");
         print_lines("confirm  ", confirm);

@@ -54,7 +54,9 @@ printf '{"marotte_rig": 1, "mesh": "new.glb", "include": "new.rig.json", "poses"
     '{"name": "torn", "pulls": {"mouth.corner.l": [-90, 60, 0]}}' >torn.rig.json
 "$MAROTTE" rig show torn.rig.json --poses >torn.txt || fail "a pose that folds cannot be shown"
 grep -qE '^torn +least determinant +-[0-9.]+ .* FOLDS$' torn.txt || fail "no fold: $(cat torn.txt)"
-refused 1 'new.rig.json: $.poses is empty' "$MAROTTE" rig show new.rig.json --poses --out out/p.png
+grep -q '"name": *"mouthSmileLeft"' new.rig.json || fail "the draft has no pose of the puppet's"
+printf '{"marotte_rig": 1, "mesh": "new.glb", "bones": [{"name": "skull"}]}' >bare.rig.json
+refused 1 'bare.rig.json: $.poses is empty' "$MAROTTE" rig show bare.rig.json --poses --out out/p.png
 refused 1 'no/such/folder/p.png' "$MAROTTE" rig show torn.rig.json --poses --out no/such/folder/p.png
 
 # Errors make the exit code.

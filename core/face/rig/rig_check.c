@@ -758,17 +758,23 @@ static bool is_turn(const rig *r, const char *dof)
     return false;
 }
 
-static void check_turns(checking *c, const rig_pose *pose, const char *place)
+/* 0: it turns none. */
+static double furthest_turn_deg(const rig *r, const rig_pose *pose)
 {
     double most_deg = 0.0;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < pose->dof_count; ++i) {
-        if (!is_turn(c->r, pose->dof_name[i]))
-            continue;
-        count += 1;
-        most_deg = fmax(most_deg, fabs(pose->dof_value[i]) * degree_per_radian);
-    }
-    if (count > 0 && most_deg > 0.0 && most_deg < 1.6)
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        if (is_turn(r, pose->dof_name[i]))
+            most_deg = fmax(most_deg, fabs(pose->dof_value[i]) * degree_per_radian);
+    return most_deg;
+}
+
+/* Small turns beside large ones of other poses are meant. */
+static void check_turns(checking *c, const rig_pose *pose, const char *place)
+{
+    double most_deg = furthest_turn_deg(c->r, pose), of_all_deg = 0.0;
+    for (uint32_t i = 0; i < c->r->pose_count; ++i)
+        of_all_deg = fmax(of_all_deg, furthest_turn_deg(c->r, &c->r->pose[i]));
+    if (most_deg > 0.0 && of_all_deg < 1.6)
         report(c, RIG_WARNING, place,
                "no bone turns by more than %.2g degrees: are these radians? Degrees are meant",
                most_deg);

@@ -1,5 +1,7 @@
 #include "face/rig/rig_poses.h"
 
+#include "mesh/arkit.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -250,6 +252,186 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
     face_reset(f);
     if (result < 0)
         rig_poses_finish(out);
+    return result;
+}
+
+/* ---- carried over ---- */
+
+/* Where contacts are on a head, and how far apart: 0 where one is missing. */
+typedef struct head {
+    const rig *rig;
+    const mesh *mesh;
+    bones bones;
+} head;
+
+static bool place_on(vec3 *out, const head *of, const char *contact)
+{
+    uint32_t at = rig_find_contact(of->rig, contact);
+    if (at == RIG_NONE || of->rig->contact[at].vertex >= of->mesh->vertex_count)
+        return false;
+    const float *p = of->mesh->position + (size_t)3 * of->rig->contact[at].vertex;
+    *out = (vec3){(double)p[0], (double)p[1], (double)p[2]};
+    return true;
+}
+
+static double ratio_of(const head *to, const head *from, const char *a, const char *b)
+{
+    vec3 at[4];
+    if (!place_on(&at[0], to, a) || !place_on(&at[1], to, b) || !place_on(&at[2], from, a) ||
+        !place_on(&at[3], from, b))
+        return 0.0;
+    double length = vec3_length(vec3_sub(at[2], at[3]));
+    return length > 0.0 ? vec3_length(vec3_sub(at[0], at[1])) / length : 0.0;
+}
+
+/* How much larger a part of the face is: across, and in the other directions. */
+typedef struct part_scale {
+    double across, along;
+} part_scale;
+
+static part_scale scale_of(const head *to, const head *from, const char *left, const char *right,
+                           const char *above, const char *below)
+{
+    double across = ratio_of(to, from, left, right), high = ratio_of(to, from, above, below);
+    across = across > 0.0 ? across : high;
+    high = high > 0.0 ? high : across;
+    return (part_scale){across, sqrt(across * high)};
+}
+
+/* How far the lower lip goes with the jaw wide open, mm. */
+static double lip_travel(const head *of)
+{
+    const bones *b = &of->bones;
+    vec3 at;
+    float dof[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    if (b->jaw == RIG_NONE || !place_on(&at, of, "lip.lower.mid"))
+        return 0.0;
+    dof[b->first_dof[b->jaw]] = b->dof[b->first_dof[b->jaw]].max;
+    bones_pose(pose, b, dof);
+    return vec3_length(vec3_sub(rigid_apply(&pose[b->jaw], at), at));
+}
+
+static const bones_dof *find_dof(const bones *b, const char *name)
+{
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        if (strcmp(b->dof[i].name, name) == 0)
+            return &b->dof[i];
+    return NULL;
+}
+
+/* The same share of the way to its limit; false: there is no such degree of freedom. */
+static bool carry_dof(rig_pose *out, const char *name, double value, const bones *to,
+                      const bones *from)
+{
+    const bones_dof *is = find_dof(to, name), *was = find_dof(from, name);
+    if (!is || !was)
+        return false;
+    double limit = (double)(value > 0.0 ? is->max : is->min);
+    double part = value / (double)(value > 0.0 ? was->max : was->min);
+    out->dof_name[out->dof_count] = strdup(name);
+    out->dof_value[out->dof_count] = part * limit;
+    out->dof_count += out->dof_name[out->dof_count] != NULL && isfinite(part);
+    return true;
+}
+
+typedef struct carrying {
+    head to, from;
+    part_scale upper, lower; /* brows; all else */
+    double closing;          /* of lips over an open jaw */
+} carrying;
+
+static bool starts(const char *name, const char *with)
+{
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+/* False: it would not be that pose, or no memory. */
+static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
+{
+    bool is_of_eye = starts(pose->name, "eye"), closes = strcmp(pose->name, "mouthClose") == 0;
+    if (!allocate_pose(out, pose->name, pose->dof_count, pose->pull_count))
+        return false;
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        if (!carry_dof(out, pose->dof_name[i], pose->dof_value[i], &c->to.bones, &c->from.bones) &&
+            is_of_eye)
+            return false;
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        const char *name = c->from.rig->contact[pose->pull_contact[i]].name;
+        uint32_t at = rig_find_contact(c->to.rig, name);
+        part_scale by = starts(name, "brow") || starts(name, "forehead") ? c->upper : c->lower;
+        if (closes)
+            by = (part_scale){c->closing, c->closing};
+        if (at == RIG_NONE)
+            continue;
+        vec3 way = pose->pull_mm[i];
+        out->pull_contact[out->pull_count] = at;
+        out->pull_mm[out->pull_count++] =
+            (vec3){by.across * way.x, by.along * way.y, by.along * way.z};
+    }
+    return out->dof_count + out->pull_count > 0 || pose->dof_count + pose->pull_count == 0;
+}
+
+static bool is_name_of_others(const char *name)
+{
+    return arkit_find(name) < ARKIT_SHAPES || starts(name, "viseme_");
+}
+
+static bool has_target(const mesh *m, const char *name)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < m->target_count && !found; ++i)
+        found =
+            strcmp(m->target[i].name, name) == 0 ||
+            (arkit_find(name) < ARKIT_SHAPES && arkit_find(m->target[i].name) == arkit_find(name));
+    return found;
+}
+
+mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
+                           error *err)
+{
+    carrying c = {.to = {.rig = r, .mesh = m}, .from = {.rig = model, .mesh = model_mesh}};
+    mrt_result result = bones_init(&c.to.bones, r, (vec3){0, 0, 0}, err);
+    if (result >= 0)
+        result = bones_init(&c.from.bones, model, (vec3){0, 0, 0}, err);
+    if (result < 0)
+        return result;
+    c.upper = scale_of(&c.to, &c.from, "brow.outer.l", "brow.outer.r", "brow.mid.l", "nose.tip");
+    c.lower = scale_of(&c.to, &c.from, "mouth.corner.l", "mouth.corner.r", "nose.tip", "chin");
+    c.closing = lip_travel(&c.to) / fmax(lip_travel(&c.from), 1.0);
+    rig_pose *grown =
+        realloc(r->pose, ((size_t)r->pose_count + model->pose_count + 1) * sizeof *grown);
+    if (!grown)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses");
+    r->pose = grown;
+    for (uint32_t i = 0; i < model->pose_count; ++i) {
+        const rig_pose *pose = &model->pose[i];
+        if (!is_name_of_others(pose->name) || find_pose(r, pose->name) || has_target(m, pose->name))
+            continue;
+        if (carry_pose(&r->pose[r->pose_count], pose, &c))
+            r->pose_count += 1;
+        else
+            rig_poses_finish(&r->pose[r->pose_count]);
+    }
+    return MRT_OK;
+}
+
+mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
+{
+    static const double least = 0.05, part = 0.8;
+    rig_poses_stage stage;
+    mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
+    if (result < 0)
+        return result;
+    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i)
+        for (int round = 0; round < 12 && result >= 0; ++round) {
+            result = rig_poses_show(&stage, i, err);
+            if (result < 0 || face_min_determinant(stage.face) > least)
+                break;
+            for (uint32_t k = 0; k < r->pose[i].pull_count; ++k)
+                r->pose[i].pull_mm[k] = vec3_scale(r->pose[i].pull_mm[k], part);
+        }
+    rig_poses_stage_finish(&stage);
     return result;
 }
 

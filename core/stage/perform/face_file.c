@@ -1,9 +1,11 @@
 #include "stage/perform/face_file.h"
 
 #include "base/file.h"
+#include "base/installed.h"
 #include "csrbf/points.h"
 #include "face/face.h"
 #include "face/face_weights.h"
+#include "face/rig/rig_poses.h"
 #include "face/rig_check.h"
 #include "io/openmesh.h"
 #include "mesh/cut.h"
@@ -173,21 +175,52 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     return join_notes(f, err);
 }
 
-mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
+mrt_result face_file_carry_poses(rig *r, const mesh *m, error *err)
+{
+    face_file model;
+    char *path = installed_face("puppet");
+    mrt_result result =
+        path ? face_file_read(&model, path, NULL, FACE_FILE_USABLE, err) : no_memory(err);
+    free(path);
+    if (result < 0)
+        return result;
+    if (model.rig)
+        result = rig_poses_carry(r, m, model.rig, &model.mesh, err);
+    face_file_destroy(&model);
+    return result;
+}
+
+/* With a rig of its own, which has more poses. */
+static mrt_result find_weights(face_weights **out, const face_file *f, const rig *own, error *err)
 {
     binding bound = {0};
-    face *own = NULL;
+    face *performed = NULL;
+    mrt_result result = f->bound ? binding_copy(&bound, f->bound, own ? own->contact_count : 0, err)
+                                 : binding_create(&bound, own, &f->mesh, &f->topology, err);
+    if (result >= 0)
+        result = face_create_shaped(&performed, own, &f->mesh, &bound, MRT_MAX_VECTORS, err);
+    if (result >= 0 && own)
+        face_set_shapes(performed, own->shapes);
+    if (result >= 0)
+        result = face_weights_create(out, performed, f->rig, &f->mesh, err);
+    face_destroy(performed);
+    return result;
+}
+
+mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
+{
+    rig own = {0};
+    error ignored = {""};
     *out = NULL;
-    mrt_result result =
-        f->bound ? binding_copy(&bound, f->bound, f->rig ? f->rig->contact_count : 0, err)
-                 : binding_create(&bound, f->rig, &f->mesh, &f->topology, err);
-    if (result >= 0)
-        result = face_create_shaped(&own, f->rig, &f->mesh, &bound, MRT_MAX_VECTORS, err);
-    if (result >= 0 && f->rig)
-        face_set_shapes(own, f->rig->shapes);
-    if (result >= 0)
-        result = face_weights_create(out, own, f->rig, &f->mesh, err);
-    face_destroy(own);
+    if (!f->rig)
+        return find_weights(out, f, NULL, err);
+    mrt_result result = rig_copy(&own, f->rig, err);
+    if (result < 0)
+        return result;
+    if (face_file_carry_poses(&own, &f->mesh, &ignored) < 0)
+        ignored.text[0] = '\0'; /* fewer names, then */
+    result = find_weights(out, f, &own, err);
+    rig_destroy(&own);
     return result;
 }
 
