@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <math.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -26,7 +25,6 @@ static const int64_t start_ns = 20000000000, silence_ns = 2000000000;
 static const int64_t retry_least_ns = 500000000, retry_most_ns = 8000000000;
 static const int64_t healthy_ns = 5000000000; /* who has lived so long begins anew */
 static const int64_t reset_ns = 500000000;
-static const float farthest_m = 1000.0f;
 
 enum { RING = 16 };
 
@@ -233,18 +231,6 @@ static void give_up(watcher *self, const char *why)
 
 /* ---- records ---- */
 
-/* Of a hand that is there: what is said to be known is a number, and on this planet. */
-static bool is_sound(const openxr_hand *hand)
-{
-    if (hand->active != 1)
-        return false;
-    for (uint32_t i = 0; i < OPENXR_JOINTS; ++i)
-        for (int k = 0; k < 3 && (hand->valid >> i & 1u); ++k)
-            if (!(fabsf(hand->at[i][k]) <= farthest_m))
-                return false;
-    return true;
-}
-
 static void take_frame(watcher *self, const openxr_record *record, int64_t arrival_ns)
 {
     self->has_frames = true;
@@ -255,34 +241,20 @@ static void take_frame(watcher *self, const openxr_record *record, int64_t arriv
     self->has_time = true;
     self->newest_ns = record->time_ns;
     self->newest_arrival_ns = arrival_ns;
-    openxr_hand hand[2];
-    for (int side = 0; side < 2; ++side)
-        hand[side] =
-            is_sound(&record->hand[side]) ? record->hand[side] : (openxr_hand){.active = 0};
     /* Runtimes repeat a frame until the next. */
-    if (self->has_hands && memcmp(self->last, hand, sizeof hand) == 0)
+    if (self->has_hands && memcmp(self->last, record->hand, sizeof record->hand) == 0)
         return;
     self->has_hands = true;
-    memcpy(self->last, hand, sizeof hand);
-    publish_frame(hand, clock_map_to_host(&self->clock, record->time_ns, arrival_ns));
-}
-
-static void clean_text(char out[OPENXR_TEXT], const char *from)
-{
-    size_t i = 0;
-    for (; i < OPENXR_TEXT - 1 && from[i] != '\0'; ++i)
-        out[i] = from[i] >= ' ' && from[i] <= '~' ? from[i] : '?';
-    out[i] = '\0';
+    memcpy(self->last, record->hand, sizeof record->hand);
+    publish_frame(record->hand, clock_map_to_host(&self->clock, record->time_ns, arrival_ns));
 }
 
 /* False: it has been ended. */
 static bool take_record(watcher *self, int64_t arrival_ns)
 {
-    char text[OPENXR_TEXT], line[OPENXR_REASON];
-    const openxr_record *record = &self->record;
-    const bool is_known =
-        record->magic == OPENXR_MAGIC && record->kind >= OPENXR_FRAME && record->kind <= OPENXR_END;
-    if (!is_known) {
+    char line[OPENXR_REASON];
+    openxr_record *record = &self->record;
+    if (!openxr_record_take(record)) {
         give_up(self, "the OpenXR runtime's program has written nonsense: it is started again");
         return false;
     }
@@ -291,13 +263,13 @@ static bool take_record(watcher *self, int64_t arrival_ns)
         take_frame(self, record, arrival_ns);
         return true;
     }
-    clean_text(text, record->text);
     if (record->kind == OPENXR_END) {
-        give_up(self, text);
+        give_up(self, record->text);
         return false;
     }
     if (self->said[0] == '\0') {
-        (void)snprintf(line, sizeof line, "hands come from the OpenXR runtime \"%s\"", text);
+        (void)snprintf(line, sizeof line, "hands come from the OpenXR runtime \"%s\"",
+                       record->text);
         publish_text(OPENXR_HEARD_NEWS, line);
     }
     return true;

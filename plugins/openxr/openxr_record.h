@@ -1,8 +1,9 @@
 /* plugins/openxr/openxr_record.h - what marotte-openxr-hands writes to its pipe and the plugin
  * reads: records of one size, each in one write (less than PIPE_BUF). The reader believes nothing:
- * libraries of vendors are loaded into the writer. */
+ * libraries of vendors are loaded into the writer. Pure. */
 #ifndef MAROTTE_OPENXR_RECORD_H
 #define MAROTTE_OPENXR_RECORD_H
+#include <stdbool.h>
 #include <stdint.h>
 
 enum { OPENXR_FD = 3, OPENXR_JOINTS = 26, OPENXR_TEXT = 256 };
@@ -25,5 +26,10 @@ typedef struct openxr_record {
     openxr_hand hand[2]; /* left, right */
     char text[OPENXR_TEXT];
 } openxr_record;
+
+/* What the reader makes of one, in place. A frame's hands that are there are sound: what is said to
+ * be known of them is a number, and on this planet; the others are all 0. Texts end, and do nothing
+ * to a terminal. False: it is no record. */
+bool openxr_record_take(openxr_record *record);
 
 #endif

@@ -14,8 +14,10 @@
 #include <fcntl.h>
 #include <linux/input.h>
 #include <math.h>
+#include <stdarg.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <umockdev.h>
 #include <unistd.h>
 
@@ -368,6 +370,80 @@ static void no_pad_is_said_calmly(void **state)
     }
 }
 
+/* ---- a performance ---- */
+
+static int marotte(const char *format, ...)
+{
+    char words[1024], command[1400];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(words, sizeof words, format, arguments);
+    va_end(arguments);
+    (void)snprintf(command, sizeof command, "exec '%s/marotte' %s >/dev/null 2>&1", BUILD_DIR,
+                   words);
+    return system(command);
+}
+
+static void write_patch(const char *folder, const char *name, const char *most)
+{
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/%s.json", folder, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file,
+            "{\"marotte_patch\": 1, \"name\": \"test\", \"connections\": [{\"from\": "
+            "{\"input\": \"gamepad\", \"channel\": \"left.y\"}, \"to\": {\"dof\": "
+            "\"jaw.open\"}, \"out\": [0, %s]}]}\n",
+            most);
+    assert_int_equal(fclose(file), 0);
+}
+
+static bool is_same_file(const char *folder, const char *a, const char *b)
+{
+    char command[256];
+    (void)snprintf(command, sizeof command, "cmp -s %s/%s %s/%s", folder, a, folder, b);
+    return system(command) == 0;
+}
+
+static void a_take_of_a_pad_performs_again_and_its_patch_is_changed_afterwards(void **state)
+{
+    room *r = *state;
+    char folder[] = "/tmp/marotte_gamepad_XXXXXX", command[128];
+    fake_pad *pad = plug_xbox(r->testbed, 5, "usb-0000:00:14.0-2/input0");
+    assert_non_null(mkdtemp(folder));
+    write_patch(folder, "full", "0.5");
+    write_patch(folder, "half", "0.25");
+    pid_t performing = fork();
+    assert_true(performing >= 0);
+    if (performing == 0)
+        _exit(marotte("perform --face moai --seconds 1 --input gamepad --map anchored --patch "
+                      "%s/full.json --record %s/pad.marotte",
+                      folder, folder) != 0);
+    int status = -1;
+    for (int i = 0; waitpid(performing, &status, WNOHANG) == 0; ++i) { /* however long it takes */
+        put_event(pad, EV_ABS, ABS_Y, (int32_t)(30000 * sin(0.3 * i)));
+        report(pad);
+        (void)usleep(20000);
+        uint8_t unread[4096]; /* what nobody reads yet */
+        if (i % 100 == 99)
+            (void)!syscall(SYS_read, pad->fifo, unread, sizeof unread);
+    }
+    assert_int_equal(status, 0);
+    assert_int_equal(marotte("take export %s/pad.marotte last --export %s/1.pc2", folder, folder),
+                     0);
+    assert_int_equal(marotte("take export %s/pad.marotte last --export %s/2.pc2", folder, folder),
+                     0);
+    assert_true(is_same_file(folder, "1.pc2", "2.pc2"));
+    assert_int_equal(marotte("take remap %s/pad.marotte last --patch %s/half.json", folder, folder),
+                     0);
+    assert_int_equal(marotte("take export %s/pad.marotte last --export %s/3.pc2", folder, folder),
+                     0);
+    assert_false(is_same_file(folder, "1.pc2", "3.pc2"));
+    unplug(pad);
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
 #define ROOM_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 int main(int count, char **arguments)
@@ -379,6 +455,7 @@ int main(int count, char **arguments)
     const struct CMUnitTest tests[] = {
         ROOM_TEST(a_pad_has_sticks_triggers_and_buttons),
         ROOM_TEST(a_stick_rests_within_its_dead_zone),
+        ROOM_TEST(a_take_of_a_pad_performs_again_and_its_patch_is_changed_afterwards),
         ROOM_TEST(two_pads_are_two_inputs),
         ROOM_TEST(a_pad_that_goes_is_found_again_where_it_was),
         ROOM_TEST(events_that_the_system_dropped_are_made_up_for),

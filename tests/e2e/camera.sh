@@ -52,4 +52,21 @@ for i in 1 2; do
     "$MAROTTE" take export "$scratch/hand.marotte" last --export "$scratch/$i.pc2" >/dev/null 2>&1 || fail "export"
 done
 cmp "$scratch/1.pc2" "$scratch/2.pc2" || fail "a take of the camera does not perform again bit for bit"
+
+# ---- a newcomer at a stage that was never opened before: one click, and the browser's own "Allow" ----
+cat >"$scratch/bin/browser" <<BROWSER
+#!/bin/sh
+token=\$(expr "\$1" : 'http://127.0.0.1:9130/\([0-9a-f]*\)/\$')
+exec node "$(dirname "$0")/camera_client.mjs" 9130 "\$token" "$frames" 50 </dev/null >/dev/null 2>&1
+BROWSER
+chmod +x "$scratch/bin/browser"
+for seconds in 5 15 60; do # however long it takes to begin
+    rm -rf "$XDG_CONFIG_HOME" "$XDG_DATA_HOME"
+    printf 'wait %d\nclick 1021 155\nwait %d\n' $seconds $seconds >"$scratch/newcomer.txt"
+    MAROTTE_BROWSER=$scratch/bin/browser "$MAROTTE" stage --hidden --size 1280x720 --script "$scratch/newcomer.txt" \
+        --picture "$scratch/newcomer.png" >"$scratch/stage.txt" 2>&1 || fail "the stage: $(tail -n 3 "$scratch/stage.txt")"
+    [ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] && break
+done
+[ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] ||
+    fail "\"Use the camera\" is not where a newcomer sees it first, or no hand moves the face after one click"
 finish

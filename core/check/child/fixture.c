@@ -102,12 +102,38 @@ static void plugin_request_restart(const mrt_host *plugin)
     (void)plugin;
 }
 
+/* As the stage reads them (services.h, which is above this room). */
+static void read_landmarks(const mrt_host *plugin, const mrt_landmarks *seen,
+                           mrt_hand_reading *reading)
+{
+    static hand_skeleton *skeleton[2];
+    (void)plugin;
+    trap_note(TRAP_HOST, "landmark reader");
+    uint32_t kinds = trap_pause();
+    reading->confidence = 0.0f;
+    hand_reading now = {.confidence = 0.0};
+    if (seen->side <= MRT_RIGHT && !skeleton[seen->side])
+        skeleton[seen->side] = hand_skeleton_create(seen->side, HAND_LENGTH_MM);
+    if (seen->side <= MRT_RIGHT && skeleton[seen->side]) {
+        hand_landmarks points = {.doubtful = seen->doubtful};
+        memcpy(points.at, seen->at, sizeof points.at);
+        memcpy(now.angle_rad, reading->angle, sizeof now.angle_rad);
+        hand_read(skeleton[seen->side], &points, &now);
+    }
+    if (now.confidence > 0.0) {
+        memcpy(reading->angle, now.angle_rad, sizeof reading->angle);
+        reading->size = (float)now.size;
+        reading->confidence = (float)now.confidence;
+    }
+    trap_resume(kinds);
+}
+
 static const void *plugin_service(const mrt_host *plugin, const char *id)
 {
+    static const mrt_landmark_reader landmarks = {read_landmarks};
     (void)plugin;
-    (void)id;
     trap_note(TRAP_HOST, "host->service");
-    return NULL;
+    return strcmp(id, MRT_LANDMARKS) == 0 ? &landmarks : NULL;
 }
 
 void host_init(host *out, host_clock clock, int64_t start_ns)
