@@ -9,6 +9,7 @@
 #include "app_fixture.h"
 #include "window/app/exporter.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 
 /* ---- recording ---- */
@@ -57,6 +58,64 @@ static void closing_while_recording_keeps_the_take(void **state)
     const app_take_line *line;
     assert_int_equal(app_takes(r.app, &line), 1);
     assert_true(line[0].duration_ns > 200 * NS_PER_MS);
+    close_room(&r);
+}
+
+/* A pad's button, pressed until it is obeyed: what is down when it is first heard was not pressed.
+ */
+static bool press_until(room *r, int pad, uint8_t controller, condition *holds)
+{
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    for (uint8_t value = 0; clock_now_ns() < end_ns; value = value ? 0 : 127) {
+        const uint8_t message[3] = {0xb0, controller, value};
+        assert_int_equal(write(pad, message, sizeof message), sizeof message);
+        for (int i = 0; i < 10; ++i) {
+            app_update(r->app, 0.005);
+            if (holds(r->app))
+                return true;
+            clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
+        }
+    }
+    return false;
+}
+
+static void buttons_of_a_patch_record_and_stop(void **state)
+{
+    room r;
+    char path[96], pad_input[128];
+    error err = {0};
+    (void)state;
+    make_room(&r);
+    (void)snprintf(path, sizeof path, "%s/pad", r.folder);
+    (void)snprintf(pad_input, sizeof pad_input, "midi:%s", path);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    const int pad = open(path, O_RDWR | O_NONBLOCK);
+    assert_true(pad >= 0);
+    const char *const inputs[] = {pad_input};
+    const app_options with = {.show_path = r.show,
+                              .face_path = puppet,
+                              .mapping = "one_hand",
+                              .inputs = inputs,
+                              .input_count = 1};
+    if (open_with(&r, &with, &err) < 0)
+        fail_msg("%s", err.text);
+    static patch p = {.name = "pad", .count = 2};
+    for (int i = 0; i < 2; ++i) {
+        p.connection[i] = patch_connection_of(PATCH_ACTION);
+        (void)snprintf(p.connection[i].channel, PATCH_NAME, "cc.%d", 20 + i);
+        (void)snprintf(p.connection[i].target, PATCH_NAME, "%s", i == 0 ? "record" : "stop");
+    }
+    app_set_patch(r.app, &p);
+    assert_true(press_until(&r, pad, 20, is_recording));
+    assert_true(until(&r, is_recorded));
+    assert_true(press_until(&r, pad, 21, has_ended));
+    assert_int_equal(count_takes(r.app), 1);
+    assert_true(app_take(r.app)->duration_ns > 200 * NS_PER_MS);
+    assert_true(press_until(&r, pad, 20, is_recording)); /* and the next one */
+    assert_true(until(&r, is_recorded));
+    assert_true(press_until(&r, pad, 21, has_ended));
+    assert_int_equal(count_takes(r.app), 2);
+    (void)close(pad);
     close_room(&r);
 }
 
@@ -270,6 +329,7 @@ int main(void)
         cmocka_unit_test(a_take_that_ends_is_chosen_and_the_stage_stays_live),
         cmocka_unit_test(a_take_that_is_recorded_is_in_the_list_while_it_grows),
         cmocka_unit_test(closing_while_recording_keeps_the_take),
+        cmocka_unit_test(buttons_of_a_patch_record_and_stop),
         cmocka_unit_test(what_nobody_recorded_can_be_kept),
         cmocka_unit_test(keeping_while_recording_leaves_the_recording_alone),
         cmocka_unit_test(what_is_performed_over_a_take_leaves_others_in_the_list),
