@@ -18,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { REPLUGS = 100, WARM_UP = 5, RESIDENT_MAX_KB = 4096, PATIENCE_S = 5 };
+enum { REPLUGS = 100, WARM_UP = 5, RESIDENT_MAX_KB = 4096, PATIENCE_S = 30 };
 /* Every fifth life is long enough for the whole ease: 250 ms, and 50 records at 150 Hz. */
 enum { SHORT_LIFE = 10, LONG_LIFE = 50, LONG_EVERY = 5, EASED_AFTER = 45 };
 
