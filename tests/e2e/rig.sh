@@ -128,4 +128,13 @@ if [ -e "$shared/data/faces/ict_face.glb" ]; then
 else
     echo "no face to fit in $shared"
 fi
+
+# A head on which no face is seen is clay: hands can pull it.
+if [ -e "$shared/data/heads/cryptovoxels.vrm" ]; then
+    cp "$shared/data/heads/cryptovoxels.vrm" .
+    "$MAROTTE" rig new cryptovoxels.vrm >egg.txt || fail "a head without a face"
+    grep -q 'is clay' egg.txt || fail "what is done without a face is not said"
+    "$MAROTTE" perform --face cryptovoxels.rig.json --input "log:$demo,end=6" --map anchored >facts.txt || fail "clay"
+    awk -v mm="$(fact 'range of motion' facts.txt)" 'BEGIN { exit !(mm > 3) }' || fail "the clay cannot be pulled"
+fi
 finish

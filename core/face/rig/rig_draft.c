@@ -326,10 +326,12 @@ static json_t *beside(const drafting *d, json_t *select)
     return d->a.has_face ? json_pack("{s[o{so}]}", "all", select, "not", free_part(d)) : select;
 }
 
+/* What rides on a bone as a whole. Of a head without a face it is clay, else rigid. */
 static void add_held(drafting *d, const char *bone, json_t *select)
 {
+    bool is_clay = !d->a.has_face && strcmp(bone, "skull") == 0;
     json_array_append_new(d->regions, json_pack("{ss, si, si, so}", "bone", bone, "weight", 1,
-                                                "mobility", 0, "select", select));
+                                                "mobility", is_clay, "select", select));
 }
 
 /* A head on a body: the skin of the file says what turns, else the height. */
