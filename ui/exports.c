@@ -1,6 +1,6 @@
 #include "exports.h"
 #include "draw/sheet.h"
-#include "video.h"
+#include "stream/video.h"
 
 #include "base/file.h"
 #include "base/text.h"
@@ -35,6 +35,8 @@ exports_format exports_format_of(const char *path)
 {
     exports_format best = EXPORTS_NONE;
     size_t length = strlen(path), most = 0;
+    if (video_is_stream(path))
+        return EXPORTS_MP4;
     for (exports_format i = EXPORTS_NONE + 1; i < EXPORTS_END; ++i) {
         size_t size = strlen(endings[i]);
         if (size > most && size <= length && strcasecmp(path + length - size, endings[i]) == 0) {
@@ -91,6 +93,8 @@ mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
     for (uint32_t i = 0; i < count; ++i) {
         if (file[i].format == EXPORTS_FOLDER)
             continue; /* the folder itself says whether it may */
+        if (video_is_stream(file[i].path))
+            continue;
         mrt_result result = check_export(file[i].path, err);
         if (result < 0)
             return result;
@@ -418,7 +422,7 @@ void exports_video_choose(exports_video *out, const exports_file *file, uint32_t
 const char *exports_video_mp4(const exports_video *self)
 {
     for (uint32_t i = 0; i < self->count; ++i)
-        if (!self->file[i].is_folder)
+        if (!self->file[i].is_folder && !video_is_stream(self->file[i].path))
             return self->file[i].path;
     return NULL;
 }
@@ -536,7 +540,7 @@ mrt_result exports_video_add_sound(const exports_video *self, const char *sound,
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->count && result >= 0; ++i)
-        if (!self->file[i].is_folder)
+        if (!self->file[i].is_folder && !video_is_stream(self->file[i].path))
             result = video_ffmpeg_add_sound(self->file[i].path, sound, err);
     return result;
 }

@@ -9,7 +9,7 @@
 #include "terminal.h"
 #include "stage/perform/composer.h"
 #include "take/show.h"
-#include "video.h"
+#include "stream/video.h"
 
 enum { EXPORTS_MAX = 16 };
 

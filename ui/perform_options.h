@@ -5,7 +5,7 @@
 #include "exports.h"
 #include "io/mesh_file.h"
 #include "stage/input/spec.h"
-#include "video.h"
+#include "stream/video.h"
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_OUTPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
 

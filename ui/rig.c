@@ -9,7 +9,7 @@
 #include "terminal.h"
 #include "rigpicture.h"
 #include "stage/perform/face_file.h"
-#include "video.h"
+#include "stream/video.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -4,7 +4,9 @@
 #include "base/cancel.h"
 #include "base/memory.h"
 #include "facts.h"
+#include "window/streams.h"
 #include "window/workspace.h"
+#include "stream/video.h"
 #include "window/gui/window.h"
 #include "window/script.h"
 
@@ -24,6 +26,8 @@ typedef struct stage_options {
     const char *input[INPUTS_MAX];
     uint32_t width, height; /* points; 0: as last time */
     double scale, seconds;
+    app_picture streamed; /* given: some of it was */
+    bool has_picture;
     const char *script, *picture;
     bool is_hidden, is_json;
 } stage_options;
@@ -47,6 +51,9 @@ enum {
     OPTION_MAP,
     OPTION_INPUT,
     OPTION_REMOTE,
+    OPTION_STREAM,
+    OPTION_STREAM_LOOK,
+    OPTION_BACKGROUND,
     OPTION_SIZE,
     OPTION_SCALE,
     OPTION_HIDDEN,
@@ -57,19 +64,23 @@ enum {
     OPTION_JSON
 };
 
-static const struct option long_options[] = {{"face", required_argument, NULL, OPTION_FACE},
-                                             {"map", required_argument, NULL, OPTION_MAP},
-                                             {"input", required_argument, NULL, OPTION_INPUT},
-                                             {"remote", required_argument, NULL, OPTION_REMOTE},
-                                             {"size", required_argument, NULL, OPTION_SIZE},
-                                             {"scale", required_argument, NULL, OPTION_SCALE},
-                                             {"hidden", no_argument, NULL, OPTION_HIDDEN},
-                                             {"script", required_argument, NULL, OPTION_SCRIPT},
-                                             {"picture", required_argument, NULL, OPTION_PICTURE},
-                                             {"seconds", required_argument, NULL, OPTION_SECONDS},
-                                             {"settings", required_argument, NULL, OPTION_SETTINGS},
-                                             {"json", no_argument, NULL, OPTION_JSON},
-                                             {NULL, 0, NULL, 0}};
+static const struct option long_options[] = {
+    {"face", required_argument, NULL, OPTION_FACE},
+    {"map", required_argument, NULL, OPTION_MAP},
+    {"input", required_argument, NULL, OPTION_INPUT},
+    {"remote", required_argument, NULL, OPTION_REMOTE},
+    {"stream", required_argument, NULL, OPTION_STREAM},
+    {"stream-look", required_argument, NULL, OPTION_STREAM_LOOK},
+    {"background", required_argument, NULL, OPTION_BACKGROUND},
+    {"size", required_argument, NULL, OPTION_SIZE},
+    {"scale", required_argument, NULL, OPTION_SCALE},
+    {"hidden", no_argument, NULL, OPTION_HIDDEN},
+    {"script", required_argument, NULL, OPTION_SCRIPT},
+    {"picture", required_argument, NULL, OPTION_PICTURE},
+    {"seconds", required_argument, NULL, OPTION_SECONDS},
+    {"settings", required_argument, NULL, OPTION_SETTINGS},
+    {"json", no_argument, NULL, OPTION_JSON},
+    {NULL, 0, NULL, 0}};
 
 static bool read_number(const char *text, double least, double most, double *out)
 {
@@ -94,6 +105,36 @@ static bool read_size(const char *text, stage_options *out)
     return true;
 }
 
+/* What is not said of it is as usual, not as last time. */
+static int read_picture(stage_options *out, int option, const char *value)
+{
+    app_picture *to = &out->streamed;
+    float ground[4];
+    char end;
+    out->has_picture = true;
+    if (option == OPTION_BACKGROUND) {
+        if (strlen(value) >= sizeof to->background || !streams_ground(value, ground))
+            return command_usage(&command_stage, "--background %s: expected %s", value,
+                                 video_look_grounds);
+        (void)snprintf(to->background, sizeof to->background, "%s", value);
+        return COMMAND_DONE;
+    }
+    if (option == OPTION_STREAM) {
+        const size_t used = strlen(to->targets);
+        if (strchr(value, ' ') || used + strlen(value) + 2 > sizeof to->targets)
+            return command_usage(&command_stage, "--stream %s: too long, or has a blank", value);
+        (void)snprintf(to->targets + used, sizeof to->targets - used, "%s%s", used ? " " : "",
+                       value);
+        return COMMAND_DONE;
+    }
+    const int got = sscanf(value, "%4ux%4u@%3u%c", &to->width, &to->height, &to->fps, &end);
+    const bool is_good = got == 3 && to->width >= 64 && to->width <= 4096 && to->height >= 64 &&
+                         to->height <= 4096 && to->fps >= 1 && to->fps <= 120;
+    return is_good ? COMMAND_DONE
+                   : command_usage(&command_stage,
+                                   "--stream-look %s: expected WxH@RATE, as in 1280x720@30", value);
+}
+
 static int read_option(stage_options *out, int option, const char *value)
 {
     switch (option) {
@@ -112,6 +153,10 @@ static int read_option(stage_options *out, int option, const char *value)
     case OPTION_REMOTE:
         out->app.remote = value;
         return COMMAND_DONE;
+    case OPTION_STREAM:
+    case OPTION_STREAM_LOOK:
+    case OPTION_BACKGROUND:
+        return read_picture(out, option, value);
     case OPTION_SIZE:
         return read_size(value, out) ? COMMAND_DONE
                                      : command_usage(&command_stage,
@@ -161,6 +206,8 @@ static int read_options(stage_options *out, int argc, char **argv)
                              argv[optind + 1]);
     if (optind < argc)
         out->app.show_path = argv[optind];
+    if (out->has_picture)
+        out->app.picture = &out->streamed;
     if (out->is_hidden && !out->app.settings_path)
         out->app.settings_path = "";
     if (out->is_hidden && !out->script && out->seconds <= 0.0)
@@ -349,28 +396,34 @@ bool stage_is_meant(const char *first)
 
 static void print_help(FILE *to)
 {
-    fputs("marotte [SHOW.marotte] [OPTIONS]\n"
-          "The stage: a window with a face that hands perform, live and over takes.\n"
-          "Without a show the last one is opened, or one of today is made in\n"
-          "$XDG_DOCUMENTS_DIR/marotte. ? in the window lists its keys.\n\n"
-          "  --face FILE      a rig, a mesh, or puppet, moai (the show's, or the last one)\n"
-          "  --map SPEC       who performs: one_hand,smile=8 (the last one)\n"
-          "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
-          "                   (those of last time, or what is plugged in)\n"
-          "  --remote [HOST:]PORT  a phone, a Stream Deck or a script may record, mark, pose:\n"
-          "                   OSC and WebSocket (as last time; at first off)\n"
-          "  --size WxH       of the window, in points (as it was left)\n"
-          "  --settings FILE  instead of $XDG_CONFIG_HOME/marotte/window.json; \"\": none\n"
-          "                   (with --hidden: none)\n"
-          "\nWithout a person:\n"
-          "  --hidden         no window: needs no display\n"
-          "  --scale S        of a hidden one: pixels a point (1)\n"
-          "  --seconds N      ends after so long\n"
-          "  --script FILE    does what the file says, then ends\n"
-          "  --picture FILE   a PNG of the window at the end\n"
-          "  --json           what it did, for machines\n"
-          "\nA script has one command a line; # begins a comment:\n",
-          to);
+    fputs(
+        "marotte [SHOW.marotte] [OPTIONS]\n"
+        "The stage: a window with a face that hands perform, live and over takes.\n"
+        "Without a show the last one is opened, or one of today is made in\n"
+        "$XDG_DOCUMENTS_DIR/marotte. ? in the window lists its keys.\n\n"
+        "  --face FILE      a rig, a mesh, or puppet, moai (the show's, or the last one)\n"
+        "  --map SPEC       who performs: one_hand,smile=8 (the last one)\n"
+        "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
+        "                   (those of last time, or what is plugged in)\n"
+        "  --remote [HOST:]PORT  a phone, a Stream Deck or a script may record, mark, pose:\n"
+        "                   OSC and WebSocket (as last time; at first off)\n"
+        "  --stream TARGET  the face for other programs, up to 4: pipewire (a camera), "
+        "/dev/videoN\n"
+        "                   (v4l2loopback), srt://HOST:PORT, udp://HOST:PORT (by ffmpeg)\n"
+        "  --stream-look WxH@RATE  of them (1280x720@30)\n"
+        "  --background C   behind the face there and in the output window: transparent, #00b140\n"
+        "  --size WxH       of the window, in points (as it was left)\n"
+        "  --settings FILE  instead of $XDG_CONFIG_HOME/marotte/window.json; \"\": none\n"
+        "                   (with --hidden: none)\n"
+        "\nWithout a person:\n"
+        "  --hidden         no window: needs no display\n"
+        "  --scale S        of a hidden one: pixels a point (1)\n"
+        "  --seconds N      ends after so long\n"
+        "  --script FILE    does what the file says, then ends\n"
+        "  --picture FILE   a PNG of the window at the end\n"
+        "  --json           what it did, for machines\n"
+        "\nA script has one command a line; # begins a comment:\n",
+        to);
     fputs(script_help(), to);
     fputs("random does what it likes to the show and the face: give it copies.\n", to);
 }

@@ -190,6 +190,19 @@ wait $pid && fail "an interrupted export succeeds"
 grep -q 'stopped at frame' "$scratch/stderr" || fail "interrupted: $(cat "$scratch/stderr")"
 [ -z "$(ls -A out)" ] || fail "an interrupted export leaves $(ls -A out)"
 
+# A stream is received by somebody else's program while it is performed.
+port=$((20000 + RANDOM % 30000))
+ffmpeg -nostdin -v error -y -i "udp://127.0.0.1:$port?timeout=100000000" -frames:v 10 -c copy got.ts 2>"$scratch/got" &
+pid=$!
+for _ in $(seq 300); do
+    grep -qi ":$(printf %04X "$port") " /proc/net/udp && break
+    sleep 0.1
+done
+perform "${small[@]}" --fps 25 --export "udp://127.0.0.1:$port"
+says "udp://127.0.0.1:$port"
+wait $pid || fail "the stream is not received: $(cat "$scratch/got")"
+[ "$(probe got.ts v width | head -n 1)" = 160 ] || fail "what is received is $(probe got.ts v width) wide"
+
 # Ten times as many frames take no more memory.
 perform --size 32x32 --fps 30 --export m/
 few=$(fact 'peak memory' said)

@@ -8,7 +8,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "draw_help.h"
-#include "video.h"
+#include "stream/video.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -414,7 +414,7 @@ static void write_movie(const char *timecode, timecode_rate rate)
 {
     error err = {""};
     video_ffmpeg *encoder = NULL;
-    const video_ffmpeg_about of = {SIDE, SIDE, rate, timecode, NULL};
+    const video_ffmpeg_about of = {SIDE, SIDE, rate, timecode, NULL, false};
     if (video_ffmpeg_check(movie, &err) != MRT_OK)
         skip();
     assert_int_equal(video_ffmpeg_open(&encoder, movie, &of, &err), MRT_OK);

@@ -91,6 +91,25 @@ void app_set_remote(app *self, const char *place)
     (void)snprintf(here->remote, sizeof here->remote, "%s", place);
 }
 
+const app_picture *app_picture_now(const app *self)
+{
+    (void)self;
+    return &here->picture;
+}
+
+void app_set_picture(app *self, const app_picture *wanted)
+{
+    (void)self;
+    here->picture = *wanted;
+}
+
+const char *app_picture_says(const app *self, uint32_t *out_streams)
+{
+    (void)self;
+    *out_streams = 0;
+    return "";
+}
+
 bool app_take_preset(app *self, char *out, size_t capacity)
 {
     (void)self;

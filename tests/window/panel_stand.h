@@ -43,6 +43,7 @@ typedef struct stand {
     uint32_t solver_count;
     patch patch;
     app_patch_aim aim;
+    app_picture picture;
     /* from afar */
     char remote[APP_REMOTE_PLACE], preset[64];
     /* undo */

@@ -395,8 +395,8 @@ static void a_whole_performance_in_a_small_window_does_no_harm(void **state)
     stand_wheel(&s, -80);
     s.where = (ui_rectangle){0, 0, 1, 1};
     stand_frames(&s, 2);
-    assert_true(viewport_output(s.viewport, 64, 48) != 0);
-    assert_true(viewport_output(s.viewport, 0, 48) == 0);
+    assert_true(viewport_output(s.viewport, VIEWPORT_WINDOW, 64, 48) != 0);
+    assert_true(viewport_output(s.viewport, VIEWPORT_STREAM, 0, 48) == 0);
     stand_close(&s);
 }
 

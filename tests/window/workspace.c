@@ -8,6 +8,8 @@
 
 #include "window/scene.h"
 
+#include <png.h>
+
 static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1";
 static const char *const demo_inputs[] = {demo};
 
@@ -428,6 +430,42 @@ static void the_output_shows_the_face_alone_and_mirrored(void **state)
     scene_close(&s);
 }
 
+static void the_output_is_clear_where_the_face_is_not(void **state)
+{
+    scene s;
+    error err = {0};
+    app_picture wanted = {.background = "transparent", .is_on_top = true};
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    app_set_picture(s.app, &wanted);
+    scene_do(&s, ACTION_OUTPUT);
+    scene_frames(&s, 3);
+    assert_int_equal(window_hidden_output_picture(s.window, BUILD_DIR "/out/clear.png", &err),
+                     MRT_OK);
+    assert_true(png_image_begin_read_from_file(&image, BUILD_DIR "/out/clear.png"));
+    image.format = PNG_FORMAT_RGBA;
+    uint8_t *rgba = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(rgba);
+    assert_true(png_image_finish_read(&image, NULL, rgba, 0, NULL));
+    uint32_t partly = 0;
+    for (size_t i = 0; i < (size_t)image.width * image.height; ++i) {
+        const uint8_t *at = rgba + 4 * i;
+        for (int k = 0; k < 3; ++k) /* premultiplied */
+            assert_true(at[k] <= at[3] + 1);
+        partly += at[3] > 0 && at[3] < 255;
+    }
+    assert_int_equal(rgba[3], 0);
+    assert_int_equal(rgba[4 * ((size_t)image.height / 2 * image.width + image.width / 2) + 3], 255);
+    assert_true(partly > 100); /* its edge is smooth */
+    free(rgba);
+    (void)snprintf(wanted.background, sizeof wanted.background, "%s", "#00b140");
+    app_set_picture(s.app, &wanted);
+    scene_frames(&s, 3);
+    assert_true(window_has_output(s.window)); /* opened anew */
+    scene_close(&s);
+}
+
 static void figures_are_told(void **state)
 {
     scene s;
@@ -466,6 +504,7 @@ int main(void)
         cmocka_unit_test(work_that_is_not_saved_is_asked_about),
         cmocka_unit_test(without_unsaved_work_the_window_closes_at_once),
         cmocka_unit_test(the_output_shows_the_face_alone_and_mirrored),
+        cmocka_unit_test(the_output_is_clear_where_the_face_is_not),
         cmocka_unit_test(figures_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "window/gui/theme.h"
 #include "window/panels/mapping.h"
 #include "window/panels/panels.h"
+#include "window/streams.h"
 #include "window/viewport/viewport.h"
 
 #include "base/clock.h"
@@ -27,6 +28,8 @@ struct workspace {
     window *window;
     ui *ui;
     viewport *viewport;
+    streams *streams;
+    uint64_t output_edition; /* of app_picture, as the output was opened */
     panel *dock[APP_PANELS], *timeline;
     ui_screen screen;
 
@@ -849,6 +852,9 @@ static mrt_result create_parts(workspace *self, error *err)
     if (!self->viewport)
         return MRT_ERR_UNSUPPORTED;
     app_set_viewport(self->app, self->viewport);
+    self->streams = streams_create(self->app, self->viewport);
+    if (!self->streams)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     self->timeline = panel_timeline.create(self->app);
     bool is_whole = self->timeline != NULL;
     for (uint32_t i = 0; i < APP_PANELS; ++i) {
@@ -886,6 +892,7 @@ void workspace_destroy(workspace *self)
         panel_timeline.destroy(self->timeline);
     app_set_viewport(self->app, NULL);
     viewport_destroy(self->viewport);
+    streams_destroy(self->streams);
     window_close_output(self->window);
     ui_destroy(self->ui);
     dialogs_finish(&self->dialogs);
@@ -1053,13 +1060,20 @@ static void show_output(workspace *self)
         window_close_output(self->window);
         return;
     }
-    if (!window_has_output(self->window) && window_open_output(self->window, &err) < 0) {
+    const app_picture *picture = app_picture_now(self->app);
+    const window_output_look look = {strcmp(picture->background, "transparent") == 0,
+                                     picture->is_on_top, picture->is_window};
+    if (picture->edition != self->output_edition)
+        window_close_output(self->window);
+    self->output_edition = picture->edition;
+    if (!window_has_output(self->window) && window_open_output(self->window, &look, &err) < 0) {
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "output", err.text);
         looks->has_output = false;
         return;
     }
     window_output_size(self->window, &width, &height);
-    const uint32_t texture = width && height ? viewport_output(self->viewport, width, height) : 0;
+    const uint32_t texture =
+        width && height ? viewport_output(self->viewport, VIEWPORT_WINDOW, width, height) : 0;
     if (texture)
         window_show_output(self->window, texture, looks->is_output_mirrored);
     looks->has_output = window_has_output(self->window); /* the person may have closed it */
@@ -1186,7 +1200,8 @@ bool workspace_frame(workspace *self)
     const int64_t began_ns = clock_now_ns();
     ui_begin(self->ui, &self->screen);
     app_update(self->app, self->screen.dt_s);
-    window_stay_awake(self->window, app_remote_now(self->app).is_listening);
+    window_stay_awake(self->window,
+                      app_remote_now(self->app).is_listening || streams_are_on(self->streams));
     workspace_dispatch_keys(self);
     take_requests(self);
     workspace_update_news(self, self->screen.dt_s);
@@ -1201,7 +1216,11 @@ bool workspace_frame(workspace *self)
     }
     self->began_ns = began_ns;
     window_end(self->window, self->ui);
+    float ground[4];
+    const bool has_ground = streams_ground(app_picture_now(self->app)->background, ground);
+    viewport_set_ground(self->viewport, has_ground ? ground : NULL);
     show_output(self);
+    streams_update(self->streams, self->screen.dt_s);
     tell_figures(self);
     self->frame_count += 1;
     return !self->dialogs.is_over;

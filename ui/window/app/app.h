@@ -13,6 +13,17 @@
 
 typedef struct app app;
 
+/* The picture for other programs: what is behind the face in the output window and in streams, how
+ * that window is, and where pictures are sent. Kept between runs. */
+typedef struct app_picture {
+    char background[16]; /* "": the studio's wall; "transparent", "#00b140" */
+    bool is_on_top;      /* the output window, above all others */
+    bool is_window;      /* it is one, though there is a second monitor */
+    char targets[512];   /* of streams, parted by blanks (stream/stream.h); "" */
+    uint32_t width, height, fps;
+    uint64_t edition; /* grows with each change; out */
+} app_picture;
+
 typedef struct app_options {
     const char *show_path;     /* NULL: the last one, or a new one in the documents folder */
     const char *face_path;     /* NULL: the show's, the last one, the puppet */
@@ -21,6 +32,7 @@ typedef struct app_options {
     uint32_t input_count;
     const char *settings_path;  /* NULL: the user's; "": none is read or written */
     const char *remote;         /* "[HOST:]PORT"; NULL: as last time (remote.h) */
+    const app_picture *picture; /* NULL: as last time */
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
 } app_options;
@@ -96,6 +108,14 @@ typedef struct app_patch_aim {
     char target[PATCH_NAME];
 } app_patch_aim;
 app_patch_aim *app_patch_aimed(app *self);
+
+/* ---- the picture for other programs ---- */
+
+const app_picture *app_picture_now(const app *self);
+void app_set_picture(app *self, const app_picture *wanted);
+/* What whoever sends them has to say: how many streams there are, and what is wrong; "". */
+void app_note_picture(app *self, const char *says, uint32_t streams);
+const char *app_picture_says(const app *self, uint32_t *out_streams);
 
 /* ---- from afar ---- */
 

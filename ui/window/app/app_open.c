@@ -761,6 +761,72 @@ static mrt_result start_remote(app *self, const char *wanted, error *err)
     return wanted ? result : MRT_OK;
 }
 
+/* ---- the picture for other programs ---- */
+
+enum { PICTURE_LEAST = 64, PICTURE_MOST = 4096, FPS_MOST = 120 };
+
+static uint32_t number_within(double value, uint32_t least, uint32_t most, uint32_t otherwise)
+{
+    return value >= least && value <= most ? (uint32_t)value : otherwise;
+}
+
+static void take_picture(app *self, const app_picture *wanted)
+{
+    const uint64_t edition = self->picture.edition + 1;
+    self->picture = *wanted;
+    self->picture.edition = edition;
+    self->picture.width = number_within(wanted->width, PICTURE_LEAST, PICTURE_MOST, 1280) & ~1u;
+    self->picture.height = number_within(wanted->height, PICTURE_LEAST, PICTURE_MOST, 720) & ~1u;
+    self->picture.fps = number_within(wanted->fps, 1, FPS_MOST, 30);
+}
+
+void app_set_picture(app *self, const app_picture *wanted)
+{
+    take_picture(self, wanted);
+    settings_set_text(self->settings, "picture.background", self->picture.background);
+    settings_set_text(self->settings, "picture.targets", self->picture.targets);
+    settings_set_number(self->settings, "picture.on_top", self->picture.is_on_top);
+    settings_set_number(self->settings, "picture.window", self->picture.is_window);
+    settings_set_number(self->settings, "picture.width", self->picture.width);
+    settings_set_number(self->settings, "picture.height", self->picture.height);
+    settings_set_number(self->settings, "picture.fps", self->picture.fps);
+}
+
+static void read_picture(app *self, const app_picture *given)
+{
+    const settings *from = self->settings;
+    app_picture kept = {
+        .is_on_top = settings_number(from, "picture.on_top", 0.0) > 0.5,
+        .is_window = settings_number(from, "picture.window", 0.0) > 0.5,
+        .width = number_within(settings_number(from, "picture.width", 0.0), 0, PICTURE_MOST, 0),
+        .height = number_within(settings_number(from, "picture.height", 0.0), 0, PICTURE_MOST, 0),
+        .fps = number_within(settings_number(from, "picture.fps", 0.0), 0, FPS_MOST, 0)};
+    (void)snprintf(kept.background, sizeof kept.background, "%s",
+                   settings_text(from, "picture.background", ""));
+    (void)snprintf(kept.targets, sizeof kept.targets, "%s",
+                   settings_text(from, "picture.targets", ""));
+    take_picture(self, given ? given : &kept); /* what a command line says is not kept */
+}
+
+const app_picture *app_picture_now(const app *self)
+{
+    return &self->picture;
+}
+
+void app_note_picture(app *self, const char *says, uint32_t streams)
+{
+    self->stream_count = streams;
+    if (says[0] && strcmp(says, self->picture_says) != 0)
+        news_list_add(self->news, MRT_LOG_WARNING, "stream", says);
+    (void)snprintf(self->picture_says, sizeof self->picture_says, "%s", says);
+}
+
+const char *app_picture_says(const app *self, uint32_t *out_streams)
+{
+    *out_streams = self->stream_count;
+    return self->picture_says;
+}
+
 /* ---- life ---- */
 
 static mrt_result make_parts(app *self, const app_options *options, error *err)
@@ -784,6 +850,7 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     if (options->note && options->note[0])
         app_say(self, MRT_LOG_WARNING, "%s", options->note);
     app_looks_read(self);
+    read_picture(self, options->picture);
     return MRT_OK;
 }
 

@@ -27,7 +27,7 @@ typedef struct window_type {
     mrt_result (*picture)(window *self, const char *png_path, error *err);
     void (*set_title)(window *self, const char *title); /* NULL: there is nothing to write it on */
     bool (*read_gamepad)(window *self, window_gamepad *out);
-    mrt_result (*open_output)(window *self, error *err);
+    mrt_result (*open_output)(window *self, const window_output_look *look, error *err);
     void (*close_output)(window *self);
     bool (*has_output)(const window *self);
     void (*output_size)(const window *self, uint32_t *out_width, uint32_t *out_height);
@@ -49,7 +49,7 @@ typedef struct window_sheet {
 /* Draws a texture over all of the framebuffer that is bound. */
 typedef struct window_fill {
     uint32_t program, vertex_array;
-    int32_t mirror;
+    int32_t mirror, clear;
 } window_fill;
 
 typedef struct window_output window_output;
@@ -136,8 +136,8 @@ static void window_clear(uint32_t width_px, uint32_t height_px)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
-/* OpenGL's first row is the lowest; nothing is seen through a window. */
-static void turn_over(uint8_t *rgba, uint32_t width, uint32_t height)
+/* OpenGL's first row is the lowest. */
+static void turn_over(uint8_t *rgba, uint32_t width, uint32_t height, bool is_clear)
 {
     const size_t row_size = (size_t)width * 4;
     for (uint32_t row = 0; row < height / 2; ++row) {
@@ -148,7 +148,7 @@ static void turn_over(uint8_t *rgba, uint32_t width, uint32_t height)
             below[i] = kept;
         }
     }
-    for (size_t i = 3; i < row_size * height; i += 4)
+    for (size_t i = 3; i < row_size * height && !is_clear; i += 4)
         rgba[i] = 255;
 }
 
@@ -182,8 +182,8 @@ static void window_sheet_finish(window_sheet *self)
 }
 
 /* Rows of the framebuffer that is bound for reading, as a PNG. */
-static mrt_result window_write_picture(uint32_t width_px, uint32_t height_px, const char *png_path,
-                                       error *err)
+static mrt_result window_write_picture(uint32_t width_px, uint32_t height_px, bool is_clear,
+                                       const char *png_path, error *err)
 {
     uint8_t *rgba = malloc((size_t)width_px * height_px * 4);
     if (!rgba)
@@ -192,7 +192,7 @@ static mrt_result window_write_picture(uint32_t width_px, uint32_t height_px, co
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     glReadPixels(0, 0, (GLsizei)width_px, (GLsizei)height_px, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    turn_over(rgba, width_px, height_px);
+    turn_over(rgba, width_px, height_px, is_clear);
     mrt_result result = png_write(png_path, rgba, width_px, height_px, err);
     free(rgba);
     return result;
@@ -208,11 +208,15 @@ static const char fill_vertex[] =
     "    place = vec2(mix(corner.x, 1.0 - corner.x, mirror), corner.y);\n"
     "    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);\n"
     "}\n";
-static const char fill_fragment[] =
-    "in vec2 place;\n"
-    "out vec4 colour;\n"
-    "uniform sampler2D picture;\n"
-    "void main() { colour = vec4(texture(picture, place).rgb, 1.0); }\n";
+static const char fill_fragment[] = "in vec2 place;\n"
+                                    "out vec4 colour;\n"
+                                    "uniform sampler2D picture;\n"
+                                    "uniform float clear;\n" /* 1: premultiplied */
+                                    "void main() {\n"
+                                    "    vec4 straight = texture(picture, place);\n"
+                                    "    float alpha = mix(1.0, straight.a, clear);\n"
+                                    "    colour = vec4(straight.rgb * alpha, alpha);\n"
+                                    "}\n";
 
 static mrt_result window_fill_init(window_fill *out, error *err)
 {
@@ -227,6 +231,7 @@ static mrt_result window_fill_init(window_fill *out, error *err)
     glUniform1i(glGetUniformLocation(out->program, "picture"), 0);
     glUseProgram(0);
     out->mirror = glGetUniformLocation(out->program, "mirror");
+    out->clear = glGetUniformLocation(out->program, "clear");
     glGenVertexArrays(1, &out->vertex_array);
     return gl_check_error("the output", err);
 }
@@ -241,7 +246,7 @@ static void window_fill_finish(window_fill *self)
 }
 
 static void window_fill_draw(const window_fill *self, uint32_t texture, bool is_mirrored,
-                             uint32_t width_px, uint32_t height_px)
+                             bool is_clear, uint32_t width_px, uint32_t height_px)
 {
     window_clear(width_px, height_px);
     glDisable(GL_DEPTH_TEST);
@@ -249,6 +254,7 @@ static void window_fill_draw(const window_fill *self, uint32_t texture, bool is_
     glDisable(GL_CULL_FACE);
     glUseProgram(self->program);
     glUniform1f(self->mirror, is_mirrored ? 1.0f : 0.0f);
+    glUniform1f(self->clear, is_clear ? 1.0f : 0.0f);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, texture);
     glBindVertexArray(self->vertex_array);
@@ -307,9 +313,9 @@ bool window_read_gamepad(window *self, window_gamepad *out)
     return self->type->read_gamepad(self, out);
 }
 
-mrt_result window_open_output(window *self, error *err)
+mrt_result window_open_output(window *self, const window_output_look *look, error *err)
 {
-    return window_has_output(self) ? MRT_OK : self->type->open_output(self, err);
+    return window_has_output(self) ? MRT_OK : self->type->open_output(self, look, err);
 }
 
 void window_close_output(window *self)
@@ -349,6 +355,7 @@ typedef struct picture { /* of the slot's three: [main] fills it, the thread sho
 
 struct window_output {
     GLFWwindow *window, *main_window;
+    window_output_look look;
     GLuint read_framebuffer;
     picture picture[PICTURES];
     publish_slot slot;
@@ -386,7 +393,7 @@ static void show(window_output *self, const window_fill *fill, uint32_t width, u
     picture *one = &self->picture[slot_front(&self->slot)];
     if (one->filled)
         glWaitSync(one->filled, 0, GL_TIMEOUT_IGNORED);
-    window_fill_draw(fill, one->texture, one->is_mirrored, width, height);
+    window_fill_draw(fill, one->texture, one->is_mirrored, self->look.is_clear, width, height);
     if (one->shown)
         glDeleteSync(one->shown);
     one->shown = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -437,14 +444,16 @@ static GLFWmonitor *other_monitor(GLFWwindow *main_window)
     return NULL;
 }
 
-static GLFWwindow *open_window(GLFWwindow *main_window)
+static GLFWwindow *open_window(GLFWwindow *main_window, const window_output_look *look)
 {
-    GLFWmonitor *monitor = other_monitor(main_window);
+    GLFWmonitor *monitor = look->is_window ? NULL : other_monitor(main_window);
     const GLFWvidmode *mode = monitor ? glfwGetVideoMode(monitor) : NULL;
     glfwWindowHint(GLFW_DECORATED, GLFW_FALSE);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
     glfwWindowHint(GLFW_FOCUS_ON_SHOW, GLFW_FALSE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_FALSE);
+    glfwWindowHint(GLFW_TRANSPARENT_FRAMEBUFFER, look->is_clear);
+    glfwWindowHint(GLFW_FLOATING, look->is_on_top);
     if (mode) { /* the mode that it has: nothing flickers */
         glfwWindowHint(GLFW_RED_BITS, mode->redBits);
         glfwWindowHint(GLFW_GREEN_BITS, mode->greenBits);
@@ -454,7 +463,7 @@ static GLFWwindow *open_window(GLFWwindow *main_window)
     GLFWwindow *out =
         glfwCreateWindow(mode ? mode->width : SMALL_WIDTH, mode ? mode->height : SMALL_HEIGHT,
                          "marotte: output", monitor, main_window);
-    if (out && monitor)
+    if (out)
         glfwSetInputMode(out, GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
     return out;
 }
@@ -491,7 +500,7 @@ static void make_pictures(window_output *self)
 
 static mrt_result start(window_output *self, error *err)
 {
-    self->window = open_window(self->main_window);
+    self->window = open_window(self->main_window, &self->look);
     if (!self->window) {
         const char *why = NULL;
         (void)glfwGetError(&why);
@@ -513,13 +522,15 @@ static mrt_result start(window_output *self, error *err)
 
 /* Full screen on a monitor that `main` is not on; a borderless window that can be moved where there
  * is none. The context of `main` is current, and shared. */
-static mrt_result window_output_create(window_output **out, GLFWwindow *main_window, error *err)
+static mrt_result window_output_create(window_output **out, GLFWwindow *main_window,
+                                       const window_output_look *look, error *err)
 {
     *out = NULL;
     window_output *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the output");
     self->main_window = main_window;
+    self->look = *look;
     mrt_result result = start(self, err);
     if (result < 0) {
         window_output_destroy(self);
@@ -883,7 +894,7 @@ static void glfw_end(window *base, ui *from)
 static mrt_result glfw_picture(window *base, const char *png_path, error *err)
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, glfw_window_of(base)->sheet.framebuffer);
-    return window_write_picture(base->width_px, base->height_px, png_path, err);
+    return window_write_picture(base->width_px, base->height_px, false, png_path, err);
 }
 
 static void glfw_set_title(window *base, const char *title)
@@ -924,10 +935,10 @@ static void on_output_key(GLFWwindow *from, int key, int scancode, int action, i
     on_key(self->glfw, key, scancode, action, modifiers);
 }
 
-static mrt_result glfw_open_output(window *base, error *err)
+static mrt_result glfw_open_output(window *base, const window_output_look *look, error *err)
 {
     glfw_window *self = glfw_window_of(base);
-    mrt_result result = window_output_create(&self->output, self->glfw, err);
+    mrt_result result = window_output_create(&self->output, self->glfw, look, err);
     if (result < 0)
         return result;
     glfwSetKeyCallback(window_output_window(self->output), on_output_key);
@@ -1076,7 +1087,7 @@ typedef struct hidden {
     float scale;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
     int64_t began_ns;
-    bool has_output;
+    bool has_output, output_is_clear;
     bool is_unseen; /* as a window that is put away */
     window_gamepad gamepad;
     bool has_gamepad;
@@ -1135,7 +1146,7 @@ static void hidden_end(window *base, ui *from)
 static mrt_result hidden_picture(window *base, const char *png_path, error *err)
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, hidden_of(base)->stage.framebuffer);
-    return window_write_picture(base->width_px, base->height_px, png_path, err);
+    return window_write_picture(base->width_px, base->height_px, false, png_path, err);
 }
 
 static bool hidden_read_gamepad(window *base, window_gamepad *out)
@@ -1144,9 +1155,10 @@ static bool hidden_read_gamepad(window *base, window_gamepad *out)
     return hidden_of(base)->has_gamepad;
 }
 
-static mrt_result hidden_open_output(window *base, error *err)
+static mrt_result hidden_open_output(window *base, const window_output_look *look, error *err)
 {
     hidden *self = hidden_of(base);
+    self->output_is_clear = look->is_clear;
     mrt_result result = self->fill.program ? MRT_OK : window_fill_init(&self->fill, err);
     if (result == MRT_OK)
         result = window_sheet_init(&self->output, OUTPUT_WIDTH, OUTPUT_HEIGHT, err);
@@ -1178,8 +1190,8 @@ static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored)
 {
     hidden *self = hidden_of(base);
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
-    window_fill_draw(&self->fill, texture, is_mirrored, self->output.width_px,
-                     self->output.height_px);
+    window_fill_draw(&self->fill, texture, is_mirrored, self->output_is_clear,
+                     self->output.width_px, self->output.height_px);
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
 }
@@ -1242,8 +1254,8 @@ mrt_result window_hidden_output_picture(window *base, const char *png_path, erro
     if (!self->has_output)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: the output is not open", png_path);
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
-    mrt_result result =
-        window_write_picture(self->output.width_px, self->output.height_px, png_path, err);
+    mrt_result result = window_write_picture(self->output.width_px, self->output.height_px,
+                                             self->output_is_clear, png_path, err);
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     return result;
 }

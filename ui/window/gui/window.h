@@ -35,9 +35,14 @@ typedef struct window_gamepad {
 } window_gamepad;
 bool window_read_gamepad(window *self, window_gamepad *out);
 
-/* The face alone, borderless, full screen on the second monitor (or a window where there is one
- * monitor), at its own refresh: `texture` is drawn to fill it. */
-CHECKED mrt_result window_open_output(window *self, error *err);
+/* The face alone, borderless and without the pointer, full screen on the second monitor (or a
+ * window where there is one monitor, or one is wanted), at its own refresh: `texture`, of straight
+ * alpha, is drawn to fill it. */
+typedef struct window_output_look {
+    bool is_clear; /* what is behind the window is seen where nothing is: premultiplied alpha */
+    bool is_on_top, is_window;
+} window_output_look;
+CHECKED mrt_result window_open_output(window *self, const window_output_look *look, error *err);
 void window_close_output(window *self);
 bool window_has_output(const window *self);
 void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_height);

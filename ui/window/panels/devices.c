@@ -43,8 +43,9 @@ typedef struct devices_panel {
     bool repeats;                  /* a recording begins again at its end */
     bool shows_page;               /* the camera's, as soon as it is open */
     char remote[APP_REMOTE_PLACE]; /* the place that is typed */
-    char trouble[1024];            /* why the last thing that was asked for did not happen; "" */
-    rezero_counts rezeros;         /* as of the frame before */
+    char streams[512];
+    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
+    rezero_counts rezeros; /* as of the frame before */
     bool was_refused;
 } devices_panel;
 
@@ -969,6 +970,47 @@ static void draw_remote(devices_panel *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_DIM, now.last);
 }
 
+/* ---- the picture for other programs ---- */
+
+static void draw_picture(devices_panel *self, ui *on)
+{
+    static const char *const words[] = {"studio wall", "transparent", "green", "blue"};
+    static const char *const colours[] = {"", "transparent", "#00b140", "#0047bb"};
+    app_picture wanted = *app_picture_now(self->app);
+    uint32_t ground = 0, count;
+    bool is_new = false;
+    if (!ui_section(on, "Picture for other programs", false))
+        return;
+    for (uint32_t i = 0; i < 4; ++i)
+        if (strcmp(wanted.background, colours[i]) == 0)
+            ground = i;
+    if (ui_choice(on, "Behind it", 66.0f, words, 4, &ground)) {
+        (void)snprintf(wanted.background, sizeof wanted.background, "%s", colours[ground]);
+        is_new = true;
+    }
+    ui_hint(on,
+            "In the output window (F11) and in streams. Transparent: the desktop, or what OBS has "
+            "below, is seen behind the face.");
+    is_new |=
+        ui_check(on, "Output in a window, though there is a second screen", &wanted.is_window);
+    is_new |= ui_check(on, "Output above all other windows", &wanted.is_on_top);
+    ui_width(on, -1.0f);
+    if (ui_input(on, "##streams", "pipewire  /dev/video10  srt://HOST:PORT", self->streams,
+                 sizeof self->streams)) {
+        (void)snprintf(wanted.targets, sizeof wanted.targets, "%s", self->streams);
+        is_new = true;
+    }
+    ui_hint(on,
+            "A camera for programs that know PipeWire, a v4l2loopback device, a stream by ffmpeg: "
+            "parted by blanks.");
+    const char *says = app_picture_says(self->app, &count);
+    if (count > 0)
+        ui_text_wrapped(on, says[0] ? UI_STYLE_WARNING : UI_STYLE_DIM,
+                        says[0] ? says : "pictures are sent");
+    if (is_new)
+        app_set_picture(self->app, &wanted);
+}
+
 /* ---- the panel ---- */
 
 /* What was opened beside the window, or closed: what is plugged in is looked at anew. */
@@ -1044,6 +1086,7 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
     ui_rule(on);
     devices_open_draw(self, on);
     draw_remote(self, on);
+    draw_picture(self, on);
     ui_scroll_end(on);
     calibrate_panel_draw(self->calibrate, on);
     ui_panel_end(on);
@@ -1089,6 +1132,7 @@ static panel *create(app *of)
         return NULL;
     }
     use_settings(&self->of);
+    (void)snprintf(self->of.streams, sizeof self->of.streams, "%s", app_picture_now(of)->targets);
     (void)snprintf(self->of.remote, sizeof self->of.remote, "%s", app_remote_now(of).place);
     self->of.rezeros = app_status(of)->rezeros;
     return self;

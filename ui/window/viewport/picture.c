@@ -311,6 +311,8 @@ struct viewport_picture {
     float *shape; /* vertex_count by 3: as drawn last, while has_shape */
     bool has_shape, has_colours, is_stale;
     draw_camera camera;
+    bool has_ground;
+    float ground[4];
     viewport_scene scene;
     uint64_t count, shape_count;
 };
@@ -408,7 +410,11 @@ static bool has_target(viewport_picture *self, uint32_t width, uint32_t height, 
 static bool is_same(const viewport_picture *self, const viewport_picture_look *look)
 {
     uint32_t count = look->scene ? look->scene->count : 0;
-    return !self->is_stale && memcmp(&self->camera, &look->camera, sizeof look->camera) == 0 &&
+    const bool is_same_ground =
+        self->has_ground == (look->ground != NULL) &&
+        (!look->ground || memcmp(self->ground, look->ground, sizeof self->ground) == 0);
+    return !self->is_stale && is_same_ground &&
+           memcmp(&self->camera, &look->camera, sizeof look->camera) == 0 &&
            count == self->scene.count &&
            (count == 0 ||
             memcmp(self->scene.item, look->scene->item, count * sizeof *look->scene->item) == 0);
@@ -418,6 +424,9 @@ static void keep(viewport_picture *self, const viewport_picture_look *look)
 {
     self->is_stale = false;
     self->camera = look->camera;
+    self->has_ground = look->ground != NULL;
+    if (look->ground)
+        memcpy(self->ground, look->ground, sizeof self->ground);
     self->scene.count = look->scene ? look->scene->count : 0;
     if (self->scene.count > 0)
         memcpy(self->scene.item, look->scene->item, self->scene.count * sizeof *self->scene.item);
@@ -434,8 +443,10 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
         return 0;
     if (!is_same(self, look)) {
         const uint32_t whole[4] = {0, 0, look->width, look->height};
+        draw_ground(self->renderer, look->ground);
         draw_render(self->renderer, self->target, self->face, &look->camera, 0, 0, look->width,
                     look->height);
+        draw_ground(self->renderer, NULL);
         if (look->scene)
             draw_overlay(self->renderer, self->target, self->face, &look->camera, whole,
                          look->scene->item, look->scene->count);

@@ -54,10 +54,13 @@ typedef struct viewport_quality { /* pixels are saved while a slow renderer must
 struct viewport {
     app *of;
     draw_renderer *renderer;
-    viewport_picture *picture, *output; /* output: the face alone; NULL: not asked for yet */
+    viewport_picture *picture;
+    viewport_picture *output[VIEWPORT_TAKERS]; /* the face alone; NULL: not asked for yet */
+    bool has_ground;
+    float ground[4];
     viewport_face face;
     uint64_t surface; /* a hash of all of the mesh that is drawn */
-    bool has_face, output_has_face;
+    bool has_face, output_has_face[VIEWPORT_TAKERS];
     float low[3], high[3]; /* mm: of the face at rest */
     virtual_hand *hand;
     double dt_s;
@@ -596,7 +599,9 @@ static void viewport_drop_face(viewport *self)
     }
     viewport_heat_destroy(self->heat);
     self->heat = NULL;
-    self->has_face = self->output_has_face = self->has_paint = self->stands_in = false;
+    self->has_face = self->has_paint = self->stands_in = false;
+    for (int i = 0; i < VIEWPORT_TAKERS; ++i)
+        self->output_has_face[i] = false;
     self->has_colours = self->is_on_face = false;
     self->heat_shown = APP_HEAT_NONE;
     self->contact = 0;
@@ -1176,7 +1181,8 @@ void viewport_destroy(viewport *self)
     virtual_hand_destroy(self->hand);
     viewport_drop_face(self);
     viewport_picture_destroy(self->picture);
-    viewport_picture_destroy(self->output);
+    for (int i = 0; i < VIEWPORT_TAKERS; ++i)
+        viewport_picture_destroy(self->output[i]);
     draw_renderer_destroy(self->renderer);
     free(self->extra);
     free(self);
@@ -1368,30 +1374,38 @@ static draw_camera output_camera(const viewport *self, float aspect)
     return camera;
 }
 
-static bool has_output(viewport *self, error *err)
+static bool has_output(viewport *self, viewport_taker to, error *err)
 {
-    if (!self->output)
-        self->output = viewport_picture_create(self->renderer);
-    if (!self->output) {
-        error_set(err, MRT_ERR_MEMORY, "no memory for the output window");
+    if (!self->output[to])
+        self->output[to] = viewport_picture_create(self->renderer);
+    if (!self->output[to]) {
+        error_set(err, MRT_ERR_MEMORY, "no memory for the output");
         return false;
     }
-    if (!self->output_has_face)
-        self->output_has_face =
-            viewport_picture_face(self->output, &self->face.file->mesh, err) >= 0;
-    return self->output_has_face;
+    if (!self->output_has_face[to])
+        self->output_has_face[to] =
+            viewport_picture_face(self->output[to], &self->face.file->mesh, err) >= 0;
+    return self->output_has_face[to];
 }
 
-uint32_t viewport_output(viewport *self, uint32_t width, uint32_t height)
+void viewport_set_ground(viewport *self, const float rgba[4])
+{
+    self->has_ground = rgba != NULL;
+    if (rgba)
+        memcpy(self->ground, rgba, sizeof self->ground);
+}
+
+uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height)
 {
     error err = {{0}};
-    if (!self->has_face || width == 0 || height == 0 || !has_output(self, &err))
+    if (!self->has_face || width == 0 || height == 0 || !has_output(self, to, &err))
         return 0;
     const live_view *view = app_view(self->of);
     if (view->position && view->vertex_count == self->face.vertex_count)
-        viewport_picture_follow(self->output, view);
+        viewport_picture_follow(self->output[to], view);
     viewport_picture_look look = {.width = width,
                                   .height = height,
+                                  .ground = self->has_ground ? self->ground : NULL,
                                   .camera = output_camera(self, (float)width / (float)height)};
-    return viewport_picture_draw(self->output, &look, &err);
+    return viewport_picture_draw(self->output[to], &look, &err);
 }

@@ -42,8 +42,16 @@ void viewport_stand_in(viewport *self, const float *position, const float *norma
 /* Extra things in space (a gizmo): copied, until said again. Their width_px are points here. */
 struct overlay_item;
 void viewport_add(viewport *self, const struct overlay_item *item, uint32_t count);
-/* The face alone as a texture for the output window. */
-uint32_t viewport_output(viewport *self, uint32_t width, uint32_t height);
+/* The face alone as a texture, straight alpha: for the output window, for those who take pictures.
+ */
+typedef enum viewport_taker {
+    VIEWPORT_WINDOW = 0,
+    VIEWPORT_STREAM,
+    VIEWPORT_TAKERS
+} viewport_taker;
+uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height);
+/* What is behind it there: as draw_ground. Copied. */
+void viewport_set_ground(viewport *self, const float rgba[4]);
 uint64_t
 viewport_drawn(const viewport *self); /* how often it drew the face: not while all is still */
 

@@ -1,4 +1,4 @@
-#include "video.h"
+#include "stream/video.h"
 #include "draw/offscreen.h"
 
 #include "base/clock.h"
@@ -498,24 +498,48 @@ static bool can_time_code(const video_ffmpeg_about *about)
     return about->timecode[0] && about->timecode[0] != '-' && (is_whole || rate.den == 1001);
 }
 
+bool video_is_stream(const char *path)
+{
+    return strncmp(path, "srt://", 6) == 0 || strncmp(path, "udp://", 6) == 0;
+}
+
+/* Quickly, and so that whoever comes later sees a picture within a second. */
+static void describe_stream(words *w, const video_ffmpeg_about *about, const char *path)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "-preset veryfast -tune zerolatency -g %u",
+                   about->rate.num / about->rate.den + 1);
+    add_words(w, text);
+    add_words(w, "-flush_packets 1 -f mpegts");
+    add_word(w, path);
+}
+
 static void describe_video(words *w, const char *program, const video_ffmpeg_about *about,
                            const char *path)
 {
     char text[256];
     add_word(w, program);
     add_words(w, "-hide_banner -nostdin -nostats -loglevel error -y");
+    const bool is_stream = video_is_stream(path);
+    if (is_stream)
+        add_words(w, about->is_live ? "-use_wallclock_as_timestamps 1" : "-re");
     (void)snprintf(text, sizeof text,
                    "-f rawvideo -pixel_format rgba -video_size %ux%u -framerate %u/%u -i pipe:0",
                    about->width, about->height, about->rate.num, about->rate.den);
     add_words(w, text);
-    if (about->sound) {
+    if (about->sound && !is_stream) {
         add_word(w, "-i");
         add_file(w, about->sound);
         add_words(w, "-map 0:v -map 1:a -c:a aac -b:a 192k");
     }
     add_words(w, "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -c:v libx264 "
-                 "-preset medium -crf 18 -color_range tv -colorspace bt709 -color_primaries bt709 "
+                 "-color_range tv -colorspace bt709 -color_primaries bt709 "
                  "-color_trc bt709");
+    if (is_stream) {
+        describe_stream(w, about, path);
+        return;
+    }
+    add_words(w, "-preset medium -crf 18");
     if (can_time_code(about)) {
         add_word(w, "-timecode");
         add_word(w, about->timecode);
@@ -622,11 +646,11 @@ static mrt_result create(video_ffmpeg **out, words **out_words, const char *path
     if (!*out || !*out_words)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     (*out)->fd = -1;
-    return file_writer_open(&(*out)->file, path, err);
+    if (!video_is_stream(path))
+        return file_writer_open(&(*out)->file, path, err);
+    (*out)->file.path = strdup(path);
+    return (*out)->file.path ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
 }
-
-/* NULL is fine */
-static void video_ffmpeg_abandon(video_ffmpeg *self);
 
 mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_ffmpeg_about *about,
                              error *err)
@@ -640,7 +664,8 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
     result = create(out, &w, path, err);
     if (result >= 0) {
         (*out)->picture_size = (size_t)about->width * about->height * 4;
-        describe_video(w, program, about, (*out)->file.temporary_path);
+        const char *to = (*out)->file.temporary_path;
+        describe_video(w, program, about, to ? to : path);
         result = run_with_pipe(*out, w, err);
     }
     free(w);
@@ -722,13 +747,13 @@ mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err)
 mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err)
 {
     mrt_result result = judge(self, err);
-    if (result >= 0)
+    if (result >= 0 && self->file.stream)
         result = file_writer_commit(&self->file, err);
     video_ffmpeg_abandon(self);
     return result;
 }
 
-static void video_ffmpeg_abandon(video_ffmpeg *self)
+void video_ffmpeg_abandon(video_ffmpeg *self)
 {
     if (!self)
         return;
@@ -825,7 +850,8 @@ static mrt_result open_sinks(video *self, error *err)
     const video_settings *s = &self->settings;
     const video_folder_about folder = {s->look.width, s->look.height,
                                        s->look.ground == VIDEO_NOTHING, s->rate, s->timecode};
-    const video_ffmpeg_about film = {s->look.width, s->look.height, s->rate, s->timecode, s->sound};
+    const video_ffmpeg_about film = {s->look.width, s->look.height, s->rate,
+                                     s->timecode,   s->sound,       false};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->file_count && result >= 0; ++i) {
         const char *path = self->file[i].path;

@@ -1,11 +1,11 @@
-/* video.h - a performance as moving pictures: frames come in one by one and are drawn, encoded and
- * forgotten in a thread of their own, so that memory stays the same at any length. The same
- * renderer as everywhere, without a window. Encoders are a folder of PNG (FOLDER/00001.png and on,
- * and FOLDER/frames.json, which says how many there are and at what rate; they come into the folder
- * when all are there, and only a sequence of ours is replaced) and the ffmpeg program (pictures go
- * in by a pipe, an .mp4 of H.264 and AAC comes out, complete or absent). Leaves out the formats of
- * meshes (exports.h). [main]; an encoder on one thread, what it starts has signals as usual, and
- * does not hear the terminal's. */
+/* stream/video.h - a performance as moving pictures: frames come in one by one and are drawn,
+ * encoded and forgotten in a thread of their own, so that memory stays the same at any length. The
+ * same renderer as everywhere, without a window. Encoders are a folder of PNG (FOLDER/00001.png and
+ * on, and FOLDER/frames.json, which says how many there are and at what rate; they come into the
+ * folder when all are there, and only a sequence of ours is replaced) and the ffmpeg program
+ * (pictures go in by a pipe, an .mp4 of H.264 and AAC comes out, complete or absent). Leaves out
+ * the formats of meshes (exports.h). [main]; an encoder on one thread, what it starts has signals
+ * as usual, and does not hear the terminal's. */
 #ifndef MAROTTE_UI_VIDEO_H
 #define MAROTTE_UI_VIDEO_H
 #include "draw/draw.h"
@@ -74,7 +74,11 @@ typedef struct video_ffmpeg_about {
     timecode_rate rate;
     const char *timecode; /* of the first frame; "" none */
     const char *sound;    /* a WAV whose first sample belongs to the first picture; NULL: silent */
+    bool is_live;         /* of a stream: pictures count when they come, not by the rate */
 } video_ffmpeg_about;
+
+/* "srt://..." or "udp://...": ffmpeg sends MPEG-TS there, in the time that the rate says. */
+bool video_is_stream(const char *path);
 
 /* Whether there is an ffmpeg in $PATH; `path` is what it is needed for. */
 CHECKED mrt_result video_ffmpeg_check(const char *path, error *err);
@@ -84,6 +88,7 @@ CHECKED mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path,
 CHECKED mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err);
 /* Waits until the file is there. Freed whatever the result. */
 CHECKED mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err);
+void video_ffmpeg_abandon(video_ffmpeg *self); /* waits for nobody; NULL is fine */
 
 /* The .mp4 gets this sound in place of what it has, its pictures stay as they are. */
 CHECKED mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *err);

@@ -1,0 +1,49 @@
+/* stream/stream.h - the picture of the face for other programs, live: a PipeWire camera, a
+ * v4l2loopback device, ffmpeg to srt:// or udp://. Each target has a thread of its own, which
+ * opens, gives and comes back when the other side was gone; whoever draws hands pictures over and
+ * never waits. Leaves out drawing and reading back. */
+#ifndef MAROTTE_UI_STREAM_STREAM_H
+#define MAROTTE_UI_STREAM_STREAM_H
+#include "base/error.h"
+
+enum { STREAM_TARGETS_MAX = 4, STREAM_TARGET = 256, STREAM_SAYS = 256 };
+
+typedef struct stream_look {
+    uint32_t width, height; /* even */
+    uint32_t fps;
+} stream_look;
+
+/* A way out. [its thread] */
+typedef struct stream_way {
+    /* What is asked again some seconds later is said once. */
+    mrt_result (*open)(void **out, const char *target, const stream_look *look, error *err);
+    /* RGBA, straight alpha, rows from the top. < 0: gone; it is opened anew. */
+    mrt_result (*give)(void *self, const uint8_t *rgba, error *err);
+    void (*close)(void *self);
+} stream_way;
+extern const stream_way stream_v4l2, stream_ffmpeg; /* "/dev/video10"; "srt://...", "udp://..." */
+#ifdef MAROTTE_HAS_PIPEWIRE
+extern const stream_way stream_pipewire; /* "pipewire", or "pipewire:NAME" */
+#endif
+
+/* Pixels over the green of a key as YUYV, BT.601, two in four bytes; count even. */
+void stream_yuyv(uint8_t *out, const uint8_t *rgba, size_t count);
+
+typedef struct stream_target stream_target;
+/* An error: a text that is no target, or one that this program was built without. */
+CHECKED mrt_result stream_open(stream_target **out, const char *target, const stream_look *look,
+                               error *err);
+void stream_close(stream_target *self); /* NULL is fine */
+/* Where the next picture goes, look.width * look.height * 4; then stream_give hands it over. [main]
+ */
+uint8_t *stream_picture(stream_target *self);
+void stream_give(stream_target *self);
+
+typedef struct stream_status {
+    bool is_open;
+    char says[STREAM_SAYS]; /* what is wrong, one line; "" */
+    uint64_t given;         /* pictures */
+} stream_status;
+stream_status stream_status_of(stream_target *self); /* [main] */
+
+#endif
