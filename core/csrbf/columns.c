@@ -165,9 +165,9 @@ void columns_weigh(columns *c, const double *weight, uint32_t count)
     note_weights(&c->weights, c, count);
 }
 
-void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)
+void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first, uint32_t block)
 {
-    c->lanes->columns_sum(c, sum, block);
+    c->lanes->columns_sum(c, sum, first, block);
 }
 
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block)

@@ -69,9 +69,9 @@ void columns_weigh(columns *c, const double *weight, uint32_t count);
  * all of them are written. [any] at the same time for parts that share no block. */
 uint32_t columns_move_blocks(const columns *c, points *out, const points *base, uint8_t *moved,
                              uint32_t first, uint32_t end);
-/* sum: 3 by POINTS_BLOCK := sum over the columns of column_j weight_j in one block, with the
- * weights taken last. */
-void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
+/* sum: 3 by POINTS_BLOCK += sum over the columns from `first` on of column_j weight_j in one block,
+ * with the weights taken last: of all of them at once it has the same bits as in parts. */
+void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first, uint32_t block);
 /* out = base + sum; where sum is zero the bits of base. Keeps the bounds of out. out may be base.
  */
 void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block);

@@ -26,7 +26,8 @@ enum { LANES_RESPONSES = 32 }; /* at most so many columns together */
 
 typedef struct lanes {
     /* csrbf/columns.h says what these three do; move: columns_move_blocks. */
-    void (*columns_sum)(const struct columns *c, float sum[3][POINTS_BLOCK], uint32_t block);
+    void (*columns_sum)(const struct columns *c, float sum[3][POINTS_BLOCK], uint32_t first,
+                        uint32_t block);
     void (*columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK],
                         uint32_t block);
     uint32_t (*columns_move)(const struct columns *c, points *out, const points *base,
@@ -73,7 +74,7 @@ const lanes *lanes_now(void);     /* of isa_now */
 
 #define LANES_DECLARE(variant)                                                                     \
     void LANES_OF(columns_sum, variant)(const struct columns *c, float sum[3][POINTS_BLOCK],       \
-                                        uint32_t block);                                           \
+                                        uint32_t first, uint32_t block);                           \
     void LANES_OF(columns_add, variant)(points * out, const points *base,                          \
                                         float sum[3][POINTS_BLOCK], uint32_t block);               \
     uint32_t LANES_OF(columns_move, variant)(const struct columns *c, points *out,                 \

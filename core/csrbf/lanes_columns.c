@@ -174,11 +174,14 @@ ADD_COLUMNS(8)
 typedef void add_function(float *restrict x, float *restrict y, float *restrict z,
                           const group *restrict g);
 
+/* Those from `first` on. */
 static inline void add_chosen(float sum[3][POINTS_BLOCK], const columns *c, const chosen *some,
-                              uint32_t block)
+                              uint32_t first, uint32_t block)
 {
     static add_function *const add[4] = {add_8, add_4, add_2, add_1};
     uint32_t done = 0;
+    while (done < some->count && some->column[done] < first)
+        ++done;
     for (int step = 0; step < 4; ++step) {
         uint32_t count = 8u >> step;
         for (; some->count - done >= count; done += count) {
@@ -189,13 +192,13 @@ static inline void add_chosen(float sum[3][POINTS_BLOCK], const columns *c, cons
     }
 }
 
-static inline void sum_block(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)
+static inline void sum_block(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first,
+                             uint32_t block)
 {
     chosen some;
     some.next = 0;
-    memset(sum, 0, 3 * sizeof *sum);
     while (choose_more(&some, &c->weights, marks_of(c, block)))
-        add_chosen(sum, c, &some, block);
+        add_chosen(sum, c, &some, first, block);
 }
 
 static inline void range_block(points *p, uint32_t block)
@@ -279,7 +282,8 @@ static inline void move_run(const columns *c, points *out, const points *base, c
     if (some->count > FEW) {
         for (uint32_t block = first; block < end; ++block) {
             _Alignas(64) float sum[3][POINTS_BLOCK];
-            sum_block(c, sum, block);
+            memset(sum, 0, sizeof sum);
+            sum_block(c, sum, 0, block);
             add_block(out, base, sum, block);
         }
         return;
@@ -335,9 +339,10 @@ static inline uint32_t move_blocks(const columns *c, points *out, const points *
 
 /* ---- what the room calls ---- */
 
-void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t block)
+void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first,
+                        uint32_t block)
 {
-    sum_block(c, sum, block);
+    sum_block(c, sum, first, block);
 }
 
 void LANES(columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK], uint32_t block)

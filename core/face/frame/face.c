@@ -133,13 +133,13 @@ void face_bake(face *f, points *out)
     face_shapes_unlead(f, f->next_weight);
     columns_weigh(c, f->next_weight, f->control_column_count);
     for (uint32_t block = 0; block < c->block_count; ++block) {
-        float sum[3][POINTS_BLOCK];
+        float sum[3][POINTS_BLOCK] = {{0.0f}};
         if (!face_reaches(c, c->weights.live, block)) {
             if (out != f->origin)
                 copy_block(out, f->origin, block);
             continue;
         }
-        columns_sum(c, sum, block);
+        columns_sum(c, sum, 0, block);
         if (posed)
             unpose_block(f, sum, block);
         columns_add(out, f->origin, sum, block);

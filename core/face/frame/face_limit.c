@@ -772,7 +772,7 @@ static void write_block(const face *f, float (*row)[4], const points *origin, ui
 {
     float sum[3][POINTS_BLOCK] = {{0.0f}};
     if (face_reaches(&f->columns, f->columns.weights.live, block))
-        columns_sum(&f->columns, sum, block);
+        columns_sum(&f->columns, sum, 0, block);
     put_rows(row, origin, sum, block);
 }
 
@@ -783,6 +783,18 @@ static void pose_block(face *f, uint32_t block)
         return;
     write_block(f, f->limit.posed, f->origin, block);
     f->limit.is_posed[block] = 1;
+}
+
+bool face_limit_knows(const face *f, uint32_t block)
+{
+    return f->limit.is_added_given && f->limit.is_added[block];
+}
+
+void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    for (size_t i = 0; i < POINTS_BLOCK; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            sum[axis][i] = f->limit.added[(size_t)block * POINTS_BLOCK + i][axis];
 }
 
 /* What the controls add there. */
@@ -1030,6 +1042,7 @@ static double measure_strain(face *f, limit_looks looks)
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.strain[i] = 0.0;
     memset(l->is_added, 0, f->rest.block_count);
+    l->is_added_given = is_shaped(f);
     l->candidate_count = 0;
     follow_pulls(f);
     columns_weigh(&f->columns, f->given, f->control_column_count);
@@ -1103,6 +1116,7 @@ static void find_asked(face *f)
 /* f->given := what limit.g pulls, and what is given of the shapes. */
 static void give(face *f)
 {
+    f->limit.is_added_given = false;
     face_shapes_give(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
@@ -1343,6 +1357,7 @@ static void unfold(face *f)
 
 void face_limit_pull(face *f)
 {
+    f->limit.is_added_given = false;
     if (f->is_given)
         return;
     memcpy(f->given, f->weight, (size_t)3 * f->columns.count * sizeof *f->given);

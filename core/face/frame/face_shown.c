@@ -162,11 +162,22 @@ static void end_block(face *f, uint32_t block)
     stamps_mark(&s->written, block);
 }
 
+/* Of what the limit has summed already only the bones' part is left to do. */
+static uint32_t write_known(face *f, uint32_t block)
+{
+    float sum[3][POINTS_BLOCK];
+    face_limit_added(f, sum, block);
+    columns_sum(&f->columns, sum, f->control_column_count, block);
+    columns_add(&f->shown, f->origin, sum, block);
+    end_block(f, block);
+    return block + 1;
+}
+
 /* In runs: columns are faster at several blocks. Returns the end. */
 static uint32_t write_run(face *f, uint32_t first)
 {
     uint32_t end = first + 1;
-    while (end < f->rest.block_count && is_due(f, end))
+    while (end < f->rest.block_count && is_due(f, end) && !face_limit_knows(f, end))
         ++end;
     (void)columns_move_blocks(&f->columns, &f->shown, f->origin, NULL, first, end);
     for (uint32_t block = first; block < end; ++block)
@@ -192,7 +203,9 @@ void face_show(face *f)
     memcpy(s->pose, f->pose, sizeof s->pose);
     stamps_begin(&s->written);
     for (uint32_t block = 0; block < f->rest.block_count;)
-        block = is_due(f, block) ? write_run(f, block) : block + 1;
+        block = !is_due(f, block)            ? block + 1
+                : face_limit_knows(f, block) ? write_known(f, block)
+                                             : write_run(f, block);
     note_projection(f);
 }
 

@@ -67,8 +67,9 @@ typedef struct face_limit {
     double *g;                            /* control_capacity by 3: what is given */
     uint8_t *is_changed;                  /* of each block: by a step */
     uint8_t *is_posed, *is_added;         /* `posed` is that of the pose, `added` of the pulls */
-    float (*step)[4];                     /* of each vertex: what clay was to move by */
-    float (*longest)[3];                  /* of each triangle of skin: its edges at rest, mm */
+    bool is_added_given; /* `added` is what shapes and pulls of the frame at hand add */
+    float (*step)[4];    /* of each vertex: what clay was to move by */
+    float (*longest)[3]; /* of each triangle of skin: its edges at rest, mm */
     float (*made)[3];    /* likewise, in any of its own shapes; NULL: it has none */
     double *pose_weight; /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
@@ -237,6 +238,10 @@ void face_limit_engage(face *f);
 /* f->given := f->weight, less of what the controls pull where the skin would fold or tear; notes
  * held_back_mm. Depends on f->weight, the pose and the engagement alone. */
 void face_limit_pull(face *f);
+/* After that, with shapes at work, in blocks that it has looked at: what all columns but those of
+ * the bones add. */
+bool face_limit_knows(const face *f, uint32_t block);
+void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* After a drag has taken f->free from f->before along f->from -> f->to: takes back what is too much
  * of it. f->position: where the tips are; limit.tip_share: 1 where that is where they were to be.
  */
