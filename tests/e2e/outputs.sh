@@ -51,9 +51,38 @@ if command -v oscdump >/dev/null; then
     timeout 120 "${stage[@]}" --script script >said 2>stderr || fail "the stage: $(tail -2 stderr)"
     grep -q '/VMC/Ext/Blend/Apply' heard || fail "the stage does not send what was open"
     kill "${listeners[@]}"
-    listeners=()
 else
     echo "SKIPPED: oscdump (liblo-tools) is not installed"
+fi
+
+# ---- VTube Studio: asked once whether it may, then never again; a name that is refused stops nothing ----
+if command -v python3 >/dev/null; then
+    python3 "$SOURCE_DIR/tests/e2e/vts_server.py" vts.port vts.json 2>vts.log &
+    listeners+=($!)
+    until_s=$((SECONDS + 60))
+    until [ -s vts.port ] || [ $SECONDS -gt $until_s ]; do sleep 0.1; done
+    vts() { # what the server has seen, once this program has gone
+        rm -f vts.json
+        "$MAROTTE" take play "$show" last --output "vts:127.0.0.1:$(cat vts.port)" >said 2>stderr || fail "$(cat stderr)"
+        until_s=$((SECONDS + 60))
+        until [ -s vts.json ] || [ $SECONDS -gt $until_s ]; do sleep 0.1; done
+    }
+    vts
+    vts
+    python3 - <<'PYTHON' || fail "VTube Studio: $(cat vts.json vts.log said)"
+import json
+r = json.load(open("vts.json"))
+print("vts:", r)
+assert "wrong" not in r and r["tokens"] == 1 and r["logins"] == 2, r
+assert r["created"] == 51 and r["refused"] == 0, r
+assert r["injected"] > 10 and r["values"] == 51 + 7 and 0.0 <= r["worst"] <= 1.0, r
+PYTHON
+    [ "$(stat -c %a "$XDG_CONFIG_HOME"/marotte/*/org.marotte.vts/token 2>/dev/null || find "$scratch" -name token -exec stat -c %a {} +)" = 600 ] ||
+        fail "the token is not for this person alone"
+    "$MAROTTE" take play "$show" last --output vts:127.0.0.1:9 >said 2>stderr || fail "$(cat stderr)"
+    grep -q 'vts:127.0.0.1:9: nobody listened' said || fail "$(cat said)"
+else
+    echo "SKIPPED: python3 is not installed"
 fi
 
 # ---- the Blender add-on hears both ----
@@ -71,7 +100,6 @@ if command -v blender >/dev/null; then
         wait "$blender" || fail "$name: $(tail -4 blender.log)"
         grep "^heard: " blender.log
     done
-    listeners=()
 else
     echo "SKIPPED: Blender is not installed"
 fi

@@ -383,13 +383,16 @@ static void make_a_face(stand *s)
 /* A whole face: from a message at `first` up to one at `last`. */
 static void hear_frame(stand *s, int fd, osc_frame *out, const char *first, const char *last)
 {
-    static unsigned char packets[64][2048];
+    static unsigned char kept[2][64][2048]; /* what the last two frames point to */
+    static int turn;
+    turn = !turn;
+    unsigned char(*packets)[2048] = kept[turn];
     int64_t until_ns = clock_now_ns() + patience_ns;
     int n = 0;
     for (bool has_begun = false; clock_now_ns() < until_ns;) {
         if (!has_begun)
             publish(s);
-        size_t size = hear(fd, packets[n], sizeof packets[0], 200);
+        size_t size = hear(fd, packets[n], sizeof kept[0][0], 200);
         if (size == 0)
             continue;
         osc_frame one = {.count = 0};
@@ -462,6 +465,13 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     for (size_t i = 0; i < sizeof some / sizeof *some; ++i)
         if (!osc_find(&frame, "/VMC/Ext/Blend/Val", some[i]))
             fail_msg("no %s", some[i]);
+    static const char *const seen[] = {"JawOpen", "MouthSmileLeft", "EyeBlinkLeft", "A"};
+    for (size_t i = 0; i < sizeof seen / sizeof *seen; ++i) {
+        float weight = osc_find(&frame, "/VMC/Ext/Blend/Val", seen[i])->number[0];
+        if (!(weight > 0.1f && weight <= 1.0f))
+            fail_msg("%s is %g of a face that smiles, blinks and opens its mouth", seen[i],
+                     (double)weight);
+    }
     lie_down(&s);
 
     stand_up(&s, "puppet", OUTPUTS_ISOLATE_ALL);
@@ -496,6 +506,188 @@ static void face_osc_says_named_numbers(void **state)
     assert_int_equal(strlen(all->types), 1 + 2 * about->dof_count);
     assert_string_equal(all->name, about->dofs[0].name); /* skull.turn */
     expect_near(all->number[0], 0.4, 0.01, all->name);
+    lie_down(&s);
+    close(fd);
+}
+
+/* ---- Live Link Face: a table of bytes ---- */
+
+static float big_endian_float(const unsigned char *at)
+{
+    uint32_t word = big_endian(at);
+    float value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+/* What face_osc says of this name, of the face that is published again and again. */
+static float said_by_osc(const osc_frame *frame, const char *name)
+{
+    for (uint32_t i = 0; i < frame->count; ++i) {
+        const unsigned char *at = frame->said[i].at;
+        size_t used = padded(strlen((const char *)at));
+        const char *types = (const char *)at + used;
+        used += padded(strlen(types));
+        for (const char *t = types + 1; *t; t += 2) {
+            const char *word = (const char *)at + used;
+            used += padded(strlen(word));
+            if (strcmp(word, name) == 0)
+                return big_endian_float(at + used);
+            used += 4;
+        }
+    }
+    return NAN;
+}
+
+static const struct {
+    int place;
+    const char *name;
+} live_link_table[] = {{0, "EyeBlinkLeft"},     {1, "EyeLookDownLeft"},   {6, "EyeWideLeft"},
+                       {7, "EyeBlinkRight"},    {14, "JawForward"},       {15, "JawLeft"},
+                       {16, "JawRight"},        {17, "JawOpen"},          {18, "MouthClose"},
+                       {21, "MouthLeft"},       {22, "MouthRight"},       {23, "MouthSmileLeft"},
+                       {24, "MouthSmileRight"}, {31, "MouthRollLower"},   {41, "BrowDownLeft"},
+                       {43, "BrowInnerUp"},     {45, "BrowOuterUpRight"}, {46, "CheekPuff"},
+                       {50, "NoseSneerRight"},  {51, "TongueOut"},        {52, "HeadYaw"},
+                       {53, "HeadPitch"},       {55, "LeftEyeYaw"},       {59, "RightEyePitch"}};
+
+static void livelink_sends_the_datagram_of_the_app(void **state)
+{
+    (void)state;
+    static osc_frame frame[2]; /* it says the 52 in two bundles */
+    for (int swap = 0; swap < 2; ++swap) {
+        stand s;
+        char path[1024];
+        unsigned char packet[2048];
+        int port, fd = listen_somewhere(&port), osc_port, osc_fd = listen_somewhere(&osc_port);
+        stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+        make_a_face(&s);
+        shipped(path, "livelink");
+        add(&s, path, port, swap ? "swap_laterals=on,subject=3" : "");
+        shipped(path, "face_osc");
+        add(&s, path, osc_port, "contacts=off,shapes=off,motions=off");
+        for (int i = 0; i < 20; ++i)
+            hear_frame(&s, osc_fd, &frame[i % 2], "/marotte/1/face", "/marotte/1/face");
+        while (hear(fd, packet, sizeof packet, 0) > 0)
+            ;
+        publish(&s);
+        const char *subject = swap ? "marotte3" : "marotte";
+        size_t n = strlen(subject);
+        assert_int_equal(hear(fd, packet, sizeof packet, 60000), 306 + n);
+        assert_int_equal(packet[0], 6);
+        assert_int_equal(big_endian(packet + 1), 36);
+        assert_int_equal(big_endian(packet + 41), n);
+        assert_memory_equal(packet + 45, subject, n);
+        const unsigned char *at = packet + 45 + n;
+        assert_true(big_endian(at) < 24 * 3600 * 60);
+        assert_true(big_endian_float(at + 4) >= 0.0f && big_endian_float(at + 4) < 1.0f);
+        assert_int_equal(big_endian(at + 8), 60);
+        assert_int_equal(big_endian(at + 12), 1);
+        assert_int_equal(at[16], 61);
+        for (size_t i = 0; i < sizeof live_link_table / sizeof *live_link_table; ++i) {
+            int place = live_link_table[i].place;
+            if (swap && (place == 15 || place == 16 || place == 21 || place == 22))
+                place = place % 2 ? place + 1 : place - 1;
+            const char *name = live_link_table[i].name;
+            float said = said_by_osc(&frame[0], name);
+            if (isnan(said))
+                said = said_by_osc(&frame[1], name);
+            expect_near(big_endian_float(at + 17 + 4 * place), (double)said, 5e-3, name);
+        }
+        lie_down(&s);
+        close(fd);
+        close(osc_fd);
+    }
+}
+
+/* ---- iFacialMocap: it is greeted, and answers to the port that receivers listen at ---- */
+
+static int listen_at(const char *host, uint16_t port)
+{
+    struct sockaddr_in at = {.sin_family = AF_INET, .sin_port = htons(port)};
+    int fd = socket(AF_INET, SOCK_DGRAM, 0);
+    at.sin_addr.s_addr = inet_addr(host);
+    if (fd >= 0 && bind(fd, (struct sockaddr *)&at, sizeof at) == 0)
+        return fd;
+    close(fd);
+    return -1;
+}
+
+static void read_ifacialmocap(const char *text, char between)
+{
+    static const char *const some[] = {"mouthSmile_L", "eyeBlink_R", "jawOpen",    "jawLeft",
+                                       "mouthRight",   "tongueOut",  "browInnerUp"};
+    char copy[4096], *rest = copy;
+    int shapes = 0, found = 0, value;
+    float x, y, z;
+    (void)snprintf(copy, sizeof copy, "%s", text);
+    for (char *part = strtok_r(rest, "|", &rest); part; part = strtok_r(NULL, "|", &rest)) {
+        char *number = strrchr(part, between);
+        if (strchr(part, '#')) {
+            const char *values = strchr(part, '#') + 1;
+            assert_int_equal(sscanf(values, "%f,%f,%f", &x, &y, &z), 3);
+            found += strncmp(part, "=head#", 6) == 0 || strncmp(part, "leftEye#", 8) == 0 ||
+                     strncmp(part, "rightEye#", 9) == 0;
+            continue;
+        }
+        assert_non_null(number);
+        *number = '\0';
+        assert_int_equal(sscanf(number + 1, "%d", &value), 1);
+        if (strcmp(part, "trackingStatus") == 0) {
+            assert_int_equal(value, 1);
+            continue;
+        }
+        assert_true(value >= 0 && value <= 100);
+        shapes += 1;
+        for (size_t i = 0; i < sizeof some / sizeof *some; ++i)
+            found += strcmp(part, some[i]) == 0;
+    }
+    assert_int_equal(shapes, 52);
+    assert_int_equal(found, 3 + (int)(sizeof some / sizeof *some));
+}
+
+static void ifacialmocap_answers_its_greeting_in_both_versions(void **state)
+{
+    (void)state;
+    static const char *const greeting[] = {
+        "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719",
+        "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719|sendDataVersion=v2"};
+    stand s;
+    char path[1024], text[4096];
+    struct sockaddr_in phone = {.sin_family = AF_INET, .sin_port = htons(49983)};
+    phone.sin_addr.s_addr = inet_addr("127.0.0.2");
+    int fd = listen_at("127.0.0.3", 49983), taken = listen_at("127.0.0.2", 49983);
+    if (fd < 0 || taken < 0) {
+        printf("SKIPPED: port 49983 is in use here\n");
+        skip();
+    }
+    error err = {""};
+    shipped(path, "ifacialmocap");
+    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    add(&s, path, 49983, ""); /* loads it; of this computer's usual address */
+    outputs_remove(s.outputs, 0);
+    scene_must(outputs_add(s.outputs, "ifacialmocap:127.0.0.2:49983", &err), &err);
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    while (status_of(&s, 0).state != OUTPUT_FAILED && clock_now_ns() < until_ns)
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+    assert_non_null(strstr(status_of(&s, 0).trouble, "49983")); /* the port is in use */
+    close(taken);                                               /* and comes back by itself */
+    while (status_of(&s, 0).state != OUTPUT_UNHEARD && clock_now_ns() < until_ns)
+        publish(&s);
+    for (int version = 0; version < 2; ++version) {
+        size_t size = 0;
+        (void)sendto(fd, "garbage\0|&", 10, 0, (struct sockaddr *)&phone, sizeof phone);
+        (void)sendto(fd, greeting[version], strlen(greeting[version]), 0, (struct sockaddr *)&phone,
+                     sizeof phone);
+        do {
+            publish(&s);
+            size = hear(fd, text, sizeof text - 1, 20);
+            text[size] = '\0';
+            assert_true(clock_now_ns() < until_ns);
+        } while (!strchr(text, version ? '&' : '-') || (version == 0 && strchr(text, '&')));
+        read_ifacialmocap(text, version ? '&' : '-');
+    }
+    assert_int_equal(status_of(&s, 0).state, OUTPUT_SENDS);
     lie_down(&s);
     close(fd);
 }
@@ -561,6 +753,8 @@ int main(void)
         cmocka_unit_test(unknown_ones_and_a_ninth_are_refused_in_words),
         cmocka_unit_test(vmc_says_bones_and_blend_shapes_as_the_protocol_has_them),
         cmocka_unit_test(face_osc_says_named_numbers),
+        cmocka_unit_test(livelink_sends_the_datagram_of_the_app),
+        cmocka_unit_test(ifacialmocap_answers_its_greeting_in_both_versions),
         cmocka_unit_test(nothing_is_lost_on_loopback_and_it_is_soon_there),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

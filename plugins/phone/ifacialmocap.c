@@ -1,0 +1,241 @@
+/* ifacialmocap.c - the plugin "org.marotte.ifacialmocap": the face as the app iFacialMocap sends
+ * it. Listens as the phone does; who says the app's greeting gets text at 60 Hz, of the version
+ * that it asks for: "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in
+ * per cent and degrees, with '&' for '-' in version 2. */
+#include "device_io.h"
+#include "trace.h"
+#include "udp.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PORT = 49983, CHANNELS = 61, SHAPES = 52, RECEIVERS_MAX = 8, TEXT_BYTES = 4096 };
+enum { HEAD = 52, LEFT_EYE = 55, RIGHT_EYE = 58 };
+enum { RATE, VERSION, PARAM_COUNT };
+static const char greeting[] = "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719";
+static const char wants_version_2[] = "sendDataVersion=v2";
+static const double degrees_a_rad = 57.29577951308232;
+
+typedef struct receiver {
+    char host[UDP_HOST];
+    uint16_t port;
+    bool has_version_2;
+} receiver;
+
+struct mrt_plugin {
+    const mrt_host *host;
+    int socket; /* -1: closed */
+    trace trace;
+    const mrt_face_names *names;
+    char name[SHAPES][40]; /* "mouthSmile_L" */
+    receiver to[RECEIVERS_MAX];
+    uint32_t count;
+};
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->host = host;
+    self->socket = -1;
+    self->trace.file = -1;
+    return self;
+}
+
+static void close(mrt_plugin *self)
+{
+    if (self->socket < 0)
+        return;
+    trace_close(&self->trace);
+    udp_close(self->socket);
+    self->socket = -1;
+    self->count = 0;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (self)
+        close(self);
+    free(self);
+}
+
+/* "to:HOST:PORT": sent there without a greeting; else where it listens. */
+static mrt_result open(mrt_plugin *self, const char *address, const double *params,
+                       mrt_face_wants *wants)
+{
+    char reason[UDP_REASON], host[UDP_HOST] = "127.0.0.1";
+    uint16_t port = PORT;
+    bool is_told = strncmp(address, "to:", 3) == 0;
+    const char *place = is_told ? address + 3 : address;
+    close(self);
+    if (place[0] && !udp_place_parse(host, &port, place, strlen(place))) {
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is no address: write where to listen, as in 0.0.0.0:%d, or to:HOST:%d "
+            "to send without being asked",
+            address, PORT, PORT);
+        return MRT_ERR_ARGUMENT;
+    }
+    self->socket = is_told ? udp_bind("0.0.0.0", 0, reason) : udp_bind(host, port, reason);
+    if (self->socket < 0) {
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    trace_open(&self->trace, self->host, "ifacialmocap");
+    self->count = is_told ? 1 : 0;
+    self->to[0].port = port;
+    self->to[0].has_version_2 = params[VERSION] > 0.5;
+    (void)snprintf(self->to[0].host, sizeof self->to[0].host, "%s", host);
+    wants->rate_hz = params[RATE];
+    wants->repeat_s = 0.1; /* greetings are looked for then, too */
+    return MRT_OK;
+}
+
+/* "MouthSmileLeft" is "mouthSmile_L" there. */
+static void name_of(char out[40], const char *name)
+{
+    size_t length = strlen(name);
+    bool is_left = length > 4 && strcmp(name + length - 4, "Left") == 0;
+    bool is_right = length > 5 && strcmp(name + length - 5, "Right") == 0;
+    /* of jaw and mouth alone: a way, no side */
+    bool is_way = strcmp(name, "JawLeft") == 0 || strcmp(name, "JawRight") == 0 ||
+                  strcmp(name, "MouthLeft") == 0 || strcmp(name, "MouthRight") == 0;
+    size_t cut = is_way ? 0 : is_left ? 4 : is_right ? 5 : 0;
+    (void)snprintf(out, 40, "%.*s%s", (int)(length - cut), name,
+                   cut == 0  ? ""
+                   : is_left ? "_L"
+                             : "_R");
+    if (out[0] >= 'A' && out[0] <= 'Z')
+        out[0] = (char)(out[0] - 'A' + 'a');
+}
+
+static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
+{
+    self->names = names;
+    for (uint32_t i = 0; i < SHAPES && i < names->weight_count; ++i)
+        name_of(self->name[i], names->weights[i]);
+    return MRT_OK;
+}
+
+/* ---- who asks ---- */
+
+static void welcome(mrt_plugin *self, const udp_peer *from, bool has_version_2)
+{
+    receiver asks = {.port = PORT, .has_version_2 = has_version_2};
+    char text[UDP_PEER_TEXT];
+    udp_peer_text(from, text, sizeof text);
+    char *colon = strrchr(text, ':');
+    if (!colon)
+        return;
+    *colon = '\0';
+    size_t length = strlen(text), is_bracketed = text[0] == '[';
+    (void)snprintf(asks.host, sizeof asks.host, "%.*s", (int)(length - 2 * is_bracketed),
+                   text + is_bracketed);
+    uint32_t at = 0;
+    while (at < self->count && strcmp(self->to[at].host, asks.host) != 0)
+        ++at;
+    if (at == RECEIVERS_MAX)
+        return; /* more than anybody has */
+    if (at == self->count)
+        device_say(self->host, MRT_LOG_INFO, "%s asks for the face", asks.host);
+    self->to[at] = asks;
+    self->count += at == self->count;
+}
+
+static void hear(mrt_plugin *self)
+{
+    char text[512];
+    udp_peer from;
+    for (int i = 0; i < 32; ++i) {
+        int64_t size = udp_receive(self->socket, text, sizeof text - 1, &from, 0);
+        if (size <= 0)
+            return;
+        trace_received(&self->trace, device_clock_ns(), text, (size_t)size);
+        text[size] = '\0';
+        if (strncmp(text, greeting, sizeof greeting - 1) == 0)
+            welcome(self, &from, strstr(text, wants_version_2) != NULL);
+    }
+}
+
+/* ---- the text ---- */
+
+typedef struct line {
+    char text[TEXT_BYTES];
+    size_t size;
+} line;
+
+__attribute__((format(printf, 2, 3))) static void add(line *out, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    int size = vsnprintf(out->text + out->size, sizeof out->text - out->size, format, arguments);
+    va_end(arguments);
+    if (size > 0 && (size_t)size < sizeof out->text - out->size)
+        out->size += (size_t)size;
+}
+
+/* Yaw, pitch, roll of a sample as pitch, yaw, roll. */
+static void add_turn(line *out, const char *name, const float *turn, const char *behind)
+{
+    add(out, "%s#%.4f,%.4f,%.4f%s|", name, (double)turn[1] * degrees_a_rad,
+        (double)turn[0] * degrees_a_rad, (double)turn[2] * degrees_a_rad, behind);
+}
+
+static void write_text(line *out, const mrt_plugin *self, const mrt_face_sample *sample,
+                       bool has_version_2)
+{
+    char between = has_version_2 ? '&' : '-';
+    bool has_face = self->names->weight_count >= CHANNELS;
+    out->size = 0;
+    add(out, "trackingStatus%c%d|", between, has_face);
+    for (uint32_t i = 0; has_face && i < SHAPES; ++i)
+        add(out, "%s%c%d|", self->name[i], between, (int)lrintf(100.0f * sample->weights[i]));
+    if (!has_face)
+        return;
+    add(out, "=");
+    add_turn(out, "head", sample->weights + HEAD, ",0,0,0");
+    add_turn(out, "rightEye", sample->weights + RIGHT_EYE, "");
+    add_turn(out, "leftEye", sample->weights + LEFT_EYE, "");
+}
+
+static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+{
+    line out;
+    (void)params;
+    hear(self);
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const receiver *to = &self->to[i];
+        write_text(&out, self, sample, to->has_version_2);
+        trace_sent(&self->trace, device_clock_ns(), out.text, out.size);
+        (void)udp_send_to(self->socket, to->host, to->port, out.text, out.size);
+    }
+    return self->count > 0 ? MRT_OK : MRT_TIMEOUT;
+}
+
+static const char *const versions[] = {"1", "2", NULL};
+static const mrt_param params[PARAM_COUNT] = {
+    [RATE] = {1, 0, "Rate", "Network", "Hz",
+              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+    [VERSION] = {2, MRT_PARAM_STEPPED, "Version", "Network", "",
+                 "Of the text that is sent without being asked (to:HOST:PORT)", 0, 1, 1, versions},
+};
+static const mrt_face_output output = {open, begin, send, close};
+static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.ifacialmocap",
+    "iFacialMocap",
+    MAROTTE_VERSION,
+    "The face as the app iFacialMocap sends it, to whoever asks",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

@@ -1,0 +1,156 @@
+/* livelink.c - the plugin "org.marotte.livelink": the datagram of the app Live Link Face, for
+ * Unreal's source "Apple ARKit" and all others that take it: big-endian,
+ *   u8 6, id, subject (each: u32 length, text), u32 frame, f32 of a frame, u32 rate, u32 per,
+ *   u8 61, 61 floats: ARKit's 52, then yaw, pitch and roll of head, left and right eye. */
+#include "udp_sender.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PORT = 11111, CHANNELS = 61, ID_BYTES = 36, PACKET_BYTES = 512 };
+enum { RATE, SWAP, SUBJECT, PARAM_COUNT };
+enum { JAW_LEFT = 15, MOUTH_LEFT = 21 }; /* the right ones come next */
+static const uint32_t frames_a_second = 60;
+static const int64_t ns_per_s = 1000000000, day_s = 86400;
+
+struct mrt_plugin {
+    udp_sender to;
+    const mrt_face_names *names;
+};
+
+static mrt_plugin *create(const mrt_host *host)
+{
+    mrt_plugin *self = calloc(1, sizeof *self);
+    if (self)
+        udp_sender_init(&self->to, host);
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (self)
+        udp_sender_close(&self->to);
+    free(self);
+}
+
+static mrt_result open(mrt_plugin *self, const char *address, const double *params,
+                       mrt_face_wants *wants)
+{
+    wants->rate_hz = params[RATE];
+    wants->repeat_s = 0.1; /* the app never pauses: who hears nothing takes it for gone */
+    return udp_sender_open(&self->to, address, PORT, "livelink");
+}
+
+static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
+{
+    self->names = names;
+    return MRT_OK;
+}
+
+/* ---- the datagram ---- */
+
+typedef struct packet {
+    unsigned char bytes[PACKET_BYTES];
+    size_t size;
+} packet;
+
+static void put_u8(packet *out, uint32_t value)
+{
+    out->bytes[out->size++] = (unsigned char)value;
+}
+
+static void put_u32(packet *out, uint32_t value)
+{
+    for (int shift = 24; shift >= 0; shift -= 8)
+        put_u8(out, value >> shift & 0xffu);
+}
+
+static void put_f32(packet *out, float value)
+{
+    uint32_t word;
+    memcpy(&word, &value, sizeof word);
+    put_u32(out, word);
+}
+
+static void put_text(packet *out, const char *text)
+{
+    size_t length = strlen(text);
+    put_u32(out, (uint32_t)length);
+    memcpy(out->bytes + out->size, text, length);
+    out->size += length;
+}
+
+/* Frames since midnight of the host's clock, or since the take's start. */
+static void put_time(packet *out, const mrt_face_sample *sample)
+{
+    int64_t at_ns = sample->take_ns >= 0 ? sample->take_ns : sample->time_ns;
+    int64_t in_day_ns = at_ns % (day_s * ns_per_s);
+    double frames = (double)in_day_ns * 1e-9 * frames_a_second;
+    put_u32(out, (uint32_t)frames);
+    put_f32(out, (float)(frames - floor(frames)));
+    put_u32(out, frames_a_second);
+    put_u32(out, 1);
+}
+
+static bool is_lateral(uint32_t i)
+{
+    return i == JAW_LEFT || i == JAW_LEFT + 1 || i == MOUTH_LEFT || i == MOUTH_LEFT + 1;
+}
+
+static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+{
+    char id[ID_BYTES + 1], subject[32];
+    packet out = {.size = 0};
+    int number = (int)params[SUBJECT];
+    bool has_face = self->names->weight_count >= CHANNELS;
+    (void)snprintf(id, sizeof id, "6D61726F-7474-4500-8000-%012X", (unsigned)number);
+    (void)snprintf(subject, sizeof subject, number > 1 ? "marotte%d" : "marotte", number);
+    put_u8(&out, 6);
+    put_text(&out, id);
+    put_text(&out, subject);
+    put_time(&out, sample);
+    if (has_face)
+        put_u8(&out, CHANNELS);
+    for (uint32_t i = 0; has_face && i < CHANNELS; ++i) {
+        /* each pair begins at an odd place */
+        uint32_t from = params[SWAP] > 0.5 && is_lateral(i) ? (i % 2 == 1 ? i + 1 : i - 1) : i;
+        put_f32(&out, sample->weights[from]);
+    }
+    return udp_sender_send(&self->to, out.bytes, out.size);
+}
+
+static void close(mrt_plugin *self)
+{
+    udp_sender_close(&self->to);
+}
+
+static const char *const off_on[] = {"off", "on", NULL};
+static const mrt_param params[PARAM_COUNT] = {
+    [RATE] = {1, 0, "Rate", "Network", "Hz",
+              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+    [SWAP] = {2, MRT_PARAM_STEPPED, "Swap laterals", "Network", "",
+              "JawRight and MouthRight before the left ones: for receivers whose jaw and mouth go "
+              "to the wrong side",
+              0, 1, 0, off_on},
+    [SUBJECT] = {3, MRT_PARAM_STEPPED, "Subject", "Network", "",
+                 "Which of several: its name is marotte, marotte2 ..., its device another", 1, 16,
+                 1, NULL},
+};
+static const mrt_face_output output = {open, begin, send, close};
+static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
+static const mrt_plugin_type type = {
+    MRT_ABI,
+    PARAM_COUNT,
+    params,
+    interfaces,
+    "org.marotte.livelink",
+    "Live Link Face",
+    MAROTTE_VERSION,
+    "The face as the app Live Link Face sends it, to Unreal's Apple ARKit source and others",
+    create,
+    destroy,
+};
+
+MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
