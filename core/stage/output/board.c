@@ -132,8 +132,11 @@ void face_board_drop(face_board *self)
 static float *put_bones(float *out, const face *f, uint32_t count)
 {
     rigid pose[RIG_BONES_MAX];
-    if (count > 0)
-        bones_pose(pose, face_bones(f), face_metered(f)->dof);
+    float dof[MRT_MAX_DOFS] = {0}; /* as asked for: posing limits them once, not twice */
+    if (count > 0) {
+        bones_unlimit(dof, face_bones(f), face_metered(f)->dof);
+        bones_pose(pose, face_bones(f), dof);
+    }
     for (uint32_t i = 0; i < count; ++i, out += 7) {
         double turn[4];
         rigid_to_quaternion(&pose[i], turn);
