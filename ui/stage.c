@@ -217,39 +217,46 @@ static int read_options(stage_options *out, int argc, char **argv)
 
 /* ---- the stage ---- */
 
-/* As it was left; what is not there is not made. Damaged settings are set aside here already: the
- * application finds none, and is told. */
-static void remember_size(stage *self, double *out_width, double *out_height)
+/* As it was left, and whether it was maximised; what is not there is not made. Damaged settings are
+ * set aside here already: the application finds none, and is told. */
+static bool remember_size(stage *self, double *out_width, double *out_height)
 {
     settings *kept = NULL;
     error ignored;
     if (settings_open(&kept, self->options->app.settings_path, self->settings_note,
                       sizeof self->settings_note, &ignored) < 0)
-        return;
+        return false;
     const double width = settings_number(kept, "window.width", 0.0);
     const double height = settings_number(kept, "window.height", 0.0);
     if (width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0) {
         *out_width = width;
         *out_height = height;
     }
+    const bool is_maximised = settings_number(kept, "window.maximised", 0.0) > 0.5;
     settings_close(kept);
+    return is_maximised;
 }
 
 static mrt_result open_front(stage *self, error *err)
 {
     const stage_options *options = self->options;
     double width = WIDTH, height = HEIGHT;
+    bool is_maximised = false;
     if (options->width) {
         width = options->width;
         height = options->height;
     } else {
-        remember_size(self, &width, &height);
+        is_maximised = remember_size(self, &width, &height);
     }
     if (options->is_hidden)
         return window_open_hidden(&self->window, (uint32_t)lround(width * options->scale),
                                   (uint32_t)lround(height * options->scale), (float)options->scale,
                                   0.0, err);
-    return window_open_window(&self->window, (uint32_t)width, (uint32_t)height, "marotte", err);
+    const mrt_result result =
+        window_open_window(&self->window, (uint32_t)width, (uint32_t)height, "marotte", err);
+    if (result >= 0 && is_maximised)
+        window_maximise(self->window);
+    return result;
 }
 
 static mrt_result open_stage(stage *self, error *err)

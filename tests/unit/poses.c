@@ -155,7 +155,7 @@ static void taught_pose_is_performed_and_between_two_it_is_in_between(void **sta
     bench_open(&b, "poses", &bench_face, "ease=0.01");
     hold(&b, claw, 60);
     assert_true(bench_pulled(&b, "mouth.corner.l").y < 3.0f);
-    bench_trigger(&b, "Teach 2");
+    bench_trigger(&b, "Teach smile");
     hold(&b, claw, 100);
     float full = bench_pulled(&b, "mouth.corner.l").y;
     assert_true(full > 6.0f);
@@ -174,7 +174,7 @@ static void taught_pose_is_performed_and_between_two_it_is_in_between(void **sta
 static void nothing_jumps_when_something_is_taught_or_forgotten(void **state)
 {
     (void)state;
-    static const char *const triggers[] = {"Teach 2", "Teach 4", "Forget", NULL};
+    static const char *const triggers[] = {"Teach smile", "Teach jaw open", "Forget", NULL};
     bench b;
     bench_open(&b, "poses", &bench_face, "ease=0.1");
     hold(&b, claw, 60);
@@ -207,23 +207,23 @@ static void teaching_tells_the_leave_one_out_error(void **state)
     log_record record;
     bench_open(&b, "poses", &bench_face, "");
     hold(&b, claw, 5);
-    bench_trigger(&b, "Teach 7");
+    bench_trigger(&b, "Teach pucker");
     hold(&b, claw, 1);
     assert_non_null(strstr(last_line(&b, &record), "Pucker, shown times: 1; show a pose twice"));
-    bench_trigger(&b, "Teach 7");
+    bench_trigger(&b, "Teach pucker");
     hold(&b, nearly_claw, 1);
     const char *text = last_line(&b, &record), *at = strstr(text, "leave-one-out error");
     assert_non_null(strstr(text, "shown times: 2;"));
     assert_non_null(at);
     double near = atof(strpbrk(at, "0123456789"));
     assert_true(near < 25.0); /* the two are alike */
-    bench_trigger(&b, "Teach 7");
+    bench_trigger(&b, "Teach pucker");
     hold(&b, thumb_dropped, 1); /* that is the shipped jaw */
     at = strstr(last_line(&b, &record), "leave-one-out error");
     assert_non_null(at);
     assert_true(atof(strpbrk(at, "0123456789")) > near + 5.0);
     b.frame.hand[MRT_RIGHT].present = false;
-    bench_trigger(&b, "Teach 1");
+    bench_trigger(&b, "Teach neutral");
     assert_int_equal(bench_frame(&b), MRT_HOLD);
     assert_non_null(strstr(last_line(&b, &record), "no hand"));
     bench_tear_down(&b);
@@ -236,7 +236,7 @@ static void state_keeps_what_was_taught_over_a_reset(void **state)
     unsigned char bytes[16384];
     bench_open(&b, "poses", &bench_face, "");
     hold(&b, claw, 5);
-    bench_trigger(&b, "Teach 2");
+    bench_trigger(&b, "Teach smile");
     hold(&b, claw, 100);
     size_t size = b.state->save(b.plugin.self, bytes, sizeof bytes);
     assert_in_range(size, 1, sizeof bytes);
@@ -261,8 +261,9 @@ static void face_without_names_is_refused_with_a_sentence(void **state)
 static void walks_stay_bounded(void **state)
 {
     (void)state;
-    static const char *const triggers[] = {"Teach 1", "Teach 2", "Teach 3", "Teach 4", "Teach 5",
-                                           "Teach 6", "Teach 7", "Teach 8", "Forget",  NULL};
+    static const char *const triggers[] = {
+        "Teach neutral",    "Teach smile",  "Teach frown", "Teach jaw open", "Teach brows up",
+        "Teach brows down", "Teach pucker", "Teach blink", "Forget",         NULL};
     bench b;
     bench_open(&b, "poses", &bench_face, "");
     bench_walk(&b, triggers, 12.0f); /* no pose moves a place further: 240 mm, 10.4 mm */

@@ -243,6 +243,38 @@ static void the_sound_of_a_take_is_in_it_when_it_came(void **state)
     close_room(&r);
 }
 
+static mrt_result open_no_microphone(void *self, sound_direction direction,
+                                     const sound_request *request, sound_callback *block,
+                                     void *data, sound_stream *out, error *err)
+{
+    (void)self, (void)direction, (void)request, (void)block, (void)data, (void)out;
+    return error_set(err, MRT_ERR_IO, "sound: there is no microphone");
+}
+
+static bool was_told_of_none(room *r)
+{
+    return was_said(r, "there is no microphone");
+}
+
+static bool listens_no_more(room *r)
+{
+    return !app_status(r->app)->is_sound_armed;
+}
+
+static void a_microphone_that_is_not_there_is_not_armed(void **state)
+{
+    room r = {0};
+    (void)state;
+    plug_in_a_microphone(&r);
+    r.backend.open = open_no_microphone;
+    make_room(&r, 1);
+    until(&r, has_samples);
+    app_do(r.app, ACTION_SOUND_ARM);
+    until(&r, was_told_of_none);
+    until(&r, listens_no_more);
+    close_room(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -250,6 +282,7 @@ int main(void)
         cmocka_unit_test(closing_while_performing_over_keeps_the_layer),
         cmocka_unit_test(more_inputs_than_are_possible_are_said),
         cmocka_unit_test(an_input_that_opens_during_a_take_joins_behind_it),
+        cmocka_unit_test(a_microphone_that_is_not_there_is_not_armed),
         cmocka_unit_test(the_sound_of_a_take_is_in_it_when_it_came),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -118,6 +118,21 @@ static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
     close_room(&r);
 }
 
+/* As at the start; what it did before is there for a face that it fits. */
+static void a_face_that_the_mapping_does_not_fit_is_opened_at_rest(void **state)
+{
+    room r;
+    (void)state;
+    open_room(&r, false);
+    assert_int_equal(app_open_face(r.app, SOURCE_DIR "/rigs/moai/moai.glb"), MRT_OK);
+    assert_non_null(strstr(app_face_path(r.app), "moai.glb"));
+    assert_null(live_mapping(app_live(r.app)));
+    assert_true(was_said(r.app, "org.marotte.one_hand cannot be used on this face"));
+    assert_true(was_said(r.app, "At rest; these fit it: "));
+    assert_true(app_open_face(r.app, "/nowhere.rig.json") < 0);
+    close_room(&r);
+}
+
 static void another_face_and_another_show_are_opened_on_a_running_stage(void **state)
 {
     room r;
@@ -271,6 +286,7 @@ int main(void)
         cmocka_unit_test(a_last_show_that_is_no_show_stops_nothing),
         cmocka_unit_test(what_was_asked_for_and_cannot_be_opened_is_an_error),
         cmocka_unit_test(a_mapping_that_does_not_fit_leaves_the_face_at_rest),
+        cmocka_unit_test(a_face_that_the_mapping_does_not_fit_is_opened_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),
         cmocka_unit_test(an_input_that_cannot_be_opened_is_said),

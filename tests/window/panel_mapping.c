@@ -85,6 +85,7 @@ static void another_mapping_is_one_step_with_its_values(void **state)
     stand_click_last(&s, "Poses");
     assert_string_equal(s.mapping.type->id, "org.marotte.poses");
     assert_int_equal(s.step_count, 1);
+    assert_string_equal(s.step[0].words, "mapping Poses");
     undo(&s);
     assert_string_equal(s.mapping.type->id, "org.marotte.anchored");
     assert_float_equal(value_of(&s, "Gain"), 0.9, 1e-9);
@@ -273,9 +274,9 @@ static void a_preset_keeps_what_was_taught(void **state)
     assert_true(functions->activate(s.mapping.self, &about) >= 0);
     functions->reset(s.mapping.self);
     size_t size = lessons_of(&s, shipped);
-    assert_true(stand_shows(&s, "Teach 8")); /* buttons that do not fit begin another line */
+    assert_true(stand_shows(&s, "Teach blink")); /* buttons that do not fit begin another line */
     stand_check_words(&s, NULL);
-    hold_and_press(&s, "Teach 2");
+    hold_and_press(&s, "Teach smile");
     assert_int_equal(lessons_of(&s, taught), size);
     assert_memory_not_equal(taught, shipped, size);
     stand_click(&s, "Save as\xe2\x80\xa6");

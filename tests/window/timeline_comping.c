@@ -46,6 +46,26 @@ static stand *open_with_other_take(void)
     return s;
 }
 
+/* It shows what the take shows from 2 s on, which was performed over it there. */
+static void what_was_performed_over_a_take_lies_where_it_was_performed(void **state)
+{
+    (void)state;
+    stand *s = open_with_other_take();
+    const take_clip *of = &s->take.layer[0].clip[0];
+    take_clip *raw = &s->comps->take[0].layer[0].clip[0];
+    assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
+    raw->performance = of->performance;
+    raw->start_ns = 0;
+    raw->from_ns = of->from_ns + take_warp_to_source(of, of->start_ns) + 2 * NS_PER_S -
+                   take_warp_to_source(raw, 0);
+    raw->to_ns = raw->from_ns + NS_PER_S;
+    near_s(timeline_comp_later_ns(s->panel, 0), 2.0 + 1e-9 * (double)of->start_ns, 1e-6);
+    raw->from_ns = of->to_ns + 60 * NS_PER_S; /* the same live hands, a minute later */
+    raw->to_ns = raw->from_ns + NS_PER_S;
+    assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
+    stand_close(s);
+}
+
 static void a_swipe_over_another_take_is_one_step(void **state)
 {
     (void)state;
@@ -116,6 +136,7 @@ static void laying_another_take_elsewhere_is_undone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_was_performed_over_a_take_lies_where_it_was_performed),
         cmocka_unit_test(a_swipe_over_another_take_is_one_step),
         cmocka_unit_test(another_take_is_laid_later_and_comped_as_it_lies),
         cmocka_unit_test(laying_another_take_elsewhere_is_undone),

@@ -115,12 +115,31 @@ static void words_are_found_in_title_and_note_in_any_case(void **state)
     assert_false(timeline_takes_matches(&line, "ride breathe"));
 }
 
+/* Also when it gets another place in the list, and when more come and go than there are lanes. */
+static void a_history_is_that_of_its_input(void **state)
+{
+    (void)state;
+    timeline_journal *j = timeline_journal_create();
+    assert_non_null(j);
+    note(j, 0, 0.0f);
+    note(j, 50, 1.0f);
+    assert_true(read(j, 0, 100) > 0.0f);
+    mrt_sample still = {.count = 1};
+    for (uint64_t other = 1; other < 3 * JOURNAL_LANES; ++other) {
+        timeline_journal_note(j, other, (100 + 100 * (int64_t)other) * NS_PER_MS, &still, channels);
+        assert_true(timeline_journal_read(j, other, 0, 100 * NS_PER_MS) <= 0.0f);
+        assert_true(other >= JOURNAL_LANES || read(j, 0, 100) > 0.0f);
+    }
+    timeline_journal_destroy(j);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(movement_is_seen_when_it_was_and_stillness_is_not),
         cmocka_unit_test(it_keeps_half_an_hour_and_forgets_what_is_older),
         cmocka_unit_test(values_that_are_no_numbers_are_no_movement),
+        cmocka_unit_test(a_history_is_that_of_its_input),
         cmocka_unit_test(a_span_that_is_swiped_is_kept),
         cmocka_unit_test(durations_are_short),
         cmocka_unit_test(words_are_found_in_title_and_note_in_any_case),

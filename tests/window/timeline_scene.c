@@ -257,6 +257,46 @@ static bool is_performed(scene *s, void *data)
     return app_view(s->app)->mode == LIVE_PERFORMS;
 }
 
+static bool is_on_stage(scene *s, void *data)
+{
+    (void)data;
+    return app_view(s->app)->mode == LIVE_SHOWS;
+}
+
+static bool has_ended(scene *s, void *data)
+{
+    (void)data;
+    return !app_status(s->app)->is_recording;
+}
+
+static bool records(scene *s, void *data)
+{
+    (void)data;
+    return app_status(s->app)->is_recording;
+}
+
+/* Whoever presses R to end it, and comes a moment late, begins nothing. */
+static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    assert_true(scene_until(&s, is_on_stage, NULL)); /* else R would record the live hands */
+    app_chosen(s.app)->armed = app_take(s.app)->layer[0].id;
+    app_set_range(s.app, NS_PER_S / 2, 3 * NS_PER_S / 2);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, records, NULL));
+    assert_true(scene_until(&s, has_ended, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_false(app_status(s.app)->is_recording);
+    const news_list *news = app_news(s.app);
+    assert_non_null(strstr(news_list_at(news, news_list_count(news) - 1)->text, "ended by itself"));
+    scene_picture(&s, "timeline_scene_punched");
+    scene_close(&s);
+}
+
 /* The large one of the strip; the ruler says instants too. */
 static bool is_clock_at_start(scene *s)
 {
@@ -328,6 +368,7 @@ int main(void)
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
+        cmocka_unit_test(an_r_just_after_recording_ended_by_itself_begins_no_take),
         cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),
         cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),
         cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),

@@ -276,6 +276,13 @@ uint32_t live_input_count(const live *self)
     return here->input_count;
 }
 
+const char *live_input_text(const live *self, uint32_t index)
+{
+    static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i"};
+    (void)self;
+    return names[index];
+}
+
 input *live_input(live *self, uint32_t index)
 {
     (void)self, (void)index;

@@ -289,8 +289,32 @@ static void an_error_stays_until_it_is_clicked(void **state)
     scene_frames(&s, 2);
     assert_non_null(scene_word(&s, "the disk is gone again"));
     scene_picture(&s, "workspace_error");
+    scene_frames(&s, 200); /* long enough to be read: what went well later takes its place */
+    assert_non_null(scene_word(&s, "the disk is gone again"));
+    news_list_add(news, MRT_LOG_INFO, "stage", "the disk is back");
+    scene_frames(&s, 2);
+    assert_non_null(scene_word(&s, "the disk is back"));
+    news_list_add(news, MRT_LOG_ERROR, "stage", "the disk is gone again");
+    scene_frames(&s, 2);
     scene_click_word(&s, "the disk is gone again");
     assert_null(scene_word(&s, "the disk is gone again"));
+    scene_close(&s);
+}
+
+static void a_window_that_was_maximised_is_kept_as_such(void **state)
+{
+    scene s;
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_frames(&s, 60);
+    assert_float_equal(settings_number(app_settings(s.app), "window.maximised", -1.0), 0.0, 0.0);
+    assert_float_equal(settings_number(app_settings(s.app), "window.width", 0.0), 1280.0, 0.0);
+    settings_set_number(app_settings(s.app), "window.width", 900.0);
+    window_maximise(s.window);
+    scene_frames(&s, 60);
+    assert_float_equal(settings_number(app_settings(s.app), "window.maximised", -1.0), 1.0, 0.0);
+    /* the size to come back to */
+    assert_float_equal(settings_number(app_settings(s.app), "window.width", 0.0), 900.0, 0.0);
     scene_close(&s);
 }
 
@@ -499,6 +523,7 @@ int main(void)
         cmocka_unit_test(a_question_mark_of_any_keyboard_opens_the_help),
         cmocka_unit_test(the_keyboard_is_a_hand_until_escape),
         cmocka_unit_test(an_error_stays_until_it_is_clicked),
+        cmocka_unit_test(a_window_that_was_maximised_is_kept_as_such),
         cmocka_unit_test(the_edges_of_timeline_and_dock_are_dragged),
         cmocka_unit_test(a_face_and_a_show_are_opened_by_their_names_in_the_bar),
         cmocka_unit_test(work_that_is_not_saved_is_asked_about),

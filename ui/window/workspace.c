@@ -37,7 +37,8 @@ struct workspace {
 
     int32_t news_level; /* of the line that is shown */
     char news[1200];
-    double news_left_s;  /* < 0: until it is clicked */
+    double news_left_s; /* < 0: until it is clicked, or something is said after a while */
+    double news_age_s;
     uint64_t news_shown; /* of news_list_said */
 
     double held_s; /* of the key that repeats */
@@ -156,6 +157,7 @@ static void workspace_dispatch_keys(workspace *self)
 /* The newest news over the face, for a while; an error until it is clicked. */
 
 #define SHOWN_S   6.0
+#define ERROR_S   3.0 /* at least, whatever comes after it */
 #define WARNING_S 12.0
 
 /* What plugins have to tell that is no trouble is in the log. */
@@ -164,10 +166,12 @@ static bool is_for_everybody(const news_item *item)
     return item->level >= MRT_LOG_WARNING || strcmp(item->source, "stage") == 0;
 }
 
-/* A calmer line does not push an error away. */
+/* A calmer line does not push an error away that nobody can have read yet; later it does: what is
+ * said then is of something that went well. */
 static bool gives_way(const workspace *self, const news_item *to)
 {
-    return self->news[0] == '\0' || self->news_level < MRT_LOG_ERROR || to->level >= MRT_LOG_ERROR;
+    return self->news[0] == '\0' || self->news_level < MRT_LOG_ERROR ||
+           to->level >= MRT_LOG_ERROR || self->news_age_s > ERROR_S;
 }
 
 /* What is said in one frame is one: of that the most serious is shown, the newest of several. */
@@ -196,6 +200,7 @@ static const char *speaker_of(const news_item *item)
 static void workspace_update_news(workspace *self, double dt_s)
 {
     const news_item *item = most_serious_of_new(self);
+    self->news_age_s += dt_s;
     if (self->news_left_s > 0.0) {
         self->news_left_s -= dt_s;
         if (self->news_left_s <= 0.0)
@@ -207,6 +212,7 @@ static void workspace_update_news(workspace *self, double dt_s)
     (void)snprintf(self->news, sizeof self->news, "%s%s%s", speaker, speaker[0] ? ": " : "",
                    item->text);
     self->news_level = item->level;
+    self->news_age_s = 0.0;
     self->news_left_s = item->level >= MRT_LOG_ERROR     ? -1.0
                         : item->level >= MRT_LOG_WARNING ? WARNING_S
                                                          : SHOWN_S;
@@ -1145,6 +1151,10 @@ static void tell_title(workspace *self)
 static void keep_size(const workspace *self)
 {
     settings *kept = app_settings(self->app);
+    const bool is_maximised = window_is_maximised(self->window);
+    settings_set_number(kept, "window.maximised", is_maximised ? 1.0 : 0.0);
+    if (is_maximised) /* the size is the one to come back to */
+        return;
     settings_set_number(kept, "window.width", floor((double)self->screen.width));
     settings_set_number(kept, "window.height", floor((double)self->screen.height));
 }

@@ -89,17 +89,23 @@ static void keep_looks(app *self)
     self->looks_kept = *looks;
 }
 
+/* What performs, for live_set_mapping; "": none. */
+static void mapping_text(const app *self, char *out, size_t capacity)
+{
+    char values[PRESET_TEXT];
+    const instance *mapping = live_mapping(self->live);
+    out[0] = '\0';
+    if (!mapping)
+        return;
+    presets_text(mapping, values, sizeof values);
+    (void)snprintf(out, capacity, "%s%s%s", isolate_inner(mapping->type)->id, values[0] ? "," : "",
+                   values);
+}
+
 static void keep_mapping(app *self)
 {
-    char values[PRESET_TEXT], text[PRESET_TEXT + 64];
-    const instance *mapping = live_mapping(self->live);
-    if (!mapping) {
-        settings_set_text(self->settings, "last.mapping", "");
-        return;
-    }
-    const mrt_plugin_type *type = isolate_inner(mapping->type);
-    presets_text(mapping, values, sizeof values);
-    (void)snprintf(text, sizeof text, "%s%s%s", type->id, values[0] ? "," : "", values);
+    char text[PRESET_TEXT + 64];
+    mapping_text(self, text, sizeof text);
     settings_set_text(self->settings, "last.mapping", text);
 }
 
@@ -338,12 +344,45 @@ static void tell_face(app *self)
         app_say(self, MRT_LOG_INFO, "the face has %u notes: see the rig panel", lines);
 }
 
+typedef mrt_result set_face(app *self, const face_file *made, const char *path, error *err);
+
+static mrt_result set_face_as_is(app *self, const face_file *made, const char *path, error *err)
+{
+    return live_set_face(self->live, made, path, 0.0, err);
+}
+
+/* Which mappings there are for it. */
+static void tell_at_rest(app *self, const error *why)
+{
+    char names[400];
+    live_list_fitting(self->live, names, sizeof names);
+    app_say(self, MRT_LOG_ERROR, "%s. At rest; these fit it: %s", why->text,
+            names[0] ? names : "none that there is");
+}
+
+/* A face that the mapping does not fit is opened at rest, as at the start. */
+static mrt_result set_face_or_rest(app *self, const face_file *made, const char *path, error *err)
+{
+    char mapping[PRESET_TEXT + 64];
+    error again = {0};
+    mrt_result result = live_set_face(self->live, made, path, 0.0, err);
+    mapping_text(self, mapping, sizeof mapping);
+    if (result >= 0 || !mapping[0] || live_set_mapping(self->live, "", &again) < 0)
+        return result;
+    if (live_set_face(self->live, made, path, 0.0, &again) >= 0) {
+        tell_at_rest(self, err);
+        return MRT_OK;
+    }
+    app_reported(live_set_mapping(self->live, mapping, &again)); /* it was not the mapping */
+    return result;
+}
+
 /* The stage goes over to the face, which is the application's whatever comes back. */
-static mrt_result put_face(app *self, face_file *made, const char *path)
+static mrt_result put_face(app *self, face_file *made, const char *path, set_face *set)
 {
     error err = {0};
     char *name = strdup(path);
-    mrt_result result = name ? live_set_face(self->live, made, path, 0.0, &err)
+    mrt_result result = name ? set(self, made, path, &err)
                              : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
     if (result < 0) {
         free(name);
@@ -367,7 +406,7 @@ mrt_result app_open_face(app *self, const char *given)
     if (result < 0)
         (void)app_report(self, result, &err);
     else
-        result = put_face(self, made, path ? path : given);
+        result = put_face(self, made, path ? path : given, set_face_or_rest);
     if (result >= 0)
         tell_face(self);
     free(found);
@@ -386,7 +425,7 @@ mrt_result app_change_face(app *self, face_file *made)
     *own = *made;
     *made = (face_file){0};
     char *path = strdup(self->face_path);
-    mrt_result result = put_face(self, own, path ? path : "");
+    mrt_result result = put_face(self, own, path ? path : "", set_face_as_is);
     free(path);
     return result;
 }
@@ -467,16 +506,12 @@ static void choose_faces(app *self, const app_options *options, face_reading *ou
 /* A face that the mapping does not fit is there all the same: why it does not, and which do. */
 static mrt_result open_at_rest(app *self, live_settings *with, const error *why)
 {
-    char names[400];
     error err = {0};
     with->mapping = "";
     mrt_result result = live_start(&self->live, with, &err);
-    if (result < 0)
-        return result;
-    live_list_fitting(self->live, names, sizeof names);
-    app_say(self, MRT_LOG_ERROR, "%s. At rest; these fit it: %s", why->text,
-            names[0] ? names : "none that there is");
-    return MRT_OK;
+    if (result >= 0)
+        tell_at_rest(self, why);
+    return result;
 }
 
 static mrt_result start_live(app *self, const char *mapping, error *err)
@@ -919,6 +954,16 @@ void app_destroy(app *self)
 
 /* ---- each frame ---- */
 
+/* There is no microphone, which the log has said: it is not armed. One that was there and went is
+ * waited for. */
+static void follow_sound(app *self)
+{
+    const sound_device_status *device = &self->status.listening.device;
+    if (self->status.is_sound_armed && device->state == SOUND_DEVICE_AWAY &&
+        device->lost_count == 0)
+        live_disarm_sound(self->live);
+}
+
 /* None joins a take that is being recorded: it comes when that has ended. */
 static void take_inputs(app *self)
 {
@@ -957,6 +1002,7 @@ void app_update(app *self, double dt_s)
     if (newest)
         self->view = newest;
     live_status_of(self->live, &self->status);
+    follow_sound(self);
     app_record_update(self);
     self->patch_waits |= expressions_update(self->expressions, dt_s);
     app_patch_update(self);

@@ -81,7 +81,9 @@ struct app {
 
     /* ---- recording and playing ---- */
     bool was_recording, had_problem;
-    int64_t over_take; /* that is performed over; 0: none */
+    int64_t over_take;   /* that is performed over; 0: none */
+    bool over_is_ended;  /* by a person */
+    double over_ended_s; /* > 0: it has just ended by itself, for so long it counts as that */
     int64_t played_from_ns;
 
     /* ---- looks and requests ---- */

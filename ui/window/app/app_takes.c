@@ -429,6 +429,7 @@ static void tell_note(app *self)
 
 void app_takes_update(app *self, double dt_s)
 {
+    self->over_ended_s -= dt_s;
     follow_stage_edit(self);
     tell_note(self);
     if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
@@ -687,23 +688,34 @@ static void begin_over(app *self)
         over.out_ns = t->loop_out_ns;
         over.passes = self->choice.armed ? 1 : 0;
     }
+    /* At the end there is nothing left to perform over: from the start, as play does. */
+    if (over.out_ns == 0 && chosen && over.in_ns + OVER_FADE_NS >= chosen->duration_ns)
+        over.in_ns = 0;
     over.into_layer = self->choice.armed;
     if (over.into_layer && over.out_ns == 0 && chosen)
         over.out_ns = chosen->duration_ns;
     if (over.out_ns > 0 && 2 * over.fade_ns > over.out_ns - over.in_ns)
         over.fade_ns = (over.out_ns - over.in_ns) / 2;
     self->over_take = live_shown_take(self->live);
+    self->over_is_ended = false;
     if (app_report(self, live_record_over(self->live, &over, &err), &err) < 0)
         self->over_take = 0;
 }
+
+#define OVER_ENDED_S 1.5
 
 void app_record_toggle(app *self)
 {
     error err = {0};
     live_status_of(self->live, &self->status);
-    if (self->status.is_recording)
+    if (self->status.is_recording) {
+        self->over_is_ended = true;
         (void)app_report(self, live_record_end(self->live, &err), &err);
-    else if (self->view->mode == LIVE_PERFORMS || !live_shown_take(self->live))
+    } else if (self->over_take || self->over_ended_s > 0.0) {
+        /* Whoever wanted to end it came a moment late: another recording is not meant. */
+        self->over_ended_s = 0.0;
+        app_say(self, MRT_LOG_INFO, "recording over the take ended by itself: R begins another");
+    } else if (self->view->mode == LIVE_PERFORMS || !live_shown_take(self->live))
         begin_live(self);
     else
         begin_over(self);
@@ -753,6 +765,7 @@ static void take_over(app *self)
         if (!err.text[0])
             return; /* it goes on */
         self->over_take = 0;
+        self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
         self->takes_are_stale = true;
         (void)app_report(self, MRT_ERR_IO, &err);
         return;
@@ -769,6 +782,7 @@ static void take_over(app *self)
     free(edits);
     free(list);
     self->over_take = 0;
+    self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
     self->takes_are_stale = true;
 }
 

@@ -27,6 +27,8 @@ typedef struct window_type {
     mrt_result (*picture)(window *self, const char *png_path, error *err);
     void (*set_title)(window *self, const char *title); /* NULL: there is nothing to write it on */
     bool (*read_gamepad)(window *self, window_gamepad *out);
+    bool (*is_maximised)(const window *self);
+    void (*maximise)(window *self);
     mrt_result (*open_output)(window *self, const window_output_look *look, error *err);
     void (*close_output)(window *self);
     bool (*has_output)(const window *self);
@@ -295,6 +297,16 @@ void window_set_title(window *self, const char *title)
 void window_stay_awake(window *self, bool is_awaited)
 {
     self->is_awaited = is_awaited;
+}
+
+bool window_is_maximised(const window *self)
+{
+    return self->type->is_maximised(self);
+}
+
+void window_maximise(window *self)
+{
+    self->type->maximise(self);
 }
 
 uint32_t window_width_px(const window *self)
@@ -994,6 +1006,16 @@ static void glfw_close(window *base)
     free(self);
 }
 
+static bool glfw_is_maximised(const window *base)
+{
+    return glfwGetWindowAttrib(((const glfw_window *)base)->glfw, GLFW_MAXIMIZED) != 0;
+}
+
+static void glfw_maximise(window *base)
+{
+    glfwMaximizeWindow(((glfw_window *)base)->glfw);
+}
+
 static const window_type type = {
     .close = glfw_close,
     .begin = glfw_begin,
@@ -1001,6 +1023,8 @@ static const window_type type = {
     .picture = glfw_picture,
     .set_title = glfw_set_title,
     .read_gamepad = glfw_read_gamepad,
+    .is_maximised = glfw_is_maximised,
+    .maximise = glfw_maximise,
     .open_output = glfw_open_output,
     .close_output = glfw_close_output,
     .has_output = glfw_has_output,
@@ -1087,7 +1111,7 @@ typedef struct hidden {
     float scale;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
     int64_t began_ns;
-    bool has_output, output_is_clear;
+    bool has_output, output_is_clear, is_maximised;
     bool is_unseen; /* as a window that is put away */
     window_gamepad gamepad;
     bool has_gamepad;
@@ -1196,12 +1220,24 @@ static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored)
     glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
 }
 
+static bool hidden_is_maximised(const window *base)
+{
+    return ((const hidden *)base)->is_maximised;
+}
+
+static void hidden_maximise(window *base)
+{
+    hidden_of(base)->is_maximised = true;
+}
+
 static const window_type hidden_type = {
     .close = hidden_close,
     .begin = hidden_begin,
     .end = hidden_end,
     .picture = hidden_picture,
     .read_gamepad = hidden_read_gamepad,
+    .is_maximised = hidden_is_maximised,
+    .maximise = hidden_maximise,
     .open_output = hidden_open_output,
     .close_output = hidden_close_output,
     .has_output = hidden_has_output,

@@ -13,6 +13,8 @@ CHECKED mrt_result window_open_window(window **out, uint32_t width, uint32_t hei
 CHECKED mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, float scale,
                                       double dt_s, error *err);
 void window_close(window *self); /* NULL is fine */
+bool window_is_maximised(const window *self);
+void window_maximise(window *self);
 
 /* Hands events over to the ui; false: the person wants to close the window. */
 bool window_begin(window *self, ui *to, ui_screen *out_screen);

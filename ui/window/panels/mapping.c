@@ -267,7 +267,9 @@ static void mapping_steps_choose(mapping_steps *self, const char *name)
         return;
     }
     mapping_steps_text(self->app, after, sizeof after);
-    (void)snprintf(words, sizeof words, "mapping %.100s", name[0] ? name : "none");
+    const instance *now = live_mapping(app_live(self->app));
+    (void)snprintf(words, sizeof words, "mapping %.100s",
+                   now ? isolate_inner(now->type)->name : "none");
     step made = {.text = {strdup(before), strdup(after)}};
     if (made.text[BEFORE] && made.text[AFTER] && strcmp(before, after) != 0)
         keep(self, &made, words);

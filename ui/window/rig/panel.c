@@ -648,6 +648,7 @@ static void draw_summary(const rig_work *work, bool is_laid, ui *on)
 {
     uint32_t errors = rig_findings_count(&work->findings, RIG_ERROR);
     uint32_t warnings = rig_findings_count(&work->findings, RIG_WARNING);
+    uint32_t notes = work->findings.count - errors - warnings;
     char text[128];
     if (!is_laid) {
         ui_text(on, UI_STYLE_DIM, "Looking at the last change \xe2\x80\xa6");
@@ -658,6 +659,8 @@ static void draw_summary(const rig_work *work, bool is_laid, ui *on)
                        errors);
     else if (warnings > 0)
         (void)snprintf(text, sizeof text, "It performs; %u to look at.", warnings);
+    else if (notes > 0)
+        (void)snprintf(text, sizeof text, "It performs; %u to know.", notes);
     else
         (void)snprintf(text, sizeof text, "Nothing is wrong with it.");
     ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);

@@ -12,6 +12,7 @@
 
 typedef struct input_lane {
     bool is_known, has_last;
+    uint64_t of;
     int64_t bin; /* the newest; those before it are whole */
     uint32_t count;
     float last[MRT_MAX_CHANNELS];
@@ -62,12 +63,32 @@ static float movement(const input_lane *l, const mrt_sample *sample, const mrt_c
     return counted ? sum / (float)counted : 0.0f;
 }
 
-void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_ns,
+static const input_lane *find(const timeline_journal *self, uint64_t of)
+{
+    for (uint32_t i = 0; i < JOURNAL_LANES; ++i)
+        if (self->lanes[i].is_known && self->lanes[i].of == of)
+            return &self->lanes[i];
+    return NULL;
+}
+
+static input_lane *begin_lane(timeline_journal *self, uint64_t of)
+{
+    input_lane *out = &self->lanes[0];
+    for (uint32_t i = 1; i < JOURNAL_LANES && out->is_known; ++i)
+        if (!self->lanes[i].is_known || self->lanes[i].bin < out->bin)
+            out = &self->lanes[i];
+    out->is_known = out->has_last = false;
+    out->of = of;
+    return out;
+}
+
+void timeline_journal_note(timeline_journal *self, uint64_t of, int64_t now_ns,
                            const mrt_sample *sample, const mrt_channel *channel)
 {
-    if (index >= JOURNAL_LANES || now_ns < 0)
+    if (now_ns < 0)
         return;
-    input_lane *l = &self->lanes[index];
+    const input_lane *known = find(self, of);
+    input_lane *l = known ? &self->lanes[known - self->lanes] : begin_lane(self, of);
     go_on(l, now_ns / JOURNAL_BIN_NS);
     uint32_t count = sample->count < MRT_MAX_CHANNELS ? sample->count : MRT_MAX_CHANNELS;
     if (l->has_last && l->count == count)
@@ -79,13 +100,13 @@ void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_n
 
 /* ---- read ---- */
 
-float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_t from_ns,
+float timeline_journal_read(const timeline_journal *self, uint64_t of, int64_t from_ns,
                             int64_t to_ns)
 {
-    const input_lane *l = &self->lanes[index];
+    const input_lane *l = find(self, of);
     int64_t from = from_ns / JOURNAL_BIN_NS, to = (to_ns - 1) / JOURNAL_BIN_NS;
     float most = 0.0f;
-    if (!l->is_known || to_ns <= 0)
+    if (!l || to_ns <= 0)
         return 0.0f;
     if (from <= l->bin - JOURNAL_BINS)
         from = l->bin - JOURNAL_BINS + 1;

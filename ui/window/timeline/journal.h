@@ -14,13 +14,13 @@ typedef struct timeline_journal timeline_journal;
 
 timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
 void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
-/* The newest sample of an input (index: below JOURNAL_LANES), seen at now_ns; its channels say what
- * a whole movement is. */
-void timeline_journal_note(timeline_journal *self, uint32_t index, int64_t now_ns,
+/* The newest sample of an input, seen at now_ns; its channels say what a whole movement is. of:
+ * which input, whatever its place among them; the one that was not seen for longest makes room. */
+void timeline_journal_note(timeline_journal *self, uint64_t of, int64_t now_ns,
                            const mrt_sample *sample, const mrt_channel *channel);
 /* The greatest movement between two instants, 0..1: of a lane's channels, as a mean share of their
  * range in a tenth of a second, made visible. 0 where nothing is known. */
-float timeline_journal_read(const timeline_journal *self, uint32_t index, int64_t from_ns,
+float timeline_journal_read(const timeline_journal *self, uint64_t of, int64_t from_ns,
                             int64_t to_ns);
 
 /* Of a span that somebody swiped, in either direction, what can be kept: the journal reaches back

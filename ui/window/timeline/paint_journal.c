@@ -112,6 +112,15 @@ static void paint_takes(panel *self, ui *on, const strip *s)
 
 /* ---- lanes ---- */
 
+/* The text says which device; of two alike the place in memory tells them apart. */
+uint64_t timeline_journal_input(live *stage, uint32_t index)
+{
+    uint64_t hash = (uint64_t)(uintptr_t)live_input(stage, index);
+    for (const char *c = live_input_text(stage, index); c && *c; ++c)
+        hash = (hash ^ (unsigned char)*c) * 1099511628211u; /* FNV-1a */
+    return hash;
+}
+
 /* In whole columns of whole bins, so that what is past stands still in its shape. */
 static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, float y,
                            float height)
@@ -120,9 +129,10 @@ static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, f
     int64_t bins = (int64_t)(2.0 * point_ns / (double)JOURNAL_BIN_NS);
     int64_t step_ns = (bins < 1 ? 1 : bins) * JOURNAL_BIN_NS;
     uint32_t count = 0;
+    const uint64_t of = timeline_journal_input(app_live(self->app), lane);
     for (int64_t at_ns = s->from_ns / step_ns * step_ns;
          at_ns <= s->now_ns && count < TIMELINE_COLUMNS_MAX; at_ns += step_ns) {
-        float most = timeline_journal_read(self->journal, lane, at_ns, at_ns + step_ns);
+        float most = timeline_journal_read(self->journal, of, at_ns, at_ns + step_ns);
         float x = x_of(s, at_ns + step_ns / 2);
         self->column_x[count] = x < s->x + s->width ? x : s->x + s->width;
         self->column_low[count] = y + height - 2.0f;

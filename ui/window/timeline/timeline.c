@@ -27,10 +27,30 @@ static void lay(panel *self, const timeline_slid *so)
     self->slid[place] = *so;
 }
 
+/* What was performed over the take lies where it was performed: the take shows it there too. */
+static int64_t performed_later_ns(const take *t, const take *other)
+{
+    const take_clip *raw = other->layer[0].clip_count ? &other->layer[0].clip[0] : NULL;
+    for (uint32_t i = 0; raw && t && i < t->layer_count; ++i)
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
+            const take_clip *clip = &t->layer[i].clip[k];
+            const int64_t at_ns = clip->start_ns + t->layer[i].offset_ns;
+            const int64_t show_ns = clip->from_ns + take_warp_to_source(clip, clip->start_ns);
+            const int64_t raw_ns = raw->from_ns + take_warp_to_source(raw, raw->start_ns);
+            if (clip->performance != raw->performance || show_ns >= raw->to_ns ||
+                raw_ns >= clip->from_ns + take_warp_to_source(clip, clip->end_ns))
+                continue; /* live performances go on from take to take */
+            return at_ns - (show_ns - raw_ns) - raw->start_ns - other->layer[0].offset_ns;
+        }
+    return 0;
+}
+
 int64_t timeline_comp_later_ns(const panel *self, uint32_t index)
 {
-    const uint32_t found = find(self, self->comps->of, self->comps->take[index].id);
-    return found < TIMELINE_COMPS_MAX ? self->slid[found].later_ns : 0;
+    const take *other = &self->comps->take[index];
+    const uint32_t found = find(self, self->comps->of, other->id);
+    return found < TIMELINE_COMPS_MAX ? self->slid[found].later_ns
+                                      : performed_later_ns(app_take(self->app), other);
 }
 
 void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns)
@@ -489,7 +509,8 @@ static void update(panel *self, double dt_s)
             continue;
         if (sample.count > channel_count)
             sample.count = channel_count;
-        timeline_journal_note(self->journal, i, now_ns, &sample, channel);
+        timeline_journal_note(self->journal, timeline_journal_input(stage, i), now_ns, &sample,
+                              channel);
     }
 }
 

@@ -182,6 +182,7 @@ void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
 
 /* paint_journal.c */
+uint64_t timeline_journal_input(live *stage, uint32_t index); /* for timeline_journal_note */
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
 
 /* take_list.c */
