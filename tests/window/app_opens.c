@@ -197,6 +197,35 @@ static void looks_and_inputs_are_kept_between_runs(void **state)
     close_room(&r);
 }
 
+static void the_range_of_a_take_is_there_tomorrow(void **state)
+{
+    room r;
+    error err = {0};
+    const app_take_line *line;
+    (void)state;
+    make_room(&r);
+    const app_options with = {.show_path = r.show,
+                              .face_path = puppet,
+                              .mapping = "one_hand",
+                              .inputs = demo_inputs,
+                              .input_count = 1,
+                              .settings_path = r.settings};
+    assert_int_equal(open_with(&r, &with, &err), MRT_OK);
+    record_a_take(&r);
+    (void)app_takes(r.app, &line);
+    const int64_t id = line[0].id;
+    assert_int_equal(app_choose_take(r.app, id), MRT_OK);
+    app_set_range(r.app, NS_PER_S / 20, NS_PER_S / 10);
+    assert_true(live_transport(app_live(r.app))->is_looping);
+    app_destroy(r.app);
+    assert_int_equal(open_with(&r, &with, &err), MRT_OK);
+    assert_int_equal(app_choose_take(r.app, id), MRT_OK);
+    assert_true(live_transport(app_live(r.app))->is_looping);
+    assert_int_equal(live_transport(app_live(r.app))->loop_in_ns, NS_PER_S / 20);
+    assert_int_equal(live_transport(app_live(r.app))->loop_out_ns, NS_PER_S / 10);
+    close_room(&r);
+}
+
 static void an_input_that_cannot_be_opened_is_said(void **state)
 {
     static const char *const inputs[] = {"log:/nowhere.csv"};
@@ -289,6 +318,7 @@ int main(void)
         cmocka_unit_test(a_face_that_the_mapping_does_not_fit_is_opened_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),
+        cmocka_unit_test(the_range_of_a_take_is_there_tomorrow),
         cmocka_unit_test(an_input_that_cannot_be_opened_is_said),
         cmocka_unit_test(a_show_is_solved_tomorrow_as_it_was_today),
         cmocka_unit_test(a_solver_that_is_not_known_is_said_and_the_rigs_is_taken),

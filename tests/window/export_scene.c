@@ -175,6 +175,7 @@ static void clay_leaves_the_curves_their_names(void **state)
     scene_drag(&s, 460.0f, 260.0f, 480.0f, 300.0f, 12);
     scene_modifiers(&s, UI_CONTROL, false);
     scene_frames(&s, 30);
+    assert_non_null(scene_word(&s, "Held: N clears it"));
     scene_picture(&s, "export_clay");
     record_a_take(&s);
     scene_do(&s, ACTION_EXPORT);
@@ -184,6 +185,15 @@ static void clay_leaves_the_curves_their_names(void **state)
     assert_true(has_in_file(path, "jaw.open"));
     assert_true(has_in_file(path, "mouth.corner.l"));
     assert_false(has_in_file(path, "component1"));
+    scene_do(&s, ACTION_LIVE);
+    scene_do(&s, ACTION_NEUTRAL);
+    scene_frames(&s, 3);
+    assert_null(scene_word(&s, "Held: N clears it"));
+    scene_modifiers(&s, UI_SHIFT, true);
+    scene_drag(&s, 460.0f, 260.0f, 480.0f, 300.0f, 12);
+    scene_modifiers(&s, UI_SHIFT, false);
+    scene_click_word(&s, "Held: N clears it"); /* so does a click */
+    assert_null(scene_word(&s, "Held: N clears it"));
     scene_close(&s);
 }
 

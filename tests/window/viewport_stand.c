@@ -77,6 +77,22 @@ bool app_take_request(app *self, action of)
     return was;
 }
 
+bool app_is_held(const app *self)
+{
+    (void)self;
+    return false;
+}
+
+void app_hold(app *self)
+{
+    (void)self;
+}
+
+void app_do(app *self, action of)
+{
+    (void)self, (void)of;
+}
+
 bool app_has_hand_keys(const app *self)
 {
     (void)self;

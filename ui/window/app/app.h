@@ -260,6 +260,9 @@ void app_do(app *self, action of);
 bool app_wants_to_quit(const app *self);
 void app_stay(app *self);                /* it is not to be quit after all */
 bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
+/* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
+bool app_is_held(const app *self);
+void app_hold(app *self);
 
 /* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
  * panel alone). */

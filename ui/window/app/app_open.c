@@ -142,6 +142,7 @@ static void app_keep_settings_now(app *self)
     keep_looks(self);
     if (self->live) {
         keep_mapping(self);
+        app_keep_range(self);
         if (input_opener_are_done(self->inputs))
             keep_inputs(self);
     }
@@ -393,6 +394,7 @@ static mrt_result put_face(app *self, face_file *made, const char *path, set_fac
     free(self->face_path);
     self->face = made;
     self->face_path = name;
+    self->is_held = false;
     settings_set_text(self->settings, "last.face", path);
     return MRT_OK;
 }
@@ -1317,6 +1319,7 @@ static void do_performance(app *self, action of)
     case ACTION_NEUTRAL:
         live_neutral(self->live);
         expressions_release(self->expressions, NEUTRAL_FADE_S);
+        self->is_held = false;
         break;
     case ACTION_REZERO:
         live_rezero(self->live);
@@ -1431,6 +1434,16 @@ bool app_wants_to_quit(const app *self)
 void app_stay(app *self)
 {
     self->wants_to_quit = false;
+}
+
+bool app_is_held(const app *self)
+{
+    return self->is_held;
+}
+
+void app_hold(app *self)
+{
+    self->is_held = true;
 }
 
 bool app_has_hand_keys(const app *self)

@@ -89,7 +89,8 @@ struct app {
     /* ---- looks and requests ---- */
     app_looks looks, looks_kept;
     bool asked[ACTION_COUNT];
-    bool wants_to_quit, has_hand_keys, keeps_settings;
+    bool wants_to_quit, has_hand_keys, keeps_settings, is_held;
+    int64_t ranged; /* the take whose range of the last run has been looked for */
     struct viewport *viewport;
     app_figures figures;
     app_unsaved unsaved;
@@ -119,7 +120,8 @@ static inline void app_reported(mrt_result result)
 /* ---- app_takes.c ---- */
 
 void app_takes_update(app *self, double dt_s);
-void app_drop_take(app *self); /* none is chosen */
+void app_keep_range(app *self); /* of the take on the stage, in the settings */
+void app_drop_take(app *self);  /* none is chosen */
 CHECKED mrt_result app_undo(app *self);
 CHECKED mrt_result app_redo(app *self);
 /* Once a frame, before anything is undone. */

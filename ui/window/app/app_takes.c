@@ -487,12 +487,42 @@ static mrt_result app_pick_take(app *self, int64_t id)
     return MRT_OK;
 }
 
+void app_keep_range(app *self)
+{
+    const int64_t shown = live_shown_take(self->live);
+    const transport *t = live_transport(self->live);
+    if (!shown || !self->show)
+        return;
+    settings_set_text(self->settings, "range.show", show_path(self->show));
+    settings_set_number(self->settings, "range.take", (double)shown);
+    settings_set_number(self->settings, "range.in_ns", t->is_looping ? (double)t->loop_in_ns : 0.0);
+    settings_set_number(self->settings, "range.out_ns",
+                        t->is_looping ? (double)t->loop_out_ns : 0.0);
+}
+
+/* Of the take that was on the stage last, from the run before. */
+static void recall_range(app *self)
+{
+    const int64_t of = (int64_t)settings_number(self->settings, "range.take", 0.0);
+    if (self->ranged || of != self->chosen ||
+        strcmp(settings_text(self->settings, "range.show", ""), show_path(self->show)) != 0)
+        return;
+    self->ranged = of;
+    const int64_t in_ns = (int64_t)settings_number(self->settings, "range.in_ns", 0.0);
+    const int64_t out_ns = (int64_t)settings_number(self->settings, "range.out_ns", 0.0);
+    if (in_ns >= 0 && in_ns < out_ns && out_ns <= history_take(self->history)->duration_ns)
+        live_set_loop(self->live, in_ns, out_ns);
+}
+
 static mrt_result app_show_chosen(app *self)
 {
     error err = {0};
     if (!self->history)
         return MRT_OK;
-    return app_report(self, live_show_take(self->live, history_take(self->history), &err), &err);
+    mrt_result result = live_show_take(self->live, history_take(self->history), &err);
+    if (result >= 0)
+        recall_range(self);
+    return app_report(self, result, &err);
 }
 
 mrt_result app_choose_take(app *self, int64_t id)

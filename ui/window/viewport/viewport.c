@@ -93,6 +93,7 @@ struct viewport {
     viewport_grip grip;
     double radius_mm; /* of the pointer; 0: the rig's */
     double radius_shown_s;
+    ui_rectangle chip;        /* that says what is held, as it was drawn; width 0: it was not */
     bool is_over, is_on_face; /* the pointer: over the viewport, on the face */
     float pointer_px[2];
     draw_hit hit;      /* while it is on the face */
@@ -450,6 +451,8 @@ static void drag_hold(viewport *self, const ui_canvas *canvas)
     bool stays = (canvas->modifiers & UI_SHIFT) != 0;
     if (canvas->is_released) {
         tell_stage(self, POINTER_AWAY, stays);
+        if (stays || self->grip.how == POINTER_KNEADS)
+            app_hold(self->of);
         viewport_grip_let_go(&self->grip);
     } else {
         tell_stage(self, self->grip.how, stays);
@@ -480,8 +483,19 @@ static bool can_pull(const viewport *self)
     return app_live(self->of) && view_of(self)->about && !self->stands_in && !self->is_off_stage;
 }
 
+static bool is_on_chip(const viewport *self, const ui_canvas *canvas)
+{
+    const ui_rectangle *chip = &self->chip;
+    const float x = canvas->where.x + canvas->x, y = canvas->where.y + canvas->y;
+    return x >= chip->x && x < chip->x + chip->width && y >= chip->y && y < chip->y + chip->height;
+}
+
 static void press_left(viewport *self, const ui_canvas *canvas)
 {
+    if (is_on_chip(self, canvas)) {
+        app_do(self->of, ACTION_NEUTRAL);
+        return;
+    }
     if (self->use != VIEWPORT_PERFORMS) {
         self->drag = self->is_on_face || self->contact ? VIEWPORT_GIVES : VIEWPORT_ORBITS;
         return;
@@ -893,6 +907,22 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
     float width = ui_text_width(on, UI_STYLE_BODY, text);
     write_on_plate(on, self->where.x + 0.5f * (self->where.width - width), self->where.y + 12.0f,
                    THEME_DIM, text);
+}
+
+/* What was let go of with Shift, and clay, is there still: how to be rid of it. */
+static void ink_chip(viewport *self, ui *on)
+{
+    static const char words[] = "Held: N clears it";
+    const float width = ui_text_width(on, UI_STYLE_BODY, words);
+    self->chip = (ui_rectangle){.width = 0.0f};
+    if (!app_is_held(self->of) || self->is_off_stage)
+        return;
+    self->chip = (ui_rectangle){self->where.x + 0.5f * (self->where.width - width) - 8.0f,
+                                self->where.y + 36.0f, width + 16.0f, 24.0f};
+    ui_draw_box(on, self->chip, THEME_RAISED, 12.0f);
+    ui_draw_text(on, self->chip.x + 8.0f,
+                 self->chip.y + 0.5f * (24.0f - ui_text_height(on, UI_STYLE_BODY)), UI_STYLE_BODY,
+                 THEME_ACCENT, 0.0f, words);
 }
 
 static void ink_hold(const viewport *self, ui *on)
@@ -1313,6 +1343,7 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
     if (texture)
         ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
     viewport_ink(self, on);
+    ink_chip(self, on);
     bool is_moving = self->drag != VIEWPORT_DRAGS_NOTHING || self->camera.glided_s >= 0.0 ||
                      app_looks_of(self->of)->is_turning;
     if (!is_moving)
