@@ -359,16 +359,20 @@ static mrt_result give(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
     return MRT_OK;
 }
 
-/* Whether one more sample may be given now: a flood is thinned out. */
-static bool afford(mrt_plugin *self)
+/* How many samples may be given now: a flood is thinned out. */
+static int64_t budget_at(mrt_plugin *self, int64_t now_ns)
 {
-    const int64_t now_ns = self->chunk_ns;
     const int64_t gained = (now_ns - self->budget_ns) / 1000000 * BUDGET_PER_MS;
     if (gained > 0) {
         self->budget = self->budget + gained < BUDGET_MOST ? self->budget + gained : BUDGET_MOST;
         self->budget_ns = now_ns;
     }
-    if (self->budget <= 0) {
+    return self->budget;
+}
+
+static bool afford(mrt_plugin *self)
+{
+    if (budget_at(self, self->chunk_ns) <= 0) {
         self->missed += 1;
         return false;
     }
@@ -512,11 +516,13 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
         self->learn_count += 1;
         restart(self);
     }
-    if (self->is_touched || (self->has_given && now_ns >= self->repeat_due_ns)) {
+    bool is_due = self->is_touched ? budget_at(self, now_ns) > 0
+                                   : self->has_given && now_ns >= self->repeat_due_ns;
+    if (is_due) {
+        self->budget -= self->is_touched;
         (void)give(self, now_ns, out);
-        return true;
     }
-    return false;
+    return is_due;
 }
 
 static int64_t sooner(int64_t a_ns, int64_t b_ns)
@@ -527,6 +533,8 @@ static int64_t sooner(int64_t a_ns, int64_t b_ns)
 static int64_t next_due_ns(const mrt_plugin *self, const double *params)
 {
     int64_t due_ns = sooner(self->sensing_due_ns, self->learn_due_ns);
+    if (self->is_touched) /* and may not be given yet */
+        due_ns = sooner(due_ns, self->budget_ns + 1000000);
     if (self->has_given)
         due_ns = sooner(due_ns, self->repeat_due_ns);
     return has_motor_due(self, params) ? sooner(due_ns, self->motor_due_ns) : due_ns;
