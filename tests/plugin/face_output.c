@@ -473,6 +473,9 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
                      (double)weight);
     }
     lie_down(&s);
+    unsigned char packet[2048];
+    while (hear(fd, packet, sizeof packet, 0) > 0) /* what was sent before is not the next one's */
+        ;
 
     stand_up(&s, "puppet", OUTPUTS_ISOLATE_ALL);
     add(&s, path, port, "role=performer,names=presets,jaw=on");
