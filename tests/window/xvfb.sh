@@ -6,13 +6,19 @@ for program in Xvfb xdotool; do
     echo "SKIPPED: $program is not installed (packages xvfb, xdotool)"
     exit 77
 done
-if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then # a display of its own, whatever else runs: the server takes a free number
+if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then
+    # A display of its own, whatever else runs. Not the lowest free one, as the server would choose: a server that
+    # ends just then takes the socket of that number away with it.
     numbers=$(mktemp -d) && mkfifo "$numbers/number" || exit 1
-    Xvfb -displayfd 3 -screen 0 "${MAROTTE_SCREEN:-1280x720x24}" -nolisten tcp \
-        3>"$numbers/number" >"$numbers/said" 2>&1 </dev/null &
-    server=$!
     trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$numbers"' EXIT
-    read -r number <"$numbers/number" || { echo "Xvfb does not start:"; cat "$numbers/said"; exit 1; }
+    for _ in 1 2 3 4 5; do
+        number=
+        Xvfb ":$((1000 + RANDOM))" -displayfd 3 -screen 0 "${MAROTTE_SCREEN:-1280x720x24}" -nolisten tcp \
+            3>"$numbers/number" >"$numbers/said" 2>&1 </dev/null &
+        server=$!
+        read -r number <"$numbers/number" && break
+    done
+    [ -n "$number" ] || { echo "Xvfb does not start:"; cat "$numbers/said"; exit 1; }
     MAROTTE_WITHIN_XVFB=yes DISPLAY=:$number bash "$0" "$@"
     exit $?
 fi
