@@ -555,7 +555,7 @@ static void prefer_sockets(double *seen, const rig_anatomy *a, const mesh *m, do
                 if (seen[k] > 0.0 &&
                     count_near(a, m, &a->piece[k], ball[i].centre, 1.5 * radius) >= NEAR_LEAST &&
                     count_near(a, m, &a->piece[k], ball[j].centre, 1.5 * radius) >= NEAR_LEAST)
-                    seen[k] = fabs(seen[k]) * -4.0;
+                    seen[k] *= -4.0; /* below 0: once is enough */
         }
     for (uint32_t k = 0; k < a->piece_count; ++k)
         seen[k] = fabs(seen[k]);

@@ -422,8 +422,9 @@ static bool is_mask(const profile *p)
 {
     int rows = 0, thin = 0;
     for (int row = 0; row < ROWS; ++row) {
-        rows += isfinite(p->front[row]);
-        thin += p->front[row] - p->back[row] < 0.1 * ROWS * p->row_mm;
+        bool is_there = isfinite(p->front[row]);
+        rows += is_there;
+        thin += is_there && p->front[row] - p->back[row] < 0.1 * ROWS * p->row_mm;
     }
     return 10 * thin > 8 * rows;
 }
