@@ -53,6 +53,26 @@ exec 3>&-
 again midi full.json
 head -n 3 midi.csv | grep -q ',cc.7,' || fail "the fader has lost its name: $(head -n 2 midi.csv)"
 
+# The voice through a pipe: louder and softer.
+mkfifo sound
+patch_of full.json level 0.5
+patch_of half.json level 0.25
+for amplitude in 4 20 120; do # 80 ms of a buzz of that many 1/128 of full scale
+    period=$(awk -v a="$amplitude" 'BEGIN { for (i = 0; i < 96; ++i) printf "\\x00\\x%02x", i < 48 ? a : 256 - a }')
+    # shellcheck disable=SC2059
+    for _ in $(seq 40); do printf "$period"; done >"buzz.$amplitude"
+done
+speak() {
+    for amplitude in 4 20 120 20 120 4 120 20 4; do
+        cat "buzz.$amplitude" >&3
+        sleep 0.08
+    done
+}
+exec 3<>sound
+perform voice:./sound full.json voice.marotte speak
+exec 3>&-
+again voice full.json
+
 # A phone: iFacialMocap's text.
 port=$((20000 + $$ % 10000))
 patch_of full.json jawOpen 0.5

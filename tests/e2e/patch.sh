@@ -64,7 +64,7 @@ cmp -s back.pc2 performed.pc2 || fail "patched again it is not the first perform
 "$MAROTTE" perform --face "$puppet" --input log:faders.csv --map one_hand --patch all.json --export alone.pc2 \
     >said 2>stderr || fail "faders alone: $(cat stderr)"
 [ "$(fact 'range of motion' said)" != 0.00 ] || fail "faders alone move nothing"
-for name in faders gamepad phone; do
+for name in faders gamepad phone voice; do
     perform "$name" --seconds 0.2
     ! grep -q "note: patch" stderr || fail "$name: $(cat stderr)"
 done

@@ -654,7 +654,7 @@ static void save_patch(panel *self)
 
 static void draw_head(panel *self, ui *on)
 {
-    static const char *const names[] = {"...", "faders", "gamepad", "phone", "none"};
+    static const char *const names[] = {"...", "faders", "gamepad", "phone", "voice", "none"};
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
     if (ui_choice(on, "Use", LABEL, names, NAMES, &at) && at > 0) {
