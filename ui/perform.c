@@ -344,7 +344,7 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "substeps", "substeps", (double)counts->substeps, 0, "");
     recording_tell_surface(&self->recording, told);
     report_pulls(self, told);
-    perform_outputs_report(&self->outputs, told);
+    perform_outputs_report(self->outputs.outputs, told);
 }
 
 /* With a rig: what its constraints held. */

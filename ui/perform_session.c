@@ -383,14 +383,14 @@ void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_n
     outputs_publish(self->outputs, self->board, performer_composer(self->drawn), time_ns, take_ns);
 }
 
-void perform_outputs_report(const perform_outputs *self, facts *told)
+void perform_outputs_report(outputs *of, facts *told)
 {
     static const char *const states[] = {"was not open yet", "sent", "nobody listened", "failed"};
-    uint32_t count = self->outputs ? outputs_count(self->outputs) : 0;
+    uint32_t count = of ? outputs_count(of) : 0;
     for (uint32_t i = 0; i < count; ++i) {
         output_status s;
         char line[512];
-        outputs_status(self->outputs, i, &s);
+        outputs_status(of, i, &s);
         (void)snprintf(line, sizeof line,
                        "%.160s: %s%s%.200s, %ju faces, sample to sent %.2f ms (p99 %.2f ms)",
                        s.text, states[s.state], s.trouble[0] ? ": " : "", s.trouble,
@@ -403,7 +403,7 @@ void perform_outputs_report(const perform_outputs *self, facts *told)
         facts_row(told, "outputs", "output", line, cells, sizeof cells / sizeof cells[0]);
     }
     if (count > 0)
-        facts_number(told, "residual_mm", "said in weights", outputs_residual_mm(self->outputs), 2,
+        facts_number(told, "residual_mm", "said in weights", outputs_residual_mm(of), 2,
                      "mm off, the last face");
 }
 

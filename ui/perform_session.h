@@ -95,7 +95,7 @@ bool perform_outputs_are_due(const perform_outputs *self);
 void perform_outputs_draw(perform_outputs *self, performer *p);
 /* The face that was drawn; time_ns and take_ns as in mrt_face_sample. */
 void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns);
-void perform_outputs_report(const perform_outputs *self, facts *told);
+void perform_outputs_report(outputs *of, facts *told); /* NULL is fine */
 void perform_outputs_close(perform_outputs *self);
 
 /* ---- the microphone beside a performance: what was said becomes the sound of its take; one that

@@ -4,6 +4,7 @@
 #include "base/cancel.h"
 #include "base/memory.h"
 #include "facts.h"
+#include "perform_session.h"
 #include "window/streams.h"
 #include "window/workspace.h"
 #include "stream/video.h"
@@ -361,6 +362,7 @@ static void tell(const stage *self)
     if (getrusage(RUSAGE_SELF, &used) == 0)
         facts_number(told, "memory_peak_mb", "memory, at most", (double)used.ru_maxrss * 1024e-6, 1,
                      "MB");
+    perform_outputs_report(live_outputs(app_live(self->app)), told);
     facts_finish(told);
 }
 

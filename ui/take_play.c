@@ -106,7 +106,7 @@ mrt_result take_play_run(take_call *call, error *err)
         result = play(&self, err);
         progress_end(&call->shown);
         take_stage_tell(&self.stage);
-        perform_outputs_report(&self.outputs, call->told);
+        perform_outputs_report(self.outputs.outputs, call->told);
     }
     perform_outputs_close(&self.outputs);
     take_stage_finish(&self.stage);

@@ -366,6 +366,7 @@ static void go_on(mrt_plugin *self)
     for (const char *text = websocket_take(&self->socket); text;
          text = websocket_take(&self->socket))
         hear(self, text);
+    (void)websocket_go_on(&self->socket); /* what it answers, pongs too, must not cost a face */
 }
 
 static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
