@@ -43,7 +43,7 @@ static void note(stream_target *self, bool is_open, const char *says)
     pthread_mutex_lock(&self->mutex);
     self->status.is_open = is_open;
     self->status.given += is_open;
-    (void)snprintf(self->status.says, sizeof self->status.says, "%s", says);
+    (void)snprintf(self->status.says, sizeof self->status.says, "%.*s", STREAM_SAYS - 1, says);
     pthread_mutex_unlock(&self->mutex);
 }
 

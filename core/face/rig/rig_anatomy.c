@@ -237,20 +237,51 @@ static int find_shoulders(const rows *r)
     return -1;
 }
 
-/* The head ends where the body is narrowest above the shoulders. A bust has little below its
- * shoulders: it is a head with a neck; and bodies are far higher than they are deep. */
+/* Where a body is narrowest above its shoulders. The row; -1: it has none. */
+static int find_neck_of_body(const rows *r)
+{
+    int shoulder = find_shoulders(r), neck = shoulder + 1, span = ROWS - shoulder;
+    if (shoulder <= ROWS * 2 / 5)
+        return -1;
+    for (int row = neck; row < shoulder + span * 2 / 5 && row < ROWS; ++row)
+        if (width_at(r, row) < 0.97 * width_at(r, neck))
+            neck = row;
+    return neck;
+}
+
+/* Where the shoulders of a bust begin: they are wider than all above, and what is below them, a
+ * plinth too, is wider than the head most often; below ears and brims it is not. Collars rise
+ * behind a neck and chins lie before it: what is narrowest may be the jaw. The row; -1: it has
+ * none. */
+static int find_neck_of_bust(const rows *r)
+{
+    double head = 0.0;
+    for (int row = ROWS * 3 / 4; row > ROWS / 4; --row) {
+        int height = ROWS - row, wide = 0;
+        double below = 0.0;
+        for (int i = row + height / 8; i < ROWS; ++i)
+            head = fmax(head, width_at(r, i));
+        for (int i = row; i >= 0 && i >= row - height / 3; --i)
+            below = fmax(below, width_at(r, i));
+        for (int i = 0; i < row; ++i)
+            wide += width_at(r, i) > 1.15 * head;
+        if (width_at(r, row) > 1.2 * head && below > 1.5 * head && 10 * wide > 6 * row)
+            return row + 1;
+    }
+    return -1;
+}
+
+/* The head ends at the neck. A head alone has no shoulders; whole bodies are far higher than they
+ * are deep. */
 static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
 {
-    rows *r = high.y - low.y > 2.2 * (high.z - low.z) ? malloc(sizeof *r) : NULL;
+    rows *r = malloc(sizeof *r);
     if (!r)
         return;
     fill_rows(r, m, a->is_head, low, high);
-    int shoulder = find_shoulders(r);
-    if (shoulder > ROWS * 2 / 5) {
-        int neck = shoulder + 1, span = ROWS - shoulder;
-        for (int row = neck; row < shoulder + span * 2 / 5 && row < ROWS; ++row)
-            if (width_at(r, row) < 0.97 * width_at(r, neck))
-                neck = row;
+    bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
+    int neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
+    if (neck >= 0) {
         double y = r->low_y + neck * r->row_mm;
         for (uint32_t v = 0; v < m->vertex_count; ++v)
             a->is_head[v] &= rig_mirror_position(m, v).y >= y;
@@ -332,7 +363,8 @@ static mrt_result choose_figure(rig_anatomy *a, const mesh *m, error *err)
 
 static mrt_result find_head_by_shape(rig_anatomy *a, const mesh *m, error *err)
 {
-    memset(a->is_head, 1, m->vertex_count);
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        a->is_head[v] = a->of_vertex[v] < a->piece_count; /* stray vertices are nobody's */
     a->head_count = 0;
     mrt_result result = choose_figure(a, m, err);
     vec3 low = {0, 0, 0}, high = {0, 0, 0};

@@ -436,13 +436,16 @@ static void add_jaw(drafting *d)
     add_region(d, "jaw", "weight", json_integer(1),
                of_face(d, json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
                                     half_space(lip, (vec3){0, -1, 0}))));
+    if (!d->a.has_slit && d->a.has_parted_lips) {
+        rig_note(&d->confirm, "mouth: what lies between the lips would fold if they parted: sure; "
+                              "it is performed as clay, and the jaw only stretches the skin");
+        return;
+    }
     if (!d->a.has_slit) {
-        rig_note(
-            &d->confirm,
-            "mouth: there is no slit between the lips: likely; it is performed as clay, and the "
-            "jaw "
-            "only stretches the skin; marotte rig new --cut-mouth opens the edges between the lips "
-            "and hangs a dark bag behind them");
+        rig_note(&d->confirm,
+                 "mouth: there is no slit between the lips: likely; it is performed as clay, and "
+                 "the jaw only stretches the skin; marotte rig new --cut-mouth opens the edges "
+                 "between the lips and hangs a dark bag behind them");
         return;
     }
     add_lip(d, "skull", "lip.upper.mid", 1.0);
@@ -597,6 +600,8 @@ static void draft_eyes(drafting *d)
 
 /* Where jaw joints are in heads (theory 4.2): 0.44 of the way from chin to top and 0.55 from back
  * to front, somewhat inside the sides of the face. A skeleton knows it better. */
+enum { CLAY_OPEN_DEG = 10 }; /* of a jaw that only stretches the skin */
+
 static void draft_jaw(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -627,7 +632,7 @@ static void draft_jaw(drafting *d)
     json_array_append_new(
         d->bones, json_pack("{ss, s{so, so}, s[ii], so, so, so, so}", "name", "jaw", "hinge",
                             "left", point_of(left), "right", point_of(right), "open_deg", 0,
-                            d->a.has_slit ? open_deg : 10, "lateral_mm",
+                            d->a.has_slit ? open_deg : CLAY_OPEN_DEG, "lateral_mm",
                             rig_number_to_json(round(100.0 * size) / 10.0), "forward_mm",
                             rig_number_to_json(round(80.0 * size) / 10.0), "slide_mm",
                             rig_number_to_json(d->a.has_slit ? round(60.0 * size) / 10.0 : 0.0),
@@ -790,7 +795,7 @@ static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *
 typedef struct freedom {
     double *end;
     uint32_t dof;
-    bool is_lid, is_eye;
+    bool is_lid, is_eye, is_jaw_open;
 } freedom;
 
 enum { FREEDOMS_MAX = 2 * MRT_MAX_DOFS, TRIES = 48, BISECTIONS = 6 };
@@ -805,13 +810,13 @@ static uint32_t list_freedoms(freedom *out, rig *r, const bones *b)
         bool is_lid = strncmp(bone->name, "lid_", 4) == 0;
         bool is_eye = strncmp(bone->name, "eye.", 4) == 0;
         if (bone->kind == BONE_JAW) {
-            out[count++] = (freedom){&bone->open_max_rad, first, false, false};
-            out[count++] = (freedom){&bone->lateral_mm, first + 1, false, false};
-            out[count++] = (freedom){&bone->forward_mm, first + 2, false, false};
+            out[count++] = (freedom){&bone->open_max_rad, first, false, false, true};
+            out[count++] = (freedom){&bone->lateral_mm, first + 1, false, false, false};
+            out[count++] = (freedom){&bone->forward_mm, first + 2, false, false, false};
         }
         for (uint32_t k = 0; k < bone->turn_count; ++k) {
-            out[count++] = (freedom){&bone->turn[k].max_rad, first + k, is_lid, is_eye};
-            out[count++] = (freedom){&bone->turn[k].min_rad, first + k, is_lid, is_eye};
+            out[count++] = (freedom){&bone->turn[k].max_rad, first + k, is_lid, is_eye, false};
+            out[count++] = (freedom){&bone->turn[k].min_rad, first + k, is_lid, is_eye, false};
         }
     }
     return count;
@@ -873,9 +878,13 @@ static double part_together(face *f, const freedom *all, uint32_t count)
     return part;
 }
 
-/* Moves every bone to its ends: where the skin would fold, less is allowed. Lids that can hardly
- * close are worse than none: *out_lids false. */
-static mrt_result try_bones(rig *r, drafting *d, bool *out_lids, error *err)
+typedef struct trial {
+    bool has_lids; /* lids that can hardly close are worse than none */
+    bool opens;    /* the jaw, at least as far as clay does */
+} trial;
+
+/* Moves every bone to its ends: where the skin would fold, less is allowed. */
+static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
 {
     freedom all[FREEDOMS_MAX];
     face *f = NULL;
@@ -883,13 +892,15 @@ static mrt_result try_bones(rig *r, drafting *d, bool *out_lids, error *err)
     if (result < 0)
         return result;
     uint32_t count = list_freedoms(all, r, face_bones(f));
-    *out_lids = true;
+    *out = (trial){true, true};
     for (uint32_t i = 0; i < count; ++i) {
         double wanted = *all[i].end, part = part_without_fold(f, &all[i]);
         const char *name = face_bones(f)->dof[all[i].dof].name;
         *all[i].end = part * wanted;
         if (all[i].is_lid && wanted > 0.0 && part < 0.5)
-            *out_lids = false;
+            out->has_lids = false;
+        if (all[i].is_jaw_open && *all[i].end < CLAY_OPEN_DEG / 57.29577951308232)
+            out->opens = false;
         if (part < 1.0)
             rig_note(&d->confirm,
                      "%s: to %.0f %% of what is usual, where the skin would fold: sure", name,
@@ -1041,8 +1052,9 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     d.head = d.a.head;
     d.a.has_slit = d.a.has_slit || cut_mouth;
     d.reach_mm = d.head.nose.y - d.head.chin.y;
-    for (bool is_done = false; !is_done && d.ambition < AMBITIONS; ++d.ambition) {
-        bool has_lids = true;
+    for (bool is_done = false; !is_done && d.ambition < AMBITIONS;) {
+        bool is_clay = false;
+        trial tried = {true, true};
         result = draft_once(out, &d, mesh_path, err);
         for (bool is_found = true; result >= 0 && is_found;) {
             result = find_patch(&d, out, &is_found, err);
@@ -1054,11 +1066,18 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
         if (result < 0 && m->vertex_count > LAPLACE_FREE_MOST)
             break; /* less ambition is no less work */
         if (result >= 0) {
-            result = try_bones(out, &d, &has_lids, err);
-            is_done = result >= 0 && (has_lids || d.ambition > ALL);
-            if (!is_done)
+            result = try_bones(out, &d, &tried, err);
+            is_done = result >= 0 && (tried.has_lids || d.ambition > ALL);
+            is_clay =
+                is_done && !tried.opens && d.a.has_slit && !cut_mouth && !d.head.has_touching_lips;
+            if (!is_done || is_clay)
                 rig_destroy(out);
+            if (is_clay) {
+                d.a.has_slit = is_done = false;
+                d.patch_count = 0;
+            }
         }
+        d.ambition += is_clay ? 0 : 1;
     }
     if (result >= 0 && d.ambition > WITHOUT_LIDS)
         rig_note(&d.confirm, "%s: left out, since the %s",

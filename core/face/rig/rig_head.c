@@ -219,18 +219,30 @@ static double prominence(const profile *p, const profile *left, const profile *r
     return isfinite(beside) ? fmin(fmax(p->front[row] - beside, 0.0), most) : 0.0;
 }
 
+static double forward_at(const profile *p, const profile *left, const profile *right, int row)
+{
+    return p->front[row] + prominence(p, left, right, row);
+}
+
 /* The row that comes forward most, of all and beside what is left and right of it: muzzles are
- * broad, noses are not. */
-static int find_nose(const profile *p, const profile *left, const profile *right)
+ * broad, noses are not. Hair over the forehead may come out as far, but is higher than noses are.
+ */
+static int find_nose(double *out_mm, const profile *p, const profile *left, const profile *right)
 {
     int best = -1;
-    double best_mm = 0.0;
     for (int row = ROWS / 4; row < ROWS * 17 / 20; ++row) {
-        double mm = p->front[row] + prominence(p, left, right, row);
-        if (!isfinite(p->front[row]) || (best >= 0 && mm <= best_mm))
+        double above = fmax(row - 0.6 * ROWS, 0.0) * p->row_mm;
+        double mm = forward_at(p, left, right, row) - 0.3 * above;
+        if (!isfinite(p->front[row]) || (best >= 0 && mm <= *out_mm))
             continue;
         best = row;
-        best_mm = mm;
+        *out_mm = mm;
+    }
+    for (int from = -1; best >= 0 && from != best;) { /* to its tip, however high it is */
+        from = best;
+        for (int row = from - ROWS / 64; row <= from + ROWS / 64; ++row)
+            if (forward_at(p, left, right, row) > forward_at(p, left, right, best))
+                best = row;
     }
     return best;
 }
@@ -334,15 +346,68 @@ static int find_lip(const profile *p, int mouth, int way, int reach)
     return crest;
 }
 
-static mrt_result choose_plane(double *out_x, const mesh *m, const uint8_t *is_face,
-                               double box_middle_x, double reach_mm, error *err)
+typedef struct bounds {
+    vec3 low, high;
+} bounds;
+
+static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
 {
-    uint32_t at_zero, at_middle, example;
-    if (!count_alone(&at_zero, &example, m, is_face, 0.0, reach_mm) ||
-        !count_alone(&at_middle, &example, m, is_face, box_middle_x, reach_mm))
+    bool found = false;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        vec3 p = rig_mirror_position(m, v);
+        if (is_face && !is_face[v])
+            continue;
+        if (!found)
+            *out = (bounds){p, p};
+        found = true;
+        out->low = (vec3){fmin(out->low.x, p.x), fmin(out->low.y, p.y), fmin(out->low.z, p.z)};
+        out->high = (vec3){fmax(out->high.x, p.x), fmax(out->high.y, p.y), fmax(out->high.z, p.z)};
+    }
+    return found;
+}
+
+/* Scans and sculptures are no mirror images, and may look a little aside: the plane through the
+ * nose. */
+static mrt_result find_plane_of_nose(double *out_x, const mesh *m, const uint8_t *is_face,
+                                     const bounds *box, error *err)
+{
+    enum { BESIDE = 5, ASIDE = 12, COLUMNS = 2 * (ASIDE + BESIDE) + 1 };
+    profile *column = malloc(COLUMNS * sizeof *column);
+    if (!column)
         return error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
-    *out_x = at_zero <= at_middle ? 0.0 : box_middle_x;
+    const double middle = 0.5 * (box->low.x + box->high.x),
+                 step = 0.1 * (box->high.y - box->low.y) / BESIDE;
+    for (int i = 0; i < COLUMNS; ++i)
+        cut_profile(&column[i], m, is_face, middle + (i - ASIDE - BESIDE) * step, box->low.y,
+                    box->high.y);
+    double most = -(double)INFINITY;
+    *out_x = middle;
+    for (int i = BESIDE; i < COLUMNS - BESIDE; ++i) {
+        double mm;
+        if (find_nose(&mm, &column[i], &column[i - BESIDE], &column[i + BESIDE]) < 0 || mm <= most)
+            continue;
+        most = mm;
+        *out_x = middle + (i - ASIDE - BESIDE) * step;
+    }
+    free(column);
     return MRT_OK;
+}
+
+static mrt_result choose_plane(double *out_x, const mesh *m, const uint8_t *is_face,
+                               const bounds *box, error *err)
+{
+    const double middle = 0.5 * (box->low.x + box->high.x),
+                 reach_mm = 0.002 * (box->high.y - box->low.y);
+    uint32_t at_zero, at_middle, example, count = 0;
+    if (!count_alone(&at_zero, &example, m, is_face, 0.0, reach_mm) ||
+        !count_alone(&at_middle, &example, m, is_face, middle, reach_mm))
+        return error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        count += !is_face || is_face[v];
+    *out_x = at_zero <= at_middle ? 0.0 : middle;
+    if (2 * (uint64_t)(at_zero <= at_middle ? at_zero : at_middle) <= count)
+        return MRT_OK;
+    return find_plane_of_nose(out_x, m, is_face, box, err);
 }
 
 /* Outwards from the middle until the front is no longer face: at 0.58 of the depth from the back
@@ -395,26 +460,6 @@ static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_
         int from = (int)at, to = from < last ? from + 1 : from;
         head->groove_y[i] = groove[from] + (at - from) * (groove[to] - groove[from]);
     }
-}
-
-typedef struct bounds {
-    vec3 low, high;
-} bounds;
-
-static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
-{
-    bool found = false;
-    for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = rig_mirror_position(m, v);
-        if (is_face && !is_face[v])
-            continue;
-        if (!found)
-            *out = (bounds){p, p};
-        found = true;
-        out->low = (vec3){fmin(out->low.x, p.x), fmin(out->low.y, p.y), fmin(out->low.z, p.z)};
-        out->high = (vec3){fmax(out->high.x, p.x), fmax(out->high.y, p.y), fmax(out->high.z, p.z)};
-    }
-    return found;
 }
 
 /* A mask has no back: its cut is one line. */
@@ -472,8 +517,7 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
         !(box.high.z - box.low.z > 0.0) || m->triangle_count == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
     double height = box.high.y - box.low.y;
-    mrt_result result = choose_plane(&out->middle_x, m, is_face, 0.5 * (box.low.x + box.high.x),
-                                     0.002 * height, err);
+    mrt_result result = choose_plane(&out->middle_x, m, is_face, &box, err);
     profile *p = result < 0 ? NULL : malloc(3 * sizeof *p);
     if (!p)
         return result < 0 ? result
@@ -483,7 +527,8 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
     cut_profile(&p[0], m, is_face, x, box.low.y, box.high.y);
     cut_profile(&p[1], m, is_face, x - beside, box.low.y, box.high.y);
     cut_profile(&p[2], m, is_face, x + beside, box.low.y, box.high.y);
-    int nose = find_nose(&p[0], &p[1], &p[2]);
+    double mm;
+    int nose = find_nose(&mm, &p[0], &p[1], &p[2]);
     /* The head that a mask is worn on is as deep as 1.2 of what is from chin to hairline. */
     double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
     int chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * fmax(box.high.z - box.low.z, least_depth));
