@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Fetches what package.json lists into tests/e2e/node_modules: the Khronos glTF validator for
-# e2e/gltf_validator, TinyUSDZ, a USD library, for e2e/usd, three.js with three-vrm for e2e/three.
+# e2e/gltf_validator, TinyUSDZ, a USD library, for e2e/usd, three.js with three-vrm for e2e/three
+# and e2e/vrm_live, an OSC reader for the latter.
 # Does nothing when all is there already. Exit 77: it cannot be fetched here, and the last line says why; those tests are then
 # skipped.
 set -uo pipefail

@@ -3,18 +3,12 @@
 // At three times: the weights that it plays against those in the file; where its vertices are against the point cache; its
 // picture against one of the cache's vertices themselves, and against one at rest. FOLDER: the browser's. PACKAGES: node_modules. A .vrma
 // is played on FILE, and the turns of its head's bone are compared with those in the .vrma.
-import {spawn} from 'node:child_process';
-import {createServer} from 'node:http';
 import {readFileSync, writeFileSync} from 'node:fs';
-import {extname} from 'node:path';
+import {openPage} from './page.mjs';
 
 const [program, folder, packages, file, bare, cache, fps, picture, vrma] = process.argv.slice(2);
 
-const page = `<!doctype html><script type="importmap">{"imports": {
-  "three": "/packages/three/build/three.module.js", "three/addons/": "/packages/three/examples/jsm/",
-  "@pixiv/three-vrm": "/packages/@pixiv/three-vrm/lib/three-vrm.module.js",
-  "@pixiv/three-vrm-animation": "/packages/@pixiv/three-vrm-animation/lib/three-vrm-animation.module.js"}}</script>
-<script type="module">
+const script = `
 import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {VRMLoaderPlugin} from '@pixiv/three-vrm';
@@ -172,52 +166,10 @@ async function pose(fps, frames) {
 window.pose = (fps, frames) => pose(fps, frames).catch((error) => ({error: String(error?.stack ?? error)}));
 window.play = (fps) => play(fps).catch((error) => ({error: String(error?.stack ?? error)}));
 window.ready = true;
-</script>`;
+`;
 
-const types = {'.js': 'text/javascript', '.html': 'text/html'};
-const server = createServer((request, response) => {
-  const known = {'/': null, '/file': file, '/bare': bare, '/cache': cache, '/vrma': vrma};
-  const path = request.url.startsWith('/packages/') && !request.url.includes('..')
-      ? packages + request.url.slice('/packages'.length) : known[request.url];
-  if (request.url === '/') return response.setHeader('content-type', 'text/html').end(page);
-  try {
-    response.setHeader('content-type', types[extname(path)] ?? 'application/octet-stream').end(readFileSync(path));
-  } catch {
-    response.writeHead(404).end();
-  }
-});
-await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-
-const browser = spawn(program, [
-  '--headless=new', '--no-sandbox', '--remote-debugging-pipe', `--user-data-dir=${folder}`, '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader', '--no-first-run', '--disable-background-networking',
-  '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1', 'about:blank',
-], {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
-let next = 0, rest = '', session;
-const waiting = new Map();
-browser.stdio[4].on('data', (bytes) => {
-  rest += bytes;
-  for (let end; (end = rest.indexOf('\0')) >= 0; rest = rest.slice(end + 1)) {
-    const message = JSON.parse(rest.slice(0, end));
-    if (waiting.has(message.id)) waiting.get(message.id)(message.result ?? {});
-    if (message.method === 'Runtime.exceptionThrown') console.error('exception:', JSON.stringify(message.params).slice(0, 600));
-  }
-});
-const call = (method, params = {}) => new Promise((resolve) => {
-  waiting.set(++next, resolve);
-  browser.stdio[3].write(JSON.stringify({id: next, method, params, sessionId: session}) + '\0');
-});
-const value = async (expression) =>
-  (await call('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true})).result?.value;
-const end = (code) => {
-  browser.kill('SIGKILL');
-  process.exit(code);
-};
-const {targetId} = await call('Target.createTarget', {url: `http://127.0.0.1:${server.address().port}/`});
-session = (await call('Target.attachToTarget', {targetId, flatten: true})).sessionId;
-await call('Runtime.enable');
-for (let i = 0; i < 200 && await value('window.ready') !== true; ++i)
-  await new Promise((resolve) => setTimeout(resolve, 100));
+const {value, end} = await openPage({program, folder, packages, script,
+  files: {'/file': file, '/bare': bare, '/cache': cache, '/vrma': vrma}});
 const said = await value(`window.play(${Number(fps)})`);
 if (!said || said.error) {
   console.error(said?.error ?? 'the page says nothing');

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# A take that plays into --output vmc moves the mouth of a VRM that three-vrm shows in a headless Chromium, by ARKit's names and by
+# VRM's presets: its picture with the jaw closed is another than with the jaw open, at the mouth. Packages as e2e/three has them.
+source "$(dirname "$0")/lib.sh"
+skip() { echo "SKIPPED: $1"; exit 77; }
+packages=${MAROTTE_NODE_MODULES:-$SOURCE_DIR/tests/e2e/node_modules}
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome)
+avatar=$shared/data/heads/rpm_arkit.glb
+[ -n "$chromium" ] || skip "chromium is not installed"
+command -v node >/dev/null || skip "node is not installed"
+for package in three @pixiv/three-vrm osc-min; do
+    [ -e "$packages/$package/package.json" ] || skip "no $package in $packages: bash tests/e2e/setup_validator.sh"
+done
+[ -e "$avatar" ] || skip "no $avatar (set MAROTTE_SHARED)"
+cd "$scratch" || exit 1
+listener=
+trap '[ -z "$listener" ] || kill "$listener" 2>/dev/null; rm -rf "$scratch"' EXIT
+out=$BUILD_DIR/out
+mkdir -p "$out"
+"$MAROTTE" perform --face "$puppet" --input "log:$demo,start=11,end=14" --map one_hand --record a.marotte >/dev/null 2>stderr &&
+    "$MAROTTE" take export a.marotte last --export a.livelink.csv >/dev/null 2>stderr || { fail "no take: $(cat stderr)"; finish; }
+jaw=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "JawOpen") at = i; next } $at > most { most = $at } END { print most }' a.livelink.csv)
+
+for names in arkit presets; do
+    rm -f port
+    timeout 280 node "$SOURCE_DIR/tests/e2e/vrm_listen.mjs" "$chromium" "$scratch/profile" "$packages" "$avatar" port \
+        "$out/vrm_live_$names.png" >said 2>stderr &
+    listener=$!
+    for _ in $(seq 1800); do
+        [ -s port ] || ! kill -0 "$listener" 2>/dev/null || { sleep 0.1; continue; }
+        break
+    done
+    [ -s port ] || { fail "the avatar does not listen: $(tail -n 3 stderr said)"; finish; }
+    "$MAROTTE" take play a.marotte last --output "vmc:127.0.0.1:$(cat port),names=$names" >played 2>&1 || fail "take play: $(cat played)"
+    wait "$listener" || fail "$names: $(tail -n 5 stderr said)"
+    listener=
+    sed "s/^/$names: /" said
+    is() { awk "/^$1 / { there = 1; if (!(\$2 $2)) wrong = 1 } END { exit wrong || !there }" said; }
+    is bones ">= 3" || fail "$names: head and eyes are not heard"
+    is jaw_closed "< 0.1" || fail "$names: the jaw never closes"
+    is mouth "> 5" || fail "$names: the mouth's picture hardly moves"
+    if [ $names = arkit ]; then
+        is names "== 52" || fail "not the 52 names"
+        is jaw_open "> $jaw - 0.02" && is jaw_open "< $jaw + 0.02" || fail "the take's jaw opens to $jaw, not so far there"
+        grep -q 'unknown there: none$' said || fail "the avatar does not know all names: $(head -n 1 said)"
+    fi
+done
+finish
