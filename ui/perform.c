@@ -522,7 +522,7 @@ const command command_perform = {
         "                     the newest in the user's folder; none: the shipped defaults\n"
         "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
         "  --patch FILE       channels move it too: ui/patches/README.md; faders, gamepad,\n"
-        "                     phone, voice\n"
+        "                     phone, phone_face, voice\n"
         "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
         "                     live, the key z does so, and q ends\n"
         "  --output SPEC      where the face is sent while it is performed, in real time; up to 8 "

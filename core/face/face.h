@@ -103,6 +103,12 @@ uint32_t face_shape_count(const face *f);
 const char *face_shape_name(const face *f, uint32_t index);
 /* Of the frame, 0..1: as given, less than asked for where skin would fold. */
 double face_shape_weight(const face *f, uint32_t index);
+/* What bones do of it at weight 1: MRT_MAX_DOFS; until destroy. */
+const float *face_shape_dofs(const face *f, uint32_t index);
+/* From the next frame on each has at least that weight (0..1, face_shape_count of them; NULL: 0),
+ * and contacts are pulled from where it brings them: pulls add to it, as to bones that are driven.
+ * What bones do of a shape has to be driven beside it; one that follows bones is left to them. */
+void face_ask_shapes(face *f, const float *weight);
 /* What it adds at weight 1 with the bones at rest, mm: vertices by 3, in the file's order. */
 void face_shape_offset(const face *f, uint32_t index, float *out);
 

@@ -68,11 +68,13 @@ for name in faders gamepad phone voice; do
     perform "$name" --seconds 0.2
     ! grep -q "note: patch" stderr || fail "$name: $(cat stderr)"
 done
+perform phone_face --seconds 0.2
+[ "$(grep "note: patch" stderr | grep -cv 'tongueOut\|skull.tilt')" = 0 ] || fail "phone_face: $(cat stderr)"
 "$MAROTTE" perform --face moai --input log:faders.csv --map one_hand --patch faders --seconds 0.2 >said 2>stderr ||
     fail "moai: $(cat stderr)"
 
 # Their channels are those of the inputs.
-for at in gamepad:gamepad/pad.c phone:phone/phone_parse.c; do
+for at in gamepad:gamepad/pad.c phone:phone/phone_parse.c phone_face:phone/phone_parse.c; do
     for channel in $(sed -nE 's/.*"channel": "([^"]+)".*/\1/p' "$SOURCE_DIR/ui/patches/${at%%:*}.json" | sort -u); do
         grep -qF "\"$channel\"" "$SOURCE_DIR/plugins/${at#*:}" || fail "${at%%:*}: no channel $channel"
     done

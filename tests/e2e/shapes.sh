@@ -33,5 +33,47 @@ done
 timeout 120 "$BUILD_DIR/marotte" take export show.marotte 1 --export again.pc2 >/dev/null 2>again.err ||
     fail "take export: $(tail -c 200 again.err)"
 cmp -s shaped.pc2 again.pc2 || fail "a take of a head with shapes has other bits than what was performed"
+
+# A patch moves the shapes themselves, beside the hand: the take is bit for bit, and changed afterwards.
+awk 'BEGIN {
+    print "time_s,face.smile,face.jaw\nunit,0..1,0..1"
+    for (i = 0; i < 400; i += 1) printf "%.3f,%.4f,%.4f\n", i * 0.01, 0.5 - 0.5 * cos(i * 0.03), 0.5 - 0.5 * cos(i * 0.05)
+}' >face.csv
+patch_of() { # weight of a whole smile
+    printf '{"marotte_patch": 1, "connections": [
+        {"from": {"channel": "face.smile"}, "to": {"shape": "mouthSmileLeft"}, "out": [0, %s], "mode": "add"},
+        {"from": {"channel": "face.smile"}, "to": {"shape": "mouthSmile_R"}, "smooth_s": 0.1},
+        {"from": {"channel": "face.jaw"}, "to": {"shape": "jawOpen"}},
+        {"from": {"channel": "face.jaw"}, "to": {"shape": "no such shape"}}]}' "$1"
+}
+patch_of 1 >whole.json
+patch_of 0.3 >less.json
+perform patched head.rig.json --input log:face.csv --patch whole.json --record patched.marotte
+perform less head.rig.json --input log:face.csv --patch less.json
+grep -q 'the head has no shape, the rig no pose "no such shape"' patched.err || fail "what is missing is not said: $(cat patched.err)"
+[ "$(grep -c 'note: patch' patched.err)" = 1 ] || fail "a shape is not found: $(cat patched.err)"
+cmp -s patched.pc2 shaped.pc2 && fail "a patched shape moves nothing"
+[ "$(fact folds patched.txt)" = 0 ] || fail "patched: $(fact folds patched.txt) folds"
+again() { # NAME: the last take of patched.marotte is NAME.pc2
+    timeout 120 "$BUILD_DIR/marotte" take export patched.marotte last --export again.pc2 >/dev/null 2>again.err ||
+        fail "take export: $(tail -c 200 again.err)"
+    cmp -s "$1.pc2" again.pc2 || fail "a take with patched shapes has other bits than $1"
+}
+again patched
+"$BUILD_DIR/marotte" take remap patched.marotte 1 --patch less.json >/dev/null 2>again.err || fail "remap: $(cat again.err)"
+again less
+
+# What the face says in ARKit's names, performed by the patch of a phone, is that face: said again, and turned as it was.
+perform spoken head.rig.json --export spoken.livelink.csv --input log:face.csv --patch whole.json
+awk -F, 'NR == 1 { printf "time_s"; for (i = 3; i <= NF; ++i) printf ",%s", tolower(substr($i, 1, 1)) substr($i, 2)
+        printf "\nunit"; for (i = 3; i <= NF; ++i) printf ",%s", i < 55 ? "0..1" : "-3.2..3.2"; print ""; next }
+    { printf "%.5f", (NR - 2) / 30; for (i = 3; i <= NF; ++i) printf ",%s", $i; print "" }' spoken.livelink.csv >heard.csv
+sed 's/"input": "phone", //' "$SOURCE_DIR/ui/patches/phone_face.json" >heard.json
+timeout 120 "$BUILD_DIR/marotte" perform --face head.rig.json --input log:heard.csv --map one_hand --patch heard.json \
+    --export heard.livelink.csv >/dev/null 2>heard.err || fail "phone_face: $(tail -c 200 heard.err)"
+paste -d, spoken.livelink.csv heard.livelink.csv | awk -F, 'NR == 1 { half = NF / 2; split($0, name, ","); next }
+    NR > 30 { for (i = 3; i <= half; ++i) { d = $i - $(half + i); sum[i] += d < 0 ? -d : d }; ++n }
+    END { for (i in sum) if (sum[i] / n > 0.05) { print name[i], sum[i] / n; bad = 1 }; exit bad || n < 60 }' >apart.txt ||
+    fail "a face from a phone is another: $(cat apart.txt)"
 refused 1 "shapes" "$BUILD_DIR/marotte" perform --face wrong.rig.json --input "log:$demo" --map one_hand --seconds 1
 finish

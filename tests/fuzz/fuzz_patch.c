@@ -48,7 +48,8 @@ static void check_plan(const patch *p)
     const mrt_face about = {contacts, dofs, 2, 1, {-80, -120, -80}, {80, 120, 80}};
     patch_plan *plan;
     error err = {""};
-    require(patch_plan_create(&plan, p, &about, NULL, &err) >= 0, "what was read can be planned");
+    require(patch_plan_create(&plan, p, &about, NULL, NULL, &err) >= 0,
+            "what was read can be planned");
     patch_plan_destroy(plan);
 }
 

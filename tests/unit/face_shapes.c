@@ -213,6 +213,70 @@ static void bones_and_shapes_do_the_work_once(void **state)
     face_destroy(s.scene.face);
 }
 
+static void ask_for(const shaped *s, const char *name, float weight)
+{
+    float asked[SHAPES] = {0};
+    for (uint32_t i = 0; i < face_shape_count(s->scene.face); ++i)
+        if (strcmp(face_shape_name(s->scene.face, i), name) == 0)
+            asked[i] = weight;
+    face_ask_shapes(s->scene.face, asked);
+}
+
+/* With no hand there, and as it was made. */
+static void a_shape_that_is_asked_for_is_that_shape(void **state)
+{
+    static shaped s;
+    error err = {""};
+    (void)state;
+    make(&s);
+    ask_for(&s, "smile", 0.6f);
+    must(face_pull(s.scene.face, NULL, NULL, &err), &err);
+    assert_true(fabs(weight_of(&s, "smile") - 0.6) < 1e-6);
+    assert_true(greatest_off(&s, SMILE, 0.6) < 1e-3);
+    face_ask_shapes(s.scene.face, NULL);
+    must(face_pull(s.scene.face, NULL, NULL, &err), &err);
+    assert_true(greatest_off(&s, SMILE, 0.0) < 1e-6);
+    face_destroy(s.scene.face);
+}
+
+/* Hands that hold the face still let it smile; what they pull adds to it. */
+static void pulls_add_to_what_is_asked_for(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double way[SCENE_CONTACTS][3], end[SCENE_CONTACTS][3];
+    uint8_t rides[SCENE_CONTACTS];
+    (void)state;
+    make(&s);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    memset(rides, 1, sizeof rides);
+    memset(way, 0, sizeof way);
+    ask_for(&s, "smile", 0.6f);
+    memcpy(end, way, sizeof end);
+    face_ride(s.scene.face, end[0], rides, NULL);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(fabs(weight_of(&s, "smile") - 0.6) < 1e-6);
+    assert_true(greatest_off(&s, SMILE, 0.6) < 1e-3);
+    ask(&s, way, SMILE, 0.3);
+    memcpy(end, way, sizeof end);
+    face_ride(s.scene.face, end[0], rides, NULL);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(weight_of(&s, "smile") > 0.8);
+    assert_true(greatest_off(&s, SMILE, 0.9) < 0.4);
+    assert_true(greatest_miss(&s, end) < 1e-4);
+    /* taking hold anew, and letting go, moves nothing and leaves nothing behind */
+    double before = greatest_off(&s, SMILE, 0.9);
+    must(scene_hold(&s.scene, &settings, end, &err), &err);
+    face_show(s.scene.face);
+    assert_true(fabs(greatest_off(&s, SMILE, 0.9) - before) < 1e-3);
+    face_ask_shapes(s.scene.face, NULL);
+    memset(end, 0, sizeof end);
+    face_ride(s.scene.face, end[0], rides, NULL);
+    must(face_pull(s.scene.face, end[0], NULL, &err), &err);
+    assert_true(greatest_off(&s, SMILE, 0.3) < 0.4); /* what was pulled is in the base */
+    face_destroy(s.scene.face);
+}
+
 static void rigid_parts_stay_rigid(void **state)
 {
     static shaped s;
@@ -351,6 +415,8 @@ static void step_on(shaped *s, double end[SCENE_CONTACTS][3], int n)
         dof[scene_dof(&s->scene, "jaw.open")] = (float)(0.03 * (n % 10));
     if (n % 20 == 0)
         must(scene_hold(&s->scene, &settings, end, &err), &err);
+    if (n % 20 > 4 && n % 4 == 1)
+        ask_for(s, "browUp", 0.04f * (float)(n % 20));
     memcpy(way, end, sizeof way);
     ask(s, way, SMILE, 0.05 * (n % 20));
     ask(s, way, JAW_OPEN, 0.03 * (n % 20));
@@ -493,6 +559,8 @@ int main(void)
         cmocka_unit_test(a_pull_that_a_shape_explains_becomes_that_shape),
         cmocka_unit_test(contacts_land_whatever_is_pulled),
         cmocka_unit_test(bones_and_shapes_do_the_work_once),
+        cmocka_unit_test(a_shape_that_is_asked_for_is_that_shape),
+        cmocka_unit_test(pulls_add_to_what_is_asked_for),
         cmocka_unit_test(rigid_parts_stay_rigid),
         cmocka_unit_test(correctives_come_only_with_what_they_correct),
         cmocka_unit_test(a_look_turns_with_its_eye_alone),

@@ -52,7 +52,7 @@ static void plug(scene *s)
 {
     error err = {""};
     patch_plan *plan, *old;
-    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, &err), MRT_OK);
+    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, NULL, &err), MRT_OK);
     assert_string_equal(patch_plan_note(plan), "");
     assert_true(patch_bay_set(&s->bay, plan, &old));
     patch_plan_destroy(old);
@@ -219,7 +219,7 @@ static void while_one_change_comes_the_next_waits(void **state)
     plug(s);
     step(s);
     assert_true(s->bay.is_fading);
-    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, &err), MRT_OK);
+    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, NULL, &err), MRT_OK);
     assert_false(patch_bay_set(&s->bay, plan, &old));
     settle(s);
     assert_true(patch_bay_set(&s->bay, plan, &old));
@@ -298,7 +298,7 @@ static void what_a_face_has_not_is_noted_and_left_out(void **state)
     connect(s, PATCH_CONTACT, "fader 1", "mouth.*");
     connect(s, PATCH_POSE, "fader 1", "joy");
     connect(s, PATCH_PARAM, "fader 1", "waldo");
-    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, &err), MRT_OK);
+    assert_int_equal(patch_plan_create(&plan, &s->of, &about, NULL, NULL, &err), MRT_OK);
     patch_plan_check_params(plan, &mapping);
     assert_non_null(strstr(patch_plan_note(plan), "no degree of freedom \"tail.wag\""));
     assert_non_null(strstr(patch_plan_note(plan), "no contact \"mouth.*\""));

@@ -182,6 +182,7 @@ void face_reset(face *f)
     for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
         pose[b] = rigid_identity();
     face_take_pose(f, still, pose);
+    face_ask_shapes(f, NULL);
     points_copy(&f->base, &f->rest);
     f->origin = &f->base;
     face_touch_all(f);

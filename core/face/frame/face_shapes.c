@@ -552,6 +552,7 @@ static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
     s->shape = calloc(k, sizeof *s->shape);
     s->part = calloc(k * CARRIERS, sizeof *s->part);
     s->weight = calloc(k, sizeof *s->weight);
+    s->asked = calloc(k, sizeof *s->asked);
     s->at = calloc(rows, sizeof *s->at);
     s->whole = calloc(rows, sizeof *s->whole);
     s->h = calloc(k * k, sizeof *s->h);
@@ -564,8 +565,8 @@ static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
     s->scratch = calloc(SHAPE_SOLVE_SCRATCH(k), sizeof *s->scratch);
     s->y = calloc(3 * (size_t)controls + 1, sizeof *s->y);
     s->left = calloc(3 * (size_t)controls + 1, sizeof *s->left);
-    return s->shape && s->part && s->weight && s->at && s->whole && s->h && s->b && s->few &&
-           s->low && s->high && s->given && s->strain && s->scratch && s->y && s->left;
+    return s->shape && s->part && s->weight && s->asked && s->at && s->whole && s->h && s->b &&
+           s->few && s->low && s->high && s->given && s->strain && s->scratch && s->y && s->left;
 }
 
 uint32_t face_shapes_of(const mesh *m)
@@ -637,6 +638,7 @@ void face_shapes_destroy(face *f)
     free(s->shape);
     free(s->part);
     free(s->weight);
+    free(s->asked);
     free(s->at);
     free(s->whole);
     free(s->h);
@@ -775,12 +777,26 @@ static double drive_of(const face *f, const face_shape *one, const float *dof)
     return part > 0.0 ? (part < 1.0 ? part : 1.0) : 0.0;
 }
 
+/* What of a shape is there whatever is pulled: what bones lead to, or what is asked for. */
+static double led_by(const face *f, uint32_t i, const float *dof)
+{
+    const face_shapes *s = &f->shapes;
+    return s->shape[i].follows_bones ? drive_of(f, &s->shape[i], dof) : s->asked[i];
+}
+
+static double led_now(const face_shapes *s, uint32_t i)
+{
+    return s->shape[i].follows_bones ? s->weight[i] : fmin(s->asked[i], s->weight[i]);
+}
+
 static void lead_by(face *f, const float *dof)
 {
     face_shapes *s = &f->shapes;
-    for (uint32_t i = 0; i < s->count; ++i)
-        if (s->shape[i].follows_bones)
-            s->weight[i] = drive_of(f, &s->shape[i], dof);
+    for (uint32_t i = 0; i < s->count; ++i) {
+        double led = led_by(f, i, dof);
+        if (s->shape[i].follows_bones || s->weight[i] < led)
+            s->weight[i] = led;
+    }
 }
 
 void face_shapes_settle(face *f, const float *dof)
@@ -833,12 +849,12 @@ static void begin_frame(face *f, const float *resolved, uint32_t derived, const 
     }
     for (uint32_t i = 0; i < s->count; ++i) {
         const face_shape *one = &s->shape[i];
-        s->low[i] = 0.0;
+        s->low[i] = s->asked[i];
         s->high[i] = 1.0;
         if (one->bones == 0 || (one->bones & derived))
             continue;
-        s->high[i] = drive_of(f, one, held);
-        s->low[i] = one->follows_bones ? s->high[i] : 0.0;
+        s->high[i] = fmax(drive_of(f, one, held), s->asked[i]);
+        s->low[i] = one->follows_bones ? s->high[i] : s->asked[i];
     }
 }
 
@@ -849,9 +865,10 @@ static bool bound_correctives(face_shapes *s)
     for (uint32_t i = 0; i < s->count; ++i)
         for (int n = 0; n < 2; ++n) {
             uint32_t need = s->shape[i].needs[n];
-            if (need == 0 || !(s->weight[i] > s->weight[need - 1]))
+            double most = need > 0 ? fmax(s->weight[need - 1], s->asked[i]) : 1.0;
+            if (!(s->weight[i] > most))
                 continue;
-            s->high[i] = fmin(s->high[i], s->weight[need - 1]);
+            s->high[i] = fmin(s->high[i], most);
             s->low[i] = fmin(s->low[i], s->high[i]);
             any = true;
         }
@@ -969,7 +986,7 @@ vec3 face_shapes_led_at(const face *f, uint32_t control, const float *dof)
 {
     const face_shapes *s = &f->shapes;
     for (uint32_t i = 0; i < s->count; ++i)
-        s->b[i] = s->shape[i].follows_bones ? drive_of(f, &s->shape[i], dof) : 0.0;
+        s->b[i] = led_by(f, i, dof);
     return sum_at(f, control, s->b);
 }
 
@@ -979,9 +996,9 @@ vec3 face_shapes_led_slot(const face *f, uint32_t slot)
     vec3 sum = {0, 0, 0};
     for (uint32_t p = 0; p < s->part_count; ++p) {
         const face_shape_part *part = &s->part[p];
-        if (s->shape[part->shape].follows_bones && s->weight[part->shape] != 0.0)
-            sum = vec3_add(sum,
-                           vec3_scale(shape_at(f, part, slot), s->amount * s->weight[part->shape]));
+        double led = led_now(s, part->shape);
+        if (led != 0.0)
+            sum = vec3_add(sum, vec3_scale(shape_at(f, part, slot), s->amount * led));
     }
     return sum;
 }
@@ -1006,9 +1023,12 @@ void face_shapes_weigh(const face *f, double *weight, const rigid *pose)
 void face_shapes_unlead(const face *f, double *weight)
 {
     const face_shapes *s = &f->shapes;
-    for (uint32_t p = 0; p < s->part_count; ++p)
-        if (s->shape[s->part[p].shape].follows_bones)
-            memset(weight + (size_t)3 * s->part[p].column, 0, 9 * sizeof *weight);
+    for (uint32_t p = 0; p < s->part_count; ++p) {
+        uint32_t of = s->part[p].shape;
+        double led = led_now(s, of), *row = weight + (size_t)3 * s->part[p].column;
+        for (int i = 0; i < 9 && led > 0.0; ++i)
+            row[i] = led < s->weight[of] ? row[i] * (1.0 - led / s->weight[of]) : 0.0;
+    }
 }
 
 void face_shapes_give(face *f)
@@ -1056,6 +1076,20 @@ uint32_t face_shape_count(const face *f)
 const char *face_shape_name(const face *f, uint32_t index)
 {
     return f->shapes.shape[index].name;
+}
+
+const float *face_shape_dofs(const face *f, uint32_t index)
+{
+    return f->shapes.shape[index].dof;
+}
+
+void face_ask_shapes(face *f, const float *weight)
+{
+    face_shapes *s = &f->shapes;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        bool is_led = s->shape[i].follows_bones || !weight;
+        s->asked[i] = is_led ? 0.0 : fmin(fmax((double)weight[i], 0.0), 1.0);
+    }
 }
 
 void face_shape_offset(const face *f, uint32_t index, float *out)

@@ -108,6 +108,22 @@ static void take_settings(bytes_in *in, csrbf_settings *out)
                   out->polynomial > CSRBF_WINDOWED;
 }
 
+/* With the count: what is asked for follows. */
+#define SHAPES_ARE_ASKED 0x80000000u
+
+static void put_shape_weights(bytes_out *out, const face_shapes *s)
+{
+    bool are_asked = false;
+    for (uint32_t i = 0; i < s->count; ++i)
+        are_asked |= s->asked[i] > 0.0;
+    if (s->count > 0)
+        bytes_put_u32(out, s->count | (are_asked ? SHAPES_ARE_ASKED : 0u));
+    for (uint32_t i = 0; i < s->count; ++i)
+        bytes_put_f64(out, s->weight[i]);
+    for (uint32_t i = 0; i < s->count && are_asked; ++i)
+        bytes_put_f64(out, s->asked[i]);
+}
+
 size_t face_save(const face *f, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
@@ -119,11 +135,7 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
     bytes_put_u32(&out, f->bones.dof_count);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         bytes_put_f64(&out, (double)f->dof[i]);
-    if (f->shapes.count > 0) {
-        bytes_put_u32(&out, f->shapes.count);
-        for (uint32_t i = 0; i < f->shapes.count; ++i)
-            bytes_put_f64(&out, f->shapes.weight[i]);
-    }
+    put_shape_weights(&out, &f->shapes);
     bytes_put_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
     put_shape(&out, &f->base, &f->rest);
     if (f->origin == &f->free)
@@ -187,17 +199,25 @@ static bool take_controls(bytes_in *in, face *f)
     return !in->failed;
 }
 
+static void take_shares(bytes_in *in, double *out, uint32_t count)
+{
+    for (uint32_t i = 0; i < count && !in->failed; ++i) {
+        double share = bytes_take_f64(in);
+        in->failed |= !(share >= 0.0 && share <= 1.0);
+        out[i] = in->failed ? 0.0 : share;
+    }
+}
+
 static void take_shape_weights(bytes_in *in, face *f)
 {
     face_shapes *s = &f->shapes;
     if (s->count == 0)
         return;
-    in->failed |= bytes_take_u32(in) != s->count;
-    for (uint32_t i = 0; i < s->count && !in->failed; ++i) {
-        double weight = bytes_take_f64(in);
-        in->failed |= !(weight >= 0.0 && weight <= 1.0);
-        s->weight[i] = in->failed ? 0.0 : weight;
-    }
+    uint32_t count = bytes_take_u32(in);
+    in->failed |= (count & ~SHAPES_ARE_ASKED) != s->count;
+    take_shares(in, s->weight, s->count);
+    if (count & SHAPES_ARE_ASKED)
+        take_shares(in, s->asked, s->count);
 }
 
 mrt_result face_load(face *f, const void *bytes, size_t size, error *err)

@@ -107,6 +107,7 @@ typedef struct face_shapes {
     bool derives[RIG_BONES_MAX]; /* skin rides on it: pulls may say where it is */
     uint32_t speaks_of, rides;   /* bits, bones: that shapes move; that a control rides on */
     double *weight;              /* of the frame, and where the next one begins */
+    double *asked;               /* by face_ask_shapes: at least so much; 0 of what follows bones */
     double *at;                  /* shapes by control_capacity by 3: at the controls, mm */
     double *whole;               /* likewise, with the bones that follow */
     uint32_t derived;            /* bits: those, when it was found */

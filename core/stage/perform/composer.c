@@ -222,6 +222,28 @@ static void composer_blend_dofs(const composer *self, float *out)
     }
 }
 
+/* The head's own shapes as all voices together want them, from the next frame on. */
+static void ask_shapes(composer *self)
+{
+    uint32_t free_points = self->about.contact_count + self->about.dof_count;
+    uint32_t count = face_shape_count(self->face);
+    float asked[FACE_SHAPES_MAX];
+    for (uint32_t s = 0; s < count; ++s) {
+        blended at = {.cover = 0};
+        for (uint32_t i = 0; i < self->order_count; ++i) {
+            const voice *v = &self->voice[self->order[i]];
+            if (!v->part.shapes || isnan(v->part.shapes[s]) ||
+                (v->part.owns && !v->part.owns[free_points]))
+                continue;
+            const double added[3] = {composer_share(v) * (double)v->part.shapes[s], 0, 0};
+            add_voice(&at, v, v->part.weight, added);
+        }
+        close_layer(&at);
+        asked[s] = (float)at.value[0];
+    }
+    face_ask_shapes(self->face, asked);
+}
+
 /* ---- the anchored pulls of all voices in one solve ---- */
 
 static bool owns(const composer *self, const voice *v, uint32_t contact)
@@ -575,6 +597,7 @@ static void rest(composer *self)
     static const float still[MRT_MAX_DOFS] = {0};
     if (!self->engaged || self->joined_count == 0)
         return;
+    face_ask_shapes(self->face, NULL);
     aim(self, nobody, still);
     forget_held(self);
     self->joined_count = 0;
@@ -643,6 +666,7 @@ static void composer_join(composer *self)
         return;
     float dof[MRT_MAX_DOFS];
     composer_blend_dofs(self, dof);
+    ask_shapes(self);
     aim(self, NULL, dof);
 }
 
@@ -1035,6 +1059,7 @@ static void leave(composer *self)
         }
         v->part.pull = NULL;
         v->part.owns = NULL;
+        v->part.shapes = NULL;
     }
 }
 

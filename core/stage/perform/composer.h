@@ -44,6 +44,9 @@ typedef struct composer_part {
     double weight;  /* 0..1 */
     double gain;
     const mrt_pull *pull;
+    const float *shapes; /* of the head's own, by their index: at least so much of each, 0..1; NaN:
+                            not spoken of. NULL: of none. As degrees of freedom, owned as free
+                            points; for as long as it is given */
     const uint8_t *owns; /* one for each contact, each degree of freedom, and free points: 0 where
                             it must not speak; NULL: it may everywhere */
 } composer_part;

@@ -6,7 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-const char *const patch_kind_names[PATCH_KINDS] = {"", "param", "dof", "contact", "pose", "action"};
+const char *const patch_kind_names[PATCH_KINDS] = {"",     "param",  "dof",  "contact",
+                                                   "pose", "action", "shape"};
 const char *const patch_action_names[PATCH_ACTIONS] = {"record", "stop", "mark"};
 
 static const double smooth_max_s = 10.0, number_max = 1e6;
@@ -58,7 +59,7 @@ static const char *fault_of(const patch_connection *c)
     if (!c->channel[0])
         return "from.channel: is missing";
     if (c->kind <= PATCH_NOTHING || c->kind >= PATCH_KINDS || !c->target[0])
-        return "to: names no param, dof, contact, pose or action";
+        return "to: names no param, dof, contact, pose, shape or action";
     if (c->kind == PATCH_ACTION && !is_action(c->target))
         return "to.action: is not record, stop or mark";
     if (c->kind == PATCH_CONTACT && !is_unit(c->way))

@@ -24,6 +24,7 @@ typedef enum patch_kind {
     PATCH_CONTACT, /* "mouth.corner.l", along `way` */
     PATCH_POSE,    /* of the rig, by its name: all its contacts and degrees of freedom */
     PATCH_ACTION,  /* of the transport: patch_action_names */
+    PATCH_SHAPE,   /* the head's own of that name, else the rig's pose: "mouthSmileLeft" */
     PATCH_KINDS
 } patch_kind;
 extern const char *const patch_kind_names[PATCH_KINDS]; /* "", "param", "dof" ... as in files */
@@ -44,7 +45,8 @@ typedef struct patch_connection {
     float way[3]; /* of a contact, face frame, unit; of a '*' x counts away from the midline */
     double in[2]; /* raw, ascending; NaN: where the channel ends */
     /* In the parameter's own unit; rad or mm of a degree of freedom; mm on a face 240 mm high of a
-     * contact; 1 in full of a pose. NaN: the target's own range. out[0] > out[1] turns it round. */
+     * contact; 1 in full of a pose or shape. NaN: the target's own range. out[0] > out[1] turns it
+     * round. */
     double out[2];
     double bend; /* -1..1: > 0 slow at first, < 0 fast at first */
     double ease; /* -1..1: > 0 slow at both ends, < 0 slow in the middle */

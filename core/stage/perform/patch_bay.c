@@ -1,5 +1,6 @@
 #include "stage/perform/patch_bay.h"
 #include "base/bytes.h"
+#include "mesh/arkit.h"
 #include "stage/mapping/instance.h"
 
 #include <math.h>
@@ -10,20 +11,22 @@
 
 enum { NOTE = 2048, MOVES_MAX = 4096 };
 
-/* What a connection does to one contact or degree of freedom, of each unit of its value. */
+typedef enum move_kind { MOVE_CONTACT, MOVE_DOF, MOVE_SHAPE } move_kind;
+
+/* What a connection does to one contact, degree of freedom or shape, of each unit of its value. */
 typedef struct patch_move {
     uint32_t connection;
-    bool is_dof;
+    move_kind kind;
     uint32_t index;
-    float way[3]; /* mm; of a degree of freedom only the first, rad or mm */
+    float way[3]; /* mm; else only the first, of a degree of freedom rad or mm */
 } patch_move;
 
 struct patch_plan {
     patch of;
     patch_range range[PATCH_CONNECTIONS_MAX];
-    patch_move *move; /* by connection */
-    uint32_t move_count;
-    uint32_t sum; /* of the patch: whose state it is */
+    patch_move *move;                 /* by connection */
+    uint32_t move_count, shape_count; /* of the face, if a connection moves one; else 0 */
+    uint32_t sum;                     /* of the patch: whose state it is */
     const mrt_face *about;
     char note[NOTE];
 };
@@ -42,13 +45,13 @@ static void note(patch_plan *self, uint32_t connection, const char *format, ...)
                    connection + 1, words);
 }
 
-static mrt_result add_move(patch_plan *self, uint32_t connection, bool is_dof, uint32_t index,
+static mrt_result add_move(patch_plan *self, uint32_t connection, move_kind kind, uint32_t index,
                            const double way[3])
 {
     if (self->move_count == MOVES_MAX)
         return MRT_ERR_UNSUPPORTED;
     patch_move *to = &self->move[self->move_count++];
-    *to = (patch_move){.connection = connection, .is_dof = is_dof, .index = index};
+    *to = (patch_move){.connection = connection, .kind = kind, .index = index};
     for (int axis = 0; axis < 3; ++axis)
         to->way[axis] = (float)way[axis];
     return MRT_OK;
@@ -77,7 +80,7 @@ static void plan_dof(patch_plan *self, uint32_t i, const mrt_face *about)
     for (uint32_t d = 0; d < about->dof_count && d < MRT_MAX_DOFS; ++d) {
         int side;
         if (!is_named(c->target, about->dofs[d].name, &side) ||
-            add_move(self, i, true, d, whole) < 0)
+            add_move(self, i, MOVE_DOF, d, whole) < 0)
             continue;
         self->range[i] = (patch_range){(double)about->dofs[d].min, (double)about->dofs[d].max, 0.0};
     }
@@ -105,38 +108,74 @@ static void plan_contact(patch_plan *self, uint32_t i, const mrt_face *about)
         double out = side == 0 ? 1.0 : (double)side;
         const double way[3] = {scale * out * (double)c->way[0], scale * (double)c->way[1],
                                scale * (double)c->way[2]};
-        (void)add_move(self, i, false, k, way);
+        (void)add_move(self, i, MOVE_CONTACT, k, way);
     }
     self->range[i] = (patch_range){-usual_mm, usual_mm, 0.0};
     if (self->move_count == before)
         note(self, i, "the face has no contact \"%s\"", c->target);
 }
 
-static const rig_pose *find_pose(const rig *r, const char *name)
+/* By its name; a shape of ARKit's is the same whoever writes it ("eyeBlink_L"). */
+static bool is_of_shape(const char *name, const char *wanted)
+{
+    uint32_t of = arkit_find(wanted);
+    return strcmp(name, wanted) == 0 || (of < ARKIT_SHAPES && arkit_find(name) == of);
+}
+
+static const rig_pose *find_pose(const rig *r, const char *name, patch_kind kind)
 {
     for (uint32_t i = 0; r && i < r->pose_count; ++i)
         if (strcmp(r->pose[i].name, name) == 0)
             return &r->pose[i];
+    for (uint32_t i = 0; r && kind == PATCH_SHAPE && i < r->pose_count; ++i)
+        if (is_of_shape(r->pose[i].name, name))
+            return &r->pose[i];
     return NULL;
+}
+
+static void add_dofs(patch_plan *self, uint32_t i, const float *dof, uint32_t count)
+{
+    for (uint32_t d = 0; d < count && d < MRT_MAX_DOFS; ++d) {
+        const double way[3] = {(double)dof[d], 0.0, 0.0};
+        if (fabs(way[0]) > 0.0)
+            (void)add_move(self, i, MOVE_DOF, d, way);
+    }
+}
+
+/* False: the head has none of that name. */
+static bool plan_shape(patch_plan *self, uint32_t i, const mrt_face *about, const face *own)
+{
+    static const double whole[3] = {1.0, 0.0, 0.0};
+    const char *target = self->of.connection[i].target;
+    uint32_t before = self->move_count, count = own ? face_shape_count(own) : 0;
+    for (uint32_t s = 0; s < count; ++s) {
+        if (!is_of_shape(face_shape_name(own, s), target))
+            continue;
+        (void)add_move(self, i, MOVE_SHAPE, s, whole);
+        add_dofs(self, i, face_shape_dofs(own, s), about->dof_count);
+        self->shape_count = count;
+    }
+    return self->move_count > before;
 }
 
 static void plan_pose(patch_plan *self, uint32_t i, const mrt_face *about, const rig *r)
 {
     const patch_connection *c = &self->of.connection[i];
-    const rig_pose *pose = find_pose(r, c->target);
-    self->range[i] = (patch_range){-1.0, 1.0, 0.0};
+    const rig_pose *pose = find_pose(r, c->target, c->kind);
     for (uint32_t k = 0; pose && k < pose->pull_count; ++k) {
         const double way[3] = {pose->pull_mm[k].x, pose->pull_mm[k].y, pose->pull_mm[k].z};
-        (void)add_move(self, i, false, pose->pull_contact[k], way);
+        (void)add_move(self, i, MOVE_CONTACT, pose->pull_contact[k], way);
     }
     for (uint32_t k = 0; pose && k < pose->dof_count; ++k)
         for (uint32_t d = 0; d < about->dof_count && d < MRT_MAX_DOFS; ++d) {
             const double way[3] = {pose->dof_value[k], 0.0, 0.0};
             if (strcmp(about->dofs[d].name, pose->dof_name[k]) == 0)
-                (void)add_move(self, i, true, d, way);
+                (void)add_move(self, i, MOVE_DOF, d, way);
         }
     if (!pose)
-        note(self, i, "the rig has no pose \"%s\"", c->target);
+        note(self, i, "the %s \"%s\"",
+             c->kind == PATCH_POSE ? "rig has no pose" : "head has no shape, the rig no pose",
+             c->target);
 }
 
 static uint32_t add_to_sum(uint32_t sum, const void *bytes, size_t size)
@@ -171,8 +210,21 @@ static uint32_t sum_of(const patch *p)
     return sum;
 }
 
+static void plan_connection(patch_plan *self, uint32_t i, const mrt_face *about, const rig *r,
+                            const face *own)
+{
+    patch_kind kind = self->of.connection[i].kind;
+    self->range[i] = (patch_range){kind == PATCH_POSE ? -1.0 : 0.0, 1.0, 0.0};
+    if (kind == PATCH_DOF)
+        plan_dof(self, i, about);
+    else if (kind == PATCH_CONTACT)
+        plan_contact(self, i, about);
+    else if (kind == PATCH_POSE || (kind == PATCH_SHAPE && !plan_shape(self, i, about, own)))
+        plan_pose(self, i, about, r);
+}
+
 mrt_result patch_plan_create(patch_plan **out, const patch *p, const mrt_face *about, const rig *r,
-                             error *err)
+                             const face *own, error *err)
 {
     *out = NULL;
     mrt_result result = patch_check(p, err);
@@ -186,14 +238,8 @@ mrt_result patch_plan_create(patch_plan **out, const patch *p, const mrt_face *a
     self->of = *p;
     self->sum = sum_of(p);
     self->about = about;
-    for (uint32_t i = 0; i < p->count; ++i) {
-        if (p->connection[i].kind == PATCH_DOF)
-            plan_dof(self, i, about);
-        else if (p->connection[i].kind == PATCH_CONTACT)
-            plan_contact(self, i, about);
-        else if (p->connection[i].kind == PATCH_POSE)
-            plan_pose(self, i, about, r);
-    }
+    for (uint32_t i = 0; i < p->count; ++i)
+        plan_connection(self, i, about, r, own);
     *out = self;
     return MRT_OK;
 }
@@ -221,14 +267,24 @@ static mrt_pull idle_pull(void)
     return out;
 }
 
+static void forget_pull(mrt_pull *pull, float *shapes)
+{
+    *pull = idle_pull();
+    for (uint32_t i = 0; i < FACE_SHAPES_MAX; ++i)
+        shapes[i] = NAN;
+}
+
 void patch_bay_reset(patch_bay *self)
 {
     memset(self->course, 0, sizeof self->course);
     memset(self->may_speak, 0, sizeof self->may_speak);
     memset(self->speaks, 0, sizeof self->speaks);
     memset(self->presses, 0, sizeof self->presses);
-    for (int k = 0; k < PATCH_PULLS; ++k)
-        self->pull[k] = self->leaving[k] = idle_pull();
+    for (int k = 0; k < PATCH_PULLS; ++k) {
+        forget_pull(&self->pull[k], self->shape[k]);
+        forget_pull(&self->leaving[k], self->leaving_shape[k]);
+    }
+    self->shape_count = self->plan ? self->plan->shape_count : 0;
     self->is_fading = false;
     self->side = 0;
     self->fade_s = 0.0;
@@ -251,7 +307,8 @@ static void begin_fade(patch_bay *self)
 {
     for (int k = 0; k < PATCH_PULLS; ++k) {
         self->leaving[k] = self->pull[k];
-        self->pull[k] = idle_pull();
+        memcpy(self->leaving_shape[k], self->shape[k], sizeof self->shape[k]);
+        forget_pull(&self->pull[k], self->shape[k]);
     }
     self->is_fading = true;
     self->side = 1 - self->side;
@@ -283,6 +340,8 @@ bool patch_bay_set(patch_bay *self, patch_plan *plan, patch_plan **out_old)
         begin_fade(self);
     *out_old = self->plan;
     self->plan = plan;
+    if (plan && plan->shape_count > 0)
+        self->shape_count = plan->shape_count;
     self->mapping = NULL;
     return true;
 }
@@ -368,7 +427,7 @@ static double under_of(const patch_bay *self, uint32_t i, const double *own, con
         return own[self->param[i]];
     for (uint32_t m = 0; c->kind == PATCH_DOF && m < self->plan->move_count; ++m) {
         const patch_move *move = &self->plan->move[m];
-        if (move->connection == i && !isnan(below->dof[move->index]))
+        if (move->connection == i && move->kind == MOVE_DOF && !isnan(below->dof[move->index]))
             return (double)below->dof[move->index];
     }
     return 0.0;
@@ -412,7 +471,7 @@ static void listen(patch_bay *self, uint32_t i, const mrt_frame *frame, const do
 static bool is_pulling(const patch_bay *self, uint32_t i)
 {
     patch_kind kind = self->plan->of.connection[i].kind;
-    return self->may_speak[i] && (kind == PATCH_DOF || kind == PATCH_CONTACT || kind == PATCH_POSE);
+    return self->may_speak[i] && kind != PATCH_PARAM && kind != PATCH_ACTION;
 }
 
 /* Another set of them speaks from here on, once what came before has come. */
@@ -441,12 +500,13 @@ static mrt_vector *vector_of(mrt_pull *pull, const mrt_face *about, uint32_t con
     return out;
 }
 
-static void add_to_pull(mrt_pull *pull, const mrt_face *about, const patch_move *move, double value)
+static void add_to_pull(mrt_pull *pull, float *shapes, const mrt_face *about,
+                        const patch_move *move, double value)
 {
     pull->mode = MRT_ANCHORED;
-    if (move->is_dof) {
-        float *dof = &pull->dof[move->index];
-        *dof = (isnan(*dof) ? 0.0f : *dof) + (float)(value * (double)move->way[0]);
+    if (move->kind != MOVE_CONTACT) {
+        float *one = move->kind == MOVE_DOF ? &pull->dof[move->index] : &shapes[move->index];
+        *one = (isnan(*one) ? 0.0f : *one) + (float)(value * (double)move->way[0]);
         return;
     }
     mrt_vector *v = vector_of(pull, about, move->index);
@@ -461,17 +521,18 @@ static void pull(patch_bay *self)
 {
     const patch_plan *plan = self->plan;
     for (int k = 0; k < PATCH_PULLS; ++k)
-        self->pull[k] = idle_pull();
+        forget_pull(&self->pull[k], self->shape[k]);
     for (uint32_t m = 0; m < plan->move_count; ++m) {
         const patch_move *move = &plan->move[m];
         uint32_t i = move->connection;
         int which = plan->of.connection[i].adds ? PATCH_ADDED : PATCH_INSTEAD;
         if (self->speaks[i])
-            add_to_pull(&self->pull[which], plan->about, move, self->course[i].value);
+            add_to_pull(&self->pull[which], self->shape[which], plan->about, move,
+                        self->course[i].value);
     }
     for (int k = 0; k < PATCH_PULLS; ++k)
-        if (guard_fault(&self->guard, &self->pull[k]))
-            self->pull[k] = idle_pull(); /* further than any face reaches: nothing rather */
+        if (guard_fault(&self->guard, &self->pull[k])) /* further than any face reaches */
+            forget_pull(&self->pull[k], self->shape[k]);
 }
 
 void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_type *mapping,
@@ -481,7 +542,7 @@ void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_ty
         self->fade_s += frame->dt_s;
         self->is_fading = self->fade_s < PATCH_FADE_S;
         for (int k = 0; k < PATCH_PULLS && !self->is_fading; ++k)
-            self->leaving[k] = idle_pull();
+            forget_pull(&self->leaving[k], self->leaving_shape[k]);
     }
     if (!self->plan)
         return;
@@ -558,6 +619,12 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
         put_pull(&out, &self->pull[k]);
         put_pull(&out, &self->leaving[k]);
     }
+    if (self->shape_count > 0) /* bytes of patches without shapes end here */
+        bytes_put_u32(&out, self->shape_count);
+    for (int k = 0; k < PATCH_PULLS; ++k) {
+        bytes_put(&out, self->shape[k], self->shape_count * sizeof(float));
+        bytes_put(&out, self->leaving_shape[k], self->shape_count * sizeof(float));
+    }
     return out.size;
 }
 
@@ -574,6 +641,19 @@ static void take_course(bytes_in *in, patch_bay *self, uint32_t i)
     c->wanted = bytes_take_f64(in);
     c->value = bytes_take_f64(in);
     c->under = bytes_take_f64(in);
+}
+
+static void take_shapes(bytes_in *in, patch_bay *self)
+{
+    uint32_t count = bytes_take_u32(in);
+    in->failed |= count == 0 || count > FACE_SHAPES_MAX;
+    for (int k = 0; k < 2 * PATCH_PULLS && !in->failed; ++k) {
+        float *shapes = k % 2 ? self->leaving_shape[k / 2] : self->shape[k / 2];
+        bytes_take(in, shapes, count * sizeof *shapes);
+        for (uint32_t i = 0; i < count; ++i)
+            in->failed |= isinf(shapes[i]);
+    }
+    self->shape_count = in->failed ? 0 : count;
 }
 
 bool patch_bay_load(patch_bay *self, const void *bytes, size_t size)
@@ -594,6 +674,8 @@ bool patch_bay_load(patch_bay *self, const void *bytes, size_t size)
         take_pull(&in, &self->guard, &self->pull[k]);
         take_pull(&in, &self->guard, &self->leaving[k]);
     }
+    if (!in.failed && in.at != in.end)
+        take_shapes(&in, self);
     if (!in.failed && in.at == in.end)
         return true;
     patch_bay_reset(self);

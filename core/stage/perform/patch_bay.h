@@ -4,13 +4,14 @@
  * (composer.h) and what a press does (live.h). A function of the samples alone.
  * [frame] unless marked; no allocation.
  *
- * PULLS  Two: one takes its contacts and degrees of freedom from the mapping, one adds to them.
+ * PULLS  Two: one takes its contacts and degrees of freedom from the mapping, one adds to them. The
+ * head's own shapes go beside each; what bones do of a shape is in its degrees of freedom.
  * Whenever another set of connections speaks - an input is heard first, a fader is picked up, the
  * patch is another - what was pulled leaves while the new comes, over PATCH_FADE_S: nothing jumps.
  */
 #ifndef MAROTTE_STAGE_PATCH_BAY_H
 #define MAROTTE_STAGE_PATCH_BAY_H
-#include "face/rig.h"
+#include "face/face.h"
 #include "stage/mapping/guard.h"
 #include "stage/perform/patch.h"
 
@@ -18,10 +19,11 @@
 
 typedef struct patch_plan patch_plan;
 
-/* [main] r: for poses; NULL: a face without a rig. What the face has not is left out;
- * patch_plan_note says so, in lines that end with \n; "" nothing. The patch is copied. */
+/* [main] r: for poses; NULL: a face without a rig. own: for its shapes; may be NULL. What the face
+ * has not is left out; patch_plan_note says so, in lines that end with \n; "" nothing. The patch is
+ * copied. */
 CHECKED mrt_result patch_plan_create(patch_plan **out, const patch *p, const mrt_face *about,
-                                     const rig *r, error *err);
+                                     const rig *r, const face *own, error *err);
 void patch_plan_destroy(patch_plan *self); /* NULL is fine */
 /* Adds to the note which parameters a mapping does not have. */
 void patch_plan_check_params(patch_plan *self, const mrt_plugin_type *mapping);
@@ -44,6 +46,8 @@ typedef struct patch_bay {
     bool presses[PATCH_CONNECTIONS_MAX];              /* in this step */
     uint32_t pressed[PATCH_ACTIONS];                  /* how often, since create */
     mrt_pull pull[PATCH_PULLS], leaving[PATCH_PULLS]; /* idle: nothing */
+    float shape[PATCH_PULLS][FACE_SHAPES_MAX], leaving_shape[PATCH_PULLS][FACE_SHAPES_MAX];
+    uint32_t shape_count; /* of them in use; 0: no patch has spoken of any. NaN: not this one */
     bool is_fading;
     uint32_t side; /* the slot of `pull`; the other is that of `leaving` */
     double fade_s;

@@ -126,7 +126,8 @@ static mrt_result read_way(patch_connection *out, const json_t *to, const char *
 
 static mrt_result read_to(patch_connection *out, const json_t *item, const char *place, error *err)
 {
-    static const char *const keys[] = {"param", "dof", "contact", "pose", "action", "way", NULL};
+    static const char *const keys[] = {"param",  "dof",   "contact", "pose",
+                                       "action", "shape", "way",     NULL};
     const json_t *to = json_object_get(item, "to");
     char inside[PLACE + 8];
     if (!json_is_object(to))
@@ -142,7 +143,8 @@ static mrt_result read_to(patch_connection *out, const json_t *item, const char 
         result = read_text(to, inside, patch_kind_names[kind], out->target, err);
     }
     if (result >= 0 && kind_count != 1)
-        return unexpected(err, place, "to", "one of param, dof, contact, pose and action", to);
+        return unexpected(err, place, "to", "one of param, dof, contact, pose, shape and action",
+                          to);
     if (result < 0 || out->kind == PATCH_CONTACT)
         return result < 0 ? result : read_way(out, to, inside, err);
     return json_object_get(to, "way") ? unexpected(err, inside, "way", "it with a contact alone",

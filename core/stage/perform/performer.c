@@ -54,7 +54,7 @@ mrt_result performer_make_layer(const performer *self, instance *mapping,
 mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out, error *err)
 {
     return patch_plan_create(out, p, composer_about(self->composer), composer_rig(self->composer),
-                             err);
+                             composer_face(self->composer), err);
 }
 
 mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
@@ -155,6 +155,9 @@ static uint32_t patch_parts(const layer *of, const composer_part *as, composer_p
             to->is_additive |= which == PATCH_ADDED;
             to->weight *= is_new ? weight : 1.0 - weight;
             to->pull = pull;
+            to->shapes = !bay->shape_count ? NULL
+                         : is_new          ? bay->shape[which]
+                                           : bay->leaving_shape[which];
         }
     return part_count;
 }

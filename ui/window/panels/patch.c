@@ -328,10 +328,14 @@ static void list_targets(panel *self, patch_kind kind)
         add_item(self, about->dofs[i].name);
     for (uint32_t i = 0; kind == PATCH_CONTACT && about && i < about->contact_count; ++i)
         add_item(self, about->contacts[i].name);
-    for (uint32_t i = 0; kind == PATCH_POSE && file && file->rig && i < file->rig->pose_count; ++i)
+    const bool is_pose =
+        kind == PATCH_POSE || (kind == PATCH_SHAPE && file && !file->mesh.target_count);
+    for (uint32_t i = 0; is_pose && file && file->rig && i < file->rig->pose_count; ++i)
         add_item(self, file->rig->pose[i].name);
     for (uint32_t i = 0; kind == PATCH_ACTION && i < PATCH_ACTIONS; ++i)
         add_item(self, patch_action_names[i]);
+    for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.target_count; ++i)
+        add_item(self, file->mesh.target[i].name);
 }
 
 static void list_sources(panel *self, const heard *now)
@@ -371,7 +375,8 @@ static void draw_source(panel *self, ui *on, patch_connection *c, const heard *n
 
 static void draw_aim(panel *self, ui *on, patch_connection *c)
 {
-    static const char *const kinds[] = {"parameter", "bone", "contact", "pose", "transport"};
+    static const char *const kinds[] = {"parameter", "bone",      "contact",
+                                        "pose",      "transport", "shape"};
     uint32_t kind = (uint32_t)c->kind - PATCH_PARAM;
     if (ui_choice(on, "Moves a", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
         list_targets(self, (patch_kind)(kind + PATCH_PARAM));
@@ -654,7 +659,8 @@ static void save_patch(panel *self)
 
 static void draw_head(panel *self, ui *on)
 {
-    static const char *const names[] = {"...", "faders", "gamepad", "phone", "voice", "none"};
+    static const char *const names[] = {"...",        "faders", "gamepad", "phone",
+                                        "phone_face", "voice",  "none"};
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
     if (ui_choice(on, "Use", LABEL, names, NAMES, &at) && at > 0) {
