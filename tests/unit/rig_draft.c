@@ -221,38 +221,43 @@ static void a_hat_is_no_face(void **state)
     finish(&d);
 }
 
-/* Shoulders and a plinth under the puppet, ellipses above each other. */
-static void add_bust(mesh *m)
+typedef struct ellipse { /* mm below the lower end of the head; half axes */
+    double below, across, deep;
+} ellipse;
+
+/* Under the puppet, and one with its skin by a triangle: ellipses above each other. */
+static void add_under(mesh *m, const ellipse *row, uint32_t row_count)
 {
-    enum { AROUND = 40, ROWS = 8 };
-    static const double row[ROWS][3] = {/* mm below the head, across, deep */
-                                        {0, 60, 60},     {20, 240, 110},  {150, 250, 120},
-                                        {180, 140, 110}, {200, 130, 100}, {220, 130, 100},
-                                        {240, 200, 170}, {300, 200, 170}};
+    enum { AROUND = 40 };
     const double pi = 3.14159265358979323846;
     float low[3], high[3];
     mesh_bounds(m, low, high);
-    uint32_t first = m->vertex_count;
-    m->position = realloc(m->position, ((size_t)first + AROUND * ROWS) * 3 * sizeof *m->position);
-    m->triangle = realloc(m->triangle, ((size_t)m->triangle_count + 2 * AROUND * ROWS) * 3 *
-                                           sizeof *m->triangle);
+    uint32_t first = m->vertex_count, lowest = 0;
+    size_t added = (size_t)AROUND * row_count;
+    for (uint32_t v = 1; v < first; ++v)
+        lowest = m->position[3 * (size_t)v + 1] < m->position[3 * (size_t)lowest + 1] ? v : lowest;
+    m->position = realloc(m->position, (first + added) * 3 * sizeof *m->position);
+    m->triangle = realloc(m->triangle, (m->triangle_count + 2 * added) * 3 * sizeof *m->triangle);
     assert_non_null(m->position);
     assert_non_null(m->triangle);
-    for (uint32_t k = 0; k < ROWS; ++k)
+    for (uint32_t k = 0; k < row_count; ++k)
         for (uint32_t i = 0; i < AROUND; ++i) {
             double a = 2.0 * pi * i / AROUND;
             float *p = m->position + 3 * (size_t)m->vertex_count++;
-            p[0] = (float)(row[k][1] * sin(a));
-            p[1] = (float)((double)low[1] + 15.0 - row[k][0]);
-            p[2] = (float)(row[k][2] * cos(a));
+            p[0] = (float)(row[k].across * sin(a));
+            p[1] = (float)((double)low[1] - row[k].below);
+            p[2] = (float)(row[k].deep * cos(a));
             uint32_t next = first + k * AROUND + (i + 1) % AROUND, at = first + k * AROUND + i;
             const uint32_t corner[6] = {at, at + AROUND, next, next, at + AROUND, next + AROUND};
-            if (k + 1 == ROWS)
+            if (k + 1 == row_count)
                 continue;
             memcpy(m->triangle + 3 * (size_t)m->triangle_count, corner, sizeof corner);
             m->triangle_count += 2;
             m->part[m->part_count - 1].triangle_count += 2;
         }
+    const uint32_t bridge[3] = {lowest, first, first + 1};
+    memcpy(m->triangle + 3 * (size_t)m->triangle_count++, bridge, sizeof bridge);
+    m->part[m->part_count - 1].triangle_count += 1;
 }
 
 /* No vertex is another's mirror image, and all look 10 degrees aside, as scans and sculptures do.
@@ -275,12 +280,16 @@ static void turn_and_roughen(mesh *m, double c, double s)
 static void a_bust_has_its_face_on_its_head(void **state)
 {
     (void)state;
+    static const ellipse shoulders_and_plinth[] = {
+        {-15, 60, 60},   {5, 240, 110},   {135, 250, 120}, {165, 140, 110},
+        {185, 130, 100}, {205, 130, 100}, {225, 200, 170}, {285, 200, 170}};
     const double c = cos(10.0 / 57.29577951308232), s = sin(10.0 / 57.29577951308232);
     drafted head = {.confirm = NULL}, bust = {.confirm = NULL};
     read_puppet(&head.file.mesh, "");
     draft_of(&head);
     read_puppet(&bust.file.mesh, "");
-    add_bust(&bust.file.mesh);
+    add_under(&bust.file.mesh, shoulders_and_plinth,
+              sizeof shoulders_and_plinth / sizeof *shoulders_and_plinth);
     turn_and_roughen(&bust.file.mesh, c, s);
     draft_of(&bust);
     static const char *const name[] = {"nose.tip", "lip.upper.mid", "brow.inner.l"};
@@ -292,6 +301,66 @@ static void a_bust_has_its_face_on_its_head(void **state)
     assert_int_not_equal(rig_find_bone(&bust.rig, "body"), RIG_NONE);
     finish(&head);
     finish(&bust);
+}
+
+/* A figure of one surface: half axes across and front and back of its middle, by height, mm; the
+ * neck is wider than the jaw before it. */
+static const struct {
+    double y, across, front, back;
+} figure[] = {{1000, 2, 2, 2},    {985, 45, 45, 60},  {950, 70, 80, 80},  {900, 76, 90, 85},
+              {880, 75, 112, 85}, {868, 70, 110, 85}, {860, 66, 94, 85},  {838, 58, 96, 80},
+              {830, 57, 89, 80},  {822, 57, 95, 78},  {800, 59, 93, 75},  {792, 62, 50, 70},
+              {760, 68, 48, 65},  {735, 210, 70, 75}, {500, 170, 80, 80}, {100, 150, 70, 70},
+              {0, 150, 70, 70}};
+
+static void make_figure(mesh *m)
+{
+    enum { AROUND = 72, ROWS = 334 };
+    const double pi = 3.14159265358979323846;
+    *m = (mesh){.position = calloc((size_t)AROUND * ROWS * 3, sizeof *m->position),
+                .triangle = calloc((size_t)AROUND * ROWS * 6, sizeof *m->triangle),
+                .mm_per_unit = 1.0};
+    assert_non_null(m->position);
+    assert_non_null(m->triangle);
+    for (uint32_t row = 0; row < ROWS; ++row) {
+        double y = 1000.0 * (1.0 - (double)row / (ROWS - 1));
+        size_t k = 0;
+        while (figure[k + 1].y > y)
+            k += 1;
+        double s = (figure[k].y - y) / (figure[k].y - figure[k + 1].y);
+        double across = figure[k].across + s * (figure[k + 1].across - figure[k].across);
+        double front = figure[k].front + s * (figure[k + 1].front - figure[k].front);
+        double back = figure[k].back + s * (figure[k + 1].back - figure[k].back);
+        for (uint32_t i = 0; i < AROUND; ++i) {
+            double a = 2.0 * pi * i / AROUND, z = cos(a);
+            float *p = m->position + 3 * (size_t)m->vertex_count++;
+            p[0] = (float)(across * sin(a));
+            p[1] = (float)y;
+            p[2] =
+                (float)(z > 0.0 ? fmin(front, 90.0) * z + (front - fmin(front, 90.0)) * pow(z, 40)
+                                : back * z);
+            uint32_t at = row * AROUND + i, next = row * AROUND + (i + 1) % AROUND;
+            const uint32_t corner[6] = {at, at + AROUND, next, next, at + AROUND, next + AROUND};
+            if (row + 1 == ROWS)
+                continue;
+            memcpy(m->triangle + 3 * (size_t)m->triangle_count, corner, sizeof corner);
+            m->triangle_count += 2;
+        }
+    }
+}
+
+/* The head does not end at its narrowest place. */
+static void a_strong_neck_leaves_the_chin_to_the_head(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    make_figure(&d.file.mesh);
+    draft_of(&d);
+    assert_within(contact_position(&d, "nose.tip"), (vec3){0.0, 880.0, 112.0}, 10.0);
+    assert_within(contact_position(&d, "lip.lower.mid"), (vec3){0.0, 822.0, 95.0}, 8.0);
+    assert_in_range((uint32_t)contact_position(&d, "chin").y, 795, 818);
+    assert_int_not_equal(rig_find_bone(&d.rig, "body"), RIG_NONE);
+    finish(&d);
 }
 
 /* The front of the Moai alone, as a mask of a face is: its jaw turns far behind it. */
@@ -550,6 +619,7 @@ int main(void)
         cmocka_unit_test(one_name_for_all_says_nothing),
         cmocka_unit_test(a_hat_is_no_face),
         cmocka_unit_test(a_bust_has_its_face_on_its_head),
+        cmocka_unit_test(a_strong_neck_leaves_the_chin_to_the_head),
         cmocka_unit_test(a_mask_has_a_jaw),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),

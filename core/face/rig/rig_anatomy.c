@@ -237,6 +237,20 @@ static int find_shoulders(const rows *r)
     return -1;
 }
 
+/* From a row down to where the front recedes, under the chin, or to the last row: strong necks are
+ * wider than jaws are. */
+static int below_chin(const rows *r, int row, int last)
+{
+    double front = -(double)INFINITY, back = (double)INFINITY;
+    for (int i = row; i < ROWS; ++i) {
+        front = fmax(front, r->high_z[i]);
+        back = fmin(back, r->low_z[i]);
+    }
+    while (row > last && r->high_z[row] > front - 0.35 * (front - back))
+        row -= 1;
+    return row;
+}
+
 /* Where a body is narrowest above its shoulders. The row; -1: it has none. */
 static int find_neck_of_body(const rows *r)
 {
@@ -246,7 +260,7 @@ static int find_neck_of_body(const rows *r)
     for (int row = neck; row < shoulder + span * 2 / 5 && row < ROWS; ++row)
         if (width_at(r, row) < 0.97 * width_at(r, neck))
             neck = row;
-    return neck;
+    return below_chin(r, neck, shoulder + 1);
 }
 
 /* Where the shoulders of a bust begin: they are wider than all above, and what is below them, a

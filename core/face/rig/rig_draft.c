@@ -90,7 +90,10 @@ static bool snap(uint32_t *out_vertex, const drafting *d, int index)
     const rig_head *head = &d->head;
     const double level_y[] = {head->nose.y, head->mouth_y, head->chin.y};
     double across = standard[index].across * head->half_width;
-    double y = level_y[standard[index].from] + standard[index].up * d->reach_mm;
+    double reach = d->reach_mm;
+    if (standard[index].from == FROM_NOSE && standard[index].up > 0.5) /* low foreheads */
+        reach = fmin(reach, 0.6 * (head->top_y - head->nose.y));
+    double y = level_y[standard[index].from] + standard[index].up * reach;
     if (standard[index].from == FROM_MOUTH) {
         if (head->corner_x > 0.0)
             across *= head->corner_x / (CORNER_ACROSS * head->half_width);

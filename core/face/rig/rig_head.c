@@ -248,13 +248,18 @@ static int find_nose(double *out_mm, const profile *p, const profile *left, cons
 }
 
 /* Going down from the nose, the last row before the front recedes to the neck. Dips that are no
- * longer than 6 % of the height, as under a nose, are part of the face. */
-static int find_chin(const profile *p, int nose, double recession_mm)
+ * longer than 6 % of the height, as under a nose, are part of the face. Under a long nose all
+ * recedes: a face has at least a fifth of its height below its nose, where there is more of it. */
+static int find_chin(const profile *p, int nose, double depth_mm)
 {
-    int chin = nose;
-    for (int row = nose; row >= 0 && chin - row <= ROWS * 6 / 100; --row)
-        if (isfinite(p->front[row]) && p->front[row] >= p->front[nose] - recession_mm)
-            chin = row;
+    int chin = nose, top = ROWS - 1;
+    while (top > nose && !isfinite(p->front[top]))
+        top -= 1;
+    for (double recession = 0.2; recession < 0.4 && nose - chin < (top - chin) / 5;
+         recession += 0.05)
+        for (int row = chin; row >= 0 && chin - row <= ROWS * 6 / 100; --row)
+            if (isfinite(p->front[row]) && p->front[row] >= p->front[nose] - recession * depth_mm)
+                chin = row;
     return chin;
 }
 
@@ -531,7 +536,7 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
     int nose = find_nose(&mm, &p[0], &p[1], &p[2]);
     /* The head that a mask is worn on is as deep as 1.2 of what is from chin to hairline. */
     double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
-    int chin = nose < 0 ? -1 : find_chin(p, nose, 0.2 * fmax(box.high.z - box.low.z, least_depth));
+    int chin = nose < 0 ? -1 : find_chin(p, nose, fmax(box.high.z - box.low.z, least_depth));
     bool is_found = nose - chin >= ROWS / 20;
     out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
     if (is_found)
