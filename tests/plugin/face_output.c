@@ -244,6 +244,7 @@ static void another_face_is_begun_with_its_own_names(void **state)
     stand_up(&other, "puppet", OUTPUTS_ISOLATE_NONE);
     add(&s, TROUBLED, port, "");
     (void)hear_number(&s, fd, 1, 5);
+    outputs_show(other.outputs, NULL); /* a board has one taker */
     outputs_show(s.outputs, other.board);
     desk_move(&other.desk);
     composer_draw(other.desk.composer);

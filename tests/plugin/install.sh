@@ -13,7 +13,8 @@ mv "$scratch/first" "$prefix" && mkdir "$scratch/work" && cd "$scratch/work" || 
 # An environment that knows of nothing else.
 packages=$(dirname "$(find "$prefix" -name marotte.pc)")
 alone=(env -i "PATH=$prefix/bin:/usr/bin:/bin" "HOME=$scratch" "TMPDIR=${TMPDIR:-/tmp}"
-    "ASAN_OPTIONS=${ASAN_OPTIONS:-}" "LSAN_OPTIONS=${LSAN_OPTIONS:-}" "PKG_CONFIG_PATH=$packages")
+    "ASAN_OPTIONS=${ASAN_OPTIONS:-}" "LSAN_OPTIONS=${LSAN_OPTIONS:-}"
+    "TSAN_OPTIONS=${TSAN_OPTIONS:-}" "PKG_CONFIG_PATH=$packages")
 
 # ---- what is there ----
 for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck bin/marotte-pluginhost include/marotte/plugin.h \

@@ -35,8 +35,8 @@ void outputs_destroy(outputs *self); /* NULL is fine */
 CHECKED mrt_result outputs_add(outputs *self, const char *text, error *err);
 void outputs_remove(outputs *self, uint32_t index); /* those behind it move up */
 uint32_t outputs_count(const outputs *self);
-/* What is sent from now on; NULL: nothing. The board is kept; the file of the one before is not
- * needed any more. */
+/* What is sent from now on; NULL: nothing. The board is kept, and nobody else may take from it; the
+ * file of the one before is not needed any more. */
 void outputs_show(outputs *self, face_board *board);
 /* How far the face is from what the 52 weights say of it, face_said; 0: nothing is known. */
 double outputs_residual_mm(outputs *self);
