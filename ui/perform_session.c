@@ -22,11 +22,12 @@ static const char *const side_name[2] = {"left", "right"};
 /* ---- which calibration ---- */
 
 /* Which kind of calibration this hand wants (hand_calibration): "" of a glove that gives counts,
- * before any bare hand's. False: none. A recording in rad is performed as it was recorded. */
-static bool is_wanted(char out[HAND_INPUT], input *const *inputs, uint32_t input_count,
-                      uint32_t side)
+ * before any bare hand's. NULL: none; else whose hand it is. A recording in rad is performed as it
+ * was recorded. */
+static const input *find_hand(char out[HAND_INPUT], input *const *inputs, uint32_t input_count,
+                              uint32_t side)
 {
-    bool is_bare = false;
+    const input *bare = NULL;
     for (uint32_t i = 0; i < input_count; ++i) {
         uint32_t count;
         const mrt_channel *channel = input_channels(inputs[i], &count);
@@ -34,14 +35,25 @@ static bool is_wanted(char out[HAND_INPUT], input *const *inputs, uint32_t input
         const glove_channels_kind kind = glove_channels_of(channel, count, side);
         if (kind == GLOVE_CHANNELS_COUNT) {
             out[0] = '\0';
-            return true;
+            return inputs[i];
         }
-        if (kind != GLOVE_CHANNELS_RAD || is_bare || functions->flags & MRT_INPUT_RECORDED)
+        if (kind != GLOVE_CHANNELS_RAD || bare || functions->flags & MRT_INPUT_RECORDED)
             continue;
         glove_channels_input(out, input_name(inputs[i]));
-        is_bare = true;
+        bare = inputs[i];
     }
-    return is_bare;
+    return bare;
+}
+
+/* "osc:0.0.0.0:39539", as it was asked for. */
+static void write_address(char *out, size_t capacity, const perform_options *options,
+                          input *const *inputs, const input *of)
+{
+    out[0] = '\0';
+    for (uint32_t i = 0; i < options->input_count; ++i)
+        if (inputs[i] == of)
+            (void)snprintf(out, capacity, "%s%s%s", options->input[i].plugin,
+                           options->input[i].address[0] ? ":" : "", options->input[i].address);
 }
 
 static void print_lines(const char *text)
@@ -113,8 +125,10 @@ static mrt_result choose(perform_hands *self, const perform_options *options, in
     for (uint32_t i = 0; !has_none && i < options->calibration_count && result >= 0; ++i)
         result = choose_named(self, options->calibration[i], file, err);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
-        char of[HAND_INPUT];
-        bool is_needed = is_wanted(of, inputs, input_count, side);
+        char of[HAND_INPUT], address[256];
+        const input *hand = find_hand(of, inputs, input_count, side);
+        const bool is_needed = hand != NULL;
+        write_address(address, sizeof address, options, inputs, hand);
         if (self->path[side] && !(is_needed && strcmp(of, self->use[side].input) == 0))
             fprintf(stderr, "note: %s: not used: no %s gives a %s hand\n", self->path[side],
                     self->use[side].input[0] ? self->use[side].input : "glove in counts",
@@ -130,7 +144,7 @@ static mrt_result choose(perform_hands *self, const perform_options *options, in
             fprintf(stderr,
                     "note: %s hand as %s sees it: ten seconds make it yours, marotte calibrate "
                     "--input %s --name NAME\n",
-                    side_name[side], of, of);
+                    side_name[side], of, address[0] ? address : of);
     }
     return result;
 }

@@ -90,6 +90,8 @@ static mrt_result choose_hands(performing *self, error *err)
     perform_options options = {.calibration_count = self->call->calibration_count};
     for (uint32_t i = 0; i < options.calibration_count; ++i)
         options.calibration[i] = self->call->calibration[i];
+    for (; options.input_count < self->input_count; ++options.input_count)
+        options.input[options.input_count] = self->spec[options.input_count]; /* ours */
     mrt_result result =
         perform_hands_choose(&self->hands, &options, self->inputs, self->input_count, err);
     for (int side = 0; side < 2 && result >= 0; ++side)

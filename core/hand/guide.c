@@ -408,8 +408,11 @@ guide_settings guide_settings_usual(uint32_t side, uint32_t sensors)
 
 guide_settings guide_settings_bare(uint32_t side, uint32_t sensors, const char *input)
 {
+    /* Who sees no forearm counts the wrist from where the hand was first seen, each time anew. */
+    const bool has_forearm = strcmp(input, "camera") != 0 && strcmp(input, "openxr") != 0;
+    const uint32_t untold = has_forearm ? 0u : 1u << SENSOR_WRIST_PITCH | 1u << SENSOR_WRIST_YAW;
     guide_settings out = {.side = side,
-                          .sensors = sensors & ~(1u << SENSOR_THUMB_ROLL),
+                          .sensors = sensors & ~(1u << SENSOR_THUMB_ROLL | untold),
                           .steps = 1u << GUIDE_FLAT | 1u << GUIDE_FIST | 1u << GUIDE_SPREAD,
                           .still_s = 0.5,
                           .lead_s = 0.6,

@@ -1,6 +1,7 @@
 /* camera.c - the plugin "org.marotte.camera": a bare hand before a webcam. A page in the user's own
  * browser finds the hand (camera_port.h), marotte reads its landmarks back to angles
  * (MRT_LANDMARKS), and this gives them as samples. README.md says how it is used. */
+#include "bare_hand.h"
 #include "camera_port.h"
 #include "device_io.h"
 
@@ -15,16 +16,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PARAM_HAND, PARAM_COUNT };
-enum { EITHER = 2 }; /* of the parameter: beside MRT_LEFT and MRT_RIGHT */
-
-static const float sure = 0.5f; /* below that nothing may move a face: plugin.h */
 static const int64_t ns_per_ms = 1000000, read_max_ns = 1000000000;
 /* A hand that was seen in two pictures has moved evenly between them: who takes few pictures a
  * second would else be a hand that goes and comes, which is eased and never arrives. */
 static const int64_t between_ns = 100000000, slowest_ns = 1000000000;
-/* One hand for the other: it is held so long that the face eases over to it. */
-static const int64_t change_ns = 300000000;
 
 struct mrt_plugin {
     const mrt_host *host;
@@ -32,13 +27,10 @@ struct mrt_plugin {
     camera_port *port;                 /* NULL: closed */
     uint16_t number;
     camera_listener listener; /* joined while port is there */
-    uint32_t wanted;          /* MRT_LEFT, MRT_RIGHT, EITHER */
-    mrt_channel channel[MRT_ANGLES];
-    char name[MRT_ANGLES][24];
-    bool has_asked_to_restart;
+    bare_hand hand;
 
     mrt_hand_reading reading;
-    uint32_t shown_side; /* of EITHER: whose hand it was last */
+    uint32_t shown_side; /* of BARE_HAND_EITHER: whose hand it was last */
     bool has_shown;
     int64_t shown_ns;
     int64_t host_offset_ns;     /* the host's clock less device_clock_ns */
@@ -137,27 +129,6 @@ static bool read_address(const char *address, uint16_t *out_port)
 
 /* ---- opening ---- */
 
-static uint32_t wanted_of(const double *params)
-{
-    double hand = params[PARAM_HAND];
-    return hand < 0.5 ? MRT_LEFT : hand < 1.5 ? MRT_RIGHT : EITHER;
-}
-
-static void describe(mrt_plugin *self)
-{
-    static const char *const sensor[MRT_ANGLES] = {
-        "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-        "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-        "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-        "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
-    const uint32_t side = self->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
-    for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
-        (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
-                       side == MRT_LEFT ? "left" : "right", sensor[i]);
-        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
-    }
-}
-
 static void input_close(mrt_plugin *self)
 {
     if (!self->port)
@@ -169,9 +140,9 @@ static void input_close(mrt_plugin *self)
 
 static void begin(mrt_plugin *self, const double *params)
 {
-    self->wanted = wanted_of(params);
+    bare_hand_begin(&self->hand, params);
     self->listener.hands_wanted = 1;
-    self->has_asked_to_restart = self->has_shown = self->has_given = self->is_steady = false;
+    self->has_shown = self->has_given = self->is_steady = false;
     self->step_count = self->step = 0;
     self->reading = (mrt_hand_reading){.confidence = 0.0f};
     self->reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
@@ -180,7 +151,6 @@ static void begin(mrt_plugin *self, const double *params)
     self->opened_ns = self->host->now_ns(self->host);
     self->host_offset_ns = self->opened_ns - own_ns;
     self->last_ns = self->opened_ns;
-    describe(self);
     camera_port_join(self->port, &self->listener);
 }
 
@@ -224,7 +194,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
 static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 {
     *out_count = self->port ? MRT_ANGLES : 0;
-    return self->channel;
+    return self->hand.channel;
 }
 
 /* ---- reading ---- */
@@ -235,7 +205,7 @@ static const camera_hand *choose(const mrt_plugin *self, const camera_seen *seen
     const camera_hand *best = NULL;
     for (uint32_t i = 0; i < seen->hand_count; ++i) {
         const camera_hand *hand = &seen->hand[i];
-        if (self->wanted != EITHER && hand->seen.side != self->wanted)
+        if (self->hand.wanted != BARE_HAND_EITHER && hand->seen.side != self->hand.wanted)
             continue;
         bool is_followed = self->has_shown && hand->seen.side == self->shown_side;
         bool best_is_followed = best && self->has_shown && best->seen.side == self->shown_side;
@@ -246,21 +216,22 @@ static const camera_hand *choose(const mrt_plugin *self, const camera_seen *seen
     return best;
 }
 
-/* Whether it can be believed; then `reading` is that hand. Of EITHER the page's word for the side
- * counts less than how the hand bends. */
+/* Whether it can be believed; then `reading` is that hand. Of BARE_HAND_EITHER the page's word for
+ * the side counts less than how the hand bends. */
 static bool read_hand(mrt_plugin *self, const camera_hand *hand, uint32_t *out_side)
 {
     mrt_hand_reading now = self->reading;
     mrt_landmarks seen = hand->seen;
     self->reader->read(self->host, &seen, &now);
-    if (now.confidence < sure && self->wanted == EITHER) {
+    if (now.confidence < BARE_HAND_SURE && self->hand.wanted == BARE_HAND_EITHER) {
         now = self->reading;
         seen.side = seen.side == MRT_LEFT ? MRT_RIGHT : MRT_LEFT;
         self->reader->read(self->host, &seen, &now);
     }
     *out_side = seen.side;
-    if (now.confidence < sure)
+    if (now.confidence < BARE_HAND_SURE)
         return false;
+    bare_hand_turn(&self->hand, seen.side, &now);
     self->reading = now;
     return true;
 }
@@ -277,7 +248,8 @@ static bool take_seen(mrt_plugin *self, const camera_seen *seen)
     memcpy(from, self->reading.angle, sizeof from);
     if (!hand || !read_hand(self, hand, &side))
         return false;
-    if (self->has_shown && side != self->shown_side && seen->time_ns - self->shown_ns < change_ns)
+    if (self->has_shown && side != self->shown_side &&
+        seen->time_ns - self->shown_ns < BARE_HAND_CHANGE_NS)
         return false;
     was_steady &= self->has_shown && side == self->shown_side;
     int64_t now_ns = self->host->now_ns(self->host);
@@ -314,21 +286,12 @@ static void give_step(mrt_plugin *self, mrt_sample *out)
                                  : self->from[i] + share * (self->reading.angle[i] - self->from[i]);
 }
 
-/* Channels are fixed while it is open, so another hand needs it opened again. */
-static void follow_params(mrt_plugin *self, const double *params)
-{
-    if (self->has_asked_to_restart || wanted_of(params) == self->wanted)
-        return;
-    self->has_asked_to_restart = true;
-    self->host->request_restart(self->host);
-}
-
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
                              mrt_sample *out_sample)
 {
     if (!self->port)
         return MRT_ERR_IO;
-    follow_params(self, params);
+    bare_hand_follow(&self->hand, self->host, params);
     int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
     left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
     int64_t until_ns = device_clock_ns() + left_ns;
@@ -412,13 +375,6 @@ static void destroy(mrt_plugin *self)
     free(self);
 }
 
-static const char *const hand_label[] = {"left", "right", "either", NULL};
-static const mrt_param params[PARAM_COUNT] = {
-    [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Camera", "",
-                    "Whose hand performs; either: whichever is shown, as a right one", MRT_LEFT,
-                    EITHER, EITHER, hand_label},
-};
-
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
 static const mrt_devices devices = {list_devices, current_device};
 static const mrt_interface interfaces[] = {
@@ -426,8 +382,8 @@ static const mrt_interface interfaces[] = {
 
 static const mrt_plugin_type type = {
     MRT_ABI,
-    PARAM_COUNT,
-    params,
+    BARE_HAND_PARAMS,
+    bare_hand_params,
     interfaces,
     "org.marotte.camera",
     "Camera",

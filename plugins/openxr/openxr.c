@@ -2,6 +2,7 @@
  * (a headset, a Leap, a glove's driver). The runtime lives in another process (openxr_helper.h),
  * marotte reads its joints back to angles (MRT_LANDMARKS) from their positions alone: what
  * orientations mean differs between runtimes. Gives samples. */
+#include "bare_hand.h"
 #include "device_io.h"
 #include "openxr_helper.h"
 
@@ -11,27 +12,18 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PARAM_HAND, PARAM_COUNT };
-enum { EITHER = 2 }; /* of the parameter: beside MRT_LEFT and MRT_RIGHT */
-
-static const float sure = 0.5f; /* below that nothing may move a face: plugin.h */
 static const int64_t read_max_ns = 1000000000;
-/* One hand for the other: it is held so long that the face eases over to it. */
-static const int64_t change_ns = 300000000;
 
 struct mrt_plugin {
     const mrt_host *host;
     const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
     bool is_open;
     openxr_listener listener; /* joined while it is open */
-    uint32_t wanted;          /* MRT_LEFT, MRT_RIGHT, EITHER */
-    mrt_channel channel[MRT_ANGLES];
-    char name[MRT_ANGLES][24];
-    bool has_asked_to_restart;
+    bare_hand hand;
 
     mrt_hand_reading reading;
     openxr_hand last[2]; /* frames are news of two hands */
-    uint32_t shown_side; /* of EITHER: whose hand it was last */
+    uint32_t shown_side; /* of BARE_HAND_EITHER: whose hand it was last */
     bool has_shown;
     int64_t shown_ns, last_ns; /* device_clock_ns; the host's, of the sample given last */
     int64_t host_offset_ns;    /* the host's clock less device_clock_ns */
@@ -40,27 +32,6 @@ struct mrt_plugin {
 };
 
 /* ---- opening ---- */
-
-static uint32_t wanted_of(const double *params)
-{
-    double hand = params[PARAM_HAND];
-    return hand < 0.5 ? MRT_LEFT : hand < 1.5 ? MRT_RIGHT : EITHER;
-}
-
-static void describe(mrt_plugin *self)
-{
-    static const char *const sensor[MRT_ANGLES] = {
-        "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-        "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-        "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-        "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
-    const uint32_t side = self->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
-    for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
-        (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
-                       side == MRT_LEFT ? "left" : "right", sensor[i]);
-        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
-    }
-}
 
 static void input_close(mrt_plugin *self)
 {
@@ -89,21 +60,20 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
         return MRT_ERR_IO;
     }
     self->is_open = true;
-    self->wanted = wanted_of(params);
-    self->has_asked_to_restart = self->has_shown = self->has_given = false;
+    bare_hand_begin(&self->hand, params);
+    self->has_shown = self->has_given = false;
     self->reading = (mrt_hand_reading){.confidence = 0.0f};
     memset(self->last, 0, sizeof self->last);
     self->sequence = self->lost = 0;
     self->host_offset_ns = device_clock_host_offset_ns(self->host);
     self->last_ns = self->host->now_ns(self->host);
-    describe(self);
     return MRT_OK;
 }
 
 static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 {
     *out_count = self->is_open ? MRT_ANGLES : 0;
-    return self->channel;
+    return self->hand.channel;
 }
 
 /* ---- reading ---- */
@@ -128,11 +98,11 @@ static uint32_t choose(const mrt_plugin *self, const openxr_frame *frame)
 {
     const bool is_there[2] = {frame->hand[MRT_LEFT].active == 1,
                               frame->hand[MRT_RIGHT].active == 1};
-    if (self->wanted != EITHER)
-        return is_there[self->wanted] ? self->wanted : MRT_NO_HAND;
+    if (self->hand.wanted != BARE_HAND_EITHER)
+        return is_there[self->hand.wanted] ? self->hand.wanted : MRT_NO_HAND;
     if (self->has_shown && is_there[self->shown_side])
         return self->shown_side;
-    if (self->has_shown && frame->time_ns - self->shown_ns < change_ns)
+    if (self->has_shown && frame->time_ns - self->shown_ns < BARE_HAND_CHANGE_NS)
         return MRT_NO_HAND;
     return is_there[MRT_RIGHT] ? MRT_RIGHT : is_there[MRT_LEFT] ? MRT_LEFT : MRT_NO_HAND;
 }
@@ -152,8 +122,9 @@ static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
     self->last[side] = *hand;
     to_landmarks(hand, side, &seen);
     self->reader->read(self->host, &seen, &now);
-    if (now.confidence < sure)
+    if (now.confidence < BARE_HAND_SURE)
         return false;
+    bare_hand_turn(&self->hand, side, &now);
     self->reading = now;
     self->has_shown = true;
     self->shown_side = side;
@@ -177,21 +148,12 @@ static void give(mrt_plugin *self, const openxr_frame *frame, mrt_sample *out)
     memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
 }
 
-/* Channels are fixed while it is open, so another hand needs it opened again. */
-static void follow_params(mrt_plugin *self, const double *params)
-{
-    if (self->has_asked_to_restart || wanted_of(params) == self->wanted)
-        return;
-    self->has_asked_to_restart = true;
-    self->host->request_restart(self->host);
-}
-
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
                              mrt_sample *out_sample)
 {
     if (!self->is_open)
         return MRT_ERR_IO;
-    follow_params(self, params);
+    bare_hand_follow(&self->hand, self->host, params);
     int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
     left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
     int64_t until_ns = device_clock_ns() + left_ns;
@@ -281,13 +243,6 @@ static void destroy(mrt_plugin *self)
     free(self);
 }
 
-static const char *const hand_label[] = {"left", "right", "either", NULL};
-static const mrt_param params[PARAM_COUNT] = {
-    [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "OpenXR", "",
-                    "Whose hand performs; either: whichever is tracked, as a right one", MRT_LEFT,
-                    EITHER, EITHER, hand_label},
-};
-
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
 static const mrt_devices devices = {list_devices, current_device};
 static const mrt_interface interfaces[] = {
@@ -295,8 +250,8 @@ static const mrt_interface interfaces[] = {
 
 static const mrt_plugin_type type = {
     MRT_ABI,
-    PARAM_COUNT,
-    params,
+    BARE_HAND_PARAMS,
+    bare_hand_params,
     interfaces,
     "org.marotte.openxr",
     "OpenXR",

@@ -137,6 +137,13 @@ perform_bare bare.csv glove --calibration "$scratch/broken.json"
 cmp "$scratch/bare.glove.csv" "$scratch/bare.seen.csv" || fail "angles are read as if they were counts"
 refused 1 "is a calibration of a glove: choose another name" "$MAROTTE" calibrate --input "log:$scratch/bare.csv" --out "$user"
 
+# A sender without a calibration is told the command, port and all.
+port=$((20000 + $$ % 10000))
+"$MAROTTE" perform --face "$moai" --map anchored --input "osc:127.0.0.1:$port" --seconds 0.2 \
+    >/dev/null 2>"$scratch/hint.err" # nobody sends: it ends without a face
+grep -q "calibrate --input osc:127.0.0.1:$port --name NAME" "$scratch/hint.err" ||
+    fail "the hint is no command for this sender: $(cat "$scratch/hint.err")"
+
 # A pedal in the log re-zeroes, the same in every replay; while the hand moves it is refused.
 awk -F, -v OFS=, 'NR == 1 { print $0, "pedal.1"; next } NR == 2 { print $0, "1"; next }
     { print $0, ($1 >= 1.5 && $1 < 1.7) || ($1 >= 2.3 && $1 < 2.4) ? 1 : 0 }' \

@@ -79,7 +79,12 @@ static bool press_until(room *r, int pad, uint8_t controller, condition *holds)
     return false;
 }
 
-static void buttons_of_a_patch_record_and_stop(void **state)
+static bool is_marked(app *of)
+{
+    return was_said(of, "marked this instant");
+}
+
+static void buttons_of_a_patch_record_mark_and_stop(void **state)
 {
     room r;
     char path[96], pad_input[128];
@@ -99,14 +104,15 @@ static void buttons_of_a_patch_record_and_stop(void **state)
                               .input_count = 1};
     if (open_with(&r, &with, &err) < 0)
         fail_msg("%s", err.text);
-    static patch p = {.name = "pad", .count = 2};
-    for (int i = 0; i < 2; ++i) {
+    static patch p = {.name = "pad", .count = 3};
+    for (int i = 0; i < 3; ++i) {
         p.connection[i] = patch_connection_of(PATCH_ACTION);
         (void)snprintf(p.connection[i].channel, PATCH_NAME, "cc.%d", 20 + i);
-        (void)snprintf(p.connection[i].target, PATCH_NAME, "%s", i == 0 ? "record" : "stop");
+        (void)snprintf(p.connection[i].target, PATCH_NAME, "%s", patch_action_names[i]);
     }
     app_set_patch(r.app, &p);
     assert_true(press_until(&r, pad, 20, is_recording));
+    assert_true(press_until(&r, pad, 22, is_marked));
     assert_true(until(&r, is_recorded));
     assert_true(press_until(&r, pad, 21, has_ended));
     assert_int_equal(count_takes(r.app), 1);
@@ -329,7 +335,7 @@ int main(void)
         cmocka_unit_test(a_take_that_ends_is_chosen_and_the_stage_stays_live),
         cmocka_unit_test(a_take_that_is_recorded_is_in_the_list_while_it_grows),
         cmocka_unit_test(closing_while_recording_keeps_the_take),
-        cmocka_unit_test(buttons_of_a_patch_record_and_stop),
+        cmocka_unit_test(buttons_of_a_patch_record_mark_and_stop),
         cmocka_unit_test(what_nobody_recorded_can_be_kept),
         cmocka_unit_test(keeping_while_recording_leaves_the_recording_alone),
         cmocka_unit_test(what_is_performed_over_a_take_leaves_others_in_the_list),
