@@ -349,6 +349,10 @@ static inline uint32_t scene_word_faults(scene *s)
     for (uint32_t i = 0; i < count; ++i) {
         const ui_word *word = &words[i];
         const ui_rectangle seen = scene_seen(word);
+        if (word->is_cut && seen.width <= 0.0f && seen.height > 0.0f) {
+            print_message("out of reach: \"%s\"\n", word->text);
+            faults += 1;
+        }
         if (seen.width <= 0.0f || seen.height <= 0.0f)
             continue;
         if (word->is_cut && !scene_may_be_cut(s, word)) {

@@ -74,26 +74,29 @@ static void every_command_is_in_the_help(void **state)
 
 static void keys_have_the_names_that_the_help_shows(void **state)
 {
-    uint32_t key, modifiers;
+    static const key_map brought; /* zeroed */
+    key_chord chord;
     (void)state;
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
-        char name[ACTION_KEYS], *blank;
+        char name[KEY_WORDS];
         const action_entry *entry = action_of((action)i);
-        action_keys(entry->id, name);
-        while ((blank = strchr(name, ' ')) != NULL) /* "Page up" */
-            memmove(blank, blank + 1, strlen(blank));
-        if (!script_key_of(name, &key, &modifiers))
+        key_map_words(&brought, entry->id, name);
+        if (!entry->key)
+            continue;
+        if (!key_chord_parse(&chord, name))
             fail_msg("%s", name);
-        assert_int_equal(key, entry->key);
-        assert_int_equal(modifiers, entry->modifiers);
+        assert_int_equal(chord.key, entry->key);
+        assert_int_equal(chord.modifiers, entry->modifiers);
     }
-    assert_true(script_key_of("alt+ctrl+x", &key, &modifiers));
-    assert_int_equal(key, 'X');
-    assert_int_equal(modifiers, UI_ALT | UI_CONTROL);
-    assert_true(script_key_of("Ctrl++", &key, &modifiers));
-    assert_int_equal(key, '+');
-    assert_false(script_key_of("F13", &key, &modifiers));
-    assert_false(script_key_of("", &key, &modifiers));
+    assert_true(key_chord_parse(&chord, "alt+ctrl+x"));
+    assert_int_equal(chord.key, 'X');
+    assert_int_equal(chord.modifiers, UI_ALT | UI_CONTROL);
+    assert_true(key_chord_parse(&chord, "Ctrl++"));
+    assert_int_equal(chord.key, '+');
+    assert_true(key_chord_parse(&chord, "PageUp"));
+    assert_int_equal(chord.key, UI_KEY_PAGE_UP);
+    assert_false(key_chord_parse(&chord, "F13"));
+    assert_false(key_chord_parse(&chord, ""));
 }
 
 /* ---- doing ---- */

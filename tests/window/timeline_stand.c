@@ -53,6 +53,12 @@ const live_status *app_status(const app *self)
     return &here->status;
 }
 
+app_looks *app_looks_of(app *self)
+{
+    (void)self;
+    return &here->looks;
+}
+
 const char *app_face_path(const app *self)
 {
     (void)self;

@@ -26,6 +26,7 @@ typedef struct stand {
     int64_t rated, rated_id; /* the last take that was edited from the list */
     action done, asked;
     live_status status;
+    app_looks looks;
     news_list *news;
     transport transport;
     int64_t clock_ns, seeks;

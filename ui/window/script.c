@@ -1,4 +1,5 @@
 #include "window/script.h"
+#include "window/app/key_map.h"
 #include "window/gui/ui.h"
 
 #include "base/clock.h"
@@ -10,81 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-
-/* ---- keys by their names ---- */
-
-typedef struct named {
-    const char *name;
-    uint32_t key;
-} named;
-
-static const named key_names[] = {
-    {"Space", ' '},
-    {"Esc", UI_KEY_ESCAPE},
-    {"Escape", UI_KEY_ESCAPE},
-    {"Enter", UI_KEY_ENTER},
-    {"Tab", UI_KEY_TAB},
-    {"Backspace", UI_KEY_BACKSPACE},
-    {"Delete", UI_KEY_DELETE},
-    {"Del", UI_KEY_DELETE},
-    {"Insert", UI_KEY_INSERT},
-    {"Left", UI_KEY_LEFT},
-    {"Right", UI_KEY_RIGHT},
-    {"Up", UI_KEY_UP},
-    {"Down", UI_KEY_DOWN},
-    {"PageUp", UI_KEY_PAGE_UP},
-    {"PageDown", UI_KEY_PAGE_DOWN},
-    {"Home", UI_KEY_HOME},
-    {"End", UI_KEY_END},
-    {"Shift", UI_KEY_SHIFT},
-    {"Ctrl", UI_KEY_CONTROL},
-    {"Alt", UI_KEY_ALT},
-};
-
-static const named modifier_names[] = {
-    {"Shift+", UI_SHIFT}, {"Ctrl+", UI_CONTROL}, {"Alt+", UI_ALT}};
-
-static bool is_function_key(const char *name, uint32_t *out_key)
-{
-    char *end;
-    if ((name[0] != 'F' && name[0] != 'f') || name[1] < '0' || name[1] > '9')
-        return false;
-    const long number = strtol(name + 1, &end, 10);
-    if (*end || number < 1 || number > 12)
-        return false;
-    *out_key = UI_KEY_F1 + (uint32_t)number - 1;
-    return true;
-}
-
-bool script_key_of(const char *name, uint32_t *out_key, uint32_t *out_modifiers)
-{
-    *out_modifiers = 0;
-    for (size_t i = 0; i < 3; ++i) {
-        const size_t length = strlen(modifier_names[i].name);
-        if (strncasecmp(name, modifier_names[i].name, length) != 0 || !name[length])
-            continue;
-        *out_modifiers |= modifier_names[i].key;
-        name += length;
-        i = (size_t)-1; /* in any order */
-    }
-    for (size_t i = 0; i < sizeof key_names / sizeof key_names[0]; ++i)
-        if (strcasecmp(name, key_names[i].name) == 0) {
-            *out_key = key_names[i].key;
-            return true;
-        }
-    if (is_function_key(name, out_key))
-        return true;
-    if (name[0] <= ' ' || name[0] > '~' || name[1])
-        return false;
-    if (name[0] == '?') {
-        *out_key = '/';
-        *out_modifiers |= UI_SHIFT;
-        return true;
-    }
-    *out_key =
-        name[0] >= 'a' && name[0] <= 'z' ? (uint32_t)(name[0] - 'a' + 'A') : (uint32_t)name[0];
-    return true;
-}
 
 /* ---- somebody who does not know the program ---- */
 
@@ -386,8 +312,11 @@ static mrt_result read_rest(const script *self, command *out, text_view rest, er
     out->text = strndup(rest.at, (size_t)(rest.end - rest.at));
     if (!out->text)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", self->path);
-    if (is_of_a_key(out->kind) && !script_key_of(out->text, &out->key, &out->modifiers))
+    key_chord chord = {0};
+    if (is_of_a_key(out->kind) && !key_chord_parse(&chord, out->text))
         return wrong(self, out->line, word, "a key: R, Ctrl+Shift+Z, Space, F11, ?", err);
+    out->key = chord.key;
+    out->modifiers = chord.modifiers;
     if (out->kind == COMMAND_DO)
         out->act = action_named(out->text);
     if (out->kind == COMMAND_DO && out->act == ACTION_NONE)

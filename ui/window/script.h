@@ -12,8 +12,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-bool script_key_of(const char *name, uint32_t *out_key, uint32_t *out_modifiers);
-
 typedef struct script_random {
     uint64_t state;
     float x, y, to_x, to_y; /* of a drag */

@@ -1,7 +1,7 @@
 #include "window/workspace.h"
 #include "window/dialogs.h"
 #include "window/gui/theme.h"
-#include "window/panels/mapping.h"
+#include "window/help.h"
 #include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/viewport/viewport.h"
@@ -34,6 +34,7 @@ struct workspace {
     ui_screen screen;
 
     dialogs dialogs;
+    help help;
 
     int32_t news_level; /* of the line that is shown */
     char news[1200];
@@ -93,15 +94,15 @@ static bool repeats(action of)
 }
 
 /* A hand needs the letters, not these. */
-static bool is_beside_hand(const action_entry *entry)
+static bool is_beside_hand(key_chord chord)
 {
-    return (entry->modifiers & (UI_CONTROL | UI_ALT)) != 0 ||
-           (entry->key >= UI_KEY_F1 && entry->key <= UI_KEY_F12);
+    return (chord.modifiers & (UI_CONTROL | UI_ALT)) != 0 ||
+           (chord.key >= UI_KEY_F1 && chord.key <= UI_KEY_F12);
 }
 
-static bool is_held_again(workspace *self, const action_entry *entry)
+static bool is_held_again(workspace *self, action of, key_chord chord)
 {
-    if (!repeats(entry->id) || self->held_key != entry->key || !ui_is_down(self->ui, entry->key))
+    if (!repeats(of) || self->held_key != chord.key || !ui_is_down(self->ui, chord.key))
         return false;
     self->held_s += self->screen.dt_s;
     if (self->held_s < REPEAT_AFTER_S)
@@ -110,14 +111,14 @@ static bool is_held_again(workspace *self, const action_entry *entry)
     return true;
 }
 
-static bool is_wanted(workspace *self, const action_entry *entry)
+static bool is_wanted(workspace *self, action of, key_chord chord)
 {
-    if (ui_pressed(self->ui, entry->key, entry->modifiers)) {
-        self->held_key = entry->key;
+    if (ui_pressed(self->ui, chord.key, chord.modifiers)) {
+        self->held_key = chord.key;
         self->held_s = 0.0;
         return true;
     }
-    return is_held_again(self, entry);
+    return is_held_again(self, of, chord);
 }
 
 static void escape(workspace *self)
@@ -132,25 +133,28 @@ static void escape(workspace *self)
 }
 
 /* The brush of the rig panel has these while it is on. */
-static bool is_of_brush(workspace *self, const action_entry *entry)
+static bool is_of_brush(workspace *self, key_chord chord)
 {
-    return app_looks_of(self->app)->is_painting && entry->modifiers == 0 &&
-           (entry->key == '[' || entry->key == ']');
+    return app_looks_of(self->app)->is_painting && chord.modifiers == 0 &&
+           (chord.key == '[' || chord.key == ']');
 }
 
 static void workspace_dispatch_keys(workspace *self)
 {
     const bool is_hand = app_has_hand_keys(self->app);
+    if (help_takes_keys(&self->help, self->app, self->ui))
+        return;
     if (ui_pressed(self->ui, UI_KEY_ESCAPE, 0)) {
         escape(self);
         return;
     }
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
-        const action_entry *entry = action_of((action)i);
-        if (entry->key == 0 || (is_hand && !is_beside_hand(entry)) || is_of_brush(self, entry))
+        const key_chord chord = key_map_of(&app_looks_of(self->app)->keys, (action)i);
+        if (chord.key == UI_KEY_NONE || (is_hand && !is_beside_hand(chord)) ||
+            is_of_brush(self, chord))
             continue;
-        if (is_wanted(self, entry))
-            app_do(self->app, entry->id);
+        if (is_wanted(self, (action)i, chord))
+            app_do(self->app, (action)i);
     }
 }
 
@@ -308,14 +312,20 @@ static bool is_pressed(const pen *p, ui_rectangle box)
     return p->canvas.is_pressed && p->canvas.button == 0 && is_over(p, box);
 }
 
+static void words_of_key(const pen *p, action of, char out[KEY_WORDS])
+{
+    key_map_words(&app_looks_of(p->workspace->app)->keys, of, out);
+}
+
 static void hint_action(pen *p, action of)
 {
-    char keys[ACTION_KEYS];
+    char keys[KEY_WORDS];
     const char *why = "";
     const bool can = app_can(p->workspace->app, of, &why);
-    action_keys(of, keys);
-    (void)snprintf(p->hint, sizeof p->hint, "%s  (%s)\n%s%s%s", action_of(of)->title, keys,
-                   action_of(of)->help, can ? "" : "\nNot now: ", can ? "" : why);
+    words_of_key(p, of, keys);
+    (void)snprintf(p->hint, sizeof p->hint, "%s%s%s%s\n%s%s%s", action_of(of)->title,
+                   keys[0] ? "  (" : "", keys, keys[0] ? ")" : "", action_of(of)->help,
+                   can ? "" : "\nNot now: ", can ? "" : why);
 }
 
 typedef void paint_sign(ui *on, float x, float y, uint32_t ink);
@@ -327,7 +337,7 @@ static void put_sign(pen *p, ui_rectangle box, action of, paint_sign *sign, bool
     if (is_hovered || is_on)
         ui_draw_box(p->on, box, is_hovered && can ? THEME_HOVER : THEME_RAISED, 5.0f);
     sign(p->on, box.x + 0.5f * box.width, box.y + 0.5f * box.height,
-         !can    ? 0x5a5f66ffu
+         !can    ? THEME_OFF
          : is_on ? THEME_ACCENT
                  : THEME_TEXT);
     if (is_hovered)
@@ -376,8 +386,11 @@ static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink,
     if (is_over(p, box)) {
         ui_draw_box(p->on, box, THEME_RAISED, 4.0f);
         ui_set_cursor(p->on, UI_CURSOR_HAND);
-        (void)snprintf(p->hint, sizeof p->hint, "%.440s\nOpen another %s  (Ctrl+O)", path,
-                       kind == DIALOGS_OPENS_SHOW ? "show" : "face");
+        char keys[KEY_WORDS];
+        words_of_key(p, ACTION_OPEN, keys);
+        (void)snprintf(p->hint, sizeof p->hint, "%.420s\nOpen another %s%s%s%s", path,
+                       kind == DIALOGS_OPENS_SHOW ? "show" : "face", keys[0] ? "  (" : "", keys,
+                       keys[0] ? ")" : "");
     }
     ui_draw_text(p->on, box.x + 6.0f, y, style, ink, width - 12.0f, name);
     if (is_pressed(p, box))
@@ -480,6 +493,7 @@ static state_words state_of(app *of)
     const live_status *status = app_status(of);
     const live_view *view = app_view(of);
     const char *shown = title_of(of, live_shown_take(app_live(of)));
+    char keys[KEY_WORDS];
     state_words out = {.large = "Live", .ink = THEME_TEXT};
     if (view->mode == LIVE_OVERDUBS) {
         write_time(out.large, sizeof out.large, view->at_ns);
@@ -493,7 +507,9 @@ static state_words state_of(app *of)
         out.ink = THEME_RECORD;
     } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
-        (void)snprintf(out.small, sizeof out.small, "L: back to the live hands");
+        key_map_words(&app_looks_of(of)->keys, ACTION_LIVE, keys);
+        (void)snprintf(out.small, sizeof out.small, "%s: back to the live hands",
+                       keys[0] ? keys : action_of(ACTION_LIVE)->title);
     } else if (view->mode == LIVE_SHOWS) {
         write_time(out.large, sizeof out.large, live_position(app_live(of)).at_ns);
         (void)snprintf(out.small, sizeof out.small, "Take %.150s", shown);
@@ -502,7 +518,9 @@ static state_words state_of(app *of)
     } else {
         const int back_s = status->journal_ns < KEEP_NS ? (int)(status->journal_ns / NS_PER_S)
                                                         : (int)(KEEP_NS / NS_PER_S);
-        (void)snprintf(out.small, sizeof out.small, "K keeps the last %d s", back_s);
+        key_map_words(&app_looks_of(of)->keys, ACTION_KEEP, keys);
+        (void)snprintf(out.small, sizeof out.small, "%s keeps the last %d s",
+                       keys[0] ? keys : "Keep", back_s);
     }
     if (status->problem[0]) {
         (void)snprintf(out.small, sizeof out.small, "%.199s", status->problem);
@@ -656,178 +674,6 @@ static void bar_draw_alone(workspace *self, ui_rectangle over)
     ui_panel_end(self->ui);
 }
 
-/* `?`: every action with its key, and what the pedals do now, over the stage. */
-
-#define LINE       22.0f
-#define KEY_WIDTH  104.0f
-#define COLUMN     290.0f
-#define REZERO_KEY "hands.rezero_pedal"
-
-typedef struct sheet { /* what is written, in columns */
-    ui *on;
-    float x, y, top, bottom;
-    float column, row;
-} sheet;
-
-static void next_column(sheet *s)
-{
-    s->x += s->column;
-    s->y = s->top;
-}
-
-/* A title stays with its first lines. */
-static void put_title(sheet *s, const char *title)
-{
-    if (s->y > s->top) {
-        s->y += 0.5f * s->row;
-        if (s->y + 3.0f * s->row > s->bottom)
-            next_column(s);
-    }
-    ui_draw_text(s->on, s->x, s->y, UI_STYLE_TITLE, THEME_ACCENT, s->column - 16.0f, title);
-    s->y += s->row + 2.0f;
-}
-
-static void put_line(sheet *s, const char *keys, const char *words)
-{
-    if (s->y + s->row > s->bottom)
-        next_column(s);
-    ui_draw_text(s->on, s->x, s->y, UI_STYLE_STRONG, THEME_TEXT, KEY_WIDTH - 8.0f, keys);
-    ui_draw_text(s->on, s->x + KEY_WIDTH, s->y, UI_STYLE_BODY, THEME_DIM,
-                 s->column - KEY_WIDTH - 16.0f, words);
-    s->y += s->row;
-}
-
-/* ---- what is in it ---- */
-
-static bool is_rating(action of)
-{
-    return of >= ACTION_RATE_0 && of <= ACTION_RATE_5;
-}
-
-static uint32_t put_actions(sheet *s, action_group group)
-{
-    uint32_t lines = 0;
-    for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
-        const action_entry *entry = action_of((action)i);
-        char keys[ACTION_KEYS];
-        if (entry->group != group || (is_rating(entry->id) && entry->id != ACTION_RATE_0))
-            continue;
-        action_keys(entry->id, keys);
-        lines += 1;
-        if (s && is_rating(entry->id))
-            put_line(s, "0 .. 5", "Stars of the chosen take");
-        else if (s)
-            put_line(s, keys, entry->title);
-    }
-    return lines;
-}
-
-static const char *const mouse_lines[][2] = {
-    {"Drag", "Pulls the face"},
-    {"Drag, Shift", "Pulls it, and it stays so"},
-    {"Wheel", "Nearer, farther"},
-    {"Ctrl+drag", "Kneads, as clay"},
-    {"Double click", "Contact back to rest"},
-    {"Right drag", "Turns the view"},
-    {"Middle drag", "Moves the view"},
-    {"Alt+wheel", "How far a pull reaches"},
-};
-static const char *const timeline_lines[][2] = {
-    {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
-    {"Alt+drag", "An end: stretches the clip"},    {"Swipe", "A take below: into this one"},
-    {"Alt+drag", "A take below: shifts it"},       {"Drag on top", "A range, above the time"},
-    {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
-};
-enum {
-    MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0],
-    TIMELINE_LINES = sizeof timeline_lines / sizeof timeline_lines[0]
-};
-
-static void put_pedals(sheet *s, app *of)
-{
-    const instance *mapping = live_mapping(app_live(of));
-    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), REZERO_KEY, 0.0);
-    put_title(s, "Pedals now");
-    for (uint32_t pedal = 1; pedal <= MRT_MAX_PEDALS; ++pedal) {
-        char name[16], words[200] = "";
-        if (mapping) {
-            const mrt_plugin_type *type = isolate_inner(mapping->type);
-            double values[256];
-            for (uint32_t i = 0; i < type->param_count && i < 256; ++i)
-                values[i] = mapping->wanted[i];
-            if (type->param_count <= 256)
-                pedal_table_words(type, values, pedal, words, sizeof words);
-        }
-        const size_t length = strlen(words);
-        if (rezero == pedal)
-            (void)snprintf(words + length, sizeof words - length, "%sRe-zero", length ? ", " : "");
-        (void)snprintf(name, sizeof name, "Pedal %u", pedal);
-        put_line(s, name, words[0] ? words : "nothing");
-    }
-}
-
-static void put_all(sheet *s, app *of)
-{
-    for (uint32_t group = 0; group < ACTION_GROUPS; ++group) {
-        put_title(s, action_group_name[group]);
-        (void)put_actions(s, (action_group)group);
-    }
-    const uint32_t others = MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS + 6;
-    if (s->y + 3.0f + (float)others * s->row > s->bottom && s->y > s->top)
-        next_column(s);
-    put_title(s, "Mouse on the face");
-    for (uint32_t i = 0; i < MOUSE_LINES; ++i)
-        put_line(s, mouse_lines[i][0], mouse_lines[i][1]);
-    put_title(s, "Mouse on the timeline");
-    for (uint32_t i = 0; i < TIMELINE_LINES; ++i)
-        put_line(s, timeline_lines[i][0], timeline_lines[i][1]);
-    put_pedals(s, of);
-}
-
-/* So many lines in all, titles and gaps counted generously. */
-static float lines_in_all(void)
-{
-    float lines =
-        (float)(MOUSE_LINES + TIMELINE_LINES + MRT_MAX_PEDALS) + 3.5f * (ACTION_GROUPS + 4);
-    for (uint32_t group = 0; group < ACTION_GROUPS; ++group)
-        lines += (float)put_actions(NULL, (action_group)group);
-    return lines;
-}
-
-static void help_draw(workspace *self, ui_rectangle where)
-{
-    ui *on = self->ui;
-    ui_canvas canvas;
-    const float margin = where.width > 1400.0f ? 80.0f : 32.0f, head = 50.0f;
-    const ui_rectangle inner = {where.x + margin, where.y + margin, where.width - 2.0f * margin,
-                                where.height - 2.0f * margin};
-    const float across = inner.width >= 4.0f * COLUMN   ? 4.0f
-                         : inner.width >= 3.0f * COLUMN ? 3.0f
-                                                        : 2.0f;
-    const float room = inner.height - head;
-    float row = room * across / lines_in_all();
-    row = row > 25.0f ? 25.0f : row < 18.0f ? 18.0f : row;
-    sheet s = {.on = on,
-               .x = inner.x,
-               .y = inner.y + head,
-               .top = inner.y + head,
-               .bottom = inner.y + inner.height,
-               .column = inner.width / across,
-               .row = row};
-    ui_panel_begin(on, "help", where, UI_GROUND_NONE);
-    ui_canvas_begin(on, "help", 0.0f, 0.0f, &canvas);
-    ui_draw_box(on, where, THEME_STAGE, 0.0f);
-    ui_draw_text(on, inner.x, inner.y, UI_STYLE_LARGE, THEME_TEXT, 0.0f, "Keys");
-    const char *end = "?  or  Esc  closes this";
-    ui_draw_text(on, inner.x + inner.width - ui_text_width(on, UI_STYLE_BODY, end), inner.y + 12.0f,
-                 UI_STYLE_BODY, THEME_DIM, 0.0f, end);
-    put_all(&s, self->app);
-    ui_canvas_end(on);
-    ui_panel_end(on);
-    if (canvas.is_pressed)
-        app_looks_of(self->app)->is_helping = false;
-}
-
 /* ---- the workspace ---- */
 
 #define EDGE            5.0f /* of a part that is dragged */
@@ -835,6 +681,7 @@ static void help_draw(workspace *self, ui_rectangle where)
 #define DOCK_LEAST      300.0f
 #define DOCK_MOST       560.0f
 #define FACE_LEAST      160.0f
+#define DOCK_HIGH       300.0f /* at least, above a timeline */
 #define STRIP_LEAST     900.0f /* what the timeline's transport needs */
 #define FIGURES_EVERY_S 0.5
 
@@ -939,14 +786,14 @@ static workspace_places lay_out(const workspace *self)
     const float bar = THEME_BAR_HEIGHT, below = height - bar;
     const float dock =
         clamped(looks->dock_width, DOCK_LEAST, clamped(0.45f * width, 0.0f, DOCK_MOST));
-    const float timeline = looks->has_timeline
-                               ? clamped(looks->timeline_height, TIMELINE_LEAST, below - FACE_LEAST)
-                               : 0.0f;
+    /* The dock is as high as the window; in a narrow one the timeline goes below it. */
+    const bool is_narrow = width - dock < STRIP_LEAST;
+    const float rest = is_narrow ? DOCK_HIGH : FACE_LEAST;
+    const float timeline =
+        looks->has_timeline ? clamped(looks->timeline_height, TIMELINE_LEAST, below - rest) : 0.0f;
     out.has_bar = out.has_dock = true;
     out.has_timeline = looks->has_timeline;
     out.bar = (ui_rectangle){0.0f, 0.0f, width, bar};
-    /* The dock is as high as the window; in a narrow one the timeline goes below it. */
-    const bool is_narrow = width - dock < STRIP_LEAST;
     out.dock = (ui_rectangle){width - dock, bar, dock, is_narrow ? below - timeline : below};
     out.face = (ui_rectangle){0.0f, bar, width - dock, below - timeline};
     out.timeline =
@@ -993,7 +840,8 @@ static void draw_edges(workspace *self, const workspace_places *at)
 
 static void draw_dock(workspace *self, ui_rectangle where)
 {
-    const float tabs = 38.0f;
+    const float inside = where.width - 2.0f * THEME_PADDING;
+    const float tabs = THEME_PADDING + ui_tabs_height(self->ui, dock_names, APP_PANELS, inside);
     app_looks *looks = app_looks_of(self->app);
     uint32_t chosen = (uint32_t)looks->panel;
     const ui_rectangle head = {where.x, where.y, where.width, tabs};
@@ -1007,23 +855,25 @@ static void draw_dock(workspace *self, ui_rectangle where)
     dock_types[looks->panel]->draw(self->dock[looks->panel], self->ui, rest);
 }
 
-static void draw_rule(workspace *self, const char *id, ui_rectangle where)
+static void draw_box(workspace *self, const char *id, ui_rectangle where, uint32_t colour)
 {
     ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
-    ui_draw_box(self->ui, where, THEME_RULE, 0.0f);
+    ui_draw_box(self->ui, where, colour, 0.0f);
     ui_panel_end(self->ui);
 }
 
 static void draw_panels(workspace *self, const workspace_places *at)
 {
     if (at->has_timeline) {
+        draw_box(self, "ground_timeline", at->timeline, THEME_STAGE); /* between its parts */
         panel_timeline.draw(self->timeline, self->ui, at->timeline);
-        draw_rule(self, "rule_timeline",
-                  (ui_rectangle){0.0f, at->timeline.y, at->timeline.width, 1.0f});
+        draw_box(self, "rule_timeline",
+                 (ui_rectangle){0.0f, at->timeline.y, at->timeline.width, 1.0f}, THEME_RULE);
     }
     if (at->has_dock) {
         draw_dock(self, at->dock);
-        draw_rule(self, "rule_dock", (ui_rectangle){at->dock.x, at->dock.y, 1.0f, at->dock.height});
+        draw_box(self, "rule_dock", (ui_rectangle){at->dock.x, at->dock.y, 1.0f, at->dock.height},
+                 THEME_RULE);
     }
     if (at->has_bar)
         bar_draw(self, at->bar);
@@ -1032,7 +882,9 @@ static void draw_panels(workspace *self, const workspace_places *at)
     draw_edges(self, at);
     workspace_draw_news(self, at->face);
     if (app_looks_of(self->app)->is_helping)
-        help_draw(self, (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height});
+        help_draw(&self->help, self->app, self->ui,
+                  (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
+                  self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
 }
 
@@ -1152,11 +1004,13 @@ static void keep_size(const workspace *self)
 {
     settings *kept = app_settings(self->app);
     const bool is_maximised = window_is_maximised(self->window);
+    const double scale = (double)window_scale(self->window);
     settings_set_number(kept, "window.maximised", is_maximised ? 1.0 : 0.0);
     if (is_maximised) /* the size is the one to come back to */
         return;
-    settings_set_number(kept, "window.width", floor((double)self->screen.width));
-    settings_set_number(kept, "window.height", floor((double)self->screen.height));
+    settings_set_number(kept, "window.width", floor((double)window_width_px(self->window) / scale));
+    settings_set_number(kept, "window.height",
+                        floor((double)window_height_px(self->window) / scale));
 }
 
 static void look_at_figures(const workspace *self, app_figures *out)
@@ -1205,6 +1059,9 @@ static void draw(workspace *self)
 bool workspace_frame(workspace *self)
 {
     window_gamepad pad;
+    const app_looks *looks = app_looks_of(self->app);
+    window_set_zoom(self->window, looks->text_size);
+    ui_set_theme(self->ui, looks->theme);
     if (!window_begin(self->window, self->ui, &self->screen))
         app_do(self->app, ACTION_QUIT);
     const int64_t began_ns = clock_now_ns();

@@ -3,7 +3,6 @@
 
 #include <assert.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <string.h>
 
 const char *const action_group_name[ACTION_GROUPS] = {"Performance", "Transport", "Edits", "View",
@@ -171,50 +170,4 @@ action action_named(const char *name)
         if (strcmp(entries[i].name, name) == 0)
             return entries[i].id;
     return ACTION_NONE;
-}
-
-typedef struct key_name {
-    uint32_t key;
-    const char *name;
-} key_name;
-static const key_name key_names[] = {
-    {' ', "Space"},
-    {UI_KEY_ESCAPE, "Esc"},
-    {UI_KEY_ENTER, "Enter"},
-    {UI_KEY_TAB, "Tab"},
-    {UI_KEY_BACKSPACE, "Backspace"},
-    {UI_KEY_DELETE, "Del"},
-    {UI_KEY_INSERT, "Ins"},
-    {UI_KEY_LEFT, "Left"},
-    {UI_KEY_RIGHT, "Right"},
-    {UI_KEY_UP, "Up"},
-    {UI_KEY_DOWN, "Down"},
-    {UI_KEY_PAGE_UP, "Page up"},
-    {UI_KEY_PAGE_DOWN, "Page down"},
-    {UI_KEY_HOME, "Home"},
-    {UI_KEY_END, "End"},
-};
-
-static void write_key(char *out, size_t capacity, uint32_t key)
-{
-    for (size_t i = 0; i < sizeof key_names / sizeof key_names[0]; ++i)
-        if (key_names[i].key == key) {
-            snprintf(out, capacity, "%s", key_names[i].name);
-            return;
-        }
-    if (key >= UI_KEY_F1 && key <= UI_KEY_F12)
-        snprintf(out, capacity, "F%u", key - UI_KEY_F1 + 1);
-    else
-        snprintf(out, capacity, "%c", (int)key);
-}
-
-void action_keys(action id, char out[ACTION_KEYS])
-{
-    const action_entry *entry = action_of(id);
-    char key[16] = "";
-    bool is_question = entry->key == '/' && entry->modifiers == UI_SHIFT;
-    write_key(key, sizeof key, entry->key);
-    snprintf(out, ACTION_KEYS, "%s%s%s%s", entry->modifiers & UI_CONTROL ? "Ctrl+" : "",
-             entry->modifiers & UI_ALT ? "Alt+" : "",
-             entry->modifiers & UI_SHIFT && !is_question ? "Shift+" : "", is_question ? "?" : key);
 }

@@ -1,6 +1,6 @@
 /* window/app/action.h - everything that a person can tell the stage, as a table: name, key, help.
- * The keys, the buttons, the list behind `?` and scripts all come from it. What an action does is
- * app.h's. Const data. */
+ * The keys (as the person may have changed them: key_map.h), the buttons, the list behind `?` and
+ * scripts all come from it. What an action does is app.h's. Const data. */
 #ifndef MAROTTE_UI_WINDOW_APP_ACTION_H
 #define MAROTTE_UI_WINDOW_APP_ACTION_H
 #include <stdbool.h>
@@ -99,11 +99,9 @@ typedef struct action_entry {
     const char *name;        /* "record": for scripts */
     const char *title;       /* "Record" */
     const char *help;        /* one sentence */
-    uint32_t key, modifiers; /* ui.h */
+    uint32_t key, modifiers; /* ui.h; as the program brings them */
 } action_entry;
 const action_entry *action_of(action id); /* for ever; id < ACTION_COUNT */
 action action_named(const char *name);    /* ACTION_NONE: no such */
-enum { ACTION_KEYS = 40 };
-void action_keys(action id, char out[ACTION_KEYS]); /* "Ctrl+Shift+Z", "?" */
 
 #endif

@@ -6,10 +6,11 @@
 #define MAROTTE_UI_WINDOW_APP_APP_H
 #include "stage/live/live.h"
 #include "take/history.h"
-#include "window/app/action.h"
+#include "window/app/key_map.h"
 #include "window/app/news_list.h"
 #include "window/app/settings.h"
 #include "window/app/input_opener.h"
+#include "window/gui/theme.h"
 
 typedef struct app app;
 
@@ -250,6 +251,9 @@ typedef struct app_looks { /* how it is shown; kept between runs */
     app_heat heat;
     app_panel panel;
     float timeline_height, dock_width;
+    theme theme;
+    key_map keys;
+    float text_size; /* how much larger than usual everything is: 0.8 .. 2 */
 } app_looks;
 app_looks *app_looks_of(app *self);
 /* What actions ask of the window and the panels, taken by them: true once. */

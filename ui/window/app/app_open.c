@@ -43,6 +43,8 @@ static const look_switch switches[] = {
     {"looks.face_only", offsetof(app_looks, is_face_only), false},
     {"looks.timeline", offsetof(app_looks, has_timeline), true},
     {"looks.output_mirrored", offsetof(app_looks, is_output_mirrored), false},
+    {"looks.light", offsetof(app_looks, theme.is_light), false},
+    {"looks.colour_safe", offsetof(app_looks, theme.is_colour_safe), false},
 };
 enum { SWITCHES = sizeof switches / sizeof switches[0] };
 
@@ -69,6 +71,9 @@ static void app_looks_read(app *self)
         looks->panel = (app_panel)kept;
     looks->timeline_height = length_of(from, "looks.timeline_height", 220.0, 2000.0);
     looks->dock_width = length_of(from, "looks.dock_width", (double)THEME_DOCK_WIDTH, 1200.0);
+    const double text_size = settings_number(from, "looks.text_size", 1.0);
+    looks->text_size = text_size >= 0.8 && text_size <= 2.0 ? (float)text_size : 1.0f;
+    key_map_read(&looks->keys, from);
     self->looks_kept = *looks;
 }
 
@@ -86,6 +91,8 @@ static void keep_looks(app *self)
     settings_set_number(to, "looks.panel", (double)looks->panel);
     settings_set_number(to, "looks.timeline_height", (double)looks->timeline_height);
     settings_set_number(to, "looks.dock_width", (double)looks->dock_width);
+    key_map_keep(&looks->keys, to);
+    settings_set_number(to, "looks.text_size", (double)looks->text_size);
     self->looks_kept = *looks;
 }
 

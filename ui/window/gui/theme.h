@@ -1,8 +1,11 @@
 /* window/gui/theme.h - the colours and sizes of the window, in one place: calm and dark, for a dim
  * application. Colours are 0xRRGGBBAA as on a screen (sRGB). Every text colour has a contrast of at
- * least 4.5:1 on every ground (tests/unit/window_theme.c). */
+ * least 4.5:1 on every ground (tests/unit/window_theme.c). Whoever draws says colours of the dark
+ * theme; the ui turns them into those of the theme that is chosen (theme_colour). Pure. */
 #ifndef MAROTTE_UI_WINDOW_GUI_THEME_H
 #define MAROTTE_UI_WINDOW_GUI_THEME_H
+#include <stdbool.h>
+#include <stdint.h>
 
 #define THEME_STAGE   0x101113ffu /* behind the face */
 #define THEME_BAR     0x17191cffu
@@ -20,6 +23,20 @@
 #define THEME_BAD     0xff8a80ffu
 #define THEME_LEFT    0x6fb3d9ffu /* the left hand */
 #define THEME_RIGHT   0xd98f6fffu /* the right hand */
+#define THEME_OFF     0x5a5f66ffu /* a sign of what cannot be done now */
+
+#define THEME_ACCENT_HOVER 0xe6b65cffu
+#define THEME_RECORD_HOVER 0xff8278ffu
+
+typedef struct theme {
+    bool is_light;
+    /* What means something by its hue alone (good and bad, left and right, recording) can be told
+     * apart by whoever sees no red, no green or no blue. */
+    bool is_colour_safe;
+} theme;
+/* `colour`, of the dark theme, in that theme; its alpha stays. One that has no name here keeps its
+ * hue, and is as dark in the light theme as it is light in the dark one. */
+uint32_t theme_colour(theme of, uint32_t colour);
 
 #define THEME_BODY_POINTS  14.0f
 #define THEME_TITLE_POINTS 15.0f

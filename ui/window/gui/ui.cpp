@@ -30,6 +30,11 @@ enum ui_font {
     UI_FONTS
 };
 
+struct ui_tint { /* a colour as it was said, and as it is in the theme */
+    uint32_t said, shown;
+};
+constexpr uint32_t UI_TINTS = 128; /* a power of two */
+
 struct ui_grip { /* of the canvas that is dragged */
     ImGuiID id;
     int button;
@@ -44,6 +49,9 @@ struct ui {
     ui_screen screen;
     float scale; /* pixels a point, of the fonts that are loaded */
     ImFont *font[UI_FONTS];
+    theme look, wanted_look; /* of this frame; of the next */
+    ui_tint tint[UI_TINTS];
+    int plain_depth; /* on the face: colours are shown as they are said */
     bool is_drawing; /* OpenGL side was started */
     ui_cursor cursor;
 
@@ -96,8 +104,22 @@ static ui_rectangle ui_points_box(const ui *self, const ImRect &r)
                         (r.Max.x - r.Min.x) / self->scale, (r.Max.y - r.Min.y) / self->scale};
 }
 
-static ImU32 ui_ink(uint32_t colour)
+/* As it is in the theme. */
+static uint32_t ui_shown(ui *self, uint32_t colour)
 {
+    if (!self->look.is_light && !self->look.is_colour_safe)
+        return colour;
+    if (self->plain_depth > 0)
+        return theme_colour(theme{false, self->look.is_colour_safe}, colour);
+    ui_tint *kept = &self->tint[(colour * 2654435761u >> 16) & (UI_TINTS - 1)];
+    if (kept->said != colour)
+        *kept = ui_tint{colour, theme_colour(self->look, colour)};
+    return kept->shown;
+}
+
+static ImU32 ui_ink(ui *self, uint32_t said)
+{
+    const uint32_t colour = ui_shown(self, said);
     return IM_COL32(colour >> 24, colour >> 16 & 0xffu, colour >> 8 & 0xffu, colour & 0xffu);
 }
 
@@ -188,7 +210,7 @@ static void ui_note_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, con
     ui_word word = {};
     word.where = ui_points_box(self, ink_of(font, at, begin, end));
     word.clip = ui_points_box(self, clip);
-    word.colour = colour;
+    word.colour = ui_shown(self, colour);
     word.is_cut = is_cut;
     word.text = text;
     ui_notes_word(self->notes, self->surface, &word);
@@ -206,7 +228,7 @@ static void ui_put_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, floa
     const ImRect clip_box(clip);
     at = ImFloor(at + ImVec2(0.5f, 0.5f));
     if (max_px <= 0.0f || ui_measure(font, begin, end).x <= max_px) {
-        list->AddText(font, font->FontSize, at, ui_ink(colour), begin, end);
+        list->AddText(font, font->FontSize, at, ui_ink(self, colour), begin, end);
         ui_note_text(self, font, at, colour, clip_box, false, begin, end);
         return;
     }
@@ -218,8 +240,8 @@ static void ui_put_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, floa
     while (stop > begin && stop[-1] == ' ')
         --stop;
     width = ui_measure(font, begin, stop).x;
-    list->AddText(font, font->FontSize, at, ui_ink(colour), begin, stop);
-    list->AddText(font, font->FontSize, at + ImVec2(width, 0.0f), ui_ink(colour), ELLIPSIS);
+    list->AddText(font, font->FontSize, at, ui_ink(self, colour), begin, stop);
+    list->AddText(font, font->FontSize, at + ImVec2(width, 0.0f), ui_ink(self, colour), ELLIPSIS);
     ui_note_text(self, font, at, colour, clip_box, true, begin, stop);
 }
 
@@ -238,8 +260,8 @@ static void ui_put_box(ui *self, const ImRect &box, uint32_t colour, float round
 {
     if ((colour & 0xffu) == 0)
         return;
-    ImGui::GetWindowDrawList()->AddRectFilled(box.Min, box.Max, ui_ink(colour), rounding_px);
-    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), colour);
+    ImGui::GetWindowDrawList()->AddRectFilled(box.Min, box.Max, ui_ink(self, colour), rounding_px);
+    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, colour));
 }
 
 /* ---- lines of a panel ---- */
@@ -552,8 +574,25 @@ static float ui_take_width(ui *self, float natural_px)
     return wanted < 0.0f ? ImMax(room + wanted, 1.0f) : natural_px;
 }
 
+/* What lies to the left or right of all that is seen is out of reach: a cut word, for tests. */
+static void note_beyond(ui *self, const ImRect &box, const char *label)
+{
+    const ImRect clip = ImGui::GetCurrentWindow()->ClipRect;
+    const bool is_beside = box.Min.x >= clip.Max.x || box.Max.x <= clip.Min.x;
+    if (!ui_notes_is_on(self->notes) || !is_beside || box.Max.y <= clip.Min.y ||
+        box.Min.y >= clip.Max.y)
+        return;
+    ui_word word = {};
+    word.where = ui_points_box(self, box);
+    word.clip = ui_points_box(self, clip);
+    word.colour = ui_shown(self, THEME_TEXT);
+    word.is_cut = true;
+    word.text = label;
+    ui_notes_word(self->notes, self->surface, &word);
+}
+
 /* An item of that size that can be pressed. */
-static ui_pressing ui_press_item(const char *label, ImVec2 size, ImGuiButtonFlags flags)
+static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGuiButtonFlags flags)
 {
     ImGuiWindow *window = ImGui::GetCurrentWindow();
     ui_pressing out = {};
@@ -562,7 +601,9 @@ static ui_pressing ui_press_item(const char *label, ImVec2 size, ImGuiButtonFlag
     out.box = ImRect(at, at + size);
     ImGui::ItemSize(size, ImGui::GetStyle().FramePadding.y);
     out.is_seen = ImGui::ItemAdd(out.box, id);
-    if (out.is_seen)
+    if (!out.is_seen)
+        note_beyond(self, out.box, label);
+    else
         out.is_pressed = ImGui::ButtonBehavior(out.box, id, &out.is_hovered, &out.is_held, flags);
     return out;
 }
@@ -584,9 +625,9 @@ static button_look look_of(const ui *self, ui_emphasis emphasis)
         return button_look{emphasis == UI_QUIET ? 0u : THEME_WELL, THEME_WELL, THEME_DIM};
     switch (emphasis) {
     case UI_ACCENT:
-        return button_look{THEME_ACCENT, 0xe6b65cffu, THEME_STAGE};
+        return button_look{THEME_ACCENT, THEME_ACCENT_HOVER, THEME_STAGE};
     case UI_RECORD:
-        return button_look{THEME_RECORD, 0xff8278ffu, THEME_STAGE};
+        return button_look{THEME_RECORD, THEME_RECORD_HOVER, THEME_STAGE};
     case UI_QUIET:
         return button_look{0, THEME_RAISED, THEME_TEXT};
     case UI_PLAIN:
@@ -602,7 +643,7 @@ bool ui_button(ui *self, const char *label, ui_emphasis emphasis)
     const float padding = ui_whole_px(self, emphasis == UI_QUIET ? 7.0f : 11.0f);
     const float natural = ImCeil(ui_measure(font, label, end).x) + 2.0f * padding;
     const float width = ui_take_width(self, natural);
-    const ui_pressing press = ui_press_item(label, ImVec2(width, ImGui::GetFrameHeight()), 0);
+    const ui_pressing press = ui_press_item(self, label, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (!press.is_seen)
         return false;
     const button_look look = look_of(self, emphasis);
@@ -623,7 +664,7 @@ static void put_tick(ui *self, const ImRect &box)
     list->PathLineTo(box.Min + ImVec2(3.5f * unit, 8.5f * unit));
     list->PathLineTo(box.Min + ImVec2(6.8f * unit, 11.8f * unit));
     list->PathLineTo(box.Min + ImVec2(12.5f * unit, 4.8f * unit));
-    list->PathStroke(ui_ink(self->disabled_depth ? THEME_DIM : THEME_STAGE), 0, 2.0f * unit);
+    list->PathStroke(ui_ink(self, self->disabled_depth ? THEME_DIM : THEME_STAGE), 0, 2.0f * unit);
 }
 
 bool ui_check(ui *self, const char *label, bool *value)
@@ -633,7 +674,7 @@ bool ui_check(ui *self, const char *label, bool *value)
     const float side = ui_whole_px(self, 16.0f), gap = ui_whole_px(self, 7.0f);
     const float width =
         ui_take_width(self, side + gap + ImCeil(ui_measure(font, label, end).x) + 2.0f);
-    const ui_pressing press = ui_press_item(label, ImVec2(width, ImGui::GetFrameHeight()), 0);
+    const ui_pressing press = ui_press_item(self, label, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (!press.is_seen)
         return false;
     if (press.is_pressed)
@@ -659,7 +700,7 @@ bool ui_check(ui *self, const char *label, bool *value)
 static bool put_tab(ui *self, const char *name, float width, bool is_chosen)
 {
     ImFont *font = self->font[is_chosen ? UI_FONT_STRONG : UI_FONT_BODY];
-    const ui_pressing press = ui_press_item(name, ImVec2(width, ui_whole_px(self, 30.0f)), 0);
+    const ui_pressing press = ui_press_item(self, name, ImVec2(width, ui_whole_px(self, 30.0f)), 0);
     if (!press.is_seen)
         return false;
     ImRect line = press.box;
@@ -673,38 +714,75 @@ static bool put_tab(ui *self, const char *name, float width, bool is_chosen)
     return press.is_pressed;
 }
 
+/* Of the words alone, px. */
+static float tab_words(const ui *self, const char *const *names, uint32_t first, uint32_t end)
+{
+    float words = 0.0f;
+    for (uint32_t i = first; i < end; ++i)
+        words += ui_measure(self->font[UI_FONT_STRONG], names[i], shown_end(names[i])).x;
+    return words;
+}
+
+/* So many that words do not stand close. */
+static uint32_t tab_rows(const ui *self, const char *const *names, uint32_t count, float room)
+{
+    const float least = ui_px(self, 12.0f);
+    for (uint32_t rows = 1; rows < count; ++rows) {
+        const uint32_t across = (count + rows - 1) / rows;
+        bool fits = true;
+        for (uint32_t first = 0; first < count; first += across) {
+            const uint32_t end = ImMin(first + across, count);
+            fits &= tab_words(self, names, first, end) + least * static_cast<float>(end - first) <=
+                    room;
+        }
+        if (fits)
+            return rows;
+    }
+    return ImMax(count, 1u);
+}
+
+float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, float width)
+{
+    const uint32_t rows = tab_rows(self, names, count, ui_px(self, width));
+    return static_cast<float>(rows) * ui_whole_px(self, 30.0f) / self->scale;
+}
+
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index)
 {
     const uint32_t before = *index;
-    float words = 0.0f;
-    for (uint32_t i = 0; i < count; ++i)
-        words += ui_measure(self->font[UI_FONT_STRONG], names[i], shown_end(names[i])).x;
     const float room = ImGui::GetContentRegionAvail().x;
-    const float most = ui_px(self, 28.0f), even = (room - words) / static_cast<float>(count);
-    const float padding = ImClamp(even, 2.0f, most);
+    const uint32_t rows = tab_rows(self, names, count, room), across = (count + rows - 1) / rows;
     ImGui::PushID(id);
-    for (uint32_t i = 0; i < count; ++i) {
-        if (i > 0)
-            ImGui::SameLine(0.0f, 0.0f);
-        const float own = ui_measure(self->font[UI_FONT_STRONG], names[i], shown_end(names[i])).x;
-        if (put_tab(self, names[i], ImFloor(own + padding), i == before))
-            *index = i;
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0.0f, 0.0f));
+    for (uint32_t first = 0; first < count; first += across) {
+        const uint32_t end = ImMin(first + across, count);
+        const float even =
+            (room - tab_words(self, names, first, end)) / static_cast<float>(end - first);
+        const float padding = ImClamp(even, 2.0f, ui_px(self, 28.0f));
+        for (uint32_t i = first; i < end; ++i) {
+            if (i > first)
+                ImGui::SameLine(0.0f, 0.0f);
+            const float own = tab_words(self, names, i, i + 1);
+            if (put_tab(self, names[i], ImFloor(own + padding), i == before))
+                *index = i;
+        }
     }
+    ImGui::PopStyleVar();
     ImGui::PopID();
     return *index != before;
 }
 
-static void put_triangle(const ImRect &box, bool is_open, uint32_t colour)
+static void put_triangle(ui *self, const ImRect &box, bool is_open, uint32_t colour)
 {
     const ImVec2 middle = box.GetCenter();
     const float r = 0.5f * box.GetWidth();
     ImDrawList *list = ImGui::GetWindowDrawList();
     if (is_open)
         list->AddTriangleFilled(middle + ImVec2(-r, -0.5f * r), middle + ImVec2(r, -0.5f * r),
-                                middle + ImVec2(0.0f, 0.7f * r), ui_ink(colour));
+                                middle + ImVec2(0.0f, 0.7f * r), ui_ink(self, colour));
     else
         list->AddTriangleFilled(middle + ImVec2(-0.5f * r, -r), middle + ImVec2(0.7f * r, 0.0f),
-                                middle + ImVec2(-0.5f * r, r), ui_ink(colour));
+                                middle + ImVec2(-0.5f * r, r), ui_ink(self, colour));
 }
 
 bool ui_section(ui *self, const char *title, bool is_open_at_first)
@@ -714,7 +792,7 @@ bool ui_section(ui *self, const char *title, bool is_open_at_first)
     bool is_open = storage->GetBool(id, is_open_at_first);
     ui_space(self, 4.0f);
     const float width = ImGui::GetContentRegionAvail().x;
-    const ui_pressing press = ui_press_item(title, ImVec2(width, ImGui::GetFrameHeight()), 0);
+    const ui_pressing press = ui_press_item(self, title, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (press.is_pressed) {
         is_open = !is_open;
         storage->SetBool(id, is_open);
@@ -726,7 +804,7 @@ bool ui_section(ui *self, const char *title, bool is_open_at_first)
     mark.Translate(ImVec2(0.0f, ImFloor(0.5f * (press.box.GetHeight() - side))));
     if (press.is_hovered)
         ui_put_box(self, press.box, THEME_RAISED, ImGui::GetStyle().FrameRounding);
-    put_triangle(mark, is_open, press.is_hovered ? THEME_TEXT : THEME_DIM);
+    put_triangle(self, mark, is_open, press.is_hovered ? THEME_TEXT : THEME_DIM);
     ImRect words = press.box;
     words.Min.x += left;
     ui_put_text_in(self, self->font[UI_FONT_TITLE], words, 0.0f, THEME_TEXT, title,
@@ -740,7 +818,7 @@ ui_row_click ui_row(ui *self, const char *label, bool is_selected)
 {
     const float width = ui_take_width(self, ImGui::GetContentRegionAvail().x);
     const ui_pressing press = ui_press_item(
-        label, ImVec2(ImMax(width, 1.0f), ImGui::GetFrameHeight()),
+        self, label, ImVec2(ImMax(width, 1.0f), ImGui::GetFrameHeight()),
         ImGuiButtonFlags_PressedOnClickRelease | ImGuiButtonFlags_PressedOnDoubleClick);
     if (!press.is_seen)
         return UI_ROW_NONE;
@@ -786,7 +864,7 @@ static void ui_enter_popup(ui *self)
         self->surface_below[self->popup_depth] = self->surface;
     self->popup_depth += 1;
     self->surface = ui_notes_surface(self->notes, where, true);
-    ui_notes_box(self->notes, self->surface, where, THEME_PANEL);
+    ui_notes_box(self->notes, self->surface, where, ui_shown(self, THEME_PANEL));
 }
 
 static void ui_leave_popup(ui *self)
@@ -902,7 +980,7 @@ bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled
     const float natural = ImCeil(ui_measure(font, label, end).x + key_width) + 2.0f * padding;
     ui_disabled_begin(self, !is_enabled);
     const float width = ImMax(natural, ImGui::GetContentRegionAvail().x);
-    const ui_pressing press = ui_press_item(label, ImVec2(width, ImGui::GetFrameHeight()), 0);
+    const ui_pressing press = ui_press_item(self, label, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (press.is_seen) {
         ImRect inner = press.box;
         inner.Expand(ImVec2(-padding, 0.0f));
@@ -1041,7 +1119,7 @@ static void put_arrow(ui *self, const ImRect &box)
     const float r = ui_px(self, 4.0f);
     ImGui::GetWindowDrawList()->AddTriangleFilled(
         middle + ImVec2(-r, -0.5f * r), middle + ImVec2(r, -0.5f * r),
-        middle + ImVec2(0.0f, 0.6f * r), ui_ink(THEME_DIM));
+        middle + ImVec2(0.0f, 0.6f * r), ui_ink(self, THEME_DIM));
 }
 
 bool ui_choice(ui *self, const char *label, float label_width, const char *const *items,
@@ -1054,7 +1132,7 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
     ui_put_box(self, box, THEME_WELL, ImGui::GetStyle().FrameRounding);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
     ImGui::PushStyleColor(ImGuiCol_FrameBg, 0u);
-    ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ui_ink(THEME_RAISED));
+    ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ui_ink(self, THEME_RAISED));
     const bool is_open = ImGui::BeginCombo(
         "##choice", "", ImGuiComboFlags_NoArrowButton | ImGuiComboFlags_HeightLarge);
     ImGui::PopStyleColor(2);
@@ -1172,9 +1250,9 @@ bool ui_slider(ui *self, const char *label, float label_width, const ui_range *r
     const bool is_typed = ImGui::TempInputIsActive(ImGui::GetID("##slider"));
     if (!is_typed)
         put_track(self, box, range, *value);
-    ImGui::PushStyleColor(ImGuiCol_FrameBg, is_typed ? ui_ink(THEME_WELL) : 0u);
-    ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, is_typed ? ui_ink(THEME_WELL) : 0u);
-    ImGui::PushStyleColor(ImGuiCol_FrameBgActive, is_typed ? ui_ink(THEME_WELL) : 0u);
+    ImGui::PushStyleColor(ImGuiCol_FrameBg, is_typed ? ui_ink(self, THEME_WELL) : 0u);
+    ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, is_typed ? ui_ink(self, THEME_WELL) : 0u);
+    ImGui::PushStyleColor(ImGuiCol_FrameBgActive, is_typed ? ui_ink(self, THEME_WELL) : 0u);
     ImGui::SliderScalar("##slider", ImGuiDataType_Double, value, &range->min, &range->max,
                         format.text, ImGuiSliderFlags_AlwaysClamp);
     ImGui::PopStyleColor(3);
@@ -1228,7 +1306,7 @@ static bool was_ended(ui *self, const char *text)
 bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t capacity)
 {
     const ImRect box = put_label(self, id, 0.0f);
-    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), THEME_WELL);
+    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
     if (self->takes_keys)
         ImGui::SetKeyboardFocusHere();
     self->takes_keys = false;
@@ -1252,7 +1330,7 @@ bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float
     const float high = height > 0.0f ? ui_px(self, height)
                                      : ImGui::GetContentRegionAvail().y + ui_px(self, height);
     box.Max.y = box.Min.y + high;
-    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), THEME_WELL);
+    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
     ImGui::InputTextMultiline(id, text, capacity, box.GetSize());
     const bool is_ended = was_ended(self, text);
     note_input(self, box, text, THEME_TEXT);
@@ -1340,14 +1418,14 @@ void ui_draw_box(ui *self, ui_rectangle where, uint32_t colour, float rounding)
 void ui_draw_frame(ui *self, ui_rectangle where, uint32_t colour, float rounding, float thickness)
 {
     const ImRect box = ui_px_box(self, where);
-    list_of_window()->AddRect(box.Min, box.Max, ui_ink(colour), ui_px(self, rounding), 0,
+    list_of_window()->AddRect(box.Min, box.Max, ui_ink(self, colour), ui_px(self, rounding), 0,
                               ui_px(self, thickness));
 }
 
 void ui_draw_line(ui *self, float x0, float y0, float x1, float y1, uint32_t colour,
                   float thickness)
 {
-    list_of_window()->AddLine(ui_px2(self, x0, y0), ui_px2(self, x1, y1), ui_ink(colour),
+    list_of_window()->AddLine(ui_px2(self, x0, y0), ui_px2(self, x1, y1), ui_ink(self, colour),
                               ui_px(self, thickness));
 }
 
@@ -1356,7 +1434,7 @@ void ui_draw_lines(ui *self, const float *xy, uint32_t count, uint32_t colour, f
     ImDrawList *list = list_of_window();
     for (uint32_t i = 0; i < count; ++i)
         list->PathLineTo(ui_px2(self, xy[2 * i], xy[2 * i + 1]));
-    list->PathStroke(ui_ink(colour), 0, ui_px(self, thickness));
+    list->PathStroke(ui_ink(self, colour), 0, ui_px(self, thickness));
 }
 
 /* Quads without the seams that anti-aliased edges between them would show. */
@@ -1371,8 +1449,10 @@ void ui_draw_area(ui *self, const float *x, const float *low, const float *high,
         list->PrimReserve(static_cast<int>(6 * (columns - 1)), static_cast<int>(2 * columns));
         const unsigned int base = list->_VtxCurrentIdx;
         for (uint32_t i = 0; i < columns; ++i) {
-            list->PrimWriteVtx(ui_px2(self, x[first + i], low[first + i]), white, ui_ink(colour));
-            list->PrimWriteVtx(ui_px2(self, x[first + i], high[first + i]), white, ui_ink(colour));
+            list->PrimWriteVtx(ui_px2(self, x[first + i], low[first + i]), white,
+                               ui_ink(self, colour));
+            list->PrimWriteVtx(ui_px2(self, x[first + i], high[first + i]), white,
+                               ui_ink(self, colour));
         }
         for (uint32_t i = 0; i + 1 < columns; ++i) {
             const unsigned int corner = base + 2 * i, order[] = {0, 1, 3, 0, 3, 2};
@@ -1384,19 +1464,20 @@ void ui_draw_area(ui *self, const float *x, const float *low, const float *high,
 
 void ui_draw_disc(ui *self, float x, float y, float radius, uint32_t colour)
 {
-    list_of_window()->AddCircleFilled(ui_px2(self, x, y), ui_px(self, radius), ui_ink(colour));
+    list_of_window()->AddCircleFilled(ui_px2(self, x, y), ui_px(self, radius),
+                                      ui_ink(self, colour));
 }
 
 void ui_draw_ring(ui *self, float x, float y, float radius, uint32_t colour, float thickness)
 {
-    list_of_window()->AddCircle(ui_px2(self, x, y), ui_px(self, radius), ui_ink(colour), 0,
+    list_of_window()->AddCircle(ui_px2(self, x, y), ui_px(self, radius), ui_ink(self, colour), 0,
                                 ui_px(self, thickness));
 }
 
 void ui_draw_triangle(ui *self, const float xy[6], uint32_t colour)
 {
     list_of_window()->AddTriangleFilled(ui_px2(self, xy[0], xy[1]), ui_px2(self, xy[2], xy[3]),
-                                        ui_px2(self, xy[4], xy[5]), ui_ink(colour));
+                                        ui_px2(self, xy[4], xy[5]), ui_ink(self, colour));
 }
 
 void ui_draw_text(ui *self, float x, float y, ui_style style, uint32_t colour, float max_width,
@@ -1468,12 +1549,12 @@ static void map_keys(ImGuiIO &io)
     io.KeyMap[ImGuiKey_Z] = 'Z';
 }
 
-static ImVec4 style_colour(uint32_t colour)
+static ImVec4 style_colour(ui *self, uint32_t colour)
 {
-    return ImGui::ColorConvertU32ToFloat4(ui_ink(colour));
+    return ImGui::ColorConvertU32ToFloat4(ui_ink(self, colour));
 }
 
-static void set_colours(ImGuiStyle &style)
+static void set_colours(ui *self, ImGuiStyle &style)
 {
     const struct {
         ImGuiCol which;
@@ -1503,13 +1584,13 @@ static void set_colours(ImGuiStyle &style)
                    {ImGuiCol_ModalWindowDimBg, 0x08090aa0u},
                    {ImGuiCol_NavHighlight, 0}};
     for (const auto &entry : colours)
-        style.Colors[entry.which] = style_colour(entry.colour);
+        style.Colors[entry.which] = style_colour(self, entry.colour);
 }
 
 static void set_style(ui *self)
 {
     ImGuiStyle style;
-    set_colours(style);
+    set_colours(self, style);
     style.WindowPadding = ImVec2(THEME_PADDING, THEME_PADDING);
     style.FramePadding = ImVec2(8.0f, 4.0f);
     style.ItemSpacing = ImVec2(8.0f, 6.0f);
@@ -1621,6 +1702,31 @@ static void set_scale(ui *self, float scale)
     ImGui_ImplOpenGL3_DestroyDeviceObjects(); /* with the texture of the old fonts */
 }
 
+static void set_look(ui *self)
+{
+    if (self->look.is_light == self->wanted_look.is_light &&
+        self->look.is_colour_safe == self->wanted_look.is_colour_safe)
+        return;
+    self->look = self->wanted_look;
+    std::memset(self->tint, 0, sizeof self->tint);
+    set_style(self);
+}
+
+void ui_set_theme(ui *self, theme of)
+{
+    self->wanted_look = of;
+}
+
+void ui_on_face_begin(ui *self)
+{
+    self->plain_depth += 1;
+}
+
+void ui_on_face_end(ui *self)
+{
+    self->plain_depth -= 1;
+}
+
 static constexpr float double_click_s = 0.3f;
 
 void ui_begin(ui *self, const ui_screen *screen)
@@ -1629,6 +1735,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     ImGuiIO &io = ImGui::GetIO();
     self->screen = *screen;
     set_scale(self, screen->scale > 0.25f ? screen->scale : 0.25f);
+    set_look(self);
     io.DisplaySize = ui_px2(self, screen->width, screen->height);
     io.DeltaTime = screen->dt_s > 1e-5 ? static_cast<float>(screen->dt_s) : 1e-5f;
     /* Each click takes two frames (ui_queue.h): where they are slow, a hand is not. */
@@ -1829,8 +1936,8 @@ void ui_id_end(ui *self)
 void ui_disabled_begin(ui *self, bool is_disabled)
 {
     ImGui::BeginDisabled(is_disabled);
-    ImGui::PushStyleColor(ImGuiCol_Text,
-                          is_disabled ? ui_ink(THEME_DIM) : ImGui::GetColorU32(ImGuiCol_Text));
+    ImGui::PushStyleColor(ImGuiCol_Text, is_disabled ? ui_ink(self, THEME_DIM)
+                                                     : ImGui::GetColorU32(ImGuiCol_Text));
     self->disabled_depth = (self->disabled_depth << 1) | (is_disabled ? 1 : 0);
 }
 

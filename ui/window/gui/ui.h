@@ -5,6 +5,7 @@
  * is two pixels. Needs a current OpenGL 3.3 context. [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_UI_H
 #define MAROTTE_UI_WINDOW_GUI_UI_H
+#include "window/gui/theme.h"
 #include "window/gui/ui_types.h"
 
 #include "base/error.h"
@@ -39,6 +40,12 @@ typedef struct ui_screen {
 void ui_begin(ui *self, const ui_screen *screen);
 void ui_end(ui *self);
 bool ui_is_hidden(const ui *self); /* of this frame */
+/* From the next frame on. All colours that are given to the ui are those of the dark theme. */
+void ui_set_theme(ui *self, theme of);
+/* What is drawn between the two lies on the face's picture, whose wall no theme changes: it stays
+ * dark. */
+void ui_on_face_begin(ui *self);
+void ui_on_face_end(ui *self);
 
 /* ---- places: panels have fixed rectangles; what is in them flows downwards ---- */
 
@@ -113,6 +120,9 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
 bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float height);
 bool ui_input_is_entered(const ui *self); /* the last ui_input was ended with Enter, now */
 void ui_input_take_keys(ui *self);        /* the next ui_input gets the keyboard */
+/* In as many rows as it takes for words not to stand close; the height of all of them at a width.
+ */
+float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, float width);
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
 bool ui_section(ui *self, const char *title, bool is_open_at_first); /* true: open, draw what is in
                                                                         it */

@@ -18,6 +18,7 @@
 #include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <math.h>
 #include <string.h>
 
 typedef struct window_type {
@@ -40,7 +41,20 @@ struct window { /* the first member of either */
     const window_type *type;
     uint32_t width_px, height_px;
     bool is_awaited; /* although nobody sees it */
+    float scale;     /* pixels a point, without the zoom */
+    float zoom;      /* 0: 1 */
 };
+
+enum { ZOOMED_WIDTH = 800, ZOOMED_HEIGHT = 500 }; /* points that a zoom leaves at least */
+
+/* Pixels a point. */
+static float zoomed(const window *self)
+{
+    const float across = (float)self->width_px / ZOOMED_WIDTH / self->scale;
+    const float down = (float)self->height_px / ZOOMED_HEIGHT / self->scale;
+    const float most = fmaxf(fminf(across, down), 1.0f);
+    return self->scale * (self->zoom > 0.0f ? fminf(self->zoom, most) : 1.0f);
+}
 
 /* A framebuffer that a frame is drawn into: it can be read whatever a display does with its own. */
 typedef struct window_sheet {
@@ -307,6 +321,16 @@ bool window_is_maximised(const window *self)
 void window_maximise(window *self)
 {
     self->type->maximise(self);
+}
+
+void window_set_zoom(window *self, float zoom)
+{
+    self->zoom = zoom >= 0.5f && zoom <= 3.0f ? zoom : 1.0f;
+}
+
+float window_scale(const window *self)
+{
+    return self->scale;
 }
 
 uint32_t window_width_px(const window *self)
@@ -679,8 +703,8 @@ typedef struct glfw_window {
     window_output *output;
     GLFWcursor *cursor[CURSORS];
     ui_cursor cursor_now;
-    window_sheet sheet;           /* what is drawn before it is shown */
-    float scale, pixels_per_unit; /* a unit of the desktop's coordinates */
+    window_sheet sheet;    /* what is drawn before it is shown */
+    float pixels_per_unit; /* a unit of the desktop's coordinates */
     int64_t began_ns, frame_ns;
     bool is_iconified;
 } glfw_window;
@@ -702,7 +726,7 @@ static void push(GLFWwindow *from, ui_event event)
 static void glfw_on_move(GLFWwindow *from, double x, double y)
 {
     const glfw_window *self = glfwGetWindowUserPointer(from);
-    const float points = self->pixels_per_unit / self->scale;
+    const float points = self->pixels_per_unit / zoomed(&self->base);
     push(from, (ui_event){.kind = UI_EVENT_MOVE, .x = (float)x * points, .y = (float)y * points});
 }
 
@@ -802,7 +826,7 @@ static void measure(glfw_window *self)
     glfwGetFramebufferSize(self->glfw, &width, &height);
     glfwGetWindowSize(self->glfw, &units, &units_high);
     glfwGetWindowContentScale(self->glfw, &scale, &scale_y);
-    self->scale = scale >= 0.5f && scale <= 8.0f ? scale : 1.0f;
+    self->base.scale = scale >= 0.5f && scale <= 8.0f ? scale : 1.0f;
     self->pixels_per_unit = units > 0 && width > 0 ? (float)width / (float)units : 1.0f;
     self->base.width_px = width > 0 ? (uint32_t)width : 1;
     self->base.height_px = height > 0 ? (uint32_t)height : 1;
@@ -864,10 +888,11 @@ static bool glfw_begin(window *base, ui *to, ui_screen *out_screen)
     glfwPollEvents();
     measure(self);
     const int64_t now_ns = clock_now_ns();
+    const float scale = zoomed(base);
     *out_screen =
-        (ui_screen){.width = (float)base->width_px / self->scale,
-                    .height = (float)base->height_px / self->scale,
-                    .scale = self->scale,
+        (ui_screen){.width = (float)base->width_px / scale,
+                    .height = (float)base->height_px / scale,
+                    .scale = scale,
                     .dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0,
                     .is_hidden = self->is_iconified};
     self->began_ns = now_ns;
@@ -1108,7 +1133,6 @@ typedef struct hidden {
     draw_context *context;
     window_sheet stage, output;
     window_fill fill;
-    float scale;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
     int64_t began_ns;
     bool has_output, output_is_clear, is_maximised;
@@ -1149,9 +1173,10 @@ static bool hidden_begin(window *base, ui *to, ui_screen *out_screen)
 {
     hidden *self = hidden_of(base);
     (void)to;
-    *out_screen = (ui_screen){.width = (float)base->width_px / self->scale,
-                              .height = (float)base->height_px / self->scale,
-                              .scale = self->scale,
+    const float scale = zoomed(base);
+    *out_screen = (ui_screen){.width = (float)base->width_px / scale,
+                              .height = (float)base->height_px / scale,
+                              .scale = scale,
                               .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self),
                               .is_hidden = self->is_unseen};
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
@@ -1259,7 +1284,7 @@ mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, flo
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the window");
     self->base = (window){.type = &hidden_type, .width_px = width, .height_px = height};
-    self->scale = scale;
+    self->base.scale = scale;
     self->dt_s = dt_s;
     self->context = draw_context_create(err);
     mrt_result result =

@@ -13,6 +13,11 @@ CHECKED mrt_result window_open_window(window **out, uint32_t width, uint32_t hei
 CHECKED mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, float scale,
                                       double dt_s, error *err);
 void window_close(window *self); /* NULL is fine */
+/* How much larger everything is than the screen's scale makes it, 0.5 to 3: as far as a window of
+ * 800 x 500 points is left. */
+void window_set_zoom(window *self, float zoom);
+/* Pixels a point without it. */
+float window_scale(const window *self);
 bool window_is_maximised(const window *self);
 void window_maximise(window *self);
 

@@ -1273,7 +1273,9 @@ static void draw_state(mapping_panel *self, ui *on, const instance *mapping)
 
 /* ---- the panel ---- */
 
-static void draw_mapping(mapping_panel *self, ui *on, instance *mapping)
+#define LOW_POINTS 420.0f /* a panel that is lower scrolls as a whole */
+
+static void draw_mapping(mapping_panel *self, ui *on, instance *mapping, bool is_low)
 {
     ui_text_wrapped(on, UI_STYLE_DIM, mapping->type->about);
     draw_state(self, on, mapping);
@@ -1281,7 +1283,8 @@ static void draw_mapping(mapping_panel *self, ui *on, instance *mapping)
     mapping_presets_draw(self, on, mapping);
     ui_space(on, 2.0f);
     (void)ui_tabs(on, "tabs", tabs, TABS, &self->tab);
-    ui_scroll_begin(on, tabs[self->tab], 0.0f, 0.0f);
+    if (!is_low)
+        ui_scroll_begin(on, tabs[self->tab], 0.0f, 0.0f);
     ui_space(on, 4.0f);
     if (self->tab == TAB_PARAMETERS)
         mapping_params_draw(self, on, mapping);
@@ -1289,21 +1292,27 @@ static void draw_mapping(mapping_panel *self, ui *on, instance *mapping)
         mapping_pedals_draw(self, on, mapping);
     else
         mapping_learn_draw(self, on, mapping);
-    ui_scroll_end(on);
+    if (!is_low)
+        ui_scroll_end(on);
 }
 
 static void draw(panel *self_, ui *on, ui_rectangle where)
 {
     mapping_panel *self = &self_->of;
     instance *mapping = follow_mapping(self);
+    const bool is_low = where.height < LOW_POINTS;
     ui_panel_begin(on, "mapping", where, UI_GROUND_PANEL);
+    if (is_low)
+        ui_scroll_begin(on, "all", 0.0f, 0.0f);
     draw_choice(self, on);
     mapping = follow_mapping(self);
     if (mapping)
-        draw_mapping(self, on, mapping);
+        draw_mapping(self, on, mapping, is_low);
     else
         ui_text_wrapped(on, UI_STYLE_DIM,
                         "No mapping performs. The mouse pulls the face; hands do nothing.");
+    if (is_low)
+        ui_scroll_end(on);
     self->was_drawn = mapping && self->tab == TAB_LEARN;
     ui_panel_end(on);
 }

@@ -23,10 +23,10 @@ static void clip_menu(panel *self, ui *on, const take *t)
 {
     const take_layer *lane;
     const take_clip *clip = timeline_clip(t, self->menu.clip, &lane);
-    char keys[ACTION_KEYS];
+    char keys[KEY_WORDS];
     if (!clip)
         return;
-    action_keys(ACTION_SPLIT, keys);
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_SPLIT, keys);
     if (ui_menu_item(on, "Split at the play head", keys, app_can(self->app, ACTION_SPLIT, NULL)))
         app_do(self->app, ACTION_SPLIT);
     if (ui_menu_item(on, clip->is_muted ? "Hear it again" : "Mute", "", true)) {
@@ -37,7 +37,7 @@ static void clip_menu(panel *self, ui *on, const take *t)
         timeline_edit(self, &e);
     } else if (ui_menu_item(on, "Speed, gain, fades \u2026", "", true))
         timeline_ask_clip(self, on, clip->id);
-    action_keys(ACTION_REMOVE, keys);
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_REMOVE, keys);
     if (ui_menu_item(on, "Remove", keys, true))
         do_edit(self, EDIT_CLIP_REMOVE, 0, self->menu.clip);
 }
@@ -109,7 +109,9 @@ static void lane_menu(panel *self, ui *on, const take *t)
 {
     if (ui_menu_item(on, "Add a layer \u2026", "", t->layer_count < EDIT_LAYERS_MAX))
         timeline_ask_layer(self, on, 0);
-    if (ui_menu_item(on, "Show the whole take", "Shift+Z", true))
+    char keys[KEY_WORDS];
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_TIMELINE_FIT, keys);
+    if (ui_menu_item(on, "Show the whole take", keys, true))
         timeline_fit(self);
 }
 

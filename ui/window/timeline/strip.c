@@ -50,7 +50,7 @@ static button place_button(pen *p, float width, bool is_on, bool can)
         ui_draw_box(p->on, out.box, THEME_RAISED, 4.0f);
     else if (is_hovered && can)
         ui_draw_box(p->on, out.box, THEME_HOVER, 4.0f);
-    out.ink = !can ? 0x5a5f66ffu : is_on ? THEME_ACCENT : THEME_TEXT;
+    out.ink = !can ? THEME_OFF : is_on ? THEME_ACCENT : THEME_TEXT;
     out.is_pressed = is_hovered && can && p->is_clicked;
     p->x += width + 2.0f;
     return out;
@@ -129,8 +129,8 @@ static void sign_redo(ui *on, float x, float y, uint32_t ink)
 static void action_hint(pen *p, action of, const char *why_not)
 {
     const action_entry *entry = action_of(of);
-    char keys[ACTION_KEYS];
-    action_keys(of, keys);
+    char keys[KEY_WORDS];
+    key_map_words(&app_looks_of(p->self->app)->keys, of, keys);
     const char *step = of == ACTION_UNDO   ? app_undo_words(p->self->app)
                        : of == ACTION_REDO ? app_redo_words(p->self->app)
                                            : "";

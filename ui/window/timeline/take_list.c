@@ -280,8 +280,12 @@ static void paint_scrollbar(panel *self, ui *on, const ui_canvas *canvas)
 
 static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t count)
 {
-    static const char *const first[] = {"No takes yet.", "R records one,",
-                                        "K keeps the last 30 s."};
+    const key_map *keys = &app_looks_of(self->app)->keys;
+    char first[3][KEY_WORDS + 24] = {"No takes yet."}, record[KEY_WORDS], keep[KEY_WORDS];
+    key_map_words(keys, ACTION_RECORD, record);
+    key_map_words(keys, ACTION_KEEP, keep);
+    (void)snprintf(first[1], sizeof first[1], "%s records one,", record[0] ? record : "The dot");
+    (void)snprintf(first[2], sizeof first[2], "%s keeps the last 30 s.", keep[0] ? keep : "Keep");
     const char *words =
         self->takes.filter == TAKES_DELETED ? "Nothing was deleted." : "No take is like that.";
     float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
@@ -364,20 +368,20 @@ static void delete_take(panel *self, const app_take_line *line)
 static void menu(panel *self, ui *on, const app_take_line *line, uint32_t count)
 {
     const app_take_line *of = find_line(line, count, self->takes_menu);
-    char keys[ACTION_KEYS];
+    char keys[KEY_WORDS];
     if (!of || !ui_menu_begin(on, "takes_menu"))
         return;
     if (ui_menu_item(on, "Show on the stage", "", !of->is_deleted && !of->is_recording))
         choose_take(self, of->id);
     else if (ui_menu_item(on, "Name, slate, note \u2026", "", !of->is_recording))
         ask_take(self, on, of->id);
-    action_keys(ACTION_EXPORT, keys);
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_EXPORT, keys);
     if (ui_menu_item(on, "Export \u2026", keys, !of->is_deleted && !of->is_recording)) {
         if (app_take_id(self->app) != of->id)
             choose_take(self, of->id);
         app_do(self->app, ACTION_EXPORT);
     }
-    action_keys(ACTION_DUPLICATE, keys);
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_DUPLICATE, keys);
     if (ui_menu_item(on, "Duplicate", app_take_id(self->app) == of->id ? keys : "",
                      !of->is_deleted && !of->is_recording))
         (void)!app_duplicate_take(self->app, of->id); /* says itself why it failed */

@@ -912,7 +912,9 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
 /* What was let go of with Shift, and clay, is there still: how to be rid of it. */
 static void ink_chip(viewport *self, ui *on)
 {
-    static const char words[] = "Held: N clears it";
+    char keys[KEY_WORDS], words[80];
+    key_map_words(&app_looks_of(self->of)->keys, ACTION_NEUTRAL, keys);
+    (void)snprintf(words, sizeof words, "Held: %s clears it", keys[0] ? keys : "Neutral");
     const float width = ui_text_width(on, UI_STYLE_BODY, words);
     self->chip = (ui_rectangle){.width = 0.0f};
     if (!app_is_held(self->of) || self->is_off_stage)
@@ -950,7 +952,11 @@ static void ink_pointer(const viewport *self, ui *on)
     if (self->use != VIEWPORT_PERFORMS || !self->is_on_face)
         return;
     if (self->is_off_stage) {
-        write_at_edge(self, on, "A take is shown. L: back to the live hands");
+        char keys[KEY_WORDS], words[96];
+        key_map_words(&app_looks_of(self->of)->keys, ACTION_LIVE, keys);
+        (void)snprintf(words, sizeof words, "A take is shown. %s: back to the live hands",
+                       keys[0] ? keys : "Live");
+        write_at_edge(self, on, words);
         return;
     }
     double half = viewport_half_radius(app_view(self->of)->solver.kernel);
@@ -1355,10 +1361,12 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_canvas canvas;
     ui_panel_begin(on, "viewport", where, UI_GROUND_NONE);
     ui_canvas_begin(on, "face", 0.0f, 0.0f, &canvas);
+    ui_on_face_begin(on);
     take_place(self, &canvas, scale);
     viewport_follow_face(self);
     if (self->has_face)
         draw_face_in(self, on, &canvas);
+    ui_on_face_end(on);
     ui_canvas_end(on);
     ui_panel_end(on);
 }
