@@ -320,15 +320,17 @@ static const bones_dof *find_dof(const bones *b, const char *name)
     return NULL;
 }
 
-/* The same share of the way to its limit; false: there is no such degree of freedom. */
+/* The same share of the way to its limit, of mouthClose back from jawOpen's; false: there is no
+ * such degree of freedom. */
 static bool carry_dof(rig_pose *out, const char *name, double value, const bones *to,
                       const bones *from)
 {
     const bones_dof *is = find_dof(to, name), *was = find_dof(from, name);
     if (!is || !was)
         return false;
-    double limit = (double)(value > 0.0 ? is->max : is->min);
-    double part = value / (double)(value > 0.0 ? was->max : was->min);
+    bool is_to_max = value > 0.0 || strcmp(out->name, "mouthClose") == 0;
+    double limit = (double)(is_to_max ? is->max : is->min);
+    double part = value / (double)(is_to_max ? was->max : was->min);
     out->dof_name[out->dof_count] = strdup(name);
     out->dof_value[out->dof_count] = part * limit;
     out->dof_count += out->dof_name[out->dof_count] != NULL && isfinite(part);
