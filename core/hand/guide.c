@@ -102,6 +102,41 @@ static bool pose_is_zero(guide_step step, int sensor)
     return !is_dragged(facts->finger, bent);
 }
 
+/* The thumb lies outside a fist, over the fingers. */
+static const double fist_thumb_deg[3] = {62.0, 35.0, 45.0};
+static const double dragged_share = 0.18; /* of its range, what a finger goes along */
+
+static double pose_rad(guide_step step, int sensor)
+{
+    const sensor_facts *facts = &sensor_table[sensor];
+    const bool is_spread = facts->kind == SENSOR_SPREAD;
+    const int bent = pose_finger(step);
+    if (step == GUIDE_RELAXED)
+        return (double)facts->neutral_rad;
+    if (facts->kind == SENSOR_PALM || facts->kind == SENSOR_WRIST)
+        return 0.0;
+    if (step == GUIDE_SPREAD)
+        return is_spread ? pose_end_rad(sensor) : 0.0;
+    if (is_spread)
+        return 0.0;
+    if (step == GUIDE_FIST)
+        return facts->finger == 0 ? fist_thumb_deg[sensor] * RADIANS_PER_DEGREE
+                                  : pose_end_rad(sensor);
+    if (step == GUIDE_THUMB_ACROSS)
+        return facts->finger == 0 ? pose_end_rad(sensor) : 0.0;
+    if (bent < 0 || !is_dragged(facts->finger, bent))
+        return 0.0;
+    return facts->kind == SENSOR_ROLL ? 0.0
+           : facts->finger == bent    ? pose_end_rad(sensor)
+                                      : dragged_share * pose_end_rad(sensor);
+}
+
+void guide_pose(guide_step step, float *out_rad)
+{
+    for (int sensor = 0; sensor < MRT_ANGLES; ++sensor)
+        out_rad[sensor] = step < GUIDE_STEPS ? (float)pose_rad(step, sensor) : 0.0f;
+}
+
 /* Twice the greatest gains of hardware.md 2.1 (0.027 rad a count of flexion, 0.010 of abduction):
  * a sensor that says less over the whole range of its joint says nothing. An angle that is seen as
  * less than a third of what it is was not seen. */

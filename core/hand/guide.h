@@ -74,6 +74,9 @@ void guide_repeat(guide *self);
  * the new one is taken, and after guide_skip. step: below GUIDE_STEPS. */
 void guide_again(guide *self, guide_step step);
 
+/* The pose as it is meant, for pictures of it: out_rad MRT_ANGLES. Pure. */
+void guide_pose(guide_step step, float *out_rad);
+
 guide_step guide_current(const guide *self);
 bool guide_asks(const guide *self, guide_step step);
 /* What the person is to do now: a sentence; "" when all are done. */

@@ -182,6 +182,29 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
     close_fixture(&d);
 }
 
+static void the_hand_that_is_drawn_makes_the_poses_that_are_taken(void **state)
+{
+    (void)state;
+    fixture d;
+    open_fixture(&d, 1.0f);
+    for (guide_step step = GUIDE_RELAXED; step < GUIDE_STEPS; ++step) {
+        float angle_rad[MRT_ANGLES];
+        double pose[MRT_ANGLES];
+        char name[64];
+        (void)snprintf(name, sizeof name, "panel_calibrate_figure_%d", (int)step);
+        stand_picture(&d.stand, name);
+        guide_pose(step, angle_rad);
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            pose[i] = (double)angle_rad[i] / 0.017453292519943295;
+        stand_check_words(&d.stand, NULL);
+        go(&d, pose, 1.5);
+        (void)snprintf(name, sizeof name, "pose %d of 10", (int)step + 2);
+        assert_true(step + 1 == GUIDE_STEPS || stand_shows(&d.stand, name));
+    }
+    assert_true(stand_shows(&d.stand, "All poses are done."));
+    close_fixture(&d);
+}
+
 static void a_bare_hand_is_calibrated_by_three_poses(void **state)
 {
     (void)state;
@@ -318,6 +341,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ten_poses_become_a_calibration_that_is_used),
+        cmocka_unit_test(the_hand_that_is_drawn_makes_the_poses_that_are_taken),
         cmocka_unit_test(a_bare_hand_is_calibrated_by_three_poses),
         cmocka_unit_test(what_is_nonsense_is_said_with_the_pose_that_mends_it),
         cmocka_unit_test(buttons_take_skip_and_go_back),

@@ -1,7 +1,9 @@
 #include "window/panels/calibrate.h"
+#include "window/gui/hand_figure.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 
+#include "base/clock.h"
 #include "hand/calibration_folder.h"
 #include "hand/guide.h"
 #include "hand/sensor.h"
@@ -212,7 +214,7 @@ static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
 /* ---- the dialog ---- */
 
 enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
-static const float width = 720.0f, bar_height = 17.0f, news_height = 44.0f;
+static const float width = 720.0f, bar_height = 17.0f, news_height = 44.0f, figure_size = 132.0f;
 static const double degrees_per_rad = 57.29577951308232;
 static const char *const side_word[2] = {"left", "right"};
 static const char dialog[] = "calibrate";
@@ -222,6 +224,7 @@ struct calibrate_panel {
     input *glove; /* NULL: closed */
     uint32_t index;
     calibrate_guide guide;
+    hand_skeleton *skeleton[2]; /* by side: of the poses that are drawn */
     bool is_asked, is_away;
     bool gives_up; /* it was to be closed: whether the poses are to be given up is asked */
     char name[CALIBRATION_NAME], length[16];
@@ -234,9 +237,15 @@ struct calibrate_panel {
 calibrate_panel *calibrate_panel_create(app *of)
 {
     calibrate_panel *self = calloc(1, sizeof *self);
-    if (self)
-        self->app = of;
-    return self;
+    if (!self)
+        return NULL;
+    self->app = of;
+    for (uint32_t side = 0; side < 2; ++side)
+        self->skeleton[side] = hand_skeleton_create(side, HAND_LENGTH_MM);
+    if (self->skeleton[0] && self->skeleton[1])
+        return self;
+    calibrate_panel_destroy(self);
+    return NULL;
 }
 
 static void leave(calibrate_panel *self)
@@ -253,6 +262,8 @@ void calibrate_panel_destroy(calibrate_panel *self)
     if (!self)
         return;
     leave(self);
+    for (uint32_t side = 0; side < 2; ++side)
+        hand_skeleton_destroy(self->skeleton[side]);
     free(self->kept);
     free(self);
 }
@@ -435,7 +446,7 @@ static void draw_words(const calibrate_panel *self, ui *on)
     if (name[0] >= 'a' && name[0] <= 'z')
         name[0] = (char)(name[0] - 'a' + 'A');
     ui_text(on, UI_STYLE_TITLE, name);
-    ui_scroll_begin(on, "words", 0.0f, 40.0f);
+    ui_scroll_begin(on, "words", 0.0f, 60.0f);
     ui_text_wrapped(on, UI_STYLE_BODY, guide_words(self->guide.guide));
     ui_scroll_end(on);
     ui_text(on, self->is_away ? UI_STYLE_WARNING : UI_STYLE_STRONG, waits);
@@ -465,11 +476,28 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
         calibrate_guide_take(&self->guide);
 }
 
+/* The pose to make, as one sees the own hand. */
+static void draw_figure(const calibrate_panel *self, ui *on)
+{
+    float angle_rad[MRT_ANGLES];
+    ui_canvas at;
+    guide_pose(guide_current(self->guide.guide), angle_rad);
+    ui_canvas_begin(on, "figure", figure_size, figure_size, &at);
+    hand_figure_draw(on, at.where, self->skeleton[self->guide.glove.side], angle_rad,
+                     1e-9 * (double)clock_now_ns(),
+                     self->guide.glove.side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT);
+    ui_canvas_end(on);
+}
+
 static void draw_poses(calibrate_panel *self, ui *on)
 {
     draw_steps(self, on);
     ui_space(on, 4.0f);
+    ui_scroll_begin(on, "pose", -figure_size - 8.0f, figure_size);
     draw_words(self, on);
+    ui_scroll_end(on);
+    ui_same_line(on);
+    draw_figure(self, on);
     ui_space(on, 6.0f);
     draw_bars(self, on);
     ui_space(on, 6.0f);

@@ -1,0 +1,91 @@
+#include "window/gui/hand_figure.h"
+#include "window/gui/theme.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { FINGERS = 5, JOINTS_A_FINGER = 4, BONES = FINGERS * JOINTS_A_FINGER };
+
+#define TURN_S    5.0 /* to and fro */
+#define TURN_RAD  1.0
+#define TILT_RAD  0.30  /* towards the eye, that bent fingers are seen */
+#define REACH_MM  130.0 /* from the middle of the hand to what may be farthest from it */
+#define MIDDLE_MM 88.0  /* of a flat hand, from the wrist */
+
+typedef struct bone {
+    float from[2], to[2]; /* points on the screen */
+    float near;           /* 0 far .. 1 near */
+    float width;
+} bone;
+
+typedef struct seen {
+    float x, y, depth; /* mm; depth grows towards the eye */
+} seen;
+
+/* Fingers up, the back of the hand towards the eye. */
+static seen turned(mrt_vec3 at, double yaw_rad)
+{
+    const double x = -(double)at.x, y = (double)at.z - MIDDLE_MM, z = (double)at.y;
+    const double across = cos(yaw_rad) * x + sin(yaw_rad) * z;
+    const double deep = cos(yaw_rad) * z - sin(yaw_rad) * x;
+    return (seen){(float)across, (float)(cos(TILT_RAD) * y - sin(TILT_RAD) * deep),
+                  (float)(sin(TILT_RAD) * y + cos(TILT_RAD) * deep)};
+}
+
+static int by_depth(const void *a, const void *b)
+{
+    const float x = ((const bone *)a)->near, y = ((const bone *)b)->near;
+    return x < y ? -1 : x > y;
+}
+
+/* Nearer parts are brighter: over the panel, with as much of the colour. */
+static uint32_t shaded(uint32_t colour, float near)
+{
+    return (colour & 0xffffff00u) | (uint32_t)(90.0f + 165.0f * near);
+}
+
+static void draw_bone(ui *on, const bone *b, uint32_t ground, uint32_t colour)
+{
+    for (int rim = 1; rim >= 0; --rim) { /* a rim of the ground parts what crosses */
+        const float width = b->width + (rim ? 3.0f : 0.0f);
+        const uint32_t ink = rim ? ground : shaded(colour, b->near);
+        if (rim || b->near > 0.98f)
+            ui_draw_disc(on, b->to[0], b->to[1], 0.5f * width, ink);
+        ui_draw_line(on, b->from[0], b->from[1], b->to[0], b->to[1], ink, width);
+    }
+    ui_draw_disc(on, b->to[0], b->to[1], 0.5f * b->width + 0.5f, colour);
+}
+
+void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
+                      double at_s, uint32_t colour)
+{
+    mrt_vec3 joint[MRT_JOINTS], palm[MRT_PALM];
+    bone all[BONES];
+    seen at[MRT_JOINTS];
+    const rigid still = rigid_identity();
+    const double yaw_rad = TURN_RAD * sin(2.0 * 3.14159265358979 * at_s / TURN_S);
+    const float scale = 0.5f * fminf(where.width, where.height) / (float)REACH_MM;
+    const float x = where.x + 0.5f * where.width, y = where.y + 0.5f * where.height;
+    hand_pose(of, angle_rad, &still, joint, palm);
+    for (int i = 0; i < MRT_JOINTS; ++i)
+        at[i] = turned(joint[i], yaw_rad);
+    for (int i = 0; i < BONES; ++i) {
+        const int to = i + 1, from = i % JOINTS_A_FINGER ? to - 1 : 0;
+        all[i] = (bone){
+            .from = {x + scale * at[from].x, y - scale * at[from].y},
+            .to = {x + scale * at[to].x, y - scale * at[to].y},
+            .near = fminf(fmaxf(0.5f + 0.5f * (at[from].depth + at[to].depth) / 90.0f, 0.0f), 1.0f),
+            .width = scale * (i < JOINTS_A_FINGER ? 19.0f : 16.0f)};
+    }
+    qsort(all, BONES, sizeof all[0], by_depth);
+    for (int i = 0; i < FINGERS; ++i) { /* the palm: wrist, thumb's base, knuckles */
+        const int first = i == 0 ? 1 : 1 + JOINTS_A_FINGER * i;
+        const int next = i + 1 < FINGERS ? 1 + JOINTS_A_FINGER * (i + 1) : first;
+        const float corner[6] = {x + scale * at[0].x,     y - scale * at[0].y,
+                                 x + scale * at[first].x, y - scale * at[first].y,
+                                 x + scale * at[next].x,  y - scale * at[next].y};
+        ui_draw_triangle(on, corner, shaded(colour, 0.1f));
+    }
+    for (int i = 0; i < BONES; ++i)
+        draw_bone(on, &all[i], THEME_PANEL, colour);
+}
