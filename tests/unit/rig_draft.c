@@ -303,17 +303,28 @@ static void a_bust_has_its_face_on_its_head(void **state)
     finish(&bust);
 }
 
-/* A figure of one surface: half axes across and front and back of its middle, by height, mm; the
- * neck is wider than the jaw before it. */
-static const struct {
+typedef struct girth { /* of a figure, mm: half axis across, front and back of its middle */
     double y, across, front, back;
-} figure[] = {{1000, 2, 2, 2},    {985, 45, 45, 60},  {950, 70, 80, 80},  {900, 76, 90, 85},
-              {880, 75, 112, 85}, {868, 70, 110, 85}, {860, 66, 94, 85},  {838, 58, 96, 80},
-              {830, 57, 89, 80},  {822, 57, 95, 78},  {800, 59, 93, 75},  {792, 62, 50, 70},
-              {760, 68, 48, 65},  {735, 210, 70, 75}, {500, 170, 80, 80}, {100, 150, 70, 70},
-              {0, 150, 70, 70}};
+} girth;
 
-static void make_figure(mesh *m)
+/* The neck is wider than the jaw before it. */
+static const girth strong_neck[] = {{1000, 2, 2, 2},    {985, 45, 45, 60},  {950, 70, 80, 80},
+                                    {900, 76, 90, 85},  {880, 75, 112, 85}, {868, 70, 110, 85},
+                                    {860, 66, 94, 85},  {838, 58, 96, 80},  {830, 57, 89, 80},
+                                    {822, 57, 95, 78},  {800, 59, 93, 75},  {792, 62, 50, 70},
+                                    {760, 68, 48, 65},  {735, 210, 70, 75}, {500, 170, 80, 80},
+                                    {100, 150, 70, 70}, {0, 150, 70, 70}};
+
+/* A chin so long that the fold below the lip lies where mouths do. */
+static const girth long_chin[] = {
+    {1000, 2, 2, 2},    {985, 45, 45, 60},  {950, 70, 80, 80},  {900, 76, 90, 85},
+    {880, 75, 112, 85}, {868, 70, 110, 85}, {860, 66, 94, 85},  {838, 60, 96, 80},
+    {830, 60, 90, 80},  {822, 60, 95, 78},  {815, 60, 93, 78},  {806, 60, 88, 78},
+    {797, 60, 94, 76},  {770, 60, 92, 75},  {745, 60, 80, 72},  {740, 60, 50, 70},
+    {700, 62, 50, 65},  {680, 210, 70, 75}, {500, 170, 80, 80}, {0, 150, 70, 70}};
+
+/* Of one surface, about 3 mm a row. */
+static void make_figure(mesh *m, const girth *figure)
 {
     enum { AROUND = 72, ROWS = 334 };
     const double pi = 3.14159265358979323846;
@@ -354,12 +365,22 @@ static void a_strong_neck_leaves_the_chin_to_the_head(void **state)
 {
     (void)state;
     drafted d = {.confirm = NULL};
-    make_figure(&d.file.mesh);
+    make_figure(&d.file.mesh, strong_neck);
     draft_of(&d);
     assert_within(contact_position(&d, "nose.tip"), (vec3){0.0, 880.0, 112.0}, 10.0);
     assert_within(contact_position(&d, "lip.lower.mid"), (vec3){0.0, 822.0, 95.0}, 8.0);
     assert_in_range((uint32_t)contact_position(&d, "chin").y, 795, 818);
     assert_int_not_equal(rig_find_bone(&d.rig, "body"), RIG_NONE);
+    finish(&d);
+}
+
+static void a_fold_below_the_lips_is_no_mouth(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    make_figure(&d.file.mesh, long_chin);
+    draft_of(&d);
+    assert_within(contact_position(&d, "lip.lower.mid"), (vec3){0.0, 822.0, 95.0}, 8.0);
     finish(&d);
 }
 
@@ -620,6 +641,7 @@ int main(void)
         cmocka_unit_test(a_hat_is_no_face),
         cmocka_unit_test(a_bust_has_its_face_on_its_head),
         cmocka_unit_test(a_strong_neck_leaves_the_chin_to_the_head),
+        cmocka_unit_test(a_fold_below_the_lips_is_no_mouth),
         cmocka_unit_test(a_mask_has_a_jaw),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),

@@ -287,8 +287,13 @@ static double depth_at(const profile *p, int row, int reach)
     return isfinite(depth) ? depth : 0.0;
 }
 
+static double sharpness_at(const profile *p, int row, int span)
+{
+    return fmax(depth_at(p, row, span * 4 / 100 + 1), 0.0);
+}
+
 /* The deepest place between the lips, sharp rather than broad as the fold below them is; mouths are
- * most often half way from the nose to the chin. */
+ * most often half way from the nose to the chin. What is as sharp above a fold is the mouth. */
 static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
 {
     int span = nose - chin, best = nose - span * 47 / 100;
@@ -297,13 +302,21 @@ static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
     for (int row = nose - span * 88 / 100; row <= nose - span * 28 / 100; ++row) {
         double off = ((double)(nose - row) / span - 0.48) / 0.13;
         double depth = depth_at(p, row, span * 8 / 100 + 1);
-        double sharp = fmax(depth_at(p, row, span * 4 / 100 + 1), 0.0);
-        double score = (depth + 2.0 * sharp) * (exp(-off * off) + 0.03);
+        double score = (depth + 2.0 * sharpness_at(p, row, span)) * (exp(-off * off) + 0.03);
         if (score <= best_score)
             continue;
         best_score = score;
         best = row;
         *out_depth = depth;
+    }
+    int fold = best, lips = best;
+    for (int row = fold + span * 10 / 100; row <= nose - span * 30 / 100; ++row)
+        if (best_score > 0.0 && sharpness_at(p, row, span) > sharpness_at(p, lips, span) &&
+            depth_at(p, row, span * 8 / 100 + 1) > 0.5 * *out_depth)
+            lips = row;
+    if (lips != fold) {
+        best = lips;
+        *out_depth = depth_at(p, best, span * 8 / 100 + 1);
     }
     for (int row = best - span * 4 / 100, end = best + span * 4 / 100; row <= end; ++row)
         if (best_score > 0.0 && depth_at(p, row, span * 8 / 100 + 1) > *out_depth) {
