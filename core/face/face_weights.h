@@ -55,6 +55,8 @@ void face_weights_destroy(face_weights *self); /* NULL is fine */
  * which may change the last digits (less than 1e-4). Not finite: what was said last stays. Until
  * the next call. */
 const face_said *face_weights_solve(face_weights *self, const float *position, const float *dof);
+/* [any] The vertices that are read of a position, of the mesh file; as long as it lives. */
+const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_count);
 /* Forgets the call before. */
 void face_weights_reset(face_weights *self);
 

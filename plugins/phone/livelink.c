@@ -2,15 +2,21 @@
  * Unreal's source "Apple ARKit" and all others that take it: big-endian,
  *   u8 6, id, subject (each: u32 length, text), u32 frame, f32 of a frame, u32 rate, u32 per,
  *   u8 61, 61 floats: ARKit's 52, then yaw, pitch and roll of head, left and right eye. */
+#include "device_io.h"
 #include "udp_sender.h"
 
+#include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 enum { PORT = 11111, CHANNELS = 61, ID_BYTES = 36, PACKET_BYTES = 512 };
-enum { RATE, SWAP, SUBJECT, PARAM_COUNT };
+enum { RATE, SWAP, SUBJECT, PARAM_COUNT, SUBJECTS = 16 };
 enum { JAW_LEFT = 15, MOUTH_LEFT = 21 }; /* the right ones come next */
 static const uint32_t frames_a_second = 60;
 static const int64_t ns_per_s = 1000000000, day_s = 86400;
@@ -18,25 +24,43 @@ static const int64_t ns_per_s = 1000000000, day_s = 86400;
 struct mrt_plugin {
     udp_sender to;
     const mrt_face_names *names;
+    int claim;   /* a socket that nobody sends to: only its name matters; -1: none */
+    int claimed; /* the subject's number; 0: none */
 };
 
 static mrt_plugin *create(const mrt_host *host)
 {
     mrt_plugin *self = calloc(1, sizeof *self);
-    if (self)
-        udp_sender_init(&self->to, host);
+    if (!self)
+        return NULL;
+    udp_sender_init(&self->to, host);
+    self->claim = -1;
     return self;
+}
+
+static void give_back(mrt_plugin *self)
+{
+    if (self->claim >= 0)
+        (void)close(self->claim);
+    self->claim = -1;
+    self->claimed = 0;
+}
+
+static void close_output(mrt_plugin *self)
+{
+    give_back(self);
+    udp_sender_close(&self->to);
 }
 
 static void destroy(mrt_plugin *self)
 {
     if (self)
-        udp_sender_close(&self->to);
+        close_output(self);
     free(self);
 }
 
-static mrt_result open(mrt_plugin *self, const char *address, const double *params,
-                       mrt_face_wants *wants)
+static mrt_result open_output(mrt_plugin *self, const char *address, const double *params,
+                              mrt_face_wants *wants)
 {
     wants->rate_hz = params[RATE];
     wants->repeat_s = 0.1; /* the app never pauses: who hears nothing takes it for gone */
@@ -46,6 +70,33 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
 static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
 {
     self->names = names;
+    return MRT_OK;
+}
+
+/* ---- one program at a time is a subject there ---- */
+
+/* A receiver takes two senders of one device for one face that jumps; it cannot say so. The name is
+ * an abstract socket's: it goes with whoever has it. */
+static mrt_result claim(mrt_plugin *self, int number)
+{
+    struct sockaddr_un name = {.sun_family = AF_UNIX};
+    if (self->claimed == number)
+        return MRT_OK;
+    give_back(self);
+    int length =
+        snprintf(name.sun_path + 1, sizeof name.sun_path - 1, "marotte livelink %d %u %.64s",
+                 number, (unsigned)self->to.port, self->to.place);
+    socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length);
+    self->claim = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (self->claim >= 0 && bind(self->claim, (struct sockaddr *)&name, size) != 0 &&
+        errno == EADDRINUSE) {
+        give_back(self);
+        device_say(self->to.host, MRT_LOG_ERROR,
+                   "another program sends there as this device: close that, or choose subject=%d",
+                   number < SUBJECTS ? number + 1 : 1);
+        return MRT_ERR_IO;
+    }
+    self->claimed = number;
     return MRT_OK;
 }
 
@@ -99,12 +150,14 @@ static bool is_lateral(uint32_t i)
     return i == JAW_LEFT || i == JAW_LEFT + 1 || i == MOUTH_LEFT || i == MOUTH_LEFT + 1;
 }
 
-static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     char id[ID_BYTES + 1], subject[32];
     packet out = {.size = 0};
     int number = (int)params[SUBJECT];
     bool has_face = self->names->weight_count >= CHANNELS;
+    if (claim(self, number) < 0)
+        return MRT_ERR_IO;
     (void)snprintf(id, sizeof id, "6D61726F-7474-4500-8000-%012X", (unsigned)number);
     (void)snprintf(subject, sizeof subject, number > 1 ? "marotte%d" : "marotte", number);
     put_u8(&out, 6);
@@ -121,11 +174,6 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     return udp_sender_send(&self->to, out.bytes, out.size);
 }
 
-static void close(mrt_plugin *self)
-{
-    udp_sender_close(&self->to);
-}
-
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
@@ -135,10 +183,10 @@ static const mrt_param params[PARAM_COUNT] = {
               "to the wrong side",
               0, 1, 0, off_on},
     [SUBJECT] = {3, MRT_PARAM_STEPPED, "Subject", "Network", "",
-                 "Which of several: its name is marotte, marotte2 ..., its device another", 1, 16,
-                 1, NULL},
+                 "Which of several: its name is marotte, marotte2 ..., its device another", 1,
+                 SUBJECTS, 1, NULL},
 };
-static const mrt_face_output output = {open, begin, send, close};
+static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI,

@@ -738,6 +738,12 @@ const face_said *face_weights_solve(face_weights *self, const float *position, c
     return &self->said;
 }
 
+const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_count)
+{
+    *out_count = self->point_count;
+    return self->vertex;
+}
+
 void face_weights_reset(face_weights *self)
 {
     self->said = (face_said){.residual_mm = 0.0};

@@ -172,6 +172,22 @@ static void put_vertices(float *restrict out, const face *f, uint32_t count)
     }
 }
 
+/* Only what the weights are found from. */
+static void put_points(float *out, const face *f, const face_weights *weights)
+{
+    const points *p = face_shown(f);
+    const uint32_t *slot_of_file = face_order(f)->slot_of_file;
+    uint32_t count;
+    const uint32_t *vertex = face_weights_points(weights, &count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t slot = slot_of_file[vertex[i]];
+        float *row = out + (size_t)vertex[i] * 3;
+        row[0] = p->x[slot];
+        row[1] = p->y[slot];
+        row[2] = p->z[slot];
+    }
+}
+
 /* Whether the face has what the names say. */
 static bool is_like(const face_board *self, const composer *of, const face *f)
 {
@@ -197,9 +213,11 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
     for (uint32_t i = 0; i < n->shape_count; ++i)
         *out++ = (float)face_shape_weight(f, i);
     out += n->weight_count;
-    with_vertices |= n->weight_count > 0; /* they are found from them */
-    if (with_vertices)
+    bool has_weights = n->weight_count > 0, has_tried = atomic_load(&self->has_tried);
+    if (with_vertices || (has_weights && !has_tried)) /* nobody knows yet which of them */
         put_vertices(out, f, n->vertex_count);
+    else if (has_weights && self->weights)
+        put_points(out, f, self->weights);
     into->has_vertices = with_vertices;
     into->time_ns = time_ns;
     into->take_ns = take_ns;
@@ -212,10 +230,12 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
 void face_board_prepare(face_board *self)
 {
     error ignored = {""}; /* what cannot be said is 0 */
-    if (!self->has_tried && self->of.names.weight_count > 0 &&
+    if (atomic_load(&self->has_tried))
+        return;
+    if (self->of.names.weight_count > 0 &&
         face_file_weights(&self->weights, self->file, &ignored) < 0)
         self->weights = NULL;
-    self->has_tried = true;
+    atomic_store(&self->has_tried, true);
 }
 
 static float *put_said(float *out, const double *said, uint32_t count)

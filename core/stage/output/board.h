@@ -23,9 +23,9 @@ typedef struct face_board {
     uint64_t number;
     _Atomic uint32_t references;
     const face_file *file;
-    face_weights *weights; /* [taker] NULL: none yet, or none can be made */
-    bool has_tried;        /* to make them */
-    double residual_mm;    /* of the face taken last, face_said */
+    face_weights *weights;  /* [taker] NULL: none yet, or none can be made */
+    _Atomic bool has_tried; /* to make them; from then on [frame] asks which points they read */
+    double residual_mm;     /* of the face taken last, face_said */
 } face_board;
 
 /* [main] With one reference. The composer may go before it; the file must be there as long as faces
