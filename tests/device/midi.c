@@ -1,5 +1,5 @@
 /* The plugin org.marotte.midi with a pipe, with a pseudo terminal in a device's place, and with
- * ALSA's sequencer where there is one. */
+ * ALSA's sequencer, or a double of it (sequencer_double.c) where the kernel has none. */
 #define _XOPEN_SOURCE 700
 #include <stdarg.h>
 #include <stddef.h>
@@ -379,10 +379,12 @@ static void what_is_no_device_is_refused_with_advice(void **state)
     assert_int_equal(input_host_open(r->host, file), MRT_ERR_IO);
     assert_non_null(strstr(r->host->last_text, "plug it in"));
     assert_int_equal(input_host_open(r->host, r->folder), MRT_ERR_IO);
+    setenv("MAROTTE_TEST_NO_SEQUENCER", "1", 1); /* of the double */
     if (access("/dev/snd/seq", F_OK) != 0) {
         assert_int_equal(input_host_open(r->host, "nanoKONTROL2"), MRT_ERR_IO);
         assert_non_null(strstr(r->host->last_text, "no MIDI sequencer"));
     }
+    unsetenv("MAROTTE_TEST_NO_SEQUENCER");
     mrt_sample none;
     assert_int_equal(input_host_read(r->host, 0, &none), MRT_ERR_IO);
 }
@@ -399,10 +401,11 @@ static snd_seq_t *make_program(const char *name, int *out_port)
         snd_seq_open(&seq, "default", SND_SEQ_OPEN_DUPLEX, SND_SEQ_NONBLOCK) < 0)
         return NULL;
     snd_seq_set_client_name(seq, name);
-    *out_port = snd_seq_create_simple_port(seq, "out",
-                                           SND_SEQ_PORT_CAP_READ | SND_SEQ_PORT_CAP_SUBS_READ |
-                                               SND_SEQ_PORT_CAP_WRITE | SND_SEQ_PORT_CAP_SUBS_WRITE,
-                                           SND_SEQ_PORT_TYPE_MIDI_GENERIC);
+    *out_port =
+        snd_seq_create_simple_port(seq, "out",
+                                   SND_SEQ_PORT_CAP_READ | SND_SEQ_PORT_CAP_SUBS_READ |
+                                       SND_SEQ_PORT_CAP_WRITE | SND_SEQ_PORT_CAP_SUBS_WRITE,
+                                   SND_SEQ_PORT_TYPE_MIDI_GENERIC | SND_SEQ_PORT_TYPE_HARDWARE);
     return seq;
 }
 
@@ -459,6 +462,55 @@ static void ports_of_the_sequencer_come_and_go(void **state)
     input_host_destroy(other);
     snd_seq_close(seq);
 }
+
+static bool is_the_kernels(const char *name)
+{
+    mrt_device found[8];
+    input_host *host = input_host_create(BUILD_DIR "/plugins/midi.so");
+    uint32_t count = host->devices->list(host->plugin, found, 8);
+    bool is_one = false;
+    for (uint32_t i = 0; i < count && i < 8; ++i)
+        is_one |= strcmp(found[i].name, name) == 0;
+    input_host_destroy(host);
+    return is_one;
+}
+
+/* Opened without a name while nothing is plugged in: the device that comes is the one. */
+static void the_first_device_that_is_plugged_in_is_heard(void **state)
+{
+    room *r = *state;
+    int port = 0, program_port = 0;
+    snd_seq_t *program = make_program("marotte test program", &program_port);
+    if (!program)
+        skip();
+    assert_int_equal(input_host_open(r->host, ""), MRT_OK);
+    send_controller(program, program_port, 7, 127); /* not asked for: it is no device */
+    assert_int_equal(read_one(r, 20 * ms_ns), MRT_TIMEOUT);
+    snd_seq_t *seq = make_program("device nanoKONTROL2", &port);
+    if (!is_the_kernels("device nanoKONTROL2")) { /* a real sequencer: programs make no devices */
+        snd_seq_close(seq);
+        snd_seq_close(program);
+        skip();
+    }
+    for (int times = 0; times < 2; ++times) {
+        const float expected = (float)(127 - times) / 127.0f;
+        do { /* until it is heard of; what was there before it went is said again */
+            (void)read_one(r, 20 * ms_ns);
+            send_controller(seq, port, 7, 127 - times);
+            assert_int_equal(read_one(r, s_ns), MRT_OK);
+        } while (fabsf(value_of(r, "cc.7") - expected) > 1e-6f);
+        snd_seq_close(seq);
+        mrt_result result = MRT_OK;
+        while (result == MRT_OK)
+            result = read_one(r, s_ns);
+        assert_int_equal(result, MRT_ERR_IO);
+        r->host->input->close(r->host->plugin);
+        assert_int_equal(input_host_open(r->host, ""), MRT_OK); /* as the host does */
+        seq = make_program("device nanoKONTROL2", &port);
+    }
+    snd_seq_close(seq);
+    snd_seq_close(program);
+}
 #endif
 
 #define ROOM_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -478,6 +530,7 @@ int main(void)
         ROOM_TEST(what_is_no_device_is_refused_with_advice),
 #ifdef MIDI_HAS_ALSA
         ROOM_TEST(ports_of_the_sequencer_come_and_go),
+        ROOM_TEST(the_first_device_that_is_plugged_in_is_heard),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
