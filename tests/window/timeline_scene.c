@@ -275,6 +275,12 @@ static bool records(scene *s, void *data)
     return app_status(s->app)->is_recording;
 }
 
+static bool performs_over(scene *s, void *data)
+{
+    (void)data;
+    return app_status(s->app)->is_recording && app_view(s->app)->mode == LIVE_OVERDUBS;
+}
+
 /* Whoever presses R to end it, and comes a moment late, begins nothing. */
 static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **state)
 {
@@ -294,6 +300,23 @@ static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **stat
     const news_list *news = app_news(s.app);
     assert_non_null(strstr(news_list_at(news, news_list_count(news) - 1)->text, "ended by itself"));
     scene_picture(&s, "timeline_scene_punched");
+    scene_close(&s);
+}
+
+/* However little time is between them: the newest face is still that of the live hands. */
+static void an_r_just_after_a_take_is_shown_performs_over_it(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    assert_true(scene_until(&s, is_chosen, NULL));
+    assert_int_equal(app_view(s.app)->mode, LIVE_PERFORMS);
+    assert_int_equal(app_choose_take(s.app, app_take_id(s.app)), MRT_OK);
+    app_do(s.app, ACTION_RECORD);
+    assert_true(scene_until(&s, performs_over, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_ended, NULL));
     scene_close(&s);
 }
 
@@ -368,6 +391,7 @@ int main(void)
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
+        cmocka_unit_test(an_r_just_after_a_take_is_shown_performs_over_it),
         cmocka_unit_test(an_r_just_after_recording_ended_by_itself_begins_no_take),
         cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),
         cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),

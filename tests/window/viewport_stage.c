@@ -159,6 +159,101 @@ static void with_shift_it_stays_until_a_double_click(void **state)
     scene_close(&s);
 }
 
+/* ---- what stays is undone ---- */
+
+typedef struct face_rows {
+    float *row;
+    size_t size;
+} face_rows;
+
+static face_rows face_now(void)
+{
+    const size_t size = (size_t)view_now()->vertex_count * 3 * sizeof(float);
+    face_rows out = {malloc(size), size};
+    assert_non_null(out.row);
+    memcpy(out.row, view_now()->position, size);
+    return out;
+}
+
+static bool is_face(scene *of, void *data)
+{
+    const face_rows *wanted = data;
+    return memcmp(app_view(of->app)->position, wanted->row, wanted->size) == 0;
+}
+
+typedef struct stillness {
+    uint64_t number; /* of the face that is shown */
+    uint32_t frames; /* that it has been for */
+} stillness;
+
+/* For a second: what springs back has come to rest. */
+static bool is_still(scene *of, void *data)
+{
+    stillness *now = data;
+    const uint64_t number = app_view(of->app)->number;
+    now->frames = number == now->number ? now->frames + 1 : 0;
+    now->number = number;
+    return now->frames > 60;
+}
+
+static face_rows pull_with(uint32_t modifiers, float x, float y)
+{
+    stillness still = {0};
+    scene_modifiers(&s, modifiers, true);
+    scene_drag(&s, x, y, x + 20.0f, y + 25.0f, 12);
+    scene_modifiers(&s, modifiers, false);
+    assert_true(scene_until(&s, is_still, &still));
+    return face_now();
+}
+
+static void expect_face(const face_rows *wanted, const char *when)
+{
+    if (scene_until(&s, is_face, (void *)(uintptr_t)wanted))
+        return;
+    float most = 0.0f;
+    for (size_t i = 0; i < wanted->size / sizeof(float); ++i)
+        most = fmaxf(most, fabsf(view_now()->position[i] - wanted->row[i]));
+    fail_msg("%s: another face, by %g mm", when, (double)most);
+}
+
+static void pulls_and_clay_are_undone_and_done_again_bit_for_bit(void **state)
+{
+    (void)state;
+    enum { PULLS = 4 };
+    static const uint32_t modifiers[PULLS] = {UI_SHIFT, UI_CONTROL, UI_SHIFT, UI_CONTROL};
+    static const char *const words[PULLS] = {"pull of", "clay", "pull of", "clay"};
+    face_rows shown[PULLS + 1];
+    scene_open(&s, 1280, 720, 1.0f);
+    shown[0] = face_now();
+    for (uint32_t i = 0; i < PULLS; ++i) {
+        shown[i + 1] = pull_with(modifiers[i], 440.0f + 15.0f * (float)i, 260.0f);
+        assert_false(is_face(&s, &shown[i]));
+    }
+    assert_non_null(scene_word(&s, "Held: N clears it"));
+    scene_do(&s, ACTION_NEUTRAL);
+    expect_face(&shown[0], "cleared");
+    assert_null(scene_word(&s, "Held: N clears it"));
+    scene_do(&s, ACTION_UNDO);
+    expect_face(&shown[PULLS], "clearing undone");
+    assert_non_null(scene_word_with(&s, "undone: clearing"));
+    for (uint32_t i = PULLS; i > 0; --i) {
+        scene_do(&s, ACTION_UNDO);
+        expect_face(&shown[i - 1], "undone");
+        assert_non_null(scene_word_with(&s, words[i - 1]));
+        if (i == 3)
+            scene_picture(&s, "viewport_undone");
+    }
+    assert_null(scene_word(&s, "Held: N clears it"));
+    for (uint32_t i = 1; i <= PULLS; ++i) {
+        scene_do(&s, ACTION_REDO);
+        expect_face(&shown[i], "done again");
+    }
+    assert_non_null(scene_word(&s, "Held: N clears it"));
+    for (uint32_t i = 0; i <= PULLS; ++i)
+        free(shown[i].row);
+    scene_close(&s);
+}
+
 static void hold_until(uint32_t key, const char *dof, float more, float less)
 {
     scene_hold_key(&s, key, true);
@@ -231,6 +326,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_drag_on_the_mouth_corner_moves_it_by_the_drag),
         cmocka_unit_test(with_shift_it_stays_until_a_double_click),
+        cmocka_unit_test(pulls_and_clay_are_undone_and_done_again_bit_for_bit),
         cmocka_unit_test(the_keys_move_a_hand_that_moves_the_face),
         cmocka_unit_test(a_window_that_closes_while_a_take_is_recorded_with_it_keeps_the_take),
     };

@@ -83,9 +83,14 @@ bool app_is_held(const app *self)
     return false;
 }
 
-void app_hold(app *self)
+void app_begin_pull(app *self)
 {
     (void)self;
+}
+
+void app_hold(app *self, const char *words)
+{
+    (void)self, (void)words;
 }
 
 void app_do(app *self, action of)

@@ -119,6 +119,11 @@ outputs *live_outputs(live *self); /* to add, remove and look at; until live_sto
 
 void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
                 double radius_mm);
+/* What the pointer has made of the live face, as bytes, to be freed: for undo. */
+CHECKED mrt_result live_save_pulled(live *self, void **out, size_t *out_size, error *err);
+/* The face is that again, whatever hands and mapping do; what is recorded is another performance
+ * from there on. Refused while a take is recorded. */
+CHECKED mrt_result live_load_pulled(live *self, const void *bytes, size_t size, error *err);
 
 /* ---- the mapping ---- */
 

@@ -295,6 +295,86 @@ void live_cast_keep_taught(live *self)
     free(t);
 }
 
+/* ---- what the pointer made of the face ---- */
+
+typedef struct pulled {
+    live_change change;
+    void *bytes;
+    size_t size, capacity;
+    int grip; /* that the pointer has now */
+} pulled;
+
+/* MRT_HOLD: the sample with which the pointer let go is still to be performed. */
+static mrt_result await_pointer(const live_stage *stage, const pulled *p)
+{
+    return (int)stage->pointed.value[POINTER_GRIP] == p->grip ? MRT_OK : MRT_HOLD;
+}
+
+static mrt_result ask_pulled(live *self, live_command_run *run, pulled *p, error *err)
+{
+    const int64_t until_ns = clock_now_ns() + NS_PER_S / 2;
+    mrt_result result = live_ask(self, run, p, err);
+    while (result == MRT_HOLD && clock_now_ns() < until_ns) {
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+        result = live_ask(self, run, p, err);
+    }
+    return result == MRT_HOLD ? error_set(err, MRT_ERR_ARGUMENT, "the stage is too busy: try again")
+                              : result;
+}
+
+static mrt_result save_pulled(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    pulled *p = data;
+    if (await_pointer(stage, p) == MRT_HOLD)
+        return MRT_HOLD;
+    p->size = performer_save_pulled(stage->scene->performer, p->bytes, p->capacity);
+    return MRT_OK;
+}
+
+mrt_result live_save_pulled(live *self, void **out, size_t *out_size, error *err)
+{
+    pulled p = {.capacity = (size_t)64 << 10, .grip = (int)self->pointed[POINTER_GRIP]};
+    for (;;) {
+        p.bytes = malloc(p.capacity);
+        mrt_result result = p.bytes ? ask_pulled(self, save_pulled, &p, err)
+                                    : error_set(err, MRT_ERR_MEMORY, "no memory to undo it");
+        if (result >= 0 && p.size <= p.capacity) {
+            *out = p.bytes;
+            *out_size = p.size;
+            return MRT_OK;
+        }
+        free(p.bytes);
+        if (result < 0)
+            return result;
+        p.capacity = p.size + p.size / 4; /* the face moves on meanwhile */
+    }
+}
+
+static mrt_result load_pulled(live_stage *stage, void *data, error *err)
+{
+    pulled *p = data;
+    if (await_pointer(stage, p) == MRT_HOLD)
+        return MRT_HOLD;
+    mrt_result result = performer_load_pulled(stage->scene->performer, p->bytes, p->size, err);
+    return result < 0 ? result : live_cast_begin(stage, &p->change, err);
+}
+
+mrt_result live_load_pulled(live *self, const void *bytes, size_t size, error *err)
+{
+    pulled p = {.bytes = (void *)(uintptr_t)bytes, .size = size};
+    mrt_result result = live_check_free(self, "what was pulled", err);
+    const recorder_settings as = live_cast_settings(self, true);
+    if (result >= 0)
+        result = live_cast_prepare(self, &as, &p.change, err);
+    if (result >= 0) {
+        live_pointer_eases(self);
+        result = ask_pulled(self, load_pulled, &p, err);
+    }
+    live_cast_dismiss(self, &p.change);
+    return result;
+}
+
 /* ---- the patch ---- */
 
 /* MRT_HOLD: what was changed before still comes; time goes on, so that it does. */

@@ -322,6 +322,14 @@ void live_neutral(live *self)
     point(self, POINTER_NEUTRAL);
 }
 
+void live_pointer_eases(live *self)
+{
+    point(self, POINTER_AWAY);
+    self->rests_at_ns = clock_now_ns() + spring_ns;
+    self->moves = true;
+    give(self, FEED_MOVES);
+}
+
 static void let_pointer_rest(live *self)
 {
     if (!self->moves || self->rests_at_ns == 0 || clock_now_ns() < self->rests_at_ns)

@@ -203,6 +203,8 @@ struct live {
 /* ---- live_main.c: commands ---- */
 /* Waits until the frame thread has run it; before there is one, runs it itself. */
 CHECKED mrt_result live_ask(live *self, live_command_run *run, void *data, error *err);
+/* The pointer is away, and time goes on for what eases. */
+void live_pointer_eases(live *self);
 /* [frame] */
 void live_run_command(live *self);
 

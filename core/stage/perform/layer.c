@@ -523,6 +523,19 @@ const pointer *layer_pointer(const layer *self)
     return &self->pointer;
 }
 
+bool layer_set_pointer(layer *self, const void *bytes, size_t size)
+{
+    const pointer before = self->pointer;
+    if (pointer_load(&self->pointer, bytes, size) &&
+        !guard_fault(&self->guard, &self->pointer.pull) &&
+        !guard_fault(&self->guard, &self->pointer.places)) {
+        self->pointer.time_ns = before.time_ns;
+        return true;
+    }
+    self->pointer = before;
+    return false;
+}
+
 hands *layer_hands(layer *self)
 {
     return self->hands;

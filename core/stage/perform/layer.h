@@ -38,6 +38,8 @@ const mrt_frame *layer_frame(const layer *self);
 instance *layer_mapping(layer *self);
 /* What the mouse on the face adds to it. */
 const pointer *layer_pointer(const layer *self);
+/* What pointer_save gave: it holds that again, by today's time. False: it holds what it held. */
+bool layer_set_pointer(layer *self, const void *bytes, size_t size);
 hands *layer_hands(layer *self);
 /* What its patch makes of the channels, over the mapping; plan NULL: none. */
 const patch_bay *layer_bay(const layer *self);

@@ -351,3 +351,26 @@ mrt_result performer_load(performer *self, const void *bytes, size_t size, error
         layer_reset(of);
     return result;
 }
+
+size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
+{
+    const pointer *p = layer_pointer(self->voice[0].layer);
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    const size_t held = pointer_save(p, NULL, 0),
+                 face_size = composer_save(self->composer, NULL, 0);
+    bytes_put_u32(&out, (uint32_t)held);
+    if (out.data && out.size + held + face_size <= out.capacity) {
+        pointer_save(p, out.data + out.size, held);
+        composer_save(self->composer, out.data + out.size + held, face_size);
+    }
+    return out.size + held + face_size;
+}
+
+mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size, error *err)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    const size_t held = bytes_take_u32(&in), left = (size_t)(in.end - in.at);
+    if (in.failed || held > left || !layer_set_pointer(self->voice[0].layer, in.at, held))
+        return error_set(err, MRT_ERR_FORMAT, "what was pulled is not of this face");
+    return composer_load(self->composer, in.at + held, left - held, err);
+}

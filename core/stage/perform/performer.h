@@ -99,5 +99,10 @@ const rezero_counts *performer_rezeros(const performer *self);
 size_t performer_save(performer *self, void *bytes, size_t capacity);
 /* [main] On error its layer is reset, and so is the composer. Parameters are as they were then. */
 CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
+/* The same of what the pointer made of the face alone: hands and mapping go on as they are. [frame]
+ * no allocation. On error nothing has changed, or the face is at rest. */
+size_t performer_save_pulled(performer *self, void *bytes, size_t capacity);
+CHECKED mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size,
+                                         error *err);
 
 #endif

@@ -266,7 +266,8 @@ void app_stay(app *self);                /* it is not to be quit after all */
 bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
 /* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
 bool app_is_held(const app *self);
-void app_hold(app *self);
+void app_begin_pull(app *self);              /* the face is as it was before it */
+void app_hold(app *self, const char *words); /* what began stays: a step of undo */
 
 /* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
  * panel alone). */

@@ -401,7 +401,7 @@ static mrt_result put_face(app *self, face_file *made, const char *path, set_fac
     free(self->face_path);
     self->face = made;
     self->face_path = name;
-    self->is_held = false;
+    pulls_forget(self->pulls);
     settings_set_text(self->settings, "last.face", path);
     return MRT_OK;
 }
@@ -885,9 +885,10 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->exports = exporter_create();
     self->expressions = expressions_create(self);
     self->remote = remote_create(self);
+    self->pulls = pulls_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
     if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
-        !self->remote)
+        !self->remote || !self->pulls)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         app_say(self, MRT_LOG_WARNING, "%s", note);
@@ -946,6 +947,7 @@ void app_destroy(app *self)
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
+    pulls_destroy(self->pulls);
     end_live(self);
     expressions_destroy(self->expressions);
     app_close_show(self, self->show);
@@ -1264,7 +1266,7 @@ static const char *why_not(app *self, action of)
     case ACTION_KEEP:
         return why_no_keep(self);
     case ACTION_MARK:
-        return self->view->mode == LIVE_PERFORMS ? why_no_record(self) : app_edit_why_not(self, of);
+        return live_shown_take(self->live) ? app_edit_why_not(self, of) : why_no_record(self);
     case ACTION_LIVE:
         return self->view->mode == LIVE_PERFORMS && !self->chosen
                    ? "the live hands are on the stage"
@@ -1324,15 +1326,17 @@ static void do_performance(app *self, action of)
         app_mark(self);
         break;
     case ACTION_NEUTRAL:
+        if (pulls_is_held(self->pulls))
+            pulls_begin(self->pulls);
         live_neutral(self->live);
         expressions_release(self->expressions, NEUTRAL_FADE_S);
-        self->is_held = false;
+        pulls_clear(self->pulls);
         break;
     case ACTION_REZERO:
         live_rezero(self->live);
         break;
     case ACTION_LIVE:
-        if (self->view->mode == LIVE_PERFORMS)
+        if (!live_shown_take(self->live))
             app_reported(app_choose_take(self, 0));
         else
             live_show_hands(self->live);
@@ -1445,12 +1449,17 @@ void app_stay(app *self)
 
 bool app_is_held(const app *self)
 {
-    return self->is_held;
+    return pulls_is_held(self->pulls);
 }
 
-void app_hold(app *self)
+void app_begin_pull(app *self)
 {
-    self->is_held = true;
+    pulls_begin(self->pulls);
+}
+
+void app_hold(app *self, const char *words)
+{
+    pulls_did(self->pulls, words);
 }
 
 bool app_has_hand_keys(const app *self)

@@ -7,6 +7,7 @@
 #include "window/app/exporter.h"
 #include "window/app/expressions.h"
 #include "window/app/presets.h"
+#include "window/app/pulls.h"
 #include "window/app/remote.h"
 
 #include "take/edit_store.h"
@@ -89,7 +90,8 @@ struct app {
     /* ---- looks and requests ---- */
     app_looks looks, looks_kept;
     bool asked[ACTION_COUNT];
-    bool wants_to_quit, has_hand_keys, keeps_settings, is_held;
+    bool wants_to_quit, has_hand_keys, keeps_settings;
+    pulls *pulls;
     int64_t ranged; /* the take whose range of the last run has been looked for */
     struct viewport *viewport;
     app_figures figures;

@@ -140,10 +140,24 @@ static bool is_behind_rig(const app *self)
            (self->done_count == 0 || self->done[self->done_count - 1].take != 0);
 }
 
+/* A pull of the live face, which is not seen while a take is, nor changed while one is recorded. */
+static const char *why_not_pulled(const app *self, const app_done *step)
+{
+    if (step->take || !pulls_is_step(self->pulls, &step->step))
+        return NULL;
+    if (self->status.is_recording)
+        return "not a pull while a take is recorded: end it first";
+    return live_shown_take(self->live) ? "what comes next is a pull of the live face: L goes "
+                                         "back to it"
+                                       : NULL;
+}
+
 const char *app_undo_why_not(const app *self)
 {
     if (self->done_count == 0 && !has_older(self))
         return "there is nothing to undo";
+    if (self->done_count > 0 && why_not_pulled(self, &self->done[self->done_count - 1]))
+        return why_not_pulled(self, &self->done[self->done_count - 1]);
     return is_behind_rig(self) ? "what comes next was done to a take, before the rig was in front: "
                                  "leave the Rig panel to go on"
                                : NULL;
@@ -151,7 +165,8 @@ const char *app_undo_why_not(const app *self)
 
 bool app_can_redo(const app *self)
 {
-    return self->done_count < self->all_count || has_newer(self);
+    return self->done_count < self->all_count ? !why_not_pulled(self, &self->done[self->done_count])
+                                              : has_newer(self);
 }
 
 /* As if it had been done in this run. */
@@ -745,7 +760,7 @@ void app_record_toggle(app *self)
         /* Whoever wanted to end it came a moment late: another recording is not meant. */
         self->over_ended_s = 0.0;
         app_say(self, MRT_LOG_INFO, "recording over the take ended by itself: R begins another");
-    } else if (self->view->mode == LIVE_PERFORMS || !live_shown_take(self->live))
+    } else if (!live_shown_take(self->live)) /* the view may be of a frame before */
         begin_live(self);
     else
         begin_over(self);
@@ -771,7 +786,7 @@ static void app_tell_kept(app *self, int64_t id)
 void app_mark(app *self)
 {
     error err = {0};
-    if (self->view->mode == LIVE_PERFORMS) {
+    if (!live_shown_take(self->live)) {
         if (app_report(self, live_mark(self->live, "", &err), &err) >= 0)
             app_say(self, MRT_LOG_INFO, "marked this instant");
         return;

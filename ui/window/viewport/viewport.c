@@ -439,7 +439,17 @@ static void take_hold(viewport *self, const ui_canvas *canvas)
     bool kneads = (canvas->modifiers & UI_CONTROL) != 0;
     viewport_grip_take(&self->grip, kneads ? POINTER_KNEADS : POINTER_PULLS, rest, shown, &view);
     self->drag = VIEWPORT_HOLDS;
+    app_begin_pull(self->of);
     tell_stage(self, self->grip.how, false);
+}
+
+static void hold_pull(viewport *self)
+{
+    char words[EDIT_TEXT];
+    (void)snprintf(words, sizeof words, "pull of %.80s",
+                   self->contact ? view_of(self)->about->contacts[self->contact - 1].name
+                                 : "the skin");
+    app_hold(self->of, words);
 }
 
 static void drag_hold(viewport *self, const ui_canvas *canvas)
@@ -451,8 +461,10 @@ static void drag_hold(viewport *self, const ui_canvas *canvas)
     bool stays = (canvas->modifiers & UI_SHIFT) != 0;
     if (canvas->is_released) {
         tell_stage(self, POINTER_AWAY, stays);
-        if (stays || self->grip.how == POINTER_KNEADS)
-            app_hold(self->of);
+        if (self->grip.how == POINTER_KNEADS)
+            app_hold(self->of, "clay");
+        else if (stays)
+            hold_pull(self);
         viewport_grip_let_go(&self->grip);
     } else {
         tell_stage(self, self->grip.how, stays);
@@ -475,7 +487,11 @@ static void let_go_of_all(viewport *self)
     const float rest[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
     float at[3];
     viewport_contact_at(self, self->contact - 1, at);
+    if (app_is_held(self->of))
+        app_begin_pull(self->of);
     live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
+    if (app_is_held(self->of))
+        app_hold(self->of, "letting go of all contacts");
 }
 
 static bool can_pull(const viewport *self)
