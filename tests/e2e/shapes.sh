@@ -60,6 +60,11 @@ again() { # NAME: the last take of patched.marotte is NAME.pc2
     cmp -s "$1.pc2" again.pc2 || fail "a take with patched shapes has other bits than $1"
 }
 again patched
+# A range is performed from a state that was kept on the way, and is that part of the whole.
+"$BUILD_DIR/marotte" take export patched.marotte last --in 3 --out 3.5 --export part.pc2 >/dev/null 2>again.err ||
+    fail "take export --in: $(tail -c 200 again.err)"
+frame_size=$((12 * $(od -An -t u4 -j 16 -N 4 part.pc2)))
+cmp -n $((10 * frame_size)) -i "32:$((32 + 90 * frame_size))" part.pc2 patched.pc2 || fail "a range with patched shapes has other bits"
 "$BUILD_DIR/marotte" take remap patched.marotte 1 --patch less.json >/dev/null 2>again.err || fail "remap: $(cat again.err)"
 again less
 
