@@ -401,7 +401,7 @@ static int check_name(const char *name)
 static int read_kind(new_options *out, const template_file *files)
 {
     if (out->files && out->files != files)
-        return command_usage(&command_plugin, "new: --mapping or --input, not both");
+        return command_usage(&command_plugin, "new: one of --mapping, --input, --output");
     out->files = files;
     return COMMAND_DONE;
 }
@@ -415,6 +415,8 @@ static int read_options(new_options *out, int argc, char **argv)
             code = read_kind(out, template_mapping);
         else if (strcmp(argv[i], "--input") == 0)
             code = read_kind(out, template_input);
+        else if (strcmp(argv[i], "--output") == 0)
+            code = read_kind(out, template_output);
         else if (strcmp(argv[i], "--dir") == 0 && i + 1 < argc)
             out->parent = argv[++i];
         else if (strcmp(argv[i], "--dir") == 0)
@@ -430,8 +432,9 @@ static int read_options(new_options *out, int argc, char **argv)
         return command_usage(&command_plugin, "new: what is it to be called?");
     code = check_name(out->name);
     if (code == COMMAND_DONE && !out->files)
-        code = command_usage(&command_plugin, "new: --mapping (hands in, a face out) or --input "
-                                              "(where hands come from)?");
+        code = command_usage(&command_plugin,
+                             "new: --mapping (hands in, a face out), --input "
+                             "(where hands come from) or --output (where a face goes)?");
     return code;
 }
 
@@ -578,12 +581,14 @@ static void print_prefix(void)
 
 static void print_next(const new_options *w)
 {
-    bool is_mapping = w->files == template_mapping;
+    const char *kind = w->files == template_mapping ? "mapping"
+                       : w->files == template_input ? "input"
+                                                    : "output";
     char folder[INSTALLED_LENGTH];
     snprintf(folder, sizeof folder, "%s/%s", w->parent, w->name);
     const char *shown = strncmp(folder, "./", 2) == 0 ? folder + 2 : folder;
     terminal_print("wrote %s: %s.c is the %s, README.md says the rest. Next:\n  cd ", shown,
-                   w->name, is_mapping ? "mapping" : "input");
+                   w->name, kind);
     terminal_print_quoted(shown);
     fputs(" && cmake -B build", stdout);
     print_prefix();
@@ -591,14 +596,18 @@ static void print_next(const new_options *w)
     print_program();
     terminal_print(" plugin check build/%s.so\n  ", w->name);
     print_program();
-    if (is_mapping)
+    if (w->files == template_mapping)
         terminal_print(
             " perform --face puppet --input log:take.csv --map build/%s.so --export face.png\n",
             w->name);
-    else
+    else if (w->files == template_input)
         terminal_print(
             " perform --face puppet --input build/%s.so --map one_hand --export face.png\n",
             w->name);
+    else
+        terminal_print(" perform --face puppet --input log:take.csv --map one_hand --output "
+                       "build/%s.so:127.0.0.1:9200\n",
+                       w->name);
 }
 
 static int plugin_new_run(int argc, char **argv)
@@ -644,13 +653,14 @@ const command command_plugin = {
         "  Plugins are looked for in $MAROTTE_PLUGIN_PATH (folders with ':' between them),\n"
         "  $XDG_DATA_HOME/marotte/plugins, the installed folder, and beside the program.\n"
         "\n"
-        "marotte plugin new NAME --mapping|--input [--dir FOLDER]\n"
+        "marotte plugin new NAME --mapping|--input|--output [--dir FOLDER]\n"
         "  Begins a plugin of your own: a folder NAME with a plugin that works, in one\n"
         "  commented C file, what builds it, what to do with it, and a recorded hand to try it\n"
         "  on. Says the next three commands.\n"
         "\n"
         "  --mapping  hands in, a face out\n"
         "  --input    where hands come from\n"
+        "  --output   where a face goes\n"
         "  --dir      where the folder is made (.)\n"
         "\n"
         "marotte plugin check FILE.so [--json] [--rules]\n"

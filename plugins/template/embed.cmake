@@ -10,14 +10,19 @@ endfunction()
 
 set(code "/* Generated from the files beside embed.cmake. */\n#include \"template_files.h\"\n\n")
 embed(project project.cmake)
-foreach(kind mapping input)
+foreach(kind mapping input output)
   embed(${kind}_c ${kind}.c)
   embed(${kind}_md ${kind}.md)
-  embed(${kind}_csv ${kind}.csv)
+  set(hand ${kind})
+  if(kind STREQUAL output) # it is tried with the mapping's
+    set(hand mapping)
+  else()
+    embed(${kind}_csv ${kind}.csv)
+  endif()
   string(APPEND code "const template_file template_${kind}[TEMPLATE_FILES] = {\n"
          "    {\"template_name.c\", ${kind}_c, sizeof ${kind}_c},\n"
          "    {\"CMakeLists.txt\", project, sizeof project},\n"
          "    {\"README.md\", ${kind}_md, sizeof ${kind}_md},\n"
-         "    {\"take.csv\", ${kind}_csv, sizeof ${kind}_csv},\n};\n\n")
+         "    {\"take.csv\", ${hand}_csv, sizeof ${hand}_csv},\n};\n\n")
 endforeach()
 file(WRITE ${OUT} "${code}")

@@ -11,6 +11,7 @@ typedef struct template_file {
 } template_file;
 
 enum { TEMPLATE_FILES = 4 };
-extern const template_file template_mapping[TEMPLATE_FILES], template_input[TEMPLATE_FILES];
+extern const template_file template_mapping[TEMPLATE_FILES], template_input[TEMPLATE_FILES],
+    template_output[TEMPLATE_FILES];
 
 #endif

@@ -70,6 +70,35 @@ cmp "$scratch/now.csv" "$scratch/then.csv" || fail "plugins/template/input.csv i
 grep -q '"samples": 21' "$scratch/live" || fail "0.2 s at 100 Hz: $(grep samples "$scratch/live")"
 refused 1 "has no address" "$MAROTTE" perform --face puppet --input my_input/build/my_input.so:x --map one_hand
 
+# ---- the output says the face that is performed, to whoever listens ----
+"$MAROTTE" plugin new my_output --output >"$scratch/said" || fail "plugin new --output"
+compiles my_output/my_output.c -I "$SOURCE_DIR/core/include"
+mapfile -t next < <(grep '^  ' "$scratch/said")
+[[ ${#next[@]} -eq 3 && ${next[2]} = *"--output build/my_output.so:127.0.0.1:9200" ]] || fail "output: ${next[*]}"
+if command -v python3 >/dev/null; then
+    python3 - "$scratch/port" >"$scratch/heard" <<'PYTHON' &
+import os, socket, sys
+at = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+at.bind(("127.0.0.1", 0))
+at.settimeout(100)
+with open(sys.argv[1] + ".new", "w") as file:
+    file.write(str(at.getsockname()[1]))
+os.rename(sys.argv[1] + ".new", sys.argv[1])
+for _ in range(100):
+    print(at.recv(2000).decode(), flush=True)
+PYTHON
+    listener=$!
+    for _ in $(seq 300); do [ -s "$scratch/port" ] || sleep 0.1; done
+    printf '%s\n' "set -e" "${next[@]/%:9200/:$(cat "$scratch/port")}" >"$scratch/next.sh"
+    bash "$scratch/next.sh" >"$scratch/facts" 2>&1 || { fail "output: what it says to do next does not work"; cat "$scratch/facts"; }
+    grep -q 'my_output.*: sent, [0-9]' "$scratch/facts" || fail "output: $(grep my_output "$scratch/facts")"
+    wait $listener || fail "output: not a hundred faces were heard"
+    awk '$1 == "time" { ++faces } $1 == "JawOpen" && $2 > most { most = $2 } END { exit !(faces == 100 && most > 0.02) }' "$scratch/heard" ||
+        fail "output: $(tail -n 5 "$scratch/heard")"
+else
+    echo "SKIPPED: python3 is not installed"
+fi
+
 # ---- names that a build system or a shell could trip over ----
 for name in test all plugin a x0123456789012345678901_; do
     "$MAROTTE" plugin new $name --mapping --dir "$scratch" >"$scratch/said" || fail "$name"
@@ -85,8 +114,8 @@ refused 1 "my_mapping is there already" "$MAROTTE" plugin new my_mapping --mappi
 [ "$(cat my_mapping/my_mapping.c)" = mine ] || fail "an existing folder was changed"
 touch a_file && refused 1 "a_file is there already" "$MAROTTE" plugin new a_file --input && rm a_file
 refused 1 "there is no folder ./absent" "$MAROTTE" plugin new fresh --mapping --dir ./absent
-refused 2 "--mapping (hands in, a face out) or --input" "$MAROTTE" plugin new fresh
-refused 2 "not both" "$MAROTTE" plugin new fresh --mapping --input
+refused 2 "--mapping (hands in, a face out), --input" "$MAROTTE" plugin new fresh
+refused 2 "one of --mapping" "$MAROTTE" plugin new fresh --mapping --input
 refused 2 "what is it to be called" "$MAROTTE" plugin new --mapping
 refused 2 "--dir needs a folder" "$MAROTTE" plugin new fresh --mapping --dir
 refused 2 "\"other\" is not expected here" "$MAROTTE" plugin new fresh other --mapping
