@@ -282,6 +282,17 @@ static char *wav_path(const take_call *call)
     return out;
 }
 
+/* As the show is lit on the stage. */
+static mrt_result light(take_call *call, take_stage *stage, video_look *look, error *err)
+{
+    char text[LIGHTING_TEXT] = "";
+    mrt_result result = show_note_read(call->show, LIGHTING_NOTE, text, sizeof text, err);
+    if (result >= 0 && text[0] && !lighting_parse(&look->light, text))
+        log_push(stage->log, MRT_LOG_WARNING, "show",
+                 "its lights make no sense: the studio's are taken");
+    return result;
+}
+
 /* Of a take that moves nothing there is still its sound. */
 static mrt_result export_all(take_call *call, take_stage *stage, exports_video *videos,
                              const char *wav, error *err)
@@ -295,6 +306,8 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
         return result < 0 ? result : export_sound(call, &stage->take, &frames, wav, err);
     }
     result = take_stage_open(stage, call, call->word[1], call->text[TAKE_FACE], err);
+    if (result >= 0)
+        result = light(call, stage, &videos->look, err);
     if (result >= 0)
         result = exports_check_face(call->exports, call->export_count, &stage->face.mesh, err);
     if (result >= 0)

@@ -5,6 +5,7 @@
 #define MAROTTE_UI_DRAW_DRAW_H
 #include "base/error.h"
 #include "base/stamps.h"
+#include "draw/lighting.h"
 #include "mesh/mesh.h"
 
 /* An OpenGL context without a window (EGL surfaceless); it is made current. */
@@ -48,6 +49,8 @@ typedef struct draw_camera {
 /* Frames the box from the front, with air around it. */
 draw_camera draw_camera_framing(const float low[3], const float high[3], float aspect);
 
+/* How faces are lit, and the wall; NULL, and at first: the studio. */
+void draw_light(draw_renderer *self, const lighting *light);
 /* What draw_render has behind the face: one colour, sRGB-coded, 0..1; with alpha 0 nothing, and
  * draw_read has the face's coverage as alpha (straight, not premultiplied). NULL, and at first: the
  * studio's wall. */

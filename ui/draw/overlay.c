@@ -550,7 +550,7 @@ void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *fac
                           .lift_mm = lift_share * face->height_mm};
     view.projection = camera_projection(&view.camera, (float)width / (float)height, face->centre,
                                         face->radius_mm);
-    renderer_light(view.to_light, RENDERER_KEY, view.camera.yaw_rad);
+    renderer_light(self, view.to_light, LIGHTING_KEY, view.camera.yaw_rad);
     GLint side = (GLint)target->side, x = (GLint)rectangle[0] * side;
     GLint y = ((GLint)target->height - (GLint)rectangle[1] - (GLint)height) * side;
     gl_state before;

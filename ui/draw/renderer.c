@@ -12,11 +12,6 @@
 enum { SHADOW_MIN = 512, SHADOW_MAX = 1024 };
 static const float shadow_reach = 4.5f / SHADOW_MAX; /* of the map: how soft shadows are */
 
-/* Towards key, fill and rim, seen from a camera at yaw 0: the lights turn with the camera like a
- * studio around a turntable, so that every view is lit. */
-static const float studio[RENDERER_LAMPS][3] = {
-    {-0.5571f, 0.5970f, 0.5772f}, {0.8165f, 0.0272f, 0.5767f}, {0.5388f, 0.5089f, -0.6713f}};
-
 static void find_face_uniforms(renderer_face_program *out)
 {
     GLuint p = out->program;
@@ -33,6 +28,8 @@ static void find_face_uniforms(renderer_face_program *out)
     out->shadow_reach_texels = glGetUniformLocation(p, "shadow_reach_texels");
     out->origin = glGetUniformLocation(p, "origin");
     out->side = glGetUniformLocation(p, "side");
+    out->light_colour = glGetUniformLocation(p, "light_colour");
+    out->room = glGetUniformLocation(p, "room");
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
     out->softness = glGetUniformLocation(p, "softness");
     out->coat = glGetUniformLocation(p, "coat");
@@ -81,6 +78,8 @@ static mrt_result create_programs(draw_renderer *self, error *err)
     self->depth_projection = glGetUniformLocation(self->depth_program, "projection");
     self->background_origin = glGetUniformLocation(self->background_program, "origin");
     self->background_side = glGetUniformLocation(self->background_program, "side");
+    self->background_edge = glGetUniformLocation(self->background_program, "wall_edge");
+    self->background_light = glGetUniformLocation(self->background_program, "wall_light");
     glGenVertexArrays(1, &self->vertex_array);
     return gl_check_error("the drawing programs", err);
 }
@@ -140,6 +139,7 @@ draw_renderer *draw_renderer_create(error *err)
         error_set(err, MRT_ERR_MEMORY, "no memory for the renderer");
         return NULL;
     }
+    self->light = lighting_looks[0].light;
     gl_state before;
     gl_state_enter(&before);
     bool made = create_programs(self, err) == MRT_OK && create_no_textures(self, err) == MRT_OK &&
@@ -180,17 +180,20 @@ typedef struct view { /* one draw_render */
     GLint x, y; /* of the rectangle, from the bottom left */
     GLsizei width, height;
     GLint side; /* of a pixel of the picture, in pixels of the framebuffer: all four are of those */
-    float light[RENDERER_LAMPS][3];
+    float light[LIGHTING_LAMPS][3];
     matrix4 shadow_projection; /* mm to clip space of the key light */
     float shadow_radius_mm;
 } view;
 
-void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad)
+/* The lights turn with the camera like a studio around a turntable, so that every view is lit. */
+void renderer_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
+                    float camera_yaw_rad)
 {
+    const float *at = self->light.lamp[lamp].direction;
     float s = (float)sin((double)camera_yaw_rad), c = (float)cos((double)camera_yaw_rad);
-    out[0] = c * studio[lamp][0] + s * studio[lamp][2];
-    out[1] = studio[lamp][1];
-    out[2] = c * studio[lamp][2] - s * studio[lamp][0];
+    out[0] = c * at[0] + s * at[2];
+    out[1] = at[1];
+    out[2] = c * at[2] - s * at[0];
 }
 
 static void draw_shadow(draw_renderer *self, const draw_face *face, const view *v)
@@ -230,6 +233,8 @@ static void draw_wall(const draw_renderer *self, const view *v)
     glUseProgram(self->background_program);
     glUniform2i(self->background_origin, v->x, v->y);
     glUniform1i(self->background_side, v->side);
+    glUniform3fv(self->background_edge, 1, self->light.wall_edge);
+    glUniform3fv(self->background_light, 1, self->light.wall_light);
     glBindVertexArray(self->vertex_array);
     glDepthFunc(GL_LEQUAL);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -248,7 +253,13 @@ static void set_face_uniforms(const draw_renderer *self, const renderer_face_pro
     glUniformMatrix4fv(u->projection, 1, GL_FALSE, projection.m);
     glUniform3fv(u->eye, 1, eye);
     glUniform1f(u->grain_scale, 1.0f / face->height_mm);
-    glUniform3fv(u->light_direction, RENDERER_LAMPS, v->light[0]);
+    glUniform3fv(u->light_direction, LIGHTING_LAMPS, v->light[0]);
+    float colour[LIGHTING_LAMPS][3];
+    for (int lamp = 0; lamp < LIGHTING_LAMPS; ++lamp)
+        for (int i = 0; i < 3; ++i)
+            colour[lamp][i] = self->light.lamp[lamp].power * self->light.lamp[lamp].rgb[i];
+    glUniform3fv(u->light_colour, LIGHTING_LAMPS, colour[0]);
+    glUniform1f(u->room, self->light.room);
     glUniformMatrix4fv(u->shadow_projection, 1, GL_FALSE, shadow.m);
     glUniform1i(u->shadow_map, 0);
     glUniform1f(u->shadow_texel_mm, 2.0f * v->shadow_radius_mm / (float)self->shadow_side);
@@ -425,10 +436,10 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
               .height = (GLsizei)height * side,
               .side = side,
               .shadow_radius_mm = face->radius_mm * 1.02f};
-    for (renderer_lamp lamp = 0; lamp < RENDERER_LAMPS; ++lamp)
-        renderer_light(v.light[lamp], lamp, v.camera.yaw_rad);
+    for (lighting_lamp_name lamp = 0; lamp < LIGHTING_LAMPS; ++lamp)
+        renderer_light(self, v.light[lamp], lamp, v.camera.yaw_rad);
     v.shadow_projection =
-        camera_light_projection(v.light[RENDERER_KEY], face->centre, v.shadow_radius_mm);
+        camera_light_projection(v.light[LIGHTING_KEY], face->centre, v.shadow_radius_mm);
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);
@@ -443,6 +454,11 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     target->stale = true;
     target->is_clear = self->has_ground && self->ground[3] < 1.0f;
     gl_state_leave(&before);
+}
+
+void draw_light(draw_renderer *self, const lighting *light)
+{
+    self->light = light ? *light : lighting_looks[0].light;
 }
 
 void draw_ground(draw_renderer *self, const float rgba[4])

@@ -5,6 +5,7 @@
 #include "draw/gl.h"
 #include "draw/annotations.h"
 #include "draw/face.h"
+#include "draw/lighting.h"
 
 /* The programs and buffers that draw_overlay uses. (overlay.c) */
 typedef struct overlays overlays;
@@ -16,7 +17,7 @@ typedef struct renderer_face_program {
     GLuint program;
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
     GLint shadow_projection, shadow_map, shadow_texel_mm, shadow_reach_texels, origin, side,
-        has_own_colours;
+        has_own_colours, light_colour, room;
     GLint softness, coat;
     GLint texture[FACE_TEXTURES], place, has_tint; /* of a painted surface */
     GLint emission, normal_scale, shade, toon, alpha_range;
@@ -42,10 +43,12 @@ struct draw_renderer {
     GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, in the place of each */
     GLuint depth_program, background_program;
     GLint depth_projection, background_origin, background_side;
+    GLint background_edge, background_light;
     GLuint shadow_map, shadow_framebuffer;
     GLsizei shadow_side; /* texels */
     GLuint vertex_array; /* without attributes */
-    bool has_ground;     /* a colour instead of the wall */
+    lighting light;
+    bool has_ground; /* a colour instead of the wall */
     float ground[4];
     letters *letters;
     strokes *strokes;
@@ -54,13 +57,8 @@ struct draw_renderer {
 
 enum { SIDE_LIMIT = 32768 }; /* pixels of a rectangle */
 
-typedef enum renderer_lamp {
-    RENDERER_KEY = 0,
-    RENDERER_FILL,
-    RENDERER_RIM,
-    RENDERER_LAMPS
-} renderer_lamp;
 /* Unit, towards the light, for a camera that has turned so far. */
-void renderer_light(float out[3], renderer_lamp lamp, float camera_yaw_rad);
+void renderer_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
+                    float camera_yaw_rad);
 
 #endif

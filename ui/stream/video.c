@@ -41,7 +41,7 @@ static const struct {
 
 video_look video_look_usual(void)
 {
-    return (video_look){.width = 1280, .height = 720};
+    return (video_look){.width = 1280, .height = 720, .light = lighting_looks[0].light};
 }
 
 static bool read_side(text_view word, uint32_t *out)
@@ -872,6 +872,7 @@ static mrt_result open_drawing(video *self, error *err)
         offscreen_init(&self->offscreen, self->settings.mesh, look->width, look->height, err);
     if (result < 0)
         return result;
+    draw_light(self->offscreen.renderer, &look->light);
     draw_ground(self->offscreen.renderer, look->ground == VIDEO_WALL ? NULL : look->rgba);
     return open_sinks(self, err);
 }

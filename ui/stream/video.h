@@ -27,6 +27,7 @@ typedef struct video_look {
     video_view view;
     bool is_mirrored;
     video_ground ground;
+    lighting light;
     float rgba[4]; /* of VIDEO_COLOUR and VIDEO_NOTHING: sRGB-coded */
 } video_look;
 

@@ -688,10 +688,10 @@ static void bar_draw_alone(workspace *self, ui_rectangle over)
 static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
     [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
-    [APP_OUTPUT] = &panel_output,
+    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig", "Engine",
-                                                   "Log",     "Patch",   "Send"};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",  "Engine",
+                                                   "Log",     "Patch",   "Send", "Scene"};
 
 /* ---- life ---- */
 

@@ -18,8 +18,8 @@ uniform ivec2 origin; // of the rectangle, pixels of the framebuffer
 uniform int side;     // of a pixel of the picture, in those: 1 or 2
 out vec4 colour;
 
-const vec3 light_colour[3] =
-    vec3[3](vec3(3.10, 2.92, 2.66), vec3(0.22, 0.26, 0.34), vec3(0.80, 0.90, 1.05));
+uniform vec3 light_colour[3]; // key, fill, rim: linear
+uniform float room;           // how much light comes from all sides
 const vec3 sky = vec3(0.255, 0.285, 0.335), ground = vec3(0.095, 0.083, 0.072);
 
 #ifdef PAINTED
@@ -333,7 +333,7 @@ void main()
 #endif
     vec3 diffuse = base * (1.0 - metal);
     float visible[3] = float[3](key_visibility(normal), mix(0.35, 1.0, open), open);
-    vec3 light = reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
+    vec3 light = room * reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
     for (int i = 0; i < 3; ++i)
         light += visible[i] * light_colour[i] *
                  reflect_light(normal, to_eye, light_direction[i], diffuse, mirror, rough);

@@ -74,6 +74,7 @@ typedef enum action {
     ACTION_PANEL_LOG,     /* F6 */
     ACTION_PANEL_PATCH,   /* Shift+F3 */
     ACTION_PANEL_OUTPUT,  /* Shift+F2 */
+    ACTION_PANEL_SCENE,   /* Shift+F4 */
     ACTION_TIMELINE,      /* F7: shown or not */
     ACTION_TIMELINE_FIT,  /* Shift+Z */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */

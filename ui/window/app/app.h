@@ -6,6 +6,7 @@
 #define MAROTTE_UI_WINDOW_APP_APP_H
 #include "stage/live/live.h"
 #include "take/history.h"
+#include "draw/lighting.h"
 #include "window/app/key_map.h"
 #include "window/app/news_list.h"
 #include "window/app/settings.h"
@@ -87,6 +88,18 @@ void app_cancel_export(app *self, uint32_t index);
  * said in the news. */
 const csrbf_settings *app_solver(const app *self);
 CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
+
+/* ---- the scene: lights, wall, camera views; kept with the show ---- */
+
+enum { APP_VIEWS = 6, APP_VIEW_NUMBERS = 6 };
+typedef struct app_scene {
+    lighting light;
+    uint32_t view_count;
+    double view[APP_VIEWS][APP_VIEW_NUMBERS]; /* viewport_view */
+} app_scene;
+const app_scene *app_scene_of(const app *self);        /* never NULL */
+void app_set_scene(app *self, const app_scene *scene); /* on the stage, at once */
+void app_keep_scene(app *self); /* in the show, once it is as the person wants it */
 
 /* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
 
@@ -241,6 +254,7 @@ typedef enum app_panel {
     APP_LOG,
     APP_PATCH,
     APP_OUTPUT,
+    APP_SCENE,
     APP_PANELS
 } app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */

@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "stage/perform/patch_file.h"
+#include "base/text.h"
 #include "stage/take/kept_solver.h"
 #include "take/pack.h"
 
@@ -190,6 +191,66 @@ static mrt_result keep(app *self, error *err)
     return kept_solver_write(self->show, &kept, err);
 }
 
+/* ---- the scene: kept with the show ---- */
+
+static const char scene_note[] = LIGHTING_NOTE, views_note[] = "views";
+enum { VIEWS_TEXT = 32 * APP_VIEWS * APP_VIEW_NUMBERS }; /* of either note */
+_Static_assert((int)VIEWS_TEXT >= (int)LIGHTING_TEXT, "a note of lights has room");
+
+static bool views_parse(app_scene *out, const char *text)
+{
+    text_view rest = text_view_of(text, strlen(text)), word;
+    uint32_t count = 0;
+    for (; count < APP_VIEWS * APP_VIEW_NUMBERS && text_next_word(&rest, &word); ++count)
+        if (!text_double(word, &out->view[count / APP_VIEW_NUMBERS][count % APP_VIEW_NUMBERS]))
+            return false;
+    out->view_count = count / APP_VIEW_NUMBERS;
+    return count % APP_VIEW_NUMBERS == 0;
+}
+
+static void app_scene_read(app *self)
+{
+    char text[VIEWS_TEXT] = "";
+    error err = {0};
+    self->scene = (app_scene){.light = lighting_looks[0].light};
+    if (!self->show)
+        return;
+    if (show_note_read(self->show, scene_note, text, sizeof text, &err) >= 0 && text[0] &&
+        !lighting_parse(&self->scene.light, text))
+        app_say(self, MRT_LOG_WARNING, "the show's lights make no sense: the studio's are on");
+    if (show_note_read(self->show, views_note, text, sizeof text, &err) >= 0 && text[0] &&
+        !views_parse(&self->scene, text))
+        self->scene.view_count = 0;
+}
+
+const app_scene *app_scene_of(const app *self)
+{
+    return &self->scene;
+}
+
+void app_set_scene(app *self, const app_scene *scene)
+{
+    self->scene = *scene;
+}
+
+void app_keep_scene(app *self)
+{
+    char text[VIEWS_TEXT];
+    error err = {0};
+    size_t length = 0;
+    if (!self->show || !show_is_writable(self->show))
+        return;
+    lighting_write(&self->scene.light, text);
+    mrt_result result = show_note_write(self->show, scene_note, text, &err);
+    text[0] = '\0';
+    for (uint32_t i = 0; i < self->scene.view_count * APP_VIEW_NUMBERS; ++i)
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%.9g", i ? " " : "",
+                                   self->scene.view[i / APP_VIEW_NUMBERS][i % APP_VIEW_NUMBERS]);
+    if (result >= 0)
+        result = show_note_write(self->show, views_note, text, &err);
+    app_reported(app_report(self, result, &err));
+}
+
 const csrbf_settings *app_solver(const app *self)
 {
     return self->has_solver ? &self->solver : NULL;
@@ -280,6 +341,7 @@ static void perform_as_show_says(app *self)
     error err = {0};
     const bool had_own = app_solver(self) != NULL;
     app_solver_read(self);
+    app_scene_read(self);
     if (had_own || app_solver(self))
         (void)app_report(self, live_set_solver(self->live, app_solver(self), &err), &err);
 }
@@ -635,6 +697,7 @@ static mrt_result app_open_first(app *self, const app_options *options, error *e
     mrt_result result = open_first_show(self, options->show_path, err);
     if (result >= 0) {
         app_solver_read(self);
+        app_scene_read(self);
         result = choose(self, options, &named, err);
     }
     if (result >= 0)
@@ -1392,7 +1455,7 @@ static void do_look(app *self, action of)
             looks->is_face_only = false;
     } else if (of == ACTION_HEAT_NEXT) {
         looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
-    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_OUTPUT) {
+    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_SCENE) {
         looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
         looks->is_face_only = false;
     } else if (of == ACTION_QUIT) {

@@ -52,6 +52,7 @@ struct app {
     app_patch_aim patch_aim;
     uint32_t patch_pressed[PATCH_ACTIONS]; /* that were obeyed */
 
+    app_scene scene;
     app_picture picture;
     char picture_says[256]; /* the last that was said of it too */
     uint32_t stream_count;

@@ -311,6 +311,7 @@ struct viewport_picture {
     float *shape; /* vertex_count by 3: as drawn last, while has_shape */
     bool has_shape, has_colours, is_stale;
     draw_camera camera;
+    lighting light;
     bool has_ground;
     float ground[4];
     viewport_scene scene;
@@ -407,6 +408,11 @@ static bool has_target(viewport_picture *self, uint32_t width, uint32_t height, 
     return self->target != NULL;
 }
 
+static const lighting *light_of(const viewport_picture_look *look)
+{
+    return look->light ? look->light : &lighting_looks[0].light;
+}
+
 static bool is_same(const viewport_picture *self, const viewport_picture_look *look)
 {
     uint32_t count = look->scene ? look->scene->count : 0;
@@ -414,6 +420,7 @@ static bool is_same(const viewport_picture *self, const viewport_picture_look *l
         self->has_ground == (look->ground != NULL) &&
         (!look->ground || memcmp(self->ground, look->ground, sizeof self->ground) == 0);
     return !self->is_stale && is_same_ground &&
+           memcmp(&self->light, light_of(look), sizeof self->light) == 0 &&
            memcmp(&self->camera, &look->camera, sizeof look->camera) == 0 &&
            count == self->scene.count &&
            (count == 0 ||
@@ -424,6 +431,7 @@ static void keep(viewport_picture *self, const viewport_picture_look *look)
 {
     self->is_stale = false;
     self->camera = look->camera;
+    self->light = *light_of(look);
     self->has_ground = look->ground != NULL;
     if (look->ground)
         memcpy(self->ground, look->ground, sizeof self->ground);
@@ -443,6 +451,7 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
         return 0;
     if (!is_same(self, look)) {
         const uint32_t whole[4] = {0, 0, look->width, look->height};
+        draw_light(self->renderer, light_of(look));
         draw_ground(self->renderer, look->ground);
         draw_render(self->renderer, self->target, self->face, &look->camera, 0, 0, look->width,
                     look->height);

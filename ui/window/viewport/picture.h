@@ -50,6 +50,7 @@ typedef struct viewport_picture_look {
     uint32_t width, height; /* pixels */
     draw_camera camera;
     const viewport_scene *scene; /* NULL: nothing over the face */
+    const lighting *light;       /* NULL: the studio */
     const float *ground;         /* rgba behind it, as draw_ground; NULL: the wall */
 } viewport_picture_look;
 /* 0: there is nothing to be shown, err says why. The texture lives until the next call. */

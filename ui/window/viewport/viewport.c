@@ -1224,6 +1224,23 @@ static void viewport_keep_camera(viewport *self)
         settings_set_number(app_settings(self->of), camera_key[i], now[i]);
 }
 
+_Static_assert((int)APP_VIEW_NUMBERS == (int)VIEWPORT_CAMERA_KEPT,
+               "a view is a camera that is kept");
+
+void viewport_view(const viewport *self, double out[APP_VIEW_NUMBERS])
+{
+    viewport_camera_keep(&self->camera, out);
+}
+
+void viewport_go_to(viewport *self, const double view[APP_VIEW_NUMBERS])
+{
+    viewport_camera there = self->camera;
+    viewport_camera_recall(&there, view);
+    self->camera.from = self->camera.now;
+    self->camera.to = there.now;
+    self->camera.glided_s = 0.0;
+}
+
 void viewport_destroy(viewport *self)
 {
     if (!self)
@@ -1346,6 +1363,7 @@ static uint32_t draw_picture(viewport *self)
     viewport_picture_look look = {.width = pixels(quality * (float)self->rectangle[2]),
                                   .height = pixels(quality * (float)self->rectangle[3]),
                                   .camera = self->camera.now,
+                                  .light = &app_scene_of(self->of)->light,
                                   .scene = &self->scene};
     error err = {{0}};
     uint32_t texture = viewport_picture_draw(self->picture, &look, &err);
@@ -1461,6 +1479,7 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
     viewport_picture_look look = {.width = width,
                                   .height = height,
                                   .ground = self->has_ground ? self->ground : NULL,
+                                  .light = &app_scene_of(self->of)->light,
                                   .camera = output_camera(self, (float)width / (float)height)};
     return viewport_picture_draw(self->output[to], &look, &err);
 }
