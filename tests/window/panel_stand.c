@@ -118,6 +118,12 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
+bool app_take_camera(app *self)
+{
+    (void)self;
+    return false;
+}
+
 app_patch_aim *app_patch_aimed(app *self)
 {
     (void)self;

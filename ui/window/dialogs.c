@@ -73,6 +73,7 @@ void dialogs_ask_export(dialogs *self)
     self->exporting.trouble[0] = self->exporting.replaced[0] = '\0';
     put_name(self);
     put_ending(&self->exporting);
+    self->exporting.is_asked_first = true;
     ui_dialog_open(self->ui, export_dialog);
 }
 
@@ -146,6 +147,9 @@ static void draw_request(dialogs *self)
     (void)ui_choice(on, "Frames a second", label, rate_names, RATES, &exporting->rate);
     ui_space(on, 2.0f);
     ui_width(on, -1.0f);
+    if (exporting->is_asked_first)
+        ui_input_take_keys(on);
+    exporting->is_asked_first = false;
     (void)ui_input(on, "##file", "Path of the file", exporting->request.file,
                    sizeof exporting->request.file);
     draw_range(self);
@@ -241,7 +245,7 @@ static void go_on(dialogs *self)
     else if (what == DIALOGS_QUITS)
         self->is_over = true;
     else if (what == DIALOGS_CHANGES_FACE)
-        (void)!app_open_face(self->app, self->next_face);
+        (void)!open_any(self->app, self->next_face); /* so is what is wrong */
 }
 
 static void leave(dialogs *self, dialogs_leaving what)
@@ -383,41 +387,49 @@ static void draw_exporting(dialogs *self)
     ui_dialog_end(on);
 }
 
-/* The dialog that opens a show or a face: folders, files, or a path that is typed. */
+/* The dialog that opens whatever there is: folders, files, what was opened lately, or a path that
+ * is typed. */
 
 static const char open_dialog[] = "open";
-static const char *const kind_names[DIALOGS_OPENS_KINDS] = {"Show", "Face"};
-static const char *const show_endings[] = {".marotte", NULL};
-static const char *const face_endings[] = {".rig.json", ".glb", ".gltf", ".obj",
-                                           ".ply",      ".off", ".stl",  NULL};
+static const char *const kind_names[OPEN_KINDS] = {"All", "Shows", "Faces", "Hands", "Voices"};
+static const char *const kind_keys[OPEN_KINDS] = {"open.any", "open.show", "open.face",
+                                                  "open.hands", "open.voice"};
+static const char *const kind_nothing[OPEN_KINDS] = {
+    "Nothing that marotte opens is here.", "No show is here.", "No face is here.",
+    "No recording of hands is here.", "No sound is here."};
 /* The faces that come with the program. */
 static const char *const shipped[] = {"puppet", "moai"};
-
-static const char *const *endings_of(dialogs_open_kind kind)
-{
-    return kind == DIALOGS_OPENS_SHOW ? show_endings : face_endings;
-}
 
 static void go(dialogs *self, const char *path)
 {
     dialogs_opening *opening = &self->opening;
     error err = {0};
     const mrt_result result =
-        folder_go(&opening->at[opening->kind], path, endings_of(opening->kind), &err);
+        folder_go(&opening->at[opening->kind], path, open_endings(opening->kind), &err);
     (void)snprintf(opening->trouble, sizeof opening->trouble, "%s", result < 0 ? err.text : "");
+    if (result >= 0)
+        settings_set_text(app_settings(self->app), kind_keys[opening->kind],
+                          opening->at[opening->kind].path);
 }
 
-/* Where the one that is open lies; else at home. */
+/* Where one of its kind was looked for last, in this run or another; else where the one that is
+ * open lies, or at home. */
 static void go_somewhere(dialogs *self)
 {
     const char *home = getenv("HOME");
     char path[FOLDER_PATH];
-    if (self->opening.at[self->opening.kind].path[0])
+    const open_kind kind = self->opening.kind;
+    if (self->opening.at[kind].path[0]) {
+        go(self, self->opening.at[kind].path); /* as it is now */
+        return;
+    }
+    const char *last = settings_text(app_settings(self->app), kind_keys[kind], "");
+    if (last[0])
+        go(self, last);
+    if (self->opening.at[kind].path[0])
         return;
     show *s = app_show(self->app);
-    const char *of = self->opening.kind == DIALOGS_OPENS_FACE ? app_face_path(self->app)
-                     : s                                      ? show_path(s)
-                                                              : "";
+    const char *of = kind == OPEN_FACE ? app_face_path(self->app) : s ? show_path(s) : "";
     (void)snprintf(path, sizeof path, "%s", of);
     char *slash = strrchr(path, '/');
     if (slash)
@@ -429,9 +441,10 @@ static void go_somewhere(dialogs *self)
         go(self, "/");
 }
 
-void dialogs_ask_open(dialogs *self, dialogs_open_kind kind)
+void dialogs_ask_open(dialogs *self, open_kind kind)
 {
     self->opening.kind = kind;
+    self->opening.is_asked_first = true;
     self->opening.name[0] = self->opening.trouble[0] = '\0';
     go_somewhere(self);
     ui_dialog_open(self->ui, open_dialog);
@@ -451,8 +464,8 @@ static bool path_typed(const dialogs *self, char out[FOLDER_PATH])
     const dialogs_opening *opening = &self->opening;
     if (!folder_join(&opening->at[opening->kind], opening->name, out))
         return false;
-    if (opening->kind == DIALOGS_OPENS_FACE || is_folder(out) || access(out, F_OK) == 0 ||
-        folder_name_ends(out, show_endings))
+    if (opening->kind > OPEN_SHOW || is_folder(out) || access(out, F_OK) == 0 ||
+        open_kind_of(out) != OPEN_ANY)
         return true;
     const size_t length = strlen(out);
     if (length + sizeof ".marotte" > FOLDER_PATH)
@@ -471,13 +484,25 @@ static void say_newest(dialogs *self)
 
 static void open_path(dialogs *self, const char *path)
 {
-    if (self->opening.kind == DIALOGS_OPENS_FACE) {
+    if (open_kind_of(path) == OPEN_FACE) {
         ui_dialog_close(self->ui);
         change_face(self, path);
-    } else if (app_open_show(self->app, path) >= 0) {
+    } else if (open_any(self->app, path) >= 0) {
         ui_dialog_close(self->ui);
     } else {
         say_newest(self);
+    }
+}
+
+void dialogs_drop(dialogs *self, const char *path)
+{
+    if (is_folder(path)) {
+        dialogs_ask_open(self, OPEN_ANY);
+        go(self, path);
+    } else if (open_kind_of(path) == OPEN_FACE) {
+        change_face(self, path);
+    } else {
+        (void)!open_any(self->app, path); /* what is wrong is in the news */
     }
 }
 
@@ -496,6 +521,36 @@ static void open_typed(dialogs *self)
 
 /* ---- drawing ---- */
 
+/* What was opened lately, in whatever folder; true: `chosen` is to be opened. */
+static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
+{
+    ui *on = self->ui;
+    const char *recent[OPEN_RECENT_MAX];
+    const uint32_t count = open_recent(app_settings(self->app), recent);
+    const open_kind kind = self->opening.kind;
+    char label[FOLDER_PATH + 32];
+    bool is_double = false, any = false;
+    for (uint32_t i = 0; i < count; ++i) {
+        if ((kind != OPEN_ANY && open_kind_of(recent[i]) != kind) || access(recent[i], R_OK) != 0)
+            continue;
+        if (!any)
+            ui_text(on, UI_STYLE_DIM, "Lately");
+        any = true;
+        const char *slash = strrchr(recent[i], '/');
+        const char *name = slash ? slash + 1 : recent[i];
+        (void)snprintf(label, sizeof label, "%s   in %.*s##recent%u", name,
+                       slash ? (int)(slash - recent[i]) : 0, recent[i], i);
+        const ui_row_click click = ui_row(on, label, strcmp(recent[i], self->opening.name) == 0);
+        if (click == UI_ROW_NONE)
+            continue;
+        (void)snprintf(chosen, FOLDER_PATH, "%s", recent[i]);
+        is_double = click == UI_ROW_DOUBLE_CLICKED;
+    }
+    if (any)
+        ui_text(on, UI_STYLE_DIM, "Here");
+    return is_double;
+}
+
 static void draw_list(dialogs *self)
 {
     ui *on = self->ui;
@@ -504,6 +559,7 @@ static void draw_list(dialogs *self)
     bool is_double = false;
     chosen[0] = '\0';
     ui_scroll_begin(on, "files", 0.0f, 264.0f);
+    is_double = draw_recent(self, chosen);
     for (uint32_t i = 0; i < at->count; ++i) {
         const folder_entry *entry = &at->entry[i];
         (void)snprintf(label, sizeof label, "%s%s##%u", entry->name, entry->is_folder ? "/" : "",
@@ -516,8 +572,7 @@ static void draw_list(dialogs *self)
         is_double = click == UI_ROW_DOUBLE_CLICKED || entry->is_folder;
     }
     if (at->count <= 1)
-        ui_text(on, UI_STYLE_DIM,
-                self->opening.kind == DIALOGS_OPENS_SHOW ? "No show is here." : "No face is here.");
+        ui_text(on, UI_STYLE_DIM, kind_nothing[self->opening.kind]);
     if (at->has_more)
         ui_text(on, UI_STYLE_DIM, "There are more: type the name.");
     ui_scroll_end(on);
@@ -547,8 +602,8 @@ static void draw_buttons(dialogs *self)
 {
     ui *on = self->ui;
     char path[FOLDER_PATH];
-    const bool is_new = self->opening.kind == DIALOGS_OPENS_SHOW && self->opening.name[0] &&
-                        path_typed(self, path) && access(path, F_OK) != 0;
+    const bool is_new = self->opening.name[0] && path_typed(self, path) &&
+                        open_kind_of(path) == OPEN_SHOW && access(path, F_OK) != 0;
     if (self->opening.trouble[0])
         ui_text_wrapped(on, UI_STYLE_BAD, self->opening.trouble);
     ui_space(on, 8.0f);
@@ -568,23 +623,25 @@ static void draw_open(dialogs *self)
     uint32_t kind = opening->kind;
     if (!ui_dialog_begin(on, open_dialog, "Open", 560.0f))
         return;
-    if (ui_tabs(on, "kinds", kind_names, DIALOGS_OPENS_KINDS, &kind)) {
-        opening->kind = (dialogs_open_kind)kind;
+    if (ui_tabs(on, "kinds", kind_names, OPEN_KINDS, &kind)) {
+        opening->kind = (open_kind)kind;
         opening->name[0] = opening->trouble[0] = '\0';
         go_somewhere(self);
     }
     ui_space(on, 4.0f);
-    if (opening->kind == DIALOGS_OPENS_FACE)
+    if (opening->kind == OPEN_FACE)
         draw_shipped(self);
     ui_text(on, UI_STYLE_DIM, opening->at[opening->kind].path);
     draw_list(self);
     ui_space(on, 4.0f);
-    const bool is_show = opening->kind == DIALOGS_OPENS_SHOW;
     ui_width(on, -1.0f);
-    (void)ui_input(on, "##name", is_show ? "Name of a show, also of a new one" : "Name or path",
+    if (opening->is_asked_first)
+        ui_input_take_keys(on);
+    opening->is_asked_first = false;
+    (void)ui_input(on, "##name",
+                   opening->kind <= OPEN_SHOW ? "Name or path; a new name makes a show"
+                                              : "Name or path",
                    opening->name, sizeof opening->name);
-    if (ui_pressed(on, UI_KEY_ENTER, 0) && opening->name[0])
-        open_typed(self);
     draw_buttons(self);
     ui_dialog_end(on);
 }
@@ -598,7 +655,7 @@ void dialogs_init(dialogs *out, app *of, ui *on)
 
 void dialogs_finish(dialogs *self)
 {
-    for (uint32_t i = 0; i < DIALOGS_OPENS_KINDS; ++i)
+    for (uint32_t i = 0; i < OPEN_KINDS; ++i)
         folder_finish(&self->opening.at[i]);
 }
 

@@ -1,30 +1,26 @@
-/* window/dialogs.h - the questions over everything else: which show or face is opened, how a take
+/* window/dialogs.h - the questions over everything else: what is opened, how a take
  * is exported, how far exports are, and what becomes of work that is not saved before the program
  * ends or another face comes. [main] */
 #ifndef MAROTTE_UI_WINDOW_DIALOGS_H
 #define MAROTTE_UI_WINDOW_DIALOGS_H
 #include "window/folder.h"
+#include "window/open_any.h"
 #include "window/gui/ui.h"
 #include "window/app/app.h"
 #include "window/app/exporter.h"
 
-typedef enum dialogs_open_kind {
-    DIALOGS_OPENS_SHOW = 0,
-    DIALOGS_OPENS_FACE,
-    DIALOGS_OPENS_KINDS
-} dialogs_open_kind;
-
-typedef struct dialogs_opening { /* the dialog that opens shows and faces */
-    dialogs_open_kind kind;
-    folder at[DIALOGS_OPENS_KINDS];
+typedef struct dialogs_opening { /* the dialog that opens whatever there is */
+    open_kind kind;              /* of which it lists files; OPEN_ANY: all */
+    folder at[OPEN_KINDS];
     char name[FOLDER_PATH];
     char trouble[1024];
+    bool is_asked_first;
 } dialogs_opening;
 
 typedef struct dialogs_exporting {
     export_request request;
     uint32_t format, rate;
-    bool only_range;
+    bool only_range, is_asked_first;
     char replaced[EXPORT_FILE]; /* the file that the person was told is there already */
     char trouble[EXPORT_FILE + 64];
 } dialogs_exporting;
@@ -53,7 +49,10 @@ void dialogs_finish(dialogs *self);
 /* Each frame, over all panels. */
 void dialogs_draw(dialogs *self);
 
-void dialogs_ask_open(dialogs *self, dialogs_open_kind kind);
+void dialogs_ask_open(dialogs *self, open_kind kind);
+/* A file that was dropped: opened, after the question about what is not saved; a folder is shown.
+ */
+void dialogs_drop(dialogs *self, const char *path);
 void dialogs_ask_export(dialogs *self);
 void dialogs_ask_exports(dialogs *self); /* those that go on */
 /* At once, or after the questions about what is not saved and what goes on: is_over then. */

@@ -2,6 +2,7 @@
 #include "window/dialogs.h"
 #include "window/gui/theme.h"
 #include "window/help.h"
+#include "window/offers.h"
 #include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/viewport/viewport.h"
@@ -34,6 +35,7 @@ struct workspace {
     ui_screen screen;
 
     dialogs dialogs;
+    bool is_offered; /* what an empty stage offers was answered */
     help help;
 
     int32_t news_level; /* of the line that is shown */
@@ -380,7 +382,7 @@ static void name_of(const char *path, char *out, size_t capacity)
 }
 
 static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink, const char *name,
-                     const char *path, dialogs_open_kind kind)
+                     const char *path, open_kind kind)
 {
     const ui_rectangle box = {p->where.x + 6.0f, y - 2.0f, width, 21.0f};
     if (is_over(p, box)) {
@@ -389,7 +391,7 @@ static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink,
         char keys[KEY_WORDS];
         words_of_key(p, ACTION_OPEN, keys);
         (void)snprintf(p->hint, sizeof p->hint, "%.420s\nOpen another %s%s%s%s", path,
-                       kind == DIALOGS_OPENS_SHOW ? "show" : "face", keys[0] ? "  (" : "", keys,
+                       kind == OPEN_SHOW ? "show" : "face", keys[0] ? "  (" : "", keys,
                        keys[0] ? ")" : "");
     }
     ui_draw_text(p->on, box.x + 6.0f, y, style, ink, width - 12.0f, name);
@@ -408,11 +410,10 @@ static void put_names(pen *p, float width)
     (void)snprintf(words, sizeof words, "%s%s", s ? name : "No show: nothing is recorded",
                    s && !show_is_writable(s) ? " (read only)" : "");
     put_name(p, top, width, UI_STYLE_STRONG, s && show_is_writable(s) ? THEME_TEXT : THEME_WARNING,
-             words, s ? show_path(s) : "No show is open.", DIALOGS_OPENS_SHOW);
+             words, s ? show_path(s) : "No show is open.", OPEN_SHOW);
     name_of(app_face_path(of), name, sizeof name);
     (void)snprintf(words, sizeof words, "%s%s", name, app_unsaved_now(of) ? " \u2022" : "");
-    put_name(p, top + line, width, UI_STYLE_BODY, THEME_DIM, words, app_face_path(of),
-             DIALOGS_OPENS_FACE);
+    put_name(p, top + line, width, UI_STYLE_BODY, THEME_DIM, words, app_face_path(of), OPEN_FACE);
 }
 
 /* ---- middle: recording and where one is ---- */
@@ -880,6 +881,10 @@ static void draw_panels(workspace *self, const workspace_places *at)
     else
         bar_draw_alone(self, at->face);
     draw_edges(self, at);
+    ui_rectangle above_news = at->face;
+    above_news.height -= self->news[0] ? 68.0f : 0.0f;
+    if (at->has_bar)
+        offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);
     if (app_looks_of(self->app)->is_helping)
         help_draw(&self->help, self->app, self->ui,
@@ -900,7 +905,9 @@ static void update_panels(workspace *self, double dt_s)
 static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
-        dialogs_ask_open(&self->dialogs, self->dialogs.opening.kind);
+        dialogs_ask_open(&self->dialogs, OPEN_ANY);
+    for (const char *path; (path = window_take_drop(self->window)) != NULL;)
+        dialogs_drop(&self->dialogs, path);
     if (app_take_request(self->app, ACTION_EXPORT))
         dialogs_ask_export(&self->dialogs);
     if (app_wants_to_quit(self->app))

@@ -149,6 +149,9 @@ bool app_press(app *self, patch_action of);
 /* A preset of the mapping that performs, for the mapping panel, which takes it: true once. */
 void app_ask_preset(app *self, const char *name);
 bool app_take_preset(app *self, char *out, size_t capacity);
+/* The camera and its page, for the devices panel, which takes it: true once. */
+void app_ask_camera(app *self);
+bool app_take_camera(app *self);
 
 /* ---- the take that is chosen ---- */
 
@@ -280,6 +283,7 @@ void app_stay(app *self);                /* it is not to be quit after all */
 bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
 /* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
 bool app_is_held(const app *self);
+bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
 void app_begin_pull(app *self);              /* the face is as it was before it */
 void app_hold(app *self, const char *words); /* what began stays: a step of undo */
 

@@ -848,6 +848,18 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
+void app_ask_camera(app *self)
+{
+    self->camera_asked = true;
+}
+
+bool app_take_camera(app *self)
+{
+    const bool was_asked = self->camera_asked;
+    self->camera_asked = false;
+    return was_asked;
+}
+
 app_remote_status app_remote_now(const app *self)
 {
     return remote_status_of(self->remote);
@@ -1517,7 +1529,13 @@ bool app_is_held(const app *self)
 
 void app_begin_pull(app *self)
 {
+    self->has_pulled = true;
     pulls_begin(self->pulls);
+}
+
+bool app_has_pulled(const app *self)
+{
+    return self->has_pulled;
 }
 
 void app_hold(app *self, const char *words)

@@ -58,6 +58,7 @@ struct app {
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
+    bool camera_asked, has_pulled;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */

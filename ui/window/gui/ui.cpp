@@ -61,6 +61,8 @@ struct ui {
     uint32_t surface_below[UI_POPUPS_MAX];
     int popup_depth;
     bool has_dialog, had_dialog; /* drawn in this frame; in the one before */
+    bool types_lines;            /* in a text of several lines, in this frame */
+    bool is_answered;            /* in this frame, by Enter */
     bool has_menu;               /* a menu or a drop-down was open as the frame began: Esc is its */
     ImGuiID dialog_wanted;
     float next_width; /* pixels; of the next widget */
@@ -636,6 +638,18 @@ static button_look look_of(const ui *self, ui_emphasis emphasis)
     return button_look{THEME_RAISED, THEME_HOVER, THEME_TEXT};
 }
 
+/* Enter is a click on what a question is answered with, but where it ends a line of several. */
+static bool is_entered(ui *self, ui_emphasis emphasis)
+{
+    if (emphasis != UI_ACCENT || self->dialog_depth == 0 || self->disabled_depth > 0 ||
+        self->has_menu || self->types_lines || self->is_answered ||
+        ImGui::GetTopMostPopupModal() != ImGui::GetCurrentWindow()->RootWindow ||
+        !self->input->pressed[UI_KEY_ENTER] || ui_frame_modifiers(self->input) != 0)
+        return false;
+    self->is_answered = true;
+    return true;
+}
+
 bool ui_button(ui *self, const char *label, ui_emphasis emphasis)
 {
     const char *end = shown_end(label);
@@ -654,7 +668,7 @@ bool ui_button(ui *self, const char *label, ui_emphasis emphasis)
     inner.Min.x += inset;
     inner.Max.x -= inset;
     ui_put_text_in(self, font, inner, 0.5f, look.text, label, end);
-    return press.is_pressed;
+    return press.is_pressed || is_entered(self, emphasis);
 }
 
 static void put_tick(ui *self, const ImRect &box)
@@ -1053,8 +1067,9 @@ bool ui_dialog_begin(ui *self, const char *id, const char *title, float width)
     ui_enter_popup(self);
     ui_text(self, UI_STYLE_TITLE, title);
     ui_space(self, 6.0f);
-    if (ui_pressed(self, UI_KEY_ESCAPE, 0))
-        ImGui::CloseCurrentPopup();
+    if (self->input->pressed[UI_KEY_ESCAPE] && !self->has_menu &&
+        ImGui::GetTopMostPopupModal() == ImGui::GetCurrentWindow()->RootWindow)
+        ImGui::CloseCurrentPopup(); /* whatever is typed */
     return true;
 }
 
@@ -1332,6 +1347,7 @@ bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float
     box.Max.y = box.Min.y + high;
     ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
     ImGui::InputTextMultiline(id, text, capacity, box.GetSize());
+    self->types_lines |= ImGui::IsItemActive();
     const bool is_ended = was_ended(self, text);
     note_input(self, box, text, THEME_TEXT);
     return is_ended;
@@ -1746,7 +1762,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     self->had_dialog = self->has_dialog;
     self->has_dialog = false;
     self->next_width = 0.0f;
-    self->is_slider_held = false;
+    self->is_slider_held = self->types_lines = self->is_answered = false;
     ui_notes_begin(self->notes);
     ImGui_ImplOpenGL3_NewFrame();
     ImGui::NewFrame();

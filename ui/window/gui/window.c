@@ -37,8 +37,12 @@ typedef struct window_type {
     void (*show_output)(window *self, uint32_t texture, bool is_mirrored);
 } window_type;
 
+enum { DROPS = 8, DROP_PATH = 4096 };
+
 struct window { /* the first member of either */
     const window_type *type;
+    char drop[DROPS][DROP_PATH]; /* a ring */
+    uint32_t dropped, taken;
     uint32_t width_px, height_px;
     bool is_awaited; /* although nobody sees it */
     float scale;     /* pixels a point, without the zoom */
@@ -54,6 +58,18 @@ static float zoomed(const window *self)
     const float down = (float)self->height_px / ZOOMED_HEIGHT / self->scale;
     const float most = fmaxf(fminf(across, down), 1.0f);
     return self->scale * (self->zoom > 0.0f ? fminf(self->zoom, most) : 1.0f);
+}
+
+void window_drop(window *self, const char *path)
+{
+    const size_t length = strlen(path);
+    if (self->dropped - self->taken < DROPS && length < DROP_PATH)
+        memcpy(self->drop[self->dropped++ % DROPS], path, length + 1);
+}
+
+const char *window_take_drop(window *self)
+{
+    return self->taken < self->dropped ? self->drop[self->taken++ % DROPS] : NULL;
 }
 
 /* A framebuffer that a frame is drawn into: it can be read whatever a display does with its own. */
@@ -795,8 +811,15 @@ static void on_iconify(GLFWwindow *from, int is_iconified)
     ((glfw_window *)glfwGetWindowUserPointer(from))->is_iconified = is_iconified == GLFW_TRUE;
 }
 
+static void on_drop(GLFWwindow *from, int count, const char **paths)
+{
+    for (int i = 0; i < count; ++i)
+        window_drop(glfwGetWindowUserPointer(from), paths[i]);
+}
+
 static void listen(GLFWwindow *to)
 {
+    glfwSetDropCallback(to, on_drop);
     glfwSetCursorPosCallback(to, glfw_on_move);
     glfwSetCursorEnterCallback(to, on_enter);
     glfwSetMouseButtonCallback(to, glfw_on_button);

@@ -27,6 +27,10 @@ bool window_begin(window *self, ui *to, ui_screen *out_screen);
 void window_end(window *self, ui *from);
 /* RGBA, rows from the top, of what was shown last; to be freed. */
 CHECKED mrt_result window_picture(window *self, const char *png_path, error *err);
+/* The next file or folder that was dropped on it; until the next call. NULL: none. */
+const char *window_take_drop(window *self);
+/* One is dropped, by the desktop or a test. A few wait; those beyond are forgotten. */
+void window_drop(window *self, const char *path);
 void window_set_title(window *self, const char *title);
 /* Whether frames come at their full rate while it is put away: somebody afar waits for them. */
 void window_stay_awake(window *self, bool is_awaited);

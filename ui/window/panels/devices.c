@@ -634,12 +634,16 @@ static void draw_camera_card(devices_panel *self, ui *on, const char *input_text
 }
 
 /* A click opens the input; its page is shown when that has an address. */
+static void use_camera(devices_panel *self)
+{
+    self->shows_page = true;
+    devices_panel_add(self, "camera");
+}
+
 static void draw_use_camera(devices_panel *self, ui *on)
 {
-    if (ui_button(on, "Use the camera", UI_PLAIN)) {
-        self->shows_page = true;
-        devices_panel_add(self, "camera");
-    }
+    if (ui_button(on, "Use the camera", UI_PLAIN))
+        use_camera(self);
     ui_hint(on, "A bare hand before a webcam: a page in your browser sees it.");
     ui_space(on, 4.0f);
 }
@@ -1099,6 +1103,8 @@ static void update(panel *self_, double dt_s)
     (void)dt_s;
     follow_rezeros(self);
     follow_inputs(self);
+    if (app_take_camera(self->app))
+        use_camera(self);
     follow_camera(self);
     calibrate_panel_update(self->calibrate);
     const char *kept = calibrate_panel_take_kept(self->calibrate, &side);

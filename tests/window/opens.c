@@ -1,0 +1,213 @@
+/* What an empty stage offers, and whatever there is opened: by the dialog, by what was opened
+ * lately, by a file that is dropped. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+#include "base/file.h"
+#include "window/open_any.h"
+#include "scene.h"
+
+static scene s;
+
+static const char *newest(void)
+{
+    const news_list *news = app_news(s.app);
+    const uint32_t count = news_list_count(news);
+    return count ? news_list_at(news, count - 1)->text : "";
+}
+
+static bool has_hand(scene *of, void *data)
+{
+    (void)data;
+    return live_input_count(app_live(of->app)) > 0;
+}
+
+/* ---- the first minute ---- */
+
+static float x_of(const char *text)
+{
+    const ui_word *word = scene_word(&s, text);
+    if (!word)
+        fail_msg("\"%s\" is not offered", text);
+    return word ? word->where.x : 0.0f;
+}
+
+static void an_empty_stage_offers_four_ways_in_this_order(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_true(x_of("Camera") < x_of("Keyboard hand"));
+    assert_true(x_of("Keyboard hand") < x_of("Try a demo hand"));
+    assert_true(x_of("Try a demo hand") < x_of("Mouse"));
+    scene_picture(&s, "opens_offers");
+    scene_let_cut(&s, "No takes yet");
+    scene_check_words(&s);
+    scene_click_word(&s, "Keyboard hand");
+    assert_true(app_has_hand_keys(s.app));
+    assert_null(scene_word(&s, "Try a demo hand"));
+    scene_close(&s);
+}
+
+static void a_click_brings_a_demo_hand_that_performs(void **state)
+{
+    (void)state;
+    scene_open(&s, 800, 500, 1.0f);
+    scene_picture(&s, "opens_offers_small");
+    scene_let_cut(&s, "No takes yet");
+    scene_let_cut(&s, "night");
+    scene_let_cut(&s, "puppet");
+    scene_check_words(&s);
+    scene_click_word(&s, "Try a demo hand");
+    assert_true(scene_until(&s, has_hand, NULL));
+    assert_null(scene_word(&s, "Try a demo hand"));
+    scene_close(&s);
+}
+
+static void a_click_on_the_mouse_or_a_drag_clears_the_way(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_click_word(&s, "Mouse");
+    assert_null(scene_word(&s, "Try a demo hand"));
+    assert_non_null(strstr(newest(), "Shift"));
+    scene_close(&s);
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_non_null(scene_word(&s, "Try a demo hand"));
+    scene_drag(&s, 440.0f, 260.0f, 460.0f, 285.0f, 8);
+    assert_null(scene_word(&s, "Try a demo hand"));
+    scene_close(&s);
+}
+
+static bool has_page(scene *of, void *data)
+{
+    (void)of;
+    return access(data, F_OK) == 0;
+}
+
+static void a_click_opens_the_camera_and_its_page(void **state)
+{
+    char browser[128], script[256], seen[128];
+    error err = {0};
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    (void)snprintf(seen, sizeof seen, "%s/page", s.folder);
+    (void)snprintf(browser, sizeof browser, "%s/browser", s.folder);
+    (void)snprintf(script, sizeof script, "#!/bin/sh\necho \"$1\" > %s\n", seen);
+    assert_int_equal(file_write(browser, script, strlen(script), &err), MRT_OK);
+    assert_int_equal(chmod(browser, 0755), 0);
+    assert_int_equal(setenv("MAROTTE_BROWSER", browser, 1), 0);
+    scene_click_word(&s, "Camera");
+    assert_true(scene_until(&s, has_hand, NULL));
+    assert_true(scene_until(&s, has_page, seen));
+    (void)unsetenv("MAROTTE_BROWSER");
+    scene_close(&s);
+}
+
+/* ---- one Open ---- */
+
+static void the_first_field_has_the_focus_enter_opens_and_esc_cancels(void **state)
+{
+    char path[512];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_OPEN);
+    scene_picture(&s, "opens_dialog");
+    scene_type(&s, "nothing");
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_false(ui_has_dialog(s.ui));
+    scene_do(&s, ACTION_OPEN);
+    scene_face_path(path, "moai");
+    scene_type(&s, path);
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_false(ui_has_dialog(s.ui));
+    assert_string_equal(app_face_path(s.app), path);
+    scene_do(&s, ACTION_OPEN);
+    assert_non_null(scene_word(&s, "Lately"));
+    const ui_word *recent = scene_word_with(&s, "moai.rig.json   in");
+    assert_non_null(recent);
+    scene_picture(&s, "opens_lately");
+    scene_type(&s, "another");
+    scene_key(&s, UI_KEY_ENTER, 0); /* a new name makes a show */
+    assert_false(ui_has_dialog(s.ui));
+    assert_non_null(strstr(show_path(app_show(s.app)), "another.marotte"));
+    scene_close(&s);
+}
+
+static void put(char out[160], const char *name, const char *bytes)
+{
+    error err = {0};
+    (void)snprintf(out, 160, "%s/%s", s.folder, name);
+    assert_int_equal(file_write(out, bytes, strlen(bytes), &err), MRT_OK);
+}
+
+static void drop(const char *path)
+{
+    window_drop(s.window, path);
+    scene_frames(&s, 3);
+}
+
+static void whatever_is_dropped_is_opened_as_what_it_is(void **state)
+{
+    static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    char path[512], file[160];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_face_path(path, "moai");
+    drop(path);
+    assert_string_equal(app_face_path(s.app), path);
+    (void)snprintf(path, sizeof path, "%s/other.marotte", s.folder);
+    drop(path); /* there is none: a show of that name is made */
+    assert_string_equal(show_path(app_show(s.app)), path);
+    put(file, "voice.WAV", "RIFF");
+    drop(file);
+    assert_non_null(strstr(newest(), "choose the take"));
+    put(file, "letter", "Dear Sir,");
+    drop(file);
+    assert_non_null(strstr(newest(), "is no show, face, recording of hands or sound"));
+    drop(s.folder);
+    assert_true(ui_has_dialog(s.ui));
+    assert_non_null(scene_word(&s, "other.marotte"));
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    put(file, "corner.obj", obj);
+    drop(file);
+    assert_true(strcmp(app_face_path(s.app), file) == 0 || newest()[0]);
+    put(file, "hand", "time_s,right.index.mpj\nunit,deg\n0,10\n0.01,11\n0.02,12\n");
+    drop(file); /* its name says nothing: it is looked into */
+    assert_true(scene_until(&s, has_hand, NULL));
+    scene_close(&s);
+}
+
+static void what_a_file_is_is_decided_by_its_end_then_by_its_beginning(void **state)
+{
+    static const struct {
+        const char *name;
+        open_kind kind;
+    } all[] = {{"/a/night.marotte", OPEN_SHOW},
+               {"/a/Puppet.RIG.JSON", OPEN_FACE},
+               {"/a/x.vrm", OPEN_FACE},
+               {"/a/hand.csv", OPEN_HANDS},
+               {"/a/line.flac", OPEN_VOICE},
+               {"/a/notes.json", OPEN_ANY},
+               {"/a/none", OPEN_ANY}};
+    (void)state;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
+        assert_int_equal(open_kind_of(all[i].name), all[i].kind);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_a_file_is_is_decided_by_its_end_then_by_its_beginning),
+        cmocka_unit_test(an_empty_stage_offers_four_ways_in_this_order),
+        cmocka_unit_test(a_click_brings_a_demo_hand_that_performs),
+        cmocka_unit_test(a_click_on_the_mouse_or_a_drag_clears_the_way),
+        cmocka_unit_test(a_click_opens_the_camera_and_its_page),
+        cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
+        cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

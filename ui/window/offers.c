@@ -1,0 +1,105 @@
+#include "window/offers.h"
+
+#include "base/installed.h"
+
+#include <stdio.h>
+
+typedef enum offer {
+    OFFER_CAMERA = 0, /* the order in which they are offered */
+    OFFER_KEYBOARD,
+    OFFER_DEMO,
+    OFFER_MOUSE,
+    OFFERS
+} offer;
+
+static const struct {
+    const char *title, *help;
+} offers[OFFERS] = {
+    {"Camera", "A bare hand before a webcam: a page in your browser sees it."},
+    {"Keyboard hand", "The keys bend the fingers of a hand; Escape ends it."},
+    {"Try a demo hand", "A recorded hand performs, again and again, until it is removed."},
+    {"Mouse", "Drag the face itself. With Shift it stays, with Ctrl it is clay."},
+};
+
+static bool is_empty(app *of)
+{
+    input_opening opening[INPUT_OPENINGS_MAX];
+    return live_input_count(app_live(of)) == 0 && app_openings(of, opening) == 0 &&
+           !app_has_hand_keys(of) && !app_has_pulled(of) && !app_take_id(of) &&
+           !app_status(of)->is_recording && !app_looks_of(of)->is_helping && app_view(of)->number;
+}
+
+static bool is_there(app *of, offer which)
+{
+    const mrt_plugin_type *type;
+    char path[INSTALLED_LENGTH];
+    error err = {0};
+    if (which == OFFER_CAMERA)
+        return plugin_list_find(app_plugins(of), "camera", MRT_INPUT, &type, &err) >= 0;
+    return which != OFFER_DEMO || installed_data(path, "demo_hand.csv");
+}
+
+static void accept(app *of, offer which)
+{
+    char path[INSTALLED_LENGTH], text[INSTALLED_LENGTH + 16];
+    switch (which) {
+    case OFFER_CAMERA:
+        app_ask_camera(of);
+        break;
+    case OFFER_KEYBOARD:
+        app_do(of, ACTION_HAND_KEYS);
+        break;
+    case OFFER_DEMO:
+        if (!installed_data(path, "demo_hand.csv"))
+            break;
+        (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
+        (void)!app_open_input(of, text); /* what is wrong is in the news */
+        break;
+    default:
+        news_list_add(app_news(of), MRT_LOG_INFO, "stage", offers[OFFER_MOUSE].help);
+        break;
+    }
+}
+
+static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */
+
+static float width_of(const ui *on, offer which)
+{
+    return ui_text_width(on, UI_STYLE_BODY, offers[which].title) + 22.0f;
+}
+
+void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
+{
+    offer list[OFFERS];
+    uint32_t count = 0, per_line;
+    float width = 0.0f;
+    if (*is_gone || !is_empty(of))
+        return;
+    for (uint32_t i = 0; i < OFFERS; ++i)
+        if (is_there(of, (offer)i)) {
+            list[count++] = (offer)i;
+            width += width_of(on, (offer)i) + gap;
+        }
+    const bool is_wide = width + 2.0f * padding <= over.width - 24.0f;
+    per_line = is_wide ? count : 2;
+    if (!is_wide)
+        width = 2.0f * (width_of(on, OFFER_DEMO) + gap);
+    const uint32_t lines = (count + per_line - 1) / per_line;
+    const float height = (is_wide ? 34.0f : 12.0f) + (float)lines * pitch;
+    width += 2.0f * padding - gap;
+    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
+                              over.y + over.height - height - 8.0f, width, height};
+    ui_panel_begin(on, "offers", box, UI_GROUND_PANEL);
+    if (is_wide)
+        ui_text(on, UI_STYLE_DIM, "Perform with");
+    for (uint32_t i = 0; i < count; ++i) {
+        if (i % per_line)
+            ui_same_line(on);
+        if (ui_button(on, offers[list[i]].title, i == 0 ? UI_ACCENT : UI_PLAIN)) {
+            *is_gone = true;
+            accept(of, list[i]);
+        }
+        ui_hint(on, offers[list[i]].help);
+    }
+    ui_panel_end(on);
+}
