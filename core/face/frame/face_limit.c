@@ -62,6 +62,8 @@ typedef struct limit_patch {
     /* 1 over the tangent of how far it may turn whatever others do: at rest, and as posed; and of
      * how far it may tilt, as posed, before it is seen from behind */
     float of_turn[GROUP], of_turn_posed[GROUP], of_tilt_posed[GROUP];
+    float rest_normal[3][GROUP], main_share[GROUP]; /* as long as twice the area; of main_bone */
+    float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.is_seen */
 } limit_patch;
 
 /* What is known of them beside. */
@@ -71,11 +73,12 @@ typedef struct limit_group {
     float tilt_cosine;     /* of how far the origin has turned a triangle from rest at most */
     float rounding;        /* of the origin: what it may turn and stretch a triangle by */
     float room;            /* room_of_pose; INFINITY: not known in this frame */
+    float room_alone;      /* likewise, where no other bone is near, of every pose; or INFINITY */
     float strain, turn;    /* at most, strain also the size; INFINITY: not known with this pose */
     uint32_t main_bone;    /* or STILL */
     uint32_t bones_around; /* a bit for each that is the main one of a group beside it */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
-    bool is_framed;                      /* patch.posed is that of this pose */
+    bool is_framed, is_seen;             /* patch.posed and patch.along are those of this pose */
     float centre[3], radius;
 } limit_group;
 
@@ -84,6 +87,7 @@ typedef struct limit_group {
 typedef struct limit_carried {
     uint32_t bone;
     float weight, gradient[3], apart;
+    float share[GROUP]; /* of each triangle: the mean of its corners */
 } limit_carried;
 
 /* What is looked at: triangles strained too much; and those turned so far that their edges may be
@@ -100,6 +104,12 @@ enum { STILL = RIG_BONES_MAX, CARRIERS }; /* what no bone moves is carried by th
 
 _Static_assert(CARRIERS <= 32, "a bit for each in limit_group.bones_around");
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
+
+/* fmaxf without a call; a NaN of b counts as nothing. */
+static inline float larger(float a, float b)
+{
+    return b > a ? b : a;
+}
 
 /* ---- made and unmade ---- */
 
@@ -136,6 +146,15 @@ static void measure_rest(face *f)
             f->limit.longest[t][e] =
                 (float)vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
         }
+        const points *p = &f->rest;
+        limit_patch *patch = &f->limit.patch[t / GROUP];
+        float a[3] = {p->x[corner[1]] - p->x[corner[0]], p->y[corner[1]] - p->y[corner[0]],
+                      p->z[corner[1]] - p->z[corner[0]]};
+        float b[3] = {p->x[corner[2]] - p->x[corner[0]], p->y[corner[2]] - p->y[corner[0]],
+                      p->z[corner[2]] - p->z[corner[0]]};
+        patch->rest_normal[0][t % GROUP] = a[1] * b[2] - a[2] * b[1];
+        patch->rest_normal[1][t % GROUP] = a[2] * b[0] - a[0] * b[2];
+        patch->rest_normal[2][t % GROUP] = a[0] * b[1] - a[1] * b[0];
     }
 }
 
@@ -269,14 +288,23 @@ static const float *const *streams(const points *p, const float *out[3])
     return out;
 }
 
-static void put_rows(float (*row)[4], const points *origin, float sum[3][POINTS_BLOCK],
+/* Leaves origin + sum in sum. */
+static void put_rows(float (*restrict row)[4], const points *origin, float sum[3][POINTS_BLOCK],
                      uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
+    const float *const at[3] = {origin ? origin->x + first : NULL,
+                                origin ? origin->y + first : NULL,
+                                origin ? origin->z + first : NULL};
+    for (int axis = 0; axis < 3 && origin; ++axis)
+        for (size_t i = 0; i < POINTS_BLOCK; ++i)
+            sum[axis][i] = at[axis][i] + sum[axis][i];
+    row += first;
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        row[first + i][0] = (origin ? origin->x[first + i] : 0.0f) + sum[0][i];
-        row[first + i][1] = (origin ? origin->y[first + i] : 0.0f) + sum[1][i];
-        row[first + i][2] = (origin ? origin->z[first + i] : 0.0f) + sum[2][i];
+        row[i][0] = sum[0][i];
+        row[i][1] = sum[1][i];
+        row[i][2] = sum[2][i];
+        row[i][3] = 0.0f; /* so that whole rows are stored */
     }
 }
 
@@ -465,6 +493,13 @@ static void find_gradient(limit_carried *out, const float *row, const uint32_t *
     out->apart = (float)apart;
 }
 
+static void find_shares(float *out, const float *row, const uint32_t *corner, size_t count)
+{
+    for (size_t i = 0; i < GROUP; ++i, corner += 3)
+        out[i] =
+            row && i < count ? (row[corner[0]] + row[corner[1]] + row[corner[2]]) / 3.0f : 0.0f;
+}
+
 /* Which bone carries the group most, and which others do. Returns where the next one begins. */
 static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
 {
@@ -485,12 +520,14 @@ static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
             g->main_bone = bone;
         }
     }
+    find_shares(f->limit.patch[group].main_share, carrier_row(f, g->main_bone), corner, count);
     for (uint32_t bone = 0; bone < CARRIERS; ++bone) {
         limit_carried *c = &f->limit.carried[next];
         if (bone == g->main_bone || !(most[bone] > 0.0f))
             continue;
         *c = (limit_carried){.bone = bone, .weight = most[bone]};
         find_gradient(c, carrier_row(f, bone), corner, frames, count);
+        find_shares(c->share, carrier_row(f, bone), corner, count);
         next += 1;
     }
     return next;
@@ -509,6 +546,18 @@ static void find_bones_around(face *f)
     for (size_t t = 0; t < f->skin_count; ++t)
         for (size_t i = 0; i < 3; ++i)
             l->group[t / GROUP].bones_around |= l->bones_around[f->skin[3 * t + i]];
+}
+
+static float room_of_pose(face *f, const limit_group *g);
+
+static void know_lone_rooms(face *f)
+{
+    for (size_t group = 0; group < group_count(f); ++group) {
+        limit_group *g = &f->limit.group[group];
+        bool is_alone = g->first_carried == g[1].first_carried &&
+                        (g->bones_around & ~(1u << g->main_bone)) == 0;
+        g->room_alone = is_alone ? room_of_pose(f, g) : INFINITY;
+    }
 }
 
 void face_limit_engage(face *f)
@@ -554,6 +603,7 @@ void face_limit_engage(face *f)
         }
     }
     find_bones_around(f);
+    know_lone_rooms(f);
 }
 
 static bool is_still(const face *f)
@@ -586,9 +636,9 @@ static void begin_pose(face *f)
         l->apart[i].turn = -1.0;
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
-        g->room = l->is_at_rest ? 1.0f - g->rounding : INFINITY;
+        g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
         g->strain = g->turn = INFINITY;
-        g->is_framed = false;
+        g->is_framed = g->is_seen = false;
     }
 }
 
@@ -626,9 +676,10 @@ static double least_scale(double p, double n)
 static angle_turn half_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
-    for (uint32_t bone = 0; bone < CARRIERS; ++bone)
-        if ((g->bones_around >> bone & 1u) && bone != g->main_bone)
-            most = fmax(most, 0.5 * apart_of(f, g->main_bone, bone)->turn);
+    for (uint32_t left = g->bones_around & ~(1u << g->main_bone); left != 0; left &= left - 1) {
+        double turn = apart_of(f, g->main_bone, (uint32_t)__builtin_ctz(left))->turn;
+        most = 0.5 * turn > most ? 0.5 * turn : most;
+    }
     return turn_of_sine(most);
 }
 
@@ -872,7 +923,7 @@ static void leave_tilts(face *f, size_t group, const float *turned_cosine)
     }
     f->limit.loops->turns(patch->of_tilt_posed, of_angle, cosine);
     for (size_t i = 0; i < GROUP; ++i)
-        patch->of_tilt_posed[i] = fmaxf(patch->of_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
+        patch->of_tilt_posed[i] = larger(patch->of_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
 }
 
 /* patch.of_turn_posed: neighbours that other bones carry have turned another way. */
@@ -919,72 +970,55 @@ static void frame_group(face *f, size_t group)
     g->is_framed = true;
 }
 
-/* The normal at rest as the bones turn it: face_min_determinant's. */
-static void turned_normal(const face *f, size_t group, const uint32_t *corner, float out[3])
-{
-    const limit_group *g = &f->limit.group[group];
-    const points *p = &f->rest;
-    float a[3] = {p->x[corner[1]] - p->x[corner[0]], p->y[corner[1]] - p->y[corner[0]],
-                  p->z[corner[1]] - p->z[corner[0]]};
-    float b[3] = {p->x[corner[2]] - p->x[corner[0]], p->y[corner[2]] - p->y[corner[0]],
-                  p->z[corner[2]] - p->z[corner[0]]};
-    const float n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                        a[0] * b[1] - a[1] * b[0]};
-    memcpy(out, n, sizeof n);
-    uint32_t bone = g->main_bone;
-    for (uint32_t i = g->first_carried; i <= g[1].first_carried; ++i) {
-        const float *row = carrier_row(f, bone);
-        if (row && bone != STILL) {
-            float share = (row[corner[0]] + row[corner[1]] + row[corner[2]]) / 3.0f;
-            const float *r = f->limit.turned[bone];
-            for (int axis = 0; axis < 3; ++axis)
-                out[axis] +=
-                    share * (r[3 * axis] * n[0] + r[3 * axis + 1] * n[1] + r[3 * axis + 2] * n[2]);
-        }
-        bone = i < g[1].first_carried ? f->limit.carried[i].bone : bone;
-    }
-}
-
-static float fold_strain(const face *f, size_t group, const uint32_t *corner,
-                         float (*of)(const float e[2][3], const float d[2][3], const float n[3]))
+/* patch.along: the normals at rest as the bones turn them. */
+static void turn_normals(face *f, size_t group)
 {
     const face_limit *l = &f->limit;
+    limit_group *g = &l->group[group];
+    limit_patch *patch = &l->patch[group];
+    const float(*rest)[GROUP] = (const float(*)[GROUP])patch->rest_normal;
+    if (g->is_seen)
+        return;
+    g->is_seen = true;
+    memcpy(patch->along, patch->rest_normal, sizeof patch->along);
+    if (g->main_bone != STILL)
+        l->loops->turn_normals(patch->along, rest, patch->main_share, l->turned[g->main_bone]);
+    for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
+        if (l->carried[i].bone != STILL)
+            l->loops->turn_normals(patch->along, rest, l->carried[i].share,
+                                   l->turned[l->carried[i].bone]);
+}
+
+/* strain_turn_over of a triangle of the group. */
+static float turn_over_strain(face *f, size_t group, size_t i)
+{
+    const face_limit *l = &f->limit;
+    const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
     float e[2][3], d[2][3], n[3];
-    for (int i = 0; i < 2; ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            e[i][axis] = l->posed[corner[1 + i]][axis] - l->posed[corner[0]][axis];
-            d[i][axis] = l->added[corner[1 + i]][axis] - l->added[corner[0]][axis];
+    turn_normals(f, group);
+    for (int axis = 0; axis < 3; ++axis) {
+        n[axis] = l->patch[group].along[axis][i];
+        for (int k = 0; k < 2; ++k) {
+            e[k][axis] = l->posed[corner[1 + k]][axis] - l->posed[corner[0]][axis];
+            d[k][axis] = l->added[corner[1 + k]][axis] - l->added[corner[0]][axis];
         }
-    turned_normal(f, group, corner, n);
-    return of((const float(*)[3])e, (const float(*)[3])d, n);
-}
-
-/* Some edge is more than doubled. */
-static bool is_drawn_out(const face *f, const uint32_t *corner)
-{
-    const face_limit *l = &f->limit;
-    for (size_t e = 0; e < 3; ++e) {
-        uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
-        float by = 0.0f, was = 0.0f;
-        for (int axis = 0; axis < 3; ++axis) {
-            float d = l->added[b][axis] - l->added[a][axis];
-            float p = l->posed[b][axis] - l->posed[a][axis];
-            by += d * d;
-            was += p * p;
-        }
-        if (by > was)
-            return true;
     }
-    return false;
+    return strain_turn_over((const float(*)[3])e, (const float(*)[3])d, n);
 }
 
 static double measure_shaped(face *f, size_t group, float stretch)
 {
+    const face_limit *l = &f->limit;
+    const strain_corners posed = corners_of(f, group, l->posed);
+    const strain_corners added = corners_of(f, group, l->added);
+    strain_folds found;
     float greatest = 0.0f;
+    turn_normals(f, group);
+    l->loops->folds(&found, &posed, &added, (const float(*)[GROUP])l->patch[group].along);
     for (size_t i = 0; i < group_size(f, group); ++i) {
         size_t t = GROUP * group + i;
-        float strain = fold_strain(f, group, f->skin + 3 * t, strain_fold);
-        float tears = is_drawn_out(f, f->skin + 3 * t) ? stretch_strain(f, t, stretch) : 0.0f;
+        float strain = found.fold[i];
+        float tears = found.drawn[i] > 0.0f ? stretch_strain(f, t, stretch) : 0.0f;
         strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
@@ -1013,11 +1047,10 @@ static double measure_group(face *f, size_t group, float stretch)
         float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
-        g->strain = fmaxf(g->strain, fmaxf(fmaxf(strain, stretched), size));
+        g->strain = larger(g->strain, larger(larger(strain, stretched), size));
         g->turn = turn > g->turn ? turn : g->turn;
         if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
-            strain = fmaxf(found.alone[i],
-                           fminf(strain, fold_strain(f, group, f->skin + 3 * t, strain_turn_over)));
+            strain = fmaxf(found.alone[i], fminf(strain, turn_over_strain(f, group, i)));
         strain = stretched > strain ? stretched : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
@@ -1042,7 +1075,7 @@ static double measure_strain(face *f, limit_looks looks)
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.strain[i] = 0.0;
     memset(l->is_added, 0, f->rest.block_count);
-    l->is_added_given = is_shaped(f);
+    l->is_added_given = true;
     l->candidate_count = 0;
     follow_pulls(f);
     columns_weigh(&f->columns, f->given, f->control_column_count);

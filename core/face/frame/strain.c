@@ -11,7 +11,9 @@
                                                  .turned = STRAIN_OF(turned, variant),             \
                                                  .turns = STRAIN_OF(turns, variant),               \
                                                  .steepest = STRAIN_OF(steepest, variant),         \
-                                                 .strains = STRAIN_OF(strains, variant)}
+                                                 .strains = STRAIN_OF(strains, variant),           \
+                                                 .turn_normals = STRAIN_OF(turn_normals, variant), \
+                                                 .folds = STRAIN_OF(folds, variant)}
 
 STRAIN_TABLE(generic);
 #ifdef MAROTTE_LANES_X86

@@ -40,6 +40,11 @@ typedef struct strain_found {
     float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
 } strain_found;
 
+typedef struct strain_folds {
+    float fold[STRAIN_GROUP];  /* strain_fold */
+    float drawn[STRAIN_GROUP]; /* above 0: some edge is more than doubled */
+} strain_folds;
+
 typedef struct strain_loops {
     /* out[i] += by * row[i] */
     void (*add)(float *out, const float *row, float by, size_t count);
@@ -54,6 +59,12 @@ typedef struct strain_loops {
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
     void (*strains)(strain_found *out, const strain_frames *f, const float *of_tilt,
                     const float *of_turn, const strain_corners *displacement);
+    /* out += share times (turn applied to rest), of each; turn: what is added to the identity */
+    void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
+                         const float *share, const float turn[9]);
+    /* Of what `added` does to `posed`, seen along `normal`. */
+    void (*folds)(strain_folds *out, const strain_corners *posed, const strain_corners *added,
+                  const float (*normal)[STRAIN_GROUP]);
 } strain_loops;
 
 /* How near a triangle is to a fold on a straight way. e: its edges from one corner; d: what is
@@ -84,6 +95,12 @@ const strain_loops *strain_loops_now(void);
                                        const strain_corners *displacement);                        \
     void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \
                                      const float *of_tilt, const float *of_turn,                   \
-                                     const strain_corners *displacement)
+                                     const strain_corners *displacement);                          \
+    void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
+                                          const float(*rest)[STRAIN_GROUP], const float *share,    \
+                                          const float turn[9]);                                    \
+    void STRAIN_OF(folds, variant)(strain_folds * out, const strain_corners *posed,                \
+                                   const strain_corners *added,                                    \
+                                   const float(*normal)[STRAIN_GROUP])
 
 #endif

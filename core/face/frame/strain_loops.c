@@ -125,3 +125,65 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
     }
 }
+
+void STRAIN(turn_normals)(float (*restrict out)[STRAIN_GROUP],
+                          const float (*restrict rest)[STRAIN_GROUP], const float *restrict share,
+                          const float turn[9])
+{
+    for (size_t axis = 0; axis < 3; ++axis)
+        for (size_t i = 0; i < STRAIN_GROUP; ++i)
+            out[axis][i] +=
+                share[i] * (turn[3 * axis] * rest[0][i] + turn[3 * axis + 1] * rest[1][i] +
+                            turn[3 * axis + 2] * rest[2][i]);
+}
+
+/* The third edges, from the second corner to the third. */
+static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
+{
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
+        for (size_t axis = 0; axis < 3; ++axis)
+            out[axis][i] = at->row[c[2]][axis] - at->row[c[1]][axis];
+    }
+}
+
+static inline float longer(float by[3][STRAIN_GROUP], float was[3][STRAIN_GROUP], size_t i)
+{
+    return by[0][i] * by[0][i] + by[1][i] * by[1][i] + by[2][i] * by[2][i] -
+           (was[0][i] * was[0][i] + was[1][i] * was[1][i] + was[2][i] * was[2][i]);
+}
+
+void STRAIN(folds)(strain_folds *restrict out, const strain_corners *posed,
+                   const strain_corners *added, const float (*restrict normal)[STRAIN_GROUP])
+{
+    edges e, d;
+    float third[3][STRAIN_GROUP], third_by[3][STRAIN_GROUP];
+    gather(&e, posed);
+    gather(&d, added);
+    gather_third(third, posed);
+    gather_third(third_by, added);
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) { /* as strain_fold, term by term */
+        float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
+        float ax = e.a[0][i], ay = e.a[1][i], az = e.a[2][i];
+        float bx = e.b[0][i], by = e.b[1][i], bz = e.b[2][i];
+        float px = d.a[0][i], py = d.a[1][i], pz = d.a[2][i];
+        float qx = d.b[0][i], qy = d.b[1][i], qz = d.b[2][i];
+        float nn = nx * nx + ny * ny + nz * nz, left = STRAIN_FOLD_ROOM * nn;
+        float area = nx * (ay * bz - az * by) + ny * (az * bx - ax * bz) + nz * (ax * by - ay * bx);
+        float slope =
+            nx * (ay * qz - az * qy) + ny * (az * qx - ax * qz) + nz * (ax * qy - ay * qx) +
+            (nx * (py * bz - pz * by) + ny * (pz * bx - px * bz) + nz * (px * by - py * bx));
+        float bend = nx * (py * qz - pz * qy) + ny * (pz * qx - px * qz) + nz * (px * qy - py * qx);
+        bool has_room = (nn > 1e-30f) & (area > 1e-3f * nn);
+        float room = area - (left < 0.5f * area ? left : 0.5f * area);
+        has_room = has_room & (room > 0.0f);
+        float at_end = slope + bend < 0.0f ? slope + bend : 0.0f;
+        bool is_between = (bend > 0.0f) & (slope < 0.0f) & (-slope < 2.0f * bend);
+        float between = -slope * slope / (4.0f * (is_between ? bend : 1.0f));
+        float least = is_between ? between : at_end;
+        out->fold[i] = has_room ? -least / (has_room ? room : 1.0f) : 0.0f;
+        float a = longer(d.a, e.a, i), b = longer(d.b, e.b, i), c = longer(third_by, third, i);
+        a = b > a ? b : a;
+        out->drawn[i] = c > a ? c : a;
+    }
+}
