@@ -174,8 +174,7 @@ mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
     double slope = 0.0;
     mrt_result result = check_ends(f, end, err);
     if (result >= 0)
-        result =
-            face_resolve_dofs(f, resolved, dof, face_shapes_derive_jaw(f, dof) ? NULL : end, err);
+        result = face_resolve_dofs(f, resolved, dof, end, err);
     if (result < 0)
         return result;
     if (f->shapes.count > 0 && f->shapes.amount > 0.0)

@@ -12,7 +12,8 @@
  * A shape that is a bone's motion more than any other follows that bone: its weight is how far the
  * bone has gone on theta_k. Others with a part in theta go no further than their bones have. A bone
  * that nobody drives, and that the contacts speak of, is where the weights put it.
- * What the shapes leave over of where the contacts go says how far each is believed.
+ * What the shapes leave over of where the contacts go says how far each is believed; as far as they
+ * are not, the jaw is where the contacts on it alone would bring it.
  * The fields do what is left of y, so that each control lands on its end. */
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
@@ -909,6 +910,29 @@ static void trust_shapes(face *f)
     }
 }
 
+/* Of each degree of freedom how far the weights go its way, whichever way that is. */
+static void add_ways(const face *f, double *out)
+{
+    const face_shapes *s = &f->shapes;
+    for (uint32_t d = 0; d < f->bones.dof_count; ++d) {
+        out[d] = 0.0;
+        for (uint32_t i = 0; i < s->count; ++i)
+            out[d] += s->weight[i] * fabs((double)s->shape[i].dof[d]);
+    }
+}
+
+/* A bone is where the weights put it as far as these are believed, and else where it was. */
+static double derive_dof(const face *f, uint32_t d, double was, double asked, double believed)
+{
+    const face_shapes *s = &f->shapes;
+    double least = bone_least_mm / fmax(s->dof_mm[d], 1e-3), sum = 0.0;
+    for (uint32_t i = 0; i < s->count; ++i)
+        sum += s->weight[i] * (double)s->shape[i].dof[d];
+    double trust = fmin((believed + least) / (asked + least), 1.0);
+    sum = s->amount * (sum + (1.0 - trust) * was) + (1.0 - s->amount) * was;
+    return fmin(fmax(sum, (double)f->bones.dof[d].min), (double)f->bones.dof[d].max);
+}
+
 void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end)
 {
     face_shapes *s = &f->shapes;
@@ -928,32 +952,18 @@ void face_shapes_solve(face *f, float *resolved, const float *dof, const double 
     (void)shape_solve(s->weight, &problem, s->scratch);
     if (bound_correctives(s))
         (void)shape_solve(s->weight, &problem, s->scratch);
+    double asked[MRT_MAX_DOFS], believed[MRT_MAX_DOFS];
+    add_ways(f, asked);
     trust_shapes(f);
-    for (uint32_t d = 0; d < f->bones.dof_count; ++d) {
-        double sum = 0.0;
-        if (!is_derived(f, d, derived))
-            continue;
-        for (uint32_t i = 0; i < s->count; ++i)
-            sum += s->weight[i] * (double)s->shape[i].dof[d];
-        sum = s->amount * sum + (1.0 - s->amount) * (double)resolved[d];
-        resolved[d] =
-            (float)fmin(fmax(sum, (double)f->bones.dof[d].min), (double)f->bones.dof[d].max);
-    }
+    add_ways(f, believed);
+    for (uint32_t d = 0; d < f->bones.dof_count; ++d)
+        if (is_derived(f, d, derived))
+            resolved[d] = (float)derive_dof(f, d, (double)resolved[d], asked[d], believed[d]);
     lead_by(f, resolved);
     (void)bound_correctives(s);
     for (uint32_t i = 0; i < s->count; ++i)
         if (s->shape[i].needs[0] > 0)
             s->weight[i] = fmin(s->weight[i], s->high[i]);
-}
-
-bool face_shapes_derive_jaw(const face *f, const float *dof)
-{
-    const face_shapes *s = &f->shapes;
-    const bones *b = &f->bones;
-    if (s->count == 0 || b->jaw == RIG_NONE || !(s->amount >= 1.0))
-        return false;
-    const bool *covers = s->covers + b->first_dof[b->jaw];
-    return (derived_bones(f, dof) >> b->jaw & 1) != 0 && covers[0] && covers[1] && covers[2];
 }
 
 /* Of `weight`, which of `count` shapes do something at a control. */

@@ -212,8 +212,6 @@ void face_shapes_destroy(face *f);
 void face_shapes_engage(face *f);
 /* The weights of a frame; resolved: the degrees of freedom, in and out. */
 void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end);
-/* Whether the weights alone say where the jaw is. */
-bool face_shapes_derive_jaw(const face *f, const float *dof);
 /* Nothing is pulled: the weights are those that the bones lead to. */
 void face_shapes_settle(face *f, const float *dof);
 /* What the shapes add at a control, bones at rest; what the limits keep back of that; what the
