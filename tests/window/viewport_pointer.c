@@ -355,19 +355,32 @@ static void a_face_that_stands_in_is_shown_and_picked(void **state)
     stand_close(&s);
 }
 
+static bool says_it_is_less_sharp(void)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s.ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strstr(words[i].text, "% sharp while it moves"))
+            return true;
+    return false;
+}
+
 /* How often it is drawn once nothing moves any more. */
 static uint64_t drawn_after_an_orbit(double dt_s)
 {
     stand_open_slow(&s, puppet, WIDTH, HEIGHT, dt_s);
+    ui_note_words(s.ui, true);
     stand_move(&s, 320, 240);
     stand_button(&s, 1, true);
     for (int i = 0; i < 10; ++i)
         stand_move(&s, 320 + 6 * (float)i, 240);
+    assert_int_equal(says_it_is_less_sharp(), dt_s > 0.04);
     stand_button(&s, 1, false);
     stand_frame(&s);
     uint64_t before = viewport_drawn(s.viewport);
     stand_frames(&s, 40);
     uint64_t after = viewport_drawn(s.viewport);
+    assert_false(says_it_is_less_sharp());
     stand_close(&s);
     return after - before;
 }

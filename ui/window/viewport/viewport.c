@@ -47,7 +47,7 @@ typedef struct viewport_face { /* which face is shown: another if any of these i
 
 typedef struct viewport_quality { /* pixels are saved while a slow renderer must draw anew */
     uint32_t level;               /* of quality_scale; 0: all pixels */
-    double slow_s, still_s;
+    double slow_s, fast_s, still_s;
     uint64_t count; /* of the picture, a frame ago */
 } viewport_quality;
 
@@ -925,6 +925,19 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
                    THEME_DIM, text);
 }
 
+static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* fewer look coarse */
+
+/* That the picture is not as sharp as it will be. */
+static void ink_quality(const viewport *self, ui *on)
+{
+    char words[64];
+    if (self->quality.level == 0)
+        return;
+    (void)snprintf(words, sizeof words, "%.0f %% sharp while it moves",
+                   100.0 * (double)quality_scale[self->quality.level]);
+    write_on_plate(on, self->where.x + margin, self->where.y + margin, THEME_DIM, words);
+}
+
 /* What was let go of with Shift, and clay, is there still: how to be rid of it. */
 static void ink_chip(viewport *self, ui *on)
 {
@@ -1291,12 +1304,21 @@ void viewport_update(viewport *self, const ui *keys, const struct window_gamepad
 
 /* ---- how many pixels ---- */
 
-static const float quality_scale[] = {1.0f, 0.7f, 0.5f, 0.35f};
 enum { QUALITIES = sizeof quality_scale / sizeof *quality_scale };
-static const double slow_frame_s = 0.040, slow_for_s = 0.25, still_for_s = 0.30;
+static const double slow_frame_s = 0.040, slow_for_s = 0.25, still_for_s = 0.30, fast_for_s = 1.0;
 
-/* A renderer that takes long is given fewer pixels while it must draw anew each frame; all of them
- * once the picture stands still. */
+/* Whether a frame with the pixels of the level above would still be no slow one. */
+static bool has_time_for_more(const viewport *self)
+{
+    const uint32_t level = self->quality.level;
+    if (level == 0)
+        return false;
+    const double more = (double)(quality_scale[level - 1] / quality_scale[level]);
+    return self->dt_s * more * more < 0.75 * slow_frame_s;
+}
+
+/* A renderer that takes long is given fewer pixels while it must draw anew each frame, and more
+ * again when it has the time; all of them once the picture stands still. */
 static float choose_quality(viewport *self)
 {
     viewport_quality *q = &self->quality;
@@ -1304,7 +1326,7 @@ static float choose_quality(viewport *self)
     bool was_drawn = count != q->count;
     q->count = count;
     if (!was_drawn) {
-        q->slow_s = 0.0;
+        q->slow_s = q->fast_s = 0.0;
         q->still_s += self->dt_s;
         if (q->still_s >= still_for_s)
             q->level = 0;
@@ -1315,6 +1337,11 @@ static float choose_quality(viewport *self)
         if (q->slow_s > slow_for_s && q->level + 1 < QUALITIES) {
             q->level += 1;
             q->slow_s = 0.0;
+        }
+        q->fast_s = has_time_for_more(self) ? q->fast_s + self->dt_s : 0.0;
+        if (q->fast_s > fast_for_s) {
+            q->level -= 1;
+            q->fast_s = 0.0;
         }
     }
     return quality_scale[q->level];
@@ -1384,6 +1411,7 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
         ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
     viewport_ink(self, on);
     ink_chip(self, on);
+    ink_quality(self, on);
     bool is_moving = self->drag != VIEWPORT_DRAGS_NOTHING || self->camera.glided_s >= 0.0 ||
                      app_looks_of(self->of)->is_turning;
     if (!is_moving)
