@@ -1,5 +1,6 @@
 /* marotte rig. */
 #include "base/file.h"
+#include "base/installed.h"
 #include "base/text.h"
 #include "base/json.h"
 #include "command.h"
@@ -91,6 +92,8 @@ static int rigcheck_run(int argc, char **argv)
     error err = {""};
     if (!read_options(&c, argc, argv))
         return command_usage(&command_rig, "check takes one rig file, and --json");
+    char *found = installed_face(c.path);
+    c.path = found ? found : c.path;
     mrt_result result = face_file_read(&f, c.path, NULL, FACE_FILE_ANY, &err);
     if (result >= 0 && !f.rig)
         result = error_set(&err, MRT_ERR_ARGUMENT,
@@ -104,6 +107,7 @@ static int rigcheck_run(int argc, char **argv)
     bool is_right = result >= 0 && rig_findings_count(&c.findings, RIG_ERROR) == 0;
     rig_findings_finish(&c.findings);
     face_file_destroy(&f);
+    free(found);
     if (result < 0)
         return command_failed(&command_rig, &err);
     return is_right ? COMMAND_DONE : COMMAND_FAILED;
@@ -453,7 +457,11 @@ static int rigshow_run(int argc, char **argv)
             &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
                           "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
                           "poses (then --out may be left away; --only NAME,NAME: of these)");
-    return show(&s, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+    char *found = installed_face(s.path);
+    s.path = found ? found : s.path;
+    mrt_result result = show(&s, &err);
+    free(found);
+    return result < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }
 
 /* ---- the command ---- */
@@ -479,7 +487,7 @@ const command command_rig = {
     .help =
         "marotte rig check FILE.rig.json [--json]\n"
         "  Everything that a person should look at, errors first, with the place in the file.\n"
-        "  Exit code 1 when there are errors.\n"
+        "  Exit code 1 when there are errors. The names of installed rigs (puppet) do here, too.\n"
         "\n"
         "marotte rig show FILE.rig.json --out PICTURE.png [--yaw DEGREES] [--pitch DEGREES]\n"
         "                [--size WxH]\n"

@@ -34,6 +34,9 @@ fi
 
 # The poses: a line each; a portrait each where pictures can be made.
 "$MAROTTE" rig show "$puppet.rig.json" --poses >poses.txt || fail "rig show --poses"
+"$MAROTTE" rig show puppet --poses --only joy >named.txt || fail "rig show takes no rig by its name"
+grep -q '^joy' named.txt || fail "rig show puppet: $(cat named.txt)"
+"$MAROTTE" rig check puppet >/dev/null || fail "rig check takes no rig by its name"
 [ "$(head -4 poses.txt | cut -d' ' -f1 | tr '\n' ' ')" = "joy surprise grumpy mischief " ] ||
     fail "the puppet's poses: $(cat poses.txt)"
 [ "$(grep -cE 'least determinant  [01]\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 71 ] ||
