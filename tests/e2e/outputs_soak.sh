@@ -20,10 +20,10 @@ until_true() { # SECONDS COMMAND...
     done
 }
 
-# Whole faces that are heard: a VMC face ends with Apply, a face_osc one has a time tag of its own, the others are one datagram.
+# Whole faces that are heard: a VMC face ends with Apply, a face_osc one says each name once, the others are one datagram.
 cat >listen.py <<'PYTHON'
 import json, os, selectors, signal, socket, sys
-heard, last, at = {}, b"", selectors.DefaultSelector()
+heard, at = {}, selectors.DefaultSelector()
 ports = {}
 for name in ("vmc", "face_osc", "livelink", "ifacialmocap"):
     one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -42,8 +42,7 @@ try:
             if name == "vmc":
                 heard[name] += b"/VMC/Ext/Blend/Apply" in data
             elif name == "face_osc":
-                heard[name] += data[8:16] != last
-                last = data[8:16]
+                heard[name] += b"EyeBlinkLeft\0" in data
             else:
                 heard[name] += len(data) > 300
 finally:  # datagrams that found no room here, as the kernel counts them, were not lost by who sent them
