@@ -204,7 +204,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 }
 
 /* What the patch presses; recording is --record's. */
-static void obey_presses(performance *self, int64_t time_ns)
+static void apply_patch_actions(performance *self, int64_t time_ns)
 {
     const patch_bay *bay = layer_bay(performer_layer(self->performer));
     if (bay->pressed[PATCH_STOP] > 0)
@@ -232,7 +232,7 @@ static mrt_result on_step(void *data, const sample_step *s, error *err)
         perform_outputs_draw(&self->outputs, self->performer);
         perform_outputs_show(&self->outputs, s->time_ns, -1);
     }
-    obey_presses(self, s->time_ns);
+    apply_patch_actions(self, s->time_ns);
     return MRT_OK;
 }
 

@@ -470,7 +470,7 @@ static mrt_result read_patch(remap *self, error *err)
     return result;
 }
 
-static mrt_result read_wishes(remap *self, error *err)
+static mrt_result read_requested(remap *self, error *err)
 {
     const take_call *call = self->call;
     if (!call->text[TAKE_MAP] && !call->text[TAKE_PATCH] && !call->text[TAKE_FACE] &&
@@ -702,7 +702,7 @@ mrt_result take_remap_run(take_call *call, error *err)
     self->call = call;
     self->log = log_queue_create();
     mrt_result result =
-        self->log ? read_wishes(self, err) : error_set(err, MRT_ERR_MEMORY, "no memory");
+        self->log ? read_requested(self, err) : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = take_read(call, call->word[1], &self->old, err);
     if (result >= 0)

@@ -947,7 +947,7 @@ static mrt_result check_hard(const take_layer *layer, const edit *e, int64_t at_
 
 /* ---- what is there reaches over the fades, as far as it was recorded ---- */
 
-/* A fade that is longer than the cross-fade is somebody's wish: it stays. */
+/* A fade longer than the cross-fade was set by the person: it stays. */
 static bool reach_over_start(take_layer *layer, const punch_span *span)
 {
     for (uint32_t i = layer->clip_count; i-- > 0;) {

@@ -95,7 +95,7 @@ static bool is_wanted_hand(const glove_drive *drive)
     return settings == GLOVE_HAND_AUTO || (settings == GLOVE_HAND_LEFT) == is_left;
 }
 
-/* Among several, the hand that the glove says, not the one that is wished, decides. */
+/* Among several, the side that the glove itself reports decides, not the requested one. */
 static mrt_result open_found(const attempt *by, const glove_found *port)
 {
     int settings = by->drive->settings.hand;

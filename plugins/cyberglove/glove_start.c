@@ -178,13 +178,13 @@ static bool give_flag(glove_talk *talk, glove_unit *unit, char letter, bool on)
     return false;
 }
 
-static double rate_for_line(const glove_port *port, const glove_unit *unit, double wish_hz)
+static double rate_for_line(const glove_port *port, const glove_unit *unit, double requested_hz)
 {
     if (port->baud == 0)
-        return wish_hz;
+        return requested_hz;
     double record_bits = 10.0 * (double)glove_layout_size(&unit->layout);
     double most_hz = line_share * port->baud / record_bits;
-    return wish_hz > most_hz ? most_hz : wish_hz;
+    return requested_hz > most_hz ? most_hz : requested_hz;
 }
 
 /* Two words; which byte comes first is not known: the order in which it is what was asked. */

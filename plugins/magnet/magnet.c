@@ -181,7 +181,7 @@ static void commit(mrt_plugin *self, mrt_pull *pull)
     self->shown.strength = 0.0;
 }
 
-static void obey(mrt_plugin *self, const clutch_events *events)
+static void apply_events(mrt_plugin *self, const clutch_events *events)
 {
     if (events->engage || events->commit) {
         self->is_engaged = true;
@@ -196,7 +196,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const double *params = frame->params;
     const mrt_hand *hand = posture_hand(frame, params[HAND]);
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
-    obey(self, &events);
+    apply_events(self, &events);
     self->has_held = self->has_held || (self->is_engaged && hand);
     if (!self->has_held)
         return MRT_HOLD;

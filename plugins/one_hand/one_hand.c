@@ -147,8 +147,8 @@ static void ease_to_neutral(mrt_plugin *self, const reading *now, const double *
     attach_forget(&self->attach, params[SET_NEUTRAL_TIME]);
 }
 
-static void obey(mrt_plugin *self, const pedals_events *events, const reading *now,
-                 const double *params)
+static void apply_events(mrt_plugin *self, const pedals_events *events, const reading *now,
+                         const double *params)
 {
     int mode = (int)params[SET_MODE], layer = (int)params[SET_LAYER];
     if (events->to_neutral)
@@ -283,7 +283,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     if (is_present) {
         if (side != self->side)
             change_hand(self, side, params);
-        obey(self, &events, &now, params);
+        apply_events(self, &events, &now, params);
         find_neutral(self, &now, params);
     } else {
         blink_forget_hand(&self->blink);

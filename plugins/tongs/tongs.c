@@ -217,8 +217,8 @@ static void remember(mrt_plugin *self, const tips *now)
 }
 
 /* Whether it is to be gripped anew, or at all. */
-static void obey(mrt_plugin *self, const clutch_events *events, const double *params,
-                 mrt_pull *pull)
+static void apply_events(mrt_plugin *self, const clutch_events *events, const double *params,
+                         mrt_pull *pull)
 {
     if (events->commit)
         pull->commit += 1;
@@ -245,7 +245,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         remember(self, &now);
     }
     self->was_there = is_there;
-    obey(self, &events, params, pull);
+    apply_events(self, &events, params, pull);
     pull->gate = 1;
     if (self->phase == SPRINGING) {
         spring_back(self, frame, pull);

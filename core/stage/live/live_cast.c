@@ -251,7 +251,7 @@ static mrt_result teach_now(live_stage *stage, void *data, error *err)
     mrt_result result = taught_load(layer_mapping(of), c->taught, c->taught_size, err);
     if (result < 0)
         return result;
-    layer_cut(of);
+    layer_crossfade(of);
     return live_cast_begin(stage, c, err);
 }
 

@@ -19,8 +19,8 @@ struct layer_room {
         *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
 };
 
-/* From one who pulls to another. */
-typedef struct cut {
+/* The cross-fade from the pull before to that of the mapping that takes over. */
+typedef struct crossfade {
     bool is_waiting; /* for the first pull of the new one */
     bool is_other;   /* while waiting: the new one is another mapping */
     bool is_fading;
@@ -32,7 +32,7 @@ typedef struct cut {
     float posed[MRT_MAX_DOFS]; /* of another mapping: the bones when it came */
     mrt_pull leaving;
     mrt_pull shown; /* with the shift, or at rest; in use while there is one, or while homing */
-} cut;
+} crossfade;
 
 /* What is pulled on the way home: nothing, and the bones that `leaving` drove are at rest. */
 static mrt_pull layer_home(const mrt_pull *leaving);
@@ -54,7 +54,7 @@ struct layer {
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
     mrt_pull good; /* the last that passed the guard */
-    cut cut;
+    crossfade crossfade;
     bool has_time;
     layer_room *room;
     layer_on_param *on_param;
@@ -95,7 +95,7 @@ void layer_reset(layer *self)
     self->pull = (mrt_pull){0};
     let_bones_go(&self->pull);
     self->good = self->pull;
-    self->cut = (cut){.side = 0};
+    self->crossfade = (crossfade){.side = 0};
     self->has_time = false;
     self->resets = false;
     hands_reset(self->hands);
@@ -206,22 +206,22 @@ void layer_destroy(layer *self)
     free(self);
 }
 
-/* ---- from one who pulls to another ---- */
+/* ---- cross-fade between mappings ---- */
 
-void layer_cut(layer *self)
+void layer_crossfade(layer *self)
 {
-    if (!self->cut.is_waiting) /* else what was pulled before still leaves */
-        self->cut.leaving = *layer_pull(self);
-    if (self->cut.is_homing) /* the one before did not come to pull */
-        self->good = self->cut.leaving;
-    self->cut.is_homing = false;
-    self->cut.is_waiting = true;
+    if (!self->crossfade.is_waiting) /* else what was pulled before still leaves */
+        self->crossfade.leaving = *layer_pull(self);
+    if (self->crossfade.is_homing) /* the one before did not come to pull */
+        self->good = self->crossfade.leaving;
+    self->crossfade.is_homing = false;
+    self->crossfade.is_waiting = true;
 }
 
 instance *layer_switch(layer *self, instance *mapping, layer_room *room)
 {
     instance *old = self->mapping;
-    layer_cut(self);
+    layer_crossfade(self);
     use_mapping(self, mapping);
     layer_room_destroy(self->room);
     self->room = room;
@@ -231,35 +231,36 @@ instance *layer_switch(layer *self, instance *mapping, layer_room *room)
 instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed)
 {
     instance *old = layer_switch(self, mapping, room);
-    self->cut.is_other = true;
-    memcpy(self->cut.posed, posed, sizeof self->cut.posed);
+    self->crossfade.is_other = true;
+    memcpy(self->crossfade.posed, posed, sizeof self->crossfade.posed);
     let_bones_go(&self->pull); /* the new one may say nothing of what the old one drove */
     return old;
 }
 
 bool layer_is_between(const layer *self)
 {
-    return self->cut.is_waiting || self->cut.is_fading;
+    return self->crossfade.is_waiting || self->crossfade.is_fading;
 }
 
 bool layer_is_fading(const layer *self)
 {
-    return self->cut.is_fading;
+    return self->crossfade.is_fading;
 }
 
 double layer_weight(const layer *self)
 {
-    return self->cut.is_fading ? fmin(self->cut.fade_s / LAYER_FADE_S, 1.0) : 1.0;
+    return self->crossfade.is_fading ? fmin(self->crossfade.fade_s / LAYER_FADE_S, 1.0) : 1.0;
 }
 
 const mrt_pull *layer_leaving(const layer *self)
 {
-    return self->cut.is_fading && self->cut.is_leaving ? &self->cut.leaving : NULL;
+    return self->crossfade.is_fading && self->crossfade.is_leaving ? &self->crossfade.leaving
+                                                                   : NULL;
 }
 
 uint32_t layer_side(const layer *self)
 {
-    return self->cut.side;
+    return self->crossfade.side;
 }
 
 /* Free points are taken hold of elsewhere: the two pulls cannot be laid over each other. */
@@ -299,7 +300,7 @@ static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_p
 }
 
 /* What vectors have done to a jaw that is driven from now on is eased from there. */
-static void leave_posed(cut *c, const mrt_pull *new)
+static void leave_posed(crossfade *c, const mrt_pull *new)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         if (isnan(c->leaving.dof[i]) && !isnan(new->dof[i]))
@@ -317,7 +318,7 @@ static mrt_pull layer_home(const mrt_pull *leaving)
 /* What was pulled eases to rest; then the new one takes hold of that (begin_at_home). */
 static void go_home(layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     c->shown = layer_home(&c->leaving);
     c->is_waiting = c->is_other = false;
     c->is_fading = c->is_leaving = c->is_homing = true;
@@ -329,7 +330,7 @@ static void go_home(layer *self)
 /* The first pull of the new one says how it comes. While it is idle the shape stays as it is. */
 static void begin_fade(layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     const mrt_pull *new = &self->good;
     if (new->mode == MRT_IDLE)
         return;
@@ -361,7 +362,7 @@ static void begin_fade(layer *self)
 
 static void begin_at_home(layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     c->is_homing = false;
     c->is_waiting = true;
     c->leaving = c->shown;
@@ -374,7 +375,7 @@ static void begin_at_home(layer *self)
 /* Before a sample. */
 static void go_on_fading(layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     if (!c->is_fading)
         return;
     c->fade_s += self->frame.dt_s;
@@ -385,7 +386,7 @@ static void go_on_fading(layer *self)
 
 static void show_good(layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     if (c->is_waiting)
         begin_fade(self);
     if (c->is_homing || c->anchor_shift == 0)
@@ -413,7 +414,7 @@ static void tell_params(layer *self, int64_t time_ns)
 static void give_back_good(layer *self)
 {
     self->pull = self->good;
-    if (self->cut.is_waiting) /* still another's, or of before it was to begin anew */
+    if (self->crossfade.is_waiting) /* still another's, or of before it was to begin anew */
         let_bones_go(&self->pull);
 }
 
@@ -431,7 +432,7 @@ static void run_mapping(layer *self, int64_t time_ns)
     }
     if (self->takeover && !layer_is_fading(self) &&
         self->takeover->take_over(self->mapping->self, &self->pull))
-        layer_cut(self);
+        layer_crossfade(self);
     mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
     if (result == MRT_HOLD) {
         give_back_good(self);
@@ -474,7 +475,7 @@ static void begin_anew(layer *self)
         return;
     self->resets = false;
     self->reset_waits = 0;
-    layer_cut(self);
+    layer_crossfade(self);
     let_bones_go(&self->pull);
     self->functions->reset(self->mapping->self);
 }
@@ -504,7 +505,7 @@ void layer_step(layer *self, const sample_step *s, bool near)
 
 const mrt_pull *layer_pull(const layer *self)
 {
-    const cut *c = &self->cut;
+    const crossfade *c = &self->crossfade;
     return c->is_homing || c->anchor_shift ? &c->shown : &self->good;
 }
 
@@ -645,7 +646,7 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
     return at;
 }
 
-static void put_cut(bytes_out *out, const cut *c)
+static void put_crossfade(bytes_out *out, const crossfade *c)
 {
     bytes_put_u32(out, c->is_other ? STORE_OTHER : c->is_waiting);
     bytes_put_u32(out, c->is_homing ? STORE_HOMING : c->is_fading);
@@ -658,9 +659,9 @@ static void put_cut(bytes_out *out, const cut *c)
         bytes_put(out, c->posed, sizeof c->posed);
 }
 
-static void take_cut(bytes_in *in, layer *self)
+static void take_crossfade(bytes_in *in, layer *self)
 {
-    cut *c = &self->cut;
+    crossfade *c = &self->crossfade;
     uint32_t waiting = bytes_take_u32(in);
     c->is_waiting = waiting != 0;
     c->is_other = waiting == STORE_OTHER;
@@ -721,7 +722,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     }
     put_pull(&out, &self->good);
     put_pull(&out, &self->pull);
-    put_cut(&out, &self->cut);
+    put_crossfade(&out, &self->crossfade);
     bytes_put_u32(&out, self->resets);
     put_sized(&out, save_pointer, &self->pointer);
     put_sized(&out, save_inputs, &self->inputs);
@@ -821,7 +822,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     take_pull(in, self, &self->good);
     take_pull(in, self, &self->pull);
     if (version >= STORE_WITH_CUT && !in->failed)
-        take_cut(in, self);
+        take_crossfade(in, self);
     if (version >= STORE_WITH_POINTER && !in->failed)
         take_pointer(in, self);
     if (version >= STORE_WITH_INPUTS && !in->failed)

@@ -46,7 +46,7 @@ const patch_bay *layer_bay(const layer *self);
 /* [frame] Before a sample, as patch_bay_set. What the layer has at its end is destroyed with it. */
 bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old);
 
-/* ---- from one who pulls to another, without a jump ---- */
+/* ---- cross-fade between mappings: no jump where another takes over ---- */
 
 #define LAYER_FADE_S 0.25
 
@@ -54,7 +54,7 @@ bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old);
  * than before. What was pulled last leaves while the new comes, over LAYER_FADE_S of the samples'
  * time; an anchored pull with free points elsewhere stays in the shape instead, as when a mapping
  * takes hold anew. */
-void layer_cut(layer *self);
+void layer_crossfade(layer *self);
 /* [frame] The same, to another instance: its mapping is active on the same face and reset, has the
  * old one's state, and `room` was made for it. Returns the old one, which is still active. */
 typedef struct layer_room layer_room;
