@@ -693,8 +693,10 @@ void face_shapes_engage(face *f)
     size_t stride = (size_t)3 * f->control_capacity;
     s->derived = NOT_KNOWN;
     s->rides = 0;
+    if (s->count == 0)
+        return;
     memset(s->at, 0, s->count * stride * sizeof *s->at);
-    for (uint32_t k = 0; k < f->control_count && s->count > 0; ++k) {
+    for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         uint32_t slot = grip->contact > 0 ? f->contact_slot[grip->contact - 1]
                                           : nearest_of(&f->base, grip->start);
