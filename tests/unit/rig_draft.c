@@ -440,6 +440,32 @@ static void left_contacts_mirror_right_ones(void **state)
     finish(&d);
 }
 
+/* A mesh of 2.2 units whose unit is said to be the millimetre, and another to be the metre. */
+static void a_head_of_2_mm_asks_for_its_unit_and_one_of_2_m_is_drafted(void **state)
+{
+    static const float height_mm[] = {2.2f, 2200.0f};
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        drafted d = {.confirm = NULL};
+        error err = {""};
+        const char *path = SOURCE_DIR "/rigs/moai/moai.glb";
+        assert_true(face_file_read(&d.file, path, NULL, FACE_FILE_ANY, &err) >= 0);
+        mesh *m = &d.file.mesh;
+        for (size_t k = 0; k < (size_t)m->vertex_count * 3; ++k)
+            m->position[k] *= height_mm[i] / 300.0f;
+        const mrt_result result =
+            rig_draft_make(&d.rig, &d.confirm, m, &d.file.topology, path, NULL, 0, &err);
+        if (i == 0)
+            assert_non_null(strstr(err.text, "say the mesh's unit"));
+        else if (result < 0)
+            fail_msg("%s", err.text);
+        if (result >= 0)
+            rig_destroy(&d.rig);
+        free(d.confirm);
+        face_file_destroy(&d.file);
+    }
+}
+
 /* The Moai without its bag, and with its lips grown together. */
 static void close_mouth(mesh *m)
 {
@@ -645,6 +671,7 @@ int main(void)
         cmocka_unit_test(a_mask_has_a_jaw),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
         cmocka_unit_test(left_contacts_mirror_right_ones),
+        cmocka_unit_test(a_head_of_2_mm_asks_for_its_unit_and_one_of_2_m_is_drafted),
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),
         cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
         cmocka_unit_test(what_has_no_face_is_refused),

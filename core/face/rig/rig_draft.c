@@ -48,6 +48,8 @@ static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
                                    [BY_NAME] = "by its name: sure",
                                    [BY_SKELETON] = "by the skeleton: sure"};
 
+#define HEAD_LEAST_MM 10.0 /* places are said to 0.1 mm */
+
 /* To 0.1 mm. */
 static json_t *point_of(vec3 p)
 {
@@ -1055,6 +1057,14 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     d.head = d.a.head;
     d.a.has_slit = d.a.has_slit || cut_mouth;
     d.reach_mm = d.head.nose.y - d.head.chin.y;
+    if (d.a.has_face && d.head.top_y - d.head.chin.y < HEAD_LEAST_MM) {
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "the head would be %.1f mm high: say the mesh's unit (--unit cm, m, or "
+                           "how many mm one is)",
+                           d.head.top_y - d.head.chin.y);
+        rig_anatomy_finish(&d.a);
+        return result;
+    }
     for (bool is_done = false; !is_done && d.ambition < AMBITIONS;) {
         bool is_clay = false;
         trial tried = {true, true};
