@@ -7,8 +7,13 @@
 
 #include <cmocka.h>
 
+#include <png.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/file.h"
 #include "scene.h"
+#include "window/app/exporter.h"
 
 static bool has_recorded(scene *s, void *data)
 {
@@ -99,6 +104,81 @@ static void what_goes_on_is_seen_and_cancelled(void **state)
     scene_frames(&s, 3);
     assert_null(scene_word_with(&s, "Exporting"));
     assert_null(scene_word(&s, "Exports"));
+    scene_close(&s);
+}
+
+/* A picture is drawn in software, below all other work: where it is slow, it is waited for. */
+static bool have_exports_ended(scene *s)
+{
+    uint32_t none = 0;
+    bool over = false;
+    for (uint32_t i = 0; i < 10 && !over; ++i)
+        over = scene_until(s, are_exports, &none);
+    return over;
+}
+
+/* Size and colour of the first picture of the folder that was exported last. */
+static void look_at_picture(scene *s, uint32_t *out_width, uint32_t *out_height, uint8_t rgba[4])
+{
+    static const char said[] = "exported ";
+    const news_list *news = app_news(s->app);
+    char path[EXPORT_FILE + 32] = "";
+    for (uint32_t i = 0; i < news_list_count(news); ++i)
+        if (strncmp(news_list_at(news, i)->text, said, sizeof said - 1) == 0)
+            (void)snprintf(path, sizeof path, "%s/00001.png",
+                           news_list_at(news, i)->text + sizeof said - 1);
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_int_not_equal(png_image_begin_read_from_file(&image, path), 0);
+    image.format = PNG_FORMAT_RGBA;
+    uint8_t *pixels = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(pixels);
+    assert_int_not_equal(png_image_finish_read(&image, NULL, pixels, 0, NULL), 0);
+    *out_width = image.width;
+    *out_height = image.height;
+    memcpy(rgba, pixels, 4);
+    free(pixels);
+}
+
+/* What is chosen in the dialog is what the pictures are, and is there when it is asked again;
+ * what a format cannot hold is said before, and cannot be chosen. */
+static void pictures_are_as_the_dialog_says(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t width, height;
+    uint8_t corner[4];
+    open_with_a_take(&s);
+    scene_do(&s, ACTION_EXPORT);
+    assert_non_null(scene_word_with(&s, "Holds: the face with all that its file has"));
+    assert_null(scene_word(&s, "Background"));
+    scene_click_word(&s, "glTF, for Blender, Unity, Unreal (.glb)");
+    scene_click_word(&s, "Pictures, a folder of PNG");
+    assert_non_null(scene_word_with(&s, "Not: sound."));
+    scene_click_word(&s, "As the take says");
+    scene_click_word(&s, "24");
+    scene_click_word(&s, "1280 x 720");
+    scene_click_word(&s, "640 x 360");
+    scene_click_word(&s, "From the front");
+    scene_click_word(&s, "Three-quarter view");
+    scene_click_word(&s, "The wall of the stage");
+    scene_click_word(&s, "Transparent");
+    scene_picture(&s, "export_pictures");
+    scene_check_words(&s);
+    scene_click_word(&s, "Export");
+    assert_true(have_exports_ended(&s));
+    look_at_picture(&s, &width, &height, corner);
+    assert_int_equal(width, 640);
+    assert_int_equal(height, 360);
+    assert_int_equal(corner[3], 0);
+    scene_do(&s, ACTION_EXPORT);
+    assert_non_null(scene_word(&s, "640 x 360"));
+    assert_non_null(scene_word(&s, "Transparent"));
+    scene_click_word(&s, "Pictures, a folder of PNG");
+    scene_click_word(&s, "Video (.mp4)");
+    assert_null(scene_word(&s, "Transparent"));
+    scene_click_word(&s, "The wall of the stage");
+    assert_non_null(scene_word(&s, "Green, to key"));
+    assert_null(scene_word(&s, "Transparent"));
     scene_close(&s);
 }
 
@@ -203,6 +283,7 @@ int main(void)
         cmocka_unit_test(clay_leaves_the_curves_their_names),
         cmocka_unit_test(what_is_there_is_replaced_when_asked_twice),
         cmocka_unit_test(what_goes_on_is_seen_and_cancelled),
+        cmocka_unit_test(pictures_are_as_the_dialog_says),
         cmocka_unit_test(quitting_asks_about_an_export_that_goes_on),
         cmocka_unit_test(an_export_is_given_up_with_the_program),
     };

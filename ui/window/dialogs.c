@@ -1,6 +1,7 @@
 #include "window/dialogs.h"
 #include "base/installed.h"
 #include "io/export_formats.h"
+#include "window/app/settings.h"
 
 #include "base/timecode.h"
 
@@ -17,18 +18,48 @@
 static const char export_dialog[] = "export";
 
 typedef struct format {
-    const char *name, *ending;
+    const char *name, *ending, *holds;
 } format;
 static const format formats[] = {
-#define X(format, ending, name, holds, lacks) {name, ending},
+#define X(format, ending, name, holds, lacks) {name, ending, "Holds: " holds ". Not: " lacks "."},
     EXPORTS_FORMATS(X)
 #undef X
 };
-enum { FORMATS = sizeof formats / sizeof formats[0] };
+enum {
+#define X(format, ending, name, holds, lacks) FORMAT_##format,
+    EXPORTS_FORMATS(X)
+#undef X
+        FORMATS
+};
 
 static const double rates[] = {0.0, 24.0, 25.0, 30.0, 50.0, 60.0};
 static const char *const rate_names[] = {"As the take says", "24", "25", "30", "50", "60"};
 enum { RATES = sizeof rates / sizeof rates[0] };
+
+/* How videos and pictures look: what is read, and what take export is told; NULL: nothing. */
+typedef struct look {
+    const char *name, *option;
+} look;
+static const look sizes[] = {{"1280 x 720", NULL},
+                             {"1920 x 1080", "1920x1080"},
+                             {"2560 x 1440", "2560x1440"},
+                             {"3840 x 2160", "3840x2160"},
+                             {"1080 x 1920, upright", "1080x1920"},
+                             {"1080 x 1080, square", "1080x1080"},
+                             {"640 x 360", "640x360"}};
+static const look views[] = {
+    {"From the front", NULL}, {"From the side", "side"}, {"Three-quarter view", "three-quarter"}};
+static const look backgrounds[] = {{"The wall of the stage", NULL},
+                                   {"Green, to key", "#00b140"},
+                                   {"Blue, to key", "#0047bb"},
+                                   {"Black", "#000000"},
+                                   {"White", "#ffffff"},
+                                   {"Transparent", "transparent"}}; /* last: not of an .mp4 */
+enum {
+    SIZES = sizeof sizes / sizeof sizes[0],
+    VIEWS = sizeof views / sizeof views[0],
+    BACKGROUNDS = sizeof backgrounds / sizeof backgrounds[0]
+};
 
 /* The file's name gets the ending of the format, in place of another one's. */
 static void put_ending(dialogs_exporting *self)
@@ -68,8 +99,49 @@ static void put_name(dialogs *self)
             *c = '_';
 }
 
+/* What was chosen last, in this run or another: out of range, in a file that was edited, is the
+ * first. */
+static void recall_choices(dialogs *self, settings *kept)
+{
+    dialogs_exporting *exporting = &self->exporting;
+    const struct {
+        const char *key;
+        uint32_t *chosen, count;
+    } each[] = {{"export.format", &exporting->format, FORMATS},
+                {"export.rate", &exporting->rate, RATES},
+                {"export.size", &exporting->size, SIZES},
+                {"export.view", &exporting->view, VIEWS},
+                {"export.background", &exporting->background, BACKGROUNDS}};
+    for (size_t i = 0; i < sizeof each / sizeof each[0]; ++i) {
+        const double value = settings_number(kept, each[i].key, 0.0);
+        *each[i].chosen = value >= 0.0 && value < each[i].count ? (uint32_t)value : 0;
+    }
+}
+
+static void keep_choices(const dialogs *self, settings *kept)
+{
+    const dialogs_exporting *exporting = &self->exporting;
+    settings_set_number(kept, "export.format", exporting->format);
+    settings_set_number(kept, "export.rate", exporting->rate);
+    settings_set_number(kept, "export.size", exporting->size);
+    settings_set_number(kept, "export.view", exporting->view);
+    settings_set_number(kept, "export.background", exporting->background);
+}
+
+/* Those that the format can have: H.264 has no alpha. */
+static uint32_t backgrounds_of(const dialogs_exporting *exporting)
+{
+    return exporting->format == FORMAT_MP4 ? BACKGROUNDS - 1 : BACKGROUNDS;
+}
+
+static bool is_drawn(const dialogs_exporting *exporting)
+{
+    return exporting->format == FORMAT_MP4 || exporting->format == FORMAT_FOLDER;
+}
+
 void dialogs_ask_export(dialogs *self)
 {
+    recall_choices(self, app_settings(self->app));
     self->exporting.trouble[0] = self->exporting.replaced[0] = '\0';
     put_name(self);
     put_ending(&self->exporting);
@@ -103,11 +175,16 @@ static void begin_export(dialogs *self)
     export_request *request = &exporting->request;
     request->fps = rates[exporting->rate];
     request->in_ns = request->out_ns = 0;
+    const bool drawn = is_drawn(exporting);
+    request->size = drawn ? sizes[exporting->size].option : NULL;
+    request->view = drawn ? views[exporting->view].option : NULL;
+    request->background = drawn ? backgrounds[exporting->background].option : NULL;
     if (exporting->only_range)
         (void)range_of(self, &request->in_ns, &request->out_ns);
     if (needs_a_word(exporting))
         return;
     if (app_export_take(self->app, request) >= 0) {
+        keep_choices(self, app_settings(self->app));
         ui_dialog_close(self->ui);
         return;
     }
@@ -132,6 +209,25 @@ static void draw_range(dialogs *self)
     (void)ui_check(self->ui, words, &self->exporting.only_range);
 }
 
+static void choose_look(ui *on, const char *words, float label, const look *from, uint32_t count,
+                        uint32_t *chosen)
+{
+    const char *names[8];
+    for (uint32_t i = 0; i < count; ++i)
+        names[i] = from[i].name;
+    if (*chosen >= count)
+        *chosen = 0;
+    (void)ui_choice(on, words, label, names, count, chosen);
+}
+
+static void draw_looks(ui *on, dialogs_exporting *exporting, float label)
+{
+    choose_look(on, "Size", label, sizes, SIZES, &exporting->size);
+    choose_look(on, "View", label, views, VIEWS, &exporting->view);
+    choose_look(on, "Background", label, backgrounds, backgrounds_of(exporting),
+                &exporting->background);
+}
+
 static void draw_request(dialogs *self)
 {
     ui *on = self->ui;
@@ -144,7 +240,10 @@ static void draw_request(dialogs *self)
         names[i] = formats[i].name;
     if (ui_choice(on, "Format", label, names, FORMATS, &exporting->format))
         put_ending(exporting);
+    ui_text_wrapped(on, UI_STYLE_DIM, formats[exporting->format].holds);
     (void)ui_choice(on, "Frames a second", label, rate_names, RATES, &exporting->rate);
+    if (is_drawn(exporting))
+        draw_looks(on, exporting, label);
     ui_space(on, 2.0f);
     ui_width(on, -1.0f);
     if (exporting->is_asked_first)

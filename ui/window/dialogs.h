@@ -19,7 +19,7 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
 
 typedef struct dialogs_exporting {
     export_request request;
-    uint32_t format, rate;
+    uint32_t format, rate, size, view, background; /* of the lists in dialogs.c */
     bool only_range, is_asked_first;
     char replaced[EXPORT_FILE]; /* the file that the person was told is there already */
     char trouble[EXPORT_FILE + 64];

@@ -75,7 +75,7 @@ void exporter_cancel(exporter *self, uint32_t index)
 
 /* ---- the child ---- */
 
-enum { ARGUMENTS = 18 };
+enum { ARGUMENTS = 24 };
 typedef struct call {
     char program[PATH_MAX];
     char take[24], fps[32], in[40], out[40];
@@ -111,6 +111,14 @@ static void make_call(call *out, const char *show_path, int64_t take, const char
         *at++ = "--out";
         *at++ = out->out;
     }
+    const char *const look[][2] = {{"--size", request->size},
+                                   {"--view", request->view},
+                                   {"--background", request->background}};
+    for (size_t i = 0; i < sizeof look / sizeof look[0]; ++i)
+        if (look[i][1]) {
+            *at++ = look[i][0];
+            *at++ = look[i][1];
+        }
     *at = NULL;
 }
 

@@ -12,6 +12,9 @@ typedef struct export_request {
     char file[EXPORT_FILE]; /* its end says the format: exports.h */
     double fps;             /* 0: the take's own */
     int64_t in_ns, out_ns;  /* in >= out: all of it */
+    /* Of videos and pictures, as --size, --view and --background of take export say it; NULL: as
+     * usual. Static. */
+    const char *size, *view, *background;
 } export_request;
 
 exporter *exporter_create(void); /* NULL: no memory */
