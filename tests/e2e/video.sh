@@ -4,7 +4,7 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 small=(--size 160x90)
-performed=(--face "$puppet" --input "log:$demo,start=1.2,end=3.2" --map one_hand)
+performed=(--face moai --input "log:$demo,start=1.2,end=3.2" --map one_hand)
 
 perform() {
     "$MAROTTE" perform "${performed[@]}" "$@" >"$scratch/said" 2>"$scratch/stderr" ||
@@ -90,7 +90,7 @@ command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null || {
 perform "${small[@]}" --seconds 0.1 --mirror --export mirrored/ --background '#00b140'
 perform "${small[@]}" --seconds 0.1 --export plain/ --background '#00b140'
 [ "$(decoded mirrored/00003.png)" = "$(decoded plain/00003.png hflip)" ] || fail "--mirror does not mirror"
-[ "$(decoded mirrored/00003.png)" != "$(decoded plain/00003.png)" ] || fail "the puppet is symmetric"
+[ "$(decoded mirrored/00003.png)" != "$(decoded plain/00003.png)" ] || fail "the face is symmetric"
 [ "$(pixel plain/00001.png 1 1)" = '0 177 64 255' ] || fail "--background: $(pixel plain/00001.png 1 1)"
 perform "${small[@]}" --seconds 0.1 --view side --export side/ --background transparent
 [ "$(pixel side/00001.png 1 1)" = '0 0 0 0' ] || fail "nothing is not transparent: $(pixel side/00001.png 1 1)"
@@ -172,7 +172,7 @@ wait_for_pictures() { # folder with unfinished.* in it
     done
     fail "no pictures come into $1"
 }
-"$MAROTTE" perform --face "$puppet" --input "log:$demo,loop=1" --map one_hand "${small[@]}" --export out/f/ \
+"$MAROTTE" perform --face moai --input "log:$demo,loop=1" --map one_hand "${small[@]}" --export out/f/ \
     --export out/p.mp4 >/dev/null 2>"$scratch/stderr" &
 pid=$!
 wait_for_pictures out/f
@@ -192,7 +192,9 @@ grep -q 'stopped at frame' "$scratch/stderr" || fail "interrupted: $(cat "$scrat
 
 # A stream is received by somebody else's program while it is performed.
 port=$((20000 + RANDOM % 30000))
-ffmpeg -nostdin -v error -y -i "udp://127.0.0.1:$port?timeout=100000000" -frames:v 10 -c copy got.ts 2>"$scratch/got" &
+# It looks at half a second before it writes: else it waits for five, and then for the end of its patience.
+ffmpeg -nostdin -v error -y -analyzeduration 500000 -i "udp://127.0.0.1:$port?timeout=100000000" -frames:v 10 -c copy \
+    got.ts 2>"$scratch/got" &
 pid=$!
 for _ in $(seq 300); do
     grep -qi ":$(printf %04X "$port") " /proc/net/udp && break
