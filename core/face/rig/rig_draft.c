@@ -801,6 +801,7 @@ typedef struct freedom {
     double *end;
     uint32_t dof;
     bool is_lid, is_eye, is_jaw_open;
+    bool is_mirrored; /* the number is that of the other side too */
 } freedom;
 
 enum { FREEDOMS_MAX = 2 * MRT_MAX_DOFS, TRIES = 48, BISECTIONS = 6 };
@@ -815,13 +816,15 @@ static uint32_t list_freedoms(freedom *out, rig *r, const bones *b)
         bool is_lid = strncmp(bone->name, "lid_", 4) == 0;
         bool is_eye = strncmp(bone->name, "eye.", 4) == 0;
         if (bone->kind == BONE_JAW) {
-            out[count++] = (freedom){&bone->open_max_rad, first, false, false, true};
-            out[count++] = (freedom){&bone->lateral_mm, first + 1, false, false, false};
-            out[count++] = (freedom){&bone->forward_mm, first + 2, false, false, false};
+            out[count++] = (freedom){&bone->open_max_rad, first, .is_jaw_open = true};
+            out[count++] = (freedom){&bone->lateral_mm, first + 1, .is_mirrored = true};
+            out[count++] = (freedom){&bone->forward_mm, first + 2, .is_mirrored = false};
         }
         for (uint32_t k = 0; k < bone->turn_count; ++k) {
-            out[count++] = (freedom){&bone->turn[k].max_rad, first + k, is_lid, is_eye, false};
-            out[count++] = (freedom){&bone->turn[k].min_rad, first + k, is_lid, is_eye, false};
+            out[count++] =
+                (freedom){&bone->turn[k].max_rad, first + k, .is_lid = is_lid, .is_eye = is_eye};
+            out[count++] =
+                (freedom){&bone->turn[k].min_rad, first + k, .is_lid = is_lid, .is_eye = is_eye};
         }
     }
     return count;
@@ -832,18 +835,26 @@ static double determinant_of(face *f, const float *dof)
     return face_pull(f, NULL, dof, NULL) < 0 ? -1.0 : face_min_determinant(f);
 }
 
-/* So much of the way to its end, alone. */
-static double part_without_fold(face *f, const freedom *one)
+/* Alone, so much of the way to its end, and to that on the other side where one number says both:
+ * heads are not always mirror images. */
+static bool folds_alone(face *f, const freedom *one, double part)
 {
     float dof[MRT_MAX_DOFS] = {0};
+    dof[one->dof] = (float)(part * *one->end);
+    if (determinant_of(f, dof) < determinant_least)
+        return true;
+    dof[one->dof] = -dof[one->dof];
+    return one->is_mirrored && determinant_of(f, dof) < determinant_least;
+}
+
+static double part_without_fold(face *f, const freedom *one)
+{
     double low = 0.0, high = 1.0;
-    dof[one->dof] = (float)*one->end;
-    if (determinant_of(f, dof) >= determinant_least)
+    if (!folds_alone(f, one, 1.0))
         return 1.0;
     for (int i = 0; i < BISECTIONS; ++i) {
         double part = 0.5 * (low + high);
-        dof[one->dof] = (float)(part * *one->end);
-        if (determinant_of(f, dof) >= determinant_least)
+        if (!folds_alone(f, one, part))
             low = part;
         else
             high = part;
