@@ -62,11 +62,11 @@ BROWSER
 chmod +x "$scratch/bin/browser"
 for seconds in 5 15 60; do # however long it takes to begin
     rm -rf "$XDG_CONFIG_HOME" "$XDG_DATA_HOME"
-    printf 'wait %d\nclick 1021 155\nwait %d\n' $seconds $seconds >"$scratch/newcomer.txt"
+    printf 'wait %d\nclick 301 471\nwait %d\n' $seconds $seconds >"$scratch/newcomer.txt"
     MAROTTE_BROWSER=$scratch/bin/browser "$MAROTTE" stage --hidden --size 1280x720 --script "$scratch/newcomer.txt" \
         --picture "$scratch/newcomer.png" >"$scratch/stage.txt" 2>&1 || fail "the stage: $(tail -n 3 "$scratch/stage.txt")"
     [ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] && break
 done
 [ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] ||
-    fail "\"Use the camera\" is not where a newcomer sees it first, or no hand moves the face after one click"
+    fail "\"Camera\" is not what an empty stage offers first, or no hand moves the face after one click"
 finish

@@ -625,6 +625,15 @@ static bool overlap(ui_rectangle a, ui_rectangle b)
            a.y + slack < b.y + b.height && b.y + slack < a.y + a.height;
 }
 
+/* What of a word is not cut away by the edge of a list. */
+static ui_rectangle seen(const ui_word *word)
+{
+    const ui_rectangle at = word->where, clip = word->clip;
+    const float left = fmaxf(at.x, clip.x), top = fmaxf(at.y, clip.y);
+    return (ui_rectangle){left, top, fminf(at.x + at.width, clip.x + clip.width) - left,
+                          fminf(at.y + at.height, clip.y + clip.height) - top};
+}
+
 void stand_check_words(stand *s)
 {
     const ui_word *words;
@@ -634,7 +643,7 @@ void stand_check_words(stand *s)
         if (at.x < -0.5f || at.x + at.width > s->width + 0.5f)
             fail_msg("\"%s\" is cut off by the screen", words[i].text);
         for (uint32_t k = i + 1; k < count; ++k)
-            if (overlap(at, words[k].where))
+            if (overlap(seen(&words[i]), seen(&words[k])))
                 fail_msg("\"%s\" and \"%s\" overlap", words[i].text, words[k].text);
     }
 }

@@ -321,6 +321,11 @@ void gl_bind_framebuffer(GLenum target, GLuint framebuffer)
     glBindFramebuffer(target, framebuffer);
 }
 
+void gl_begin_scenes(void)
+{
+    kept = (kept_scenes){0};
+}
+
 void gl_forget_scenes(void)
 {
     if (kept.count > 0)
@@ -405,6 +410,7 @@ static mrt_result make_current(draw_context *self, error *err)
                          "the EGL context cannot be made current (error 0x%04x): this thread may "
                          "have a window's context already",
                          (unsigned)eglGetError());
+    gl_begin_scenes();
     return gl_check_current(err);
 }
 

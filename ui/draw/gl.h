@@ -29,6 +29,8 @@ void gl_bind_framebuffer(GLenum target, GLuint framebuffer);
 /* Before what ends a scene otherwise: a blit, reading pixels, showing a window, changing a texture
  * that was drawn with. */
 void gl_end_scene(void);
+/* A context that is new was made current on this thread: what is kept of one before is not its. */
+void gl_begin_scenes(void);
 /* Before a thread's context is destroyed or let go. */
 void gl_forget_scenes(void);
 

@@ -1122,6 +1122,7 @@ static mrt_result open_glfw(glfw_window *self, uint32_t width, uint32_t height, 
                          last_words());
     glfwSetWindowSizeLimits(self->glfw, 800, 500, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwMakeContextCurrent(self->glfw);
+    gl_begin_scenes();
     glfwSwapInterval(1);
     return gl_check_current(err);
 }
