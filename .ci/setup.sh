@@ -16,26 +16,29 @@ setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)
 
-setup_is_installed() {
-    case $1 in # these may also come from elsewhere
-    nodejs) command -v node >/dev/null && return ;;
-    npm) command -v npm >/dev/null && return ;;
-    esac
-    [ "$(dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null | cut -c1-2)" = ii ]
+# setup_missing PACKAGE...: those that are not installed, a line each.
+setup_missing() {
+    local package installed
+    installed=" $(dpkg-query -W -f '${db:Status-Abbrev}${Package} ' "$@" 2>/dev/null || true)"
+    for package in "$@"; do
+        case $package in # these may also come from elsewhere
+        nodejs) command -v node >/dev/null && continue ;;
+        npm) command -v npm >/dev/null && continue ;;
+        esac
+        [[ $installed == *" ii $package "* ]] || echo "$package"
+    done
 }
 
 # setup_install run|test: installs what is missing, saying what and why first.
 setup_install() {
-    local wanted=("${setup_build_packages[@]}") missing=() package
+    local wanted=("${setup_build_packages[@]}") missing=()
     [ "$1" = test ] && wanted+=("${setup_test_packages[@]}")
     [ "${long:-}" = yes ] && wanted+=("${setup_long_packages[@]}")
     if ! command -v dpkg-query >/dev/null; then
         echo "This is not Debian: make sure that these are installed: ${wanted[*]}" >&2
         return 0
     fi
-    for package in "${wanted[@]}"; do
-        setup_is_installed "$package" || missing+=("$package")
-    done
+    mapfile -t missing < <(setup_missing "${wanted[@]}")
     [ ${#missing[@]} -eq 0 ] && return 0
     echo "marotte needs these Debian packages to build and run (README.md says what each is for):"
     echo "  ${missing[*]}"
@@ -54,12 +57,12 @@ setup_install() {
     "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# setup_build PRESET TARGET [cmake options]: configures once, builds; quiet unless it fails.
+# setup_build PRESET TARGET [cmake options]: configures once, and again with options; builds; quiet unless it fails.
 setup_build() {
     local preset=$1 target=$2 log
     shift 2
     log=$(mktemp)
-    if ! (cd "$here" && cmake --preset "$preset" "$@" &&
+    if ! (cd "$here" && { [[ $# -eq 0 && -f build/$preset/build.ninja ]] || cmake --preset "$preset" "$@"; } &&
         cmake --build --preset "$preset" --target "$target") >"$log" 2>&1; then
         cat "$log" >&2
         rm -f "$log"
