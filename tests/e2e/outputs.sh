@@ -4,7 +4,7 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 show=$scratch/a.marotte
-port=$((20000 + $$ % 20000))
+port=$((10000 + $$ % 20000)) # below those that the system gives to whoever asks for any
 listeners=()
 trap 'kill "${listeners[@]}" 2>/dev/null; rm -rf "$scratch"' EXIT
 
@@ -47,9 +47,16 @@ if command -v oscdump >/dev/null; then
     grep -q '"0": "org.marotte.' window.json || fail "the output is not kept: $(cat window.json)"
     sed -i "s/\"0\": \"org.marotte[^\"]*\"/\"0\": \"org.marotte.vmc:127.0.0.1:$port\"/" window.json
     : >heard
-    printf 'wait 3\n' >script
-    timeout 120 "${stage[@]}" --script script >said 2>stderr || fail "the stage: $(tail -2 stderr)"
-    grep -q '/VMC/Ext/Blend/Apply' heard || fail "the stage does not send what was open"
+    printf 'wait 300\n' >script
+    "${stage[@]}" --script script >said 2>stderr &
+    window=$!
+    for _ in $(seq 1200); do
+        grep -q '/VMC/Ext/Blend/Apply' heard && break
+        kill -0 $window 2>/dev/null || break
+        sleep 0.1
+    done
+    grep -q '/VMC/Ext/Blend/Apply' heard || fail "the stage does not send what was open: $(tail -2 stderr)"
+    kill $window 2>/dev/null && wait $window
     kill "${listeners[@]}"
 else
     echo "SKIPPED: oscdump (liblo-tools) is not installed"
