@@ -24,9 +24,9 @@ static void say_frames(stand *s)
     status->frame_count = LIVE_HISTORY;
     status->frame_p50_ms = 1.21;
     status->frame_p99_ms = 18.4;
-    for (int i = 0; i < LIVE_STEPS; ++i) {
-        status->step_p50_ms[i] = 0.1 * (i + 1);
-        status->step_p99_ms[i] = 0.9 * (i + 1);
+    for (int i = 0; i < LIVE_PHASES; ++i) {
+        status->phase_p50_ms[i] = 0.1 * (i + 1);
+        status->phase_p99_ms[i] = 0.9 * (i + 1);
     }
     status->lag_p99_ms = 2.4;
     s->figures = (app_figures){0.31, 0.72, 16.7, 22.3, 14.2, 19.9, 12.1, 21.4};

@@ -53,13 +53,13 @@ bool live_look(live *self, const live_view **out);
 
 /* ---- how it does ---- */
 
-enum { LIVE_STEPS = 4, LIVE_HISTORY = 240 };
-typedef enum live_step {                      /* of the frame, design.md section 2 */
-                         LIVE_STEP_MAP = 0,   /* 3 to 5 */
-                         LIVE_STEP_CONSTRAIN, /* 6 */
-                         LIVE_STEP_DEFORM,    /* 7 */
-                         LIVE_STEP_PUBLISH    /* 8 */
-} live_step;
+enum { LIVE_PHASES = 4, LIVE_HISTORY = 240 };
+typedef enum live_phase {                       /* of the frame: ARCHITECTURE.md, Phases */
+                          LIVE_PHASE_MAP = 0,   /* 3 to 5 */
+                          LIVE_PHASE_CONSTRAIN, /* 6 */
+                          LIVE_PHASE_DEFORM,    /* 7 */
+                          LIVE_PHASE_PUBLISH    /* 8 */
+} live_phase;
 typedef struct live_status {
     bool can_record;
     char why_not[256]; /* one line; "" */
@@ -75,8 +75,8 @@ typedef struct live_status {
     rezero_counts rezeros;
     uint64_t patch_speaks;                 /* bits: connections that were heard and picked up */
     uint32_t patch_pressed[PATCH_ACTIONS]; /* so often, on this face */
-    double frame_p50_ms, frame_p99_ms;     /* steps 3 to 8, of the last LIVE_HISTORY published */
-    double step_p50_ms[LIVE_STEPS], step_p99_ms[LIVE_STEPS];
+    double frame_p50_ms, frame_p99_ms;     /* phases 3 to 8, of the last LIVE_HISTORY published */
+    double phase_p50_ms[LIVE_PHASES], phase_p99_ms[LIVE_PHASES];
     float frame_ms[LIVE_HISTORY]; /* the oldest first */
     uint32_t frame_count;         /* of frame_ms */
     double lag_p99_ms;            /* sample measured to performed, over the last seconds */

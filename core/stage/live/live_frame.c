@@ -255,13 +255,13 @@ static mrt_result perform_step(live_stage *stage, const sample_step *s, error *e
     stage->is_dirty = true;
     if (stage->mode == LIVE_OVERDUBS) {
         result = live_time_step(stage, s, err);
-        stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
+        stage->phase_ms[LIVE_PHASE_MAP] += ms_since(&at_ns);
         return result;
     }
     performer_map(stage->scene->performer, s);
-    stage->step_ms[LIVE_STEP_MAP] += ms_since(&at_ns);
+    stage->phase_ms[LIVE_PHASE_MAP] += ms_since(&at_ns);
     performer_constrain(stage->scene->performer, s->voice, s->due_ns);
-    stage->step_ms[LIVE_STEP_CONSTRAIN] += ms_since(&at_ns);
+    stage->phase_ms[LIVE_PHASE_CONSTRAIN] += ms_since(&at_ns);
     return result;
 }
 
@@ -357,10 +357,10 @@ static void note_frame(live_stage *stage)
     live_pulse *now = &stage->now;
     uint32_t at = now->frame_count++ % LIVE_HISTORY;
     double sum = 0.0;
-    for (int i = 0; i < LIVE_STEPS; ++i) {
-        now->step_ms[i][at] = (float)stage->step_ms[i];
-        sum += stage->step_ms[i];
-        stage->step_ms[i] = 0.0;
+    for (int i = 0; i < LIVE_PHASES; ++i) {
+        now->phase_ms[i][at] = (float)stage->phase_ms[i];
+        sum += stage->phase_ms[i];
+        stage->phase_ms[i] = 0.0;
     }
     now->frame_ms[at] = (float)sum;
 }
@@ -391,7 +391,7 @@ void live_frame_publish(live_stage *stage)
         return;
     stage->is_dirty = false;
     performer_draw(shown);
-    stage->step_ms[LIVE_STEP_DEFORM] += ms_since(&at_ns);
+    stage->phase_ms[LIVE_PHASE_DEFORM] += ms_since(&at_ns);
     live_board *board = &stage->scene->board;
     live_view *view = live_board_fill(board, performer_composer(shown), now_ns);
     meter(stage, performer_face(shown), now_ns);
@@ -401,7 +401,7 @@ void live_frame_publish(live_stage *stage)
     live_board_publish(board);
     if (was_dirty || stage->mode != LIVE_PERFORMS)
         send_on(stage, shown, now_ns);
-    stage->step_ms[LIVE_STEP_PUBLISH] += ms_since(&at_ns);
+    stage->phase_ms[LIVE_PHASE_PUBLISH] += ms_since(&at_ns);
     note_frame(stage);
 }
 

@@ -233,8 +233,8 @@ static void measure(live *self, const live_pulse *pulse)
     self->measured_ns = now_ns;
     uint32_t frames = filled(pulse->frame_count, LIVE_HISTORY);
     percentiles(pulse->frame_ms, frames, &status->frame_p50_ms, &status->frame_p99_ms);
-    for (int i = 0; i < LIVE_STEPS; ++i)
-        percentiles(pulse->step_ms[i], frames, &status->step_p50_ms[i], &status->step_p99_ms[i]);
+    for (int i = 0; i < LIVE_PHASES; ++i)
+        percentiles(pulse->phase_ms[i], frames, &status->phase_p50_ms[i], &status->phase_p99_ms[i]);
     percentiles(pulse->lag_ms, filled(pulse->lag_count, LIVE_LAGS), NULL, &status->lag_p99_ms);
 }
 

@@ -70,8 +70,8 @@ typedef struct live_pulse { /* how the frame thread does */
     bool is_patch_moving; /* a filter or a fade is on its way */
     uint32_t patch_pressed[PATCH_ACTIONS];
     uint32_t frame_count, lag_count;
-    float frame_ms[LIVE_HISTORY], step_ms[LIVE_STEPS][LIVE_HISTORY]; /* rings */
-    float lag_ms[LIVE_LAGS];                                         /* a ring */
+    float frame_ms[LIVE_HISTORY], phase_ms[LIVE_PHASES][LIVE_HISTORY]; /* rings */
+    float lag_ms[LIVE_LAGS];                                           /* a ring */
     int64_t last_ns; /* host clock: of the newest sample performed */
     live_mode mode;
     bool is_taking; /* a take is recorded */
@@ -108,7 +108,7 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     bool is_dirty; /* the face is newer than what is shown */
     int64_t published_ns;
     int64_t sample_ns;
-    double step_ms[LIVE_STEPS]; /* since the last published face */
+    double phase_ms[LIVE_PHASES]; /* since the last published face */
     double min_determinant, penetration_mm;
     surface_state skin;
     int64_t metered_ns;

@@ -1,6 +1,6 @@
-/* stage/perform/hands.h - step 3 of the frame: what the inputs' channels measured becomes two posed
- * hands and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a gap,
- * carried from the wrist outwards. A function of the samples (and of re-zeros by hand) alone.
+/* stage/perform/hands.h - phase 3 of the frame: what the inputs' channels measured becomes two
+ * posed hands and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a
+ * gap, carried from the wrist outwards. A function of the samples (and of re-zeros by hand) alone.
  * [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_HANDS_H
 #define MAROTTE_STAGE_HANDS_H

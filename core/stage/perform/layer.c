@@ -395,7 +395,7 @@ static void show_good(layer *self)
     c->shown.anchor += c->anchor_shift;
 }
 
-/* ---- steps 4 and 5: the mapping and the guard ---- */
+/* ---- phases 4 and 5: the mapping and the guard ---- */
 
 static void tell_params(layer *self, int64_t time_ns)
 {

@@ -1,4 +1,4 @@
-/* stage/perform/layer.h - steps 3 to 5 of the frame for one mapping: samples become hands, hands
+/* stage/perform/layer.h - phases 3 to 5 of the frame for one mapping: samples become hands, hands
  * become a pull, the guard keeps nonsense out. What the pull does to the face is composer.h's. A
  * function of its samples and of when its parameters change. [frame] after create; no allocation
  * then. */

@@ -1,7 +1,7 @@
 /* stage/perform/performer.h - who performs a face: up to PERFORMER_VOICES_MAX voices, each a layer
- * (steps 3 to 5) that is seen as far as its voice says, and one composer (steps 6 and 7) that hears
- * them all. Live one voice performs, on a take one for each clip that is shown, and over a take one
- * more. Steps 3 to 6 run once per step of samples, in time order; step 7 runs per step while
+ * (phases 3 to 5) that is seen as far as its voice says, and one composer (phases 6 and 7) that
+ * hears them all. Live one voice performs, on a take one for each clip that is shown, and over a
+ * take one more. Phases 3 to 6 run once per step of samples, in time order; phase 7 per step while
  * unanchored and once per drawn frame while anchored: a performance is a function of its samples
  * alone. Leaves out whose samples come next (scheduler.h). [frame] after create; no allocation
  * then. */
@@ -57,14 +57,14 @@ typedef struct performer_voice {
 /* Between steps, to be changed as the caller pleases; zeroed: nobody. */
 performer_voice *performer_voice_of(performer *self, uint32_t voice);
 
-/* Steps 3 to 5 of the voice s->voice, and then 6 for all: it has performed now, when its clock says
- * now_ns; PERFORMER_NOBODY: the voices have changed. */
+/* Phases 3 to 5 of the voice s->voice, and then 6 for all: it has performed now, when its clock
+ * says now_ns; PERFORMER_NOBODY: the voices have changed. */
 void performer_map(performer *self, const sample_step *s);
 void performer_constrain(performer *self, uint32_t voice, int64_t now_ns);
-/* Steps 3 to 6, and 7 while unanchored. A step older than the last one of its voice counts as
+/* Phases 3 to 6, and 7 while unanchored. A step older than the last one of its voice counts as
  * simultaneous. */
 void performer_step(performer *self, const sample_step *s);
-/* Step 7 for drawing: the shape shown and its normals. */
+/* Phase 7 for drawing: the shape shown and its normals. */
 void performer_draw(performer *self);
 
 /* ---- seen ---- */

@@ -21,7 +21,8 @@ typedef struct player_settings {
 
 typedef struct player_events {
     /* After performer_draw of frame `index`, time_s from the start of the performance. work_ns:
-     * what steps 3 to 7 took since the last drawn frame. < 0 ends the performance with that result.
+     * what phases 3 to 7 took since the last drawn frame. < 0 ends the performance with that
+     * result.
      */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */

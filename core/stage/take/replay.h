@@ -55,7 +55,7 @@ void replay_prepare(replay *self, const sample_step *s);
 /* Show time of the step performed last; INT64_MIN: none since the start. */
 int64_t replay_now_ns(const replay *self);
 
-/* By itself: steps 3 to 5 of its next step on voice 0 of the scratch performer. MRT_END: none is
+/* By itself: phases 3 to 5 of its next step on voice 0 of the scratch performer. MRT_END: none is
  * left before that show time. */
 CHECKED mrt_result replay_step(replay *self, int64_t before_ns, error *err);
 /* As if it had performed from its start, all samples before time_ns. The scratch performer's face

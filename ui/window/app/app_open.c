@@ -1467,7 +1467,7 @@ static void do_look(app *self, action of)
             looks->is_face_only = false;
     } else if (of == ACTION_HEAT_NEXT) {
         looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
-    } else if (of >= ACTION_PANEL_DEVICES && of <= ACTION_PANEL_SCENE) {
+    } else if (of >= ACTION_PANEL_DEVICES && of < ACTION_PANEL_DEVICES + (int)APP_PANELS) {
         looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
         looks->is_face_only = false;
     } else if (of == ACTION_QUIT) {

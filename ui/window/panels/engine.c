@@ -139,8 +139,8 @@ static const double period_ms = 1000.0 / 60.0;
 static const char *const kernels[] = {"Wendland C2", "Wendland C0", "Wendland C4", "Wendland C6"};
 static const char *const polynomials[] = {"none: local", "constant", "linear: the paper's",
                                           "windowed"};
-static const char *const step_name[LIVE_STEPS] = {"Map", "Constrain", "Deform", "Publish"};
-static const char *const step_help[LIVE_STEPS] = {
+static const char *const phase_name[LIVE_PHASES] = {"Map", "Constrain", "Deform", "Publish"};
+static const char *const phase_help[LIVE_PHASES] = {
     "Hands, mapping, guard.", "Bones and control vectors.", "Every vertex, skull, normals.",
     "The face is handed to the window."};
 
@@ -345,8 +345,9 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
     draw_heading(on, p50_right, "p50");
     ui_same_line(on);
     draw_heading(on, p99_right, "p99");
-    for (int i = 0; i < LIVE_STEPS; ++i)
-        draw_pair(on, step_name[i], status->step_p50_ms[i], status->step_p99_ms[i], step_help[i]);
+    for (int i = 0; i < LIVE_PHASES; ++i)
+        draw_pair(on, phase_name[i], status->phase_p50_ms[i], status->phase_p99_ms[i],
+                  phase_help[i]);
     draw_pair(on, "Hand to picture", figures->latency_p50_ms, figures->latency_p99_ms,
               "From a sample measured to its face handed to the screen.");
     draw_pair(on, "Window", figures->interval_p50_ms, figures->interval_p99_ms,
