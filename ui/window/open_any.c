@@ -73,7 +73,7 @@ open_kind open_kind_of(const char *path)
 uint32_t open_recent(const settings *from, const char *out[OPEN_RECENT_MAX])
 {
     uint32_t count = 0;
-    char key[16];
+    char key[32];
     for (uint32_t i = 0; i < OPEN_RECENT_MAX; ++i) {
         (void)snprintf(key, sizeof key, "recent.%u", i);
         const char *path = settings_text(from, key, "");
