@@ -234,10 +234,14 @@ static mrt_result write_sheet(const char *path, const clip *frames,
                               facts *told, error *err)
 {
     (void)steps, (void)told;
-    return sheet_write(
-        path, frames,
-        &(sheet_about){settings->title, settings->made_from, settings->width, settings->height},
-        err);
+    const video_look *look = settings->look;
+    const sheet_about about = {.title = settings->title,
+                               .made_from = settings->made_from,
+                               .width = look->is_sized ? look->width : 0,
+                               .height = look->is_sized ? look->height : 0,
+                               .scene = &look->scene,
+                               .picture = &look->picture};
+    return sheet_write(path, frames, &about, err);
 }
 
 static mrt_result write_usd(const char *path, const clip *frames, const exports_settings *settings,
@@ -478,6 +482,7 @@ void exports_video_close(exports_video *self)
 {
     video_destroy(self->video);
     self->video = NULL;
+    video_look_close(&self->look);
 }
 
 /* ---- sound ---- */

@@ -53,7 +53,7 @@ typedef struct exports_settings {
     bool is_by_part;    /* caches: a file for each part, NAME.1.PART.pc2 */
     /* of contact sheets (draw/sheet.h) */
     const char *title, *made_from;
-    uint32_t width, height; /* 0: as usual */
+    const video_look *look; /* its size, if it was chosen, and its scene */
 } exports_settings;
 
 /* A line on what a mapping was set to, "anchored 1.0: Hands Both, Size 90 %, ...": all that it
@@ -85,7 +85,7 @@ CHECKED mrt_result exports_video_open(exports_video *self, const video_settings 
 /* The face as drawn. Live, a failure is said once on stderr, and the performance goes on. */
 CHECKED mrt_result exports_video_add(exports_video *self, composer *from, error *err);
 CHECKED mrt_result exports_video_finish(exports_video *self, facts *told, error *err);
-/* Removes what is not finished. */
+/* Removes what is not finished, and lets go of the look. */
 void exports_video_close(exports_video *self);
 
 /* The sound of a range of a take as a WAV without a name of its own; to be removed. */

@@ -82,6 +82,21 @@ static mrt_result open_inputs(performance *self, error *err)
     return result;
 }
 
+/* The scene of the show that is recorded into, unless another one was chosen. */
+static mrt_result open_look(performance *self, error *err)
+{
+    const char *path = self->options->record;
+    show *there = NULL;
+    error ignored = {""};
+    if (self->options->export_count == 0)
+        return MRT_OK;
+    if (path && access(path, F_OK) == 0 && show_open(&there, path, SHOW_READ, &ignored) < 0)
+        there = NULL;
+    mrt_result result = video_look_open(&self->videos.look, there, self->log, err);
+    show_close(there);
+    return result;
+}
+
 static mrt_result open_videos(performance *self, error *err)
 {
     video_settings settings = {.mesh = &self->face.mesh,
@@ -140,6 +155,8 @@ static mrt_result prepare(performance *self, error *err)
     if (result >= 0)
         result = recording_create(&self->recording, &self->face, options->fps,
                                   recording_use_of(options->exports, options->export_count), err);
+    if (result >= 0)
+        result = open_look(self, err);
     if (result >= 0)
         result = open_videos(self, err);
     const perform_record_of of = {.plugins = &self->plugins,
@@ -394,7 +411,6 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
     char title[256], making[4096];
     name_performance(self, title, sizeof title);
     tell_making(self, making, sizeof making);
-    const video_look *look = &self->options->look;
     exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
                                  .max_targets = self->options->max_targets,
                                  .is_bare = self->options->is_bare,
@@ -402,8 +418,7 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
                                  .is_by_part = self->options->is_by_part,
                                  .title = title,
                                  .made_from = making,
-                                 .width = look->is_sized ? look->width : 0,
-                                 .height = look->is_sized ? look->height : 0};
+                                 .look = &self->videos.look};
     return exports_write(self->options->exports, self->options->export_count, self->recording.clip,
                          &settings, &self->progress, told, err);
 }
@@ -509,9 +524,14 @@ const command command_perform = {
         "                     changed or not; a row for each frame, columns by name (jaw.open)\n"
         "  --export FILE      may be given many times; the formats are below\n"
         "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
-        "  --view front|side|three-quarter   from where the face is seen\n"
+        "  --view front|side|three-quarter|1..6   from where the face is seen; 1..6: a camera\n"
+        "                     view that the show of the scene keeps\n"
         "  --mirror           left and right change places\n"
-        "  --background #RRGGBB|transparent   (a dark wall); transparent: pictures only\n"
+        "  --look studio|theatre|daylight|SHOW.marotte   how it is lit; a show: its lights, its\n"
+        "                     wall or picture (the studio; with --record the scene of that show)\n"
+        "  --background #RRGGBB|transparent|FILE.png|FILE.jpg   in place of the wall; "
+        "transparent:\n"
+        "                     pictures only\n"
         "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
         "  --seconds N        stop after so much of the performance\n"
         "  --isolate auto|on|off   run the mapping in a process of its own, so that a crash or a\n"

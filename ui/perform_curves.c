@@ -271,6 +271,8 @@ static mrt_result prepare(curve_performance *self, error *err)
     if (result >= 0)
         result = exports_video_check(&self->videos, err);
     if (result >= 0)
+        result = video_look_open(&self->videos.look, NULL, NULL, err);
+    if (result >= 0)
         result = curve_table_read(&self->table, o->curves, err);
     if (result >= 0)
         result = face_file_read(&self->face, o->face, &o->frame, FACE_FILE_USABLE, err);
@@ -336,8 +338,7 @@ mrt_result perform_curves(const perform_options *options, facts *told, error *er
                                        .is_bare = options->is_bare,
                                        .title = options->curves,
                                        .made_from = "",
-                                       .width = options->look.is_sized ? options->look.width : 0,
-                                       .height = options->look.is_sized ? options->look.height : 0};
+                                       .look = &self.videos.look};
     mrt_result result = prepare(&self, err);
     if (result >= 0) {
         tell_unused(&self);

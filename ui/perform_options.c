@@ -23,6 +23,7 @@ enum {
     OPTION_VIEW,
     OPTION_MIRROR,
     OPTION_BACKGROUND,
+    OPTION_LOOK,
     OPTION_TOLERANCE,
     OPTION_MAX_TARGETS,
     OPTION_BARE,
@@ -58,6 +59,7 @@ static const struct option option_table[] = {
     {"view", required_argument, NULL, OPTION_VIEW},
     {"mirror", no_argument, NULL, OPTION_MIRROR},
     {"background", required_argument, NULL, OPTION_BACKGROUND},
+    {"look", required_argument, NULL, OPTION_LOOK},
     {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
     {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
     {"bare", no_argument, NULL, OPTION_BARE},
@@ -205,6 +207,10 @@ static int read_look(perform_options *out, const command *self, int option, cons
         name = "background", possible = video_look_grounds;
         is_understood = video_look_ground(&out->look, text);
         break;
+    case OPTION_LOOK:
+        name = "look", possible = video_look_scenes;
+        is_understood = video_look_scene(&out->look, text);
+        break;
     default:
         out->look.is_mirrored = true;
     }
@@ -256,6 +262,7 @@ static int read_option(void *data, const command *self, int option, const char *
     case OPTION_VIEW:
     case OPTION_MIRROR:
     case OPTION_BACKGROUND:
+    case OPTION_LOOK:
         return read_look(out, self, option, text);
     case OPTION_TOLERANCE:
         return read_number(self, "tolerance", text, 1e-6, 1e3, &out->tolerance_mm);

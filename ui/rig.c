@@ -433,7 +433,7 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
     return result;
 }
 
-static mrt_result show(showing *s, error *err)
+static mrt_result show_any(showing *s, error *err)
 {
     face_file f;
     mrt_result result = face_file_read(&f, s->path, NULL, FACE_FILE_USABLE, err);
@@ -459,7 +459,7 @@ static int rigshow_run(int argc, char **argv)
                           "poses (then --out may be left away; --only NAME,NAME: of these)");
     char *found = installed_face(s.path);
     s.path = found ? found : s.path;
-    mrt_result result = show(&s, &err);
+    mrt_result result = show_any(&s, &err);
     free(found);
     return result < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }

@@ -115,8 +115,10 @@ static int read_picture(stage_options *out, int option, const char *value)
     out->has_picture = true;
     if (option == OPTION_BACKGROUND) {
         if (strlen(value) >= sizeof to->background || !streams_ground(value, ground))
-            return command_usage(&command_stage, "--background %s: expected %s", value,
-                                 video_look_grounds);
+            return command_usage(&command_stage,
+                                 "--background %s: expected transparent, or a colour such as "
+                                 "#00b140 (a picture: the Scene panel)",
+                                 value);
         (void)snprintf(to->background, sizeof to->background, "%s", value);
         return COMMAND_DONE;
     }

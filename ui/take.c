@@ -77,6 +77,7 @@ static const struct {
     [TAKE_VIEW] = {"view", true},
     [TAKE_MIRROR] = {"mirror", false},
     [TAKE_BACKGROUND] = {"background", true},
+    [TAKE_LOOK] = {"look", true},
     [TAKE_FRAMES] = {"frames", true},
     [TAKE_ALL] = {"all", false},
     [TAKE_JOBS] = {"jobs", true},
@@ -567,15 +568,17 @@ static const take_verb play_verbs[] = {
      "  --face FILE    on this face (that which it was performed on)\n"
      "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"
      "  --unit mm|cm|m|MM   of .pc2 .mdd .usda .bvh; --by-part: .pc2 .mdd as NAME.1.PART.pc2\n"
-     "  --size WxH, --view front|side|three-quarter, --mirror, --background #RRGGBB|transparent\n"
-     "                 of .mp4, pictures and sheets, as in marotte perform\n",
+     "  --size WxH, --view front|side|three-quarter|1..6, --mirror,\n"
+     "  --background #RRGGBB|transparent|PICTURE, --look studio|theatre|daylight|SHOW\n"
+     "                 of .mp4, pictures and sheets, as in marotte perform (the show's own "
+     "scene)\n",
      "frames, pictures and sound for other programs",
      TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
          TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
          TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_UNIT) |
          TAKE_BIT(TAKE_BY_PART) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
-         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND) | TAKE_BIT(TAKE_FRAMES) |
-         TAKE_BIT(TAKE_ALL) | TAKE_BIT(TAKE_JOBS),
+         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND) | TAKE_BIT(TAKE_LOOK) |
+         TAKE_BIT(TAKE_FRAMES) | TAKE_BIT(TAKE_ALL) | TAKE_BIT(TAKE_JOBS),
      TAKE_READS, take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"

@@ -67,6 +67,7 @@ typedef enum take_option {
     TAKE_VIEW,
     TAKE_MIRROR,
     TAKE_BACKGROUND,
+    TAKE_LOOK,
     TAKE_FRAMES,
     TAKE_ALL,
     TAKE_JOBS,

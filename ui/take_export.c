@@ -20,7 +20,7 @@
 static mrt_result read_look(take_call *call, video_look *out, error *err)
 {
     const char *size = call->text[TAKE_SIZE], *view = call->text[TAKE_VIEW],
-               *ground = call->text[TAKE_BACKGROUND];
+               *ground = call->text[TAKE_BACKGROUND], *scene = call->text[TAKE_LOOK];
     *out = video_look_usual();
     out->is_mirrored = call->text[TAKE_MIRROR] != NULL;
     if (size && !video_look_size(out, size))
@@ -29,6 +29,8 @@ static mrt_result read_look(take_call *call, video_look *out, error *err)
         return take_misused(call, err, "--view \"%s\" is not %s", view, video_look_views);
     if (ground && !video_look_ground(out, ground))
         return take_misused(call, err, "--background \"%s\" is not %s", ground, video_look_grounds);
+    if (scene && !video_look_scene(out, scene))
+        return take_misused(call, err, "--look \"%s\" is not %s", scene, video_look_scenes);
     error why;
     for (uint32_t i = 0; i < call->export_count; ++i)
         if (call->exports[i].format == EXPORTS_MP4 &&
@@ -205,11 +207,9 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
     (void)snprintf(title, sizeof title, "take %s", slate.text);
     char making[4096];
     tell_making(making, sizeof making, call, stage);
-    const video_look *look = &videos->look;
     exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title,
                                  .made_from = making,
-                                 .width = look->is_sized ? look->width : 0,
-                                 .height = look->is_sized ? look->height : 0};
+                                 .look = &videos->look};
     mrt_result result = read_settings(call, &settings, err);
     if (result >= 0)
         result = recording_create(&into.measured, &stage->face, timecode_fps(frames->rate),
@@ -219,7 +219,6 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
     if (result >= 0)
         result = exports_write(call->exports, call->export_count, into.measured.clip, &settings,
                                &call->shown, call->told, err);
-    exports_video_close(videos);
     exports_video_sound_remove(into.sound);
     recording_destroy(&into.measured);
     return result;
@@ -282,17 +281,6 @@ static char *wav_path(const take_call *call)
     return out;
 }
 
-/* As the show is lit on the stage. */
-static mrt_result light(take_call *call, take_stage *stage, video_look *look, error *err)
-{
-    char text[LIGHTING_TEXT] = "";
-    mrt_result result = show_note_read(call->show, LIGHTING_NOTE, text, sizeof text, err);
-    if (result >= 0 && text[0] && !lighting_parse(&look->light, text))
-        log_push(stage->log, MRT_LOG_WARNING, "show",
-                 "its lights make no sense: the studio's are taken");
-    return result;
-}
-
 /* Of a take that moves nothing there is still its sound. */
 static mrt_result export_all(take_call *call, take_stage *stage, exports_video *videos,
                              const char *wav, error *err)
@@ -307,7 +295,7 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
     }
     result = take_stage_open(stage, call, call->word[1], call->text[TAKE_FACE], err);
     if (result >= 0)
-        result = light(call, stage, &videos->look, err);
+        result = video_look_open(&videos->look, call->show, stage->log, err);
     if (result >= 0)
         result = exports_check_face(call->exports, call->export_count, &stage->face.mesh, err);
     if (result >= 0)
@@ -354,6 +342,7 @@ mrt_result take_export_run(take_call *call, error *err)
         result = exports_check(&sound, 1, err);
     if (result >= 0)
         result = export_all(call, &stage, &videos, wav, err);
+    exports_video_close(&videos);
     take_stage_finish(&stage);
     free(wav);
     return result;

@@ -137,6 +137,15 @@ static bool add_face(hash_sum *sum, take_call *call, const take_performance *p)
     return true;
 }
 
+/* As usual where nothing is known. */
+static scenery scenery_of(show *of)
+{
+    scenery out;
+    error ignored;
+    (void)!scenery_read(&out, of, &ignored);
+    return out;
+}
+
 /* What a take shows, on which face, and how it is asked for: samples never change. */
 static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, const take *t)
 {
@@ -150,6 +159,9 @@ static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, c
     for (int i = 0; is_known && i < TAKE_OPTION_COUNT; ++i)
         if (i != TAKE_JOBS && i != TAKE_JSON && i != TAKE_ALL)
             add_text(sum, call->text[i]);
+    const scenery scene = scenery_of(call->show);
+    if (is_known)
+        hash_add(sum, &scene, sizeof scene);
     const int64_t made[] = {row->id, row->created_ns, row->start_ns, row->end_ns, row->edit_head};
     if (is_known)
         hash_add(sum, made, sizeof made);

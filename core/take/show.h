@@ -121,6 +121,17 @@ CHECKED mrt_result show_note_read(show *self, const char *key, char *out, size_t
                                   error *err);
 CHECKED mrt_result show_note_write(show *self, const char *key, const char *text, error *err);
 
+/* ---- pictures that a note refers to, as their files were: known by their SHA-256 ---- */
+
+enum { SHOW_PICTURE_BYTES = 32 << 20 };
+/* MRT_END: it has none of this hash. What it gives back has that hash; to be freed. */
+CHECKED mrt_result show_picture_read(show *self, const char *hash, void **out, size_t *out_size,
+                                     error *err);
+CHECKED mrt_result show_picture_write(show *self, const char *hash, const void *bytes, size_t size,
+                                      error *err);
+/* All but this one are removed; "": all. */
+CHECKED mrt_result show_pictures_forget(show *self, const char *but, error *err);
+
 /* ---- edits: rows of text, of which the first edit_head are in force; none is ever deleted ---- */
 
 typedef struct show_edit {

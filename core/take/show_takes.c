@@ -1,4 +1,5 @@
 /* What was made of the recorded: takes, their spans and edits; notes. */
+#include "take/hash.h"
 #include "take/chunk.h"
 #include "take/show_file.h"
 
@@ -541,4 +542,52 @@ mrt_result show_note_write(show *self, const char *key, const char *text, error 
                          "INSERT INTO meta(key, value) VALUES('note.' || ?, ?)"
                          "ON CONFLICT(key) DO UPDATE SET value = excluded.value",
                          "tt", key, text);
+}
+
+/* ---- pictures ---- */
+
+mrt_result show_picture_read(show *self, const char *hash, void **out, size_t *out_size, error *err)
+{
+    sqlite_statement *rows;
+    char found[TAKE_HASH];
+    *out = NULL;
+    *out_size = 0;
+    mrt_result result = sqlite_query(
+        self->db, &rows, err, "SELECT value FROM meta WHERE key = 'picture.' || ?", "b", "t", hash);
+    if (result < 0)
+        return result;
+    result = sqlite_step(rows, err);
+    if (result == MRT_OK) {
+        const uint8_t *bytes = sqlite_blob(rows, 0, out_size);
+        hash_bytes(found, bytes, *out_size);
+        if (*out_size > SHOW_PICTURE_BYTES || strcmp(found, hash) != 0)
+            result = error_set(err, MRT_ERR_FORMAT, "%s: a picture in it is damaged", self->path);
+        else if (!(*out = malloc(*out_size + 1)))
+            result = error_set(err, MRT_ERR_MEMORY, "no memory for a picture");
+        else
+            memcpy(*out, bytes, *out_size);
+    }
+    sqlite_finish(rows);
+    return result;
+}
+
+mrt_result show_picture_write(show *self, const char *hash, const void *bytes, size_t size,
+                              error *err)
+{
+    mrt_result result = show_check_writable(self, err);
+    if (result < 0)
+        return result;
+    return sqlite_change(self->db, err,
+                         "INSERT OR IGNORE INTO meta(key, value) VALUES('picture.' || ?, ?)", "tb",
+                         hash, bytes, size);
+}
+
+mrt_result show_pictures_forget(show *self, const char *but, error *err)
+{
+    mrt_result result = show_check_writable(self, err);
+    if (result < 0)
+        return result;
+    return sqlite_change(self->db, err,
+                         "DELETE FROM meta WHERE key GLOB 'picture.*' AND key <> 'picture.' || ?",
+                         "t", but);
 }

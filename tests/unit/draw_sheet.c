@@ -269,7 +269,8 @@ static uint32_t made_from_pixels(const char *made_from, uint32_t width, uint32_t
     const float shift_mm[8] = {1, 2, 3, 4, 5, 6, 7, 8};
     clip *c = shifted_clip(&m, shift_mm, 8, 25.0);
     error err = {{0}};
-    const sheet_about about = {"A title", made_from, width, height};
+    const sheet_about about = {
+        .title = "A title", .made_from = made_from, .width = width, .height = height};
     assert_int_equal(sheet_write(path, c, &about, &err), MRT_OK);
     picture p = read_picture();
     assert_int_equal(p.width, width);

@@ -104,7 +104,7 @@ static void grounds_are_colours_or_nothing(void **state)
                                         "#00b14", "#00b1400", "#00b14g"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
         assert_false(video_look_ground(&look, wrong[i]));
-    assert_int_equal(look.ground, VIDEO_WALL);
+    assert_int_equal(look.ground, VIDEO_SCENE);
     assert_true(video_look_ground(&look, "#00B1ff"));
     assert_int_equal(look.ground, VIDEO_COLOUR);
     assert_near(look.rgba[0], 0, 0);

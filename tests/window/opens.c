@@ -167,7 +167,7 @@ static void whatever_is_dropped_is_opened_as_what_it_is(void **state)
     assert_non_null(strstr(newest(), "choose the take"));
     put(file, "letter", "Dear Sir,");
     drop(file);
-    assert_non_null(strstr(newest(), "is no show, face, recording of hands or sound"));
+    assert_non_null(strstr(newest(), "is no show, face, recording of hands, sound or picture"));
     drop(s.folder);
     assert_true(ui_has_dialog(s.ui));
     assert_non_null(scene_word(&s, "other.marotte"));
@@ -186,13 +186,10 @@ static void what_a_file_is_is_decided_by_its_end_then_by_its_beginning(void **st
     static const struct {
         const char *name;
         open_kind kind;
-    } all[] = {{"/a/night.marotte", OPEN_SHOW},
-               {"/a/Puppet.RIG.JSON", OPEN_FACE},
-               {"/a/x.vrm", OPEN_FACE},
-               {"/a/hand.csv", OPEN_HANDS},
-               {"/a/line.flac", OPEN_VOICE},
-               {"/a/notes.json", OPEN_ANY},
-               {"/a/none", OPEN_ANY}};
+    } all[] = {{"/a/night.marotte", OPEN_SHOW}, {"/a/Puppet.RIG.JSON", OPEN_FACE},
+               {"/a/x.vrm", OPEN_FACE},         {"/a/hand.csv", OPEN_HANDS},
+               {"/a/line.flac", OPEN_VOICE},    {"/a/wall.JPG", OPEN_PICTURE},
+               {"/a/notes.json", OPEN_ANY},     {"/a/none", OPEN_ANY}};
     (void)state;
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         assert_int_equal(open_kind_of(all[i].name), all[i].kind);

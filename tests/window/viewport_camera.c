@@ -132,27 +132,28 @@ static void what_is_kept_fits_another_face(void **state)
     (void)state;
     viewport_camera c = at_home(), other;
     const float small_low[3] = {-10, -15, -12}, small_high[3] = {10, 15, 11};
-    double kept[VIEWPORT_CAMERA_KEPT], again[VIEWPORT_CAMERA_KEPT];
     const float corner[2] = {300, 200};
     viewport_camera_orbit(&c, 33, 12);
     viewport_camera_zoom(&c, 3, rectangle, corner);
-    viewport_camera_keep(&c, kept);
+    const draw_camera_view kept = viewport_camera_keep(&c);
     viewport_camera_init(&other, small_low, small_high, 800.0f / 600.0f);
-    viewport_camera_recall(&other, kept);
+    viewport_camera_recall(&other, &kept);
     assert_near(other.now.distance_mm, 0.1 * (double)c.now.distance_mm, 0.1);
-    viewport_camera_keep(&other, again);
-    for (int i = 0; i < VIEWPORT_CAMERA_KEPT; ++i)
-        assert_near(kept[i], again[i], 1e-4);
+    const draw_camera_view again = viewport_camera_keep(&other);
+    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
+        assert_near(kept.number[i], again.number[i], 1e-4);
 }
 
 static void nonsense_that_was_kept_is_home(void **state)
 {
     (void)state;
     viewport_camera c = at_home();
-    const double nonsense[][VIEWPORT_CAMERA_KEPT] = {
-        {NAN, 0, 1, 0, 0, 0}, {0, 0, 0, 0, 0, 0}, {0, 0, -1, 0, 0, 0}, {0, 0, 1, INFINITY, 0, 0}};
+    const draw_camera_view nonsense[] = {{{NAN, 0, 1, 0, 0, 0}},
+                                         {{0, 0, 0, 0, 0, 0}},
+                                         {{0, 0, -1, 0, 0, 0}},
+                                         {{0, 0, 1, INFINITY, 0, 0}}};
     for (int i = 0; i < 4; ++i) {
-        viewport_camera_recall(&c, nonsense[i]);
+        viewport_camera_recall(&c, &nonsense[i]);
         assert_near(c.now.distance_mm, c.home.distance_mm, 0.0);
         assert_near(c.now.yaw_rad, 0.0, 0.0);
     }

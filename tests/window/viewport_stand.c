@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "viewport_stand.h"
+#include "window/app/kept_scenery.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,12 +33,26 @@ const face_file *app_face(const app *self)
     return &here->file;
 }
 
-const app_scene *app_scene_of(const app *self)
+kept_scenery *app_scenery(const app *self)
 {
-    static app_scene studio;
     (void)self;
-    studio.light = lighting_looks[0].light;
+    return NULL;
+}
+
+const scenery *kept_scenery_now(const kept_scenery *self)
+{
+    static scenery studio;
+    (void)self;
+    studio = scenery_usual();
     return &studio;
+}
+
+const scenery_picture *kept_scenery_picture(const kept_scenery *self, uint64_t *out_number)
+{
+    static const scenery_picture none;
+    (void)self;
+    *out_number = 0;
+    return &none;
 }
 
 app_looks *app_looks_of(app *self)

@@ -172,3 +172,29 @@ draw_camera draw_camera_framing(const float low[3], const float high[3], float a
     camera.distance_mm = (float)fmax(fmax(front, side), 1.0);
     return camera;
 }
+
+draw_camera_view draw_camera_keep(const draw_camera *camera, const draw_camera *home)
+{
+    const double unit = (double)home->distance_mm;
+    draw_camera_view out = {
+        {(double)camera->yaw_rad, (double)camera->pitch_rad, (double)camera->distance_mm / unit}};
+    for (int i = 0; i < 3; ++i)
+        out.number[3 + i] = ((double)camera->target[i] - (double)home->target[i]) / unit;
+    return out;
+}
+
+draw_camera draw_camera_recall(const draw_camera_view *kept, const draw_camera *home)
+{
+    draw_camera out = *home;
+    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
+        if (!(fabs(kept->number[i]) <= 100.0))
+            return out;
+    if (!(kept->number[2] > 0.0))
+        return out;
+    out.yaw_rad = (float)kept->number[0];
+    out.pitch_rad = (float)kept->number[1];
+    out.distance_mm = (float)(kept->number[2] * (double)home->distance_mm);
+    for (int i = 0; i < 3; ++i)
+        out.target[i] += (float)(kept->number[3 + i] * (double)home->distance_mm);
+    return out;
+}

@@ -48,12 +48,33 @@ typedef struct draw_camera {
 } draw_camera;
 /* Frames the box from the front, with air around it. */
 draw_camera draw_camera_framing(const float low[3], const float high[3], float aspect);
+/* A camera in shares of the one that frames the face (`home`), so that it means the same on every
+ * face: yaw and pitch, rad; distance in home's; target from home's, in home's distances. */
+enum { DRAW_VIEW_NUMBERS = 6 };
+typedef struct draw_camera_view {
+    double number[DRAW_VIEW_NUMBERS];
+} draw_camera_view;
+draw_camera_view draw_camera_keep(const draw_camera *camera, const draw_camera *home);
+/* Numbers that make no sense give home. */
+draw_camera draw_camera_recall(const draw_camera_view *kept, const draw_camera *home);
 
 /* How faces are lit, and the wall; NULL, and at first: the studio. */
 void draw_light(draw_renderer *self, const lighting *light);
+/* A picture on the graphics card, to be behind the face in place of the wall. rgba: width * height
+ * by 4, sRGB-coded, rows from the top; not needed any more then. */
+typedef struct draw_backdrop draw_backdrop;
+draw_backdrop *draw_backdrop_create(uint32_t width, uint32_t height, const uint8_t *rgba,
+                                    error *err);
+void draw_backdrop_destroy(draw_backdrop *self); /* NULL is fine */
+typedef enum draw_fit {
+    DRAW_COVER = 0, /* no wall is seen; what is too much is cut */
+    DRAW_CONTAIN    /* all of it is seen, the wall beside it */
+} draw_fit;
+/* NULL, and at first: the wall. It must stay until another one is. */
+void draw_behind(draw_renderer *self, const draw_backdrop *backdrop, draw_fit fit);
 /* What draw_render has behind the face: one colour, sRGB-coded, 0..1; with alpha 0 nothing, and
  * draw_read has the face's coverage as alpha (straight, not premultiplied). NULL, and at first: the
- * studio's wall. */
+ * wall, or the picture before it. */
 void draw_ground(draw_renderer *self, const float rgba[4]);
 /* Clears a width x height rectangle of the target at x, y (from the top left) and draws the face.
  */

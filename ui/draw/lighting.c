@@ -79,7 +79,7 @@ void lighting_write(const lighting *of, char out[LIGHTING_TEXT])
     (void)snprintf(out, LIGHTING_TEXT, "1");
     for (int i = 0; i < NUMBERS; ++i)
         length +=
-            (size_t)snprintf(out + length, LIGHTING_TEXT - length, " %.5g", (double)number[i]);
+            (size_t)snprintf(out + length, LIGHTING_TEXT - length, " %.9g", (double)number[i]);
 }
 
 static bool take_lamp(lighting_lamp *out, const float *number)
@@ -87,8 +87,9 @@ static bool take_lamp(lighting_lamp *out, const float *number)
     const float far = sqrtf(number[0] * number[0] + number[1] * number[1] + number[2] * number[2]);
     if (!(far > 0.5f && far < 2.0f))
         return false;
+    const float unit = fabsf(far - 1.0f) < 1e-3f ? 1.0f : far; /* what was written comes back */
     for (int i = 0; i < 3; ++i) {
-        out->direction[i] = number[i] / far;
+        out->direction[i] = number[i] / unit;
         out->rgb[i] = number[3 + i];
         if (!(out->rgb[i] >= 0.0f && out->rgb[i] <= 20.0f))
             return false;

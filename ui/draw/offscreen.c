@@ -42,11 +42,28 @@ void offscreen_finish(offscreen *self)
     if (!self)
         return;
     draw_face_destroy(self->face);
+    draw_backdrop_destroy(self->backdrop);
     draw_renderer_destroy(self->renderer);
     draw_target_destroy(self->target);
     draw_context_destroy(self->context);
     free(self->pixels);
     *self = (offscreen){0};
+}
+
+mrt_result offscreen_set_scene(offscreen *self, const scenery *scene,
+                               const scenery_picture *picture, error *err)
+{
+    draw_light(self->renderer, &scene->light);
+    draw_behind(self->renderer, NULL, scene->fit);
+    draw_backdrop_destroy(self->backdrop);
+    self->backdrop = NULL;
+    if (!picture->rgba)
+        return MRT_OK;
+    self->backdrop = draw_backdrop_create(picture->width, picture->height, picture->rgba, err);
+    if (!self->backdrop)
+        return MRT_ERR_UNSUPPORTED;
+    draw_behind(self->renderer, self->backdrop, scene->fit);
+    return MRT_OK;
 }
 
 void offscreen_words(offscreen *self, const char *words, float x, float y, float size_px,

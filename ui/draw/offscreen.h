@@ -4,13 +4,15 @@
 #ifndef MAROTTE_UI_DRAW_OFFSCREEN_H
 #define MAROTTE_UI_DRAW_OFFSCREEN_H
 #include "draw/draw.h"
+#include "draw/scenery.h"
 
 typedef struct offscreen {
     draw_context *context; /* NULL: somebody else's is in use */
     draw_target *target;
     draw_renderer *renderer;
     draw_face *face;
-    uint8_t *pixels; /* width by height, RGBA */
+    draw_backdrop *backdrop; /* NULL: the wall */
+    uint8_t *pixels;         /* width by height, RGBA */
     uint32_t width, height;
 } offscreen;
 
@@ -18,6 +20,9 @@ typedef struct offscreen {
 CHECKED mrt_result offscreen_init(offscreen *out, const mesh *m, uint32_t width, uint32_t height,
                                   error *err);
 void offscreen_finish(offscreen *self); /* accepts NULL and zeroed */
+/* What is drawn from now on is lit as the scene says, and stands before the picture or the wall. */
+CHECKED mrt_result offscreen_set_scene(offscreen *self, const scenery *scene,
+                                       const scenery_picture *picture, error *err);
 
 /* draw_text in at most width_px, cut with an ellipsis. */
 void offscreen_words(offscreen *self, const char *words, float x, float y, float size_px,

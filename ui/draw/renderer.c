@@ -46,11 +46,23 @@ static void find_face_uniforms(renderer_face_program *out)
     out->alpha_range = glGetUniformLocation(p, "alpha_range");
 }
 
+static bool create_wall(renderer_wall_program *out, const char *defines, error *err)
+{
+    const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
+    const GLuint p = out->program = gl_program_create(background, defines, err);
+    out->origin = glGetUniformLocation(p, "origin");
+    out->side = glGetUniformLocation(p, "side");
+    out->edge = glGetUniformLocation(p, "wall_edge");
+    out->light = glGetUniformLocation(p, "wall_light");
+    out->picture = glGetUniformLocation(p, "picture");
+    out->picture_scale = glGetUniformLocation(p, "picture_scale");
+    return p != 0;
+}
+
 static mrt_result create_programs(draw_renderer *self, error *err)
 {
     const gl_source face[] = {shaders_face_vert, shaders_face_frag};
     const gl_source depth[] = {shaders_depth_vert, shaders_depth_frag};
-    const gl_source background[] = {shaders_screen_vert, shaders_background_frag};
 #define PAINTED "#define PAINTED\n"
 #define BENT    "#define NORMAL_MAP\n"
 #define GLOW    "#define EMISSION\n"
@@ -72,14 +84,10 @@ static mrt_result create_programs(draw_renderer *self, error *err)
         find_face_uniforms(&self->face[i]);
     }
     self->depth_program = gl_program_create(depth, "", err);
-    self->background_program = self->depth_program ? gl_program_create(background, "", err) : 0;
-    if (!self->background_program)
+    if (!self->depth_program || !create_wall(&self->wall, "", err) ||
+        !create_wall(&self->picture, "#define PICTURE\n", err))
         return MRT_ERR_UNSUPPORTED;
     self->depth_projection = glGetUniformLocation(self->depth_program, "projection");
-    self->background_origin = glGetUniformLocation(self->background_program, "origin");
-    self->background_side = glGetUniformLocation(self->background_program, "side");
-    self->background_edge = glGetUniformLocation(self->background_program, "wall_edge");
-    self->background_light = glGetUniformLocation(self->background_program, "wall_light");
     glGenVertexArrays(1, &self->vertex_array);
     return gl_check_error("the drawing programs", err);
 }
@@ -168,7 +176,8 @@ void draw_renderer_destroy(draw_renderer *self)
         glDeleteProgram(self->face[i].program);
     glDeleteTextures(FACE_TEXTURES, self->no_texture);
     glDeleteProgram(self->depth_program);
-    glDeleteProgram(self->background_program);
+    glDeleteProgram(self->wall.program);
+    glDeleteProgram(self->picture.program);
     glDeleteTextures(1, &self->shadow_map);
     glDeleteFramebuffers(1, &self->shadow_framebuffer);
     glDeleteVertexArrays(1, &self->vertex_array);
@@ -227,14 +236,33 @@ static void clear_ground(const draw_renderer *self)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
+/* How much of the picture the rectangle spans, to each side. */
+static void picture_scale(const draw_renderer *self, const view *v, float out[2])
+{
+    const float wider = (float)v->width / (float)v->height / self->backdrop->aspect;
+    const bool is_full_width = (wider > 1.0f) == (self->fit == DRAW_COVER);
+    out[0] = is_full_width ? 1.0f : wider;
+    out[1] = is_full_width ? 1.0f / wider : 1.0f;
+}
+
 /* Where nothing solid stands before it. */
 static void draw_wall(const draw_renderer *self, const view *v)
 {
-    glUseProgram(self->background_program);
-    glUniform2i(self->background_origin, v->x, v->y);
-    glUniform1i(self->background_side, v->side);
-    glUniform3fv(self->background_edge, 1, self->light.wall_edge);
-    glUniform3fv(self->background_light, 1, self->light.wall_light);
+    const renderer_wall_program *u = self->backdrop ? &self->picture : &self->wall;
+    glUseProgram(u->program);
+    glUniform2i(u->origin, v->x, v->y);
+    glUniform1i(u->side, v->side);
+    glUniform3fv(u->edge, 1, self->light.wall_edge);
+    glUniform3fv(u->light, 1, self->light.wall_light);
+    if (self->backdrop) {
+        float scale[2];
+        picture_scale(self, v, scale);
+        glActiveTexture(GL_TEXTURE1);
+        glBindTexture(GL_TEXTURE_2D, self->backdrop->texture);
+        glActiveTexture(GL_TEXTURE0);
+        glUniform1i(u->picture, 1);
+        glUniform2fv(u->picture_scale, 1, scale);
+    }
     glBindVertexArray(self->vertex_array);
     glDepthFunc(GL_LEQUAL);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -459,6 +487,12 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
 void draw_light(draw_renderer *self, const lighting *light)
 {
     self->light = light ? *light : lighting_looks[0].light;
+}
+
+void draw_behind(draw_renderer *self, const draw_backdrop *backdrop, draw_fit fit)
+{
+    self->backdrop = backdrop;
+    self->fit = fit;
 }
 
 void draw_ground(draw_renderer *self, const float rgba[4])

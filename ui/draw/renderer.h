@@ -38,17 +38,30 @@ typedef enum renderer_look {
     LOOKS
 } renderer_look;
 
+struct draw_backdrop {
+    GLuint texture;
+    float aspect; /* width to height */
+};
+
+typedef struct renderer_wall_program {
+    GLuint program;
+    GLint origin, side, edge, light;
+    GLint picture, picture_scale; /* of the one with a picture */
+} renderer_wall_program;
+
 struct draw_renderer {
     renderer_face_program face[LOOKS];
     GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, in the place of each */
-    GLuint depth_program, background_program;
-    GLint depth_projection, background_origin, background_side;
-    GLint background_edge, background_light;
+    GLuint depth_program;
+    GLint depth_projection;
+    renderer_wall_program wall, picture; /* the wall alone; a picture before it */
     GLuint shadow_map, shadow_framebuffer;
     GLsizei shadow_side; /* texels */
     GLuint vertex_array; /* without attributes */
     lighting light;
-    bool has_ground; /* a colour instead of the wall */
+    const draw_backdrop *backdrop; /* NULL: the wall */
+    draw_fit fit;
+    bool has_ground; /* a colour instead of both */
     float ground[4];
     letters *letters;
     strokes *strokes;

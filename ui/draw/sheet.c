@@ -103,7 +103,12 @@ static mrt_result sheet_init(sheet *s, const clip *c, const sheet_about *about, 
     mrt_result result = thumbnails_choose(s->moment, &s->moment_count, c, err);
     if (result != MRT_OK)
         return result;
-    return offscreen_init(&s->offscreen, s->mesh, width, height, err);
+    result = offscreen_init(&s->offscreen, s->mesh, width, height, err);
+    if (result != MRT_OK || !about->scene)
+        return result;
+    static const scenery_picture none = {0};
+    return offscreen_set_scene(&s->offscreen, about->scene, about->picture ? about->picture : &none,
+                               err);
 }
 
 /* Grows the box by the shape, at most by `limit` beyond its first size: one wild moment must not

@@ -3,6 +3,7 @@
  * current, or in one of its own. The thread of the context. */
 #ifndef MAROTTE_UI_DRAW_SHEET_H
 #define MAROTTE_UI_DRAW_SHEET_H
+#include "draw/scenery.h"
 #include "io/export.h"
 
 typedef struct sheet_about {
@@ -10,7 +11,9 @@ typedef struct sheet_about {
     /* What it was made from, so that it can be made again: the command, inputs, parameters. Lines
      * ended by \n, wrapped where they are too long; NULL: none. */
     const char *made_from;
-    uint32_t width, height; /* pixels; 0: SHEET_WIDTH by SHEET_HEIGHT */
+    uint32_t width, height;         /* pixels; 0: SHEET_WIDTH by SHEET_HEIGHT */
+    const scenery *scene;           /* how it is lit; NULL: in the studio */
+    const scenery_picture *picture; /* behind the faces; NULL: the wall */
 } sheet_about;
 enum { SHEET_WIDTH = 1920, SHEET_HEIGHT = 960 };
 

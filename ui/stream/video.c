@@ -29,8 +29,10 @@
 enum { SIDE_MIN = 16, SIDE_MAX = 16384 };
 
 const char video_look_sizes[] = "WIDTHxHEIGHT in pixels, 16 to 16384 each, such as 1920x1080";
-const char video_look_views[] = "front, side or three-quarter";
-const char video_look_grounds[] = "transparent, or a colour such as #00b140";
+const char video_look_views[] =
+    "front, side or three-quarter, or 1 to 6, a camera view that the show keeps";
+const char video_look_grounds[] = "transparent, or a colour such as #00b140, or a .png or .jpg";
+const char video_look_scenes[] = "studio, theatre or daylight, or a show (.marotte)";
 
 static const struct {
     const char *name;
@@ -41,7 +43,7 @@ static const struct {
 
 video_look video_look_usual(void)
 {
-    return (video_look){.width = 1280, .height = 720, .light = lighting_looks[0].light};
+    return (video_look){.width = 1280, .height = 720, .scene = scenery_usual()};
 }
 
 static bool read_side(text_view word, uint32_t *out)
@@ -66,6 +68,22 @@ bool video_look_size(video_look *self, const char *text)
     return true;
 }
 
+/* "0.3,0.1,1,0,0,0" */
+static bool read_own_view(video_look *self, const char *text)
+{
+    scenery made = scenery_usual();
+    char spaced[256];
+    if (strlen(text) >= sizeof spaced)
+        return false;
+    for (size_t i = 0; i <= strlen(text); ++i)
+        spaced[i] = text[i] == ',' ? ' ' : text[i];
+    if (!scenery_parse_views(&made, spaced) || made.view_count != 1)
+        return false;
+    self->own_view = made.view[0];
+    self->has_own_view = true;
+    return true;
+}
+
 bool video_look_view(video_look *self, const char *text)
 {
     for (size_t i = 0; i < sizeof views / sizeof *views; ++i) {
@@ -74,7 +92,12 @@ bool video_look_view(video_look *self, const char *text)
         self->view = (video_view)i;
         return true;
     }
-    return false;
+    int64_t kept;
+    if (text_int(text_view_of(text, strlen(text)), &kept) && kept >= 1 && kept <= SCENERY_VIEWS) {
+        self->kept_view = (uint32_t)kept;
+        return true;
+    }
+    return read_own_view(self, text);
 }
 
 static int digit_of(char letter)
@@ -91,6 +114,13 @@ bool video_look_ground(video_look *self, const char *text)
         memset(self->rgba, 0, sizeof self->rgba);
         return true;
     }
+    const file_extension end = file_extension_of(text);
+    if (strcmp(end.text, "png") == 0 || strcmp(end.text, "jpg") == 0 ||
+        strcmp(end.text, "jpeg") == 0) {
+        self->ground = VIDEO_SCENE;
+        self->picture_path = text;
+        return true;
+    }
     if (text[0] != '#' || strlen(text) != 7)
         return false;
     float rgba[4] = {0.0f, 0.0f, 0.0f, 1.0f};
@@ -103,6 +133,77 @@ bool video_look_ground(video_look *self, const char *text)
     self->ground = VIDEO_COLOUR;
     memcpy(self->rgba, rgba, sizeof rgba);
     return true;
+}
+
+static const lighting_look *look_named(const char *name)
+{
+    for (size_t i = 0; i < LIGHTING_LOOKS; ++i)
+        if (strcasecmp(lighting_looks[i].name, name) == 0)
+            return &lighting_looks[i];
+    return NULL;
+}
+
+bool video_look_scene(video_look *self, const char *text)
+{
+    self->scene_of = text;
+    return look_named(text) || strcmp(file_extension_of(text).text, "marotte") == 0;
+}
+
+static mrt_result open_picture(video_look *self, error *err)
+{
+    file_bytes bytes;
+    mrt_result result = file_read(&bytes, self->picture_path, SHOW_PICTURE_BYTES, err);
+    if (result < 0)
+        return result;
+    result =
+        scenery_picture_decode(&self->picture, bytes.data, bytes.size, self->picture_path, err);
+    file_bytes_finish(&bytes);
+    return result;
+}
+
+static mrt_result read_scene(video_look *self, show *from, error *err)
+{
+    mrt_result result = scenery_read(&self->scene, from, err);
+    if (result < 0 || self->ground != VIDEO_SCENE || self->picture_path)
+        return result;
+    return scenery_picture_read(&self->picture, &self->scene, from, err);
+}
+
+static mrt_result read_scene_of(video_look *self, const char *path, error *err)
+{
+    show *of;
+    mrt_result result = show_open(&of, path, SHOW_READ, err);
+    if (result < 0)
+        return result;
+    result = read_scene(self, of, err);
+    show_close(of);
+    return result;
+}
+
+mrt_result video_look_open(video_look *self, show *from, log_queue *log, error *err)
+{
+    const lighting_look *look = self->scene_of ? look_named(self->scene_of) : NULL;
+    mrt_result result = MRT_OK;
+    error why = {""};
+    self->scene = scenery_usual();
+    if (self->scene_of && !look)
+        result = read_scene_of(self, self->scene_of, err);
+    else if (from && read_scene(self, from, &why) < 0)
+        log_push(log, MRT_LOG_WARNING, "show", why.text);
+    if (look)
+        self->scene.light = look->light;
+    if (result >= 0 && self->picture_path)
+        result = open_picture(self, err);
+    if (result >= 0 && self->kept_view > self->scene.view_count)
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "--view %u: the show keeps %u camera views (Scene, Keep this view)",
+                           self->kept_view, self->scene.view_count);
+    return result < 0 ? result : MRT_OK;
+}
+
+void video_look_close(video_look *self)
+{
+    scenery_picture_finish(&self->picture);
 }
 
 mrt_result video_look_check_mp4(const video_look *self, const char *path, error *err)
@@ -129,6 +230,12 @@ draw_camera video_look_camera(const video_look *self, const float low[3], const 
     camera.distance_mm *= nearer;
     camera.yaw_rad = views[self->view].yaw_rad;
     camera.pitch_rad = views[self->view].pitch_rad;
+    const draw_camera home =
+        draw_camera_framing(low, high, (float)self->width / (float)self->height);
+    if (self->has_own_view)
+        return draw_camera_recall(&self->own_view, &home);
+    if (self->kept_view > 0)
+        return draw_camera_recall(&self->scene.view[self->kept_view - 1], &home);
     return camera;
 }
 
@@ -872,8 +979,10 @@ static mrt_result open_drawing(video *self, error *err)
         offscreen_init(&self->offscreen, self->settings.mesh, look->width, look->height, err);
     if (result < 0)
         return result;
-    draw_light(self->offscreen.renderer, &look->light);
-    draw_ground(self->offscreen.renderer, look->ground == VIDEO_WALL ? NULL : look->rgba);
+    result = offscreen_set_scene(&self->offscreen, &look->scene, &look->picture, err);
+    if (result < 0)
+        return result;
+    draw_ground(self->offscreen.renderer, look->ground == VIDEO_SCENE ? NULL : look->rgba);
     return open_sinks(self, err);
 }
 

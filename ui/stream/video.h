@@ -8,15 +8,16 @@
  * as usual, and does not hear the terminal's. */
 #ifndef MAROTTE_UI_VIDEO_H
 #define MAROTTE_UI_VIDEO_H
-#include "draw/draw.h"
+#include "draw/scenery.h"
 
 #include "csrbf/points.h"
 #include "mesh/mesh.h"
+#include "base/log.h"
 #include "base/timecode.h"
 
 typedef enum video_view { VIDEO_FRONT = 0, VIDEO_SIDE, VIDEO_THREE_QUARTER } video_view;
 typedef enum video_ground {
-    VIDEO_WALL = 0, /* of the studio */
+    VIDEO_SCENE = 0, /* the wall, or the picture before it */
     VIDEO_COLOUR,
     VIDEO_NOTHING /* alpha is the face's coverage */
 } video_ground;
@@ -25,21 +26,37 @@ typedef struct video_look {
     uint32_t width, height; /* pixels */
     bool is_sized;          /* by the person; else a contact sheet has a size of its own */
     video_view view;
+    uint32_t kept_view;        /* of the scene's camera views, from 1; 0: `view` */
+    draw_camera_view own_view; /* while has_own_view: in place of both */
+    bool has_own_view;
     bool is_mirrored;
     video_ground ground;
-    lighting light;
-    float rgba[4]; /* of VIDEO_COLOUR and VIDEO_NOTHING: sRGB-coded */
+    float rgba[4];        /* of VIDEO_COLOUR and VIDEO_NOTHING: sRGB-coded */
+    const char *scene_of; /* a show; or a look's name, for the lights and the wall alone; NULL: as
+                             it comes */
+    const char *picture_path; /* behind the face in place of the scene's; NULL: that */
+    scenery scene;
+    scenery_picture picture; /* of the scene; owned by who calls video_look_open */
 } video_look;
 
-/* 1280 by 720, from the front, before the wall. */
+/* 1280 by 720, from the front, before the studio's wall. */
 video_look video_look_usual(void);
 
-/* What an option says: "1920x1080"; "front", "side", "three-quarter"; "#00b140", "transparent".
- * false: it is none, and the text below says what is. */
+/* What an option says: "1920x1080"; "front", "side", "three-quarter", "2" (of the views that are
+ * kept), six numbers with commas (draw_camera_view); "#00b140", "transparent", a picture's path;
+ * "theatre", a show's path. false: it is none, and the text below says what is. Paths are not
+ * copied. */
 bool video_look_size(video_look *self, const char *text);
 bool video_look_view(video_look *self, const char *text);
 bool video_look_ground(video_look *self, const char *text);
-extern const char video_look_sizes[], video_look_views[], video_look_grounds[];
+bool video_look_scene(video_look *self, const char *text);
+extern const char video_look_sizes[], video_look_views[], video_look_grounds[], video_look_scenes[];
+
+/* Reads the scene and the picture: those that options named, else the scene of `from` (NULL:
+ * none). An error is of what was named, or a view that is not kept; what is wrong with the scene of
+ * `from` is a warning. */
+CHECKED mrt_result video_look_open(video_look *self, show *from, log_queue *log, error *err);
+void video_look_close(video_look *self);
 
 /* Whether H.264 can show it; the error says what to write instead. */
 CHECKED mrt_result video_look_check_mp4(const video_look *self, const char *path, error *err);

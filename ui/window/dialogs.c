@@ -490,12 +490,13 @@ static void draw_exporting(dialogs *self)
  * is typed. */
 
 static const char open_dialog[] = "open";
-static const char *const kind_names[OPEN_KINDS] = {"All", "Shows", "Faces", "Hands", "Voices"};
-static const char *const kind_keys[OPEN_KINDS] = {"open.any", "open.show", "open.face",
-                                                  "open.hands", "open.voice"};
+static const char *const kind_names[OPEN_KINDS] = {"All",   "Shows",  "Faces",
+                                                   "Hands", "Voices", "Pictures"};
+static const char *const kind_keys[OPEN_KINDS] = {"open.any",   "open.show",  "open.face",
+                                                  "open.hands", "open.voice", "open.picture"};
 static const char *const kind_nothing[OPEN_KINDS] = {
-    "Nothing that marotte opens is here.", "No show is here.", "No face is here.",
-    "No recording of hands is here.", "No sound is here."};
+    "Nothing that marotte opens is here.", "No show is here.",  "No face is here.",
+    "No recording of hands is here.",      "No sound is here.", "No picture (PNG, JPEG) is here."};
 /* The faces that come with the program. */
 static const char *const shipped[] = {"puppet", "moai"};
 

@@ -1,4 +1,5 @@
 #include "window/open_any.h"
+#include "window/app/kept_scenery.h"
 #include "window/folder.h"
 
 #include "base/budget.h"
@@ -11,16 +12,18 @@
 
 /* ---- what it is ---- */
 
-#define FACES  ".rig.json", ".glb", ".gltf", ".vrm", ".obj", ".ply", ".off", ".stl"
-#define HANDS  ".csv", ".log"
-#define VOICES ".wav", ".flac", ".ogg", ".oga", ".opus", ".aif", ".aiff", ".mp3"
+#define FACES    ".rig.json", ".glb", ".gltf", ".vrm", ".obj", ".ply", ".off", ".stl"
+#define HANDS    ".csv", ".log"
+#define VOICES   ".wav", ".flac", ".ogg", ".oga", ".opus", ".aif", ".aiff", ".mp3"
+#define PICTURES ".png", ".jpg", ".jpeg"
 
 static const char *const endings[OPEN_KINDS][24] = {
-    [OPEN_ANY] = {".marotte", FACES, HANDS, VOICES, NULL},
+    [OPEN_ANY] = {".marotte", FACES, HANDS, VOICES, PICTURES, NULL},
     [OPEN_SHOW] = {".marotte", NULL},
     [OPEN_FACE] = {FACES, NULL},
     [OPEN_HANDS] = {HANDS, NULL},
     [OPEN_VOICE] = {VOICES, NULL},
+    [OPEN_PICTURE] = {PICTURES, NULL},
 };
 
 const char *const *open_endings(open_kind kind)
@@ -45,7 +48,9 @@ static open_kind kind_of_content(const char *path)
                                       {"RIFF", OPEN_VOICE},
                                       {"fLaC", OPEN_VOICE},
                                       {"OggS", OPEN_VOICE},
-                                      {"FORM", OPEN_VOICE}};
+                                      {"FORM", OPEN_VOICE},
+                                      {"\x89PNG", OPEN_PICTURE},
+                                      {"\xff\xd8\xff", OPEN_PICTURE}};
     char first[16] = "";
     FILE *file = fopen(path, "rb");
     if (!file)
@@ -151,10 +156,13 @@ mrt_result open_any(app *of, const char *path)
     case OPEN_VOICE:
         result = attach_voice(of, path);
         break;
+    case OPEN_PICTURE:
+        result = say(of, kept_scenery_choose(app_scenery(of), path, &err), &err);
+        break;
     default:
         return say(of,
                    error_set(&err, MRT_ERR_FORMAT,
-                             "%s is no show, face, recording of hands or sound", path),
+                             "%s is no show, face, recording of hands, sound or picture", path),
                    &err);
     }
     if (result >= 0)

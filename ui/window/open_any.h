@@ -9,8 +9,9 @@ typedef enum open_kind {
     OPEN_ANY = 0, /* of a file: nothing that is known */
     OPEN_SHOW,
     OPEN_FACE,
-    OPEN_HANDS, /* recorded */
-    OPEN_VOICE, /* for the take that is chosen */
+    OPEN_HANDS,   /* recorded */
+    OPEN_VOICE,   /* for the take that is chosen */
+    OPEN_PICTURE, /* behind the face */
     OPEN_KINDS
 } open_kind;
 

@@ -32,7 +32,7 @@ struct streams {
 bool streams_ground(const char *text, float out[4])
 {
     video_look look = video_look_usual();
-    if (!text[0] || !video_look_ground(&look, text))
+    if (!text[0] || !video_look_ground(&look, text) || look.picture_path)
         return false;
     memcpy(out, look.rgba, 4 * sizeof *out);
     return true;

@@ -906,6 +906,8 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
+    if (app_take_picture(self->app))
+        dialogs_ask_open(&self->dialogs, OPEN_PICTURE);
     for (const char *path; (path = window_take_drop(self->window)) != NULL;)
         dialogs_drop(&self->dialogs, path);
     if (app_take_request(self->app, ACTION_EXPORT))

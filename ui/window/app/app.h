@@ -6,7 +6,7 @@
 #define MAROTTE_UI_WINDOW_APP_APP_H
 #include "stage/live/live.h"
 #include "take/history.h"
-#include "draw/lighting.h"
+#include "draw/scenery.h"
 #include "window/app/key_map.h"
 #include "window/app/news_list.h"
 #include "window/app/settings.h"
@@ -89,17 +89,10 @@ void app_cancel_export(app *self, uint32_t index);
 const csrbf_settings *app_solver(const app *self);
 CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
 
-/* ---- the scene: lights, wall, camera views; kept with the show ---- */
+/* ---- the scene: lights, wall and picture behind, camera views; kept with the show ---- */
 
-enum { APP_VIEWS = 6, APP_VIEW_NUMBERS = 6 };
-typedef struct app_scene {
-    lighting light;
-    uint32_t view_count;
-    double view[APP_VIEWS][APP_VIEW_NUMBERS]; /* viewport_view */
-} app_scene;
-const app_scene *app_scene_of(const app *self);        /* never NULL */
-void app_set_scene(app *self, const app_scene *scene); /* on the stage, at once */
-void app_keep_scene(app *self); /* in the show, once it is as the person wants it */
+typedef struct kept_scenery kept_scenery;
+kept_scenery *app_scenery(const app *self); /* kept_scenery.h */
 
 /* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
 
@@ -152,6 +145,9 @@ bool app_take_preset(app *self, char *out, size_t capacity);
 /* The camera and its page, for the devices panel, which takes it: true once. */
 void app_ask_camera(app *self);
 bool app_take_camera(app *self);
+/* The dialog that opens a picture behind the face: true once. */
+void app_ask_picture(app *self);
+bool app_take_picture(app *self);
 
 /* ---- the take that is chosen ---- */
 

@@ -191,64 +191,9 @@ static mrt_result keep(app *self, error *err)
     return kept_solver_write(self->show, &kept, err);
 }
 
-/* ---- the scene: kept with the show ---- */
-
-static const char scene_note[] = LIGHTING_NOTE, views_note[] = "views";
-enum { VIEWS_TEXT = 32 * APP_VIEWS * APP_VIEW_NUMBERS }; /* of either note */
-_Static_assert((int)VIEWS_TEXT >= (int)LIGHTING_TEXT, "a note of lights has room");
-
-static bool views_parse(app_scene *out, const char *text)
+kept_scenery *app_scenery(const app *self)
 {
-    text_view rest = text_view_of(text, strlen(text)), word;
-    uint32_t count = 0;
-    for (; count < APP_VIEWS * APP_VIEW_NUMBERS && text_next_word(&rest, &word); ++count)
-        if (!text_double(word, &out->view[count / APP_VIEW_NUMBERS][count % APP_VIEW_NUMBERS]))
-            return false;
-    out->view_count = count / APP_VIEW_NUMBERS;
-    return count % APP_VIEW_NUMBERS == 0;
-}
-
-static void app_scene_read(app *self)
-{
-    char text[VIEWS_TEXT] = "";
-    error err = {0};
-    self->scene = (app_scene){.light = lighting_looks[0].light};
-    if (!self->show)
-        return;
-    if (show_note_read(self->show, scene_note, text, sizeof text, &err) >= 0 && text[0] &&
-        !lighting_parse(&self->scene.light, text))
-        app_say(self, MRT_LOG_WARNING, "the show's lights make no sense: the studio's are on");
-    if (show_note_read(self->show, views_note, text, sizeof text, &err) >= 0 && text[0] &&
-        !views_parse(&self->scene, text))
-        self->scene.view_count = 0;
-}
-
-const app_scene *app_scene_of(const app *self)
-{
-    return &self->scene;
-}
-
-void app_set_scene(app *self, const app_scene *scene)
-{
-    self->scene = *scene;
-}
-
-void app_keep_scene(app *self)
-{
-    char text[VIEWS_TEXT];
-    error err = {0};
-    size_t length = 0;
-    if (!self->show || !show_is_writable(self->show))
-        return;
-    lighting_write(&self->scene.light, text);
-    mrt_result result = show_note_write(self->show, scene_note, text, &err);
-    text[0] = '\0';
-    for (uint32_t i = 0; i < self->scene.view_count * APP_VIEW_NUMBERS; ++i)
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s%.9g", i ? " " : "",
-                                   self->scene.view[i / APP_VIEW_NUMBERS][i % APP_VIEW_NUMBERS]);
-    if (result >= 0)
-        result = show_note_write(self->show, views_note, text, &err);
-    app_reported(app_report(self, result, &err));
+    return self->scenery;
 }
 
 const csrbf_settings *app_solver(const app *self)
@@ -341,7 +286,7 @@ static void perform_as_show_says(app *self)
     error err = {0};
     const bool had_own = app_solver(self) != NULL;
     app_solver_read(self);
-    app_scene_read(self);
+    kept_scenery_read(self->scenery);
     if (had_own || app_solver(self))
         (void)app_report(self, live_set_solver(self->live, app_solver(self), &err), &err);
 }
@@ -697,7 +642,7 @@ static mrt_result app_open_first(app *self, const app_options *options, error *e
     mrt_result result = open_first_show(self, options->show_path, err);
     if (result >= 0) {
         app_solver_read(self);
-        app_scene_read(self);
+        kept_scenery_read(self->scenery);
         result = choose(self, options, &named, err);
     }
     if (result >= 0)
@@ -860,6 +805,18 @@ bool app_take_camera(app *self)
     return was_asked;
 }
 
+void app_ask_picture(app *self)
+{
+    self->picture_asked = true;
+}
+
+bool app_take_picture(app *self)
+{
+    const bool was_asked = self->picture_asked;
+    self->picture_asked = false;
+    return was_asked;
+}
+
 app_remote_status app_remote_now(const app *self)
 {
     return remote_status_of(self->remote);
@@ -961,9 +918,10 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->expressions = expressions_create(self);
     self->remote = remote_create(self);
     self->pulls = pulls_create(self);
+    self->scenery = kept_scenery_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
     if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
-        !self->remote || !self->pulls)
+        !self->remote || !self->pulls || !self->scenery)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         app_say(self, MRT_LOG_WARNING, "%s", note);
@@ -1023,6 +981,7 @@ void app_destroy(app *self)
     app_record_finish_over(self);
     app_drop_take(self);
     pulls_destroy(self->pulls);
+    kept_scenery_destroy(self->scenery);
     end_live(self);
     expressions_destroy(self->expressions);
     app_close_show(self, self->show);
@@ -1095,6 +1054,7 @@ void app_update(app *self, double dt_s)
     remote_update(self->remote, dt_s);
     report_exports(self);
     app_undo_update(self);
+    kept_scenery_update(self->scenery);
     app_takes_update(self, dt_s);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)

@@ -6,6 +6,7 @@
 #include "window/app/app.h"
 #include "window/app/exporter.h"
 #include "window/app/expressions.h"
+#include "window/app/kept_scenery.h"
 #include "window/app/presets.h"
 #include "window/app/pulls.h"
 #include "window/app/remote.h"
@@ -52,13 +53,13 @@ struct app {
     app_patch_aim patch_aim;
     uint32_t patch_pressed[PATCH_ACTIONS]; /* that were obeyed */
 
-    app_scene scene;
+    kept_scenery *scenery;
     app_picture picture;
     char picture_says[256]; /* the last that was said of it too */
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool camera_asked, has_pulled;
+    bool camera_asked, picture_asked, has_pulled;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */

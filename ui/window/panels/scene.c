@@ -1,8 +1,8 @@
-/* The scene of the face: a look out of the table, three lights that are dragged, the wall, and the
- * camera's views. All of it is the show's. */
+/* The scene of the face: a look out of the table, three lights that are dragged, the wall or a
+ * picture behind it, and the camera's views. All of it is the show's. */
 #include "window/panels/panels.h"
+#include "window/app/kept_scenery.h"
 #include "window/gui/theme.h"
-#include "window/viewport/camera.h"
 #include "window/viewport/viewport.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ static uint32_t look_now(const lighting *light)
     return LIGHTING_LOOKS;
 }
 
-static bool draw_looks(ui *on, app_scene *scene)
+static bool draw_looks(ui *on, scenery *scene)
 {
     const uint32_t now = look_now(&scene->light);
     bool has_changed = false;
@@ -179,9 +179,44 @@ static bool draw_wall(ui *on, lighting *light)
     return true;
 }
 
+/* ---- the picture behind ---- */
+
+static bool draw_picture(panel *self, ui *on, scenery *scene)
+{
+    static const char *const fits[] = {
+        [DRAW_COVER] = "Fills the picture", [DRAW_CONTAIN] = "All of it, the wall beside it"};
+    const bool is_reading = kept_scenery_is_reading(app_scenery(self->app));
+    show *of = app_show(self->app);
+    const bool can_be_kept = of && show_is_writable(of);
+    bool has_changed = false;
+    ui_disabled_begin(on, is_reading || !can_be_kept);
+    if (ui_button(on, is_reading ? "Reading the picture##picture" : "Picture behind...##picture",
+                  UI_PLAIN))
+        app_ask_picture(self->app);
+    ui_hint(on, can_be_kept ? "PNG or JPEG; it comes into the show. Or drop one on the window."
+                            : "It is kept in the show: open one that can be written first.");
+    ui_disabled_end(on);
+    if (!scene->picture[0])
+        return false;
+    ui_same_line(on);
+    if (ui_button(on, "Remove##picture_removed", UI_QUIET)) {
+        memset(scene->picture, 0, sizeof scene->picture);
+        memset(scene->picture_name, 0, sizeof scene->picture_name);
+        scene->fit = DRAW_COVER;
+        return true;
+    }
+    ui_hint(on, "The wall is behind the face again.");
+    ui_text(on, UI_STYLE_DIM, scene->picture_name);
+    uint32_t fit = scene->fit;
+    has_changed = ui_choice(on, "Fit", LABEL, fits, 2, &fit);
+    ui_hint(on, "What becomes of a picture of another shape than the window's or the video's.");
+    scene->fit = (draw_fit)fit;
+    return has_changed;
+}
+
 /* ---- views ---- */
 
-static bool draw_views(panel *self, ui *on, app_scene *scene)
+static bool draw_views(panel *self, ui *on, scenery *scene)
 {
     viewport *seen = app_viewport(self->app);
     bool has_changed = false;
@@ -193,24 +228,25 @@ static bool draw_views(panel *self, ui *on, app_scene *scene)
         ui_id_begin(on, id);
         ui_width(on, -70.0f);
         if (ui_row(on, name, false) != UI_ROW_NONE && seen)
-            viewport_go_to(seen, scene->view[i]);
+            viewport_go_to(seen, &scene->view[i]);
         ui_hint(on, "Glides there.");
         ui_same_line(on);
         if (ui_button(on, "Remove", UI_QUIET)) {
             scene->view_count -= 1;
-            memmove(scene->view[i], scene->view[i + 1],
+            memmove(&scene->view[i], &scene->view[i + 1],
                     (scene->view_count - i) * sizeof scene->view[0]);
+            memset(&scene->view[scene->view_count], 0, sizeof scene->view[0]);
             has_changed = true;
         }
         ui_id_end(on);
     }
-    ui_disabled_begin(on, scene->view_count == APP_VIEWS || !seen);
+    ui_disabled_begin(on, scene->view_count == SCENERY_VIEWS || !seen);
     if (ui_button(on, "Keep this view", UI_PLAIN) && seen) {
-        viewport_view(seen, scene->view[scene->view_count++]);
+        scene->view[scene->view_count++] = viewport_view(seen);
         has_changed = true;
     }
-    ui_hint(on, scene->view_count == APP_VIEWS ? "Six are kept: remove one first."
-                                               : "As the camera stands now, with the show.");
+    ui_hint(on, scene->view_count == SCENERY_VIEWS ? "Six are kept: remove one first."
+                                                   : "As the camera stands now, with the show.");
     ui_disabled_end(on);
     return has_changed;
 }
@@ -219,7 +255,8 @@ static bool draw_views(panel *self, ui *on, app_scene *scene)
 
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    app_scene scene = *app_scene_of(self->app);
+    kept_scenery *kept = app_scenery(self->app);
+    scenery scene = *kept_scenery_now(kept);
     bool has_changed = false, is_held = false;
     ui_panel_begin(on, "scene", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
@@ -238,16 +275,17 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     is_held |= ui_slider_is_held(on) || self->held >= 0;
     ui_space(on, 6.0f);
     has_changed |= draw_wall(on, &scene.light);
+    has_changed |= draw_picture(self, on, &scene);
     ui_space(on, 6.0f);
     has_changed |= draw_views(self, on, &scene);
     ui_scroll_end(on);
     ui_panel_end(on);
     if (has_changed)
-        app_set_scene(self->app, &scene);
+        kept_scenery_set(kept, &scene);
     self->has_changed |= has_changed;
     if (!self->has_changed || is_held)
         return;
-    app_keep_scene(self->app);
+    kept_scenery_keep(kept);
     self->has_changed = false;
 }
 

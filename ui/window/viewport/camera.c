@@ -44,10 +44,9 @@ void viewport_camera_init(viewport_camera *out, const float low[3], const float 
 void viewport_camera_fit(viewport_camera *self, const float low[3], const float high[3],
                          float aspect)
 {
-    double kept[VIEWPORT_CAMERA_KEPT];
-    viewport_camera_keep(self, kept);
+    const draw_camera_view kept = viewport_camera_keep(self);
     viewport_camera_init(self, low, high, aspect);
-    viewport_camera_recall(self, kept);
+    viewport_camera_recall(self, &kept);
 }
 
 void viewport_camera_orbit(viewport_camera *self, float right, float down)
@@ -150,30 +149,14 @@ void viewport_camera_update(viewport_camera *self, double dt_s)
 
 /* ---- kept ---- */
 
-void viewport_camera_keep(const viewport_camera *self, double out[VIEWPORT_CAMERA_KEPT])
+draw_camera_view viewport_camera_keep(const viewport_camera *self)
 {
-    const draw_camera *last = self->glided_s >= 0.0 ? &self->to : &self->now;
-    double unit = (double)self->home.distance_mm;
-    out[0] = (double)last->yaw_rad;
-    out[1] = (double)last->pitch_rad;
-    out[2] = (double)last->distance_mm / unit;
-    for (int i = 0; i < 3; ++i)
-        out[3 + i] = ((double)last->target[i] - (double)self->home.target[i]) / unit;
+    return draw_camera_keep(self->glided_s >= 0.0 ? &self->to : &self->now, &self->home);
 }
 
-void viewport_camera_recall(viewport_camera *self, const double kept[VIEWPORT_CAMERA_KEPT])
+void viewport_camera_recall(viewport_camera *self, const draw_camera_view *kept)
 {
     self->glided_s = -1.0;
-    self->now = self->home;
-    for (int i = 0; i < VIEWPORT_CAMERA_KEPT; ++i)
-        if (!isfinite(kept[i]) || fabs(kept[i]) > 100.0)
-            return;
-    if (!(kept[2] > 0.0))
-        return;
-    self->now.yaw_rad = (float)kept[0];
-    self->now.pitch_rad = (float)kept[1];
-    self->now.distance_mm = (float)(kept[2] * (double)self->home.distance_mm);
-    for (int i = 0; i < 3; ++i)
-        self->now.target[i] += (float)(kept[3 + i] * (double)self->home.distance_mm);
+    self->now = draw_camera_recall(kept, &self->home);
     limit(self);
 }

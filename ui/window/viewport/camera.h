@@ -39,10 +39,8 @@ void viewport_camera_frame(viewport_camera *self); /* the whole face, from where
 void viewport_camera_turn(viewport_camera *self, double dt_s); /* as on a turntable */
 void viewport_camera_update(viewport_camera *self, double dt_s);
 
-/* What is kept between runs: yaw and pitch, distance in home's, target from home's in its
- * distances. Numbers that make no sense give home. */
-enum { VIEWPORT_CAMERA_KEPT = 6 };
-void viewport_camera_keep(const viewport_camera *self, double out[VIEWPORT_CAMERA_KEPT]);
-void viewport_camera_recall(viewport_camera *self, const double kept[VIEWPORT_CAMERA_KEPT]);
+/* What is kept between runs, and of views: draw_camera_keep; of a glide its end. */
+draw_camera_view viewport_camera_keep(const viewport_camera *self);
+void viewport_camera_recall(viewport_camera *self, const draw_camera_view *kept);
 
 #endif

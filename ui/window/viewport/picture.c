@@ -312,6 +312,9 @@ struct viewport_picture {
     bool has_shape, has_colours, is_stale;
     draw_camera camera;
     lighting light;
+    draw_fit fit;
+    bool has_backdrop;
+    uint64_t backdrop_number;
     bool has_ground;
     float ground[4];
     viewport_scene scene;
@@ -410,7 +413,12 @@ static bool has_target(viewport_picture *self, uint32_t width, uint32_t height, 
 
 static const lighting *light_of(const viewport_picture_look *look)
 {
-    return look->light ? look->light : &lighting_looks[0].light;
+    return look->scenery ? &look->scenery->light : &lighting_looks[0].light;
+}
+
+static draw_fit fit_of(const viewport_picture_look *look)
+{
+    return look->scenery ? look->scenery->fit : DRAW_COVER;
 }
 
 static bool is_same(const viewport_picture *self, const viewport_picture_look *look)
@@ -419,7 +427,11 @@ static bool is_same(const viewport_picture *self, const viewport_picture_look *l
     const bool is_same_ground =
         self->has_ground == (look->ground != NULL) &&
         (!look->ground || memcmp(self->ground, look->ground, sizeof self->ground) == 0);
-    return !self->is_stale && is_same_ground &&
+    const bool is_same_backdrop =
+        self->has_backdrop == (look->backdrop != NULL) &&
+        (!look->backdrop ||
+         (self->backdrop_number == look->backdrop_number && self->fit == fit_of(look)));
+    return !self->is_stale && is_same_ground && is_same_backdrop &&
            memcmp(&self->light, light_of(look), sizeof self->light) == 0 &&
            memcmp(&self->camera, &look->camera, sizeof look->camera) == 0 &&
            count == self->scene.count &&
@@ -432,6 +444,9 @@ static void keep(viewport_picture *self, const viewport_picture_look *look)
     self->is_stale = false;
     self->camera = look->camera;
     self->light = *light_of(look);
+    self->fit = fit_of(look);
+    self->has_backdrop = look->backdrop != NULL;
+    self->backdrop_number = look->backdrop_number;
     self->has_ground = look->ground != NULL;
     if (look->ground)
         memcpy(self->ground, look->ground, sizeof self->ground);
@@ -452,10 +467,12 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
     if (!is_same(self, look)) {
         const uint32_t whole[4] = {0, 0, look->width, look->height};
         draw_light(self->renderer, light_of(look));
+        draw_behind(self->renderer, look->backdrop, fit_of(look));
         draw_ground(self->renderer, look->ground);
         draw_render(self->renderer, self->target, self->face, &look->camera, 0, 0, look->width,
                     look->height);
         draw_ground(self->renderer, NULL);
+        draw_behind(self->renderer, NULL, DRAW_COVER); /* it may be gone by the next time */
         if (look->scene)
             draw_overlay(self->renderer, self->target, self->face, &look->camera, whole,
                          look->scene->item, look->scene->count);

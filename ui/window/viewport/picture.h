@@ -49,9 +49,11 @@ void viewport_picture_colour(viewport_picture *self, const float *rgb);
 typedef struct viewport_picture_look {
     uint32_t width, height; /* pixels */
     draw_camera camera;
-    const viewport_scene *scene; /* NULL: nothing over the face */
-    const lighting *light;       /* NULL: the studio */
-    const float *ground;         /* rgba behind it, as draw_ground; NULL: the wall */
+    const viewport_scene *scene;   /* NULL: nothing over the face */
+    const scenery *scenery;        /* its light and fit; NULL: the studio */
+    const draw_backdrop *backdrop; /* NULL: the wall */
+    uint64_t backdrop_number;      /* another one for each */
+    const float *ground;           /* rgba behind it in place of both, as draw_ground; NULL: none */
 } viewport_picture_look;
 /* 0: there is nothing to be shown, err says why. The texture lives until the next call. */
 uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_look *look,

@@ -1,4 +1,5 @@
 #include "window/viewport/viewport.h"
+#include "window/app/kept_scenery.h"
 #include "draw/overlay.h"
 #include "window/gui/theme.h"
 #include "window/viewport/camera.h"
@@ -79,7 +80,9 @@ struct viewport {
 
     viewport_camera camera;
     bool has_camera;
-    double camera_kept[VIEWPORT_CAMERA_KEPT];
+    draw_camera_view camera_kept;
+    draw_backdrop *backdrop; /* NULL: the wall */
+    uint64_t backdrop_number;
 
     viewport_scene scene;
     viewport_quality quality;
@@ -698,7 +701,7 @@ static void viewport_follow_face(viewport *self)
     if (self->has_camera)
         viewport_keep_camera(self);
     viewport_camera_init(&self->camera, self->low, self->high, viewport_aspect(self));
-    viewport_camera_recall(&self->camera, self->camera_kept);
+    viewport_camera_recall(&self->camera, &self->camera_kept);
     self->has_camera = true;
 }
 
@@ -1175,7 +1178,7 @@ static void viewport_ink(const viewport *self, ui *on)
 
 /* ---- the viewport ---- */
 
-static const char *const camera_key[VIEWPORT_CAMERA_KEPT] = {
+static const char *const camera_key[DRAW_VIEW_NUMBERS] = {
     "viewport.camera.yaw_rad",  "viewport.camera.pitch_rad", "viewport.camera.distance",
     "viewport.camera.target_x", "viewport.camera.target_y",  "viewport.camera.target_z"};
 static const char output_key[] = "viewport.output_from_front"; /* 1: whatever the camera does */
@@ -1204,8 +1207,8 @@ static bool make_parts(viewport *self, error *err)
 static void read_settings(viewport *self)
 {
     settings *s = app_settings(self->of);
-    for (int i = 0; i < VIEWPORT_CAMERA_KEPT; ++i)
-        self->camera_kept[i] = settings_number(s, camera_key[i], i == 2 ? 1.0 : 0.0);
+    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
+        self->camera_kept.number[i] = settings_number(s, camera_key[i], i == 2 ? 1.0 : 0.0);
     double radius = settings_number(s, radius_key, 0.0);
     self->radius_mm = radius > 0.0 && radius < 1e4 ? radius : 0.0;
 }
@@ -1228,24 +1231,20 @@ viewport *viewport_create(app *of, error *err)
 
 static void viewport_keep_camera(viewport *self)
 {
-    double now[VIEWPORT_CAMERA_KEPT];
-    viewport_camera_keep(&self->camera, now);
-    if (memcmp(now, self->camera_kept, sizeof now) == 0)
+    const draw_camera_view now = viewport_camera_keep(&self->camera);
+    if (memcmp(&now, &self->camera_kept, sizeof now) == 0)
         return;
-    memcpy(self->camera_kept, now, sizeof now);
-    for (int i = 0; i < VIEWPORT_CAMERA_KEPT; ++i)
-        settings_set_number(app_settings(self->of), camera_key[i], now[i]);
+    self->camera_kept = now;
+    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
+        settings_set_number(app_settings(self->of), camera_key[i], now.number[i]);
 }
 
-_Static_assert((int)APP_VIEW_NUMBERS == (int)VIEWPORT_CAMERA_KEPT,
-               "a view is a camera that is kept");
-
-void viewport_view(const viewport *self, double out[APP_VIEW_NUMBERS])
+draw_camera_view viewport_view(const viewport *self)
 {
-    viewport_camera_keep(&self->camera, out);
+    return viewport_camera_keep(&self->camera);
 }
 
-void viewport_go_to(viewport *self, const double view[APP_VIEW_NUMBERS])
+void viewport_go_to(viewport *self, const draw_camera_view *view)
 {
     viewport_camera there = self->camera;
     viewport_camera_recall(&there, view);
@@ -1265,6 +1264,7 @@ void viewport_destroy(viewport *self)
     viewport_picture_destroy(self->picture);
     for (int i = 0; i < VIEWPORT_TAKERS; ++i)
         viewport_picture_destroy(self->output[i]);
+    draw_backdrop_destroy(self->backdrop);
     draw_renderer_destroy(self->renderer);
     free(self->extra);
     free(self);
@@ -1384,13 +1384,34 @@ static void make_scene(viewport *self)
     }
 }
 
+/* The scene's picture on the graphics card; NULL: the wall. */
+static const draw_backdrop *backdrop_of(viewport *self)
+{
+    uint64_t number;
+    const scenery_picture *of = kept_scenery_picture(app_scenery(self->of), &number);
+    if (number == self->backdrop_number)
+        return self->backdrop;
+    error err = {""};
+    draw_backdrop_destroy(self->backdrop);
+    self->backdrop = NULL;
+    self->backdrop_number = number;
+    if (of->rgba)
+        self->backdrop = draw_backdrop_create(of->width, of->height, of->rgba, &err);
+    if (of->rgba && !self->backdrop)
+        viewport_say(self, MRT_LOG_WARNING, err.text);
+    return self->backdrop;
+}
+
 static uint32_t draw_picture(viewport *self)
 {
     float quality = choose_quality(self);
+    const draw_backdrop *backdrop = backdrop_of(self);
     viewport_picture_look look = {.width = pixels(quality * (float)self->rectangle[2]),
                                   .height = pixels(quality * (float)self->rectangle[3]),
                                   .camera = self->camera.now,
-                                  .light = &app_scene_of(self->of)->light,
+                                  .scenery = kept_scenery_now(app_scenery(self->of)),
+                                  .backdrop = backdrop,
+                                  .backdrop_number = self->backdrop_number,
                                   .scene = &self->scene};
     error err = {{0}};
     uint32_t texture = viewport_picture_draw(self->picture, &look, &err);
@@ -1504,10 +1525,13 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
     const live_view *view = app_view(self->of);
     if (view->position && view->vertex_count == self->face.vertex_count)
         viewport_picture_follow(self->output[to], view);
+    const draw_backdrop *backdrop = backdrop_of(self);
     viewport_picture_look look = {.width = width,
                                   .height = height,
                                   .ground = self->has_ground ? self->ground : NULL,
-                                  .light = &app_scene_of(self->of)->light,
+                                  .scenery = kept_scenery_now(app_scenery(self->of)),
+                                  .backdrop = backdrop,
+                                  .backdrop_number = self->backdrop_number,
                                   .camera = output_camera(self, (float)width / (float)height)};
     return viewport_picture_draw(self->output[to], &look, &err);
 }

@@ -32,8 +32,8 @@ struct window_gamepad;
 void viewport_update(viewport *self, const ui *keys, const struct window_gamepad *pad, double dt_s);
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale);
 /* The camera, as it is kept; and a glide to one that was. */
-void viewport_view(const viewport *self, double out[APP_VIEW_NUMBERS]);
-void viewport_go_to(viewport *self, const double view[APP_VIEW_NUMBERS]);
+draw_camera_view viewport_view(const viewport *self);
+void viewport_go_to(viewport *self, const draw_camera_view *view);
 void viewport_set_use(viewport *self, viewport_use use, float brush_mm); /* for this frame and on */
 const viewport_stroke *viewport_stroke_now(const viewport *self);        /* of this frame */
 /* Colours over the face, vertex_count by 3, linear; NULL: as the looks say. Copied. */
