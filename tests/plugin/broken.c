@@ -1,6 +1,7 @@
 /* One plugin per rule that it breaks: the build defines BROKEN as one of the names below. Each is a
- * mapping, an input and outputs that are right but for that rule; broken_io.h has all but the
- * first. A name is the rule's id, or one of the old short names that tests/plugin/check.sh lists.
+ * mapping, an input and outputs that are right but for that rule (where the rule is of a device, no
+ * mapping: it would be walked through for nothing); broken_io.h has all but the first. A name is
+ * the rule's id, or one of the old short names that tests/plugin/check.sh lists.
  */
 #include <marotte/plugin.h>
 
@@ -404,6 +405,7 @@ static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
                                            {MRT_FACE_OUTPUT, &face_output},
                                            {BREAKS(TYPE_INTERFACES) ? "devices" : NULL, &devices},
                                            {NULL, NULL}};
+enum { MAPPING_INTERFACES = 3, IS_OF_DEVICES = BROKEN >= BROKEN_INPUT_ABSENT };
 
 static const char *const labels[] = {"left", BREAKS(PARAM_LABELS) ? NULL : "right", NULL};
 static const mrt_param params[PARAM_COUNT] = {
@@ -418,7 +420,7 @@ static const mrt_param params[PARAM_COUNT] = {
 static mrt_plugin_type broken = {BREAKS(ABI) ? MRT_ABI + 6 : MRT_ABI,
                                  PARAM_COUNT,
                                  params,
-                                 interfaces,
+                                 interfaces + (IS_OF_DEVICES ? MAPPING_INTERFACES : 0),
                                  BREAKS(TYPE_ID) ? "Broken plugin" : "org.example.broken",
                                  "Broken",
                                  "1",

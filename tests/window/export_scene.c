@@ -78,7 +78,7 @@ static void what_is_there_is_replaced_when_asked_twice(void **state)
     scene_click_word(&s, "Export");
     assert_int_equal(app_exports_going(s.app), 0);
     assert_non_null(scene_word_with(&s, "is there already"));
-    scene_picture(&s, "export_replaces");
+    scene_look(&s, "export_replaces");
     scene_check_words(&s);
     scene_click_word(&s, "Export");
     assert_null(scene_word(&s, "Cancel"));
@@ -97,7 +97,7 @@ static void what_goes_on_is_seen_and_cancelled(void **state)
     const ui_word *word = scene_word_with(&s, "Exporting");
     assert_non_null(word);
     scene_click(&s, word->where.x + 4.0f, word->where.y + 4.0f);
-    scene_picture(&s, "export_goes_on");
+    scene_look(&s, "export_goes_on");
     scene_check_words(&s);
     scene_click_word(&s, "Cancel");
     assert_true(scene_until(&s, are_exports, &none));
@@ -162,7 +162,7 @@ static void pictures_are_as_the_dialog_says(void **state)
     scene_click_word(&s, "Three-quarter view");
     scene_click_word(&s, "The wall of the stage");
     scene_click_word(&s, "Transparent");
-    scene_picture(&s, "export_pictures");
+    scene_look(&s, "export_pictures");
     scene_check_words(&s);
     scene_click_word(&s, "Export");
     assert_true(have_exports_ended(&s));
@@ -200,7 +200,7 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene_frames(&s, 3);
     assert_false(s.is_over);
     assert_non_null(scene_word(&s, "An export goes on"));
-    scene_picture(&s, "export_quits");
+    scene_look(&s, "export_quits");
     scene_check_words(&s);
     scene_click_word(&s, "Stay");
     scene_frames(&s, 3);
@@ -256,7 +256,7 @@ static void clay_leaves_the_curves_their_names(void **state)
     scene_modifiers(&s, UI_CONTROL, false);
     scene_frames(&s, 30);
     assert_non_null(scene_word(&s, "Held: N clears it"));
-    scene_picture(&s, "export_clay");
+    scene_look(&s, "export_clay");
     record_a_take(&s);
     scene_do(&s, ACTION_EXPORT);
     scene_click_word(&s, "Export");

@@ -60,7 +60,7 @@ static void text_is_as_large_as_one_wants_it_and_stays_so(void **state)
     scene_key(&s, UI_KEY_ESCAPE, 0);
     const float after_px = height_of(&s, "Devices") * workspace_scale(s.workspace);
     assert_float_equal(after_px, 1.5f * before_px, 1.2f);
-    scene_picture(&s, "habits_text_150");
+    scene_look(&s, "habits_text_150");
     scene_check_words(&s);
     /* A click meets what is seen. */
     scene_click_word(&s, "Engine");
@@ -107,8 +107,7 @@ static uint32_t walk(scene *s, const char *name)
         scene_do(s, pages[i]);
         scene_frames(s, 3);
         (void)snprintf(picture, sizeof picture, "habits_%s_%s", name, action_of(pages[i])->name);
-        if (s->width * workspace_scale(s->workspace) < 2000.0f || pages[i] == ACTION_PANEL_MAPPING)
-            scene_picture(s, picture); /* of the largest one is enough: it takes its time */
+        scene_look(s, picture);
         const uint32_t here = scene_word_faults(s);
         if (here)
             print_message("^ in %s\n", picture);
@@ -164,7 +163,7 @@ static void light_and_safe_colours_are_a_click_each(void **state)
     assert_true(app_looks_of(s.app)->theme.is_colour_safe);
     scene_check_words(&s);
     scene_key(&s, UI_KEY_ESCAPE, 0);
-    scene_picture(&s, "habits_light_safe");
+    scene_look(&s, "habits_light_safe");
     scene_check_words(&s);
     scene_close(&s);
 }
@@ -197,7 +196,7 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     scene_do(&s, ACTION_HELP);
     scene_click_word(&s, "Record");
     assert_non_null(scene_word_with(&s, "Record: press its new key"));
-    scene_picture(&s, "habits_key_waits");
+    scene_look(&s, "habits_key_waits");
     scene_key(&s, 'M', 0); /* somebody else's: it says whose */
     assert_non_null(scene_word_with(&s, "M is \"Mark\""));
     assert_int_equal(key_map_action(&app_looks_of(s.app)->keys, (key_chord){'M', 0}), ACTION_MARK);

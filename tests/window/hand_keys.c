@@ -52,7 +52,7 @@ static void a_gamepad_is_a_hand_that_moves_the_face(void **state)
         pad.axis[i] = 0.9f;
     window_hidden_gamepad(s.window, &pad);
     assert_true(scene_until(&s, has_moved, rest));
-    scene_picture(&s, "hand_keys_gamepad");
+    scene_look(&s, "hand_keys_gamepad");
     window_hidden_gamepad(s.window, NULL);
     scene_frames(&s, 3);
     free(rest);

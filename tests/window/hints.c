@@ -85,7 +85,7 @@ static void that_a_take_is_shown_is_said_at_the_edge_not_on_the_face(void **stat
         const ui_word *word = scene_word(&s, taken);
         assert_non_null(word);
         assert_true(word->where.y + word->where.height < 0.15f * s.height);
-        scene_picture(&s, k == 0 ? "hints_taken" : "hints_taken_2x");
+        scene_look(&s, k == 0 ? "hints_taken" : "hints_taken_2x");
         scene_check_words(&s);
         scene_close(&s);
     }
@@ -127,7 +127,7 @@ static void a_take_is_duplicated_by_its_menu_and_by_its_key(void **state)
     assert_non_null(word);
     scene_click_with(&s, word->where.x + 3.0f, word->where.y + 5.0f, 1);
     assert_non_null(scene_word(&s, "Duplicate"));
-    scene_picture(&s, "hints_duplicate");
+    scene_look(&s, "hints_duplicate");
     scene_check_words(&s);
     scene_click_word(&s, "Duplicate");
     assert_int_equal(app_takes(s.app, &line), 2);
@@ -155,7 +155,7 @@ static void long_news_are_broken_in_two_and_can_be_read(void **state)
                   *second = scene_word_with(&s, "looked for");
     assert_true(first && second && first != second);
     assert_true(second->where.y > first->where.y + 10.0f);
-    scene_picture(&s, "hints_news");
+    scene_look(&s, "hints_news");
     scene_check_words(&s);
     scene_close(&s);
 }

@@ -8,7 +8,7 @@ library=$BUILD_DIR/tests/window/liblate_fence.so
 cd "$scratch" || exit 1
 cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
 for seed in 5 6; do
-    printf '%s\n' 'do output' "random $seed 10" >script.txt
+    printf '%s\n' 'do output' "random $seed 4" >script.txt
     LD_PRELOAD=$library "$MAROTTE" stage --hidden "show$seed.marotte" --face puppet/puppet.rig.json --settings "" \
         --input "log:$demo,loop=1" --script script.txt >said 2>&1
     code=$?

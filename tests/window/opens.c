@@ -43,7 +43,7 @@ static void an_empty_stage_offers_four_ways_in_this_order(void **state)
     assert_true(x_of("Camera") < x_of("Keyboard hand"));
     assert_true(x_of("Keyboard hand") < x_of("Try a demo hand"));
     assert_true(x_of("Try a demo hand") < x_of("Mouse"));
-    scene_picture(&s, "opens_offers");
+    scene_look(&s, "opens_offers");
     scene_let_cut(&s, "No takes yet");
     scene_check_words(&s);
     scene_click_word(&s, "Keyboard hand");
@@ -56,7 +56,7 @@ static void a_click_brings_a_demo_hand_that_performs(void **state)
 {
     (void)state;
     scene_open(&s, 800, 500, 1.0f);
-    scene_picture(&s, "opens_offers_small");
+    scene_look(&s, "opens_offers_small");
     scene_let_cut(&s, "No takes yet");
     scene_let_cut(&s, "night");
     scene_let_cut(&s, "puppet");
@@ -115,7 +115,7 @@ static void the_first_field_has_the_focus_enter_opens_and_esc_cancels(void **sta
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
     scene_do(&s, ACTION_OPEN);
-    scene_picture(&s, "opens_dialog");
+    scene_look(&s, "opens_dialog");
     scene_type(&s, "nothing");
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(ui_has_dialog(s.ui));
@@ -129,7 +129,7 @@ static void the_first_field_has_the_focus_enter_opens_and_esc_cancels(void **sta
     assert_non_null(scene_word(&s, "Lately"));
     const ui_word *recent = scene_word_with(&s, "moai.rig.json   in");
     assert_non_null(recent);
-    scene_picture(&s, "opens_lately");
+    scene_look(&s, "opens_lately");
     scene_type(&s, "another");
     scene_key(&s, UI_KEY_ENTER, 0); /* a new name makes a show */
     assert_false(ui_has_dialog(s.ui));

@@ -50,7 +50,7 @@ static void each_panel_can_be_read_while_a_hand_performs(void **state)
             scene_do(&s, panels[i]);
             scene_frames(&s, 4);
             (void)snprintf(name, sizeof name, "panel_scene_%s_%dx", panel_name[i], k + 1);
-            scene_picture(&s, name);
+            scene_look(&s, name);
             scene_check_words(&s);
         }
         scene_close(&s);
@@ -182,7 +182,7 @@ static void a_finger_is_linked_by_a_click_on_the_face(void **state)
     click_last_word(&s, "Learn");
     assert_true(scene_until(&s, is_asked_to_click, NULL));
     assert_true(find_contact(&s, &x, &y));
-    scene_picture(&s, "panel_scene_learn");
+    scene_look(&s, "panel_scene_learn");
     scene_check_words(&s);
     assert_int_equal(link_count(&s), 0);
     scene_click(&s, x, y);
@@ -191,7 +191,7 @@ static void a_finger_is_linked_by_a_click_on_the_face(void **state)
     assert_int_equal(link_count(&s), 0);
     scene_do(&s, ACTION_REDO);
     assert_int_equal(link_count(&s), 1);
-    scene_picture(&s, "panel_scene_learnt");
+    scene_look(&s, "panel_scene_learnt");
     scene_close(&s);
 }
 

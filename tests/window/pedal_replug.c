@@ -88,7 +88,7 @@ static void open_with_pedal(scene *s, uint32_t width_px, uint32_t height_px, flo
 static void check_looks(scene *s, const char *name)
 {
     scene_frames(s, 2);
-    scene_picture(s, name);
+    scene_look(s, name);
     scene_check_words(s);
 }
 

@@ -114,7 +114,7 @@ static void what_is_painted_is_performed_undone_and_saved(void **state)
     paint(&s);
     assert_true(scene_until(&s, stage_has_paint, NULL));
     assert_int_equal(live_input_count(app_live(s.app)), inputs);
-    scene_picture(&s, "rig_window");
+    scene_look(&s, "rig_window");
     scene_check_words(&s);
     scene_key(&s, 'Z', UI_CONTROL);
     assert_true(scene_until(&s, stage_has_none, NULL));
@@ -166,7 +166,7 @@ static void undo_in_the_rig_stops_before_what_was_done_to_takes(void **state)
     scene_key(&s, 'Z', UI_CONTROL);
     assert_int_equal(app_take(s.app)->rating, 4);
     assert_true(was_said(&s, "leave the Rig panel"));
-    scene_picture(&s, "rig_undo_stops");
+    scene_look(&s, "rig_undo_stops");
     scene_do(&s, ACTION_RATE_2);
     scene_key(&s, 'Z', UI_CONTROL);
     assert_int_equal(app_take(s.app)->rating, 4);
@@ -189,14 +189,14 @@ static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
     scene_key(&s, 'Q', UI_CONTROL);
     scene_frames(&s, 5);
     assert_false(s.is_over);
-    scene_picture(&s, "rig_quit");
+    scene_look(&s, "rig_quit");
     scene_check_words(&s);
     workspace_destroy(s.workspace); /* as when it is killed: nothing was answered */
     app_destroy(s.app);
     open_puppet(&s, true);
     scene_key(&s, UI_KEY_F1 + 3, 0);
     assert_true(scene_until(&s, has_rig_panel, NULL));
-    scene_picture(&s, "rig_offer");
+    scene_look(&s, "rig_offer");
     scene_check_words(&s);
     scene_click_word(&s, "Take them up");
     assert_true(scene_until(&s, is_unsaved, NULL));

@@ -11,7 +11,8 @@
  *         scene_click_word(&s, "Mapping");
  *         assert_true(scene_until(&s, is_recording, NULL)); a condition of yours; bounded
  *         scene_check_words(&s);              none overlaps, is cut, is hard to read
- *         scene_picture(&s, "playing");       draws a frame: BUILD_DIR/out/playing.png, look at it
+ *         scene_look(&s, "playing");          draws a frame; with MAROTTE_PICTURES set it is kept:
+ *                                             BUILD_DIR/out/playing.png
  *         scene_close(&s);
  *     }
  *
@@ -388,6 +389,7 @@ static inline void scene_check_words(scene *s)
 
 /* ---- pictures ---- */
 
+/* A frame that is drawn whole, as BUILD_DIR/out/NAME.png. */
 static inline void scene_picture(scene *s, const char *name)
 {
     char path[512];
@@ -399,6 +401,15 @@ static inline void scene_picture(scene *s, const char *name)
     window_hidden_put_away(s->window, !s->is_drawn);
     if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
+}
+
+/* For people who look at pictures of the tests. */
+static inline void scene_look(scene *s, const char *name)
+{
+    if (getenv("MAROTTE_PICTURES"))
+        scene_picture(s, name);
+    else
+        scene_frame(s);
 }
 
 #endif

@@ -186,14 +186,14 @@ static void a_light_is_dragged_and_turned_behind(void **state)
     assert_true(now->direction[0] > before.direction[0] + 0.5f);
     assert_true(now->direction[1] < before.direction[1]);
     assert_true(now->direction[2] > 0.0f);
-    scene_picture(&s, "scene_dragged");
+    scene_look(&s, "scene_dragged");
     key = scene_word(&s, "K");
     const float to_x = key->where.x + 0.5f * key->where.width;
     const float to_y = key->where.y + 0.5f * key->where.height;
     scene_click(&s, to_x, to_y);
     scene_click(&s, to_x, to_y); /* the second of a double click */
     assert_true(kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[2] < 0.0f);
-    scene_picture(&s, "scene_behind");
+    scene_look(&s, "scene_behind");
     const float kept = kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[0];
     open_again(&s);
     assert_float_equal(kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[0],

@@ -64,7 +64,7 @@ static void the_window_goes_on_while_a_device_is_opened(void **state)
     assert_int_equal(opening_count(&s), 1);
     assert_int_equal(input_count(&s), 0);
     assert_non_null(scene_word_with(&s, "opening"));
-    scene_picture(&s, "slow_device_opens");
+    scene_look(&s, "slow_device_opens");
     scene_check_words(&s);
     assert_true(scene_until(&s, has_input, NULL));
     assert_true(scene_until(&s, runs, NULL));
@@ -79,7 +79,7 @@ static void cancel_lets_go_of_it_at_once(void **state)
     open_scene(&s, 2560, 1440, 2.0f);
     assert_int_equal(app_open_input(s.app, endless), MRT_OK);
     scene_frames(&s, 2);
-    scene_picture(&s, "slow_device_opens_2x");
+    scene_look(&s, "slow_device_opens_2x");
     scene_check_words(&s);
     scene_click_word(&s, "Cancel");
     assert_int_equal(opening_count(&s), 0);
@@ -138,7 +138,7 @@ static void what_opens_during_a_take_joins_behind_it(void **state)
     assert_int_equal(app_open_input(s.app, slow), MRT_OK);
     assert_true(scene_until(&s, waits_for_the_take, NULL));
     assert_int_equal(input_count(&s), 0);
-    scene_picture(&s, "slow_device_waits");
+    scene_look(&s, "slow_device_waits");
     scene_check_words(&s);
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, has_input, NULL));

@@ -60,7 +60,7 @@ static void record_one(scene *s)
     uint32_t count = 1;
     scene_do(s, ACTION_RECORD);
     assert_true(scene_until(s, has_recorded, NULL));
-    scene_picture(s, "timeline_scene_recording");
+    scene_look(s, "timeline_scene_recording");
     scene_do(s, ACTION_RECORD);
     assert_true(scene_until(s, has_take, &count));
 }
@@ -89,13 +89,13 @@ static void a_performance_is_recorded_chosen_split_and_undone(void **state)
     assert_true(scene_until(&s, has_clips, &two));
     for (int i = 0; i < 120; ++i)
         scene_frame(&s); /* the curve comes */
-    scene_picture(&s, "timeline_scene_split");
+    scene_look(&s, "timeline_scene_split");
     scene_check_words(&s);
     scene_do(&s, ACTION_UNDO);
     assert_true(scene_until(&s, has_clips, &one));
     scene_click_word(&s, "History");
     scene_settle(&s);
-    scene_picture(&s, "timeline_scene_history");
+    scene_look(&s, "timeline_scene_history");
     assert_non_null(scene_word_with(&s, "split"));
     scene_close(&s);
 }
@@ -140,10 +140,10 @@ static void a_take_is_named_and_deleted_in_the_list(void **state)
     assert_non_null(word);
     float x = word->where.x + 4.0f, y = word->where.y + 6.0f;
     scene_click_with(&s, x, y, 1);
-    scene_picture(&s, "timeline_scene_menu");
+    scene_look(&s, "timeline_scene_menu");
     scene_click_word(&s, "Name, slate, note \u2026");
     scene_settle(&s);
-    scene_picture(&s, "timeline_scene_take");
+    scene_look(&s, "timeline_scene_take");
     scene_type(&s, "night ride"); /* the name has the keys at once */
     scene_key(&s, UI_KEY_ENTER, 0);
     assert_null(scene_word(&s, "Change"));
@@ -169,7 +169,7 @@ static void nothing_covers_undo_in_the_smallest_window(void **state)
     assert_non_null(edits);
     const float signs = 2.0f * 32.0f; /* undo and redo, before it */
     assert_true(!keep || keep->where.x + keep->where.width < edits->where.x - signs);
-    scene_picture(&s, "timeline_scene_smallest");
+    scene_look(&s, "timeline_scene_smallest");
     scene_close(&s);
 }
 
@@ -180,7 +180,7 @@ static void the_journal_is_seen_live_and_at_twice_the_size(void **state)
         scene s;
         open_hand(&s, (float)scale);
         assert_true(scene_until(&s, has_journal, NULL));
-        scene_picture(&s, scale == 1 ? "timeline_scene_live" : "timeline_scene_live_2x");
+        scene_look(&s, scale == 1 ? "timeline_scene_live" : "timeline_scene_live_2x");
         scene_check_words(&s);
         scene_close(&s);
     }
@@ -210,7 +210,7 @@ static void a_swipe_over_what_was_always_recorded_is_a_take_of_that_length(void 
     assert_true(scene_until(&s, is_in_list, NULL));
     for (uint32_t i = said; i < news_list_count(app_news(s.app)); ++i)
         assert_int_equal(news_list_at(app_news(s.app), i)->level, MRT_LOG_INFO);
-    scene_picture(&s, "timeline_scene_kept");
+    scene_look(&s, "timeline_scene_kept");
     /* while it is dragged the strip rolls on, by at most the time that it takes */
     assert_in_range(app_take(s.app)->duration_ns, NS_PER_S, 2 * NS_PER_S);
     scene_close(&s);
@@ -299,7 +299,7 @@ static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **stat
     assert_false(app_status(s.app)->is_recording);
     const news_list *news = app_news(s.app);
     assert_non_null(strstr(news_list_at(news, news_list_count(news) - 1)->text, "ended by itself"));
-    scene_picture(&s, "timeline_scene_punched");
+    scene_look(&s, "timeline_scene_punched");
     scene_close(&s);
 }
 
@@ -378,7 +378,7 @@ static void a_click_in_the_list_chooses_what_space_plays_and_del_deletes(void **
     scene_click_word(&s, "1");
     scene_do(&s, ACTION_REMOVE);
     assert_true(app_take(s.app)->is_deleted);
-    scene_picture(&s, "timeline_scene_deleted");
+    scene_look(&s, "timeline_scene_deleted");
     scene_do(&s, ACTION_UNDO);
     assert_false(app_take(s.app)->is_deleted);
     scene_close(&s);

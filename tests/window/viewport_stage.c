@@ -115,7 +115,7 @@ static void a_drag_on_the_mouth_corner_moves_it_by_the_drag(void **state)
     wait_for there = {
         .contact = corner, .at = vec3_add(rest, way), .within_mm = 0.1 * vec3_length(way)};
     assert_true(scene_until(&s, contact_is_there, &there));
-    scene_picture(&s, "viewport_drag");
+    scene_look(&s, "viewport_drag");
     scene_let_cut(&s, "No takes yet");
     scene_check_words(&s);
     scene_button(&s, 0, false);
@@ -241,7 +241,7 @@ static void pulls_and_clay_are_undone_and_done_again_bit_for_bit(void **state)
         expect_face(&shown[i - 1], "undone");
         assert_non_null(scene_word_with(&s, words[i - 1]));
         if (i == 3)
-            scene_picture(&s, "viewport_undone");
+            scene_look(&s, "viewport_undone");
     }
     assert_null(scene_word(&s, "Held: N clears it"));
     for (uint32_t i = 1; i <= PULLS; ++i) {
@@ -276,7 +276,7 @@ static void the_keys_move_a_hand_that_moves_the_face(void **state)
     assert_true(vec3_length(vec3_sub(view_now()->contact[brow], brow_rest)) < 0.5);
 
     hold_until(' ', "jaw.open", 0.25f, 9.0f); /* the thumb drops: the mouth opens */
-    scene_picture(&s, "viewport_hand_keys");
+    scene_look(&s, "viewport_hand_keys");
     scene_let_cut(&s, "No takes yet");
     scene_check_words(&s);
     scene_hold_key(&s, ' ', false);

@@ -99,6 +99,7 @@ static void look_at_everything(scene *s, const char *prefix)
                                    ACTION_FACE_ONLY,     ACTION_TIMELINE,      ACTION_OPEN,
                                    ACTION_EXPORT};
     uint32_t faults = 0;
+    const bool is_large = s->width * workspace_scale(s->workspace) > 1280.0f;
     for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
         char name[96];
         const bool is_dialog = views[i] == ACTION_OPEN || views[i] == ACTION_EXPORT;
@@ -107,7 +108,10 @@ static void look_at_everything(scene *s, const char *prefix)
         scene_do(s, views[i]);
         scene_frames(s, 3);
         (void)snprintf(name, sizeof name, "%s_%s", prefix, action_of(views[i])->name);
-        scene_picture(s, name);
+        if (is_large) /* drawn once is enough: it takes its time */
+            scene_look(s, name);
+        else
+            scene_picture(s, name);
         const uint32_t here = scene_word_faults(s);
         if (here)
             print_message("^ in %s\n", name);
@@ -152,7 +156,7 @@ static void a_narrow_window_is_readable_too(void **state)
     record_a_take(&s);
     scene_do(&s, ACTION_PLAY);
     scene_frames(&s, 2);
-    scene_picture(&s, "workspace_960");
+    scene_look(&s, "workspace_960");
     scene_check_words(&s);
     scene_close(&s);
 }
@@ -177,7 +181,7 @@ static void a_corner_of_the_mouth_is_dragged_with_the_mouse(void **state)
         scene_frame(&s);
     }
     assert_true(scene_until(&s, has_moved, rest));
-    scene_picture(&s, "workspace_pulled");
+    scene_look(&s, "workspace_pulled");
     scene_button(&s, 0, false);
     scene_settle(&s);
     free(rest);
@@ -195,16 +199,16 @@ static void record_is_told_large_and_the_take_is_chosen(void **state)
     scene_frames(&s, 2);
     assert_non_null(scene_word(&s, "Recording take 1"));
     assert_null(scene_word(&s, "Live"));
-    scene_picture(&s, "workspace_recording");
+    scene_look(&s, "workspace_recording");
     scene_do(&s, ACTION_FACE_ONLY);
-    scene_picture(&s, "workspace_recording_face_only");
+    scene_look(&s, "workspace_recording_face_only");
     assert_null(scene_word(&s, "Devices"));
     scene_do(&s, ACTION_FACE_ONLY);
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, has_take, NULL));
     scene_do(&s, ACTION_PLAY);
     assert_true(scene_until(&s, shows_take_1, NULL));
-    scene_picture(&s, "workspace_take");
+    scene_look(&s, "workspace_take");
     scene_close(&s);
 }
 
@@ -250,7 +254,7 @@ static void the_keyboard_is_a_hand_until_escape(void **state)
     assert_false(app_status(s.app)->is_recording);
     scene_do(&s, ACTION_PANEL_LOG);
     assert_int_equal(app_looks_of(s.app)->panel, APP_LOG);
-    scene_picture(&s, "workspace_hand_keys");
+    scene_look(&s, "workspace_hand_keys");
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(app_has_hand_keys(s.app));
     scene_close(&s);
@@ -288,7 +292,7 @@ static void an_error_stays_until_it_is_clicked(void **state)
     news_list_add(news, MRT_LOG_INFO, "stage", "calm");
     scene_frames(&s, 2);
     assert_non_null(scene_word(&s, "the disk is gone again"));
-    scene_picture(&s, "workspace_error");
+    scene_look(&s, "workspace_error");
     scene_frames(&s, 200); /* long enough to be read: what went well later takes its place */
     assert_non_null(scene_word(&s, "the disk is gone again"));
     news_list_add(news, MRT_LOG_INFO, "stage", "the disk is back");
@@ -329,10 +333,10 @@ static void the_edges_of_timeline_and_dock_are_dragged(void **state)
     assert_float_equal(app_looks_of(s.app)->timeline_height, before + 60.0f, 1.5f);
     scene_drag(&s, 500, y - 60, 500, 715, 6);
     scene_frames(&s, 2);
-    scene_picture(&s, "workspace_low_timeline");
+    scene_look(&s, "workspace_low_timeline");
     scene_drag(&s, 950, 300, 800, 300, 6);
     assert_float_equal(app_looks_of(s.app)->dock_width, 480.0f, 1.5f);
-    scene_picture(&s, "workspace_wide_dock");
+    scene_look(&s, "workspace_wide_dock");
     scene_check_words(&s);
     scene_close(&s);
 }
@@ -343,7 +347,7 @@ static void a_face_and_a_show_are_opened_by_their_names_in_the_bar(void **state)
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
     scene_click_word(&s, "puppet");
-    scene_picture(&s, "workspace_open_face");
+    scene_look(&s, "workspace_open_face");
     assert_non_null(scene_word(&s, "come with marotte"));
     scene_click_word(&s, "../");
     scene_click_word(&s, "moai/");
@@ -351,7 +355,7 @@ static void a_face_and_a_show_are_opened_by_their_names_in_the_bar(void **state)
     scene_key(&s, UI_KEY_ENTER, 0);
     scene_frames(&s, 3);
     assert_non_null(strstr(app_face_path(s.app), "moai.rig.json"));
-    scene_picture(&s, "workspace_moai");
+    scene_look(&s, "workspace_moai");
     scene_click_word(&s, "moai");
     scene_click_word(&s, "puppet");
     scene_frames(&s, 3);
@@ -395,7 +399,7 @@ static void work_that_is_not_saved_is_asked_about(void **state)
     app_set_unsaved(s.app, &unsaved);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 2);
-    scene_picture(&s, "workspace_unsaved");
+    scene_look(&s, "workspace_unsaved");
     assert_false(s.is_over);
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(s.is_over);
