@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "face/bind.h"
 #include "face/rig/rig_head.h"
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
@@ -422,6 +423,26 @@ static void lips_lie_on_either_side_of_the_puppets_slit(void **state)
     finish(&d);
 }
 
+/* Where skin that is pulled whole has a neighbour that is not pulled at all it folds at once: the
+ * inside of the mouth, and around the eyes. */
+static void what_is_pulled_ends_softly(void **state)
+{
+    (void)state;
+    drafted d = draft(SOURCE_DIR "/rigs/puppet/puppet.glb");
+    binding b;
+    error err = {""};
+    if (binding_create(&b, &d.rig, &d.file.mesh, &d.file.topology, &err) < 0)
+        fail_msg("%s", err.text);
+    uint32_t steps = 0;
+    for (uint32_t v = 0; v < b.vertex_count; ++v)
+        for (uint32_t k = d.file.topology.neighbour_start[v];
+             k < d.file.topology.neighbour_start[v + 1]; ++k)
+            steps += b.mobility[v] - b.mobility[d.file.topology.neighbour[k]] > 0.8f;
+    assert_true(steps <= 12); /* contacts beside the eyes; else everywhere around them */
+    binding_destroy(&b);
+    finish(&d);
+}
+
 static void left_contacts_mirror_right_ones(void **state)
 {
     (void)state;
@@ -670,6 +691,7 @@ int main(void)
         cmocka_unit_test(a_fold_below_the_lips_is_no_mouth),
         cmocka_unit_test(a_mask_has_a_jaw),
         cmocka_unit_test(lips_lie_on_either_side_of_the_puppets_slit),
+        cmocka_unit_test(what_is_pulled_ends_softly),
         cmocka_unit_test(left_contacts_mirror_right_ones),
         cmocka_unit_test(a_head_of_2_mm_asks_for_its_unit_and_one_of_2_m_is_drafted),
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),

@@ -538,22 +538,44 @@ static int pixel_of(double at, double low, double high)
     return pixel < 0 ? 0 : pixel >= PIXELS ? PIXELS - 1 : pixel;
 }
 
-/* By the boxes of triangles: they are small, and only shares are wanted. */
+static double centre_of(int pixel, double low, double high)
+{
+    return low + (pixel + 0.5) / PIXELS * (high - low);
+}
+
+static void draw_pixel(front_view *f, int x, int y, double z, uint32_t piece)
+{
+    size_t pixel = (size_t)y * PIXELS + (size_t)x;
+    if (!(z > f->z[pixel]))
+        return;
+    f->z[pixel] = z;
+    f->piece[pixel] = piece;
+}
+
+/* Pixels whose centre a triangle covers; a small one at least that of its own middle. */
 static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint32_t piece)
 {
     const uint32_t *corner = m->triangle + (size_t)triangle * 3;
     vec3 a = rig_mirror_position(m, corner[0]), b = rig_mirror_position(m, corner[1]),
          c = rig_mirror_position(m, corner[2]);
     vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3.0);
-    vec3 from = vec3_scale(vec3_add(least(a, least(b, c)), middle), 0.5);
-    vec3 to = vec3_scale(vec3_add(greatest(a, greatest(b, c)), middle), 0.5);
-    int last_x = pixel_of(to.x, f->low.x, f->high.x), last_y = pixel_of(to.y, f->low.y, f->high.y);
-    for (int y = pixel_of(from.y, f->low.y, f->high.y); y <= last_y; ++y)
-        for (int x = pixel_of(from.x, f->low.x, f->high.x); x <= last_x; ++x)
-            if (middle.z > f->z[y * PIXELS + x]) {
-                f->z[y * PIXELS + x] = middle.z;
-                f->piece[y * PIXELS + x] = piece;
-            }
+    vec3 from = least(a, least(b, c)), to = greatest(a, greatest(b, c));
+    int first_x = pixel_of(from.x, f->low.x, f->high.x),
+        last_x = pixel_of(to.x, f->low.x, f->high.x);
+    int first_y = pixel_of(from.y, f->low.y, f->high.y),
+        last_y = pixel_of(to.y, f->low.y, f->high.y);
+    double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    draw_pixel(f, pixel_of(middle.x, f->low.x, f->high.x), pixel_of(middle.y, f->low.y, f->high.y),
+               middle.z, piece);
+    for (int y = first_y; area != 0.0 && y <= last_y; ++y)
+        for (int x = first_x; x <= last_x; ++x) {
+            double px = centre_of(x, f->low.x, f->high.x) - a.x;
+            double py = centre_of(y, f->low.y, f->high.y) - a.y;
+            double u = (px * (c.y - a.y) - (c.x - a.x) * py) / area;
+            double v = ((b.x - a.x) * py - px * (b.y - a.y)) / area;
+            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
+                draw_pixel(f, x, y, a.z + u * (b.z - a.z) + v * (c.z - a.z), piece);
+        }
 }
 
 static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)

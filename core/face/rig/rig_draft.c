@@ -15,6 +15,9 @@ enum { REGIONS_MAX = 200 };
 #define DRAFT_MOST (8u * LAPLACE_FREE_MOST) /* vertices: of a head an eighth is a face at least */
 #define NECK       0.6  /* of the reach: so far below the chin the skin is drawn along */
 #define EYE_REACH  1.28 /* of an eyeball's radius: so far around it nothing is pulled */
+#define EYE_FREE   1.6  /* of it: from here on skin is pulled whole */
+#define LIPS_DEEP  0.15 /* of the reach: so far behind other skin what is pulled is pulled whole */
+#define MOUTH_DEEP 0.45 /* from here on nothing is */
 #define LID_REACH  1.22 /* of an eyeball's radius: so far in front of it lids are */
 
 typedef enum ambition { /* what a draft has: less is tried where more does not load */
@@ -377,8 +380,20 @@ static json_t *hidden_vertices(const drafting *d, double deep_mm)
     return json_pack("{so}", "vertices", list);
 }
 
+/* The skin around the eyes that are found, so many radii of them far. */
+static json_t *around_eyes(const drafting *d, double radii)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < 2; ++i) {
+        double r = radii * d->a.eye[i].radius_mm;
+        if (d->a.eye[i].is_found)
+            json_array_append_new(list, ellipsoid(d->a.eye[i].centre, (vec3){r, r, r}));
+    }
+    return json_pack("{so}", "any", list);
+}
+
 /* What can be pulled: the front of the face; not the deep of the mouth, the lids and the neck. What
- * lies between is filled. */
+ * lies between is filled: where it changed from one vertex to the next, the skin would fold. */
 static void add_mobile_face(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -388,19 +403,17 @@ static void add_mobile_face(drafting *d)
     vec3 high = {head->middle_x + 0.8 * head->half_width, head->nose.y + 0.75 * reach,
                  head->nose.z + 0.1 * depth};
     vec3 neck = {head->middle_x, head->chin.y - 0.1 * reach, 0.0};
-    json_t *box = json_pack("{s{so, so}}", "box", "low", point_of(low), "high", point_of(high));
+    bool has_eyes = d->a.eye[0].is_found || d->a.eye[1].is_found;
+    json_t *front = json_pack("[{s{so, so}}{so}]", "box", "low", point_of(low), "high",
+                              point_of(high), "not", hidden_vertices(d, LIPS_DEEP * reach));
+    if (has_eyes)
+        json_array_append_new(front, json_pack("{so}", "not", around_eyes(d, EYE_FREE)));
     add_region(d, NULL, "mobility", json_integer(0),
                of_face(d, half_space(neck, (vec3){0, -1, 0})));
-    add_region(
-        d, NULL, "mobility", json_integer(1),
-        of_face(d, json_pack("{s[o{so}]}", "all", box, "not", hidden_vertices(d, 0.05 * reach))));
-    add_region(d, NULL, "mobility", json_integer(0), hidden_vertices(d, 0.35 * reach));
-    for (int i = 0; i < 2; ++i) {
-        double r = EYE_REACH * d->a.eye[i].radius_mm;
-        if (d->a.eye[i].is_found)
-            add_region(d, NULL, "mobility", json_integer(0),
-                       of_face(d, ellipsoid(d->a.eye[i].centre, (vec3){r, r, r})));
-    }
+    add_region(d, NULL, "mobility", json_integer(1), of_face(d, json_pack("{so}", "all", front)));
+    add_region(d, NULL, "mobility", json_integer(0), hidden_vertices(d, MOUTH_DEEP * reach));
+    if (has_eyes)
+        add_region(d, NULL, "mobility", json_integer(0), of_face(d, around_eyes(d, EYE_REACH)));
 }
 
 /* What rides on a bone whole, around a contact and on one side of the mouth. */
