@@ -117,7 +117,7 @@ CHECKED mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *j
 /* ---- undo: a rig that is being edited, with what it was before each change ---- */
 
 /* Numbered states, 0 the first; the newest RIG_HISTORY_MAX are kept. [any], one at a time */
-enum { RIG_HISTORY_MAX = 256 };
+enum { RIG_HISTORY_MAX = 1025 }; /* 1 024 changes; a state of the puppet takes 40 KB */
 typedef struct rig_history rig_history;
 
 /* Takes `first` over, also on error. */

@@ -99,23 +99,23 @@ typedef struct counter {
     uint64_t number;
 } counter;
 
-static void count_undo(void *owner, uint64_t number)
+static void count_undo(void *owner, void *data)
 {
     ((counter *)owner)->undone += 1;
-    ((counter *)owner)->number = number;
+    ((counter *)owner)->number = (uintptr_t)data;
 }
 
-static void count_redo(void *owner, uint64_t number)
+static void count_redo(void *owner, void *data)
 {
     ((counter *)owner)->redone += 1;
-    ((counter *)owner)->number = number;
+    ((counter *)owner)->number = (uintptr_t)data;
 }
 
 static void steps_of_panels_lie_between_edits_of_takes(void **state)
 {
     room r;
     counter c = {0};
-    const app_step step = {&c, "set smile to 8", count_undo, count_redo, 42};
+    const app_step step = {&c, "set smile to 8", count_undo, count_redo, .data = (void *)42};
     (void)state;
     open_room(&r, true);
     record_a_take(&r);
@@ -138,24 +138,58 @@ static void steps_of_panels_lie_between_edits_of_takes(void **state)
     close_room(&r);
 }
 
-static void more_steps_than_are_kept_are_no_trouble(void **state)
+static uint32_t forgotten;
+
+static void count_forgotten(void *data)
+{
+    (void)data;
+    forgotten += 1;
+}
+
+static void a_thousand_steps_are_undone_and_what_is_older_is_forgotten_once(void **state)
 {
     room r;
     counter c = {0};
     (void)state;
     open_room(&r, false);
-    for (uint64_t i = 0; i < 1000; ++i) {
-        const app_step step = {&c, "step", count_undo, count_redo, i};
+    forgotten = 0;
+    for (uint64_t i = 0; i < 3000; ++i) {
+        const app_step step = {
+            &c, "step", count_undo, count_redo, .data = (void *)i, .forget = count_forgotten};
         app_did(r.app, &step);
     }
     const char *why;
     while (app_can(r.app, ACTION_UNDO, &why))
         app_do(r.app, ACTION_UNDO);
-    assert_true(c.undone >= 200 && c.undone < 1000);
+    assert_int_equal(c.undone, 1024);
     while (app_can(r.app, ACTION_REDO, &why))
         app_do(r.app, ACTION_REDO);
     assert_int_equal(c.redone, c.undone);
-    assert_int_equal(c.number, 999);
+    assert_int_equal(c.number, 2999);
+    assert_int_equal(forgotten, 3000 - 1024);
+    app_do(r.app, ACTION_UNDO);
+    app_do(r.app, ACTION_UNDO);
+    const app_step last = {&c, "another", count_undo, count_redo, .forget = count_forgotten};
+    app_did(r.app, &last);
+    assert_int_equal(forgotten, 3000 - 1024 + 2);
+    app_forget_steps(r.app, &c);
+    assert_int_equal(forgotten, 3001);
+    close_room(&r);
+}
+
+static void steps_that_are_large_make_room_for_each_other(void **state)
+{
+    room r;
+    counter c = {0};
+    (void)state;
+    open_room(&r, false);
+    const app_step large = {&c, "large", count_undo, count_redo, .bytes = (size_t)100 << 20};
+    for (uint32_t i = 0; i < 9; ++i)
+        app_did(r.app, &large);
+    const char *why;
+    while (app_can(r.app, ACTION_UNDO, &why))
+        app_do(r.app, ACTION_UNDO);
+    assert_int_equal(c.undone, 5); /* of 512 MB */
     close_room(&r);
 }
 
@@ -241,7 +275,8 @@ int main(void)
         cmocka_unit_test(undo_goes_on_with_what_an_earlier_run_did),
         cmocka_unit_test(several_edits_are_one_step_and_all_or_none),
         cmocka_unit_test(steps_of_panels_lie_between_edits_of_takes),
-        cmocka_unit_test(more_steps_than_are_kept_are_no_trouble),
+        cmocka_unit_test(a_thousand_steps_are_undone_and_what_is_older_is_forgotten_once),
+        cmocka_unit_test(steps_that_are_large_make_room_for_each_other),
         cmocka_unit_test(a_take_is_duplicated_and_the_copy_is_taken_back),
         cmocka_unit_test(a_copy_of_the_take_on_the_stage_takes_its_place),
         cmocka_unit_test(what_is_recorded_cannot_be_duplicated_yet),

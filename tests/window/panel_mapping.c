@@ -51,14 +51,14 @@ static double value_of(const stand *s, const char *name)
 static void undo(stand *s)
 {
     const app_step *step = &s->step[--s->step_count];
-    step->undo(step->owner, step->number);
+    step->undo(step->owner, step->data);
     stand_settle(s);
 }
 
 static void redo(stand *s)
 {
     const app_step *step = &s->step[s->step_count++];
-    step->redo(step->owner, step->number);
+    step->redo(step->owner, step->data);
     stand_settle(s);
 }
 

@@ -154,17 +154,29 @@ const app_figures *app_figures_of(const app *self)
     return &here->figures;
 }
 
+static void stand_forget(app_step *step)
+{
+    if (step->forget)
+        step->forget(step->data);
+    step->forget = NULL;
+}
+
 void app_did(app *self, const app_step *step)
 {
     (void)self;
     assert_true(here->step_count < STAND_STEPS);
+    for (uint32_t i = here->step_count; i < here->all_count; ++i)
+        stand_forget(&here->step[i]);
     here->step[here->step_count++] = *step;
+    here->all_count = here->step_count;
 }
 
 void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
-    (void)owner;
+    for (uint32_t i = 0; i < here->all_count; ++i)
+        if (here->step[i].owner == owner)
+            stand_forget(&here->step[i]);
 }
 
 void app_do(app *self, action of)

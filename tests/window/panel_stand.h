@@ -48,7 +48,7 @@ typedef struct stand {
     char remote[APP_REMOTE_PLACE], preset[64];
     /* undo */
     app_step step[STAND_STEPS];
-    uint32_t step_count;
+    uint32_t step_count, all_count; /* all: with those that were undone */
     action done;
     /* the face */
     viewport_use use;

@@ -73,7 +73,7 @@ static void a_stroke_is_painted_and_undone(void **state)
     assert_true(region != RIG_NONE);
     assert_int_equal(s.of.file.rig->region[region].select.kind, SELECT_PAINTED);
     rig_stand_picture(&s, "rig_painted");
-    s.step[0].undo(s.step[0].owner, s.step[0].number);
+    s.step[0].undo(s.step[0].owner, s.step[0].data);
     rig_stand_wait_for_change(&s, 2);
     assert_int_equal(find_region("painted skull"), RIG_NONE);
     rig_stand_frames(&s, 2);
@@ -203,7 +203,7 @@ static void a_mesh_alone_can_be_drafted(void **state)
     rig_stand_check_words(&s);
     rig_stand_click_on(&s, "Regions");
     rig_stand_picture(&s, "rig_draft_regions");
-    s.step[0].undo(s.step[0].owner, s.step[0].number);
+    s.step[0].undo(s.step[0].owner, s.step[0].data);
     rig_stand_wait_for_change(&s, 2);
     assert_null(s.of.file.rig);
     rig_stand_picture(&s, "rig_draft_undone");

@@ -44,7 +44,7 @@ void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
-    here->step_count = 0;
+    here->step_count = 0; /* of a rig: nothing is to be freed */
 }
 
 void app_set_unsaved(app *self, const app_unsaved *unsaved)

@@ -121,11 +121,11 @@ static void laying_another_take_elsewhere_is_undone(void **state)
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* lays it back */
     assert_int_equal(s->did_count, 2);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
-    s->did.undo(s->did.owner, s->did.number);
+    s->did.undo(s->did.owner, s->did.data);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), laid_ns);
-    dragged.undo(dragged.owner, dragged.number);
+    dragged.undo(dragged.owner, dragged.data);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
-    dragged.redo(dragged.owner, dragged.number);
+    dragged.redo(dragged.owner, dragged.data);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), laid_ns);
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2));
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* it lies there already */

@@ -93,14 +93,18 @@ int64_t app_take_id(const app *self)
 void app_did(app *self, const app_step *step)
 {
     (void)self;
-    here->did = *step;
-    here->did_count += 1;
+    assert_true(here->did_count < STAND_STEPS);
+    here->step[here->did_count++] = here->did = *step;
 }
 
 void app_forget_steps(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
+    for (uint32_t i = 0; i < here->did_count; ++i)
+        if (here->step[i].forget)
+            here->step[i].forget(here->step[i].data);
+    here->did_count = 0;
 }
 
 mrt_result app_choose_take(app *self, int64_t id)

@@ -6,7 +6,7 @@
 #include "window/gui/window.h"
 #include "window/timeline/timeline.h"
 
-enum { STAND_TAKES = 5000, STAND_EDITS = 256, STAND_COMPS = 3 };
+enum { STAND_STEPS = 16, STAND_TAKES = 5000, STAND_EDITS = 256, STAND_COMPS = 3 };
 
 typedef struct stand {
     /* the application */
@@ -19,6 +19,7 @@ typedef struct stand {
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
     app_step did;                    /* the last step that is the panel's own */
+    app_step step[STAND_STEPS];      /* all of them */
     uint32_t did_count;
     error refused;           /* of the last edit that was not possible */
     int64_t duplicated;      /* the last take that was */

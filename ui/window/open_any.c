@@ -91,7 +91,7 @@ uint32_t open_recent(const settings *from, const char *out[OPEN_RECENT_MAX])
 static void note_recent(settings *to, const char *path)
 {
     const char *before[OPEN_RECENT_MAX];
-    char *kept[OPEN_RECENT_MAX + 1] = {strdup(path)}, key[16];
+    char *kept[OPEN_RECENT_MAX + 1] = {strdup(path)}, key[32];
     uint32_t count = kept[0] ? 1 : 0;
     const uint32_t known = open_recent(to, before);
     for (uint32_t i = 0; i < known && count > 0; ++i)

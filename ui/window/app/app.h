@@ -189,15 +189,19 @@ CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
 /* Of the chosen take, and of everything else that is done in the window. "trim 'mouth' ..."; "". */
 const char *app_undo_words(const app *self);
 const char *app_redo_words(const app *self);
-/* A step that somebody else undoes and redoes: a parameter, a rig. `self` of the step must stay
- * valid until app_forget_steps(owner). */
+/* A step that somebody else undoes and redoes: a parameter, a rig. The owner must stay valid until
+ * app_forget_steps(owner). */
 typedef struct app_step {
     void *owner;
     char words[EDIT_TEXT];
-    void (*undo)(void *owner, uint64_t number);
-    void (*redo)(void *owner, uint64_t number);
-    uint64_t number; /* the owner's */
+    void (*undo)(void *owner, void *data);
+    void (*redo)(void *owner, void *data);
+    void *data; /* what the two need to know; its size, about: */
+    size_t bytes;
+    void (*forget)(void *data); /* frees it; NULL: there is nothing to free */
 } app_step;
+/* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
+ * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
 void app_did(app *self, const app_step *step);
 void app_forget_steps(app *self, const void *owner);
 

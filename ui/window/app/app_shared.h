@@ -13,15 +13,14 @@
 
 #include "take/edit_store.h"
 
-enum { APP_UNDO_MAX = 256, APP_PATH = 4096 };
+enum { APP_UNDO_MAX = 1024, APP_UNDO_BYTES = 512 << 20, APP_PATH = 4096 };
 
 /* One line of undo: so many edits of a take, or somebody else's step. */
 typedef struct app_done {
-    char words[EDIT_TEXT];
-    int64_t take; /* 0: somebody else's */
+    app_step step; /* of a take: its words alone */
+    int64_t take;  /* 0: somebody else's */
     int64_t head_before, head_after;
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
-    app_step step;
 } app_done;
 
 /* What a take looked like when its line was made: it is folded again when that is no more so. */
@@ -80,6 +79,7 @@ struct app {
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
     uint32_t done_count, all_count;
+    size_t done_bytes;  /* of all of them */
     bool is_rig_shown;  /* in the dock, at the last update */
     uint32_t rig_floor; /* done_count as it came there */
 

@@ -13,6 +13,10 @@
 
 static void drop(app *self, uint32_t index)
 {
+    const app_step *step = &self->done[index].step;
+    self->done_bytes -= step->bytes;
+    if (step->forget)
+        step->forget(step->data);
     memmove(&self->done[index], &self->done[index + 1],
             (self->all_count - index - 1) * sizeof self->done[0]);
     self->all_count -= 1;
@@ -24,13 +28,16 @@ static void drop(app *self, uint32_t index)
 
 static void put(app *self, const app_done *step)
 {
-    self->all_count = self->done_count;
+    while (self->all_count > self->done_count)
+        drop(self, self->all_count - 1);
     if (self->rig_floor > self->done_count)
         self->rig_floor = self->done_count;
-    if (self->done_count == APP_UNDO_MAX)
+    while (self->done_count == APP_UNDO_MAX ||
+           (self->done_count > 0 && self->done_bytes + step->step.bytes > APP_UNDO_BYTES))
         drop(self, 0);
     self->done[self->done_count++] = *step;
     self->all_count = self->done_count;
+    self->done_bytes += step->step.bytes;
 }
 
 /* ---- steps of takes ---- */
@@ -49,7 +56,7 @@ static app_done step_of(const app *self, int64_t before, int64_t after)
 {
     app_done out = {.take = self->chosen, .head_before = before, .head_after = after};
     const int64_t told = after > before ? after : before;
-    (void)snprintf(out.words, sizeof out.words, "%s", history_words(self->history, told));
+    (void)snprintf(out.step.words, sizeof out.step.words, "%s", history_words(self->history, told));
     return out;
 }
 
@@ -66,7 +73,7 @@ static void app_undo_note_take(app *self, int64_t head_before)
 static void app_undo_note_copy(app *self, int64_t of, const char *words)
 {
     app_done step = {.take = self->chosen, .head_after = 1, .copied_from = of};
-    (void)snprintf(step.words, sizeof step.words, "%s", words);
+    (void)snprintf(step.step.words, sizeof step.step.words, "%s", words);
     put(self, &step);
 }
 
@@ -93,8 +100,7 @@ static mrt_result go(app *self, const app_done *step, int64_t head)
 
 void app_did(app *self, const app_step *step)
 {
-    app_done one = {.step = *step};
-    (void)snprintf(one.words, sizeof one.words, "%s", step->words);
+    const app_done one = {.step = *step};
     put(self, &one);
 }
 
@@ -178,7 +184,7 @@ static mrt_result undo_older(app *self)
     if (result < 0)
         return result;
     if (self->all_count == APP_UNDO_MAX)
-        self->all_count -= 1;
+        drop(self, self->all_count - 1);
     memmove(&self->done[1], &self->done[0], self->all_count * sizeof self->done[0]);
     self->done[0] = step;
     self->all_count += 1;
@@ -191,7 +197,7 @@ static mrt_result undo_newest(app *self)
     self->done_count -= 1;
     if (step.take)
         return go(self, &step, step.head_before);
-    step.step.undo(step.step.owner, step.step.number);
+    step.step.undo(step.step.owner, step.step.data);
     return MRT_OK;
 }
 
@@ -223,21 +229,21 @@ mrt_result app_redo(app *self)
     self->done_count += 1;
     if (step.take)
         return go(self, &step, step.head_after);
-    step.step.redo(step.step.owner, step.step.number);
+    step.step.redo(step.step.owner, step.step.data);
     return MRT_OK;
 }
 
 const char *app_undo_words(const app *self)
 {
     if (self->done_count > 0)
-        return self->done[self->done_count - 1].words;
+        return self->done[self->done_count - 1].step.words;
     return has_older(self) ? history_words(self->history, history_head(self->history)) : "";
 }
 
 const char *app_redo_words(const app *self)
 {
     if (self->done_count < self->all_count)
-        return self->done[self->done_count].words;
+        return self->done[self->done_count].step.words;
     return has_newer(self) ? history_words(self->history, history_head(self->history) + 1) : "";
 }
 

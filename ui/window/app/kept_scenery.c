@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS_MAX = 256 }; /* as many as are undone at all */
-
 /* A picture that is read and decoded on a thread of its own. */
 typedef struct reading {
     pthread_t thread;
@@ -28,8 +26,6 @@ typedef struct reading {
 struct kept_scenery {
     app *of;
     scenery now, kept;
-    scenery step[STEPS_MAX]; /* on the other side of a step; a ring by the steps' numbers */
-    uint64_t step_count;
     reading *reading;        /* NULL: none is read */
     char tried[TAKE_HASH];   /* the show's picture that was asked for last */
     scenery_picture picture; /* of `tried`, if it could be had */
@@ -60,10 +56,10 @@ static void write_scene(kept_scenery *self)
 }
 
 /* To the other side of a step; back is the same. */
-static void cross(void *owner, uint64_t number)
+static void cross(void *owner, void *data)
 {
     kept_scenery *self = owner;
-    scenery *there = &self->step[number % STEPS_MAX];
+    scenery *there = data;
     const scenery here = self->kept;
     self->now = *there;
     *there = here;
@@ -74,10 +70,18 @@ void kept_scenery_keep(kept_scenery *self)
 {
     if (memcmp(&self->now, &self->kept, sizeof self->now) == 0)
         return;
-    app_step step = {.owner = self, .undo = cross, .redo = cross, .number = self->step_count};
+    scenery *before = malloc(sizeof *before);
+    app_step step = {.owner = self,
+                     .undo = cross,
+                     .redo = cross,
+                     .data = before,
+                     .bytes = sizeof *before,
+                     .forget = free};
     (void)snprintf(step.words, sizeof step.words, "%s", words_of(&self->now, &self->kept));
-    self->step[self->step_count++ % STEPS_MAX] = self->kept;
-    app_did(self->of, &step);
+    if (before) { /* else it is done, but cannot be undone */
+        *before = self->kept;
+        app_did(self->of, &step);
+    }
     write_scene(self);
 }
 

@@ -150,7 +150,7 @@ typedef struct solver_choice {
 } solver_choice;
 
 typedef struct solver_step {
-    solver_choice side[2]; /* before, after */
+    solver_choice before, after;
 } solver_step;
 
 struct panel {
@@ -159,8 +159,6 @@ struct panel {
     double radius_mm;      /* while it is dragged */
     bool is_held;
     char trouble[1024];
-    solver_step *steps;
-    uint32_t step_count;
     uint64_t memory;
     double memory_s; /* since it was read */
 };
@@ -183,20 +181,14 @@ static solver_choice choice_now(const panel *self)
     return own ? (solver_choice){true, *own} : (solver_choice){.is_own = false};
 }
 
-static void go_to(panel *self, uint64_t number, int side)
+static void undo(void *owner, void *data)
 {
-    if (number < self->step_count)
-        (void)set_solver(self, &self->steps[number].side[side]);
+    (void)set_solver(owner, &((const solver_step *)data)->before);
 }
 
-static void undo(void *owner, uint64_t number)
+static void redo(void *owner, void *data)
 {
-    go_to(owner, number, 0);
-}
-
-static void redo(void *owner, uint64_t number)
-{
-    go_to(owner, number, 1);
+    (void)set_solver(owner, &((const solver_step *)data)->after);
 }
 
 /* Without memory it is done, but cannot be undone. */
@@ -205,14 +197,17 @@ static void choose(panel *self, const csrbf_settings *solver, const char *words)
     const solver_choice before = choice_now(self), after = {true, *solver};
     if (!set_solver(self, &after))
         return;
-    solver_step *grown = realloc(self->steps, (self->step_count + 1) * sizeof *grown);
-    if (!grown)
+    solver_step *made = malloc(sizeof *made);
+    if (!made)
         return;
-    self->steps = grown;
-    self->steps[self->step_count] = (solver_step){{before, after}};
-    app_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->step_count};
+    *made = (solver_step){before, after};
+    app_step step = {.owner = self,
+                     .undo = undo,
+                     .redo = redo,
+                     .data = made,
+                     .bytes = sizeof *made,
+                     .forget = free};
     (void)snprintf(step.words, sizeof step.words, "engine: %.120s", words);
-    self->step_count += 1;
     app_did(self->app, &step);
 }
 
@@ -438,7 +433,6 @@ static void destroy(panel *self)
     if (!self)
         return;
     app_forget_steps(self->app, self);
-    free(self->steps);
     free(self);
 }
 

@@ -40,8 +40,7 @@ typedef struct step {
 
 struct mapping_steps {
     app *app;
-    step *steps;
-    uint32_t count, capacity, preset_edition;
+    uint32_t preset_edition;
 };
 
 enum { BEFORE = 0, AFTER = 1 };
@@ -119,24 +118,21 @@ static void go_to(mapping_steps *self, const step *of, int side)
         say(self, MRT_LOG_ERROR, err.text);
 }
 
-static void undo(void *owner, uint64_t number)
+static void undo(void *owner, void *data)
 {
-    mapping_steps *self = owner;
-    if (number < self->count)
-        go_to(self, &self->steps[number], BEFORE);
+    go_to(owner, data, BEFORE);
 }
 
-static void redo(void *owner, uint64_t number)
+static void redo(void *owner, void *data)
 {
-    mapping_steps *self = owner;
-    if (number < self->count)
-        go_to(self, &self->steps[number], AFTER);
+    go_to(owner, data, AFTER);
 }
 
 /* ---- keeping it ---- */
 
-static void finish(step *of)
+static void finish(void *data)
 {
+    step *of = data;
     free(of->type_id);
     free(of->changes);
     free(of->preset);
@@ -144,25 +140,32 @@ static void finish(step *of)
     free(of->taught[AFTER]);
     free(of->text[BEFORE]);
     free(of->text[AFTER]);
+    *of = (step){.type_id = NULL};
+}
+
+static void forget(void *data)
+{
+    finish(data);
+    free(data);
 }
 
 /* Takes the step over. Without memory it is done, but cannot be undone. */
 static void keep(mapping_steps *self, step *made, const char *words)
 {
-    if (self->count == self->capacity) {
-        uint32_t capacity = self->capacity ? 2 * self->capacity : 64;
-        step *grown = realloc(self->steps, capacity * sizeof *grown);
-        if (!grown) {
-            finish(made);
-            return;
-        }
-        self->steps = grown;
-        self->capacity = capacity;
+    step *kept = malloc(sizeof *kept);
+    if (!kept) {
+        finish(made);
+        return;
     }
-    self->steps[self->count] = *made;
-    app_step told = {.owner = self, .undo = undo, .redo = redo, .number = self->count};
+    *kept = *made;
+    app_step told = {.owner = self,
+                     .undo = undo,
+                     .redo = redo,
+                     .data = kept,
+                     .bytes = sizeof *kept + kept->change_count * sizeof *kept->changes +
+                              kept->taught_size[BEFORE] + kept->taught_size[AFTER],
+                     .forget = forget};
     (void)snprintf(told.words, sizeof told.words, "%s", words);
-    self->count += 1;
     app_did(self->app, &told);
 }
 
@@ -349,9 +352,6 @@ static void mapping_steps_destroy(mapping_steps *self)
     if (!self)
         return;
     app_forget_steps(self->app, self);
-    for (uint32_t i = 0; i < self->count; ++i)
-        finish(&self->steps[i]);
-    free(self->steps);
     free(self);
 }
 

@@ -13,12 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 64, ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
+enum { ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
 #define NOBODY UINT32_MAX
 #define LABEL  74.0f
 
 typedef struct patch_step { /* undone and done again */
-    uint64_t number;
     patch before, after;
 } patch_step;
 
@@ -28,8 +27,6 @@ struct panel {
     uint32_t chosen; /* NOBODY: none */
     bool is_changed, is_held;
     char words[EDIT_TEXT];
-    patch_step *step; /* STEPS, a ring */
-    uint64_t step_count;
     char file[512];
 
     /* learning */
@@ -45,35 +42,33 @@ struct panel {
 
 /* ---- changed, undone ---- */
 
-static void undo(void *owner, uint64_t number)
+static void undo(void *owner, void *data)
 {
-    panel *self = owner;
-    const patch_step *step = &self->step[number % STEPS];
-    if (step->number == number)
-        app_set_patch(self->app, &step->before);
+    app_set_patch(((panel *)owner)->app, &((const patch_step *)data)->before);
 }
 
-static void redo(void *owner, uint64_t number)
+static void redo(void *owner, void *data)
 {
-    panel *self = owner;
-    const patch_step *step = &self->step[number % STEPS];
-    if (step->number == number)
-        app_set_patch(self->app, &step->after);
+    app_set_patch(((panel *)owner)->app, &((const patch_step *)data)->after);
 }
 
 static void commit(panel *self)
 {
     if (patch_equal(&self->work, app_patch(self->app)))
         return;
-    patch_step *step = &self->step[self->step_count % STEPS];
-    step->number = self->step_count;
-    step->before = *app_patch(self->app);
-    step->after = self->work;
-    app_step told = {.owner = self, .undo = undo, .redo = redo, .number = self->step_count};
-    (void)snprintf(told.words, sizeof told.words, "patch: %.120s", self->words);
-    self->step_count += 1;
+    patch_step *made = malloc(sizeof *made);
+    if (made)
+        *made = (patch_step){*app_patch(self->app), self->work};
     app_set_patch(self->app, &self->work);
-    app_did(self->app, &told);
+    app_step told = {.owner = self,
+                     .undo = undo,
+                     .redo = redo,
+                     .data = made,
+                     .bytes = sizeof *made,
+                     .forget = free};
+    (void)snprintf(told.words, sizeof told.words, "patch: %.120s", self->words);
+    if (made) /* else it is done, but cannot be undone */
+        app_did(self->app, &told);
 }
 
 static void change(panel *self, const char *words)
@@ -739,7 +734,6 @@ static void destroy(panel *self)
     if (!self)
         return;
     app_forget_steps(self->app, self);
-    free(self->step);
     free(self->item);
     free(self);
 }
@@ -751,12 +745,9 @@ static panel *create(app *of)
         return NULL;
     self->app = of;
     self->chosen = NOBODY;
-    self->step = calloc(STEPS, sizeof *self->step);
     self->item = calloc(ITEMS_MAX, sizeof *self->item);
-    if (self->step && self->item)
+    if (self->item)
         return self;
-    free(self->step);
-    free(self->item);
     free(self);
     return NULL;
 }

@@ -714,19 +714,20 @@ static void go(rig_panel *self, uint64_t number)
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
 
-static void undo(void *owner, uint64_t number)
+/* A step's data is the number of the state that it led to. */
+static void undo(void *owner, void *data)
 {
-    go(owner, number - 1);
+    go(owner, (uintptr_t)data - 1);
 }
 
-static void redo(void *owner, uint64_t number)
+static void redo(void *owner, void *data)
 {
-    go(owner, number);
+    go(owner, (uintptr_t)data);
 }
 
 static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words)
 {
-    app_step step = {.owner = self, .undo = undo, .redo = redo, .number = number};
+    app_step step = {.owner = self, .undo = undo, .redo = redo, .data = (void *)(uintptr_t)number};
     (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
     app_did(self->of, &step);
     self->shown.is_tint_new = self->shown.is_shape_new = true;

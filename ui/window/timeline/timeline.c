@@ -67,9 +67,13 @@ take_layer timeline_comp_lane(const panel *self, uint32_t index)
 
 /* ---- undo ---- */
 
-static void go(panel *self, uint64_t number, bool is_after)
+typedef struct slide_step {
+    timeline_slid after;
+    int64_t before_ns;
+} slide_step;
+
+static void go(panel *self, const slide_step *step, bool is_after)
 {
-    const timeline_slide *step = &self->slide[number % TIMELINE_SLIDES_MAX];
     timeline_slid wanted = step->after;
     if (!is_after)
         wanted.later_ns = step->before_ns;
@@ -80,14 +84,14 @@ static void go(panel *self, uint64_t number, bool is_after)
     lay(self, &wanted);
 }
 
-static void undo(void *owner, uint64_t number)
+static void undo(void *owner, void *data)
 {
-    go(owner, number, false);
+    go(owner, data, false);
 }
 
-static void redo(void *owner, uint64_t number)
+static void redo(void *owner, void *data)
 {
-    go(owner, number, true);
+    go(owner, data, true);
 }
 
 void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
@@ -96,12 +100,18 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
     const int64_t after_ns = timeline_comp_later_ns(self, index);
     if (after_ns == before_ns)
         return;
-    app_step step = {.owner = self, .undo = undo, .redo = redo, .number = self->slide_count};
+    slide_step *made = malloc(sizeof *made);
+    if (!made)
+        return;
+    *made = (slide_step){{self->comps->of, other->id, after_ns}, before_ns};
+    app_step step = {.owner = self,
+                     .undo = undo,
+                     .redo = redo,
+                     .data = made,
+                     .bytes = sizeof *made,
+                     .forget = free};
     (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
                    1e-9 * (double)after_ns);
-    self->slide[self->slide_count % TIMELINE_SLIDES_MAX] =
-        (timeline_slide){{self->comps->of, other->id, after_ns}, before_ns};
-    self->slide_count += 1;
     app_did(self->app, &step);
 }
 

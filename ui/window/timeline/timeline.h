@@ -75,12 +75,6 @@ typedef struct timeline_slid { /* so much later than its own time another take l
     int64_t of, take, later_ns;
 } timeline_slid;
 
-enum { TIMELINE_SLIDES_MAX = 256 }; /* no fewer than the application keeps steps of undo */
-typedef struct timeline_slide {     /* a step of undo */
-    timeline_slid after;
-    int64_t before_ns;
-} timeline_slide;
-
 struct panel {
     app *app;
     timeline_worker *worker;
@@ -99,9 +93,7 @@ struct panel {
     uint32_t regions; /* that a swipe comps */
     timeline_slid slid[TIMELINE_COMPS_MAX];
     uint32_t slid_next; /* whose place the next one takes */
-    timeline_slide slide[TIMELINE_SLIDES_MAX];
-    char *slid_show;      /* path of the show whose takes they are; NULL: not looked at yet */
-    uint64_t slide_count; /* the last ones are kept, each at its number */
+    char *slid_show;    /* path of the show whose takes they are; NULL: not looked at yet */
     /* the pointer */
     timeline_gesture gesture;
     timeline_drag drag;
