@@ -277,6 +277,41 @@ static void pulls_add_to_what_is_asked_for(void **state)
     face_destroy(s.scene.face);
 }
 
+/* Pulled slowly, and further than skin goes: it is held back without a jump. */
+static void what_is_held_back_does_not_jump(void **state)
+{
+    static shaped s;
+    error err = {""};
+    double end[SCENE_CONTACTS][3], way[SCENE_CONTACTS][3], most = 0.0, held = 0.0;
+    enum { DIRECTIONS = 12, STEPS = 150 };
+    (void)state;
+    make(&s);
+    for (int n = 0; n < DIRECTIONS; ++n) {
+        vec3 before[SCENE_VERTICES];
+        face_reset(s.scene.face);
+        must(scene_hold(&s.scene, &settings, end, &err), &err);
+        for (int i = 0; i < STEPS; ++i) {
+            memcpy(way, end, sizeof way);
+            for (int which = 0; which < SHAPES; ++which)
+                ask(&s, way, which, 0.01 * i * sin(1.7 * n + 2.3 * which));
+            for (int k = 0; k < SCENE_CONTACTS; ++k)
+                for (int axis = 0; axis < 3; ++axis)
+                    way[k][axis] += 0.05 * i * sin(1.3 * n + 2.3 * k + 4.1 * axis);
+            must(face_pull(s.scene.face, way[0], NULL, &err), &err);
+            for (uint32_t v = 0; v < SCENE_VERTICES; ++v) {
+                vec3 at = scene_shown(&s.scene, v);
+                if (i > 0)
+                    most = fmax(most, scene_distance(at, before[v]));
+                before[v] = at;
+            }
+            held = fmax(held, face_metered(s.scene.face)->held_back_mm);
+        }
+    }
+    assert_true(held > 5.0); /* else nothing was tried */
+    assert_true(most < 1.0); /* ten times as far as a pull goes in a step */
+    face_destroy(s.scene.face);
+}
+
 static void rigid_parts_stay_rigid(void **state)
 {
     static shaped s;
@@ -561,6 +596,7 @@ int main(void)
         cmocka_unit_test(bones_and_shapes_do_the_work_once),
         cmocka_unit_test(a_shape_that_is_asked_for_is_that_shape),
         cmocka_unit_test(pulls_add_to_what_is_asked_for),
+        cmocka_unit_test(what_is_held_back_does_not_jump),
         cmocka_unit_test(rigid_parts_stay_rigid),
         cmocka_unit_test(correctives_come_only_with_what_they_correct),
         cmocka_unit_test(a_look_turns_with_its_eye_alone),

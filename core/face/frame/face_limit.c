@@ -47,7 +47,10 @@ static const angle_turn tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 static const float made_stretch = 1.5f;
 static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room */
 
-enum { PARTINGS = 4 };
+/* With shapes strain does not grow in proportion to the pulls: tries, and what is near enough. */
+enum { PARTINGS = 4, HALVINGS = 8 };
+static const double shaped_most = 1.001;
+
 enum { UNBENDINGS = 8, BEND_YIELDS = 3, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
 /* Of the field of a face without a rig, at its vertices: how much of the room around them is left
  * at least, and how exactly that is met. */
@@ -1203,6 +1206,29 @@ static void give_part(face *f, double part)
     give(f);
 }
 
+/* So much of what is given that the skin of a head with shapes is not strained too much. Mostly a
+ * part as for other heads does, or a second one; else it is halved in: never all is taken away. */
+static void part_shaped(face *f)
+{
+    double strain = measure_strain(f, AT_STRAINS), low = 0.0, high = 1.0, part = 1.0;
+    for (int i = 0; i < PARTINGS && strain > shaped_most && isfinite(strain); ++i) {
+        give_part(f, 1.0 / strain);
+        strain = measure_strain(f, AT_STRAINS);
+    }
+    if (!(strain > shaped_most))
+        return;
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        give_part(f, middle / part);
+        part = middle;
+        if (measure_strain(f, AT_STRAINS) > shaped_most)
+            high = middle;
+        else
+            low = middle;
+    }
+    give_part(f, low / part);
+}
+
 /* The pulls give way where they strain the skin. Returns how much of what is left of them there may
  * be. */
 static double yield_pulls(face *f, double strain)
@@ -1414,12 +1440,8 @@ void face_limit_pull(face *f)
         part = unbend(f, part);
     if (part < 1.0)
         give_part(f, part);
-    for (int i = 0; i < PARTINGS && part < 1.0 && is_shaped(f); ++i) { /* a fold is no line */
-        double left = measure_strain(f, AT_STRAINS);
-        if (!(left > 1.0))
-            break;
-        give_part(f, i + 1 < PARTINGS ? 1.0 / left : 0.0);
-    }
+    if (part < 1.0 && is_shaped(f))
+        part_shaped(f);
     f->is_held = memcmp(f->limit.g, f->limit.asked,
                         (size_t)3 * f->control_count * sizeof *f->limit.g) != 0 ||
                  face_shapes_are_held(f);
