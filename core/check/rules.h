@@ -17,7 +17,8 @@ enum {
     CONCERNS_STATE = 128,
     CONCERNS_RESUME = 256,
     CONCERNS_DEVICES = 512,
-    CONCERNS_FACE_OUTPUT = 1024
+    CONCERNS_FACE_OUTPUT = 1024,
+    CONCERNS_TAUGHT_POSES = 2048
 };
 
 /* RULE(name, id, concerns, what plugin.h says) */
@@ -125,6 +126,8 @@ enum {
          "load() refuses bytes that make no sense: MRT_ERR_FORMAT.")                               \
     RULE(STATE_ALL_OR_NONE, "state.all_or_none", CONCERNS_STATE,                                   \
          "load(): all or none: what is refused changes nothing.")                                  \
+    RULE(STATE_POSES, "state.poses", CONCERNS_TAUGHT_POSES,                                        \
+         "pose(): finite angles or MRT_END for what save() wrote; other bytes: MRT_ERR_FORMAT.")   \
     RULE(RESUME_SIZE, "resume.size", CONCERNS_RESUME,                                              \
          "save() writes at most `capacity` bytes (out may be NULL); returns the size it takes.")   \
     RULE(RESUME_SAME, "resume.same", CONCERNS_RESUME,                                              \

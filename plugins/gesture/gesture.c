@@ -167,6 +167,19 @@ static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
+static mrt_result pose(const void *bytes, size_t size, uint32_t param, float *out_rad)
+{
+    centroid all[GESTURES];
+    const memory_list list = list_of(all);
+    const unsigned teach_id = 2, gesture = param - teach_id;
+    if (!memory_load(&list, bytes, size))
+        return MRT_ERR_FORMAT;
+    if (param < teach_id || gesture >= GESTURES)
+        return MRT_END;
+    memcpy(out_rad, all[gesture].angle, sizeof all[gesture].angle);
+    return MRT_OK;
+}
+
 /* ---- resume ---- */
 
 static memory_list memory_of(mrt_plugin *self)
@@ -246,8 +259,12 @@ static const mrt_param params[PARAM_COUNT] = {
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
 static const mrt_state state = {save_taught, load_taught};
 static const mrt_resume resume = {save, load};
-static const mrt_interface interfaces[] = {
-    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_taught_poses taught_poses = {pose};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
+                                           {MRT_STATE, &state},
+                                           {MRT_TAUGHT_POSES, &taught_poses},
+                                           {MRT_RESUME, &resume},
+                                           {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI,
     PARAM_COUNT,

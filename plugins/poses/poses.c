@@ -212,6 +212,26 @@ static mrt_result load_lessons(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
+/* Of each pose the mean of its demonstrations. */
+static mrt_result pose(const void *bytes, size_t size, uint32_t param, float *out_rad)
+{
+    lessons all;
+    const memory_list list = {
+        .type = "org.marotte.poses/taught", .version = 1, .parts = {LESSONS_MEMORY(all)}};
+    const unsigned teach_id = 2, which = param - teach_id;
+    if (!memory_load(&list, bytes, size))
+        return MRT_ERR_FORMAT;
+    if (param < teach_id || which >= SPACE_POSES || all.shown.count[which] == 0)
+        return MRT_END;
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        double sum = 0.0;
+        for (unsigned k = 0; k < all.shown.count[which]; ++k)
+            sum += (double)all.shown.angle[which][k][i];
+        out_rad[i] = (float)(sum / all.shown.count[which]);
+    }
+    return MRT_OK;
+}
+
 /* ---- resume ---- */
 
 static memory_list memory_of(mrt_plugin *self)
@@ -273,8 +293,12 @@ static const mrt_param params[PARAM_COUNT] = {
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
 static const mrt_state state = {save_lessons, load_lessons};
 static const mrt_resume resume = {save, load};
-static const mrt_interface interfaces[] = {
-    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_taught_poses taught_poses = {pose};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
+                                           {MRT_STATE, &state},
+                                           {MRT_TAUGHT_POSES, &taught_poses},
+                                           {MRT_RESUME, &resume},
+                                           {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI,
     PARAM_COUNT,

@@ -74,6 +74,7 @@ enum {
     BROKEN_STATE_ROUND,
     BROKEN_STATE_REFUSES,
     BROKEN_STATE_ALL_OR_NONE,
+    BROKEN_STATE_POSES,
     BROKEN_RESUME_SIZE,
     BROKEN_RESUME_SAME,
     BROKEN_RESUME_SILENT,
@@ -364,6 +365,16 @@ static mrt_result state_load(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
+static mrt_result taught_pose(const void *bytes, size_t size, uint32_t param, float *out_rad)
+{
+    stored s;
+    if (!get(&s, "broken-s", bytes, size))
+        return BREAKS(STATE_POSES) ? MRT_OK : MRT_ERR_FORMAT;
+    for (int i = 0; param == 2 && i < MRT_ANGLES; ++i)
+        out_rad[i] = s.value;
+    return param == 2 ? MRT_OK : MRT_END;
+}
+
 static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)
 {
     stored s = {.memory = self->memory};
@@ -395,9 +406,11 @@ static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
 static const mrt_mapping mapping = {activate, deactivate, BREAKS(TYPE_FUNCTIONS) ? NULL : reset,
                                     process};
 static const mrt_state state = {state_save, state_load};
+static const mrt_taught_poses taught_poses = {taught_pose};
 static const mrt_resume resume = {resume_save, resume_load};
 static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
                                            {MRT_STATE, &state},
+                                           {MRT_TAUGHT_POSES, &taught_poses},
                                            {MRT_RESUME, &resume},
                                            {MRT_INPUT, &input},
                                            {MRT_OUTPUT, &output},
@@ -405,7 +418,7 @@ static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
                                            {MRT_FACE_OUTPUT, &face_output},
                                            {BREAKS(TYPE_INTERFACES) ? "devices" : NULL, &devices},
                                            {NULL, NULL}};
-enum { MAPPING_INTERFACES = 3, IS_OF_DEVICES = BROKEN >= BROKEN_INPUT_ABSENT };
+enum { MAPPING_INTERFACES = 4, IS_OF_DEVICES = BROKEN >= BROKEN_INPUT_ABSENT };
 
 static const char *const labels[] = {"left", BREAKS(PARAM_LABELS) ? NULL : "right", NULL};
 static const mrt_param params[PARAM_COUNT] = {

@@ -10,8 +10,11 @@
 #include "panel_stand.h"
 #include "stage/mapping/taught.h"
 
+#include <png.h>
+
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const mrt_contact contact[3] = {
@@ -264,6 +267,52 @@ static bool news_say(stand *s, const char *words)
     return false;
 }
 
+/* How many pixels of the picture have a colour like the right hand. */
+static uint32_t hand_pixels(stand *s, const char *name)
+{
+    char path[1024];
+    uint32_t count = 0;
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    stand_picture(s, name);
+    (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
+    assert_true(png_image_begin_read_from_file(&image, path));
+    image.format = PNG_FORMAT_RGB;
+    uint8_t *rgb = malloc(PNG_IMAGE_SIZE(image));
+    assert_non_null(rgb);
+    assert_true(png_image_finish_read(&image, NULL, rgb, 0, NULL));
+    for (size_t i = 0; i < (size_t)image.width * image.height; ++i) {
+        const uint8_t *at = rgb + 3 * i;
+        count += at[0] > 110 && at[0] > at[1] + 30 && abs(at[1] - at[2]) < 50; /* skin */
+    }
+    free(rgb);
+    return count;
+}
+
+static void what_is_taught_is_drawn_as_a_hand_above_its_button(void **state)
+{
+    static unsigned char bytes[TAUGHT_BYTES_MAX];
+    float fist[MRT_ANGLES], flat[MRT_ANGLES], none[MRT_ANGLES];
+    (void)state;
+    stand s = {.input_count = 0};
+    open_with(&s, "anchored", 1.0f);
+    const uint32_t before = hand_pixels(&s, "panel_mapping_no_hands");
+    stand_mapping(&s, "poses");
+    stand_settle(&s);
+    stand_check_words(&s, NULL);
+    assert_true(hand_pixels(&s, "panel_mapping_hands") > before + 1000);
+    const mrt_taught_poses *poses = plugin_interface(s.mapping.type, MRT_TAUGHT_POSES);
+    assert_non_null(poses);
+    const size_t size = taught_save(&s.mapping, bytes, sizeof bytes);
+    const uint32_t fist_id = s.mapping.type->params[index_of(&s, "Teach frown")].id;
+    const uint32_t flat_id = s.mapping.type->params[index_of(&s, "Teach smile")].id;
+    const uint32_t amount_id = s.mapping.type->params[index_of(&s, "Amount")].id;
+    assert_int_equal(poses->pose(bytes, size, fist_id, fist), MRT_OK);
+    assert_int_equal(poses->pose(bytes, size, flat_id, flat), MRT_OK);
+    assert_int_equal(poses->pose(bytes, size, amount_id, none), MRT_END);
+    assert_true(fist[7] > flat[7] + 1.0f); /* the middle finger's knuckle */
+    stand_close(&s);
+}
+
 static void a_preset_keeps_what_was_taught(void **state)
 {
     (void)state;
@@ -274,7 +323,7 @@ static void a_preset_keeps_what_was_taught(void **state)
     assert_true(functions->activate(s.mapping.self, &about) >= 0);
     functions->reset(s.mapping.self);
     size_t size = lessons_of(&s, shipped);
-    assert_true(stand_shows(&s, "Teach blink")); /* buttons that do not fit begin another line */
+    assert_true(stand_shows(&s, "Teach frown")); /* what does not fit begins another line */
     stand_check_words(&s, NULL);
     hold_and_press(&s, "Teach smile");
     assert_int_equal(lessons_of(&s, taught), size);
@@ -448,6 +497,7 @@ int main(void)
         cmocka_unit_test(a_button_presses_its_trigger),
         cmocka_unit_test(a_hundred_parameters_are_folded_by_group),
         cmocka_unit_test(a_preset_is_saved_used_and_deleted),
+        cmocka_unit_test(what_is_taught_is_drawn_as_a_hand_above_its_button),
         cmocka_unit_test(a_preset_keeps_what_was_taught),
         cmocka_unit_test(a_preset_that_was_deleted_or_written_over_comes_back),
         cmocka_unit_test(pedals_say_what_they_do_and_how_far_they_are_down),

@@ -10,6 +10,7 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdio.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -710,6 +711,30 @@ static void judge_state_unchanged(const store *s, const kept *before)
     free(after.bytes);
 }
 
+static void judge_poses(const examination *e, const kept *good)
+{
+    const mrt_taught_poses *functions = types_interface(e->type, MRT_TAUGHT_POSES);
+    float angle_rad[MRT_ANGLES];
+    if (!functions)
+        return;
+    for (uint32_t i = 0; i < e->type->param_count; ++i) {
+        const uint32_t id = e->type->params[i].id;
+        memset(angle_rad, 0, sizeof angle_rad);
+        mrt_result result = functions->pose(good->bytes, good->size, id, angle_rad);
+        if (result != MRT_OK && result != MRT_END)
+            tell_failed(RULE_STATE_POSES,
+                        "pose() of parameter %u returned %d for what save() wrote", id, result);
+        for (int k = 0; k < MRT_ANGLES; ++k)
+            if (!isfinite(angle_rad[k]))
+                tell_failed(RULE_STATE_POSES, "parameter %u: angle %d is none", id, k);
+    }
+    const uint32_t an_id = e->type->param_count ? e->type->params[0].id : 0;
+    if (functions->pose(good->bytes, good->size - 1, an_id, angle_rad) != MRT_ERR_FORMAT ||
+        functions->pose("nonsense", 8, an_id, angle_rad) != MRT_ERR_FORMAT)
+        tell_failed(RULE_STATE_POSES, "pose() takes bytes that are not what save() wrote");
+    tell_ok(RULE_STATE_POSES, "%s", "");
+}
+
 void cases_state(const examination *e)
 {
     static const check_rule rules[] = {RULE_STATE_SIZE, RULE_STATE_ROUND, RULE_STATE_REFUSES,
@@ -725,11 +750,13 @@ void cases_state(const examination *e)
     if (good.size == 0) {
         for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
             tell_skipped(rules[i], "save() has nothing to keep");
+        tell_skipped(RULE_STATE_POSES, "save() has nothing to keep");
         return;
     }
     if (!good.bytes)
         return;
     judge_state_round(&s, &good);
+    judge_poses(e, &good);
     judge_random(&s, &first, &good, e->seed);
     if (!tell_has_failed(s.refuses_rule)) {
         judge_explained(&s, &first);

@@ -353,6 +353,16 @@ typedef struct mrt_state {
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [frame] all or none */
 } mrt_state;
 
+/* ---- taught poses: how the hand is held that a trigger stands for, so that it can be drawn ----
+ */
+#define MRT_TAUGHT_POSES "marotte.taught_poses/1"
+typedef struct mrt_taught_poses {
+    /* [main] Of its bytes alone, which save() of MRT_STATE wrote. param: the trigger's id. out_rad:
+     * MRT_ANGLES, in sensor order. MRT_END: it teaches no pose; MRT_ERR_FORMAT: bytes that make no
+     * sense. */
+    mrt_result (*pose)(const void *bytes, size_t size, uint32_t param, float *out_rad);
+} mrt_taught_poses;
+
 /* ---- resume: all that process() depends on but its parameters, so that a take can be taken up at
  * any instant without performing it from its start ---- */
 #define MRT_RESUME "marotte.resume/1"
@@ -404,6 +414,7 @@ MRT_LAYOUT(mrt_face_sample, 72, vertices, 64);
 MRT_LAYOUT(mrt_face_wants, 24, vertices, 16);
 MRT_LAYOUT(mrt_face_output, 32, close, 24);
 MRT_LAYOUT(mrt_state, 16, load, 8);
+MRT_LAYOUT(mrt_taught_poses, 8, pose, 0);
 MRT_LAYOUT(mrt_resume, 16, load, 8);
 #undef MRT_LAYOUT
 #endif

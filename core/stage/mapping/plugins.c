@@ -74,6 +74,7 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     const mrt_input *input = plugin_interface(type, MRT_INPUT);
     const mrt_mapping *mapping = plugin_interface(type, MRT_MAPPING);
     const mrt_state *state = plugin_interface(type, MRT_STATE);
+    const mrt_taught_poses *poses = plugin_interface(type, MRT_TAUGHT_POSES);
     const mrt_devices *devices = plugin_interface(type, MRT_DEVICES);
     const mrt_output *output = plugin_interface(type, MRT_OUTPUT);
     const mrt_face_output *face = plugin_interface(type, MRT_FACE_OUTPUT);
@@ -87,6 +88,9 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_MAPPING);
     if (state && (!state->save || !state->load))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_STATE);
+    if (poses && !poses->pose)
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id,
+                         MRT_TAUGHT_POSES);
     if (devices && (!devices->list || !devices->current))
         return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_DEVICES);
     if (output && (!output->open || !output->write || !output->close))

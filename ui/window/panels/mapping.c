@@ -1,12 +1,14 @@
 /* The mapping panel: which mapping performs, its parameters and presets, pedals, learn mode. */
 #include "window/panels/mapping.h"
 #include "window/app/app.h"
+#include "window/gui/hand_figure.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
 #include "window/app/presets.h"
 #include "window/viewport/viewport.h"
 
+#include "base/clock.h"
 #include "base/text.h"
 #include "stage/input/device_list.h"
 #include "stage/mapping/taught.h"
@@ -383,6 +385,12 @@ typedef struct mapping_panel {
     bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
     learn learn;
     char learnt[160]; /* what was linked last, or why not */
+
+    /* ---- the poses of the hand that it was taught, drawn ---- */
+    unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
+    size_t lessons_size;
+    double lessons_wait_s; /* until they are asked for again */
+    hand_skeleton *skeleton[2];
 } mapping_panel;
 
 /* Every value, as one step. */
@@ -542,6 +550,7 @@ void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32
 
 /* ---- parameters ---- */
 
+#define LESSON_S 0.3 /* after a button that teaches: the frame thread has seen it */
 static const float label_least = 84.0f, label_most = 146.0f;
 
 /* Whether a parameter is drawn among the others: neither hidden nor a link. */
@@ -640,8 +649,10 @@ static void mapping_param_draw(mapping_panel *self, ui *on, instance *mapping, u
     (void)snprintf(label, sizeof label, "%.70s%s###%u", name,
                    mapping_param_is_changed(mapping, index) ? " \xe2\x80\xa2" : "", p->id);
     if (p->flags & MRT_PARAM_TRIGGER) {
-        if (ui_button(on, label, UI_PLAIN))
+        if (ui_button(on, label, UI_PLAIN)) {
             instance_trigger(mapping, index);
+            self->lessons_wait_s = LESSON_S;
+        }
     } else if (p->labels) {
         draw_labels(self, on, mapping, index, label);
     } else {
@@ -678,14 +689,106 @@ static bool contains(const char *text, const char *part)
     return !*part;
 }
 
+/* ---- poses that are taught, drawn as hands ---- */
+
+#define LESSONS_S     2.0 /* a pedal may teach too */
+#define FIGURE_HEIGHT 88.0f
+
+static bool pose_of(const mapping_panel *self, const instance *mapping, const mrt_param *p,
+                    float out_rad[MRT_ANGLES])
+{
+    const mrt_taught_poses *poses = plugin_interface(mapping->type, MRT_TAUGHT_POSES);
+    if (!poses || !self->lessons || !(p->flags & MRT_PARAM_TRIGGER) ||
+        poses->pose(self->lessons, self->lessons_size, p->id, out_rad) != MRT_OK)
+        return false;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out_rad[i] = fminf(fmaxf(out_rad[i], -3.0f), 3.0f);
+    return true;
+}
+
+static void follow_lessons(mapping_panel *self, const instance *mapping)
+{
+    size_t size;
+    if (self->lessons_wait_s > 0.0 || !plugin_interface(mapping->type, MRT_TAUGHT_POSES))
+        return;
+    self->lessons_wait_s = LESSONS_S;
+    unsigned char *now = fetch_taught(self->steps, &size);
+    if (!now)
+        return;
+    free(self->lessons);
+    self->lessons = now;
+    self->lessons_size = size;
+}
+
+static float cell_width(const ui *on, const instance *mapping, const char *group)
+{
+    float widest = FIGURE_HEIGHT;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        const mrt_param *p = &mapping->type->params[i];
+        if ((p->flags & MRT_PARAM_TRIGGER) && strcmp(p->group, group) == 0)
+            widest = fmaxf(widest, ui_text_width(on, UI_STYLE_BODY, p->name) + 16.0f);
+    }
+    return widest;
+}
+
+static void draw_figure(mapping_panel *self, ui *on, const mrt_param *p, const float *angle_rad,
+                        float width)
+{
+    const mrt_hand *hand = app_view(self->app)->hand;
+    const uint32_t side = hand[MRT_LEFT].present && !hand[MRT_RIGHT].present ? MRT_LEFT : MRT_RIGHT;
+    char id[24];
+    ui_canvas at;
+    (void)snprintf(id, sizeof id, "figure%u", p->id);
+    ui_canvas_begin(on, id, width, FIGURE_HEIGHT, &at);
+    hand_figure_draw(on, at.where, self->skeleton[side], angle_rad, 1e-9 * (double)clock_now_ns(),
+                     side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT);
+    ui_canvas_end(on);
+    ui_hint(on, p->help);
+}
+
+/* Each hand with the button below it that teaches it. */
+static void draw_lessons(mapping_panel *self, ui *on, instance *mapping, const char *group,
+                         const char *find)
+{
+    const float width = cell_width(on, mapping, group);
+    const uint32_t fit = (uint32_t)fmaxf(ui_available_width(on) / (width + 8.0f), 1.0f);
+    float angle_rad[MRT_ANGLES];
+    uint32_t row[16], count = 0;
+    for (uint32_t i = 0; i <= mapping->type->param_count; ++i) {
+        const bool is_end = i == mapping->type->param_count;
+        const mrt_param *p = is_end ? NULL : &mapping->type->params[i];
+        if (p && strcmp(p->group, group) == 0 && contains(p->name, find) &&
+            pose_of(self, mapping, p, angle_rad)) {
+            if (count > 0)
+                ui_same_line(on);
+            draw_figure(self, on, p, angle_rad, width);
+            row[count++] = i;
+        }
+        if (count == 0 || (!is_end && count < fit && count < 16))
+            continue;
+        for (uint32_t k = 0; k < count; ++k) {
+            if (k > 0)
+                ui_same_line(on);
+            ui_width(on, width);
+            mapping_param_draw(self, on, mapping, row[k], mapping->type->params[row[k]].name);
+        }
+        count = 0;
+    }
+}
+
+/* ---- a group ---- */
+
 /* Buttons stand beside each other. */
 static void draw_group(mapping_panel *self, ui *on, instance *mapping, const char *group,
                        const char *find)
 {
     bool is_after_button = false;
+    float angle_rad[MRT_ANGLES];
+    draw_lessons(self, on, mapping, group, find);
     for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
         const mrt_param *p = &mapping->type->params[i];
-        if (!mapping_param_is_shown(p) || strcmp(p->group, group) != 0 || !contains(p->name, find))
+        if (!mapping_param_is_shown(p) || strcmp(p->group, group) != 0 ||
+            !contains(p->name, find) || pose_of(self, mapping, p, angle_rad))
             continue;
         bool is_button = (p->flags & MRT_PARAM_TRIGGER) != 0;
         if (is_button && is_after_button) {
@@ -757,6 +860,7 @@ static void draw_groups(mapping_panel *self, ui *on, instance *mapping)
 
 static void mapping_params_draw(mapping_panel *self, ui *on, instance *mapping)
 {
+    follow_lessons(self, mapping);
     if (mapping->type->param_count == 0) {
         ui_text(on, UI_STYLE_DIM, "It has no parameters.");
         return;
@@ -1195,6 +1299,9 @@ static instance *follow_mapping(mapping_panel *self)
     if (type != self->type) {
         self->type = type;
         self->is_held = false;
+        free(self->lessons);
+        self->lessons = NULL;
+        self->lessons_wait_s = 0.0;
         free(self->values);
         self->values = type ? calloc((size_t)type->param_count + 1, sizeof(double)) : NULL;
         if (type && strcmp(type->id, self->type_id) != 0) { /* not another version of it */
@@ -1323,6 +1430,7 @@ static void update(panel *self_, double dt_s)
     char preset[PRESET_NAME];
     instance *mapping = follow_mapping(self);
     mapping_learn_update(self, mapping, dt_s);
+    self->lessons_wait_s -= dt_s;
     if (app_take_preset(self->app, preset, sizeof preset) && mapping)
         use(self, mapping, preset);
     self->was_drawn = false;
@@ -1334,6 +1442,9 @@ static void destroy(panel *self)
         return;
     mapping_learn_end(&self->of);
     mapping_steps_destroy(self->of.steps);
+    for (uint32_t side = 0; side < 2; ++side)
+        hand_skeleton_destroy(self->of.skeleton[side]);
+    free(self->of.lessons);
     free(self->of.values);
     free(self->of.presets);
     free(self);
@@ -1346,9 +1457,11 @@ static panel *create(app *of)
         return NULL;
     self->of.app = of;
     self->of.steps = mapping_steps_create(of);
-    if (self->of.steps)
+    for (uint32_t side = 0; side < 2; ++side)
+        self->of.skeleton[side] = hand_skeleton_create(side, HAND_LENGTH_MM);
+    if (self->of.steps && self->of.skeleton[0] && self->of.skeleton[1])
         return self;
-    free(self);
+    destroy(self);
     return NULL;
 }
 
