@@ -13,14 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CALIBRATION_PLACE = 320 };
+enum { JSON_PATH_TEXT = 320 };
 
-typedef struct json_place {
-    const json_t *value; /* NULL: there is none here */
-    char text[CALIBRATION_PLACE];
-} json_place;
+typedef struct json_node {
+    const json_t *value;       /* NULL: there is none here */
+    char path[JSON_PATH_TEXT]; /* "FILE: $.sensors[3]" */
+} json_node;
 
-/* ---- values and their places ---- */
+/* ---- values and where they stand ---- */
 
 enum { WORD_TEXT = 64, EXPECTED_TEXT = 256 };
 
@@ -36,71 +36,71 @@ static word word_of(const char *text)
     return out;
 }
 
-static json_place json_place_root(const json_t *value, const char *name)
+static json_node json_node_root(const json_t *value, const char *name)
 {
-    json_place out = {.value = value};
-    (void)snprintf(out.text, sizeof out.text, "%.120s: $", name);
+    json_node out = {.value = value};
+    (void)snprintf(out.path, sizeof out.path, "%.120s: $", name);
     return out;
 }
 
 /* Sensor names have a dot in them, so such keys are quoted. */
-static json_place json_place_member(const json_place *of, const char *key)
+static json_node json_node_member(const json_node *of, const char *key)
 {
-    json_place out = {.value = json_object_get(of->value, key)};
+    json_node out = {.value = json_object_get(of->value, key)};
     word shown = word_of(key);
     bool is_quoted = strchr(key, '.') != NULL;
-    (void)snprintf(out.text, sizeof out.text, "%.240s%s%s%s", of->text, is_quoted ? "[\"" : ".",
+    (void)snprintf(out.path, sizeof out.path, "%.240s%s%s%s", of->path, is_quoted ? "[\"" : ".",
                    shown.text, is_quoted ? "\"]" : "");
     return out;
 }
 
-static json_place json_place_item(const json_place *of, size_t index)
+static json_node json_node_item(const json_node *of, size_t index)
 {
-    json_place out = {.value = json_array_get(of->value, index)};
-    (void)snprintf(out.text, sizeof out.text, "%.290s[%zu]", of->text, index);
+    json_node out = {.value = json_array_get(of->value, index)};
+    (void)snprintf(out.path, sizeof out.path, "%.290s[%zu]", of->path, index);
     return out;
 }
 
 /* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
-static mrt_result json_place_unexpected(error *err, const json_place *at, const char *expected)
+static mrt_result json_node_unexpected(error *err, const json_node *at, const char *expected)
 {
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
+    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->path, expected,
                      json_describe(at->value).text);
 }
 
-static mrt_result json_place_object(const json_place *at, const char *expected, error *err)
+static mrt_result json_node_object(const json_node *at, const char *expected, error *err)
 {
-    return json_is_object(at->value) ? MRT_OK : json_place_unexpected(err, at, expected);
+    return json_is_object(at->value) ? MRT_OK : json_node_unexpected(err, at, expected);
 }
 
-static mrt_result json_place_number(double *out, const json_place *at, double low, double high,
-                                    error *err)
+static mrt_result json_node_number(double *out, const json_node *at, double low, double high,
+                                   error *err)
 {
     double value = json_number_value(at->value);
     if (!json_is_number(at->value) || !(value >= low && value <= high)) {
         char expected[EXPECTED_TEXT];
         (void)snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
-        return json_place_unexpected(err, at, expected);
+        return json_node_unexpected(err, at, expected);
     }
     *out = value;
     return MRT_OK;
 }
 
-static mrt_result json_place_pair(double out[2], const json_place *at, double low, double high,
-                                  error *err)
+static mrt_result json_node_pair(double out[2], const json_node *at, double low, double high,
+                                 error *err)
 {
     if (!json_is_array(at->value) || json_array_size(at->value) != 2)
-        return json_place_unexpected(err, at, "two numbers [a, b]");
+        return json_node_unexpected(err, at, "two numbers [a, b]");
     mrt_result result = MRT_OK;
     for (size_t i = 0; i < 2 && result >= 0; ++i) {
-        json_place item = json_place_item(at, i);
-        result = json_place_number(&out[i], &item, low, high, err);
+        json_node item = json_node_item(at, i);
+        result = json_node_number(&out[i], &item, low, high, err);
     }
     return result;
 }
 
 /* At most capacity - 1 bytes that can be shown. */
-static mrt_result json_place_text(char *out, size_t capacity, const json_place *at, error *err)
+static mrt_result json_node_text(char *out, size_t capacity, const json_node *at, error *err)
 {
     const char *text = json_string_value(at->value);
     size_t length = json_string_length(at->value);
@@ -108,15 +108,15 @@ static mrt_result json_place_text(char *out, size_t capacity, const json_place *
         char expected[EXPECTED_TEXT];
         (void)snprintf(expected, sizeof expected,
                        "a text of at most %zu bytes without control characters", capacity - 1);
-        return json_place_unexpected(err, at, expected);
+        return json_node_unexpected(err, at, expected);
     }
     memcpy(out, text, length + 1);
     return MRT_OK;
 }
 
 /* One of `count` words; out: which. */
-static mrt_result json_place_choice(uint32_t *out, const json_place *at, const char *const *words,
-                                    uint32_t count, error *err)
+static mrt_result json_node_choice(uint32_t *out, const json_node *at, const char *const *words,
+                                   uint32_t count, error *err)
 {
     const char *text = json_string_value(at->value);
     for (uint32_t i = 0; text && i < count; ++i) {
@@ -132,7 +132,7 @@ static mrt_result json_place_choice(uint32_t *out, const json_place *at, const c
         int added = snprintf(expected + used, sizeof expected - used, "%s\"%s\"", joint, words[i]);
         used += added > 0 ? (size_t)added : 0;
     }
-    return json_place_unexpected(err, at, expected);
+    return json_node_unexpected(err, at, expected);
 }
 
 /* ---- reading ---- */
@@ -170,7 +170,7 @@ void calibration_file_note(calibration_file *file, const char *format, ...)
 
 /* ---- reading ---- */
 
-static void note_unknown(calibration_file *file, const json_place *object, const char *const *known)
+static void note_unknown(calibration_file *file, const json_node *object, const char *const *known)
 {
     json_t *value = (json_t *)(uintptr_t)object->value;
     for (void *at = json_object_iter(value); at; at = json_object_iter_next(value, at)) {
@@ -180,34 +180,34 @@ static void note_unknown(calibration_file *file, const json_place *object, const
             ++entry;
         if (*entry)
             continue;
-        json_place member = json_place_member(object, key);
+        json_node member = json_node_member(object, key);
         calibration_file_note(file, "%s: a key that this version does not know; it is kept",
-                              member.text);
+                              member.path);
     }
 }
 
 /* Not there: `out` stays. */
-static mrt_result read_optional(double *out, bool *out_has, const json_place *of, const char *key,
+static mrt_result read_optional(double *out, bool *out_has, const json_node *of, const char *key,
                                 double low, double high, error *err)
 {
-    json_place at = json_place_member(of, key);
+    json_node at = json_node_member(of, key);
     *out_has = at.value != NULL;
-    return at.value ? json_place_number(out, &at, low, high, err) : MRT_OK;
+    return at.value ? json_node_number(out, &at, low, high, err) : MRT_OK;
 }
 
-static mrt_result read_points(hand_table *out, const json_place *at, error *err)
+static mrt_result read_points(hand_table *out, const json_node *at, error *err)
 {
     size_t count = json_array_size(at->value);
     if (!json_is_array(at->value) || count < 2 || count > HAND_TABLE_MAX)
-        return json_place_unexpected(err, at, "an array of 2 to 16 points [raw, rad]");
+        return json_node_unexpected(err, at, "an array of 2 to 16 points [raw, rad]");
     for (size_t i = 0; i < count; ++i) {
-        json_place item = json_place_item(at, i);
+        json_node item = json_node_item(at, i);
         double point[2];
-        mrt_result result = json_place_pair(point, &item, -raw_cap, raw_cap, err);
+        mrt_result result = json_node_pair(point, &item, -raw_cap, raw_cap, err);
         if (result < 0)
             return result;
-        json_place rad = json_place_item(&item, 1);
-        result = json_place_number(&point[1], &rad, -ANGLE_PI, ANGLE_PI, err);
+        json_node rad = json_node_item(&item, 1);
+        result = json_node_number(&point[1], &rad, -ANGLE_PI, ANGLE_PI, err);
         if (result < 0)
             return result;
         out->raw[i] = (float)point[0];
@@ -215,57 +215,57 @@ static mrt_result read_points(hand_table *out, const json_place *at, error *err)
         if (i > 0 && !(out->raw[i] > out->raw[i - 1]))
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: expected a raw value above the one before it, %.9g, found %.9g",
-                             item.text, (double)out->raw[i - 1], point[0]);
+                             item.path, (double)out->raw[i - 1], point[0]);
     }
     out->count = (uint32_t)count;
     return MRT_OK;
 }
 
-static mrt_result read_range(float out[2], bool *out_has, const json_place *of, const char *key,
+static mrt_result read_range(float out[2], bool *out_has, const json_node *of, const char *key,
                              double cap, error *err)
 {
     double pair[2] = {0, 0};
-    json_place at = json_place_member(of, key);
+    json_node at = json_node_member(of, key);
     *out_has = at.value != NULL;
-    mrt_result result = at.value ? json_place_pair(pair, &at, -cap, cap, err) : MRT_OK;
+    mrt_result result = at.value ? json_node_pair(pair, &at, -cap, cap, err) : MRT_OK;
     out[0] = (float)pair[0];
     out[1] = (float)pair[1];
     return result;
 }
 
-static mrt_result read_ranges(calibration_sensor *out, const json_place *at, error *err)
+static mrt_result read_ranges(calibration_sensor *out, const json_node *at, error *err)
 {
     bool has_raw = false, has_rad = false;
     mrt_result result = read_range(out->raw_range, &has_raw, at, "raw_range", raw_cap, err);
     if (result >= 0)
         result = read_range(out->rad_range, &has_rad, at, "rad_range", 2.0 * ANGLE_PI, err);
     if (result >= 0 && has_raw != has_rad) {
-        json_place missing = json_place_member(at, has_raw ? "rad_range" : "raw_range");
-        result = json_place_unexpected(err, &missing, "both raw_range and rad_range, or neither");
+        json_node missing = json_node_member(at, has_raw ? "rad_range" : "raw_range");
+        result = json_node_unexpected(err, &missing, "both raw_range and rad_range, or neither");
     }
     out->has_range = has_raw && has_rad;
     return result;
 }
 
-static mrt_result read_cross_talk(calibration_sensor *out, const json_place *of, error *err)
+static mrt_result read_cross_talk(calibration_sensor *out, const json_node *of, error *err)
 {
-    json_place at = json_place_member(of, "cross_talk");
+    json_node at = json_node_member(of, "cross_talk");
     if (!at.value)
         return MRT_OK;
-    mrt_result result = json_place_object(&at, "an object {\"sensor\": rad per rad}", err);
+    mrt_result result = json_node_object(&at, "an object {\"sensor\": rad per rad}", err);
     if (result < 0)
         return result;
     json_t *object = (json_t *)(uintptr_t)at.value;
     for (void *i = json_object_iter(object); i; i = json_object_iter_next(object, i)) {
         const char *key = json_object_iter_key(i);
-        json_place member = json_place_member(&at, key);
+        json_node member = json_node_member(&at, key);
         int sensor = sensor_find(key);
         if (sensor < 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.text);
+                             member.path);
         double share = 0;
-        result = json_place_number(&share, &member, -cross_talk_cap, cross_talk_cap, err);
+        result = json_node_number(&share, &member, -cross_talk_cap, cross_talk_cap, err);
         if (result < 0)
             return result;
         out->cross_talk[sensor] = (float)share;
@@ -273,20 +273,20 @@ static mrt_result read_cross_talk(calibration_sensor *out, const json_place *of,
     return MRT_OK;
 }
 
-static mrt_result read_sensor(calibration_file *file, int sensor, const json_place *at, error *err)
+static mrt_result read_sensor(calibration_file *file, int sensor, const json_node *at, error *err)
 {
     static const char *const known[] = {"source",    "points",       "neutral_rad", "raw_range",
                                         "rad_range", "residual_rad", "cross_talk",  NULL};
     calibration_sensor *out = &file->sensor[sensor];
-    mrt_result result = json_place_object(at, "an object", err);
+    mrt_result result = json_node_object(at, "an object", err);
     if (result < 0)
         return result;
-    json_place source = json_place_member(at, "source");
-    json_place points = json_place_member(at, "points");
+    json_node source = json_node_member(at, "source");
+    json_node points = json_node_member(at, "points");
     uint32_t choice = 0;
     double neutral = (double)sensor_table[sensor].neutral_rad, residual = 0;
     bool has_neutral = false;
-    result = json_place_choice(&choice, &source, calibration_source_name, CALIBRATION_SOURCES, err);
+    result = json_node_choice(&choice, &source, calibration_source_name, CALIBRATION_SOURCES, err);
     if (result >= 0)
         result = read_points(&out->table, &points, err);
     if (result >= 0)
@@ -306,57 +306,57 @@ static mrt_result read_sensor(calibration_file *file, int sensor, const json_pla
     return MRT_OK;
 }
 
-static mrt_result read_sensors(calibration_file *out, const json_place *root, error *err)
+static mrt_result read_sensors(calibration_file *out, const json_node *root, error *err)
 {
-    json_place at = json_place_member(root, "sensors");
-    mrt_result result = json_place_object(&at, "an object of sensors, {\"index.mpj\": ...}", err);
+    json_node at = json_node_member(root, "sensors");
+    mrt_result result = json_node_object(&at, "an object of sensors, {\"index.mpj\": ...}", err);
     if (result < 0)
         return result;
     json_t *object = (json_t *)(uintptr_t)at.value;
     for (void *i = json_object_iter(object); i; i = json_object_iter_next(object, i)) {
         const char *key = json_object_iter_key(i);
-        json_place member = json_place_member(&at, key);
+        json_node member = json_node_member(&at, key);
         int sensor = sensor_find(key);
         if (sensor < 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.text);
+                             member.path);
         result = read_sensor(out, sensor, &member, err);
         if (result < 0)
             return result;
     }
-    json_place count_at = json_place_member(root, "sensor_count");
+    json_node count_at = json_node_member(root, "sensor_count");
     double count = 0;
-    result = json_place_number(&count, &count_at, 1, MRT_ANGLES, err);
+    result = json_node_number(&count, &count_at, 1, MRT_ANGLES, err);
     if (result >= 0 && (uint32_t)count != calibration_file_sensor_count(out))
         result =
             error_set(err, MRT_ERR_FORMAT, "%s: expected %u, as many as $.sensors has, found %g",
-                      count_at.text, calibration_file_sensor_count(out), count);
+                      count_at.path, calibration_file_sensor_count(out), count);
     return result;
 }
 
-static mrt_result read_root(calibration_file *out, const json_place *root, error *err)
+static mrt_result read_root(calibration_file *out, const json_node *root, error *err)
 {
     static const char *const known[] = {
         "marotte_calibration", "name",           "date",    "hand", "input",
         "sensor_count",        "hand_length_mm", "sensors", NULL};
-    mrt_result result = json_place_object(root, "an object, a calibration", err);
+    mrt_result result = json_node_object(root, "an object, a calibration", err);
     if (result < 0)
         return result;
-    json_place version_at = json_place_member(root, "marotte_calibration");
-    json_place name_at = json_place_member(root, "name"), date_at = json_place_member(root, "date");
-    json_place hand_at = json_place_member(root, "hand");
-    json_place input_at = json_place_member(root, "input");
+    json_node version_at = json_node_member(root, "marotte_calibration");
+    json_node name_at = json_node_member(root, "name"), date_at = json_node_member(root, "date");
+    json_node hand_at = json_node_member(root, "hand");
+    json_node input_at = json_node_member(root, "input");
     if (!json_is_integer(version_at.value) || json_integer_value(version_at.value) != 1)
-        return json_place_unexpected(err, &version_at, "1, the version of the file");
+        return json_node_unexpected(err, &version_at, "1, the version of the file");
     if (name_at.value)
-        result = json_place_text(out->name, sizeof out->name, &name_at, err);
+        result = json_node_text(out->name, sizeof out->name, &name_at, err);
     if (result >= 0 && date_at.value)
-        result = json_place_text(out->date, sizeof out->date, &date_at, err);
+        result = json_node_text(out->date, sizeof out->date, &date_at, err);
     if (result >= 0)
-        result = json_place_choice(&out->side, &hand_at, side_name, 2, err);
+        result = json_node_choice(&out->side, &hand_at, side_name, 2, err);
     if (result >= 0 && input_at.value)
-        result = json_place_text(out->input, sizeof out->input, &input_at, err);
+        result = json_node_text(out->input, sizeof out->input, &input_at, err);
     bool has_length = false;
     if (result >= 0)
         result = read_optional(&out->hand_length_mm, &has_length, root, "hand_length_mm",
@@ -380,7 +380,7 @@ mrt_result calibration_file_parse(calibration_file *out, const void *bytes, size
         return error_set(err, MRT_ERR_FORMAT, "%.120s: line %d, column %d: not JSON: %s", name,
                          reason.line, reason.column, said);
     }
-    json_place root = json_place_root(value, name);
+    json_node root = json_node_root(value, name);
     out->document = value;
     mrt_result result = read_root(out, &root, err);
     if (result < 0) {

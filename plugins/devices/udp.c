@@ -64,7 +64,7 @@ static const char *last_colon(const char *text, const char *end)
     return NULL;
 }
 
-bool udp_place_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *text, size_t length)
+bool udp_address_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *text, size_t length)
 {
     const char *end = text + length;
     const char *colon = last_colon(text, end);

@@ -19,7 +19,7 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
     (void)snprintf(self->place, sizeof self->place, "127.0.0.1");
     self->port = port;
     self->refused_ns = 0;
-    if (address[0] && !udp_place_parse(self->place, &self->port, address, strlen(address))) {
+    if (address[0] && !udp_address_parse(self->place, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
                    address, (unsigned)port);

@@ -20,7 +20,7 @@ enum { LOST_SILENCES = 3 };
 struct osc_input {
     const mrt_host *host;
     osc_port *port; /* NULL: not listening */
-    osc_place place;
+    osc_address address;
     osc_listener listener; /* joined while port is there: under the port's lock */
     osc_table table;       /* what channels() gives while open */
     bool is_open;
@@ -66,29 +66,30 @@ static osc_content content_of(const double *params)
 }
 
 /* One that was lost listens on to what it had, if that is what is asked for. */
-static bool goes_on(const osc_input *self, const osc_place *place, const double *params)
+static bool goes_on(const osc_input *self, const osc_address *address, const double *params)
 {
-    if (!self->port || !self->is_lost || self->place.port != place->port ||
-        strcmp(self->place.host, place->host) != 0 || self->place.has_source != place->has_source ||
-        strcmp(self->place.source, place->source) != 0)
+    if (!self->port || !self->is_lost || self->address.port != address->port ||
+        strcmp(self->address.host, address->host) != 0 ||
+        self->address.has_source != address->has_source ||
+        strcmp(self->address.source, address->source) != 0)
         return false;
-    return place->has_source ||
+    return address->has_source ||
            (self->listener.side == side_of(params) && self->listener.content == content_of(params));
 }
 
-static mrt_result start_listening(osc_input *self, const osc_place *place, const double *params)
+static mrt_result start_listening(osc_input *self, const osc_address *address, const double *params)
 {
     char reason[UDP_REASON];
     stop_listening(self);
     self->is_lost = false;
-    self->place = *place;
-    self->port = osc_port_open(place, self->host, reason);
+    self->address = *address;
+    self->port = osc_port_open(address, self->host, reason);
     if (!self->port) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
-    if (place->has_source)
-        osc_listener_start_forwarded(&self->listener, place->source);
+    if (address->has_source)
+        osc_listener_start_forwarded(&self->listener, address->source);
     else
         osc_listener_start_simple(&self->listener, side_of(params), content_of(params));
     osc_port_join(self->port, &self->listener);
@@ -126,16 +127,16 @@ static mrt_result say_network_failed(osc_input *self)
 {
     device_say(self->host, MRT_LOG_ERROR,
                "port %u: the network failed: is the connection still there?",
-               (unsigned)self->place.port);
+               (unsigned)self->address.port);
     self->is_lost = false;
     return MRT_ERR_IO;
 }
 
 static mrt_result say_nobody(osc_input *self)
 {
-    const osc_place *place = &self->place;
+    const osc_address *address = &self->address;
     if (self->is_lost) { /* said when it went */
-        device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)place->port);
+        device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
         return MRT_ERR_IO;
     }
     char there[256];
@@ -143,15 +144,15 @@ static mrt_result say_nobody(osc_input *self)
     if (there[0] != '\0')
         device_say(self->host, MRT_LOG_ERROR,
                    "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
-                   (unsigned)place->port, place->source, there);
+                   (unsigned)address->port, address->source, there);
     else
         device_say(
             self->host, MRT_LOG_ERROR,
             "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
             "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to hear another "
             "computer write 0.0.0.0:%u/%s here",
-            place->host, (unsigned)place->port, place->source, (unsigned)place->port,
-            (unsigned)place->port, place->source);
+            address->host, (unsigned)address->port, address->source, (unsigned)address->port,
+            (unsigned)address->port, address->source);
     return MRT_ERR_IO;
 }
 
@@ -172,9 +173,9 @@ static void begin(osc_input *self)
 
 mrt_result osc_input_open(osc_input *self, const char *address, const double *params)
 {
-    osc_place place;
+    osc_address parsed;
     osc_input_close(self);
-    if (!osc_place_parse(&place, address)) {
+    if (!osc_address_parse(&parsed, address)) {
         device_say(
             self->host, MRT_LOG_ERROR,
             "\"%.100s\" is no address: expected [HOST:]PORT, and /SOURCE for what another marotte "
@@ -182,8 +183,8 @@ mrt_result osc_input_open(osc_input *self, const char *address, const double *pa
             address);
         return MRT_ERR_ARGUMENT;
     }
-    if (!goes_on(self, &place, params)) {
-        mrt_result result = start_listening(self, &place, params);
+    if (!goes_on(self, &parsed, params)) {
+        mrt_result result = start_listening(self, &parsed, params);
         if (result < 0)
             return result;
     }
@@ -217,7 +218,7 @@ void osc_input_close(osc_input *self)
 static void follow_params(osc_input *self, const double *params)
 {
     const osc_listener *listener = &self->listener;
-    if (self->place.has_source || self->has_asked_to_restart ||
+    if (self->address.has_source || self->has_asked_to_restart ||
         (listener->side == side_of(params) && listener->content == content_of(params)))
         return;
     self->has_asked_to_restart = true;
@@ -331,7 +332,7 @@ static mrt_result lose(osc_input *self, const char *why)
     snprintf(bound, sizeof bound, "%s", self->listener.bound);
     osc_listener_rearm(&self->listener);
     osc_port_join(self->port, &self->listener);
-    device_say(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->place.port,
+    device_say(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->address.port,
                bound[0] ? ": " : "", bound, why);
     self->is_lost = true;
     return MRT_ERR_IO;
@@ -346,7 +347,7 @@ static void release_pedals(osc_input *self, mrt_sample *out)
         self->host, MRT_LOG_WARNING,
         "port %u: nothing heard of the pedals: they count as up (silence=0 if their sender speaks "
         "only when one moves)",
-        (unsigned)self->place.port);
+        (unsigned)self->address.port);
     give_release(self, device_clock_ns(), out);
 }
 

@@ -1,7 +1,7 @@
 #include "osc_output.h"
 #include "device_io.h"
 #include "udp.h"
-#include "osc_place.h"
+#include "osc_address.h"
 #include "osc_table.h"
 #include "trace.h"
 
@@ -27,7 +27,7 @@ struct osc_output {
     bool is_open;
     int socket;
     trace trace;
-    osc_place place;
+    osc_address address;
     int64_t host_offset_ns; /* host clock less ours */
     pthread_t thread;
     pthread_mutex_t mutex; /* guards what follows; held for a send at most, which never waits */
@@ -64,7 +64,7 @@ static void send_packet(osc_output *self, size_t size)
         return;
     self->has_said_failure = true;
     device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
-               self->place.host, (unsigned)self->place.port, strerror(error),
+               self->address.host, (unsigned)self->address.port, strerror(error),
                advice_for_send(error));
 }
 
@@ -138,14 +138,14 @@ mrt_result osc_output_open(osc_output *self, const char *address)
 {
     char reason[UDP_REASON];
     osc_output_close(self);
-    if (!address || address[0] == '\0' || !osc_place_parse(&self->place, address) ||
-        self->place.has_source) {
+    if (!address || address[0] == '\0' || !osc_address_parse(&self->address, address) ||
+        self->address.has_source) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
                    address ? address : "", OSC_PORT);
         return MRT_ERR_ARGUMENT;
     }
-    self->socket = udp_connect(self->place.host, self->place.port, reason);
+    self->socket = udp_connect(self->address.host, self->address.port, reason);
     if (self->socket < 0) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
@@ -186,7 +186,7 @@ void osc_output_close(osc_output *self)
     say_end(self);
     if (self->failed_count > 0)
         device_say(self->host, MRT_LOG_INFO, "%u datagrams did not reach %s port %u",
-                   self->failed_count, self->place.host, (unsigned)self->place.port);
+                   self->failed_count, self->address.host, (unsigned)self->address.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
     trace_close(&self->trace);

@@ -11,7 +11,7 @@
 struct osc_port {
     osc_port *next;
     uint32_t user_count;
-    osc_place place;
+    osc_address address;
     int socket;
     pthread_mutex_t mutex;
     pthread_cond_t changed; /* a packet was taken, or nobody receives any more */
@@ -26,23 +26,23 @@ static osc_port *ports; /* guarded by ports_mutex */
 
 /* ---- opening ---- */
 
-static osc_port *find_port(const osc_place *place)
+static osc_port *find_port(const osc_address *address)
 {
     for (osc_port *p = ports; p; p = p->next)
-        if (p->place.port == place->port && strcmp(p->place.host, place->host) == 0)
+        if (p->address.port == address->port && strcmp(p->address.host, address->host) == 0)
             return p;
     return NULL;
 }
 
-static osc_port *make_port(const osc_place *place, const mrt_host *host, char *out_reason)
+static osc_port *make_port(const osc_address *address, const mrt_host *host, char *out_reason)
 {
     osc_port *self = calloc(1, sizeof *self);
     if (!self) {
-        snprintf(out_reason, UDP_REASON, "no memory for port %u", (unsigned)place->port);
+        snprintf(out_reason, UDP_REASON, "no memory for port %u", (unsigned)address->port);
         return NULL;
     }
-    self->place = *place;
-    self->socket = udp_bind(place->host, place->port, out_reason);
+    self->address = *address;
+    self->socket = udp_bind(address->host, address->port, out_reason);
     if (self->socket < 0) {
         free(self);
         return NULL;
@@ -58,12 +58,12 @@ static osc_port *make_port(const osc_place *place, const mrt_host *host, char *o
     return self;
 }
 
-osc_port *osc_port_open(const osc_place *place, const mrt_host *host, char *out_reason)
+osc_port *osc_port_open(const osc_address *address, const mrt_host *host, char *out_reason)
 {
     pthread_mutex_lock(&ports_mutex);
-    osc_port *found = find_port(place);
+    osc_port *found = find_port(address);
     if (!found) {
-        found = make_port(place, host, out_reason);
+        found = make_port(address, host, out_reason);
         if (found) {
             found->next = ports;
             ports = found;
@@ -195,7 +195,7 @@ void osc_port_summary(osc_port *port, char *out, size_t capacity)
         snprintf(out, capacity,
                  "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
                  "messages",
-                 (unsigned)port->place.port, dispatcher->late_count, dispatcher->untold_count,
+                 (unsigned)port->address.port, dispatcher->late_count, dispatcher->untold_count,
                  faulty);
     osc_port_unlock(port);
 }

@@ -6,7 +6,7 @@
 #ifndef MAROTTE_OSC_PORT_H
 #define MAROTTE_OSC_PORT_H
 #include "osc_dispatcher.h"
-#include "osc_place.h"
+#include "osc_address.h"
 #include "udp.h"
 
 typedef struct osc_port osc_port;
@@ -14,9 +14,9 @@ typedef struct osc_port osc_port;
 /* Less is not waited for. */
 enum { OSC_PORT_WAIT_LEAST_NS = 1000000 };
 
-/* The port at this place, opened by the first who asks. NULL: out_reason (UDP_REASON) says why.
+/* The port at this address, opened by the first who asks. NULL: out_reason (UDP_REASON) says why.
  * With MAROTTE_TRACE (trace.h) what comes in is written down; `host` is told if that cannot be. */
-osc_port *osc_port_open(const osc_place *place, const mrt_host *host, char *out_reason);
+osc_port *osc_port_open(const osc_address *address, const mrt_host *host, char *out_reason);
 /* The last one closes the socket. NULL is fine. */
 void osc_port_close(osc_port *port);
 

@@ -72,7 +72,7 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     bool is_told = strncmp(address, "to:", 3) == 0;
     const char *place = is_told ? address + 3 : address;
     close(self);
-    if (place[0] && !udp_place_parse(host, &port, place, strlen(place))) {
+    if (place[0] && !udp_address_parse(host, &port, place, strlen(place))) {
         device_say(
             self->host, MRT_LOG_ERROR,
             "\"%.100s\" is no address: write where to listen, as in 0.0.0.0:%d, or to:HOST:%d "

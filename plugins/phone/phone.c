@@ -73,7 +73,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     self->port = PORT_LIVE_LINK;
     self->phone[0] = '\0';
-    if (address[0] && !udp_place_parse(self->phone, &self->port, address, strlen(address))) {
+    if (address[0] && !udp_address_parse(self->phone, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.60s\" is no port: write phone:11111 for Live Link Face, phone:49983 or "
                    "phone:192.168.1.30:49983 (the phone's address) for iFacialMocap, phone:11573 "

@@ -319,7 +319,7 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
 {
     (void)snprintf(self->host_name, sizeof self->host_name, "127.0.0.1");
     self->port = PORT;
-    if (address[0] && !udp_place_parse(self->host_name, &self->port, address, strlen(address))) {
+    if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is no address: expected HOST:PORT, as in 192.168.1.20:%d", address,
                    PORT);

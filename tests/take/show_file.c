@@ -14,21 +14,6 @@
 #include <sqlite3.h>
 #include <sys/wait.h>
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    scene_remove(*state);
-    free(*state);
-    return 0;
-}
-
 static void run_sql(const char *path, const char *sql)
 {
     sqlite3 *db;
@@ -467,7 +452,7 @@ static void a_replaced_file_is_noticed(void **state)
     show_close(got);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
 
 int main(void)
 {

@@ -10,28 +10,10 @@
 #include "take/show_disk.h"
 #include "take/show_scene.h"
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
 static int tear_down(void **state)
 {
     atomic_store(&disk_answer, SQLITE_OK);
-    scene_remove(*state);
-    free(*state);
-    return 0;
-}
-
-static show *create(const scene *s)
-{
-    error err = {""};
-    show *out;
-    scene_must(show_create(&out, s->path, &err), &err);
-    return out;
+    return scene_tear_down(state);
 }
 
 /* Gives samples as if time went on, and lets the writer look at them. */
@@ -47,7 +29,7 @@ static void give_in_pieces(scene_recording *r, int64_t from_n, int64_t to_n)
 /* A minute and a half of two gloves at 150 Hz is 27000 samples. */
 static void a_full_disk_loses_nothing(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -92,7 +74,7 @@ static void a_full_disk_loses_nothing(void **state)
 /* The same with a disk that answers with errors, again and again. */
 static void a_disk_that_comes_and_goes_loses_nothing(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err;
@@ -116,7 +98,7 @@ static void a_disk_that_comes_and_goes_loses_nothing(void **state)
 /* Memory runs out too: what is lost is counted, and told in the show. */
 static void what_memory_cannot_hold_is_counted(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -170,7 +152,7 @@ static void what_memory_cannot_hold_is_counted(void **state)
 /* The next one who opens it for writing finds what could not be written, as after a kill. */
 static void stopping_on_a_full_disk_leaves_the_rest_to_the_next_opening(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -193,7 +175,7 @@ static void stopping_on_a_full_disk_leaves_the_rest_to_the_next_opening(void **s
 
 static void edits_on_a_full_disk_are_refused_whole(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     error err = {""};
     int64_t id;
     scene_must(
@@ -211,7 +193,7 @@ static void edits_on_a_full_disk_are_refused_whole(void **state)
     show_close(s);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, tear_down)
 
 int main(void)
 {

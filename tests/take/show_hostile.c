@@ -15,20 +15,10 @@
 
 #include <fcntl.h>
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
 static int tear_down(void **state)
 {
     atomic_store(&disk_answer, SQLITE_OK);
-    scene_remove(*state);
-    free(*state);
-    return 0;
+    return scene_tear_down(state);
 }
 
 static void run_sql(const char *path, const char *sql)
@@ -698,7 +688,7 @@ static void lost_parameter_changes_are_told(void **state)
     show_close(got);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, tear_down)
 
 int main(void)
 {

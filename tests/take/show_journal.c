@@ -10,21 +10,6 @@
 
 enum { PER_SECOND = 150 };
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    scene_remove(*state);
-    free(*state);
-    return 0;
-}
-
 static void record(scene_recording *out, const scene *s, int64_t journal_s)
 {
     error err = {""};
@@ -292,7 +277,7 @@ static void the_file_does_not_grow_for_ever(void **state)
     assert_true(late.st_size < 1000000);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
 
 int main(void)
 {

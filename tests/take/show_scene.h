@@ -38,6 +38,44 @@ static inline void scene_remove(scene *s)
     assert_int_equal(system(command), 0);
 }
 
+/* Of a test with a folder of its own: its state is the scene. */
+static inline int scene_set_up(void **state)
+{
+    scene *s = calloc(1, sizeof *s);
+    scene_make(s);
+    *state = s;
+    return 0;
+}
+
+static inline int scene_tear_down(void **state)
+{
+    scene_remove(*state);
+    free(*state);
+    return 0;
+}
+
+static inline void scene_must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+static inline show *scene_create(const scene *s)
+{
+    error err = {""};
+    show *out;
+    scene_must(show_create(&out, s->path, &err), &err);
+    return out;
+}
+
+static inline show *scene_open(const scene *s, show_mode mode)
+{
+    error err = {""};
+    show *out;
+    scene_must(show_open(&out, s->path, mode, &err), &err);
+    return out;
+}
+
 /* SplitMix64 of a number. */
 static inline uint64_t scene_random(uint64_t n)
 {
@@ -125,12 +163,6 @@ typedef struct scene_recording {
     writer *writer;
     int64_t track, performance;
 } scene_recording;
-
-static inline void scene_must(mrt_result result, const error *err)
-{
-    if (result < 0)
-        fail_msg("%s", err->text);
-}
 
 static inline void scene_record(scene_recording *out, show *s, const writer_options *options)
 {

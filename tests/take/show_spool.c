@@ -14,37 +14,6 @@
 #include <signal.h>
 #include <sys/wait.h>
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    scene_remove(*state);
-    free(*state);
-    return 0;
-}
-
-static show *create(const scene *s)
-{
-    error err = {""};
-    show *out;
-    scene_must(show_create(&out, s->path, &err), &err);
-    return out;
-}
-
-static show *open_show(const scene *s, show_mode mode)
-{
-    error err = {""};
-    show *out;
-    scene_must(show_open(&out, s->path, mode, &err), &err);
-    return out;
-}
-
 /* A program that was killed between being given samples and committing them, and a stranger's
  * spool. */
 static void what_a_killed_writer_was_given_is_found(void **state)
@@ -69,7 +38,7 @@ static void what_a_killed_writer_was_given_is_found(void **state)
     assert_true(WIFSIGNALED(status));
     if (access("/dev/shm", W_OK) != 0)
         skip();
-    show *s = open_show(at, SHOW_WRITE);
+    show *s = scene_open(at, SHOW_WRITE);
     scene_expect(s, 1, 0, 21000);
     show_take *takes;
     size_t count;
@@ -81,7 +50,7 @@ static void what_a_killed_writer_was_given_is_found(void **state)
     assert_int_equal(performance.to_ns, scene_shown(1, 20999).time_ns);
     show_performance_finish(&performance);
     show_close(s);
-    s = open_show(at, SHOW_WRITE);
+    s = scene_open(at, SHOW_WRITE);
     scene_expect(s, 1, 0, 21000); /* once */
     show_close(s);
 }
@@ -89,7 +58,7 @@ static void what_a_killed_writer_was_given_is_found(void **state)
 static void a_spool_of_another_session_is_left_out(void **state)
 {
     scene *at = *state;
-    show *s = create(at);
+    show *s = scene_create(at);
     writer_options options = scene_options();
     scene_recording r;
     scene_record(&r, s, &options);
@@ -105,7 +74,7 @@ static void a_spool_of_another_session_is_left_out(void **state)
         .kind = WRITER_RECORD_SAMPLE, .id = 1, .of.sample = scene_sample(1, 50)};
     assert_true(spool_push(stranger, &record));
     spool_abandon(stranger);
-    s = open_show(at, SHOW_WRITE);
+    s = scene_open(at, SHOW_WRITE);
     scene_expect(s, 1, 0, 10);
     show_close(s);
     assert_null(spool_find(&of, sizeof(writer_record), &context));
@@ -148,7 +117,7 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     assert_null(spool_find(&of, sizeof record, &context));
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
 
 int main(void)
 {

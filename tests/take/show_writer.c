@@ -9,40 +9,9 @@
 #include "take/show_scene.h"
 #include "take/writer_store.h"
 
-static int set_up(void **state)
-{
-    scene *s = calloc(1, sizeof *s);
-    scene_make(s);
-    *state = s;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    scene_remove(*state);
-    free(*state);
-    return 0;
-}
-
-static show *create(const scene *s)
-{
-    error err = {""};
-    show *out;
-    scene_must(show_create(&out, s->path, &err), &err);
-    return out;
-}
-
-static show *open_show(const scene *s, show_mode mode)
-{
-    error err = {""};
-    show *out;
-    scene_must(show_open(&out, s->path, mode, &err), &err);
-    return out;
-}
-
 static void samples_come_back_bit_for_bit(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     scene_record(&r, s, &options);
@@ -57,7 +26,7 @@ static void samples_come_back_bit_for_bit(void **state)
     assert_int_equal(status.committed_ns, scene_sample(r.track, 2999).time_ns);
     scene_stop(&r);
     show_close(s);
-    s = open_show(*state, SHOW_READ);
+    s = scene_open(*state, SHOW_READ);
     assert_string_equal(show_notice(s), "");
     scene_expect(s, r.track, 0, 3000);
     show_close(s);
@@ -66,7 +35,7 @@ static void samples_come_back_bit_for_bit(void **state)
 /* Chunks that are committed half full grow; a reader that has seen half of one goes on in it. */
 static void a_reader_follows_what_is_recorded(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     scene_record(&r, s, &options);
@@ -96,7 +65,7 @@ static void a_reader_follows_what_is_recorded(void **state)
 
 static void tracks_and_performances_come_back(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -145,7 +114,7 @@ static void tracks_and_performances_come_back(void **state)
 
 static void a_take_exists_from_its_first_instant(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -199,7 +168,7 @@ static void slates_count_up_by_scene_and_shot(void **state)
         uint32_t number, expected;
     } slatings[] = {{"1", "A", 0, 1}, {"1", "A", 0, 2}, {"1", "B", 0, 1},   {"1", "A", 7, 7},
                     {"1", "A", 0, 8}, {"2", "A", 0, 1}, {NULL, NULL, 0, 1}, {"", "", 0, 2}};
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -223,7 +192,7 @@ static void slates_count_up_by_scene_and_shot(void **state)
 
 static void keeping_makes_a_take_of_what_nobody_recorded(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -252,7 +221,7 @@ static void keeping_makes_a_take_of_what_nobody_recorded(void **state)
 /* Another mapping begins while a take is recorded: the take shows both, one after the other. */
 static void a_take_goes_on_in_the_next_performance(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -279,7 +248,7 @@ static void a_take_goes_on_in_the_next_performance(void **state)
 
 static void events_and_checkpoints_come_back(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -320,7 +289,7 @@ static void events_and_checkpoints_come_back(void **state)
 
 static void checkpoint_buffers_run_out_and_come_back(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     scene_record(&r, s, &options);
@@ -339,7 +308,7 @@ static void checkpoint_buffers_run_out_and_come_back(void **state)
 
 static void what_is_no_sample_of_a_track_is_counted_as_lost(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     scene_record(&r, s, &options);
@@ -381,7 +350,7 @@ static void what_is_no_sample_of_a_track_is_counted_as_lost(void **state)
 /* Nonsense that was asked for is refused and said; what comes after it is written. */
 static void a_request_that_cannot_be_done_keeps_nobody(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -400,7 +369,7 @@ static void a_request_that_cannot_be_done_keeps_nobody(void **state)
 
 static void tracks_end_and_others_begin(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -425,7 +394,7 @@ static void tracks_end_and_others_begin(void **state)
 
 static void reading_seeks_and_stays_within_its_span(void **state)
 {
-    show *s = create(*state);
+    show *s = scene_create(*state);
     writer_options options = scene_options();
     scene_recording r;
     error err = {""};
@@ -455,7 +424,7 @@ static void reading_seeks_and_stays_within_its_span(void **state)
     show_close(s);
 }
 
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
 
 int main(void)
 {

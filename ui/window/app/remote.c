@@ -597,7 +597,7 @@ mrt_result remote_listen(remote *self, const char *place, error *err)
     char host[UDP_HOST] = "127.0.0.1";
     uint16_t port = REMOTE_PORT;
     if (place[0] && (strlen(place) >= sizeof self->place ||
-                     !udp_place_parse(host, &port, place, strlen(place))))
+                     !udp_address_parse(host, &port, place, strlen(place))))
         return error_set(err, MRT_ERR_ARGUMENT,
                          "remote control at \"%.60s\": expected a port, as in 9110, or "
                          "0.0.0.0:9110 for the whole network",

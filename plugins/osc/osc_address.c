@@ -1,11 +1,11 @@
-#include "osc_place.h"
+#include "osc_address.h"
 
 #include <stdio.h>
 #include <string.h>
 
-bool osc_place_parse(osc_place *out, const char *address)
+bool osc_address_parse(osc_address *out, const char *address)
 {
-    *out = (osc_place){.host = "127.0.0.1", .port = OSC_PORT};
+    *out = (osc_address){.host = "127.0.0.1", .port = OSC_PORT};
     if (!address)
         return true;
     if (strncmp(address, "udp:", 4) == 0)
@@ -18,5 +18,5 @@ bool osc_place_parse(osc_place *out, const char *address)
         snprintf(out->source, sizeof out->source, "%s", end + 1);
     }
     return end == address ||
-           udp_place_parse(out->host, &out->port, address, (size_t)(end - address));
+           udp_address_parse(out->host, &out->port, address, (size_t)(end - address));
 }
