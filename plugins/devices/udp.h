@@ -10,7 +10,8 @@ enum { UDP_HOST = 128, UDP_REASON = 320 };
 
 /* [HOST:]PORT, HOST a name, an IPv4 or a bracketed IPv6 address. False: it is no such text. Without
  * a host out_host stays as it is. */
-bool udp_address_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *text, size_t length);
+bool udp_address_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *text,
+                       size_t length);
 
 typedef struct udp_peer {
     uint8_t ip[16]; /* IPv4 as ::ffff:a.b.c.d */
