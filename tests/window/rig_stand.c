@@ -243,9 +243,12 @@ void rig_stand_picture(rig_stand *s, const char *name)
 {
     error err = {{0}};
     char path[1024];
+    rig_stand_frames(s, 1);
     window_hidden_put_away(s->of.window, false);
-    rig_stand_frames(s, 2);
+    rig_stand_frames(s, 1);
     stand_put_away(&s->of);
+    if (!getenv("MAROTTE_PICTURES"))
+        return;
     (void)snprintf(path, sizeof path, "%s/out", BUILD_DIR);
     (void)mkdir(path, 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);

@@ -616,6 +616,8 @@ void stand_picture(stand *s, const char *name)
     window_hidden_put_away(s->window, false);
     stand_frame(s);
     window_hidden_put_away(s->window, true);
+    if (!getenv("MAROTTE_PICTURES"))
+        return;
     mkdir(BUILD_DIR "/out", 0777);
     snprintf(path, sizeof path, "%s/out/timeline_%s.png", BUILD_DIR, name);
     if (window_picture(s->window, path, &err) < 0)

@@ -407,9 +407,12 @@ void stand_picture(viewport_stand *s, const char *name)
 {
     error err = {{0}};
     char path[1024];
+    stand_frames(s, 1);
     window_hidden_put_away(s->window, false);
-    stand_frames(s, 2);
+    stand_frames(s, 1);
     window_hidden_put_away(s->window, s->is_away);
+    if (!getenv("MAROTTE_PICTURES"))
+        return;
     snprintf(path, sizeof path, "%s/out", BUILD_DIR);
     mkdir(path, 0777);
     snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
