@@ -30,11 +30,11 @@ if [ ! -e "$frames" ] || ! command -v node >/dev/null; then
     echo "SKIPPED: no $frames, or no node"
     exit 77
 fi
-"$MAROTTE" perform --face puppet --input "camera:$port" --map one_hand --seconds 9 \
+"$MAROTTE" perform --face puppet --input "camera:$port" --map one_hand \
     --record "$scratch/hand.marotte" --export "$scratch/hand.png" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token
-for _ in $(seq 100); do
+for _ in $(seq 600); do
     [ -e "$token" ] && "$MAROTTE" camera --port $port | grep -q '^state *open' && break
     sleep 0.1
 done
@@ -42,6 +42,15 @@ node "$(dirname "$0")/camera_client.mjs" $port 0123456789abcdef0123456789abcdef 
     fail "a client without the token is heard"
 said "404" "$scratch/refused.txt"
 node "$(dirname "$0")/camera_client.mjs" $port "$(cat "$token")" "$frames" 50 || fail "the client"
+is_recorded() { # the take lasts as long as what was sent, but for the end that may be late
+    "$MAROTTE" take list "$scratch/hand.marotte" --json 2>/dev/null |
+        awk '/"duration_s"/ { gsub(/[^0-9.]/, "", $2); if ($2 > 6.3) found = 1 } END { exit !found }'
+}
+for _ in $(seq 600); do
+    is_recorded && break
+    sleep 0.1
+done
+kill -INT $performing
 wait $performing || fail "perform: $(cat "$scratch/facts.txt")"
 samples=$(fact "samples recorded" "$scratch/facts.txt")
 moved=$(fact "range of motion" "$scratch/facts.txt")

@@ -7,6 +7,7 @@ count=0
 while read -r line; do
     case $line in
     "" | "#"* | ./test*) continue ;;
+    "./run bench --quick" | "./run paper --quick") continue ;; # bench/gate and e2e/paper run these
     blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;
     esac
     count=$((count + 1))

@@ -66,6 +66,7 @@ void stand_key(viewport_stand *s, uint32_t key, bool is_down);
 void stand_drag(viewport_stand *s, uint32_t button, float x0, float y0, float x1, float y1);
 /* Where a place is on the screen as the viewport shows it from the front, points. */
 void stand_place(const viewport_stand *s, const float at[3], float *out_x, float *out_y);
-void stand_picture(viewport_stand *s, const char *name); /* draws; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
+void stand_picture(viewport_stand *s,
+                   const char *name); /* draws; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
 
 #endif
