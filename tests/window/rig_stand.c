@@ -47,6 +47,17 @@ void app_forget_steps(app *self, const void *owner)
     here->step_count = 0; /* of a rig: nothing is to be freed */
 }
 
+void app_clear_pulls(app *self)
+{
+    (void)self;
+}
+
+void app_note_rig_pending(app *self, bool is_pending)
+{
+    (void)self;
+    (void)is_pending;
+}
+
 void app_set_unsaved(app *self, const app_unsaved *unsaved)
 {
     (void)self;

@@ -151,7 +151,8 @@ static inline void scene_open_again(scene *s, const scene_options *options)
     scene_frames(s, 3);
 }
 
-static inline void scene_open_with(scene *s, const scene_options *options)
+/* A window and a folder with nothing in it; scene_open_again goes on. */
+static inline void scene_prepare(scene *s, const scene_options *options)
 {
     error err = {0};
     *s = (scene){.is_drawn = options->is_drawn,
@@ -167,6 +168,11 @@ static inline void scene_open_with(scene *s, const scene_options *options)
     assert_non_null(mkdtemp(s->folder));
     (void)setenv("XDG_DATA_HOME", s->folder, 1); /* of whoever runs the test nothing is used */
     (void)snprintf(s->show, sizeof s->show, "%s/night.marotte", s->folder);
+}
+
+static inline void scene_open_with(scene *s, const scene_options *options)
+{
+    scene_prepare(s, options);
     scene_open_again(s, options);
 }
 

@@ -106,6 +106,12 @@ bool app_is_held(const app *self)
     return false;
 }
 
+bool app_is_rig_pending(const app *self)
+{
+    (void)self;
+    return false;
+}
+
 void app_begin_pull(app *self)
 {
     (void)self;

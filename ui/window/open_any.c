@@ -14,10 +14,10 @@
 
 #define FACES    ".rig.json", ".glb", ".gltf", ".vrm", ".obj", ".ply", ".off", ".stl"
 #define HANDS    ".csv", ".log"
-#define VOICES   ".wav", ".flac", ".ogg", ".oga", ".opus", ".aif", ".aiff", ".mp3"
+#define VOICES   ".wav", ".flac", ".ogg", ".oga", ".opus", ".aif", ".aiff", ".mp3", ".au", ".snd"
 #define PICTURES ".png", ".jpg", ".jpeg"
 
-static const char *const endings[OPEN_KINDS][24] = {
+static const char *const endings[OPEN_KINDS][32] = {
     [OPEN_ANY] = {".marotte", FACES, HANDS, VOICES, PICTURES, NULL},
     [OPEN_SHOW] = {".marotte", NULL},
     [OPEN_FACE] = {FACES, NULL},
@@ -49,6 +49,7 @@ static open_kind kind_of_content(const char *path)
                                       {"fLaC", OPEN_VOICE},
                                       {"OggS", OPEN_VOICE},
                                       {"FORM", OPEN_VOICE},
+                                      {".snd", OPEN_VOICE},
                                       {"\x89PNG", OPEN_PICTURE},
                                       {"\xff\xd8\xff", OPEN_PICTURE}};
     char first[16] = "";

@@ -286,6 +286,12 @@ bool app_is_held(const app *self);
 bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
 void app_begin_pull(app *self);              /* the face is as it was before it */
 void app_hold(app *self, const char *words); /* what began stays: a step of undo */
+/* Before the rig is changed: what stays goes, as a step of undo of its own, since it belongs to the
+ * rig as it was. */
+void app_clear_pulls(app *self);
+/* The rig as it was changed last is still being laid on the face: pulls wait for it. */
+void app_note_rig_pending(app *self, bool is_pending);
+bool app_is_rig_pending(const app *self);
 
 /* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
  * panel alone). */

@@ -408,7 +408,6 @@ static mrt_result put_face(app *self, face_file *made, const char *path, set_fac
     free(self->face_path);
     self->face = made;
     self->face_path = name;
-    pulls_forget(self->pulls);
     settings_set_text(self->settings, "last.face", path);
     return MRT_OK;
 }
@@ -423,8 +422,10 @@ mrt_result app_open_face(app *self, const char *given)
         (void)app_report(self, result, &err);
     else
         result = put_face(self, made, path ? path : given, set_face_or_rest);
-    if (result >= 0)
+    if (result >= 0) {
+        pulls_forget(self->pulls);
         tell_face(self);
+    }
     free(found);
     free(path);
     return result;
@@ -1361,9 +1362,6 @@ static void do_performance(app *self, action of)
         app_mark(self);
         break;
     case ACTION_NEUTRAL:
-        if (pulls_is_held(self->pulls))
-            pulls_begin(self->pulls);
-        live_neutral(self->live);
         expressions_release(self->expressions, NEUTRAL_FADE_S);
         pulls_clear(self->pulls);
         break;
@@ -1501,6 +1499,22 @@ bool app_has_pulled(const app *self)
 void app_hold(app *self, const char *words)
 {
     pulls_did(self->pulls, words);
+}
+
+void app_clear_pulls(app *self)
+{
+    if (pulls_is_held(self->pulls))
+        pulls_clear(self->pulls);
+}
+
+void app_note_rig_pending(app *self, bool is_pending)
+{
+    self->is_rig_pending = is_pending;
+}
+
+bool app_is_rig_pending(const app *self)
+{
+    return self->is_rig_pending;
 }
 
 bool app_has_hand_keys(const app *self)

@@ -79,9 +79,10 @@ struct app {
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
     uint32_t done_count, all_count;
-    size_t done_bytes;  /* of all of them */
-    bool is_rig_shown;  /* in the dock, at the last update */
-    uint32_t rig_floor; /* done_count as it came there */
+    size_t done_bytes;   /* of all of them */
+    bool is_rig_pending; /* it is not on the stage yet as it was left */
+    bool is_rig_shown;   /* in the dock, at the last update */
+    uint32_t rig_floor;  /* done_count as it came there */
 
     /* ---- recording and playing ---- */
     bool was_recording, had_problem;

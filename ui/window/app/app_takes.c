@@ -151,6 +151,8 @@ static const char *why_not_pulled(const app *self, const app_done *step)
 {
     if (step->take || !pulls_is_step(self->pulls, &step->step))
         return NULL;
+    if (self->is_rig_pending)
+        return "what comes next is a pull, and the rig is still being laid on the face";
     if (self->status.is_recording)
         return "not a pull while a take is recorded: end it first";
     return live_shown_take(self->live) ? "what comes next is a pull of the live face: L goes "

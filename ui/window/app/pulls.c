@@ -104,6 +104,9 @@ void pulls_did(pulls *self, const char *words)
 void pulls_clear(pulls *self)
 {
     if (self->is_held)
+        pulls_begin(self);
+    live_neutral(app_live(self->of));
+    if (self->is_held)
         did(self, "clearing what was held");
     self->is_held = false;
 }

@@ -19,6 +19,6 @@ void pulls_forget(pulls *self);
 /* The owner of its steps, as app_step. */
 bool pulls_is_step(const pulls *self, const app_step *step);
 bool pulls_is_held(const pulls *self); /* something is there to be cleared */
-void pulls_clear(pulls *self);         /* it was: a step of undo if something was held */
+void pulls_clear(pulls *self);         /* Neutral; a step of undo if something was held */
 
 #endif

@@ -586,6 +586,12 @@ bool rig_model_is_laid(const rig_model *self)
     return self->work && self->work->number == self->edition;
 }
 
+bool rig_model_is_pending(const rig_model *self)
+{
+    return self->edition > 0 &&
+           (self->waits_s >= 0.0 || rig_worker_is_busy(self->worker) || self->for_stage);
+}
+
 /* ---- laid on the mesh ---- */
 
 /* The draft was undone: the mesh alone is the face again. */

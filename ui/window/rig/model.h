@@ -41,6 +41,8 @@ brush *rig_model_brush(rig_model *self);
 /* About the newest state that is laid; NULL: none yet. Until the next update. */
 const rig_work *rig_model_work(const rig_model *self);
 bool rig_model_is_laid(const rig_model *self); /* that is the newest state */
+/* A change is still being laid, or its face has not been taken. */
+bool rig_model_is_pending(const rig_model *self);
 /* The face for the stage, once for each state that can be performed; the caller's. NULL: none. */
 face_file *rig_model_take_face(rig_model *self);
 

@@ -712,6 +712,7 @@ static void go(rig_panel *self, uint64_t number)
     if (!self->model || !rig_model_go(self->model, number))
         rig_panel_say(self, "That change of the rig is too long ago to be undone.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
+    app_note_rig_pending(self->of, true);
 }
 
 /* A step's data is the number of the state that it led to. */
@@ -729,7 +730,9 @@ static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *wo
 {
     app_step step = {.owner = self, .undo = undo, .redo = redo, .data = (void *)(uintptr_t)number};
     (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
+    app_clear_pulls(self->of);
     app_did(self->of, &step);
+    app_note_rig_pending(self->of, true);
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
 
@@ -945,6 +948,7 @@ static void update(panel *self_, double dt_s)
         if (rig_model_update(self->model, dt_s))
             self->shown.is_tint_new = self->shown.is_shape_new = true;
         give_to_stage(self);
+        app_note_rig_pending(self->of, rig_model_is_pending(self->model));
         tell_unsaved(self);
         keep_choices(self);
     }

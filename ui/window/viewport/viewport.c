@@ -499,7 +499,8 @@ static void let_go_of_all(viewport *self)
 
 static bool can_pull(const viewport *self)
 {
-    return app_live(self->of) && view_of(self)->about && !self->stands_in && !self->is_off_stage;
+    return app_live(self->of) && view_of(self)->about && !self->stands_in && !self->is_off_stage &&
+           !app_is_rig_pending(self->of);
 }
 
 static bool is_on_chip(const viewport *self, const ui_canvas *canvas)
