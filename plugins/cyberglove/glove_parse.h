@@ -1,6 +1,7 @@
-/* cyberglove/glove_parse.h - from the bytes that a CyberGlove streams to its records. A damaged
- * record is lost, and its neighbours are not, whatever happened to its bytes. Leaves out times,
- * devices and what the sensors are called. Pure functions on one struct; no allocation.
+/* cyberglove/glove_parse.h - from the bytes that a CyberGlove sends to its records and answers, and
+ * which sensors they hold. A damaged record is lost, and its neighbours are not, whatever happened
+ * to its bytes. Leaves out times, devices and which questions are asked. Pure functions on one
+ * struct; no allocation.
  *
  * Records of bytes:  HEAD sensors [flags t0 t1 t2 t3] [status] [e s] [e g] NUL. A sensor is never
  * 0, so that the NUL ends a record. Time stamps in ticks of 1/115200 s. Records of words:
@@ -8,6 +9,8 @@
  * Any byte may be 0. */
 #ifndef MAROTTE_CYBERGLOVE_PARSE_H
 #define MAROTTE_CYBERGLOVE_PARSE_H
+#include <marotte/plugin.h>
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -66,5 +69,46 @@ size_t glove_parse_missing(const glove_parse *self);
 /* What glove may send these bytes, if it is not as `layout` says: looks for four records of one
  * size. Tries time stamp and status first, then 18 and 22 sensors. Records of bytes only. */
 bool glove_layout_guess(const unsigned char *bytes, size_t count, glove_layout *layout);
+
+/* Answers to questions and orders, found among the bytes that came; values may be 0, so they have a
+ * fixed length. */
+
+typedef enum glove_reply {
+    GLOVE_SILENT = 0, /* nothing so far that answers it */
+    GLOVE_ANSWERED,
+    GLOVE_REFUSED /* "e?", "en", "ey", "es" or "eg" */
+} glove_reply;
+
+/* The answer to "?LETTER": '?' LETTER value NUL. */
+glove_reply glove_reply_value(const unsigned char *bytes, size_t count, char letter,
+                              unsigned char *out_value, size_t value_size);
+/* The answer to an order: its letter, large or small, perhaps with text, and NUL. */
+glove_reply glove_reply_done(const unsigned char *bytes, size_t count, char letter);
+
+/* Which sensors a record holds, in its order, by the glove's masks: bit 4 * finger + joint, thumb
+ * to little and carpus; MCP, PIP, DIP, abduction. */
+
+enum { GLOVE_MASK_18 = 0x7BBB3F, GLOVE_MASK_22 = 0x7FFF7F };
+
+typedef struct glove_sensors {
+    uint32_t count;
+    uint32_t semantic[GLOVE_SENSORS_MAX]; /* MRT_CH_ANGLE + n, or MRT_CH_OTHER */
+} glove_sensors;
+
+/* What the glove says of itself; 0 where it does not. */
+typedef struct glove_census {
+    uint32_t sensor_count;  /* ?S */
+    uint32_t hardware_mask; /* ?K */
+    uint32_t software_mask; /* ?M */
+    uint32_t sent_count;    /* ?N */
+} glove_census;
+
+/* False: what it says names no glove (`out` is left alone). */
+bool glove_sensors_find(const glove_census *census, glove_sensors *out);
+/* 18 or 22 sensors. */
+void glove_sensors_of_count(uint32_t count, glove_sensors *out);
+
+/* "thumb.roll"; "extra" for one without a meaning. */
+const char *glove_sensor_name(uint32_t semantic);
 
 #endif

@@ -1,11 +1,44 @@
 #include "glove_port.h"
 
+#include "glove_find.h"
+
 #include <errno.h>
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+
+/* ---- what failed ---- */
+
+mrt_result glove_why_set(glove_why *out, mrt_result code, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(out->text, sizeof out->text, format, values);
+    va_end(values);
+    return code;
+}
+
+void glove_why_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count)
+{
+    size_t used = (size_t)snprintf(out, capacity, "%s", count > 0 ? "" : "nothing");
+    for (size_t i = 0; i < count && used + 4 <= capacity; ++i)
+        used += (size_t)snprintf(out + used, capacity - used, "%s%02x", i > 0 ? " " : "", bytes[i]);
+}
+
+/* ---- bytes, over either ---- */
 
 enum { EMPTY_READS_MAX = 3, BITS_PER_BYTE = 10 };
 static const int64_t NS_PER_S = 1000000000, NS_PER_MS = 1000000;
@@ -158,4 +191,269 @@ void glove_port_close(glove_port *self)
     }
     close(self->file);
     self->file = -1;
+}
+
+/* ---- a serial port ---- */
+
+/* Opened for us alone, 8N1, raw, without the adapter's waiting; or a line that says why not and
+ * what to do. */
+
+typedef struct speed {
+    uint32_t baud;
+    speed_t code;
+} speed;
+
+static const speed speeds[] = {{115200, B115200}, {57600, B57600}, {38400, B38400},
+                               {19200, B19200},   {9600, B9600},   {4800, B4800}};
+
+static bool speed_code(uint32_t baud, speed_t *out)
+{
+    for (size_t i = 0; i < sizeof speeds / sizeof *speeds; ++i)
+        if (speeds[i].baud == baud) {
+            *out = speeds[i].code;
+            return true;
+        }
+    return false;
+}
+
+/* A terminal that a program made: no wire, no adapter, and its maker has it open as well. */
+static bool is_pseudo(const char *path)
+{
+    char real[PATH_CAPACITY];
+    glove_find_real(path, real, sizeof real);
+    return strncmp(real, "/dev/pts/", 9) == 0;
+}
+
+static mrt_result say_busy(const char *path, const char *holder, glove_why *why)
+{
+    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that first", path,
+                         holder[0] ? holder : "another program");
+}
+
+/* own: our descriptor of it, or -1. */
+static mrt_result explain(const char *path, int failure, int own, glove_why *why)
+{
+    char advice[384], holder[96];
+    switch (failure) {
+    case EACCES:
+    case EPERM:
+        glove_find_advice(path, advice, sizeof advice);
+        return glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
+    case EBUSY:
+        glove_find_other_holder(path, own, holder, sizeof holder);
+        return say_busy(path, holder, why);
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+        return glove_why_set(why, MRT_ERR_IO, "%s is not there: is the glove plugged in?", path);
+    default:
+        return glove_why_set(why, MRT_ERR_IO, "%s cannot be opened: %s", path, strerror(failure));
+    }
+}
+
+/* Nobody else may read from it: two readers would share the bytes out between them. */
+static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
+{
+    char holder[96] = "";
+    bool pseudo = is_pseudo(path);
+    int is_taken = 0;
+    if (ioctl(self->file, TIOCGEXCL, &is_taken) == 0 && is_taken)
+        return explain(path, EBUSY, self->file, why);
+    if (flock(self->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        return explain(path, EBUSY, self->file, why);
+    if (pseudo)
+        return MRT_OK;
+    if (glove_find_other_holder(path, self->file, holder, sizeof holder))
+        return say_busy(path, holder, why);
+    self->is_exclusive = ioctl(self->file, TIOCEXCL) == 0;
+    return MRT_OK;
+}
+
+static mrt_result set_line(glove_port *self, const char *path, speed_t code, glove_why *why)
+{
+    if (tcgetattr(self->file, &self->before) != 0)
+        return explain(path, errno, self->file, why);
+    self->has_before = true;
+    struct termios line = self->before;
+    cfmakeraw(&line);
+    line.c_cflag |= CLOCAL | CREAD | CS8;
+    line.c_cflag &= ~(tcflag_t)(CRTSCTS | CSTOPB | PARENB);
+    line.c_iflag &= ~(tcflag_t)(IXON | IXOFF | IXANY);
+    line.c_cc[VMIN] = 0;
+    line.c_cc[VTIME] = 0;
+    cfsetispeed(&line, code);
+    cfsetospeed(&line, code);
+    if (tcsetattr(self->file, TCSANOW, &line) != 0)
+        return explain(path, errno, self->file, why);
+    return MRT_OK;
+}
+
+static uint32_t read_latency_ms(const char *path)
+{
+    char text[16] = "";
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+        return 0;
+    ssize_t got = read(file, text, sizeof text - 1);
+    close(file);
+    return got > 0 ? (uint32_t)strtoul(text, NULL, 10) : 0;
+}
+
+static void write_latency(const char *path)
+{
+    int file = open(path, O_WRONLY | O_CLOEXEC);
+    if (file < 0)
+        return;
+    ssize_t written = write(file, "1", 1);
+    (void)written; /* what came of it is read back */
+    close(file);
+}
+
+/* An FTDI adapter collects bytes for 16 ms unless told not to. */
+static void hurry(glove_port *self, const char *path)
+{
+    struct serial_struct settings;
+    if (ioctl(self->file, TIOCGSERIAL, &settings) == 0) {
+        settings.flags = (int)((unsigned)settings.flags | ASYNC_LOW_LATENCY);
+        ioctl(self->file, TIOCSSERIAL, &settings);
+    }
+    char real[PATH_CAPACITY];
+    glove_find_real(path, real, sizeof real);
+    const char *slash = strrchr(real, '/');
+    snprintf(self->latency_file, sizeof self->latency_file,
+             "/sys/class/tty/%.64s/device/latency_timer", slash ? slash + 1 : real);
+    if (read_latency_ms(self->latency_file) > 1)
+        write_latency(self->latency_file);
+    self->latency_ms = read_latency_ms(self->latency_file);
+}
+
+static mrt_result take(glove_port *self, const char *path, speed_t code, glove_why *why)
+{
+    struct stat about;
+    if (fstat(self->file, &about) != 0 || !S_ISCHR(about.st_mode) || !isatty(self->file))
+        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is no serial port", path);
+    mrt_result result = take_alone(self, path, why);
+    if (result < 0)
+        return result;
+    return set_line(self, path, code, why);
+}
+
+mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t baud, trace *traced,
+                                  glove_why *why)
+{
+    *self = (glove_port){.file = -1, .trace = traced, .baud = baud};
+    snprintf(self->name, sizeof self->name, "%s", path);
+    speed_t code;
+    if (!speed_code(baud, &code))
+        return glove_why_set(why, MRT_ERR_ARGUMENT, "%u baud is no speed of a CyberGlove", baud);
+    self->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (self->file < 0)
+        return explain(path, errno, self->file, why);
+    mrt_result result = take(self, path, code, why);
+    if (result < 0) {
+        glove_port_close(self);
+        return result;
+    }
+    hurry(self, path);
+    return MRT_OK;
+}
+
+/* ---- the wireless CyberGlove III: a TCP connection ---- */
+
+/* Numeric addresses, because looking up a name can take half a minute. */
+
+typedef struct tcp_address {
+    char host[96], service[8];
+} tcp_address;
+
+/* "HOST:PORT", "[HOST]:PORT" */
+static bool split(const char *address, tcp_address *out)
+{
+    const char *colon = strrchr(address, ':');
+    if (!colon || colon == address)
+        return false;
+    size_t host_length = (size_t)(colon - address);
+    size_t digits = strspn(colon + 1, "0123456789");
+    if (digits == 0 || digits > 5 || colon[1 + digits] != '\0')
+        return false;
+    long port = strtol(colon + 1, NULL, 10);
+    if (port < 1 || port > 65535)
+        return false;
+    if (address[0] == '[') {
+        if (host_length < 3 || address[host_length - 1] != ']')
+            return false;
+        address += 1;
+        host_length -= 2;
+    }
+    if (host_length >= sizeof out->host)
+        return false;
+    memcpy(out->host, address, host_length);
+    out->host[host_length] = '\0';
+    memcpy(out->service, colon + 1, digits + 1);
+    if (strcmp(out->host, "localhost") == 0)
+        snprintf(out->host, sizeof out->host, "127.0.0.1");
+    return true;
+}
+
+/* 0: connected; else an errno. */
+static int connect_by(int file, const struct addrinfo *to, int64_t deadline_ns)
+{
+    if (connect(file, to->ai_addr, to->ai_addrlen) == 0)
+        return 0;
+    if (errno != EINPROGRESS)
+        return errno;
+    int64_t wait_ns = deadline_ns - glove_port_now_ns();
+    struct pollfd wanted = {.fd = file, .events = POLLOUT};
+    if (poll(&wanted, 1, wait_ns > 0 ? (int)(wait_ns / 1000000) + 1 : 0) <= 0)
+        return ETIMEDOUT;
+    int failure = 0;
+    socklen_t size = sizeof failure;
+    if (getsockopt(file, SOL_SOCKET, SO_ERROR, &failure, &size) != 0)
+        return errno;
+    return failure;
+}
+
+static int open_socket(const struct addrinfo *to)
+{
+    int file = socket(to->ai_family, SOCK_STREAM, 0);
+    if (file < 0)
+        return -1;
+    int one = 1;
+    setsockopt(file, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    if (fcntl(file, F_SETFD, FD_CLOEXEC) != 0 || fcntl(file, F_SETFL, O_NONBLOCK) != 0) {
+        close(file);
+        return -1;
+    }
+    return file;
+}
+
+mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t deadline_ns,
+                               trace *traced, glove_why *why)
+{
+    *self = (glove_port){.file = -1, .trace = traced};
+    snprintf(self->name, sizeof self->name, "%s", address);
+    tcp_address parts;
+    if (!split(address, &parts))
+        return glove_why_set(why, MRT_ERR_ARGUMENT,
+                             "tcp:%.80s: expected tcp:ADDRESS:PORT, as in tcp:192.168.1.5:3000",
+                             address);
+    struct addrinfo hints = {.ai_socktype = SOCK_STREAM,
+                             .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
+    struct addrinfo *to = NULL;
+    if (getaddrinfo(parts.host, parts.service, &hints, &to) != 0)
+        return glove_why_set(
+            why, MRT_ERR_ARGUMENT,
+            "tcp:%.80s: write the glove's address as numbers, as in tcp:192.168.1.5:3000", address);
+    int file = open_socket(to);
+    int failure = file < 0 ? errno : connect_by(file, to, deadline_ns);
+    freeaddrinfo(to);
+    if (failure == 0) {
+        self->file = file;
+        return MRT_OK;
+    }
+    if (file >= 0)
+        close(file);
+    return glove_why_set(why, MRT_ERR_IO,
+                         "%.80s: no connection (%s): is the glove on, and in this network?",
+                         address, strerror(failure));
 }

@@ -4,11 +4,24 @@
  * one at a time. */
 #ifndef MAROTTE_CYBERGLOVE_PORT_H
 #define MAROTTE_CYBERGLOVE_PORT_H
-#include "glove_why.h"
 #include "trace.h"
+
+#include <marotte/plugin.h>
 
 #include <stddef.h>
 #include <termios.h>
+
+/* ---- one line that says what failed and what to do ---- */
+
+typedef struct glove_why {
+    char text[800];
+} glove_why;
+
+/* Writes the text, cut if too long, and returns `code`. */
+__attribute__((format(printf, 3, 4))) mrt_result glove_why_set(glove_why *out, mrt_result code,
+                                                               const char *format, ...);
+/* "53 12 ff": as many of the bytes as fit, "nothing" if there are none. */
+void glove_why_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count);
 
 typedef struct glove_port {
     int file; /* -1: closed */

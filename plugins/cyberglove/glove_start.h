@@ -5,7 +5,6 @@
 #define MAROTTE_CYBERGLOVE_START_H
 #include "glove_parse.h"
 #include "glove_port.h"
-#include "glove_sensors.h"
 
 enum { GLOVE_MODE_AUTO = 0, GLOVE_MODE_STREAM, GLOVE_MODE_POLLED };
 enum { GLOVE_STAMPS_AUTO = 0, GLOVE_STAMPS_ON, GLOVE_STAMPS_OFF };

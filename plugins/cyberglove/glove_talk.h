@@ -4,7 +4,7 @@
 #ifndef MAROTTE_CYBERGLOVE_TALK_H
 #define MAROTTE_CYBERGLOVE_TALK_H
 #include "glove_port.h"
-#include "glove_reply.h"
+#include "glove_parse.h"
 
 enum { GLOVE_HEARD_MAX = 1024, GLOVE_CTRL_C = 0x03, GLOVE_CTRL_R = 0x12 };
 

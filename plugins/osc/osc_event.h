@@ -3,8 +3,8 @@
  */
 #ifndef MAROTTE_OSC_EVENT_H
 #define MAROTTE_OSC_EVENT_H
-#include "osc_fault.h"
 #include "osc_table.h"
+#include "osc_wire.h"
 #include "osc_vmc.h"
 #include "osc_wire.h"
 

@@ -1,7 +1,7 @@
 #include "osc_output.h"
 #include "device_io.h"
 #include "udp.h"
-#include "osc_address.h"
+#include "osc_port.h"
 #include "osc_table.h"
 #include "trace.h"
 

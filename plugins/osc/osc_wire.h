@@ -1,14 +1,26 @@
 /* plugins/osc/osc_wire.h - OSC 1.0 packets as messages, and messages as packets: the one place that
  * knows liblo. Nobody has checked the bytes. Leaves out what messages mean (osc_event.h) and how
- * they travel (osc_socket.h: liblo's own servers cannot listen on one address alone, wait with a
+ * they travel (udp.h: liblo's own servers cannot listen on one address alone, wait with a
  * deadline or send without waiting). Any thread. */
 #ifndef MAROTTE_OSC_WIRE_H
 #define MAROTTE_OSC_WIRE_H
-#include "osc_fault.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* What can be wrong with what others send. Each kind is counted, and said once. */
+typedef enum osc_fault {
+    OSC_FAULT_NONE = 0,
+    OSC_FAULT_PACKET,  /* no OSC */
+    OSC_FAULT_SIZE,    /* OSC, but more of it than anybody sends */
+    OSC_FAULT_ADDRESS, /* a message that nobody here knows */
+    OSC_FAULT_TYPES,   /* arguments of other types, or another number of them */
+    OSC_FAULT_VALUE,   /* not finite, or out of range */
+    OSC_FAULT_SENDER,  /* two senders for one thing */
+    OSC_FAULT_SOURCES, /* more sources than there is room for */
+    OSC_FAULT_KINDS
+} osc_fault;
 
 enum {
     OSC_PACKET_MAX = 65536, /* bytes; more than a UDP datagram holds */

@@ -3,8 +3,6 @@
  */
 #include "glove_clock.h"
 #include "glove_parse.h"
-#include "glove_reply.h"
-#include "glove_sensors.h"
 
 #include <assert.h>
 

@@ -1,4 +1,4 @@
-/* plugins/cyberglove: answers among bytes (glove_reply.h), sensors by masks (glove_sensors.h). */
+/* plugins/cyberglove: answers among bytes, sensors by masks (glove_parse.h). */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -6,8 +6,7 @@
 
 #include <cmocka.h>
 
-#include "glove_reply.h"
-#include "glove_sensors.h"
+#include "glove_parse.h"
 
 #include <string.h>
 
