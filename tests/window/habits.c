@@ -269,6 +269,67 @@ static void no_two_actions_have_one_key(void **state)
             assert_int_equal(key_map_action(&brought, key_map_of(&brought, (action)i)), i);
 }
 
+/* ---- hints ---- */
+
+/* Whose label says all, wherever it stands. */
+static bool says_all(const char *label)
+{
+    static const char *const plain[] = {"Cancel", "Close", "Done", "Open", "OK"};
+    for (size_t i = 0; i < sizeof plain / sizeof plain[0]; ++i)
+        if (strncmp(label, plain[i], strlen(plain[i])) == 0 && strchr("#", label[strlen(plain[i])]))
+            return true;
+    return false;
+}
+
+static uint32_t tell_unhinted(scene *s, const char *where)
+{
+    const ui_control *control;
+    uint32_t missing = 0;
+    scene_settle(s);
+    const uint32_t count = ui_controls(s->ui, &control);
+    for (uint32_t i = 0; i < count; ++i)
+        if (!control[i].has_hint && !says_all(control[i].label)) {
+            print_error("%s: \"%s\" has no tooltip\n", where, control[i].label);
+            missing += 1;
+        }
+    assert_true(count > 0);
+    return missing;
+}
+
+static void every_control_says_what_it_does(void **state)
+{
+    static const char *const panels[] = {"Devices", "Mapping", "Rig",  "Engine",
+                                         "Log",     "Patch",   "Send", "Scene"};
+    static const char *const rig_tabs[] = {"Parts", "Paint", "Check"};
+    static const char *const mapping_tabs[] = {"Pedals", "Learn", "Parameters"};
+    scene s;
+    uint32_t missing = 0;
+    (void)state;
+    open_scene(&s, 2000, 3000, 1.0f); /* as high as all of it */
+    for (size_t i = 0; i < sizeof panels / sizeof panels[0]; ++i) {
+        scene_click_word(&s, panels[i]);
+        missing += tell_unhinted(&s, panels[i]);
+        for (size_t k = 0; k < 3 && strcmp(panels[i], "Mapping") == 0; ++k) {
+            scene_click_word(&s, mapping_tabs[k]);
+            missing += tell_unhinted(&s, mapping_tabs[k]);
+        }
+        for (size_t k = 0; k < 3 && strcmp(panels[i], "Rig") == 0; ++k) {
+            if (!scene_word(&s, rig_tabs[k]))
+                continue;
+            scene_click_word(&s, rig_tabs[k]);
+            missing += tell_unhinted(&s, rig_tabs[k]);
+        }
+    }
+    scene_do(&s, ACTION_HELP);
+    missing += tell_unhinted(&s, "help");
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    scene_do(&s, ACTION_OPEN);
+    missing += tell_unhinted(&s, "open");
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_int_equal(missing, 0);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -281,6 +342,7 @@ int main(void)
         cmocka_unit_test(a_key_is_changed_by_a_click_and_a_key),
         cmocka_unit_test(keys_of_a_file_that_makes_no_sense_are_as_brought),
         cmocka_unit_test(no_two_actions_have_one_key),
+        cmocka_unit_test(every_control_says_what_it_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

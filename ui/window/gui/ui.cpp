@@ -600,6 +600,7 @@ static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGui
     ui_pressing out = {};
     const ImGuiID id = window->GetID(label);
     const ImVec2 at = window->DC.CursorPos;
+    ui_notes_other(self->notes);
     out.box = ImRect(at, at + size);
     ImGui::ItemSize(size, ImGui::GetStyle().FramePadding.y);
     out.is_seen = ImGui::ItemAdd(out.box, id);
@@ -660,6 +661,7 @@ bool ui_button(ui *self, const char *label, ui_emphasis emphasis)
     const ui_pressing press = ui_press_item(self, label, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (!press.is_seen)
         return false;
+    ui_notes_control(self->notes, label);
     const button_look look = look_of(self, emphasis);
     const float inset = ImMin(padding, ImMax(0.5f * (width - (natural - 2.0f * padding)), 2.0f));
     ui_put_box(self, press.box, press.is_hovered ? look.hover : look.ground,
@@ -691,6 +693,7 @@ bool ui_check(ui *self, const char *label, bool *value)
     const ui_pressing press = ui_press_item(self, label, ImVec2(width, ImGui::GetFrameHeight()), 0);
     if (!press.is_seen)
         return false;
+    ui_notes_control(self->notes, label);
     if (press.is_pressed)
         *value = !*value;
     ImRect box(press.box.Min, press.box.Min + ImVec2(side, side));
@@ -918,6 +921,8 @@ void ui_hint(ui *self, const char *text)
 {
     constexpr double moment_s = 0.6;
     ImGuiID id = ImGui::GetItemID();
+    if (text[0])
+        ui_notes_hint(self->notes);
     if (!ui_is_hovered(self)) {
         if (id && self->hinted == id)
             self->hinted = 0;
@@ -1123,6 +1128,7 @@ static ImRect put_label(ui *self, const char *label, float label_width)
     const float width = ui_take_width(self, ImMax(room - left, 1.0f));
     const ImVec2 from = window->DC.CursorPos;
     ImGui::SetNextItemWidth(ImMax(width, 1.0f));
+    ui_notes_control(self->notes, label);
     return ImRect(from, from + ImVec2(ImMax(width, 1.0f), high));
 }
 
@@ -1328,6 +1334,8 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
     ImGui::InputTextWithHint(id, hint ? hint : "", text, capacity,
                              ImGuiInputTextFlags_AutoSelectAll);
     const bool is_ended = was_ended(self, text);
+    if (hint && hint[0]) /* it is said where the text will be */
+        ui_notes_hint(self->notes);
     note_input(self, box, text[0] ? text : hint ? hint : "", text[0] ? THEME_TEXT : THEME_DIM);
     return is_ended;
 }
@@ -1391,6 +1399,7 @@ static bool is_double_clicked(void)
 void ui_canvas_begin(ui *self, const char *id, float width, float height, ui_canvas *out)
 {
     const ImVec2 room = ImGui::GetContentRegionAvail();
+    ui_notes_other(self->notes);
     const float wide = width > 0.0f ? ui_px(self, width) : room.x + ui_px(self, width);
     const float high = height > 0.0f ? ui_px(self, height) : room.y + ui_px(self, height);
     ImGui::InvisibleButton(id, ImVec2(ImMax(wide, 1.0f), ImMax(high, 1.0f)),
@@ -1974,4 +1983,9 @@ void ui_note_words(ui *self, bool is_noting)
 uint32_t ui_words(const ui *self, const ui_word **out)
 {
     return ui_notes_words(self->notes, out);
+}
+
+uint32_t ui_controls(const ui *self, const ui_control **out)
+{
+    return ui_notes_controls(self->notes, out);
 }

@@ -200,5 +200,7 @@ ui_cursor ui_cursor_wanted(const ui *self);     /* after ui_end */
 /* What was drawn since ui_begin. */
 void ui_note_words(ui *self, bool is_noting);
 uint32_t ui_words(const ui *self, const ui_word **out);
+/* Likewise: buttons, checks, choices, sliders, texts that are typed. */
+uint32_t ui_controls(const ui *self, const ui_control **out);
 
 #endif

@@ -1,9 +1,16 @@
 #include "window/gui/ui_notes.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SURFACES_MAX = 64, BOXES_MAX = 16384, WORDS_MAX = 8192, TEXT_MAX = 1 << 19 };
+enum {
+    SURFACES_MAX = 64,
+    BOXES_MAX = 16384,
+    WORDS_MAX = 8192,
+    CONTROLS_MAX = 512,
+    TEXT_MAX = 1 << 19
+};
 
 typedef struct surface {
     ui_rectangle where;
@@ -23,6 +30,9 @@ struct ui_notes {
     ui_word word[WORDS_MAX];
     uint32_t word_surface[WORDS_MAX];
     uint32_t word_count;
+    ui_control control[CONTROLS_MAX];
+    uint32_t control_count;
+    bool is_of_control; /* the next hint */
     char text[TEXT_MAX];
     size_t text_size;
 };
@@ -49,7 +59,7 @@ bool ui_notes_is_on(const ui_notes *self)
 
 void ui_notes_begin(ui_notes *self)
 {
-    self->surface_count = self->box_count = self->word_count = 0;
+    self->surface_count = self->box_count = self->word_count = self->control_count = 0;
     self->text_size = 0;
 }
 
@@ -65,6 +75,33 @@ void ui_notes_box(ui_notes *self, uint32_t on, ui_rectangle where, uint32_t colo
 {
     if (self->is_on && self->box_count < BOXES_MAX)
         self->box[self->box_count++] = (box){where, on, colour};
+}
+
+void ui_notes_control(ui_notes *self, const char *label)
+{
+    self->is_of_control = self->is_on && self->control_count < CONTROLS_MAX;
+    if (!self->is_of_control)
+        return;
+    ui_control *control = &self->control[self->control_count++];
+    *control = (ui_control){.has_hint = false};
+    (void)snprintf(control->label, sizeof control->label, "%s", label);
+}
+
+void ui_notes_other(ui_notes *self)
+{
+    self->is_of_control = false;
+}
+
+void ui_notes_hint(ui_notes *self)
+{
+    if (self->is_of_control)
+        self->control[self->control_count - 1].has_hint = true;
+}
+
+uint32_t ui_notes_controls(const ui_notes *self, const ui_control **out)
+{
+    *out = self->control;
+    return self->control_count;
 }
 
 static bool contains(ui_rectangle r, float x, float y)

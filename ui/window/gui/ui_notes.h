@@ -20,6 +20,11 @@ uint32_t ui_notes_surface(ui_notes *self, ui_rectangle where, bool is_popup);
 void ui_notes_box(ui_notes *self, uint32_t surface, ui_rectangle where, uint32_t colour);
 /* word->ground is found; the text is copied. */
 void ui_notes_word(ui_notes *self, uint32_t surface, const ui_word *word);
+/* A widget; the hint that comes next is its own, unless ui_notes_other comes before. */
+void ui_notes_control(ui_notes *self, const char *label);
+void ui_notes_other(ui_notes *self);
+void ui_notes_hint(ui_notes *self);
+uint32_t ui_notes_controls(const ui_notes *self, const ui_control **out);
 /* What a popup hides is left out. */
 void ui_notes_end(ui_notes *self);
 uint32_t ui_notes_words(const ui_notes *self, const ui_word **out);

@@ -59,4 +59,10 @@ typedef struct ui_word {
     const char *text;        /* until the next ui_begin */
 } ui_word;
 
+/* A widget that was drawn: tests look for what says too little. */
+typedef struct ui_control {
+    char label[96]; /* as it is given, "Name##id"; of a text that is typed its id */
+    bool has_hint;
+} ui_control;
+
 #endif

@@ -818,6 +818,7 @@ static void draw_recording(devices_panel *self, ui *on)
     if (ui_button(on, "Open##recording", UI_PLAIN))
         open_recording(self);
     (void)ui_check(on, "Again and again", &self->repeats);
+    ui_hint(on, "It begins anew at its end, until it is removed.");
 }
 
 static void draw_network(devices_panel *self, ui *on)
@@ -992,9 +993,13 @@ static void draw_picture(devices_panel *self, ui *on)
         (void)snprintf(wanted.background, sizeof wanted.background, "%s", colours[ground]);
         is_new = true;
     }
-    ui_hint(on,
-            "In the output window (F11) and in streams. Transparent: the desktop, or what OBS has "
-            "below, is seen behind the face.");
+    char hint[256], keys[KEY_WORDS];
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_OUTPUT, keys);
+    (void)snprintf(hint, sizeof hint,
+                   "In the output window%s%s%s and in streams. Transparent: the desktop, or what "
+                   "OBS has below, is seen behind the face.",
+                   keys[0] ? " (" : "", keys, keys[0] ? ")" : "");
+    ui_hint(on, hint);
     is_new |=
         ui_check(on, "Output in a window, though there is a second screen", &wanted.is_window);
     is_new |= ui_check(on, "Output above all other windows", &wanted.is_on_top);

@@ -231,6 +231,7 @@ static void draw_radius(panel *self, ui *on, const live_view *view)
         self->radius_mm = is_rigs ? view->solver.radius : self->wanted.radius;
     ui_disabled_begin(on, is_rigs);
     bool has_changed = ui_slider(on, "Radius", column, &range, &self->radius_mm);
+    ui_hint(on, "How far around each control vector the face moves with it.");
     bool was_held = self->is_held;
     self->is_held = ui_slider_is_held(on);
     ui_disabled_end(on);

@@ -936,8 +936,12 @@ static void mapping_pedals_draw(mapping_panel *self, ui *on, instance *mapping)
     if (count == 0)
         ui_text_wrapped(on, UI_STYLE_DIM, "This mapping uses no pedals.");
     ui_space(on, 4.0f);
-    ui_text_wrapped(on, UI_STYLE_DIM,
-                    "The pedal that re-zeroes the hands is chosen at Devices (F2).");
+    char words[128], keys[KEY_WORDS];
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, keys);
+    (void)snprintf(words, sizeof words,
+                   "The pedal that re-zeroes the hands is chosen at Devices%s%s%s.",
+                   keys[0] ? " (" : "", keys, keys[0] ? ")" : "");
+    ui_text_wrapped(on, UI_STYLE_DIM, words);
 }
 
 /* ---- presets ---- */
@@ -1060,6 +1064,7 @@ static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
         self->was_naming = false;
         (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
     }
+    ui_hint(on, "Keeps all values, and what was taught, under a name.");
     if (!self->preset[0] || !presets_kept(app_settings(self->app), mapping->type, self->preset))
         return;
     ui_same_line(on);
@@ -1240,6 +1245,7 @@ static void draw_cannot(mapping_panel *self, ui *on, const instance *mapping)
     ui_text_wrapped(on, UI_STYLE_DIM, words);
     if (ui_button(on, "Perform with Anchored", UI_PLAIN))
         mapping_steps_choose(self->steps, "anchored");
+    ui_hint(on, "Another mapping performs from now on; undo brings this one back.");
 }
 
 static void mapping_learn_draw(mapping_panel *self, ui *on, instance *mapping)
@@ -1332,7 +1338,9 @@ static void draw_choice(mapping_panel *self, ui *on)
         items[count] = type->name;
         types[count++] = type;
     }
-    if (!ui_choice(on, "Mapping", 66.0f, items, count, &chosen))
+    const bool is_other = ui_choice(on, "Mapping", 66.0f, items, count, &chosen);
+    ui_hint(on, "What makes a face of the hands: another one takes over without a jump.");
+    if (!is_other)
         return;
     mapping_steps_choose(self->steps, types[chosen] ? types[chosen]->id : "");
 }

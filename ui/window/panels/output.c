@@ -163,6 +163,8 @@ static void draw_new(panel *self, ui *on)
     ui_disabled_begin(on, is_full);
     if (ui_button(on, "Add", UI_ACCENT) || (is_entered && !is_full))
         send(self);
+    ui_hint(on, is_full ? "No more are possible: remove one first."
+                        : "Sends the face there from now on, and each time marotte starts.");
     ui_disabled_end(on);
     if (app_output_trouble(self->app)[0])
         ui_text_wrapped(on, UI_STYLE_BAD, app_output_trouble(self->app));

@@ -658,7 +658,9 @@ static void draw_head(panel *self, ui *on)
                                         "phone_face", "voice",  "none"};
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
-    if (ui_choice(on, "Use", LABEL, names, NAMES, &at) && at > 0) {
+    const bool is_chosen = ui_choice(on, "Use", LABEL, names, NAMES, &at);
+    ui_hint(on, "A patch that comes with marotte, or none; it takes the place of this one.");
+    if (is_chosen && at > 0) {
         if (at < NAMES - 1) {
             use_patch(self, names[at]);
         } else {

@@ -81,8 +81,11 @@ static void draw_ink(rig_panel *self, ui *on, const rig *r)
     }
     ui_hint(on, eraser_hint);
     bool is_rigid = ink->ink == RIG_INK_RIGID;
-    if (is_of_bone(ink->ink) && ui_check(on, "Rigid: cannot be pulled", &is_rigid))
-        ink->ink = is_rigid ? RIG_INK_RIGID : RIG_INK_RIDES;
+    if (is_of_bone(ink->ink)) {
+        if (ui_check(on, "Rigid: cannot be pulled", &is_rigid))
+            ink->ink = is_rigid ? RIG_INK_RIGID : RIG_INK_RIDES;
+        ui_hint(on, "It goes with its bone alone, as teeth and eyes do.");
+    }
     if (ink->ink == RIG_INK_REGION &&
         (self->region == RIG_NONE || !rig_edit_can_paint(r, self->region)))
         ui_text_wrapped(
@@ -120,6 +123,7 @@ static void rig_panel_draw_brush(rig_panel *self, ui *on)
     ui_same_line(on);
     ui_at(on, 104.0f);
     (void)ui_check(on, "Both sides##brush", &self->is_even);
+    ui_hint(on, "What is painted on one side of the face is painted on the other.");
     if (painting->is_on)
         take_keys(self, on);
     draw_ink(self, on, r);
@@ -128,9 +132,11 @@ static void rig_panel_draw_brush(rig_panel *self, ui *on)
     double strength = 100.0 * painting->ink.strength;
     if (ui_slider(on, "Strength", RIG_PANEL_LABEL, &strength_range, &strength))
         painting->ink.strength = strength / 100.0;
+    ui_hint(on, "How much of it one stroke lays on.");
     uint32_t falloff = (uint32_t)painting->shape.falloff;
     if (ui_choice(on, "Edge", RIG_PANEL_LABEL, falloff_items, 2, &falloff))
         painting->shape.falloff = (brush_falloff)falloff;
+    ui_hint(on, "Whether a stroke fades towards the rim of the brush.");
 }
 
 /* ---- regions: the list, and what the chosen one says ---- */
@@ -427,7 +433,9 @@ static void rig_panel_draw_regions(rig_panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     draw_region_list(self, on, r);
-    if (ui_button(on, "Add a region", UI_PLAIN)) {
+    const bool is_added = ui_button(on, "Add a region", UI_PLAIN);
+    ui_hint(on, "An empty one, to be painted; it stands over those before it.");
+    if (is_added) {
         add(self);
         return;
     }
@@ -980,7 +988,9 @@ static void draw_head(rig_panel *self, ui *on)
     if (ui_button(on, "Save##rig", is_saved ? UI_PLAIN : UI_ACCENT))
         save_as_asked(self);
     ui_disabled_end(on);
-    ui_hint(on, "Ctrl+S");
+    char keys[KEY_WORDS];
+    key_map_words(&app_looks_of(self->of)->keys, ACTION_SAVE, keys);
+    ui_hint(on, keys);
 }
 
 static void draw_kept(rig_panel *self, ui *on)

@@ -624,6 +624,7 @@ static void draw_bones(rig_panel *self, ui *on)
         draw_bone(self, on, rig_model_rig(self->model));
     ui_width(on, -(292.0f - removes_at + 16.0f));
     (void)ui_choice(on, "New", RIG_PANEL_LABEL, kind_items, 3, &self->parting.kind);
+    ui_hint(on, "What kind of bone \"Add\" makes.");
     ui_same_line(on);
     ui_at(on, removes_at);
     if (ui_button(on, "Add##bone", UI_PLAIN))
