@@ -18,7 +18,7 @@
 static bool has_recorded(scene *s, void *data)
 {
     (void)data;
-    return app_status(s->app)->recorded_ns > NS_PER_S;
+    return app_status(s->app)->recorded_ns > 3 * NS_PER_S; /* the hand rests for the first */
 }
 
 static bool has_take(scene *s, void *data)

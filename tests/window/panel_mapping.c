@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const mrt_contact contact[3] = {
     {"brow.inner.l", "skull", {10, 200, 70}, {0, 0, 1}},
@@ -273,8 +274,12 @@ static uint32_t hand_pixels(stand *s, const char *name)
     char path[1024];
     uint32_t count = 0;
     png_image image = {.version = PNG_IMAGE_VERSION};
+    error err = {""};
     stand_picture(s, name);
+    (void)mkdir(BUILD_DIR "/out", 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
+    if (window_picture(s->window, path, &err) < 0)
+        fail_msg("%s", err.text);
     assert_true(png_image_begin_read_from_file(&image, path));
     image.format = PNG_FORMAT_RGB;
     uint8_t *rgb = malloc(PNG_IMAGE_SIZE(image));
