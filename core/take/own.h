@@ -9,7 +9,7 @@
 #include "take/take.h"
 
 typedef enum own_region {
-    OWN_MOUTH = 0, /* lips and corners */
+    OWN_MOUTH = 0, /* lips, corners and tongue */
     OWN_JAW,       /* the bone and the chin */
     OWN_BROWS,     /* and forehead */
     OWN_LIDS,

@@ -39,7 +39,7 @@ grep -q '^joy' named.txt || fail "rig show puppet: $(cat named.txt)"
 "$MAROTTE" rig check puppet >/dev/null || fail "rig check takes no rig by its name"
 [ "$(head -4 poses.txt | cut -d' ' -f1 | tr '\n' ' ')" = "joy surprise grumpy mischief " ] ||
     fail "the puppet's poses: $(cat poses.txt)"
-[ "$(grep -cE 'least determinant  [01]\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 71 ] ||
+[ "$(grep -cE 'least determinant  [01]\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 72 ] ||
     fail "what is measured of poses: $(cat poses.txt)"
 "$MAROTTE" rig show "$puppet.rig.json" --poses --only jawOpen,joy >only.txt || fail "rig show --only"
 [ "$(cut -d' ' -f1 only.txt | tr '\n' ' ')" = "jawOpen joy " ] || fail "--only: $(cat only.txt)"

@@ -113,8 +113,9 @@ static void closed_lips_do_not_drag_each_other(void **state)
     pull_one(&a, lower_vertex, 1 + lower, -5.0);
     print_message("puppet: lower lip down, the upper one moves %.3g mm\n", moved(&a, upper_vertex));
     assert_true(moved(&a, upper_vertex) < 0.1);
+    const uint32_t jaw = face_bones(a.face)->jaw;
     for (uint32_t bone = 0; bone < a.file.rig->bone_count; ++bone)
-        if (bone != face_bones(a.face)->jaw)
+        if (bone != jaw && a.file.rig->bone[bone].parent != jaw)
             assert_true(rigid_motion(&a, bone) == 0.0);
     close_actor(&a);
 }
