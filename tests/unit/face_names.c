@@ -300,6 +300,38 @@ static void mixtures_come_back(void **state)
 
 /* ---- eyes ---- */
 
+/* VRM's presets of the eyes: the one that it looks to, by how much, and no other. */
+static void the_presets_of_the_eyes_say_where_it_looks(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *dofs[2], *preset;
+        float part; /* of what the eye can */
+    } way[] = {{{"eye.l.yaw", "eye.r.yaw"}, "lookLeft", 0.7f},
+               {{"eye.l.yaw", "eye.r.yaw"}, "lookRight", -0.7f},
+               {{"eye.l.pitch", "eye.r.pitch"}, "lookUp", 0.7f},
+               {{"eye.l.pitch", "eye.r.pitch"}, "lookDown", -0.7f}};
+    const named_face *of = &faces[PUPPET];
+    bones b;
+    error err = {""};
+    assert_true(bones_init(&b, of->file.rig, (vec3){0, 0, 0}, &err) >= 0);
+    for (size_t w = 0; w < sizeof way / sizeof way[0]; ++w) {
+        float dof[MRT_MAX_DOFS] = {0};
+        for (uint32_t d = 0; d < b.dof_count; ++d)
+            for (int k = 0; k < 2; ++k)
+                if (strcmp(b.dof[d].name, way[w].dofs[k]) == 0)
+                    dof[d] = way[w].part * b.dof[d].max;
+        const face_said *s = face_weights_solve(of->weights, of->file.mesh.position, dof);
+        for (uint32_t i = 0; i < FACE_EXPRESSIONS; ++i) {
+            const char *name = face_expression_name[i];
+            if (strncmp(name, "look", 4) == 0 && strcmp(name, way[w].preset) == 0)
+                assert_true(s->expression[i] > 0.3 && s->expression[i] <= 1.0);
+            else if (strncmp(name, "look", 4) == 0)
+                assert_true(s->expression[i] == 0.0);
+        }
+    }
+}
+
 /* To its left, the head too: eyes are said beside the head. */
 static void the_puppet_looks_where_its_eyes_are_turned(void **state)
 {
@@ -333,6 +365,7 @@ int main(void)
         cmocka_unit_test(no_pose_folds),
         cmocka_unit_test(each_pose_is_said_by_its_name),
         cmocka_unit_test(mixtures_come_back),
+        cmocka_unit_test(the_presets_of_the_eyes_say_where_it_looks),
         cmocka_unit_test(the_puppet_looks_where_its_eyes_are_turned),
     };
     return cmocka_run_group_tests(tests, open_faces, close_faces);
