@@ -137,6 +137,29 @@ static void the_first_field_has_the_focus_enter_opens_and_esc_cancels(void **sta
     scene_close(&s);
 }
 
+static void the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened(void **state)
+{
+    char path[512], folder[512];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_face_path(path, "moai");
+    (void)snprintf(folder, sizeof folder, "%s", path);
+    char *name = strrchr(folder, '/');
+    *name++ = '\0';
+    scene_do(&s, ACTION_OPEN);
+    scene_type(&s, folder);
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_true(ui_has_dialog(s.ui));
+    scene_type(&s, "none.glb");
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_non_null(scene_word_with(&s, "is not there"));
+    scene_type(&s, name);
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_false(ui_has_dialog(s.ui));
+    assert_string_equal(app_face_path(s.app), path);
+    scene_close(&s);
+}
+
 static void put(char out[160], const char *name, const char *bytes)
 {
     error err = {0};
@@ -204,6 +227,7 @@ int main(void)
         cmocka_unit_test(a_click_on_the_mouse_or_a_drag_clears_the_way),
         cmocka_unit_test(a_click_opens_the_camera_and_its_page),
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
+        cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

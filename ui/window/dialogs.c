@@ -584,7 +584,10 @@ static void say_newest(dialogs *self)
 
 static void open_path(dialogs *self, const char *path)
 {
-    if (open_kind_of(path) == OPEN_FACE) {
+    if (open_kind_of(path) == OPEN_FACE && access(path, F_OK) != 0) {
+        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%.900s is not there",
+                       path);
+    } else if (open_kind_of(path) == OPEN_FACE) {
         ui_dialog_close(self->ui);
         change_face(self, path);
     } else if (open_any(self->app, path) >= 0) {
@@ -609,6 +612,8 @@ void dialogs_drop(dialogs *self, const char *path)
 static void open_typed(dialogs *self)
 {
     char path[FOLDER_PATH];
+    self->opening.is_asked_first = true; /* the field, while the dialog stays */
+    self->opening.trouble[0] = '\0';
     if (!path_typed(self, path)) {
         (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "the path is too long");
     } else if (is_folder(path)) {
