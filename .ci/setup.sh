@@ -7,11 +7,11 @@ setup_build_packages=(
     libdraco-dev libmeshoptimizer-dev libjpeg-dev
     libepoxy-dev libegl-dev libfreetype-dev fonts-inter
     libusb-1.0-0-dev libasound2-dev liblo-dev libopenxr-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev libsamplerate0-dev portaudio19-dev
-    libglfw3-dev libimgui-dev libpipewire-0.3-dev
+    libglfw3-dev libimgui-dev libpipewire-0.3-dev libsystemd-dev
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
 setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
-    xvfb xdotool picom ffmpeg gdb pipewire pipewire-bin)
+    xvfb xdotool picom ffmpeg gdb pipewire pipewire-bin dbus-daemon)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)

@@ -58,6 +58,7 @@ typedef struct scene_options {
     const char *settings_path; /* NULL: none */
     const char *show_path;     /* NULL: a new one in the folder */
     bool is_drawn;             /* each frame, not only those of pictures */
+    bool has_bus;              /* the session bus that the test says is used */
 } scene_options;
 
 /* ---- life ---- */
@@ -167,6 +168,8 @@ static inline void scene_prepare(scene *s, const scene_options *options)
     }
     assert_non_null(mkdtemp(s->folder));
     (void)setenv("XDG_DATA_HOME", s->folder, 1); /* of whoever runs the test nothing is used */
+    if (!options->has_bus)
+        (void)setenv("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nonexistent", 1);
     (void)snprintf(s->show, sizeof s->show, "%s/night.marotte", s->folder);
 }
 

@@ -23,7 +23,7 @@ if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then
     exit $?
 fi
 source "$(dirname "$0")/../e2e/lib.sh"
-export HOME=$scratch XDG_DOCUMENTS_DIR=$scratch # what is left open there is nobody's
+export HOME=$scratch XDG_DOCUMENTS_DIR=$scratch DBUS_SESSION_BUS_ADDRESS=unix:path=/nonexistent # what is left open there is nobody's
 cd "$scratch" || exit 1
 program_pid=
 trap '[ -z "$program_pid" ] || kill -9 "$program_pid" 2>/dev/null; rm -rf "$scratch"' EXIT

@@ -13,6 +13,24 @@
 
 /* What is asked: how a take is to be exported, and how far those are that go on. */
 
+/* ---- the desktop's own file dialog ---- */
+
+/* How long the desktop has to begin to ask; 0: it is never asked. */
+static const char wait_key[] = "open.desktop_wait_s";
+static const double wait_s = 4.0;
+
+static portal *ask_desktop(const dialogs *self, portal_question question)
+{
+    question.patience_s = settings_number(app_settings(self->app), wait_key, wait_s);
+    return question.patience_s > 0.0 ? portal_ask(&question) : NULL;
+}
+
+static void forget_desktop(portal **asked)
+{
+    portal_close(*asked);
+    *asked = NULL;
+}
+
 /* ---- export ---- */
 
 static const char export_dialog[] = "export";
@@ -541,12 +559,32 @@ static void go_somewhere(dialogs *self)
         go(self, "/");
 }
 
+/* The kind that is wanted first; then all, then the others. */
+static void open_by_desktop(dialogs *self)
+{
+    const open_kind kind = self->opening.kind;
+    portal_filter filter[OPEN_KINDS] = {{kind_names[kind], open_endings(kind)}};
+    uint32_t count = 1;
+    for (open_kind i = OPEN_ANY; i < OPEN_KINDS; ++i)
+        if (i != kind)
+            filter[count++] = (portal_filter){kind_names[i], open_endings(i)};
+    self->opening.desktop =
+        ask_desktop(self, (portal_question){.title = "Open",
+                                            .folder = self->opening.at[kind].path,
+                                            .name = "",
+                                            .filter = filter,
+                                            .filter_count = count});
+}
+
 void dialogs_ask_open(dialogs *self, open_kind kind)
 {
     self->opening.kind = kind;
     self->opening.is_asked_first = true;
+    self->opening.is_shown = false;
     self->opening.name[0] = self->opening.trouble[0] = '\0';
     go_somewhere(self);
+    forget_desktop(&self->opening.desktop);
+    open_by_desktop(self);
     ui_dialog_open(self->ui, open_dialog);
 }
 
@@ -601,6 +639,7 @@ void dialogs_drop(dialogs *self, const char *path)
 {
     if (is_folder(path)) {
         dialogs_ask_open(self, OPEN_ANY);
+        forget_desktop(&self->opening.desktop); /* its list is what is wanted */
         go(self, path);
     } else if (open_kind_of(path) == OPEN_FACE) {
         change_face(self, path);
@@ -622,6 +661,42 @@ static void open_typed(dialogs *self)
     } else {
         open_path(self, path);
     }
+}
+
+/* Of a file that is not there nothing is made: who wants a new show types its name. */
+static void open_chosen(dialogs *self, const char *path)
+{
+    dialogs_opening *opening = &self->opening;
+    char at[FOLDER_PATH];
+    (void)snprintf(at, sizeof at, "%s", path);
+    if (is_folder(path)) {
+        go(self, path);
+        return;
+    }
+    char *slash = strrchr(at, '/');
+    if (slash)
+        *(slash > at ? slash : slash + 1) = '\0';
+    go(self, at);
+    if (access(path, F_OK) == 0)
+        open_path(self, path);
+    else
+        (void)snprintf(opening->trouble, sizeof opening->trouble, "%.900s is not there", path);
+}
+
+static void look_at_desktop(dialogs *self)
+{
+    dialogs_opening *opening = &self->opening;
+    char path[PORTAL_PATH];
+    const portal_answer answer = portal_look(opening->desktop, path);
+    opening->desktop_asks = answer == PORTAL_ASKS;
+    if (answer <= PORTAL_ASKS)
+        return;
+    forget_desktop(&opening->desktop);
+    opening->is_asked_first = true; /* the list, if it stays */
+    if (answer == PORTAL_CHOSEN)
+        open_chosen(self, path);
+    else if (answer == PORTAL_CANCELLED)
+        ui_dialog_close(self->ui);
 }
 
 /* ---- drawing ---- */
@@ -651,20 +726,18 @@ static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
         (void)snprintf(chosen, FOLDER_PATH, "%s", recent[i]);
         is_double = click == UI_ROW_DOUBLE_CLICKED;
     }
-    if (any)
-        ui_text(on, UI_STYLE_DIM, "Here");
+    if (any != (self->opening.desktop != NULL))
+        ui_text(on, UI_STYLE_DIM, any ? "Here" : "Nothing was opened lately.");
     return is_double;
 }
 
-static void draw_list(dialogs *self)
+/* True: `chosen` is to be opened. */
+static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
 {
     ui *on = self->ui;
     const folder *at = &self->opening.at[self->opening.kind];
-    char label[FOLDER_NAME + 48], chosen[FOLDER_PATH];
+    char label[FOLDER_NAME + 48];
     bool is_double = false;
-    chosen[0] = '\0';
-    ui_scroll_begin(on, "files", 0.0f, 264.0f);
-    is_double = draw_recent(self, chosen);
     for (uint32_t i = 0; i < at->count; ++i) {
         const folder_entry *entry = &at->entry[i];
         (void)snprintf(label, sizeof label, "%s%s##%u", entry->name, entry->is_folder ? "/" : "",
@@ -673,13 +746,25 @@ static void draw_list(dialogs *self)
             ui_row(on, label, !entry->is_folder && strcmp(entry->name, self->opening.name) == 0);
         if (click == UI_ROW_NONE)
             continue;
-        (void)snprintf(chosen, sizeof chosen, "%s", entry->name);
+        (void)snprintf(chosen, FOLDER_PATH, "%s", entry->name);
         is_double = click == UI_ROW_DOUBLE_CLICKED || entry->is_folder;
     }
     if (at->count <= 1)
         ui_text(on, UI_STYLE_DIM, kind_nothing[self->opening.kind]);
     if (at->has_more)
         ui_text(on, UI_STYLE_DIM, "There are more: type the name.");
+    return is_double;
+}
+
+static void draw_list(dialogs *self)
+{
+    ui *on = self->ui;
+    char chosen[FOLDER_PATH];
+    chosen[0] = '\0';
+    ui_scroll_begin(on, "files", 0.0f, self->opening.desktop ? 150.0f : 264.0f);
+    bool is_double = draw_recent(self, chosen);
+    if (!self->opening.desktop)
+        is_double = draw_files(self, chosen) || is_double;
     ui_scroll_end(on);
     if (!chosen[0])
         return;
@@ -703,6 +788,28 @@ static void draw_shipped(dialogs *self)
     ui_text(self->ui, UI_STYLE_DIM, "come with marotte");
 }
 
+/* The choice is kept. */
+static void draw_whose_list(dialogs *self)
+{
+    ui *on = self->ui;
+    settings *kept = app_settings(self->app);
+    const bool is_desktops = self->opening.desktop != NULL;
+    if (!is_desktops && settings_number(kept, wait_key, wait_s) > 0.0)
+        return; /* there is none */
+    ui_same_line(on);
+    const bool is_pressed =
+        ui_button(on, is_desktops ? "List in this window" : "Desktop's dialog", UI_QUIET);
+    ui_hint(on, is_desktops ? "Closes the desktop's dialog; files are listed here, from now on."
+                            : "Files are chosen in the desktop's own dialog, from now on.");
+    if (!is_pressed)
+        return;
+    settings_set_number(kept, wait_key, is_desktops ? 0.0 : wait_s);
+    self->opening.is_asked_first = true;
+    forget_desktop(&self->opening.desktop);
+    if (!is_desktops)
+        open_by_desktop(self);
+}
+
 static void draw_buttons(dialogs *self)
 {
     ui *on = self->ui;
@@ -719,24 +826,44 @@ static void draw_buttons(dialogs *self)
     ui_same_line(on);
     if (ui_button(on, "Cancel", UI_PLAIN))
         ui_dialog_close(on);
+    draw_whose_list(self);
+}
+
+static void draw_tabs(dialogs *self)
+{
+    dialogs_opening *opening = &self->opening;
+    uint32_t kind = opening->kind;
+    if (ui_tabs(self->ui, "kinds", kind_names, OPEN_KINDS, &kind)) {
+        opening->kind = (open_kind)kind;
+        opening->name[0] = opening->trouble[0] = '\0';
+        go_somewhere(self);
+    }
 }
 
 static void draw_open(dialogs *self)
 {
     ui *on = self->ui;
     dialogs_opening *opening = &self->opening;
-    uint32_t kind = opening->kind;
-    if (!ui_dialog_begin(on, open_dialog, "Open", 560.0f))
+    if (!ui_dialog_begin(on, open_dialog, "Open", 560.0f)) {
+        if (opening->is_shown) /* it was closed, by whatever */
+            forget_desktop(&opening->desktop);
+        opening->is_shown = false;
         return;
-    if (ui_tabs(on, "kinds", kind_names, OPEN_KINDS, &kind)) {
-        opening->kind = (open_kind)kind;
-        opening->name[0] = opening->trouble[0] = '\0';
-        go_somewhere(self);
     }
+    opening->is_shown = true;
+    if (opening->desktop)
+        look_at_desktop(self);
+    if (opening->desktop)
+        ui_text(on, UI_STYLE_DIM,
+                opening->desktop_asks ? "The desktop's own dialog asks for the file."
+                                      : "The desktop is asked for its dialog.");
+    else
+        draw_tabs(self);
     ui_space(on, 4.0f);
-    if (opening->kind == OPEN_FACE)
+    if (opening->kind == OPEN_FACE || opening->desktop)
         draw_shipped(self);
-    ui_text(on, UI_STYLE_DIM, opening->at[opening->kind].path);
+    if (!opening->desktop)
+        ui_text(on, UI_STYLE_DIM, opening->at[opening->kind].path);
     draw_list(self);
     ui_space(on, 4.0f);
     ui_width(on, -1.0f);
@@ -760,6 +887,7 @@ void dialogs_init(dialogs *out, app *of, ui *on)
 
 void dialogs_finish(dialogs *self)
 {
+    forget_desktop(&self->opening.desktop);
     for (uint32_t i = 0; i < OPEN_KINDS; ++i)
         folder_finish(&self->opening.at[i]);
 }

@@ -1,10 +1,12 @@
-/* window/dialogs.h - the questions over everything else: what is opened, how a take
- * is exported, how far exports are, and what becomes of work that is not saved before the program
- * ends or another face comes. [main] */
+/* window/dialogs.h - the questions over everything else: what is opened (by the desktop's own file
+ * dialog, or the list of this window where it has none or is not wanted), how a take is exported,
+ * how far exports are, and what becomes of work that is not saved before the program ends or
+ * another face comes. [main] */
 #ifndef MAROTTE_UI_WINDOW_DIALOGS_H
 #define MAROTTE_UI_WINDOW_DIALOGS_H
 #include "window/folder.h"
 #include "window/open_any.h"
+#include "window/portal.h"
 #include "window/gui/ui.h"
 #include "window/app/app.h"
 #include "window/app/exporter.h"
@@ -15,6 +17,8 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
     char name[FOLDER_PATH];
     char trouble[1024];
     bool is_asked_first;
+    portal *desktop; /* the desktop's own dialog asks instead; NULL: the list */
+    bool desktop_asks, is_shown;
 } dialogs_opening;
 
 typedef struct dialogs_exporting {
