@@ -20,6 +20,10 @@ CHECKED mrt_result bind_marks_create_bare(bind_marks *out, const rig *r, const m
                                           const topology *t, error *err);
 void bind_marks_destroy(bind_marks *marks);
 
+/* The mesh's focus (mesh_focus): around what no region gives to a body, a bone that the skull turns
+ * on; none where there is no body. */
+void bind_focus(mesh *m, const rig *r, const topology *t);
+
 /* Evaluates a selector: out (vertex_count) 0..1. Out of a budget, as the marks. */
 CHECKED mrt_result bind_select(float *out, const rig_select *select, const mesh *m,
                                const topology *t, error *err);

@@ -104,7 +104,7 @@ typedef struct mesh {
     uint32_t joint_count;
     uint32_t *skin_joint; /* vertex_count by MESH_SKIN_WIDTH; NULL: no vertex follows a joint */
     float *skin_weight;   /* likewise: largest first, sum 1, or all 0: it follows none */
-    bool has_focus; /* a box in which all is that performs, of a mesh with a body: face_file.h */
+    bool has_focus; /* a box in which all is that performs, of a mesh with a body: bind_focus */
     float focus_low[3], focus_high[3];
     double mm_per_unit;    /* what the file's coordinates were multiplied by */
     mesh_axis up, forward; /* of the file's coordinates; the mesh itself has up +y, forward +z */

@@ -265,17 +265,21 @@ static void a_mesh_alone_is_drafted_and_saved_beside_it(void **state)
 {
     (void)state;
     error err = {""};
-    char *confirm = NULL;
-    uint64_t number;
+    rig_model_drafted made;
     char command[256];
     (void)snprintf(command, sizeof command, "cp %s/moai.glb %s/stone.glb", folder, folder);
     assert_int_equal(system(command), 0);
     rig_model *model = open_model("stone.glb");
     assert_null(rig_model_rig(model));
     assert_null(rig_model_begin(model, &err));
-    must(rig_model_draft(model, &confirm, &number, &err), &err);
-    assert_non_null(strstr(confirm, "nose"));
-    free(confirm);
+    must(rig_model_draft(model, &err), &err);
+    assert_true(rig_model_is_drafting(model));
+    while (!rig_model_take_draft(model, &made))
+        (void)usleep(1000);
+    must(made.result, &made.err);
+    assert_false(rig_model_is_drafting(model) || rig_model_take_draft(model, &made));
+    assert_non_null(strstr(made.confirm, "nose"));
+    free(made.confirm);
     assert_non_null(rig_model_rig(model));
     wait_until_laid(model);
     assert_int_equal(rig_model_work(model)->result, MRT_OK);

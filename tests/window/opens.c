@@ -160,6 +160,69 @@ static void the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opene
     scene_close(&s);
 }
 
+static bool performs(scene *of, void *data)
+{
+    (void)data;
+    return live_mapping(app_live(of->app)) != NULL;
+}
+
+static bool rests(scene *of, void *data)
+{
+    (void)data;
+    return !live_mapping(app_live(of->app));
+}
+
+/* A head as people download it: the mapping that needs a rig rests, and performs after one click.
+ */
+static void a_mesh_without_a_rig_performs_after_one_click(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_true(performs(&s, NULL));
+    assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/moai/moai.glb") >= 0);
+    scene_frames(&s, 5);
+    assert_true(rests(&s, NULL));
+    scene_look(&s, "opens_without_rig");
+    assert_non_null(scene_word(&s, "moai.glb has no rig yet"));
+    scene_let_cut(&s, "No takes yet");
+    scene_check_words(&s);
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, performs, NULL));
+    assert_non_null(app_face(s.app)->rig);
+    assert_null(scene_word(&s, "moai.glb has no rig yet"));
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, rests, NULL));
+    assert_null(app_face(s.app)->rig);
+    scene_do(&s, ACTION_REDO);
+    assert_true(scene_until(&s, performs, NULL));
+    scene_close(&s);
+}
+
+/* Its head is what is looked at, and how high a head is, not the body below it. */
+static void a_head_on_a_body_is_looked_at(void **state)
+{
+    char avatar[512];
+    const char *shared = getenv("MAROTTE_SHARED");
+    (void)state;
+    (void)snprintf(avatar, sizeof avatar, "%s/data/heads/rpm_arkit.glb",
+                   shared ? shared : SOURCE_DIR "/../shared");
+    if (access(avatar, R_OK) != 0) {
+        print_message("SKIPPED: no %s\n", avatar);
+        skip();
+    }
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_true(app_open_face(s.app, avatar) >= 0);
+    scene_frames(&s, 5);
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, performs, NULL));
+    assert_true(app_face(s.app)->mesh.has_focus);
+    scene_look(&s, "opens_head_on_a_body");
+    scene_click_word(&s, "Rig");
+    scene_frames(&s, 30);
+    assert_null(scene_word_with(&s, "is the unit right"));
+    scene_close(&s);
+}
+
 static void put(char out[160], const char *name, const char *bytes)
 {
     error err = {0};
@@ -228,6 +291,8 @@ int main(void)
         cmocka_unit_test(a_click_opens_the_camera_and_its_page),
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
+        cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
+        cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -58,6 +58,18 @@ void app_note_rig_pending(app *self, bool is_pending)
     (void)is_pending;
 }
 
+bool app_take_draft(app *self)
+{
+    (void)self;
+    return false;
+}
+
+void app_note_drafting(app *self, bool is_drafting)
+{
+    (void)self;
+    (void)is_drafting;
+}
+
 void app_set_unsaved(app *self, const app_unsaved *unsaved)
 {
     (void)self;

@@ -2,7 +2,9 @@
 
 #include "base/installed.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 typedef enum offer {
     OFFER_CAMERA = 0, /* the order in which they are offered */
@@ -61,6 +63,15 @@ static void accept(app *of, offer which)
     }
 }
 
+/* A mesh without a rig, on which the mapping that was chosen cannot perform. */
+static bool is_without_rig(app *of)
+{
+    const face_file *file = app_face(of);
+    return file && !file->rig && app_resting_mapping(of)[0] && !live_mapping(app_live(of)) &&
+           !app_take_id(of) && !app_status(of)->is_recording && !app_looks_of(of)->is_helping &&
+           app_view(of)->number;
+}
+
 static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */
 
 static float width_of(const ui *on, offer which)
@@ -68,11 +79,37 @@ static float width_of(const ui *on, offer which)
     return ui_text_width(on, UI_STYLE_BODY, offers[which].title) + 22.0f;
 }
 
+static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
+{
+    char text[160];
+    const char *path = app_face_path(of), *slash = strrchr(path, '/');
+    const bool is_drafting = app_is_drafting(of);
+    (void)snprintf(text, sizeof text,
+                   is_drafting ? "Looking for the face in %.80s..." : "%.80s has no rig yet",
+                   slash ? slash + 1 : path);
+    const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
+    const float width = fmaxf(wide, 150.0f), height = is_drafting ? 34.0f : 34.0f + pitch;
+    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
+                              over.y + over.height - height - 8.0f, width, height};
+    ui_panel_begin(on, "rig offer", box, UI_GROUND_PANEL);
+    ui_text(on, UI_STYLE_DIM, text);
+    if (!is_drafting && ui_button(on, "Draft a rig", UI_ACCENT))
+        app_ask_draft(of);
+    if (!is_drafting)
+        ui_hint(on, "The head is found by its skeleton, its parts and its shape, and performs. "
+                    "Rig (F4) shows what was guessed.");
+    ui_panel_end(on);
+}
+
 void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
 {
     offer list[OFFERS];
     uint32_t count = 0, per_line;
     float width = 0.0f;
+    if (is_without_rig(of)) {
+        draw_rig_offer(of, on, over);
+        return;
+    }
     if (*is_gone || !is_empty(of))
         return;
     for (uint32_t i = 0; i < OFFERS; ++i)

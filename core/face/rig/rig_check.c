@@ -101,13 +101,15 @@ enum { HOLES_SHOWN = 6, PARTS_SHOWN = 12 };
 static void check_size(checking *c)
 {
     float low[3], high[3];
-    mesh_focus(c->m, low, high);
+    mesh m = *c->m; /* as it would be with this rig */
+    bind_focus(&m, c->r, c->t);
+    mesh_focus(&m, low, high);
     double height_mm = (double)high[1] - (double)low[1];
     if (height_mm >= 100.0 && height_mm <= 1000.0)
         report(c, RIG_NOTE, "$.unit", "the mesh is %.0f mm high", height_mm);
     else
         report(c, RIG_WARNING, "$.unit",
-               "the mesh is %.3g mm high; a head is 100 to 1000 mm: is the unit right?", height_mm);
+               "the mesh is %.4g mm high; a head is 100 to 1000 mm: is the unit right?", height_mm);
 }
 
 static void check_mesh_hash(checking *c)

@@ -743,3 +743,26 @@ void bind_marks_destroy(bind_marks *marks)
     free(marks->mobility);
     *marks = (bind_marks){0};
 }
+
+void bind_focus(mesh *m, const rig *r, const topology *t)
+{
+    uint32_t skull = rig_find_bone(r, "skull"), body;
+    bind_marks marks;
+    m->has_focus = false;
+    if (skull == RIG_NONE || (body = r->bone[skull].parent) == RIG_NONE ||
+        bind_marks_create(&marks, r, m, t, NULL) < 0)
+        return;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const float *at = m->position + (size_t)v * 3;
+        if (marks.rigid_bone[v] == body || marks.weight[(size_t)body * m->vertex_count + v] >= 0.5f)
+            continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            float low = m->has_focus ? m->focus_low[axis] : at[axis];
+            float high = m->has_focus ? m->focus_high[axis] : at[axis];
+            m->focus_low[axis] = fminf(low, at[axis]);
+            m->focus_high[axis] = fmaxf(high, at[axis]);
+        }
+        m->has_focus = true;
+    }
+    bind_marks_destroy(&marks);
+}

@@ -83,30 +83,6 @@ static mrt_result validate(const face_file *f, const char *path, error *err)
     return result;
 }
 
-/* Around what no region gives to a bone that the skull turns on. */
-static void find_focus(face_file *f)
-{
-    uint32_t skull = rig_find_bone(f->rig, "skull"), body;
-    mesh *m = &f->mesh;
-    bind_marks marks;
-    if (skull == RIG_NONE || (body = f->rig->bone[skull].parent) == RIG_NONE ||
-        bind_marks_create(&marks, f->rig, m, &f->topology, NULL) < 0)
-        return;
-    for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        const float *at = m->position + (size_t)v * 3;
-        if (marks.rigid_bone[v] == body || marks.weight[(size_t)body * m->vertex_count + v] >= 0.5f)
-            continue;
-        for (int axis = 0; axis < 3; ++axis) {
-            float low = m->has_focus ? m->focus_low[axis] : at[axis];
-            float high = m->has_focus ? m->focus_high[axis] : at[axis];
-            m->focus_low[axis] = fminf(low, at[axis]);
-            m->focus_high[axis] = fmaxf(high, at[axis]);
-        }
-        m->has_focus = true;
-    }
-    bind_marks_destroy(&marks);
-}
-
 static void say_shapes_left(face_file *f)
 {
     uint32_t count = f->mesh.target_count, taken = face_shapes_of(&f->mesh);
@@ -150,7 +126,7 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
     if (result >= 0 && out->rig && strictness == FACE_FILE_USABLE)
         result = validate(out, path, err);
     if (result >= 0 && out->rig)
-        find_focus(out);
+        bind_focus(&out->mesh, out->rig, &out->topology);
     if (result >= 0)
         say_shapes_left(out);
     if (result >= 0)

@@ -20,7 +20,7 @@ typedef enum face_file_strictness {
     FACE_FILE_ANY         /* for whoever reports the errors: only files that cannot be read are */
 } face_file_strictness;
 
-/* The mesh gets a focus where the rig's skull has a parent: a body.
+/* The mesh gets the rig's focus (bind_focus).
  * NAME.rig.json, or a mesh in any format of io/mesh_file.h. `frame` is of a mesh alone (NULL: found
  * out); a rig says its own. Errors name the file, and what in it. */
 CHECKED mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *frame,

@@ -114,7 +114,7 @@ static void keep_mapping(app *self)
 {
     char text[PRESET_TEXT + 64];
     mapping_text(self, text, sizeof text);
-    settings_set_text(self->settings, "last.mapping", text);
+    settings_set_text(self->settings, "last.mapping", text[0] ? text : self->resting);
 }
 
 /* Those that a plugin of the list gives: not what the program itself moves. */
@@ -359,20 +359,30 @@ static void tell_face(app *self)
         app_say(self, MRT_LOG_INFO, "the face has %u notes: see the rig panel", lines);
 }
 
-typedef mrt_result set_face(app *self, const face_file *made, const char *path, error *err);
-
-static mrt_result set_face_as_is(app *self, const face_file *made, const char *path, error *err)
-{
-    return live_set_face(self->live, made, path, 0.0, err);
-}
-
-/* Which mappings there are for it. */
-static void tell_at_rest(app *self, const error *why)
+/* Why the face rests, and which mappings there are for it. */
+static void rest(app *self, const face_file *made, const char *mapping, const error *why)
 {
     char names[400];
+    (void)snprintf(self->resting, sizeof self->resting, "%s", mapping);
     live_list_fitting(self->live, names, sizeof names);
-    app_say(self, MRT_LOG_ERROR, "%s. At rest; these fit it: %s", why->text,
+    app_say(self, made->rig ? MRT_LOG_ERROR : MRT_LOG_INFO, "%s. At rest; these fit it: %s",
+            made->rig ? why->text : "This face has no rig yet",
             names[0] ? names : "none that there is");
+}
+
+/* Another face is there, or another rig: what rested performs again where it fits, unless somebody
+ * has chosen another since. */
+static void perform_again(app *self)
+{
+    error ignored = {0};
+    if (self->resting[0] &&
+        (live_mapping(self->live) || live_set_mapping(self->live, self->resting, &ignored) >= 0))
+        self->resting[0] = '\0';
+}
+
+const char *app_resting_mapping(const app *self)
+{
+    return self->resting;
 }
 
 /* A face that the mapping does not fit is opened at rest, as at the start. */
@@ -385,7 +395,7 @@ static mrt_result set_face_or_rest(app *self, const face_file *made, const char 
     if (result >= 0 || !mapping[0] || live_set_mapping(self->live, "", &again) < 0)
         return result;
     if (live_set_face(self->live, made, path, 0.0, &again) >= 0) {
-        tell_at_rest(self, err);
+        rest(self, made, mapping, err);
         return MRT_OK;
     }
     app_reported(live_set_mapping(self->live, mapping, &again)); /* it was not the mapping */
@@ -393,11 +403,11 @@ static mrt_result set_face_or_rest(app *self, const face_file *made, const char 
 }
 
 /* The stage goes over to the face, which is the application's whatever comes back. */
-static mrt_result put_face(app *self, face_file *made, const char *path, set_face *set)
+static mrt_result put_face(app *self, face_file *made, const char *path)
 {
     error err = {0};
     char *name = strdup(path);
-    mrt_result result = name ? set(self, made, path, &err)
+    mrt_result result = name ? set_face_or_rest(self, made, path, &err)
                              : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
     if (result < 0) {
         free(name);
@@ -409,6 +419,7 @@ static mrt_result put_face(app *self, face_file *made, const char *path, set_fac
     self->face = made;
     self->face_path = name;
     settings_set_text(self->settings, "last.face", path);
+    perform_again(self);
     return MRT_OK;
 }
 
@@ -421,7 +432,7 @@ mrt_result app_open_face(app *self, const char *given)
     if (result < 0)
         (void)app_report(self, result, &err);
     else
-        result = put_face(self, made, path ? path : given, set_face_or_rest);
+        result = put_face(self, made, path ? path : given);
     if (result >= 0) {
         pulls_forget(self->pulls);
         tell_face(self);
@@ -442,7 +453,7 @@ mrt_result app_change_face(app *self, face_file *made)
     *own = *made;
     *made = (face_file){0};
     char *path = strdup(self->face_path);
-    mrt_result result = put_face(self, own, path ? path : "", set_face_as_is);
+    mrt_result result = put_face(self, own, path ? path : "");
     free(path);
     return result;
 }
@@ -524,10 +535,11 @@ static void choose_faces(app *self, const app_options *options, face_reading *ou
 static mrt_result open_at_rest(app *self, live_settings *with, const error *why)
 {
     error err = {0};
+    const char *mapping = with->mapping;
     with->mapping = "";
     mrt_result result = live_start(&self->live, with, &err);
     if (result >= 0)
-        tell_at_rest(self, why);
+        rest(self, self->face, mapping, why);
     return result;
 }
 
@@ -804,6 +816,28 @@ bool app_take_camera(app *self)
     const bool was_asked = self->camera_asked;
     self->camera_asked = false;
     return was_asked;
+}
+
+void app_ask_draft(app *self)
+{
+    self->draft_asked = true;
+}
+
+bool app_take_draft(app *self)
+{
+    const bool was_asked = self->draft_asked;
+    self->draft_asked = false;
+    return was_asked;
+}
+
+void app_note_drafting(app *self, bool is_drafting)
+{
+    self->is_drafting = is_drafting;
+}
+
+bool app_is_drafting(const app *self)
+{
+    return self->is_drafting;
 }
 
 void app_ask_picture(app *self)

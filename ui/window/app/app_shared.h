@@ -40,6 +40,7 @@ struct app {
     show *show;
     face_file *face;
     char *face_path;
+    char resting[PRESET_TEXT + 64]; /* the mapping that the face did not fit; "": none */
     live *live;
     const live_view *view;
     live_status status;
@@ -58,7 +59,7 @@ struct app {
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool camera_asked, picture_asked, has_pulled;
+    bool camera_asked, picture_asked, draft_asked, is_drafting, has_pulled;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */

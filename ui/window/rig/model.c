@@ -1,6 +1,7 @@
 #include "window/rig/model.h"
 
 #include "base/file.h"
+#include "face/bind.h"
 #include "face/face.h"
 #include "face/rig.h"
 #include "face/rig_check.h"
@@ -11,6 +12,7 @@
 #include "stage/perform/face_file.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -237,6 +239,8 @@ static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *
     if (result >= 0)
         result = mesh_copy(&file->mesh, self->m, err);
     if (result >= 0)
+        bind_focus(&file->mesh, copy, self->t);
+    if (result >= 0)
         result = topology_copy(&file->topology, self->t, err);
     return result < 0 ? result : copy_binding(file, face_binding(work->face), err);
 }
@@ -419,6 +423,16 @@ static bool rig_worker_is_busy(rig_worker *self)
 
 /* ---- the model ---- */
 
+typedef struct drafting {
+    const mesh *mesh; /* and the rest: the model's, which does not change them */
+    const topology *topology;
+    const char *mesh_path;
+    pthread_t thread;
+    _Atomic bool is_done; /* what follows is [main]'s from then on */
+    rig rig;
+    rig_model_drafted made;
+} drafting;
+
 struct rig_model {
     mesh mesh;
     topology topology;
@@ -428,6 +442,7 @@ struct rig_model {
     rig_history *history;
     rig *changing; /* between begin and commit; NULL: none */
     rig_worker *worker;
+    drafting *draft;      /* NULL: none is made */
     rig_work *work;       /* NULL: none yet */
     face_file *for_stage; /* NULL: nothing new */
     double waits_s;       /* until the worker is asked; < 0: it was, or need not be */
@@ -515,11 +530,25 @@ static void keep_last_changes(rig_model *self)
         return; /* what was kept before is still there */
 }
 
+/* Waits for it. */
+static void drop_draft(rig_model *self)
+{
+    if (!self->draft)
+        return;
+    (void)pthread_join(self->draft->thread, NULL);
+    if (self->draft->made.result >= 0)
+        rig_destroy(&self->draft->rig);
+    free(self->draft->made.confirm);
+    free(self->draft);
+    self->draft = NULL;
+}
+
 void rig_model_destroy(rig_model *self)
 {
     if (!self)
         return;
     rig_model_abandon(self);
+    drop_draft(self);
     rig_worker_destroy(self->worker);
     if (self->history && (rig_model_is_saved(self) || self->is_left))
         rig_keep_end(&self->keep);
@@ -736,12 +765,50 @@ static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, erro
     return MRT_OK;
 }
 
-mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t *out_number, error *err)
+static void *make_draft(void *given)
 {
-    rig drafted;
-    mrt_result result = rig_draft_make(&drafted, out_confirm, &self->mesh, &self->topology,
-                                       self->mesh_path, NULL, 0, err);
-    return result < 0 ? result : commit_rig(self, &drafted, out_number, err);
+    drafting *self = given;
+    rig_model_drafted *made = &self->made;
+    made->result = rig_draft_make(&self->rig, &made->confirm, self->mesh, self->topology,
+                                  self->mesh_path, NULL, 0, &made->err);
+    atomic_store(&self->is_done, true);
+    return NULL;
+}
+
+mrt_result rig_model_draft(rig_model *self, error *err)
+{
+    drafting *made = self->draft ? NULL : calloc(1, sizeof *made);
+    if (self->draft)
+        return MRT_OK;
+    if (!made)
+        return no_memory(err);
+    made->mesh = &self->mesh;
+    made->topology = &self->topology;
+    made->mesh_path = self->mesh_path;
+    if (pthread_create(&made->thread, NULL, make_draft, made) != 0) {
+        free(made);
+        return error_set(err, MRT_ERR_MEMORY, "no thread to draft the rig");
+    }
+    self->draft = made;
+    return MRT_OK;
+}
+
+bool rig_model_is_drafting(const rig_model *self)
+{
+    return self->draft != NULL;
+}
+
+bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
+{
+    drafting *made = self->draft;
+    if (!made || !atomic_load(&made->is_done))
+        return false;
+    *out = made->made;
+    if (out->result >= 0)
+        out->result = commit_rig(self, &made->rig, &out->number, &out->err);
+    made->made = (rig_model_drafted){.result = MRT_ERR_ARGUMENT}; /* it was given away */
+    drop_draft(self);
+    return true;
 }
 
 /* ---- files ---- */

@@ -55,9 +55,17 @@ uint64_t rig_model_commit(rig_model *self);
 void rig_model_abandon(rig_model *self);
 uint64_t rig_model_number(const rig_model *self);
 bool rig_model_go(rig_model *self, uint64_t number); /* undo, redo; false: too long ago */
-/* A first rig for a mesh alone. out_confirm: to be freed; lines to look at. It is a change. */
-CHECKED mrt_result rig_model_draft(rig_model *self, char **out_confirm, uint64_t *out_number,
-                                   error *err);
+/* A first rig for a mesh alone is begun, in a thread of its own: it can take seconds. */
+CHECKED mrt_result rig_model_draft(rig_model *self, error *err);
+bool rig_model_is_drafting(const rig_model *self);
+typedef struct rig_model_drafted {
+    mrt_result result; /* < 0: `err` says why there is none */
+    error err;
+    char *confirm;   /* to be freed; lines to look at */
+    uint64_t number; /* of the change that it is */
+} rig_model_drafted;
+/* True once, when it is done. */
+bool rig_model_take_draft(rig_model *self, rig_model_drafted *out);
 
 /* ---- files ---- */
 

@@ -797,6 +797,7 @@ static void forget_face(rig_panel *self)
     free(self->confirm);
     self->confirm = NULL;
     self->region = self->contact = RIG_NONE;
+    self->is_draft_wanted = false;
     self->placing = (rig_placing){.name_of = RIG_NONE};
     self->jawing = (rig_jawing){.held = RIG_HANDLES};
     rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
@@ -844,7 +845,8 @@ static void open_model(rig_panel *self)
 {
     error err = {""};
     const face_file *file = app_face(self->of);
-    if (self->model || !file || !(self->is_seen || self->known_s > look_after_s))
+    if (self->model || !file ||
+        !(self->is_seen || self->is_draft_wanted || self->known_s > look_after_s))
         return;
     if (rig_model_create(&self->model, file, app_face_path(self->of),
                          settings_folder(app_settings(self->of)), &err) < 0) {
@@ -944,13 +946,43 @@ static void keep_choices(rig_panel *self)
     rig_panel_keep_part(self);
 }
 
+static void begin_draft(rig_panel *self)
+{
+    error err = {""};
+    rig_panel_say(self, rig_model_draft(self->model, &err) < 0 ? err.text : "");
+}
+
+static void take_draft(rig_panel *self)
+{
+    rig_model_drafted made = {.result = MRT_OK};
+    if (!rig_model_take_draft(self->model, &made))
+        return;
+    rig_panel_say(self, made.result < 0 ? made.err.text : "");
+    if (made.result < 0) {
+        if (!self->is_seen)
+            news_list_add(app_news(self->of), MRT_LOG_ERROR, "rig", made.err.text);
+        return;
+    }
+    free(self->confirm);
+    self->confirm = made.confirm;
+    rig_panel_note_step(self, made.number, "draft");
+    rig_panel_choose(self, RIG_TAB_CHECK, 0);
+    if (!self->is_seen)
+        tell(self, "A rig is drafted: what to look at, and Save, are in Rig (F4).");
+}
+
 static void update(panel *self_, double dt_s)
 {
     rig_panel *self = &self_->of;
     viewport *view = app_viewport(self->of);
     follow_face(self, dt_s);
+    self->is_draft_wanted |= app_take_draft(self->of);
     open_model(self);
     if (self->model) {
+        if (self->is_draft_wanted && !rig_model_rig(self->model))
+            begin_draft(self);
+        self->is_draft_wanted = false;
+        take_draft(self);
         if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
         if (rig_model_update(self->model, dt_s))
@@ -960,6 +992,7 @@ static void update(panel *self_, double dt_s)
         tell_unsaved(self);
         keep_choices(self);
     }
+    app_note_drafting(self->of, self->model && rig_model_is_drafting(self->model));
     if (view && self->model && self->is_seen)
         rig_panel_face(self, view);
     else if (view)
@@ -1012,21 +1045,6 @@ static void draw_kept(rig_panel *self, ui *on)
     ui_rule(on);
 }
 
-static void draft(rig_panel *self)
-{
-    uint64_t number;
-    error err = {""};
-    char *confirm = NULL;
-    mrt_result result = rig_model_draft(self->model, &confirm, &number, &err);
-    rig_panel_say(self, result < 0 ? err.text : "");
-    if (result < 0)
-        return;
-    free(self->confirm);
-    self->confirm = confirm;
-    rig_panel_note_step(self, number, "draft");
-    rig_panel_choose(self, RIG_TAB_CHECK, 0);
-}
-
 static void draw_without_rig(rig_panel *self, ui *on)
 {
     char label[128], path[1024];
@@ -1042,8 +1060,13 @@ static void draw_without_rig(rig_panel *self, ui *on)
             return;
         ui_same_line(on);
     }
+    ui_disabled_begin(on, rig_model_is_drafting(self->model));
     if (ui_button(on, "Draft a rig", beside ? UI_PLAIN : UI_ACCENT))
-        draft(self);
+        begin_draft(self);
+    ui_disabled_end(on);
+    ui_hint(on, "From its shape, its parts and its skeleton: a first one, to be looked at.");
+    if (rig_model_is_drafting(self->model))
+        ui_text(on, UI_STYLE_DIM, "Looking for the face...");
 }
 
 static void check_title(const rig_panel *self, char *out, size_t capacity)

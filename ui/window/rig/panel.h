@@ -86,6 +86,7 @@ typedef struct rig_panel {
     bool adopts;            /* the next face of the stage is the model's own */
     double known_s;         /* since the face is known */
     bool is_seen, was_unsaved;
+    bool is_draft_wanted; /* as soon as there is a model */
     uint32_t tab;
     char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
     char *confirm;                   /* of a draft, lines; NULL */

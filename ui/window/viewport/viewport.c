@@ -665,9 +665,17 @@ static bool take_face(viewport *self, const viewport_face *now, error *err)
     return true;
 }
 
-/* Another rig on the surface that is shown: what is shown, and how, stays. */
+/* Another rig on the surface that is shown: what is shown, and how, stays, unless it has another
+ * head: then that is looked at. */
 static void take_rig(viewport *self, const viewport_face *now)
 {
+    float low[3], high[3];
+    mesh_focus(&now->file->mesh, low, high);
+    if (memcmp(low, self->low, sizeof low) != 0 || memcmp(high, self->high, sizeof high) != 0) {
+        memcpy(self->low, low, sizeof low);
+        memcpy(self->high, high, sizeof high);
+        viewport_camera_init(&self->camera, low, high, viewport_aspect(self));
+    }
     self->face = *now;
     self->contact = 0;
     viewport_heat_destroy(self->heat);
